@@ -1,0 +1,34 @@
+"""From a suspension's measured response to its modes, and from its modes back to its springs and dampers.
+
+>>> from suspid import eigenmodes, quarter_car
+>>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3,
+...                   tire_stiffness=200e3, chassis_damping=1500)
+>>> print(eigenmodes(car))
+  mode    f [Hz]    wn [rad/s]    zeta [1]
+------  --------  ------------  ----------
+     1   1.08458       6.81462    0.231436
+     2   11.6775       73.3716    0.259608
+"""
+
+from suspid.errors import (
+    IdentificationError,
+    InputError,
+    ReconstructionError,
+    RecordError,
+    SuspidError,
+)
+from suspid.modes import Interval, ModalSet, eigenmodes
+from suspid.simulation import add_noise, free_decay
+from suspid.suspension import Strut, Suspension, quarter_car, statespace
+
+# fmt: off
+__all__ = [  # noqa: RUF022 - grouped by step
+    # a model
+    "Strut", "Suspension", "quarter_car", "statespace",
+    # its modes
+    "ModalSet", "Interval", "eigenmodes",
+    # its responses
+    "free_decay", "add_noise",
+    # what goes wrong
+    "SuspidError", "InputError", "RecordError", "IdentificationError", "ReconstructionError",
+]

@@ -1,0 +1,137 @@
+"""Uniformly sampled signals, in and out of `control.TimeResponseData`.
+
+The one place where the traps of that type are met: it takes NaN, unsorted time and stacks of
+traces without a word, and is 2-D or 3-D depending on who made it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from suspid.errors import RecordError
+from suspid.units import RealArray, Second
+from suspid.values import frozen_real
+
+if TYPE_CHECKING:
+    import control
+
+# Largest distance of a time stamp from the uniform grid, in sampling steps.
+JITTER = 0.01
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Signal:
+    """Finite samples of one or more channels at one uniform step.
+
+    Parameters
+    ----------
+    start : float
+        Time of the first sample [s].
+    step : float
+        Sampling step [s].
+    values : ndarray (channel, sample)
+        The samples, in the unit of the channel.
+    channels : tuple of str
+        Names of the channels.
+    """
+
+    start: Second
+    step: Second
+    values: RealArray
+    channels: tuple[str, ...]
+
+    @property
+    def timepts(self) -> RealArray:
+        """Time of each sample [s]."""
+        return np.asarray(self.start + self.step * np.arange(self.values.shape[1]), float)
+
+    @property
+    def duration(self) -> Second:
+        """Time from the first sample to one step after the last [s]."""
+        return float(self.step * self.values.shape[1])
+
+
+def as_signal(response: control.TimeResponseData, *, least: int = 2) -> Signal:
+    """Return the checked samples of a response.
+
+    Parameters
+    ----------
+    response : control.TimeResponseData
+        One trace, any number of outputs.
+    least : int
+        Fewest samples that are of use.
+
+    Raises
+    ------
+    RecordError
+        If the response is empty, too short, irregular in time, or holds values that are not finite.
+    """
+    if not all(hasattr(response, name) for name in ("time", "y", "output_labels")):
+        raise RecordError(f"expected a control.TimeResponseData, not {type(response).__name__}")
+    timepts, values = np.asarray(response.time, float), np.asarray(response.y, float)
+    if values.ndim == 3:
+        if values.shape[1] != 1:
+            raise RecordError(f"the response holds {values.shape[1]} traces; pass one of them at a time")
+        values = values[:, 0, :]
+    if values.shape[1] != len(timepts):
+        raise RecordError(f"{len(timepts)} time points, but {values.shape[1]} samples")
+    if len(timepts) < least:
+        raise RecordError(f"the record has {len(timepts)} samples; at least {least} are needed")
+    labels = response.output_labels
+    channels = tuple(labels) if labels else tuple(f"y[{i}]" for i in range(len(values)))
+    for name, samples in zip(channels, values, strict=True):
+        bad = np.flatnonzero(~np.isfinite(samples))
+        if bad.size:
+            raise RecordError(
+                f"channel {name!r} has {bad.size} of {samples.size} samples that are not finite, the first at "
+                f"t = {timepts[bad[0]]:g} s; cut the record there or fill the gap"
+            )
+    return Signal(start=float(timepts[0]), step=uniform_step(timepts), values=frozen_real(values), channels=channels)
+
+
+def uniform_step(timepts: RealArray) -> Second:
+    """Return the sampling step of uniform time points [s].
+
+    Raises
+    ------
+    RecordError
+        If the points do not increase, or stray from a uniform grid by more than a hundredth of a step.
+    """
+    bad = np.flatnonzero(~np.isfinite(timepts))
+    if bad.size:
+        raise RecordError(f"{bad.size} of {timepts.size} time stamps are not finite, the first is number {bad[0] + 1}")
+    back = np.flatnonzero(np.diff(timepts) <= 0)
+    if back.size:
+        k = back[0]
+        raise RecordError(
+            f"time does not increase at {back.size} of {timepts.size} samples, the first after t = {timepts[k]:g} s "
+            f"(next stamp {timepts[k + 1]:g} s); sort the record or remove the repeated samples"
+        )
+    step = float(timepts[-1] - timepts[0]) / (len(timepts) - 1)
+    astray = np.abs(timepts - (timepts[0] + step * np.arange(len(timepts)))) / step
+    worst = int(np.argmax(astray))
+    if astray[worst] > JITTER:
+        raise RecordError(
+            f"time is irregular: the stamp t = {timepts[worst]:g} s lies {astray[worst]:.2g} steps off a uniform grid "
+            f"of {step:g} s; resample the record, or give fs if the stamps are merely rounded"
+        )
+    return step
+
+
+def as_response(
+    timepts: RealArray, values: RealArray, channels: Sequence[str], *, title: str = ""
+) -> control.TimeResponseData:
+    """Return samples (channel, sample) as a response of one trace, squeezed if it has one channel."""
+    import control
+
+    return control.TimeResponseData(
+        time=np.array(timepts, float),
+        outputs=np.array(values, float),
+        output_labels=list(channels),
+        issiso=len(channels) == 1,
+        title=title or None,
+    )

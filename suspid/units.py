@@ -1,0 +1,24 @@
+"""Units, written once, as types.
+
+A parameter annotated ``stiffness: NewtonPerMetre`` is a plain float in that unit. Nothing in
+suspid converts units; everything is SI, angles are radians and damping ratios are ratios.
+"""
+
+from typing import Annotated, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+Kilogram: TypeAlias = Annotated[float, "kg"]
+Metre: TypeAlias = Annotated[float, "m"]
+Second: TypeAlias = Annotated[float, "s"]
+Hertz: TypeAlias = Annotated[float, "Hz"]
+RadianPerSecond: TypeAlias = Annotated[float, "rad/s"]
+Radian: TypeAlias = Annotated[float, "rad"]
+NewtonPerMetre: TypeAlias = Annotated[float, "N/m"]
+NewtonSecondPerMetre: TypeAlias = Annotated[float, "N s/m"]
+Decibel: TypeAlias = Annotated[float, "dB"]
+Ratio: TypeAlias = Annotated[float, "1"]
+
+RealArray: TypeAlias = NDArray[np.float64]
+ComplexArray: TypeAlias = NDArray[np.complex128]

@@ -1,0 +1,63 @@
+"""Pieces of which frozen values are made: read-only arrays and ordered, hashable mappings."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Iterator, Mapping
+
+import numpy as np
+
+from suspid.units import ComplexArray, RealArray
+
+
+class FrozenMapping(Mapping[str, float]):
+    """An ordered mapping from names to numbers that nobody can change (hashable, picklable)."""
+
+    __slots__ = ("_items",)
+
+    def __init__(self, items: Mapping[str, float]) -> None:
+        self._items = {str(name): float(value) for name, value in items.items()}
+
+    def __getitem__(self, name: str) -> float:
+        return self._items[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._items)
+
+    def __len__(self) -> int:
+        return len(self._items)
+
+    def __eq__(self, other: object) -> bool:
+        """Equal names in equal order with equal values: the order is that of the matrices."""
+        if not isinstance(other, Mapping):
+            return NotImplemented
+        return list(self.items()) == list(other.items())
+
+    def __hash__(self) -> int:
+        return hash(tuple(self._items.items()))
+
+    def __repr__(self) -> str:
+        return repr(self._items)
+
+
+def frozen_real(array: object) -> RealArray:
+    """Return a read-only float64 copy."""
+    copy = np.array(array, dtype=np.float64)
+    copy.flags.writeable = False
+    return copy
+
+
+def frozen_complex(array: object) -> ComplexArray:
+    """Return a read-only complex128 copy."""
+    copy = np.array(array, dtype=np.complex128)
+    copy.flags.writeable = False
+    return copy
+
+
+def nearest_names(name: str, known: Iterable[str]) -> str:
+    """Return ``" Did you mean …?"`` when a known name is close, else the list of known names."""
+    names = list(known)
+    close = difflib.get_close_matches(name, names, n=3, cutoff=0.6)
+    if close:
+        return f" Did you mean {' or '.join(repr(c) for c in close)}?"
+    return f" Known: {', '.join(repr(n) for n in names)}." if names else ""
