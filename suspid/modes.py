@@ -21,8 +21,11 @@ if TYPE_CHECKING:
 # A multiple pole at zero, as of a free mass, leaves rounding as its square root.
 RIGID = 3e-8
 
+# Share of the terms of a sum over the states below which their sum is rounding.
+UNSEEN = 1e-12
 
-@dataclass(frozen=True, kw_only=True, slots=True)
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Interval:
     """Bounds of natural frequency and damping ratio: (mode, 2) arrays of lower and upper ends.
 
@@ -63,7 +66,7 @@ class ModalSet:
     Raises
     ------
     InputError
-        If sizes disagree, or a value is not finite.
+        If sizes disagree, a value is not finite, a pole lies below the real axis, or a variance is negative.
 
     Examples
     --------
@@ -84,6 +87,11 @@ class ModalSet:
         poles = frozen_complex(self.poles)
         if poles.ndim != 1 or not np.all(np.isfinite(poles)):
             raise InputError(f"poles must be a finite vector; got shape {poles.shape}: {poles}")
+        if np.any(poles.imag < 0):
+            raise InputError(
+                f"pole {poles[poles.imag < 0][0]:g} rad/s lies in the lower half plane; one entry stands for a "
+                f"conjugate pair: give the pole above the real axis, and the conjugate of its shape"
+            )
         order = np.argsort(np.abs(poles), kind="stable")
         channels = tuple(self.channels)
         object.__setattr__(self, "poles", frozen_complex(poles[order]))
@@ -95,6 +103,8 @@ class ModalSet:
                     f"shapes must be (channel, mode): got {shapes.shape} for "
                     f"{len(channels)} channels and {len(poles)} modes"
                 )
+            if not np.all(np.isfinite(shapes)):
+                raise InputError(f"{np.sum(~np.isfinite(shapes))} of {shapes.size} components of shapes are not finite")
             if not channels:
                 object.__setattr__(self, "channels", tuple(f"channel {i + 1}" for i in range(len(shapes))))
             object.__setattr__(self, "shapes", frozen_complex(shapes[:, order]))
@@ -103,6 +113,10 @@ class ModalSet:
             sizes = {2 * len(poles), 2 * len(poles) * (1 + len(self.channels))}
             if covariance.shape not in {(size, size) for size in sizes}:
                 raise InputError(f"covariance has shape {covariance.shape}; expected one of the sizes {sorted(sizes)}")
+            if not np.all(np.isfinite(covariance)) or np.any(np.diag(covariance) < 0):
+                raise InputError(
+                    f"covariance must be finite, with variances >= 0; its diagonal is {np.diag(covariance)}"
+                )
             index = _covariance_order(order, len(covariance))
             object.__setattr__(self, "covariance", frozen_real(covariance[np.ix_(index, index)]))
 
@@ -266,13 +280,15 @@ def eigenmodes(system: control.StateSpace | Suspension) -> ModalSet:
     -------
     ModalSet
         Shapes at the system's outputs, or at the suspension's coordinates (displacements), each
-        scaled so that its largest component is 1. Real poles and poles at zero are entries of
-        their own, see `ModalSet.kinds`; the number of poles is that of the states.
+        scaled so that its largest component is 1, or all zero where no output sees the mode. Real
+        poles and poles at zero are entries of their own, see `ModalSet.kinds`; the number of poles
+        is that of the states.
 
     Raises
     ------
     InputError
-        If a sampled system has no sampling time, or a pole at z = 0 (a pure delay).
+        If the system is neither of the two, or is sampled and has no sampling time or a pole at
+        z = 0 (a pure delay).
 
     Examples
     --------
@@ -285,17 +301,22 @@ def eigenmodes(system: control.StateSpace | Suspension) -> ModalSet:
     """
     if isinstance(system, Suspension):
         n = len(system.coordinates)
-        poles, vectors = np.linalg.eig(state_matrix(system))
-        shapes, channels = vectors[:n], system.coordinates
+        matrix, outputs, channels, dt = state_matrix(system), np.eye(n, 2 * n), system.coordinates, None
     else:
         if not hasattr(system, "A") or not hasattr(system, "output_labels"):
             raise InputError(f"eigenmodes needs a control.StateSpace or a Suspension, not {type(system).__name__}")
-        poles, vectors = np.linalg.eig(np.asarray(system.A, float))
-        poles, vectors = poles.astype(complex), vectors.astype(complex)
-        shapes, channels = np.asarray(system.C, float) @ vectors, tuple(system.output_labels)
-        if system.dt:
-            poles = _continuous(poles, system.dt)
-    poles = np.where(np.abs(poles) <= RIGID * np.max(np.abs(poles), initial=0.0), 0.0, poles)
+        matrix, outputs = np.asarray(system.A, float), np.asarray(system.C, float)
+        channels, dt = tuple(system.output_labels), system.dt
+    poles, vectors = np.linalg.eig(matrix)
+    poles, vectors = poles.astype(complex), vectors.astype(complex)
+    still = np.eye(len(matrix)) if dt else np.zeros_like(matrix)
+    if dt:
+        poles = _continuous(poles, dt)
+    if np.linalg.matrix_rank(matrix - still) < len(matrix):
+        poles = np.where(np.abs(poles) <= RIGID * np.max(np.abs(poles), initial=0.0), 0.0, poles)
+    shapes = outputs @ vectors
+    # What a mode leaves at the outputs by cancellation alone is rounding: it is not seen there.
+    shapes[np.abs(shapes) <= UNSEEN * (np.abs(outputs) @ np.abs(vectors))] = 0.0
     upper = poles.imag >= 0
     return ModalSet(poles=poles[upper], shapes=scaled_shapes(shapes[:, upper]), channels=channels)
 

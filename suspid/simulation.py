@@ -51,7 +51,8 @@ def free_decay(
     ------
     InputError
         If neither or both of the two starts are given, a name is unknown, the impulse reaches an
-        output at once (it would be infinite there), or the system is sampled.
+        output at once (it would be infinite there), the system is sampled, or an unstable
+        response outgrows the floating-point range.
 
     Examples
     --------
@@ -64,6 +65,8 @@ def free_decay(
     """
     if isinstance(system, Suspension):
         system = statespace(system)
+    if not hasattr(system, "A") or not hasattr(system, "state_labels"):
+        raise InputError(f"free_decay needs a control.StateSpace or a Suspension, not {type(system).__name__}")
     if system.dt:
         raise InputError(f"free_decay needs a continuous-time system; this one is sampled (dt = {system.dt})")
     time = np.asarray(timepts, float)
@@ -78,11 +81,19 @@ def free_decay(
     # Rounding of the stamps is no jitter: a grid is a grid to within the spacing of floats.
     step = (time[-1] - time[0]) / max(time.size - 1, 1)
     astray = np.max(np.abs(time - (time[0] + step * np.arange(time.size))))
-    if astray <= 8 * np.spacing(np.max(np.abs(time))):
-        states = _uniform_states(A, start, time.size, step)
-    else:
-        states = _states_at(A, start, time - time[0])
-    return as_response(time, C @ states, system.output_labels, title="Free decay")
+    with np.errstate(over="ignore", invalid="ignore"):
+        if astray <= 8 * np.spacing(np.max(np.abs(time))):
+            states = _uniform_states(A, start, time.size, step)
+        else:
+            states = _states_at(A, start, time - time[0])
+        values = C @ states
+    beyond = np.flatnonzero(~np.all(np.isfinite(values), axis=0))
+    if beyond.size:
+        raise InputError(
+            f"the system is unstable: its response passes the largest float before t = {time[beyond[0]]:g} s; "
+            f"end the record earlier"
+        )
+    return as_response(time, values, system.output_labels, title="Free decay")
 
 
 def add_noise(
@@ -102,7 +113,7 @@ def add_noise(
     Raises
     ------
     InputError
-        If a channel is zero throughout, where no noise has that ratio.
+        If the response is no usable record, or a channel is zero throughout, where no noise has that ratio.
 
     Examples
     --------
@@ -115,9 +126,9 @@ def add_noise(
     >>> float(np.std(noisy.y - clean.y) / np.sqrt(np.mean(clean.y**2))) < 0.2
     True
     """
-    signal = as_signal(response, least=1) if len(response.time) > 1 else None
-    if signal is None:
-        raise InputError("the response has fewer than 2 samples; noise over a record needs a record")
+    signal = as_signal(response)
+    if not isinstance(rng, np.random.Generator):
+        raise InputError(f"{rng=} is no random generator; pass np.random.default_rng(seed)")
     if not np.isfinite(snr_db):
         raise InputError(f"{snr_db=} dB must be finite")
     power = np.mean(signal.values**2, axis=1)

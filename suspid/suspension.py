@@ -62,6 +62,10 @@ class Strut:
             if value < 0:
                 raise InputError(f"strut {self.name!r}: {quantity} = {value:g} {unit} is negative; it must be >= 0")
             object.__setattr__(self, quantity, value)
+        if not isinstance(self.arms, Mapping):
+            raise InputError(
+                f"strut {self.name!r}: arms = {self.arms!r} must map coordinates to arms, as {{'seat': 1.0}}"
+            )
         for coordinate, arm in self.arms.items():
             _check_name(f"strut {self.name!r}: a coordinate", coordinate)
             _number(f"strut {self.name!r}: arm {coordinate!r}", arm, "1 or m")
@@ -87,8 +91,8 @@ class Suspension:
     Raises
     ------
     InputError
-        If a mass is not positive, a name stands twice, a mass is tied to nothing, or the name
-        of a road input is so close to that of a mass that it must be a slip.
+        If a mass is not positive, a name stands twice or could mean two things, a mass is tied
+        to nothing, or the name of a road input is so close to that of a mass that it must be a slip.
 
     Examples
     --------
@@ -110,6 +114,8 @@ class Suspension:
     struts: Sequence[Strut]
 
     def __post_init__(self) -> None:
+        if not isinstance(self.masses, Mapping):
+            raise InputError(f"masses = {self.masses!r} must map coordinates to masses [kg], as {{'seat': 80.0}}")
         if not self.masses:
             raise InputError("a suspension needs at least one mass; masses is empty")
         for coordinate, mass in self.masses.items():
@@ -117,12 +123,20 @@ class Suspension:
             value = _number(f"mass {coordinate!r}", mass, "kg")
             if value <= 0:
                 raise InputError(f"mass {coordinate!r} = {value:g} kg must be positive")
+        for strut in self.struts:
+            if not isinstance(strut, Strut):
+                raise InputError(f"struts holds {strut!r}; every one of them must be a Strut")
         names = [strut.name for strut in self.struts]
         twice = sorted({name for name in names if names.count(name) > 1})
         if twice:
             raise InputError(f"strut name {twice[0]!r} stands {names.count(twice[0])} times; names must differ")
         object.__setattr__(self, "masses", FrozenMapping(self.masses))
         object.__setattr__(self, "struts", tuple(self.struts))
+        derived = {f"{c}_{d}" for c in self.masses for d in DERIVATIVES} | {f"{name}_travel" for name in names}
+        derived |= {f"{road}_rate" for road in self.roads}
+        ambiguous = sorted(derived & {*self.masses, *self.roads})
+        if ambiguous:
+            raise InputError(f"coordinate {ambiguous[0]!r} has the name of an input or output; give it another name")
         for road in self.roads:
             slip = _probable_slip(road, self.coordinates)
             if slip:
@@ -306,7 +320,7 @@ def statespace(
     Raises
     ------
     InputError
-        If an output is unknown, or needs the rate of a road input that is not there: an
+        If an output is unknown or stands twice, or needs the rate of a road input that is not there: an
         acceleration of a mass that a damper ties to the road, with ``road_rate=False``.
 
     Examples
@@ -321,6 +335,8 @@ def statespace(
     """
     import control
 
+    if isinstance(outputs, str):
+        raise InputError(f"{outputs=} is one string; give a sequence of names, as [{outputs!r}]")
     n, roads = len(suspension.coordinates), suspension.roads
     inverse_mass = 1 / np.diag(suspension.M)
     per_road = inverse_mass[:, None] * suspension.K_road
@@ -339,6 +355,9 @@ def statespace(
     state_part = {0: eye[:n], 1: eye[n:], 2: A[n:]}
     input_part = {0: jump[:n], 1: jump[n:], 2: B[n:]}
     names = list(suspension.coordinates if outputs is None else outputs)
+    twice = [name for name in dict.fromkeys(names) if names.count(name) > 1]
+    if twice:
+        raise InputError(f"output {twice[0]!r} stands {names.count(twice[0])} times; names must differ")
     C, D = np.zeros((len(names), 2 * n)), np.zeros((len(names), len(inputs)))
     for row, name in enumerate(names):
         derivative, weights, road_weights = _selection(suspension, name)
