@@ -1,0 +1,102 @@
+"""Files: read whole, written under another name and renamed, and named safely in messages."""
+
+from __future__ import annotations
+
+import os
+import secrets
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from suspid.errors import InputError
+
+
+def printable(text: str) -> str:
+    r"""Return the text on one line with everything escaped that a terminal might obey.
+
+    Examples
+    --------
+    >>> print(printable("seat\x1b[2J"))
+    seat\x1b[2J
+    """
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in text)
+
+
+def read_bytes(path: Path, *, error: type[InputError] = InputError) -> bytes:
+    """Return what the file holds; every reason why it cannot be read becomes an ``error``."""
+    name = printable(str(path))
+    try:
+        if path.is_dir():
+            raise error(f"{name}: is a folder; give a file in it")
+        if not path.exists():
+            raise error(f"{name}: there is no such file")
+        if not path.is_file():
+            raise error(f"{name}: is not a regular file")
+        content = path.read_bytes()
+    except (OSError, ValueError) as refusal:
+        if isinstance(refusal, InputError):
+            raise
+        raise error(f"{name}: cannot be read: {_reason(refusal)}") from None
+    if not content:
+        raise error(f"{name}: is empty")
+    return content
+
+
+def read_text(path: Path, *, error: type[InputError] = InputError) -> str:
+    """Return the UTF-8 text of a file without its byte order mark and with lines ended by newlines."""
+    content = read_bytes(path, error=error)
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError as refusal:
+        line = content.count(b"\n", 0, refusal.start) + 1
+        raise error(
+            f"{printable(str(path))}: is not UTF-8 text: byte 0x{content[refusal.start]:02x} on line {line}; "
+            f"save it as UTF-8"
+        ) from None
+    if "\0" in text:
+        raise error(f"{printable(str(path))}: is not text: it holds zero bytes")
+    return text.replace("\r\n", "\n").replace("\r", "\n")
+
+
+@contextmanager
+def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """Give a new file to write to; it takes the place of ``path`` only if all went well.
+
+    Enter before the work: a place that cannot be written to is found at once. A device or a pipe
+    is written to directly.
+
+    Raises
+    ------
+    InputError
+        If the path is a folder or cannot be written to.
+    """
+    target, name = Path(path), printable(str(path))
+    try:
+        target = target.resolve()
+        if target.is_dir():
+            raise InputError(f"{name}: is a folder; give the name of a file to write")
+        if not target.parent.is_dir():
+            raise InputError(f"{name}: cannot be written: there is no folder {printable(str(target.parent))}")
+        if target.exists() and not os.access(target, os.W_OK):
+            raise InputError(f"{name}: cannot be written: the file is write-protected")
+        beside = target.exists() and not target.is_file()
+        draft = target if beside else target.with_name(f".{secrets.token_hex(4)}{target.suffix}")
+        if not beside:
+            draft.open("xb").close()
+    except (OSError, ValueError) as refusal:
+        if isinstance(refusal, InputError):
+            raise
+        raise InputError(f"{name}: cannot be written: {_reason(refusal)}") from None
+    try:
+        yield draft
+        if draft != target:
+            draft.replace(target)
+    except OSError as refusal:
+        raise InputError(f"{name}: cannot be written: {_reason(refusal)}") from None
+    finally:
+        if draft != target:
+            draft.unlink(missing_ok=True)
+
+
+def _reason(refusal: Exception) -> str:
+    return printable(refusal.strerror or str(refusal) if isinstance(refusal, OSError) else str(refusal))
