@@ -17,7 +17,10 @@ from suspid.errors import (
     RecordError,
     SuspidError,
 )
+from suspid.identification import Identification, identify
 from suspid.modes import Interval, ModalSet, eigenmodes
+from suspid.ridges import Ridge, SkeletonFit, Window, find_ridges, fit_ridges
+from suspid.scalogram import BandwidthSearch, Morlet, Scalogram, best_bandwidth, cwt
 from suspid.simulation import add_noise, free_decay
 from suspid.suspension import Strut, Suspension, quarter_car, statespace
 
@@ -29,6 +32,10 @@ __all__ = [  # noqa: RUF022 - grouped by step
     "ModalSet", "Interval", "eigenmodes",
     # its responses
     "free_decay", "add_noise",
+    # a record's modes, at once or step by step
+    "identify", "Identification",
+    "best_bandwidth", "BandwidthSearch", "cwt", "Scalogram", "Morlet",
+    "find_ridges", "Ridge", "Window", "fit_ridges", "SkeletonFit",
     # what goes wrong
     "SuspidError", "InputError", "RecordError", "IdentificationError", "ReconstructionError",
 ]
