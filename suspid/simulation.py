@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from suspid.errors import InputError
 from suspid.signals import as_response, as_signal
@@ -19,9 +20,9 @@ if TYPE_CHECKING:
 
 def free_decay(
     system: control.StateSpace | Suspension,
-    timepts: Sequence[Second] | RealArray,
+    timepts: ArrayLike,
     *,
-    initial_state: Mapping[str, float] | Sequence[float] | RealArray | None = None,
+    initial_state: Mapping[str, float] | ArrayLike | None = None,
     impulse: str | None = None,
 ) -> control.TimeResponseData:
     """Return the exact free response, ``C exp(A (t - t_0)) x_0``, at all outputs.
@@ -140,9 +141,7 @@ def add_noise(
     return as_response(np.asarray(response.time), noisy, signal.channels, title=f"{snr_db:g} dB")
 
 
-def _initial_state(
-    system: control.StateSpace, given: Mapping[str, float] | Sequence[float] | RealArray | None
-) -> RealArray:
+def _initial_state(system: control.StateSpace, given: Mapping[str, float] | ArrayLike | None) -> RealArray:
     labels = list(system.state_labels)
     if isinstance(given, Mapping):
         for name in given:
