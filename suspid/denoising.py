@@ -57,7 +57,8 @@ def denoise(
     response : control.TimeResponseData
         One trace, any number of channels, of any length from ``2 (taps - 1)`` samples on (30 for "sym8").
     wavelet : str
-        A discrete wavelet of PyWavelets, orthogonal or biorthogonal.
+        A discrete wavelet of PyWavelets, orthogonal or biorthogonal. "bior3.1" and "rbio3.1" are no bases to
+        denoise in: their gain of noise, or of what is shrunk, grows with every level.
     level : int, optional
         Depth of the decomposition; level j holds frequencies from ``fs / 2^(j + 1)`` to ``fs / 2^j``.
         By default each channel goes down to, and not into, the first level where the
@@ -74,8 +75,8 @@ def denoise(
         Noise deviation from the median absolute coefficient, over 0.6745, of the finest level
         alone (white noise), or of every level (coloured noise).
     transform : {"stationary", "decimated"}
-        The translation-invariant transform (the mean over all shifts of the record, exact
-        for any length), or the plain one (faster, 1 to 3 dB less of gain).
+        The translation-invariant transform (the mean over all shifts of the reflected record,
+        exact for any length), or the plain one (faster, 1 to 3 dB less of gain).
 
     Returns
     -------
@@ -125,6 +126,8 @@ def denoise(
         rest = samples - line
         details, rough = split(rest, filters, depth)
         std = noise_std(details, filters)
+        # The line is no feature to wavelets of two moments or more; to "haar" it is one, in either record.
+        std[0] = min(std[0], noise_std(split(samples, filters, 1)[0], filters)[0])
         if std[0] <= ROUNDING * np.max(np.abs(samples)):
             out[:] = samples
             continue
@@ -235,7 +238,7 @@ class FilterBank:
     def at(self, level: int) -> ComplexArray:
         """Return the spectra of the filters stretched by ``2^level``, (filter, non-negative frequency)."""
         bins = (2**level * np.arange(self.count + 1)) % (2 * self.count)
-        return np.take(self.spectra, bins, axis=1)
+        return np.asarray(np.take(self.spectra, bins, axis=1))
 
 
 def filter_bank(name: str, count: int) -> FilterBank:
@@ -316,7 +319,8 @@ def _merge(details: list[RealArray], rough: RealArray, filters: FilterBank) -> R
 def _decimated_split(samples: RealArray, filters: FilterBank, depth: int) -> tuple[list[RealArray], RealArray]:
     import pywt
 
-    rough, *details = pywt.wavedec(samples, filters.wavelet, mode="symmetric", level=depth)
+    # PyWavelets refuses read-only arrays.
+    rough, *details = pywt.wavedec(samples.copy(), filters.wavelet, mode="symmetric", level=depth)
     return details[::-1], rough
 
 
