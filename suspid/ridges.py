@@ -26,6 +26,10 @@ SEARCH_CONES = 1.2
 # modulus over the noise, where noise alone gets among a million samples with a chance of e^(-25 + 14).
 PROMINENCE = 2.0
 STANDS_OUT = 5.0
+# A ridge is one if its skeleton's own frequency lies this near in relative terms, and if the fitted lines leave less
+# than this share of its energy in the trusted window.
+FARTHEST = 0.1
+INCOHERENT = 0.25
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -189,12 +193,18 @@ def find_ridges(scalogram: Scalogram, *, count: int | None = None) -> tuple[Ridg
         raise InputError(f"{len(scalogram.omega)} rows are too few to hold a maximum over scale; use at least 3")
     signal = scalogram.signal
     noise = sample_noise(signal)
-    peaks = _peaks(scalogram, noise, PROMINENCE if count is None else 1.05)
-    peaks = sorted(peaks[: len(peaks) if count is None else count])
-    refined = [ridge for omega in peaks if (ridge := _refined(signal, omega, scalogram, noise))]
-    if count is None:
-        refined = [ridge for ridge in refined if np.max(ridge.strength[ridge.trusted]) > STANDS_OUT]
-    ridges = tuple(_traced(ridge, scalogram) for ridge in refined)
+    width = np.sqrt(2 / scalogram.wavelet.bandwidth) / scalogram.wavelet.center
+    refined: list[Ridge] = []
+    for omega in _peaks(scalogram, noise, PROMINENCE if count is None else 1.05):
+        ridge = _refined(signal, omega, scalogram.wavelet, noise)
+        if ridge is None or any(abs(np.log(ridge.omega / other.omega)) < width / 2 for other in refined):
+            continue
+        if count is None and np.max(ridge.strength[ridge.trusted]) < STANDS_OUT:
+            continue
+        refined.append(ridge)
+        if len(refined) == count:
+            break
+    ridges = tuple(_traced(ridge, scalogram) for ridge in sorted(refined, key=lambda ridge: ridge.omega))
     if len(ridges) < (count or 1):
         asked = "no ridge stands out" if count is None else f"{count} ridges were asked for, {len(ridges)} stand out"
         where = ", ".join(f"{r.omega:.4g}" for r in ridges)
@@ -236,7 +246,7 @@ def fit_ridges(ridges: Sequence[Ridge]) -> ModalSet:
     >>> import numpy as np, control
     >>> from suspid import cwt
     >>> t = np.arange(0, 10, 0.01)
-    >>> decay = control.TimeResponseData(t, np.exp(-0.5 * t) * np.cos(20 * t), issiso=True, output_labels=["seat"])
+    >>> decay = control.TimeResponseData(t, np.exp(-t) * np.cos(40 * t), issiso=True, output_labels=["seat"])
     >>> modes = fit_ridges(find_ridges(cwt(decay, omega=np.geomspace(10, 100, 100), bandwidth=22.0)))
     >>> modes.zeta.round(6)
     array([0.024992])
@@ -318,12 +328,13 @@ def _peaks(scalogram: Scalogram, noise: RealArray, prominence: float) -> list[fl
     weights = np.where(rms > 0, 1 / np.maximum(noise, 1e-9 * rms + (rms == 0)), 0.0) ** 2
     by_frequency = np.argsort(scalogram.omega)
     energy = np.zeros(len(scalogram.omega))
-    for i, (row, stride) in enumerate(zip(scalogram.rows, scalogram.strides, strict=True)):
+    for i, row in enumerate(scalogram.rows):
         inside = scalogram.inside(i, cones=SEARCH_CONES)
-        per_channel = np.sum(np.abs(row[:, inside]) ** 2, axis=1) * stride * signal.step
+        time = scalogram.weights(i)[inside] * signal.step
+        per_channel = np.abs(row[:, inside]) ** 2 @ time
         # Noise alone would give this much: a ridge is what stands above it.
         spread = (np.maximum(noise, 1e-9 * rms) * scalogram.wavelet.noise_gain()) ** 2 * signal.step
-        expected = np.sum(inside) * stride * signal.step * spread
+        expected = np.sum(time) * spread
         factor = 1.0 if scalogram.normalization == "paper" else np.pi * scalogram.wavelet.bandwidth / 4
         factor *= scalogram.scale[i] if scalogram.normalization == "amplitude" else 1.0
         energy[i] = np.sum(weights * np.maximum(per_channel * factor - expected, 0.0))
@@ -343,17 +354,22 @@ def _parabola(x: RealArray, y: RealArray) -> float:
     return float(np.exp(0.5 * (x0 + x1 - lower / curvature)) if curvature < 0 else np.exp(x1))
 
 
-def _refined(signal: Signal, omega: float, scalogram: Scalogram, noise: RealArray) -> Ridge | None:
-    """Return the ridge moved to the frequency of its own skeleton, or None if nothing of it can be trusted."""
-    ridge = _ridge_at(signal, omega, scalogram.wavelet, noise)
+def _refined(signal: Signal, omega: float, wavelet: Morlet, noise: RealArray) -> Ridge | None:
+    """Return the ridge moved to the frequency of its own skeleton, or None if that is no exponential near by."""
+    ridge = _ridge_at(signal, omega, wavelet, noise)
     for _ in range(3):
         if np.sum(ridge.trusted) < 4:
             return None
-        moved = fit_skeleton(ridge).pole.imag
-        if not 0.7 * omega < moved < 1.4 * omega:
+        fit = fit_skeleton(ridge)
+        if abs(np.log(max(fit.pole.imag, 1e-3 * omega) / omega)) > FARTHEST:
             return None
-        ridge = _ridge_at(signal, moved, scalogram.wavelet, noise, fit_skeleton(ridge))
-    return ridge if np.sum(ridge.trusted) >= 4 else None
+        ridge = _ridge_at(signal, fit.pole.imag, wavelet, noise, fit)
+    if np.sum(ridge.trusted) < 4:
+        return None
+    skeleton = np.abs(ridge.skeleton[:, ridge.trusted]) / ridge.floor[:, None]
+    fit = fit_skeleton(ridge)
+    misfit = np.abs(np.exp(fit.logarithm) - np.exp(fit.lines)) / ridge.floor[:, None]
+    return ridge if np.sum(misfit**2) < INCOHERENT * np.sum(skeleton**2) else None
 
 
 def _ridge_at(signal: Signal, omega: float, wavelet: Morlet, noise: RealArray, fit: SkeletonFit | None = None) -> Ridge:

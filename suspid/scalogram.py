@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 # Relative size below which the wavelet and its spectrum count as nothing.
 CUT = 1e-13
+# The same where only the entropy is wanted: it is then within 1e-3 nat of that of the full-rate transform.
+ENTROPY_CUT = 1e-8
 # Most samples of all rows together that are transformed at once.
 BLOCK = 2**21
 # A wavelet whose envelope is longer than this many records sees nothing but the record's ends.
@@ -151,6 +153,12 @@ class Scalogram:
         count = self.rows[row].shape[1]
         return np.asarray(self.signal.start + self.signal.step * self.strides[row] * np.arange(count), float)
 
+    def weights(self, row: int) -> RealArray:
+        """Return how many samples of the record each sample of a row stands for."""
+        at = np.arange(self.rows[row].shape[1]) * self.strides[row]
+        between = (at[1:] + at[:-1] + 1) / 2
+        return np.diff(between, prepend=0.0, append=float(self.signal.values.shape[1]))
+
     def inside(self, row: int, *, cones: float = 1.0) -> NDArray[np.bool_]:
         """Return which samples of a row lie at least ``cones`` cones away from both ends."""
         time, reach = self.timepts(row), cones * self.cone[row]
@@ -262,18 +270,19 @@ def transform(
     wavelet: Morlet,
     normalization: Normalization = "paper",
     full_rate: bool = False,
+    precision: float = CUT,
 ) -> Scalogram:
-    """Return the transform of checked samples; see `cwt`."""
+    """Return the transform of checked samples; see `cwt`. Below ``precision`` the wavelet counts as zero."""
     from scipy.fft import fft
 
     _check_rows(signal, omega, wavelet)
     scale = wavelet.center / omega
     count = signal.values.shape[1]
-    reach = np.sqrt(-np.log(CUT) * wavelet.bandwidth) * np.max(scale) / signal.step
+    reach = np.sqrt(-np.log(precision) * wavelet.bandwidth) * np.max(scale) / signal.step
     length = _length(count + int(np.ceil(reach)))
     fourier = fft(signal.values, n=length, axis=1)
     per_bin = 2 * np.pi / (length * signal.step)
-    halfwidth = 2 * np.sqrt(-np.log(CUT) / wavelet.bandwidth)
+    halfwidth = 2 * np.sqrt(-np.log(precision) / wavelet.bandwidth)
     first = np.ceil((wavelet.center - halfwidth) / scale / per_bin).astype(int)
     last = np.floor((wavelet.center + halfwidth) / scale / per_bin).astype(int)
     doublings = np.maximum(np.floor(np.log2(length / (last - first + 1))), 0).astype(int)
@@ -308,8 +317,9 @@ def best_bandwidth(
     """Return the wavelet entropy of the record against the bandwidth N, Eq. (14).
 
     ``WE(N) = -sum_j p_j log p_j`` over all coefficients j of the transform, that is over channel, row
-    and time within the record, ``p_j = |CWT_j|^2 / sum |CWT|^2`` with the paper's normalisation. A
-    row stored at every D-th sample counts D times, so the figure is that of the full-rate transform.
+    and time within the record, ``p_j = |CWT_j|^2 / sum |CWT|^2`` with the paper's normalisation. Rows
+    are stored at their own rate and a sample counts as often as the samples of the record that it stands
+    for, so the figure is that of the full-rate transform to 1e-3 nat.
 
     Least entropy means fewest large coefficients. Over scale alone it would fall forever with N; it
     has a minimum because long wavelets smear the decay and reach over the record's ends. Hence it
@@ -350,17 +360,18 @@ def best_bandwidth(
         raise InputError("no candidates for the bandwidth were given")
     if not np.any(signal.values):
         raise InputError("the record is zero throughout: it has no entropy")
-    entropy = [_entropy(transform(signal, omega=rows, wavelet=Morlet(center=center, bandwidth=n))) for n in tried]
+    wavelets = [Morlet(center=center, bandwidth=n) for n in tried]
+    entropy = [_entropy(transform(signal, omega=rows, wavelet=w, precision=ENTROPY_CUT)) for w in wavelets]
     return BandwidthSearch(candidates=frozen_real(tried), entropy=frozen_real(entropy))
 
 
 def _entropy(scalogram: Scalogram) -> float:
     """Return ``-sum p log p`` with ``p = e / E``, as ``log E - sum e log e / E``."""
     total = weighted = 0.0
-    for row, stride in zip(scalogram.rows, scalogram.strides, strict=True):
-        energy = row.real**2 + row.imag**2
-        total += stride * float(np.sum(energy))
-        weighted += stride * float(np.sum(energy * np.log(np.where(energy > 0, energy, 1.0))))
+    for index, row in enumerate(scalogram.rows):
+        energy, counts = row.real**2 + row.imag**2, scalogram.weights(index)
+        total += float(np.sum(energy @ counts))
+        weighted += float(np.sum((energy * np.log(np.where(energy > 0, energy, 1.0))) @ counts))
     return float(np.log(total) - weighted / total)
 
 
@@ -377,12 +388,17 @@ def _row_block(
 
     whole = fourier.shape[1]
     folded = np.zeros((len(fourier), len(first), length), complex)
-    row = np.arange(len(first))[:, None]
-    for offset in range(0, int(np.max(last - first)) + 1, length):
-        # Bins beyond Nyquist repeat the record's periodic spectrum, as the sum of Eq. (12) does.
-        bins = first[:, None] + np.arange(offset, min(offset + length, int(np.max(last - first)) + 1))
-        kernel = wavelet.spectrum(bins * per_bin[:, None])
-        folded[:, row, bins % length] += fourier[:, bins % whole] * kernel
+    width = int(np.max(last - first)) + 1
+    kernels = wavelet.spectrum((first[:, None] + np.arange(width)) * per_bin[:, None])
+    for row, (start, kernel) in enumerate(zip(first, kernels, strict=True)):
+        done = 0
+        # Slices end where the record's spectrum or the folded one does. Bins beyond Nyquist repeat the
+        # record's periodic spectrum, as the sum of Eq. (12) does.
+        while done < width:
+            source, target = (start + done) % whole, (start + done) % length
+            size = min(width - done, whole - source, length - target)
+            folded[:, row, target : target + size] += fourier[:, source : source + size] * kernel[done : done + size]
+            done += size
     return np.asarray(ifft(folded, axis=2, overwrite_x=True))
 
 
