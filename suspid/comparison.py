@@ -195,7 +195,9 @@ def _compare_modes(found: ModalSet, expected: ModalSet, rtol: Ratio | None) -> C
         i = partner.get(j)
         for name in ("wn", "zeta"):
             truth: RealArray = getattr(expected, name)
-            scale = float(np.max(np.abs(truth))) or 1.0
+            scale = float(np.max(np.abs(truth)))
+            if name == "zeta" and scale <= ROUNDING:
+                scale = 1.0
             value = None if i is None else float(getattr(found, name)[i])
             allowed = _allowed(float(truth[j]), scale, EXACT if rtol is None else rtol)
             if rtol is None and estimated and i is not None:
@@ -299,7 +301,8 @@ def _pairs(found: ModalSet, expected: ModalSet, mac: RealArray | None, gate: flo
 
 
 def _allowed(expected: float, scale: float, rtol: Ratio) -> float:
-    return max(rtol * (abs(expected) or scale), ROUNDING * scale)
+    zero = abs(expected) <= ROUNDING * scale
+    return max(rtol * (scale if zero else abs(expected)), ROUNDING * scale)
 
 
 def _ties(arms: Mapping[str, float]) -> dict[str, float]:

@@ -27,6 +27,7 @@ FARTHEST = 7.0  # of |log(k / nominal)|: a factor of 1000
 STARTS = 25
 EXACT = 1e-8  # relative error of poles that counts as none
 BLIND = 1e-8  # of the largest singular value: what the data do not see
+SHAPE_WEIGHT = 0.1  # of errors of shapes against relative errors of poles, which are always known better
 LEAST_MAC = 0.8  # below it a shape is another mode's
 
 # Residual and its derivatives by the unknowns, at the unknowns.
@@ -81,12 +82,13 @@ def reconstruct(
     """Find the stiffness and the damping of every strut from modes, for known masses and topology.
 
     With shapes at all coordinates, ``(lambda^2 M + lambda C + K) psi = 0`` is linear in k and c: one convex program,
-    which needs no start. Otherwise the poles (and the shapes at some coordinates, if there are two at least) are met
-    by a sequence of convex programs from the nominal suspension; should that end short of the modes, from others spread
-    reproducibly around it. Always k > 0 and c >= 0.
+    which needs no start; of modes that are not exact, it is itself the start of a sequence. Otherwise the poles (and
+    the shapes at some coordinates, if there are two at least) are met by a sequence of convex programs from the nominal
+    suspension; should that end short of the modes, from others spread reproducibly around it. Always k > 0 and c >= 0.
 
-    Modes with a covariance are weighted by it. If it covers the poles alone, the shapes choose the suspension and the
-    poles alone set its numbers, provided that they can.
+    Modes with a covariance are weighted by it; without one, relative errors of poles count ten times those of shapes.
+    If it covers the poles alone, the shapes choose the suspension and the poles alone set its numbers, provided that
+    they can.
 
     Parameters
     ----------
@@ -135,17 +137,18 @@ def reconstruct(
     one convex program on poles and shapes; worst pole off by ...
     """
     problem, notes = _posed(modes, suspension, fixed)
-    best, cost = problem.nominal, np.inf
-    for start in _starts(problem):
-        x = _descend(problem, problem.deciding, start) if problem.refines else start
+    best, cost, again = problem.nominal, np.inf, 0
+    for tried, start in enumerate(_starts(problem)):
+        x = start if problem.exact(start) else _descend(problem, problem.deciding, start)
         reached = float(np.linalg.norm(problem.deciding(x)[0]))
+        again = again + 1 if abs(reached - cost) <= 1e-6 * cost else 0 if reached < cost else again
         if reached < cost:
             best, cost = x, reached
-        if cost <= problem.enough:
+        if cost <= problem.enough or problem.exact(x) or (tried >= 12 and again >= 3):
             break
     car = problem.suspension(best)
     _check_seen(problem, best, car)
-    residual = _check_fit(modes, car, tolerance)
+    residual = _check_fit(problem, modes, car, tolerance)
     ends = [name for name, x, low in zip(problem.names, best, problem.lower, strict=True) if x <= low * (1 + 1e-9)]
     if ends and cost > problem.enough:
         notes.append(f"held back by its bound: {', '.join(ends)}")
@@ -155,7 +158,7 @@ def reconstruct(
         stiffness_std=stiffness_std,
         damping_std=damping_std,
         residual=residual,
-        status="; ".join([problem.manner, f"worst pole off by {residual:.1e} of its modulus", *notes]),
+        status="; ".join([problem.manner(best), f"worst pole off by {residual:.1e} of its modulus", *notes]),
         held=tuple(n for n in _parameter_names(suspension) if n not in problem.names),
     )
 
@@ -192,8 +195,6 @@ class _Problem:
     observed: list[int]  # coordinates of the shapes, by index
     whiten: RealArray | None  # makes what `sensitivities` returns uncorrelated and of variance 1
     poles_alone: bool  # have a covariance
-    refines: bool  # `sensitivities` decide
-    manner: str
 
     @property
     def full(self) -> bool:
@@ -218,7 +219,7 @@ class _Problem:
         from scipy.special import chdtri
 
         if self.whiten is None:
-            return EXACT
+            return EXACT  # of exact modes; with modes that are not, every start is tried
         return float(np.sqrt(chdtri(max(len(self.whiten) - len(self.names), 1), 1e-4)))
 
     def physical(self, x: RealArray) -> tuple[RealArray, RealArray]:
@@ -240,16 +241,29 @@ class _Problem:
         """Return the derivative of ``k + pole c`` of its strut by each unknown, (mode, unknown)."""
         return np.asarray(np.where(self.springs, 1.0 + 0j, poles[:, None]) * self.scale)
 
-    def real_rows(self, values: ComplexArray, which: NDArray[np.bool_]) -> RealArray:
+    def real_rows(self, values: ComplexArray | RealArray, which: NDArray[np.bool_]) -> RealArray:
         """Return real and imaginary parts as rows, without the imaginary parts of ``which``."""
         return np.concatenate([values.real, values.imag[~which]])
 
+    def manner(self, x: RealArray) -> str:
+        """Return how x was found, in words."""
+        if self.full:
+            return "one convex program on poles and shapes" + ", refined by a sequence" * (not self.exact(x))
+        return "sequence of convex programs on poles" + " and shapes" * (self.shapes is not None)
+
+    def exact(self, x: RealArray) -> bool:
+        """Return whether full shapes, taken as exact, leave nothing to improve."""
+        return self.full and self.whiten is None and bool(np.linalg.norm(self.linear(x)[0]) <= EXACT)
+
     def deciding(self, x: RealArray) -> tuple[RealArray, RealArray]:
         """Return the residual that judges x, weighted, and its derivatives."""
-        if not self.refines:
-            return self.linear(x) if self.full else self.spectral(x)
+        if self.whiten is None and self.shapes is None:
+            return self.spectral(x)
         residual, slope = self.sensitivities(x)
-        return (residual, slope) if self.whiten is None else (self.whiten @ residual, self.whiten @ slope)
+        if self.whiten is None:
+            weights = np.where(np.arange(len(residual)) < _pole_equations(self.real), 1.0, SHAPE_WEIGHT)
+            return weights * residual, weights[:, None] * slope
+        return self.whiten @ residual, self.whiten @ slope
 
     def linear(self, x: RealArray) -> tuple[RealArray, RealArray]:
         """Return ``(lambda^2 M + lambda C + K) psi``, relative to its first term: linear in x."""
@@ -324,7 +338,7 @@ class _Problem:
         travel = (motion @ self.arms.T)[:, self.struts] * self.rates(pole)  # (mode, unknown)
         load = np.zeros((len(pole), n + 1, len(self.names)), complex)
         load[:, :n] = -np.einsum("mp,pi->mip", travel, self.arms[self.struts])
-        slope: ComplexArray = np.linalg.pinv(bordered) @ load
+        slope = np.asarray(np.linalg.pinv(bordered) @ load, complex)
         size = np.abs(self.poles)
         errors = [self.real_rows((pole - self.poles) / size, self.real)]
         slopes = [self.real_rows(slope[:, n] / size[:, None], self.real)]
@@ -371,7 +385,7 @@ def _posed(modes: ModalSet, suspension: Suspension, fixed: Sequence[str]) -> tup
     rate = float(np.exp(np.mean(np.log(np.abs(poles)))))
     scale = np.where(springs, k[struts], np.where(k > 0, k, np.max(k, initial=0.0) or 1.0)[struts] / rate)
     shapes, observed, notes = _usable_shapes(modes, suspension, moving)
-    full, unknowns = len(observed) == n, len(names)
+    unknowns = len(names)
     per_pole, per_shape = _pole_equations(real), _pole_equations(real) * max(len(observed) - 1, 0)
     equations = per_pole + per_shape
     if equations < unknowns:
@@ -385,10 +399,6 @@ def _posed(modes: ModalSet, suspension: Suspension, fixed: Sequence[str]) -> tup
     weighted = modes.covariance is not None and not (poles_alone and per_pole < unknowns)
     if poles_alone and not weighted:
         notes.append("not weighted: the covariance covers the poles alone, which are too few")
-    refines = weighted or (shapes is not None and not full)
-    manner = "sequence of convex programs on poles" + (" and shapes" if shapes is not None else "")
-    if full:
-        manner = "one convex program on poles and shapes" + ", refined by their covariance" * refines
     problem = _Problem(
         car=suspension,
         names=names,
@@ -402,8 +412,6 @@ def _posed(modes: ModalSet, suspension: Suspension, fixed: Sequence[str]) -> tup
         observed=observed,
         whiten=_whitening(modes, moving, None if poles_alone else shapes) if weighted else None,
         poles_alone=poles_alone and weighted,
-        refines=refines,
-        manner=manner,
     )
     return problem, notes
 
@@ -497,14 +505,16 @@ def _whitening(modes: ModalSet, moving: NDArray[np.bool_], shapes: ComplexArray 
 
 def _starts(problem: _Problem) -> Iterator[RealArray]:
     """Return where to start: by the shapes, else by the poles from nominal, then from others around it."""
-    from scipy.stats.qmc import Halton
-
     if problem.full:
         residual, slope = problem.linear(np.zeros(len(problem.names)))
         yield _convex_program(slope, -residual, problem.lower, np.full(len(problem.names), np.exp(FARTHEST)))
         return
     enough_poles = _pole_equations(problem.real) >= len(problem.names)
-    around = Halton(len(problem.names), scramble=False).random(STARTS)[1:]
+    # An additive recurrence by powers of the root of g^(d+1) = g + 1 fills the unit cube evenly.
+    golden = 2.0
+    for _ in range(60):
+        golden = (1 + golden) ** (1 / (1 + len(problem.names)))
+    around = np.arange(1, STARTS)[:, None] * golden ** -np.arange(1.0, len(problem.names) + 1) % 1
     # Springs within a factor of 3 of nominal, dampers from none to a strong one.
     spread = np.where(problem.springs, 3.0 ** (2 * around - 1), around)
     for start in [problem.nominal, *np.where(problem.springs, spread * problem.nominal, spread)]:
@@ -535,7 +545,7 @@ def _descend(problem: _Problem, equations: Equations, x: RealArray) -> RealArray
 
 def _bounded_least_squares(A: RealArray, b: RealArray, low: RealArray, high: RealArray) -> RealArray:
     """Return the x between bounds of least ``|A x - b|``; where no bound acts, that is no more than least squares."""
-    x: RealArray = np.linalg.lstsq(A, b, rcond=None)[0]
+    x = np.asarray(np.linalg.lstsq(A, b, rcond=None)[0], float)
     return x if np.all((low <= x) & (x <= high)) else _convex_program(A, b, low, high)
 
 
@@ -611,10 +621,12 @@ def _nearest(poles: ComplexArray, found: ComplexArray) -> NDArray[np.intp]:
 
 
 def _check_seen(problem: _Problem, x: RealArray, car: Suspension) -> None:
-    if problem.refines:
-        _, slope = problem.sensitivities(x)
+    if problem.full and not problem.poles_alone:
+        _, slope = problem.linear(x)
+    elif problem.shapes is None:
+        _, slope = problem.spectral(x)
     else:
-        _, slope = problem.deciding(x)
+        _, slope = problem.sensitivities(x)
     _, values, directions = np.linalg.svd(slope * np.where(problem.springs, x, 1.0))
     blind = directions[np.concatenate([values, np.zeros(len(directions) - len(values))]) <= BLIND * values[0]]
     if len(blind):
@@ -627,13 +639,13 @@ def _check_seen(problem: _Problem, x: RealArray, car: Suspension) -> None:
         )
 
 
-def _check_fit(modes: ModalSet, car: Suspension, tolerance: Ratio) -> float:
+def _check_fit(problem: _Problem, modes: ModalSet, car: Suspension, tolerance: Ratio) -> float:
     """Return the relative distance of the worst pole, from the car's own eigenvalues."""
     found = eigenmodes(car)
     given, every = _all_poles(modes.poles), _all_poles(found.poles)
     size = np.abs(given)
-    error = np.abs(every[_nearest(given, every)] - given) / np.where(size > 0, size, np.max(size))
-    error = error[: len(modes)]
+    partner = _nearest(given, every)
+    error = (np.abs(every[partner] - given) / np.where(size > 0, size, np.max(size)))[: len(modes)]
     allowed = np.full(len(modes), tolerance)
     if modes.covariance is not None:
         std = np.sqrt(np.diag(modes.covariance)[: 2 * len(modes)].reshape(-1, 2).sum(axis=1))
@@ -646,6 +658,18 @@ def _check_fit(modes: ModalSet, car: Suspension, tolerance: Ratio) -> float:
             f"({allowed[worst]:.2%} allowed); check the masses, the order of the modes' channels, and what is held",
             best=car,
         )
+    if problem.shapes is not None and (problem.whiten is None or problem.poles_alone) and found.shapes is not None:
+        shapes = np.hstack([found.shapes, found.shapes[:, found.poles.imag != 0].conj()])[problem.observed]
+        shapes = shapes[:, partner[: len(modes)][modes.poles != 0]]
+        powers = np.sum(np.abs(shapes) ** 2, axis=0) * np.sum(np.abs(problem.shapes) ** 2, axis=0)
+        mac = np.abs(np.sum(shapes.conj() * problem.shapes, axis=0)) ** 2 / powers
+        if np.min(mac) < LEAST_MAC:
+            raise ReconstructionError(
+                f"the nearest suspension has the poles, but not the shape of mode {int(np.argmin(mac)) + 1}: "
+                f"MAC {np.min(mac):.2f} where {LEAST_MAC} is needed; check the names of the channels, or leave the "
+                f"shapes out",
+                best=car,
+            )
     return float(np.max(error, initial=0.0))
 
 

@@ -1,0 +1,188 @@
+"""Comparisons: pairs by nearness, limits as documented, and a text that explains itself."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from suspid import InputError, ModalSet, Suspension, eigenmodes, quarter_car
+from suspid.comparison import compare, modal_assurance
+
+
+def car(*, chassis_damping: float = 1500.0, tire_damping: float = 0.0) -> Suspension:
+    return quarter_car(
+        chassis_mass=400,
+        tire_mass=40,
+        chassis_stiffness=20e3,
+        tire_stiffness=200e3,
+        chassis_damping=chassis_damping,
+        tire_damping=tire_damping,
+    )
+
+
+class TestPairing:
+    def test_a_missing_first_mode_does_not_shift_the_others(self) -> None:
+        expected = ModalSet.from_wn_zeta([10.0, 50.0, 80.0], [0.1, 0.1, 0.1])
+        c = compare(ModalSet.from_wn_zeta([50.0, 80.0], [0.1, 0.1]), expected)
+        assert not c.passed
+        assert [row.verdict for row in c.table] == ["missing", "missing", "ok", "ok", "ok", "ok"]
+        assert c.mae["wn"] == 0.0
+        assert "missing" in str(c)
+
+    def test_an_extra_mode_fails(self) -> None:
+        expected = ModalSet.from_wn_zeta([10.0, 80.0], [0.1, 0.1])
+        c = compare(ModalSet.from_wn_zeta([10.0, 50.0, 80.0], [0.1, 0.1, 0.1]), expected, rtol=1.0)
+        assert not c.passed
+        assert [(row.item, row.found) for row in c.table if row.verdict == "extra"] == [
+            ("found 2", 50.0),
+            ("found 2", 0.1),
+        ]
+
+    def test_strangers_are_not_paired(self) -> None:
+        c = compare(ModalSet.from_wn_zeta([10.0], [0.1]), ModalSet.from_wn_zeta([80.0], [0.1]), rtol=0.1)
+        assert {row.verdict for row in c.table} == {"missing", "extra"}
+        assert np.isnan(c.mae["wn"])
+
+    def test_shapes_decide_between_crossed_close_modes(self) -> None:
+        shapes = np.eye(2)
+        expected = ModalSet.from_wn_zeta([10.0, 10.1], [0.02, 0.02], shapes=shapes, channels=["a", "b"])
+        # The estimate's frequencies have crossed: by poles alone mode 1 would be taken for mode 2.
+        found = ModalSet.from_wn_zeta([10.02, 10.08], [0.02, 0.02], shapes=shapes[:, ::-1], channels=["a", "b"])
+        c = compare(found, expected)
+        assert [row.found for row in c.table if row.quantity == "wn"] == pytest.approx([10.08, 10.02], rel=1e-12)
+        assert c.mac is not None
+        np.testing.assert_allclose(c.mac, [1.0, 1.0], atol=1e-15, err_msg="each shape beside itself")
+
+    @given(st.permutations(range(4)))
+    def test_the_order_of_the_entries_says_nothing(self, order: list[int]) -> None:
+        poles = np.array([-1 + 10j, -20.0, -2 + 50j, -1 + 51j])
+        assert compare(ModalSet(poles=poles[order]), ModalSet(poles=poles)).passed
+
+
+class TestMeanAbsoluteError:
+    def test_equation_22_on_table_2(self) -> None:
+        """The paper's first row: MAE 4.77e-3 rad/s and 5.53e-3 %."""
+        actual = ModalSet.from_wn_zeta([83.67, 50.09, 21.26], [0.0155, 0.0252, 0.0079])
+        original = ModalSet.from_wn_zeta([83.6732, 50.0925, 21.2686], [0.015568, 0.025293, 0.007905])
+        c = compare(original, actual, rtol=1e-2)
+        assert c.passed, c
+        # The table prints three digits.
+        assert c.mae["wn"] == pytest.approx(4.77e-3, abs=0.5e-5)
+        assert c.mae["zeta"] == pytest.approx(5.53e-5, abs=0.5e-7)
+
+
+class TestLimits:
+    def test_just_inside_and_just_outside_rtol(self) -> None:
+        expected = ModalSet.from_wn_zeta([10.0], [0.1])
+        assert compare(ModalSet.from_wn_zeta([10.0099], [0.1]), expected, rtol=1e-3).passed
+        c = compare(ModalSet.from_wn_zeta([10.0101], [0.1]), expected, rtol=1e-3)
+        assert [row.verdict for row in c.table] == ["off", "ok"]
+        assert "off" in str(c)
+        assert "1 of 2 values fail" in str(c)
+
+    def test_without_rtol_the_interval_of_the_estimate_decides(self) -> None:
+        expected = ModalSet.from_wn_zeta([10.0], [0.1])
+        # 1.96 standard deviations: 0.0196 rad/s and 0.00196.
+        inside = ModalSet.from_wn_zeta([10.0195], [0.1019], wn_std=[0.01], zeta_std=[0.001])
+        assert compare(inside, expected).passed
+        outside = ModalSet.from_wn_zeta([10.0197], [0.1021], wn_std=[0.01], zeta_std=[0.001])
+        assert [row.verdict for row in compare(outside, expected).table] == ["off", "off"]
+
+    def test_two_estimates_differ_by_both_their_spreads(self) -> None:
+        a = ModalSet.from_wn_zeta([10.0], [0.1], wn_std=[0.03], zeta_std=[0.01])
+        b = ModalSet.from_wn_zeta([10.0], [0.1], wn_std=[0.04], zeta_std=[0.01])
+        wn = compare(a, b).table[0]
+        assert wn.allowed == pytest.approx(1.959964 * 0.05, rel=1e-6)
+
+    def test_exact_modes_must_agree_to_nine_digits(self) -> None:
+        expected = ModalSet.from_wn_zeta([10.0], [0.1])
+        assert compare(ModalSet.from_wn_zeta([10.0 * (1 + 5e-10)], [0.1]), expected).passed
+        assert not compare(ModalSet.from_wn_zeta([10.0 * (1 + 5e-9)], [0.1]), expected).passed
+
+    def test_an_expected_zero_is_judged_against_the_largest_of_its_kind(self) -> None:
+        expected = ModalSet.from_wn_zeta([10.0, 50.0], [0.0, 0.2])
+        assert compare(ModalSet.from_wn_zeta([10.0, 50.0], [0.0019, 0.2]), expected, rtol=1e-2).passed
+        assert not compare(ModalSet.from_wn_zeta([10.0, 50.0], [0.0021, 0.2]), expected, rtol=1e-2).passed
+
+    def test_a_missing_damper_is_judged_against_the_strongest(self) -> None:
+        assert compare(car(tire_damping=1.4), car(), rtol=1e-3).passed
+        assert not compare(car(tire_damping=1.6), car(), rtol=1e-3).passed
+
+    def test_rounding_of_undamped_modes_passes(self) -> None:
+        expected = ModalSet(poles=np.array([1e-16 + 10j, -3e-17 + 50j]))
+        assert compare(ModalSet(poles=np.array([10j, 50j])), expected).passed
+
+
+class TestSuspensions:
+    def test_every_parameter_has_a_row_with_its_unit(self) -> None:
+        c = compare(car(chassis_damping=1530.0), car(), rtol=1e-3)
+        assert [(row.item, row.quantity, row.unit) for row in c.table if row.verdict == "off"] == [
+            ("chassis", "damping", "N s/m")
+        ]
+        assert len(c.table) == 6
+        assert c.mae["damping"] == 15.0
+        assert c.mae["stiffness"] == 0.0
+        assert "[N s/m]" in str(c)
+
+    def test_masses_count(self) -> None:
+        assert not compare(car().with_parameters(masses={"tire": 41.0}), car(), rtol=1e-3).passed
+
+    def test_another_topology_is_refused_by_name(self) -> None:
+        with_seat = quarter_car(
+            seat_mass=80,
+            chassis_mass=400,
+            tire_mass=40,
+            seat_stiffness=10e3,
+            chassis_stiffness=20e3,
+            tire_stiffness=200e3,
+            seat_damping=500,
+            chassis_damping=1500,
+        )
+        with pytest.raises(InputError, match="seat"):
+            compare(car(), with_seat)
+
+    def test_other_arms_are_refused(self) -> None:
+        from dataclasses import replace
+
+        first, second = car().struts
+        other = Suspension(masses=car().masses, struts=[replace(first, arms={"chassis": 1.0, "tire": -1.2}), second])
+        with pytest.raises(InputError, match="arms"):
+            compare(other, car())
+
+
+class TestModalAssurance:
+    @given(st.complex_numbers(min_magnitude=1e-3, max_magnitude=1e3), st.integers(0, 10**6))
+    def test_a_complex_factor_changes_nothing(self, factor: complex, seed: int) -> None:
+        rng = np.random.default_rng(seed)
+        a = rng.standard_normal((3, 2)) + 1j * rng.standard_normal((3, 2))
+        b = rng.standard_normal((3, 2)) + 1j * rng.standard_normal((3, 2))
+        mac = modal_assurance(a, b)
+        np.testing.assert_allclose(modal_assurance(a, factor * b), mac, atol=1e-12, err_msg="rounding alone")
+        np.testing.assert_allclose(np.diag(modal_assurance(a, a)), 1.0, atol=1e-12, err_msg="a shape beside itself")
+        assert np.all(mac <= 1 + 1e-12)  # Cauchy and Schwarz
+
+    def test_orthogonal_shapes_and_a_zero_shape(self) -> None:
+        a = np.array([[1.0, 0.0], [1j, 0.0]])
+        # The conjugate matters: without it these two would give 1.
+        np.testing.assert_array_equal(modal_assurance(a, np.array([[1.0], [-1j]])), [[0.0], [0.0]])
+
+    def test_common_channels_in_any_order(self) -> None:
+        modes = eigenmodes(car())
+        assert modes.shapes is not None
+        turned = ModalSet(poles=modes.poles, shapes=modes.shapes[::-1] * 2j, channels=modes.channels[::-1])
+        mac = compare(turned, modes).mac
+        assert mac is not None
+        np.testing.assert_allclose(mac, 1.0, atol=1e-12, err_msg="the same shapes, rounding alone")
+
+
+class TestRefusals:
+    def test_mixed_types(self) -> None:
+        with pytest.raises(InputError, match=r"ModalSet and Suspension"):
+            compare(eigenmodes(car()), car())
+
+    @pytest.mark.parametrize("rtol", [-1e-3, float("nan"), float("inf")])
+    def test_rtol(self, rtol: float) -> None:
+        with pytest.raises(InputError, match="rtol"):
+            compare(car(), car(), rtol=rtol)
