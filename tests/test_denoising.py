@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.special import erf
 
-from suspid import InputError, RecordError, add_noise, free_decay, quarter_car
+from suspid import IdentificationError, InputError, ModalSet, RecordError, add_noise, free_decay, quarter_car
 from suspid.denoising import (
     RuleName,
     ThresholdName,
@@ -29,6 +29,7 @@ from suspid.denoising import (
 )
 from suspid.signals import as_response
 from suspid.units import RealArray
+from validation import denoising as denoising_report
 
 if TYPE_CHECKING:
     import control
@@ -414,3 +415,43 @@ class TestRefusals:
         x[7] = np.nan
         with pytest.raises(RecordError, match="1 of 100 samples that are not finite"):
             denoise(record(x))
+
+
+class TestReport:
+    def test_gain_is_the_ratio_of_error_energies(self) -> None:
+        clean = noise(50)[None]
+        assert denoising_report.snr_gain(clean, clean + 0.1, clean - 0.01)[0] == pytest.approx(
+            20.0, rel=1e-9
+        )  # rounding
+
+    @pytest.mark.parametrize(("snr_db", "published"), [(20.0, 0.038), (2.0, 0.303)])
+    def test_bound_is_the_known_one(self, snr_db: float, published: float) -> None:
+        """Expected MAE of an estimate at the bound from the seat alone, in %pt: known figures, to their digits."""
+        decay = table_1_decay()
+        seat = as_response(np.asarray(decay.time), samples_of(decay)[:1], ("seat",))
+        bound = denoising_report.zeta_bound(denoising_report.Case(name="seat", clean=seat, snr_db=snr_db))
+        assert np.sqrt(2 / np.pi) * np.mean(100 * bound) == pytest.approx(published, abs=6e-4)
+
+    def test_an_exact_identification_has_no_error(self) -> None:
+        truth = ModalSet.from_wn_zeta([21.2737, 50.1386, 83.8549], [0.00788554, 0.02533097, 0.01564827])
+        text = denoising_report.zeta_part(lambda _: truth, seeds=1)
+        assert "0 of 3" in text
+        assert "1 of 3" not in text
+        errors = [
+            float(cell.split()[0])
+            for line in text.splitlines()
+            if "as measured" in line and "|" in line
+            for cell in line.split("|")[3:6]
+        ]
+        np.testing.assert_allclose(errors, 0, atol=1e-4)  # to the digits given above and printed
+
+    def test_a_failed_identification_is_counted(self) -> None:
+        calls: list[int] = []
+
+        def fails_on_noise(_: control.TimeResponseData) -> ModalSet:
+            if calls:
+                raise IdentificationError("no ridge stands out")
+            calls.append(1)
+            return ModalSet.from_wn_zeta([21.0, 50.0, 83.0], [0.01, 0.02, 0.01])
+
+        assert "3 of 3" in denoising_report.zeta_part(fails_on_noise, seeds=1)
