@@ -1,1 +1,1 @@
-"""Reports that judge the library against exact solutions, published figures and its peers."""
+"""The reports that judge the library: ``python -m validation`` writes them to ``validation/report``."""
