@@ -45,9 +45,10 @@ def denoise(
 
     The least-squares line of the record is set aside and added back, so that offsets and linear
     drift are never shrunk; what is left is continued by reflection at both ends. Eq. (8)-(11) of
-    the paper, with the choices spelled out. The defaults are those that lost least on decays and
-    on the usual test signals. The universal threshold under the soft rule, the textbook's, loses most:
-    it takes ``sqrt(2 log n)`` noise deviations off every coefficient of a mode as well.
+    the paper, with the choices spelled out. The defaults are those that lost least on decays, and within
+    0.1 dB of the least on the usual test signals (the universal threshold under the hard rule). The
+    universal threshold under the soft rule, the textbook's, loses most: it takes
+    ``sqrt(2 log n)`` noise deviations off every coefficient of a mode as well.
 
     Denoising makes a record easier to look at. It adds no information on the modes, and it takes away
     the noise floor that tells an identification where a decay ends: damping ratios identified from a
@@ -77,7 +78,7 @@ def denoise(
         alone (white noise), or of every level (coloured noise).
     transform : {"stationary", "decimated"}
         The translation-invariant transform (the mean over all shifts of the reflected record,
-        exact for any length), or the plain one (faster, 1 to 3 dB less of gain).
+        exact for any length), or the plain one (faster, 1 to 2 dB less of gain).
 
     Returns
     -------
