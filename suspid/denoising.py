@@ -46,7 +46,7 @@ def denoise(
     The least-squares line of the record is set aside and added back, so that offsets and linear
     drift are never shrunk; what is left is continued by reflection at both ends. Eq. (8)-(11) of
     the paper, with the choices spelled out. The defaults are those that lost least on decays, and within
-    0.1 dB of the least on the usual test signals (the universal threshold under the hard rule). The
+    0.2 dB of the least on the usual test signals (the universal threshold under the hard rule). The
     universal threshold under the soft rule, the textbook's, loses most: it takes
     ``sqrt(2 log n)`` noise deviations off every coefficient of a mode as well.
 
