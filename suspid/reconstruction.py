@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import threading
 import warnings
@@ -150,7 +151,7 @@ def reconstruct(
     _check_seen(problem, best, car)
     residual = _check_fit(problem, modes, car, tolerance)
     ends = [name for name, x, low in zip(problem.names, best, problem.lower, strict=True) if x <= low * (1 + 1e-9)]
-    if ends and cost > problem.enough:
+    if ends and cost > EXACT:
         notes.append(f"held back by its bound: {', '.join(ends)}")
     stiffness_std, damping_std = _spread(problem, best)
     return Reconstruction(
@@ -372,8 +373,6 @@ def _posed(modes: ModalSet, suspension: Suspension, fixed: Sequence[str]) -> tup
             f"the modes hold {total} poles (a pair counts twice), but {n} masses have {2 * n}; "
             f"leave out modes that are not the suspension's"
         )
-    if np.any(modes.poles.imag < 0):
-        raise InputError("a pole has a negative imaginary part; give one pole of each pair, that above the real axis")
     moving = modes.poles != 0
     names = _free_names(suspension, fixed)
     struts = [[s.name for s in suspension.struts].index(name.split(".")[0]) for name in names]
@@ -558,8 +557,8 @@ def _convex_program(A: RealArray, b: RealArray, low: RealArray, high: RealArray)
     free_answer = np.linalg.lstsq(A, b, rcond=None)[0]
     size = min(max(float(np.max(np.abs(free_answer))), 1e-300), float(np.max(high)))
     R = np.zeros((A.shape[1], A.shape[1] + 1))  # the same program in as few rows as there are unknowns
-    triangle = np.linalg.qr(np.column_stack([A, b / size]), mode="r")[: A.shape[1]]
-    R[: len(triangle)] = triangle
+    triangle = np.asarray(np.linalg.qr(np.column_stack([A, b / size]), mode="r"))[: A.shape[1]]
+    R[: len(triangle)] = triangle / max(float(np.max(np.abs(triangle[:, :-1]))), 1e-300)
     y = _solve(R[:, :-1], R[:, -1], np.maximum(low / size, -1e6), np.minimum(high / size, 1e6))
     x = np.clip(y * size, low, high)
     near = 1e-6 * size
@@ -590,12 +589,14 @@ def _solve(A: RealArray, b: RealArray, low: RealArray, high: RealArray) -> RealA
     problem, values, x = _compiled(len(low), threading.get_ident())
     for name, value in (("A", A), ("b", b), ("low", low), ("high", high)):
         values[name].value = value
-    with warnings.catch_warnings():
+    from cvxpy.error import SolverError
+
+    with warnings.catch_warnings(), contextlib.suppress(SolverError):
         warnings.simplefilter("ignore")
         problem.solve(solver=SOLVER)
-    if x.value is None:
-        return np.clip(np.zeros(len(low)), low, high)
-    return np.asarray(x.value, float)
+        if x.value is not None:
+            return np.asarray(x.value, float)
+    return np.clip(np.zeros(len(low)), low, high)
 
 
 @functools.lru_cache(maxsize=64)
