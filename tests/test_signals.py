@@ -1,0 +1,77 @@
+import control
+import numpy as np
+import pytest
+
+from suspid import RecordError
+from suspid.signals import as_response, as_signal, uniform_step
+
+
+def response(times: object, values: object) -> control.TimeResponseData:
+    values = np.atleast_2d(np.asarray(values, float))
+    return as_response(np.asarray(times, float), values, [f"c{i}" for i in range(len(values))])
+
+
+class TestSamples:
+    def test_there_and_back(self) -> None:
+        times, values = 5.0 + 0.1 * np.arange(4), np.arange(8.0).reshape(2, 4)
+        signal = as_signal(response(times, values))
+        np.testing.assert_array_equal(signal.values, values)
+        np.testing.assert_allclose(signal.timepts, times, rtol=1e-15, atol=0)
+        assert signal.channels == ("c0", "c1")
+        assert signal.start == 5.0
+        assert signal.step == pytest.approx(0.1, rel=1e-14)
+        assert signal.duration == pytest.approx(0.4, rel=1e-14)
+        assert not signal.values.flags.writeable
+
+    def test_one_trace_of_an_impulse_response_is_taken(self) -> None:
+        system = control.ss([[-1.0]], [[1.0]], [[1.0]], 0)
+        made = control.impulse_response(system, np.linspace(0, 1, 11))
+        np.testing.assert_allclose(as_signal(made).values[0], np.exp(-made.time), rtol=1e-12, atol=0)
+
+    def test_two_traces_are_refused(self) -> None:
+        system = control.ss([[-1.0]], [[1.0, 2.0]], [[1.0]], [[0, 0]])
+        with pytest.raises(RecordError, match="holds 2 traces"):
+            as_signal(control.impulse_response(system, np.linspace(0, 1, 11)))
+
+    @pytest.mark.parametrize("bad", [np.nan, np.inf])
+    def test_a_gap_is_named_with_channel_and_time(self, bad: float) -> None:
+        with pytest.raises(RecordError, match=r"channel 'c1' has 1 of 3 samples .* t = 0\.2 s"):
+            as_signal(response([0, 0.1, 0.2], [[1, 2, 3], [1, 2, bad]]))
+
+    def test_too_short(self) -> None:
+        with pytest.raises(RecordError, match="has 1 samples; at least 2"):
+            as_signal(response([0.0], [[1.0]]))
+        with pytest.raises(RecordError, match="at least 9"):
+            as_signal(response([0.0, 1.0], [[1.0, 2.0]]), least=9)
+
+    def test_no_response(self) -> None:
+        with pytest.raises(RecordError, match="not list"):
+            as_signal([1.0, 2.0])
+
+
+class TestTime:
+    def test_rounded_stamps_are_uniform(self) -> None:
+        assert uniform_step(np.round(np.arange(1000) / 512, 5)) == pytest.approx(1 / 512, rel=1e-4)
+
+    @pytest.mark.parametrize(
+        ("times", "message"),
+        [
+            ([0.0, 0.1, 0.1, 0.2], r"does not increase at 1 of 4 samples, the first after t = 0\.1 s"),
+            ([0.0, 0.2, 0.1], r"next stamp 0\.1 s"),
+            ([0.0, np.nan, 0.2], "the first is number 2"),
+            ([0.0, 0.1, 0.2, 0.35], "time is irregular"),
+        ],
+    )
+    def test_refused(self, times: list[float], message: str) -> None:
+        with pytest.raises(RecordError, match=message):
+            uniform_step(np.array(times))
+
+    @pytest.mark.parametrize(("off", "fine"), [(0.009, True), (0.012, False)])
+    def test_the_jitter_allowed_is_a_hundredth_of_a_step(self, off: float, fine: bool) -> None:
+        times = np.arange(11.0)
+        times[5] += off
+        if fine:
+            assert uniform_step(times) == 1.0
+        else:
+            with pytest.raises(RecordError, match=r"t = 5\.012 s lies 0\.012 steps off"):
+                uniform_step(times)
