@@ -26,6 +26,7 @@ from __future__ import annotations
 import inspect
 import json
 import os
+import re
 import reprlib
 import tomllib
 from collections.abc import Collection, Mapping
@@ -117,18 +118,18 @@ def car_to_toml(suspension: Suspension) -> str:
     >>> strut = Strut(name="spring", stiffness=4e3, damping=10.0, arms={"mass": 1.0, "road": -1.0})
     >>> print(car_to_toml(Suspension(masses={"mass": 10.0}, struts=[strut])))
     [masses]  # kg
-    "mass" = 10.0
+    mass = 10.0
     <BLANKLINE>
     [[struts]]
     name = "spring"
     stiffness = 4000.0  # N/m
     damping = 10.0  # N s/m
-    arms = { "mass" = 1.0, "road" = -1.0 }
+    arms = { mass = 1.0, road = -1.0 }
     <BLANKLINE>
     """
-    lines = ["[masses]  # kg", *(f"{_quoted(name)} = {mass!r}" for name, mass in suspension.masses.items())]
+    lines = ["[masses]  # kg", *(f"{_key(name)} = {mass!r}" for name, mass in suspension.masses.items())]
     for strut in suspension.struts:
-        arms = ", ".join(f"{_quoted(name)} = {arm!r}" for name, arm in strut.arms.items())
+        arms = ", ".join(f"{_key(name)} = {arm!r}" for name, arm in strut.arms.items())
         lines += [
             "",
             "[[struts]]",
@@ -199,6 +200,10 @@ def _check_keys(where: str, given: Collection[str], known: Collection[str]) -> N
     for key in given:
         if key not in known:
             raise InputError(f"{where} has no use for {key!r}.{nearest_names(key, known)}")
+
+
+def _key(name: str) -> str:
+    return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else _quoted(name)
 
 
 def _quoted(text: str) -> str:

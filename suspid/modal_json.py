@@ -14,6 +14,10 @@ An object with
 - ``covariance``: joint covariance of (Re, Im of each pole [rad/s]; then, if it is that large, mode by mode and
   channel by channel Re, Im of the shapes), or null.
 
+The command adds ``record`` (file, channels, samples, ``rate_hz``, ``start_s``), ``method``, ``noise_std`` and
+``explained`` by channel of the record, ``ridges`` with the window of each (``start_s``, ``stop_s``, ``ends_at``),
+``warnings``, and the version as ``suspid``.
+
 Written by hand, in JSON or TOML, ``modes`` alone will do, each with ``zeta`` and either ``wn_rad_per_s`` or
 ``frequency_hz``, and with both standard deviations or neither.
 """
@@ -24,7 +28,7 @@ import json
 import math
 import os
 import reprlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -32,7 +36,9 @@ import numpy as np
 from suspid.cars import parsed_toml
 from suspid.errors import InputError
 from suspid.files import printable, read_text
+from suspid.identification import Identification
 from suspid.modes import ModalSet
+from suspid.signals import as_signal
 from suspid.values import nearest_names
 
 FORMAT = "suspid modes 1"
@@ -68,6 +74,43 @@ def modes_to_dict(modes: ModalSet) -> dict[str, object]:
         "channels": list(modes.channels),
         "covariance": None if modes.covariance is None else modes.covariance.tolist(),
     }
+
+
+def identification_to_dict(identification: Identification, *, file: str, warnings: Sequence[str]) -> dict[str, object]:
+    """Return what `modes_from_dict` reads, with the record, the settings and the windows beside it."""
+    from importlib.metadata import version
+
+    signal = as_signal(identification.response)
+    return {
+        **modes_to_dict(identification.modes),
+        "record": {
+            "file": file,
+            "channels": list(signal.channels),
+            "samples": signal.values.shape[1],
+            "rate_hz": 1 / signal.step,
+            "start_s": signal.start,
+        },
+        "method": identification.method,
+        "noise_std": identification.noise_std.tolist(),
+        "explained": identification.explained.tolist(),
+        "ridges": [
+            {
+                "wn_rad_per_s": float(ridge.omega),
+                "bandwidth": float(ridge.wavelet.bandwidth),
+                "start_s": float(ridge.window.start),
+                "stop_s": float(ridge.window.stop),
+                "ends_at": ridge.window.reason,
+            }
+            for ridge in identification.ridges
+        ],
+        "warnings": list(warnings),
+        "suspid": version("suspid"),
+    }
+
+
+def to_json(content: Mapping[str, object]) -> str:
+    """Return the text of a file; numbers that are not finite, which JSON does not know, become null."""
+    return json.dumps(_null_if_not_finite(content), indent=1, allow_nan=False) + "\n"
 
 
 def modes_from_dict(content: Mapping[str, object]) -> ModalSet:
@@ -207,3 +250,11 @@ def _numbers(what: str, rows: object) -> list[list[float]]:
     if not isinstance(rows, list) or not all(isinstance(row, list) and len(row) == len(rows) for row in rows):
         raise InputError(f"{what} must be a square list of lists of numbers")
     return [[_number(what, value) for value in row] for row in rows]
+
+
+def _null_if_not_finite(content: object) -> object:
+    if isinstance(content, dict):
+        return {key: _null_if_not_finite(value) for key, value in content.items()}
+    if isinstance(content, list):
+        return [_null_if_not_finite(value) for value in content]
+    return None if isinstance(content, float) and not math.isfinite(content) else content

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import csv
 import os
 from collections.abc import Callable, Sequence
@@ -12,8 +13,9 @@ import numpy as np
 
 from suspid.errors import RecordError
 from suspid.files import printable, replacing
-from suspid.signals import JITTER, as_response, as_signal
-from suspid.tables import PER_SECOND, Table, is_time, read_delimited, read_matlab, split_unit
+from suspid.matlab import read_matlab
+from suspid.signals import JITTER, as_response, as_signal, uniform_step
+from suspid.tables import PER_SECOND, Table, is_time, read_delimited, split_unit
 from suspid.units import Hertz, RealArray, Second
 
 if TYPE_CHECKING:
@@ -128,8 +130,7 @@ def write_record(
     >>> bool(np.all(same.y == decay.y) and np.all(same.time == decay.time))
     True
     """
-    if Path(path).suffix.lower() != ".csv":
-        raise RecordError(f"{printable(str(path))}: records are written as .csv; choose such a name")
+    check_record_name(path)
     if digits is not None and not 1 <= digits <= 17:
         raise RecordError(f"{digits=} must lie between 1 and 17, or be None for every bit")
     signal = as_signal(response)
@@ -145,6 +146,12 @@ def write_record(
         writer.writerow(["time [s]", *signal.channels])
         for t, row in zip(np.asarray(response.time, float).tolist(), signal.values.T.tolist(), strict=True):
             writer.writerow([repr(t), *map(number, row)])
+
+
+def check_record_name(path: str | os.PathLike[str]) -> None:
+    """Refuse a name under which `write_record` does not write."""
+    if Path(path).suffix.lower() != ".csv":
+        raise RecordError(f"{printable(str(path))}: records are written as .csv; choose such a name")
 
 
 def _record(
@@ -215,7 +222,7 @@ def _rate(table: Table, fs: Hertz | None) -> Hertz | None:
     for name, other in rates.items():
         # A rate stored in single precision, or as a rounded step, is still the same rate.
         if not abs(other - rate) <= 1e-6 * rate:
-            raise RecordError(f"{given} says {rate:g} Hz, {name!r} in the file {other:g} Hz; correct one of them")
+            raise RecordError(f"{given!r} says {rate:g} Hz, {name!r} in the file {other:g} Hz; correct one of them")
     return rate
 
 
@@ -245,7 +252,10 @@ def _timepts(stamps: RealArray, rate: Hertz | None) -> RealArray:
 
 
 def _rounding(stamps: RealArray) -> Second:
-    """Return the finest decimal, or the single precision, to which the stamps are rounded [s]."""
+    """Return the decimal, or the single precision, to which irregular stamps are rounded; 0 for regular ones [s]."""
+    with contextlib.suppress(RecordError):
+        uniform_step(stamps)
+        return 0.0
     largest = float(np.max(np.abs(stamps)))
     places = next((k for k in range(10) if np.allclose(stamps, np.round(stamps, k), rtol=0, atol=1e-10)), 10)
     single = bool(np.all(stamps == stamps.astype(np.float32)))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import re
-import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from suspid.errors import RecordError
-from suspid.files import printable, read_bytes, read_text
+from suspid.files import read_text
 from suspid.units import Hertz, RealArray
 from suspid.values import frozen_real, nearest_names
 
@@ -26,9 +25,6 @@ PER_SECOND = {
 }
 TIME_NAMES = {"t", "time", "timepts", "timestamp", "timestamps", "timedomain", "timevector", "elapsed", "elapsedtime"}
 TIME_NAMES |= {"zeit", "temps", "tiempo"} | {name for name in PER_SECOND if len(name) > 2 and name != "min"}
-RATE_NAMES = {"fs", "samplerate", "samplingrate", "timesamplerate", "samplefrequency", "samplingfrequency"}
-RATE_NAMES |= {"samplefreq", "samplingfreq", "srate"}
-STEP_NAMES = {"dt", "ts", "deltat", "timestep", "sampletime", "samplingtime", "sampleinterval", "samplinginterval"}
 DELIMITERS = ("\t", ";", ",")
 
 
@@ -130,59 +126,6 @@ def read_delimited(path: Path) -> Table:
         return [frozen_real(column) for column in numbers.T]
 
     return Table(sizes=dict.fromkeys(names, len(body)), columns=columns, unusable={}, rates={})
-
-
-def read_matlab(path: Path) -> Table:
-    """Return the table of a MATLAB file up to v7: its real vectors, and the rates it states."""
-    from scipy.io import loadmat
-    from scipy.io.matlab import MatReadWarning
-
-    if read_bytes(path, error=RecordError)[:8] == b"\x89HDF\r\n\x1a\n":
-        raise RecordError("is an HDF5 file (MATLAB v7.3); save it in MATLAB with the option -v7")
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            # A name that stands twice would be overwritten.
-            warnings.simplefilter("error", MatReadWarning)
-            content = loadmat(path, appendmat=False)
-    except NotImplementedError:
-        raise RecordError("is a MATLAB v7.3 file; save it in MATLAB with the option -v7") from None
-    # The parser meets a foreign or damaged file with errors of every kind, MemoryError among them.
-    except Exception as refusal:
-        raise RecordError(
-            f"cannot be read as a MATLAB file: {type(refusal).__name__}: {printable(str(refusal))}"
-        ) from None
-    vectors: dict[str, RealArray] = {}
-    unusable, rates = {}, {}
-    for name, value in content.items():
-        stem, unit = split_unit(name)
-        if name in ("__header__", "__version__", "__globals__", "__function_workspace__"):
-            continue
-        if not isinstance(value, np.ndarray) or value.dtype.kind not in "iufbc":
-            unusable[name] = "is not numeric"
-        elif value.dtype.kind == "c":
-            unusable[name] = "is complex; a record is real"
-        elif value.size > 1 and value.size == max(value.shape):
-            vectors[name] = frozen_real(value.ravel())
-        elif value.size > 1:
-            unusable[name] = f"is a matrix of {' x '.join(map(str, value.shape))}; save its columns as vectors"
-        else:
-            unusable[name] = "is a single number" if value.size else "is empty"
-            if stem in RATE_NAMES | STEP_NAMES and value.size and np.isfinite(value.item()) and value.item() > 0:
-                per_second = 1.0 if unit in ("", "hz") else PER_SECOND.get(unit, np.nan)
-                number = float(value.item())
-                rates[name] = number if stem in RATE_NAMES else per_second / number
-    if not vectors:
-        raise RecordError(f"holds no real vector: {_listed(unusable) or 'nothing at all'}")
-
-    def columns(wanted: Sequence[str]) -> list[RealArray]:
-        return [vectors[name] for name in wanted]
-
-    return Table(sizes={n: v.size for n, v in vectors.items()}, columns=columns, unusable=unusable, rates=rates)
-
-
-def _listed(unusable: Mapping[str, str]) -> str:
-    return ", ".join(f"{name!r} {why}" for name, why in unusable.items())
 
 
 def _cells(line: str, delimiter: str) -> list[str]:

@@ -1,0 +1,297 @@
+"""The command ``suspid``: from a record to modes, from modes to springs and dampers, and back to a record.
+
+It ends with 0 if all went well, with 1 and one line on stderr if `suspid` refuses, and with 2 if
+the command line is wrong.
+"""
+
+from __future__ import annotations
+
+import inspect
+import io
+import math
+import sys
+import warnings
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import IO, TYPE_CHECKING, Any, get_args
+
+import click
+import numpy as np
+
+from suspid.errors import InputError, SuspidError
+from suspid.files import printable, replacing
+from suspid.identification import Identification, Method, identify
+from suspid.signals import as_signal
+
+if TYPE_CHECKING:
+    import control
+
+    from suspid.modes import ModalSet
+
+METHOD = inspect.signature(identify).parameters["method"].default
+FILE = click.Path(path_type=Path)
+MOST_SAMPLES = 50_000_000
+# Below this share of a channel's energy, the modes are hardly those of the record.
+LEAST_EXPLAINED = 0.5
+
+
+class _Positive(click.ParamType[float]):
+    """A finite number above zero, in the unit that ``name`` says."""
+
+    def __init__(self, unit: str) -> None:
+        self.name = unit
+
+    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        try:
+            number = float(str(value))
+        except ValueError:
+            self.fail(f"{value!r} is not a number.", param, ctx)
+        if not (number > 0 and math.isfinite(number)):
+            self.fail(f"{value} {self.name} must be positive and finite.", param, ctx)
+        return number
+
+
+class _Failure(click.ClickException):
+    """An error of suspid's, shown as one line."""
+
+    exit_code = 1
+
+    def show(self, file: IO[Any] | None = None) -> None:
+        line = " ".join(part.strip() for part in self.message.splitlines())
+        click.echo(f"suspid: error: {printable(line)}", file=file or sys.stderr)
+
+
+class _Commands(click.Group):
+    """Commands whose `SuspidError` ends the program with one line instead of a traceback."""
+
+    def invoke(self, ctx: click.Context) -> object:
+        for stream in (sys.stdout, sys.stderr):
+            # A terminal that cannot show "±" gets its code, not a traceback.
+            if isinstance(stream, io.TextIOWrapper):
+                stream.reconfigure(errors="backslashreplace")
+        try:
+            return super().invoke(ctx)
+        except SuspidError as error:
+            raise _Failure(str(error)) from None
+
+
+@click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(package_name="suspid", message="suspid %(version)s")
+def main() -> None:
+    """Find the modes of a suspension in its measured free decay, and its springs and dampers from its modes."""
+
+
+@main.command("identify")
+@click.argument("file", type=FILE)
+@click.option("--channel", "channels", metavar="NAME", multiple=True, help="Channel to use; may be given again. [all]")
+@click.option("--time", "time", metavar="NAME", help="Column of time, if it is not named like one.")
+@click.option(
+    "--fs", type=_Positive("Hz"), metavar="HZ", help="Sampling rate; it must agree with the column of time, if any."
+)
+@click.option("--modes", type=click.IntRange(min=1), metavar="N", help="How many modes to find. [all that stand out]")
+@click.option("--method", type=click.Choice(get_args(Method)), default=METHOD, show_default=True, help="How to find.")
+@click.option(
+    "--band", type=_Positive("Hz"), nargs=2, metavar="LOW HIGH", help="Lowest and highest frequency to look at [Hz]."
+)
+@click.option("--plot", type=FILE, metavar="FILE", help="Write pictures of the identification (.png, .svg, .pdf).")
+@click.option("--json", "json_file", type=FILE, metavar="FILE", help="Write modes, uncertainty and settings as JSON.")
+def identify_command(
+    file: Path,
+    channels: tuple[str, ...],
+    time: str | None,
+    fs: float | None,
+    modes: int | None,
+    method: Method,
+    band: tuple[float, float] | None,
+    plot: Path | None,
+    json_file: Path | None,
+) -> None:
+    """Find the modes in the record FILE (.csv, .txt, .tsv or .mat), a free decay."""
+    from suspid.modal_json import identification_to_dict, to_json
+    from suspid.records import read_record
+
+    if band and not band[0] < band[1]:
+        raise click.BadParameter(f"{band[0]:g} Hz is not below {band[1]:g} Hz.", param_hint="'--band'")
+    with ExitStack() as outputs, _said_warnings() as said:
+        figure_draft = outputs.enter_context(replacing(_checked_picture(plot))) if plot else None
+        json_draft = outputs.enter_context(replacing(json_file)) if json_file else None
+        record = read_record(file, channels=channels or None, time=time, fs=fs)
+        rad_band = (2 * math.pi * band[0], 2 * math.pi * band[1]) if band else None
+        identification = identify(record, modes=modes, method=method, band=rad_band)
+        said += _doubts(identification)
+        if json_draft:
+            content = identification_to_dict(identification, file=str(file), warnings=said)
+            json_draft.write_text(to_json(content), encoding="utf-8")
+        if figure_draft:
+            _draw(identification, figure_draft)
+    _say(f"{printable(str(file))}: {_record_in_words(record)}\n\n{identification}")
+
+
+@main.command("reconstruct")
+@click.argument("modes", type=FILE)
+@click.argument("car", type=FILE)
+@click.option("--fixed", metavar="STRUT[.stiffness|.damping]", multiple=True, help="Hold at the nominal value; repeat.")
+@click.option("-o", "--output", type=FILE, metavar="FILE", help="Write the car that was found as TOML.")
+def reconstruct_command(modes: Path, car: Path, fixed: tuple[str, ...], output: Path | None) -> None:
+    """Find springs and dampers from MODES (JSON of identify, or .toml) and the masses and nominal struts of CAR."""
+    from suspid.cars import car_to_toml, read_car
+    from suspid.modal_json import read_modes
+    from suspid.reconstruction import reconstruct
+
+    with ExitStack() as outputs, _said_warnings():
+        draft = outputs.enter_context(replacing(output)) if output else None
+        found = reconstruct(read_modes(modes), read_car(car), fixed=fixed)
+        if draft:
+            draft.write_text(car_to_toml(found.suspension), encoding="utf-8")
+    _say(str(found))
+
+
+@main.command("simulate")
+@click.argument("car", type=FILE)
+@click.option("-o", "--output", type=FILE, metavar="FILE", required=True, help="The record to write (.csv).")
+@click.option("--fs", type=_Positive("Hz"), default=500.0, show_default=True, help="Sampling rate.")
+@click.option("--duration", type=_Positive("s"), default=10.0, show_default=True, help="Length of the record.")
+@click.option("--impulse", metavar="INPUT", help="Input that gets a unit impulse, such as road.")
+@click.option("--initial", metavar="STATE=VALUE", multiple=True, help="Start, such as v_tire=1 [m/s]; repeat.")
+@click.option("--channel", "channels", metavar="NAME", multiple=True, help="Output; repeat. [all displacements]")
+@click.option("--snr", type=float, metavar="dB", help="Add white noise at this ratio to every channel.")
+@click.option("--seed", type=click.IntRange(min=0), help="Seed of the noise; needed with --snr.")
+@click.option("--digits", type=click.IntRange(1, 17), help="Significant digits of the samples. [every bit]")
+def simulate_command(
+    car: Path,
+    output: Path,
+    fs: float,
+    duration: float,
+    impulse: str | None,
+    initial: tuple[str, ...],
+    channels: tuple[str, ...],
+    snr: float | None,
+    seed: int | None,
+    digits: int | None,
+) -> None:
+    """Write the free decay of CAR (.toml) as a record."""
+    from suspid.cars import read_car
+    from suspid.modes import eigenmodes
+    from suspid.records import check_record_name, write_record
+    from suspid.simulation import add_noise, free_decay
+    from suspid.suspension import statespace
+
+    if (impulse is None) == (not initial):
+        raise click.UsageError("Give either --impulse or --initial.")
+    if (snr is None) != (seed is None):
+        raise click.UsageError("Give --snr and --seed together: the same seed makes the same noise.")
+    count = round(fs * duration) if fs * duration <= MOST_SAMPLES else 0
+    if count < 2:
+        raise click.UsageError(f"{fs:g} Hz for {duration:g} s must be between 2 and {MOST_SAMPLES} samples.")
+    state = _initial_state(initial)
+    check_record_name(output)
+    with replacing(output) as draft, _said_warnings() as said:
+        suspension = read_car(car)
+        system = statespace(suspension, outputs=channels or None)
+        timepts = np.arange(count) / fs
+        record = free_decay(system, timepts, initial_state=state or None, impulse=impulse)
+        if snr is not None:
+            record = add_noise(record, snr_db=snr, rng=np.random.default_rng(seed))
+        highest = float(np.max(np.abs(eigenmodes(suspension).poles.imag), initial=0.0)) / (2 * math.pi)
+        if highest >= fs / 2:
+            said.append(f"a mode at {highest:.4g} Hz lies above half the sampling rate and is aliased")
+        write_record(record, draft, digits=digits)
+    _say(f"{printable(str(output))}: {_record_in_words(record)}")
+
+
+@main.command("modes")
+@click.argument("car", type=FILE)
+@click.option("--json", "json_file", type=FILE, metavar="FILE", help="Write the modes as JSON.")
+def modes_command(car: Path, json_file: Path | None) -> None:
+    """Show the exact modes of CAR (.toml)."""
+    from suspid.cars import read_car
+    from suspid.modal_json import modes_to_dict, to_json
+    from suspid.modes import eigenmodes
+
+    with ExitStack() as outputs:
+        draft = outputs.enter_context(replacing(json_file)) if json_file else None
+        modes: ModalSet = eigenmodes(read_car(car))
+        if draft:
+            draft.write_text(to_json(modes_to_dict(modes)), encoding="utf-8")
+    _say(str(modes))
+
+
+def _say(text: str) -> None:
+    """Print text whose names may come from a file: nothing in it reaches the terminal as a command."""
+    click.echo("\n".join(printable(line) for line in text.split("\n")))
+
+
+@contextmanager
+def _said_warnings() -> Iterator[list[str]]:
+    """Collect warnings of the library, and add one's own; at the end each is a line on stderr."""
+    said: list[str] = []
+
+    def add(message: Warning | str, *_: object, **__: object) -> None:
+        said.append(" ".join(str(message).split()))
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("default")
+        for category in (DeprecationWarning, PendingDeprecationWarning, FutureWarning, ResourceWarning):
+            warnings.simplefilter("ignore", category)
+        warnings.showwarning = add
+        yield said
+    for text in dict.fromkeys(said):
+        click.echo(f"suspid: warning: {printable(text)}", err=True)
+
+
+def _initial_state(given: tuple[str, ...]) -> dict[str, float]:
+    state: dict[str, float] = {}
+    for text in given:
+        name, equals, value = text.rpartition("=")
+        try:
+            number = float(value)
+        except ValueError:
+            equals = ""
+        if not equals or not name or name in state:
+            raise click.BadParameter(f"{text!r}: write STATE=VALUE, each state once.", param_hint="'--initial'")
+        state[name] = number
+    return state
+
+
+def _doubts(identification: Identification) -> list[str]:
+    channels = as_signal(identification.residual).channels
+    doubts = [
+        f"the modes explain only {100 * share:.0f} % of channel {name!r}"
+        for name, share in zip(channels, identification.explained, strict=True)
+        if share < LEAST_EXPLAINED
+    ]
+    modes = identification.modes
+    growing = [f"mode {k} ({wn:.4g} rad/s) grows" for k, wn in enumerate(modes.wn, 1) if modes.poles[k - 1].real > 0]
+    return doubts + growing
+
+
+def _record_in_words(record: control.TimeResponseData) -> str:
+    signal = as_signal(record)
+    names = ", ".join(signal.channels[:6]) + (", …" if len(signal.channels) > 6 else "")
+    return (
+        f"{signal.values.shape[1]} samples at {1 / signal.step:.6g} Hz from t = {signal.start:.6g} s, "
+        f"{len(signal.channels)} channel{'s' * (len(signal.channels) > 1)}: {names}"
+    )
+
+
+def _checked_picture(path: Path) -> Path:
+    """Return the path, if its suffix is a kind of picture."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    known = sorted(FigureCanvasAgg.filetypes)
+    if path.suffix[1:].lower() not in known:
+        raise InputError(
+            f"{printable(str(path))}: pictures of type {path.suffix!r} are not known; known: {', '.join(known)}"
+        )
+    return path
+
+
+def _draw(identification: Identification, draft: Path) -> None:
+    from matplotlib.figure import Figure
+
+    from suspid.plots import plot_identification
+
+    figure = Figure(figsize=(12, 9), layout="constrained")
+    plot_identification(identification, figure)
+    figure.savefig(draft, format=draft.suffix[1:].lower(), dpi=120)

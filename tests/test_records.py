@@ -1,0 +1,354 @@
+"""Records: what is read is what the file holds, and everything else is refused by name."""
+
+from __future__ import annotations
+
+import io
+import os
+import struct
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from scipy.io import savemat
+
+from suspid import RecordError
+from suspid.records import read_record, write_record
+from suspid.signals import as_response
+
+DATA = Path(__file__).resolve().parents[2] / "shared" / "data"
+FUZZ = settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+NAMES = st.text("abcXYZ019 _-,;\"'[]()µ²", min_size=1).map(str.strip).filter(lambda n: n and n not in ("0", "1", "9"))
+
+
+def written(folder: Path, name: str, content: str | bytes) -> Path:
+    path = folder / name
+    path.write_bytes(content.encode() if isinstance(content, str) else content)
+    return path
+
+
+def matlab(**variables: object) -> bytes:
+    stream = io.BytesIO()
+    savemat(stream, variables)  # type: ignore[arg-type]  # the stubs know paths only
+    return stream.getvalue()
+
+
+class TestWrittenThenReadIsTheSame:
+    @FUZZ
+    @given(
+        values=st.lists(st.tuples(*[st.floats(allow_nan=False, allow_infinity=False)] * 2), min_size=2, max_size=20),
+        step=st.floats(1e-6, 1e3),
+        start=st.floats(-1e3, 1e3),
+    )
+    def test_every_bit_of_samples_and_time(
+        self, tmp_path: Path, values: list[tuple[float, float]], step: float, start: float
+    ) -> None:
+        time = np.asarray(start + step * np.arange(len(values)), float)
+        if np.any(np.diff(time) < 0.999 * step):
+            return  # the step drowns in the start: no uniform grid in double precision
+        record = as_response(time, np.array(values).T, ["seat", "tire"])
+        write_record(record, tmp_path / "r.csv")
+        back = read_record(tmp_path / "r.csv")
+        assert back.y.tobytes() == np.asarray(record.y).tobytes()
+        assert back.time.tobytes() == time.tobytes()
+
+    @FUZZ
+    @given(names=st.lists(NAMES, min_size=1, max_size=4, unique=True))
+    def test_names_of_channels_or_they_are_refused(self, tmp_path: Path, names: list[str]) -> None:
+        record = as_response(np.arange(3.0), np.arange(3.0 * len(names)).reshape(len(names), 3), names)
+        try:
+            write_record(record, tmp_path / "r.csv")
+        except RecordError as error:
+            message = str(error)
+        else:
+            message = ""
+        if message:
+            assert "could not be read back" in message
+            return
+        assert read_record(tmp_path / "r.csv").output_labels == names
+
+    @pytest.mark.parametrize("digits", [1, 5, 17])
+    def test_printed_digits(self, tmp_path: Path, digits: int) -> None:
+        values = np.random.default_rng(3).standard_normal((1, 50)) * 1e-4
+        write_record(as_response(np.arange(50) / 500, values, ["seat"]), tmp_path / "r.csv", digits=digits)
+        printed = [float(f"{v:.{digits}g}") for v in values[0]]
+        assert read_record(tmp_path / "r.csv").y[0].tolist() == printed
+
+    @pytest.mark.parametrize("name", ["", "time [s]", " seat", "a\x1b[2Jb", "a\nb"])
+    def test_names_that_would_not_come_back_are_refused(self, tmp_path: Path, name: str) -> None:
+        with pytest.raises(RecordError, match="could not be read back"):
+            write_record(as_response(np.arange(3.0), np.ones((2, 3)), ["seat", name]), tmp_path / "r.csv")
+        assert list(tmp_path.iterdir()) == []
+
+    def test_two_channels_of_one_name_are_refused(self, tmp_path: Path) -> None:
+        with pytest.raises(RecordError, match="stands twice"):
+            write_record(as_response(np.arange(3.0), np.ones((2, 3)), ["seat", "seat"]), tmp_path / "r.csv")
+
+    def test_only_csv_is_written(self, tmp_path: Path) -> None:
+        with pytest.raises(RecordError, match=r"written as \.csv"):
+            write_record(as_response(np.arange(3.0), np.ones((1, 3)), ["seat"]), tmp_path / "r.mat")
+
+
+class TestDialects:
+    @pytest.mark.parametrize("delimiter", [",", ";", "\t"])
+    @pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+    @pytest.mark.parametrize("bom", ["", "\ufeff"])
+    @pytest.mark.parametrize("tail", ["", "\n", "\n\n \n"])
+    def test_delimiter_line_end_byte_order_mark_and_last_line(
+        self, tmp_path: Path, delimiter: str, end: str, bom: str, tail: str
+    ) -> None:
+        rows = [["t", "seat", '"a b"'], ["0", "1.5", "-2e-3"], ["0.5", " 2 ", '"3"'], ["1", ".5", "4."]]
+        text = bom + "\n".join(delimiter.join(row) for row in rows) + tail
+        record = read_record(written(tmp_path, "r.csv", text.replace("\n", end)))
+        assert record.output_labels == ["seat", "a b"]
+        assert record.time.tolist() == [0.0, 0.5, 1.0]
+        assert record.y.tolist() == [[1.5, 2.0, 0.5], [-0.002, 3.0, 4.0]]
+
+    def test_no_header_with_a_rate(self, tmp_path: Path) -> None:
+        record = read_record(written(tmp_path, "r.txt", "1;2\n3;4\n5;6"), fs=4)
+        assert record.output_labels == ["column 1", "column 2"]
+        assert record.time.tolist() == [0.0, 0.25, 0.5]
+
+    def test_no_header_with_a_column_of_time(self, tmp_path: Path) -> None:
+        record = read_record(written(tmp_path, "r.tsv", "1\t2\n3\t4\n5\t6"), time="column 1")
+        assert record.time.tolist() == [1.0, 3.0, 5.0]
+        assert record.y.tolist() == [[2.0, 4.0, 6.0]]
+
+    def test_one_column(self, tmp_path: Path) -> None:
+        assert read_record(written(tmp_path, "r.txt", "x\n1\n2\n4\n"), fs=1).y.tolist() == [[1.0, 2.0, 4.0]]
+
+    def test_header_written_by_numpy(self, tmp_path: Path) -> None:
+        np.savetxt(tmp_path / "r.csv", [[0, 1], [1, 2], [2, 3]], delimiter=",", header="t,seat")
+        assert read_record(tmp_path / "r.csv").output_labels == ["seat"]
+
+    def test_text_in_a_column_not_asked_for_does_not_matter(self, tmp_path: Path) -> None:
+        path = written(tmp_path, "r.csv", "t,seat,remark\n0,1,start\n1,2,\n")
+        assert read_record(path, channels="seat").y.tolist() == [[1.0, 2.0]]
+
+    def test_order_of_channels_is_that_asked_for(self, tmp_path: Path) -> None:
+        path = written(tmp_path, "r.csv", "a,t,b\n0,1,2\n3,4,5\n")
+        assert read_record(path, channels=["b", "a"]).y.tolist() == [[2.0, 5.0], [0.0, 3.0]]
+
+
+class TestTimeColumn:
+    @pytest.mark.parametrize(
+        ("name", "seconds"),
+        [
+            ("t", 2),
+            ("Time", 2),
+            ("time [s]", 2),
+            ("t_s", 2),
+            ("Time (ms)", 2e-3),
+            ("t_us", 2e-6),
+            ("time/µs", 2e-6),
+            ("seconds", 2),
+            ("Milliseconds", 2e-3),
+            ("timestamp, ns", 2e-9),
+            ("elapsed time [min]", 120),
+        ],
+    )
+    def test_names_and_units(self, tmp_path: Path, name: str, seconds: float) -> None:
+        path = written(tmp_path, "r.csv", f'seat;"{name}"\n1;0\n2;2\n3;4\n')
+        assert read_record(path).time == pytest.approx([0, seconds, 2 * seconds], rel=1e-15)  # a division, rounded
+
+    @pytest.mark.parametrize("name", ["temperature", "T1", "tire", "s", "rate", "time [samples]", "seat_ms"])
+    def test_names_of_other_things(self, tmp_path: Path, name: str) -> None:
+        with pytest.raises(RecordError, match=r"no column is named like a time: 'seat'.*fs"):
+            read_record(written(tmp_path, "r.csv", f"seat,{name}\n1,0\n2,2\n"))
+
+    def test_rounded_stamps_give_way_to_the_rate_that_they_round(self, tmp_path: Path) -> None:
+        exact = np.arange(100) / 1280
+        rows = "".join(f"{t:.4f},1\n" for t in exact)
+        record = read_record(written(tmp_path, "r.csv", "t,x\n" + rows), fs=1280)
+        assert record.time.tolist() == exact.tolist()
+        with pytest.raises(RecordError, match=r"time is irregular.*fs"):
+            read_record(tmp_path / "r.csv")
+
+    @pytest.mark.parametrize("fs", [499.0, 501.0, 500.1, 1000.0, 1e-9, 1e300])
+    def test_another_rate_is_at_odds(self, tmp_path: Path, fs: float) -> None:
+        rows = "".join(f"{k / 500},1\n" for k in range(3000))
+        with pytest.raises(RecordError, match=r"disagree: the stamps run at 500 Hz"):
+            read_record(written(tmp_path, "r.csv", "t,x\n" + rows), fs=fs)
+
+    def test_stamps_keep_their_start_beside_a_rate(self, tmp_path: Path) -> None:
+        assert read_record(written(tmp_path, "r.csv", "t,x\n5,1\n6,1\n7,1\n"), fs=1).time.tolist() == [5.0, 6.0, 7.0]
+
+
+class TestMatlab:
+    @pytest.mark.parametrize(("rate", "value"), [("Fs", 50.0), ("Sample_Rate", 50), ("dt", 0.02), ("Ts_ms", 20.0)])
+    def test_a_scalar_states_the_rate(self, tmp_path: Path, rate: str, value: float) -> None:
+        content = matlab(x=np.arange(4.0), y=np.arange(4.0)[:, None], note="bump", **{rate: value})
+        record = read_record(written(tmp_path, "r.mat", content))
+        assert record.output_labels == ["x", "y"]
+        assert record.time == pytest.approx([0, 0.02, 0.04, 0.06], rel=1e-15)  # 1 / 0.02 is rounded
+
+    def test_vectors_as_long_as_time_are_the_channels(self, tmp_path: Path) -> None:
+        content = matlab(x=np.arange(4.0), t=np.arange(4.0), f=np.arange(9.0), M=np.eye(4), z=np.ones(4) * 1j)
+        assert read_record(written(tmp_path, "r.mat", content)).output_labels == ["x"]
+
+    def test_vectors_of_several_lengths_without_time_are_asked_about(self, tmp_path: Path) -> None:
+        content = matlab(x=np.arange(4.0), f=np.arange(9.0))
+        with pytest.raises(RecordError, match=r"differ in length \('x' 4, 'f' 9\)"):
+            read_record(written(tmp_path, "r.mat", content), fs=1)
+        assert read_record(tmp_path / "r.mat", fs=1, channels=["f"]).y.shape == (1, 9)
+
+    def test_integers_and_single_precision_are_kept(self, tmp_path: Path) -> None:
+        x = np.array([0.1, 0.2, 0.3], np.float32)
+        record = read_record(written(tmp_path, "r.mat", matlab(x=x, n=np.array([1, -2, 3], np.int16))), fs=1)
+        assert record.y.tolist() == [[float(v) for v in x], [1.0, -2.0, 3.0]]
+
+    @pytest.mark.skipif(not DATA.exists(), reason="no shared data")
+    def test_a_measured_record(self) -> None:
+        record = read_record(DATA / "vibtest_inout_mat" / "case1.mat", channels=["Time_chan_2"], fs=1280)
+        assert record.y.shape == (1, 4096)
+        assert record.time.tolist() == (np.arange(4096) / 1280).tolist()
+
+    @pytest.mark.skipif(not DATA.exists(), reason="no shared data")
+    def test_a_receptance_is_no_record(self) -> None:
+        with pytest.raises(RecordError, match=r"mckiddat\.mat: no column is named like a time: 'Freq'"):
+            read_record(DATA / "vibtest_inout_mat" / "mckiddat.mat")
+
+
+GOOD = "t,seat,tire\n0,1,2\n1,2,3\n2,3,4\n"
+REFUSED: list[tuple[str, str | bytes, dict[str, Any], str]] = [
+    ("r.csv", "", {}, "is empty"),
+    ("r.mat", b"", {}, "is empty"),
+    ("r.csv", "\n\n", {}, "has 0 lines of text"),
+    ("r.csv", "t,seat\n", {}, "has 1 lines of text"),
+    ("r.csv", "t,seat\n0,1\n", {}, "the record has 1 samples; at least 2 are needed"),
+    ("r.csv", b"t,seat\n0,\xe9\n", {}, "is not UTF-8 text: byte 0xe9 on line 2"),
+    ("r.csv", b"t,seat\n0,\0\n", {}, "holds zero bytes"),
+    ("r.csv", GOOD.encode("utf-16"), {}, "is not UTF-8 text"),
+    ("r.csv", matlab(x=np.arange(4.0)), {}, "zero bytes|not UTF-8"),
+    ("r.mat", GOOD, {}, "is not a MATLAB file"),
+    ("r.mat", matlab(x=np.arange(400.0))[:-700], {}, "is damaged: it ends within a variable"),
+    ("r.mat", b"\x89HDF\r\n\x1a\n" + bytes(100), {}, r"HDF5.*-v7"),
+    ("r.mat", b"MATLAB 7.3 MAT-file".ljust(124) + b"\0\2IM" + bytes(900), {}, r"v7\.3.*-v7"),
+    ("r.mat", matlab(s="text", c=1 + 2j, k=3.0), {}, r"holds no real vector: 's' is text, 'c' is complex"),
+    ("r.mat", matlab(x=np.ones(3), t=np.arange(3.0), M=np.eye(3)), {"channels": ["M"]}, "'M' is a matrix of 3 x 3"),
+    (
+        "r.mat",
+        matlab(x=np.ones(3), t=np.arange(3.0), f=np.ones(4)),
+        {"channels": ["x", "f"]},
+        "'f' has 4 samples, 't' has 3",
+    ),
+    ("r.mat", matlab(t=np.arange(3.0), f=np.ones(4)), {}, "no channel as long as time, 't': 3 samples"),
+    ("r.mat", matlab(x=np.ones(3), Fs=10.0), {"fs": 20}, "'fs' says 20 Hz, 'Fs' in the file 10 Hz"),
+    ("r.mat", matlab(x=np.ones(3), t=np.arange(3.0), Fs=10.0), {}, "fs = 10 Hz and the column of time disagree"),
+    ("r.mat", matlab(x=np.ones(3), t=np.arange(3.0), time=np.ones(3)), {}, "'t', 'time' all read like a time"),
+    ("r.csv", "t,seat\n0,1\n1,nan\n", {}, "'seat' has 1 of 2 samples that are not finite, the first at t = 1 s"),
+    ("r.csv", "t,seat\n0,1\n1,1e999\n", {}, "not finite"),
+    ("r.csv", "t,seat\n0,1\nnan,1\n2,2\n", {}, "time stamps are not finite"),
+    ("r.csv", "t,seat\n0,1\n1,1\n3,2\n", {}, "time is irregular"),
+    ("r.csv", "t,seat\n0,1\n1,1\n1,2\n", {}, "time does not increase at 1 of 3 samples"),
+    ("r.csv", "t,seat\n2,1\n1,1\n0,2\n", {"fs": 1}, "run at backwards|disagree"),
+    ("r.csv", GOOD, {"channels": ["seet"]}, "no channel 'seet'. Did you mean 'seat'"),
+    ("r.csv", GOOD, {"channels": ["seat", "seat"]}, "'seat' is asked for twice"),
+    ("r.csv", GOOD, {"channels": ["seat"], "time": "seat"}, "'seat' is asked for twice"),
+    ("r.csv", GOOD, {"time": "clock"}, "no time column 'clock'. Known: 't', 'seat', 'tire'"),
+    ("r.csv", GOOD, {"fs": 0}, "fs=0 Hz must be positive"),
+    ("r.csv", GOOD, {"fs": -5.0}, "must be positive"),
+    ("r.csv", GOOD, {"fs": float("nan")}, "must be positive"),
+    ("r.csv", GOOD, {"fs": 2}, "disagree: the stamps run at 1 Hz"),
+    ("r.csv", "a,b\n0,1\n1,2\n", {}, "no column is named like a time: 'a', 'b'"),
+    ("r.csv", "t [h:m],b\n0,1\n1,2\n", {"time": "t [h:m]"}, r"unit of time in 't \[h:m\]' is not known"),
+    ("r.csv", "t,seat\n0,1\n1,ok\n", {}, "line 3, column 'seat': 'ok' is not a number"),
+    ("r.csv", "t;seat\n0;1\n1;2,5\n", {}, "line 3, column 'seat': '2,5' is not a number; write decimals with a point"),
+    ("r.csv", "t,seat\n0,1\n1,\n", {}, "line 3, column 'seat': the cell is empty"),
+    ("r.csv", "t,seat\n0,1\n1,1_0\n", {}, "line 3, column 'seat': '1_0' is not a number"),
+    ("r.csv", "t,seat\n0,1\n1,2,3\n", {}, r"line 3 has 3 cells, line 1 has 2 \(separated by commas\)"),
+    ("r.csv", 't,seat\n0,1\n1,"2,3\n', {}, "line 3"),
+    ("r.csv", "t,seat\n0,1\n\n1,2\n", {}, "line 3 is empty"),
+    ("r.csv", "t,t\n0,1\n1,2\n", {}, "names 2 columns 't'"),
+    ("r.csv", "t,time\n0,1\n1,2\n", {}, "'t', 'time' all read like a time"),
+    ("r.csv", "0,up\n1,2\n", {"fs": 1}, "line 1 is neither a header nor data: cell 2 is 'up'"),
+    ("r.csv", "once upon\na time\n", {"fs": 1}, "line 2, column 'once upon': 'a time' is not a number"),
+    ("r.csv", "t\n0\n1\n", {}, "no channel as long as time"),
+    ("r.wav", GOOD, {}, r"type '.wav' are not known; known: .csv"),
+    ("r", GOOD, {}, "type '' are not known"),
+]
+
+
+class TestRefusals:
+    @pytest.mark.parametrize(("name", "content", "options", "message"), REFUSED, ids=[row[3][:40] for row in REFUSED])
+    def test_one_line_that_names_file_and_fault(
+        self, tmp_path: Path, name: str, content: str | bytes, options: dict[str, Any], message: str
+    ) -> None:
+        path = written(tmp_path, name, content)
+        with pytest.raises(RecordError, match=message) as refusal:
+            read_record(path, **options)
+        assert str(refusal.value).startswith(f"{path}: ")
+        assert str(refusal.value).isprintable()
+
+    def test_missing_file(self, tmp_path: Path) -> None:
+        with pytest.raises(RecordError, match=r"none\.csv: there is no such file"):
+            read_record(tmp_path / "none.csv")
+
+    def test_folder(self, tmp_path: Path) -> None:
+        with pytest.raises(RecordError, match="is a folder"):
+            read_record(tmp_path)
+
+    def test_path_that_no_file_can_have(self) -> None:
+        for path in ("a\0b.csv", "x" * 5000 + ".csv"):
+            with pytest.raises(RecordError, match=r"no such file|cannot be read"):
+                read_record(path)
+
+    @pytest.mark.skipif(not Path("/proc/self/mem").exists(), reason="needs a file that exists and cannot be read")
+    def test_unreadable_file(self, tmp_path: Path) -> None:
+        os.symlink("/proc/self/mem", tmp_path / "r.csv")
+        with pytest.raises(RecordError, match="cannot be read: "):
+            read_record(tmp_path / "r.csv")
+
+    def test_a_variable_that_stands_twice(self, tmp_path: Path) -> None:
+        once = matlab(x=np.arange(4.0))
+        with pytest.raises(RecordError, match="holds two variables named 'x'"):
+            read_record(written(tmp_path, "r.mat", once + once[128:]), fs=1)
+
+
+class TestAnyBytes:
+    """Whatever stands in a file, it gives a record or a `RecordError`."""
+
+    @FUZZ
+    @given(content=st.binary(max_size=400), suffix=st.sampled_from([".csv", ".txt", ".tsv", ".mat"]))
+    def test_random_bytes(self, tmp_path: Path, content: bytes, suffix: str) -> None:
+        self.record_or_refusal(tmp_path, suffix, content)
+
+    @FUZZ
+    @given(text=st.text("0123456789.,;\t\n\r\"'-+ enaifxt_#µ\u2028", max_size=80))
+    def test_random_text(self, tmp_path: Path, text: str) -> None:
+        self.record_or_refusal(tmp_path, ".csv", text.encode())
+
+    @FUZZ
+    @given(data=st.data(), compressed=st.booleans())
+    def test_damaged_matlab_files(self, tmp_path: Path, data: st.DataObject, compressed: bool) -> None:
+        stream = io.BytesIO()
+        content = {"t": np.arange(9.0), "x": np.ones(9), "s": {"a": [1, "b"]}, "c": np.array(["u", 2], object)}
+        savemat(
+            stream,  # type: ignore[arg-type]  # the stubs know paths only
+            content,
+            do_compression=compressed,
+        )
+        damaged = bytearray(stream.getvalue())
+        for _ in range(data.draw(st.integers(1, 4))):
+            damaged[data.draw(st.integers(0, len(damaged) - 1))] = data.draw(st.integers(0, 255))
+        self.record_or_refusal(tmp_path, ".mat", bytes(damaged))
+
+    @FUZZ
+    @given(content=st.binary(max_size=200))
+    def test_random_bytes_behind_a_true_matlab_header(self, tmp_path: Path, content: bytes) -> None:
+        header = b"MATLAB 5.0 MAT-file".ljust(124) + struct.pack("<HH", 0x0100, 0x4D49)
+        self.record_or_refusal(tmp_path, ".mat", header + content)
+
+    @staticmethod
+    def record_or_refusal(folder: Path, suffix: str, content: bytes) -> None:
+        path = written(folder, f"r{suffix}", content)
+        try:
+            record = read_record(path, fs=100.0)
+        except RecordError as error:
+            message, values = str(error), np.zeros(1)
+        else:
+            message, values = "", np.asarray(record.y)
+        assert message.isprintable()
+        assert np.all(np.isfinite(values))
