@@ -7,7 +7,7 @@ import functools
 import threading
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -24,7 +24,6 @@ SOLVER = "CLARABEL"
 QUANTITIES = ("stiffness", "damping")
 LEAST_STIFFNESS = 1e-6  # of nominal: k > 0 as a closed bound
 LARGEST_STEP = 0.5  # in log k, and in c w / k
-FARTHEST = 7.0  # of |log(k / nominal)|: a factor of 1000
 STARTS = 25
 EXACT = 1e-8  # relative error of poles that counts as none
 BLIND = 1e-8  # of the largest singular value: what the data do not see
@@ -149,7 +148,9 @@ def reconstruct(
             break
     car = problem.suspension(best)
     _check_seen(problem, best, car)
-    residual = _check_fit(problem, modes, car, tolerance)
+    residual, mac = _check_fit(problem, modes, car, tolerance)
+    if mac is not None and not problem.exact(best):
+        notes.append(f"least MAC of the shapes {mac:.4f}")
     ends = [name for name, x, low in zip(problem.names, best, problem.lower, strict=True) if x <= low * (1 + 1e-9)]
     if ends and cost > EXACT:
         notes.append(f"held back by its bound: {', '.join(ends)}")
@@ -292,28 +293,38 @@ class _Problem:
         """
         k, c = self.physical(x)
         n = len(self.car.coordinates)
-        forces = k + self.poles[:, None] * c
-        dynamic = self.poles[:, None, None] ** 2 * np.eye(n) + np.einsum("ms,si,sj->mij", forces, self.arms, self.arms)
+        nodes, target, spacing = self.nodes()
+        forces = k + nodes[:, None] * c
+        dynamic = nodes[:, None, None] ** 2 * np.eye(n) + np.einsum("ms,si,sj->mij", forces, self.arms, self.arms)
         U, S, Vh = np.linalg.svd(dynamic)
         others = np.array([np.prod(np.delete(S, i, axis=1), axis=1) for i in range(n)]).T
-        turn = np.linalg.det(U) * np.linalg.det(Vh) / self.spacing()
+        turn = np.linalg.det(U) * np.linalg.det(Vh)
         adjugate = (Vh.conj().swapaxes(1, 2) * others[:, None, :]) @ U.conj().swapaxes(1, 2)
         per_force = np.einsum("si,mij,sj->ms", self.arms, adjugate, self.arms)
-        slope = turn[:, None] * per_force[:, self.struts] * self.rates(self.poles)
-        return self.real_rows(turn * np.prod(S, axis=1), self.real), self.real_rows(slope, self.real)
+        slope = (turn / spacing)[:, None] * per_force[:, self.struts] * self.rates(nodes)
+        residual = (turn * np.prod(S, axis=1) - target) / spacing
+        return self.real_rows(residual, self.real), self.real_rows(slope, self.real)
 
-    def spacing(self) -> ComplexArray:
-        """Return what `spectral` is divided by, for each pole."""
+    def nodes(self) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
+        """Return where `spectral` takes the determinant, what it should be there, and what it is divided by.
+
+        These are the poles, and zero. Where poles meet (critical damping), the value at one says nothing of the
+        others: as long as all poles are known, points around them do as well.
+        """
         n, size = len(self.car.coordinates), np.abs(self.poles)
         everything = _all_poles(np.concatenate([self.poles, np.zeros(self.rigid)]))
         if len(everything) < 2 * n:
-            return np.asarray(self.poles / size * size ** (2 * n))
-        gaps = self.poles[:, None] - everything
-        # Poles close together (critical damping) must not blow their equations up.
-        gaps = np.where(np.abs(gaps) < 1e-2 * size[:, None], 1e-2 * size[:, None], gaps)
-        own = np.argmin(np.abs(self.poles[:, None] - everything), axis=1)
-        gaps[np.arange(len(own)), own] = size
-        return np.asarray(np.prod(gaps, axis=1))
+            return self.poles, np.zeros_like(self.poles), np.asarray(self.poles / size * size ** (2 * n))
+        near = 0.02 * size
+        nodes = np.where(self.real, self.poles, self.poles.real + 1j * np.maximum(self.poles.imag, near))
+        for i in range(1, len(nodes)):
+            while np.any(np.abs(nodes[:i] - nodes[i]) < near[i]):
+                nodes[i] *= 1.03
+        target = np.prod(nodes[:, None] - everything, axis=1)
+        target[nodes == self.poles] = 0.0
+        gaps = nodes[:, None] - np.concatenate([nodes, nodes[~self.real].conj(), np.zeros(self.rigid)])
+        gaps[np.arange(len(nodes)), np.arange(len(nodes))] = size
+        return nodes, target, np.asarray(np.prod(gaps, axis=1))
 
     def sensitivities(self, x: RealArray) -> tuple[RealArray, RealArray]:
         """Return relative errors of the poles and errors of the shapes (if weighed), and derivatives of both."""
@@ -412,6 +423,10 @@ def _posed(modes: ModalSet, suspension: Suspension, fixed: Sequence[str]) -> tup
         whiten=_whitening(modes, moving, None if poles_alone else shapes) if weighted else None,
         poles_alone=poles_alone and weighted,
     )
+    meeting = pole_distances(poles, _all_poles(poles)) < 1e-4
+    if problem.full and np.sum(meeting) > len(poles) and _blind_shapes(problem):
+        notes.append("shapes not used: poles meet (critical damping), and their shapes with them")
+        problem = replace(problem, shapes=None, observed=[])
     return problem, notes
 
 
@@ -506,7 +521,7 @@ def _starts(problem: _Problem) -> Iterator[RealArray]:
     """Return where to start: by the shapes, else by the poles from nominal, then from others around it."""
     if problem.full:
         residual, slope = problem.linear(np.zeros(len(problem.names)))
-        yield _convex_program(slope, -residual, problem.lower, np.full(len(problem.names), np.exp(FARTHEST)))
+        yield _convex_program(slope, -residual, problem.lower, np.full(len(problem.names), 1e9))
         return
     enough_poles = _pole_equations(problem.real) >= len(problem.names)
     # An additive recurrence by powers of the root of g^(d+1) = g + 1 fills the unit cube evenly.
@@ -622,14 +637,13 @@ def _nearest(poles: ComplexArray, found: ComplexArray) -> NDArray[np.intp]:
 
 
 def _check_seen(problem: _Problem, x: RealArray, car: Suspension) -> None:
-    if problem.full and not problem.poles_alone:
-        _, slope = problem.linear(x)
-    elif problem.shapes is None:
-        _, slope = problem.spectral(x)
+    if problem.shapes is None:
+        slope = problem.spectral(x)[1]
+    elif problem.full and not problem.poles_alone:
+        slope = problem.linear(x)[1]
     else:
-        _, slope = problem.sensitivities(x)
-    _, values, directions = np.linalg.svd(slope * np.where(problem.springs, x, 1.0))
-    blind = directions[np.concatenate([values, np.zeros(len(directions) - len(values))]) <= BLIND * values[0]]
+        slope = problem.sensitivities(x)[1]
+    blind = _unseen(problem, slope, x, BLIND)
     if len(blind):
         weight = np.max(np.abs(blind), axis=0)
         unseen = [name for name, w in zip(problem.names, weight, strict=True) if w > 0.05]
@@ -640,8 +654,21 @@ def _check_seen(problem: _Problem, x: RealArray, car: Suspension) -> None:
         )
 
 
-def _check_fit(problem: _Problem, modes: ModalSet, car: Suspension, tolerance: Ratio) -> float:
-    """Return the relative distance of the worst pole, from the car's own eigenvalues."""
+def _blind_shapes(problem: _Problem) -> bool:
+    """Return whether shapes that meet with their poles leave the linear program short of equations."""
+    x = problem.nominal
+    return len(_unseen(problem, problem.linear(x)[1], x, 1e-4)) > 0
+
+
+def _unseen(problem: _Problem, slope: RealArray, x: RealArray, least: Ratio) -> RealArray:
+    """Return the directions of the unknowns, relative for springs, that equations of this slope do not see."""
+    _, values, directions = np.linalg.svd(slope * np.where(problem.springs, x, 1.0))
+    values = np.concatenate([values, np.zeros(len(directions) - len(values))])
+    return np.asarray(directions[values <= least * values[0]])
+
+
+def _check_fit(problem: _Problem, modes: ModalSet, car: Suspension, tolerance: Ratio) -> tuple[float, float | None]:
+    """Return the relative distance of the worst pole, from the car's own eigenvalues, and the least MAC."""
     found = eigenmodes(car)
     given, every = _all_poles(modes.poles), _all_poles(found.poles)
     size = np.abs(given)
@@ -659,19 +686,21 @@ def _check_fit(problem: _Problem, modes: ModalSet, car: Suspension, tolerance: R
             f"({allowed[worst]:.2%} allowed); check the masses, the order of the modes' channels, and what is held",
             best=car,
         )
-    if problem.shapes is not None and (problem.whiten is None or problem.poles_alone) and found.shapes is not None:
-        shapes = np.hstack([found.shapes, found.shapes[:, found.poles.imag != 0].conj()])[problem.observed]
-        shapes = shapes[:, partner[: len(modes)][modes.poles != 0]]
-        powers = np.sum(np.abs(shapes) ** 2, axis=0) * np.sum(np.abs(problem.shapes) ** 2, axis=0)
-        mac = np.abs(np.sum(shapes.conj() * problem.shapes, axis=0)) ** 2 / powers
-        if np.min(mac) < LEAST_MAC:
-            raise ReconstructionError(
-                f"the nearest suspension has the poles, but not the shape of mode {int(np.argmin(mac)) + 1}: "
-                f"MAC {np.min(mac):.2f} where {LEAST_MAC} is needed; check the names of the channels, or leave the "
-                f"shapes out",
-                best=car,
-            )
-    return float(np.max(error, initial=0.0))
+    residual = float(np.max(error, initial=0.0))
+    if problem.shapes is None or found.shapes is None:
+        return residual, None
+    shapes = np.hstack([found.shapes, found.shapes[:, found.poles.imag != 0].conj()])[problem.observed]
+    shapes = shapes[:, partner[: len(modes)][modes.poles != 0]]
+    powers = np.sum(np.abs(shapes) ** 2, axis=0) * np.sum(np.abs(problem.shapes) ** 2, axis=0)
+    mac = np.abs(np.sum(shapes.conj() * problem.shapes, axis=0)) ** 2 / powers
+    if np.min(mac) < LEAST_MAC and (problem.whiten is None or problem.poles_alone):
+        raise ReconstructionError(
+            f"the nearest suspension has the poles, but not the shape of mode {int(np.argmin(mac)) + 1}: "
+            f"MAC {np.min(mac):.2f} where {LEAST_MAC} is needed; check the names of the channels, or leave the "
+            f"shapes out",
+            best=car,
+        )
+    return residual, float(np.min(mac))
 
 
 def _spread(problem: _Problem, x: RealArray) -> tuple[FrozenMapping | None, FrozenMapping | None]:

@@ -439,6 +439,19 @@ class TestWhatIsSaid:
         mass = 1 / (1 / 10 + 1 / 30)
         assert eigenmodes(answer.suspension).wn[-1] == pytest.approx((1e4 / mass) ** 0.5, rel=1e-6)
 
+    @pytest.mark.parametrize("shapes", [True, False], ids=["shapes", "poles alone"])
+    def test_critical_damping(self, shapes: bool) -> None:
+        """Two real poles meet, and their shapes with them: the poles around them still say all."""
+        struts = [
+            Strut(name="critical", stiffness=1e4, damping=2e3, arms={"a": 1, "road": -1}),
+            Strut(name="light", stiffness=3e4, damping=100.0, arms={"b": 1, "rail": -1}),
+        ]
+        car = Suspension(masses={"a": 100.0, "b": 50.0}, struts=struts)
+        modes = eigenmodes(car) if shapes else without_shapes(eigenmodes(car))
+        answer = reconstruct(modes, changed(car, [0.8, 1.2, 1.2, 0.8]))
+        # A double eigenvalue is known to the root of the rounding error, 1e-8; sum and product to more.
+        assert error(answer.suspension, car) < 1e-7, answer
+
     def test_a_strut_without_spring_stays_a_damper(self) -> None:
         struts = [*two_mass_car().struts, Strut(name="sky", stiffness=0, damping=700, arms={"chassis": 1, "sky": -1})]
         car = Suspension(masses={"chassis": 400, "tire": 40}, struts=struts)
