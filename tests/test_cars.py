@@ -1,0 +1,198 @@
+"""Car descriptions and modes as files: what is written comes back, and what is wrong is named."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from suspid import InputError, ModalSet, Strut, Suspension, quarter_car
+from suspid.cars import car_from_toml, car_to_toml, read_car, write_car
+from suspid.modal_json import modes_from_dict, modes_to_dict, read_modes, to_json
+
+NAMES = st.text(st.characters(codec="utf-8"), min_size=1, max_size=8).filter(lambda n: "." not in n)
+RATES = st.floats(0, 1e300)
+MASSES = st.floats(1e-300, 1e300, exclude_min=True)
+EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
+
+MASSES_TABLE = "[masses]\nbody = 10\n"
+STRUT = '[[struts]]\nname = "leg"\nstiffness = 1e3\ndamping = 2\narms = { body = 1, road = -1 }\n'
+SHORT = "[quarter_car]\nchassis_mass = 4\ntire_mass = 1\nchassis_stiffness = 2e3\ntire_stiffness = 2e4\n"
+
+
+class TestWrittenThenReadIsTheSame:
+    @settings(deadline=None)
+    @given(
+        names=st.lists(NAMES, min_size=2, max_size=3, unique=True),
+        mass=MASSES,
+        stiffness=st.floats(1e-300, 1e300),
+        damping=RATES,
+        arm=st.floats(-1e300, 1e300),
+    )
+    def test_any_names_and_numbers(
+        self, names: list[str], mass: float, stiffness: float, damping: float, arm: float
+    ) -> None:
+        arms = {names[0]: 1.0, names[1]: arm}
+        masses = dict.fromkeys(names[:1], mass)
+        try:
+            car = Suspension(
+                masses=masses, struts=[Strut(name=names[-1], stiffness=stiffness, damping=damping, arms=arms)]
+            )
+        except InputError:
+            return  # two names that could be a slip
+        assert car_from_toml(car_to_toml(car)) == car
+
+    def test_through_a_file(self, tmp_path: Path) -> None:
+        car = read_car(EXAMPLES / "car.toml")
+        write_car(car, tmp_path / "car.toml")
+        assert read_car(tmp_path / "car.toml") == car
+        assert [p.name for p in tmp_path.iterdir()] == ["car.toml"]
+
+
+class TestShortForm:
+    def test_it_is_quarter_car(self) -> None:
+        expected = quarter_car(
+            chassis_mass=4, tire_mass=1, chassis_stiffness=2e3, tire_stiffness=2e4, chassis_damping=30
+        )
+        assert car_from_toml(SHORT + "chassis_damping = 30\n") == expected
+
+
+REFUSED = [
+    ("\n", r"there is no \[masses\]"),
+    ("masses = ", "is not TOML: Invalid value"),
+    ("x = " + "1" * 5000, "is not TOML"),
+    ("x = " + "[" * 5000, "is not TOML"),
+    (MASSES_TABLE, r"there is no \[\[struts\]\]"),
+    (STRUT, r"there is no \[masses\]"),
+    (MASSES_TABLE + STRUT + "[mases]\na = 1\n", "has no use for 'mases'. Did you mean 'masses'"),
+    ("masses = 3\n" + STRUT, r"\[masses\] must be a table, not 3"),
+    ("struts = 3\n" + MASSES_TABLE, r"\[struts\] must be a list"),
+    ("struts = [3]\n" + MASSES_TABLE, r"\[\[struts\]\] number 1 must be a table"),
+    (MASSES_TABLE.replace("10", '"10"') + STRUT, r"\[masses\]: body = '10' must be a number in kg"),
+    (MASSES_TABLE.replace("10", "true") + STRUT, "body = True must be a number in kg"),
+    (MASSES_TABLE.replace("10", "-1") + STRUT, "mass 'body' = -1 kg must be positive"),
+    (MASSES_TABLE.replace("10", "nan") + STRUT, "not finite"),
+    (MASSES_TABLE.replace("10", "1" + "0" * 400) + STRUT, "body is too large"),
+    (MASSES_TABLE + STRUT.replace("damping", "damper"), "'leg' has no use for 'damper'. Did you mean 'damping'"),
+    (MASSES_TABLE + STRUT.replace("damping = 2\n", ""), r"\[\[struts\]\] 'leg': damping is missing"),
+    (MASSES_TABLE + STRUT.replace('name = "leg"\n', ""), r"\[\[struts\]\] number 1: name is missing"),
+    (MASSES_TABLE + STRUT.replace('"leg"', "5"), "name = 5 must be text"),
+    (MASSES_TABLE + STRUT.replace("1e3", '"1e3"'), "'leg': stiffness = '1e3' must be a number in N/m"),
+    (MASSES_TABLE + STRUT.replace("1e3", "-1e3"), "stiffness = -1000 N/m is negative"),
+    (MASSES_TABLE + STRUT.replace("body = 1", 'body = "up"'), "'leg': arms: body = 'up' must be a number"),
+    (MASSES_TABLE + STRUT.replace("{ body = 1, road = -1 }", "[1, -1]"), "arms must be a table"),
+    (MASSES_TABLE + STRUT.replace("body = 1", "bodyy = 1"), "close to 'body'"),
+    (MASSES_TABLE + STRUT + STRUT, "strut name 'leg' stands 2 times"),
+    (SHORT, r"\[quarter_car\]: chassis_damping is missing"),
+    (
+        SHORT + "chasis_damping = 3\n",
+        r"\[quarter_car\] has no use for 'chasis_damping'. Did you mean 'chassis_damping'",
+    ),
+    (SHORT + "chassis_damping = 3\nseat_mass = 1\n", "a car with a seat needs seat_stiffness, seat_damping"),
+    (SHORT + "chassis_damping = 3\n" + MASSES_TABLE, "describes the whole car"),
+    ("quarter_car = 4\n", r"\[quarter_car\] must be a table"),
+]
+
+
+class TestRefusals:
+    @pytest.mark.parametrize(("text", "message"), REFUSED, ids=[message[:40] for _, message in REFUSED])
+    def test_one_line_that_names_file_table_and_key(self, tmp_path: Path, text: str, message: str) -> None:
+        path = tmp_path / "car.toml"
+        path.write_text(text)
+        with pytest.raises(InputError, match=message) as refusal:
+            read_car(path)
+        assert str(refusal.value).startswith(f"{path}: ")
+        assert len(str(refusal.value).splitlines()) == 1
+
+    @settings(deadline=None)
+    @given(text=st.text('[]{}="\n#.,_ masestrudb0123-eEinfx', max_size=60))
+    def test_any_text_gives_a_car_or_a_refusal(self, text: str) -> None:
+        try:
+            car = car_from_toml(text)
+        except InputError:
+            return
+        assert car.masses
+
+
+class TestModesAsJson:
+    @settings(deadline=None)
+    @given(
+        poles=st.lists(st.builds(complex, st.floats(-1e3, 1e3), st.floats(1e-3, 1e3)), min_size=1, max_size=3),
+        channels=st.lists(st.text(max_size=5), min_size=1, max_size=2),
+        seed=st.integers(0, 99),
+    )
+    def test_every_bit_comes_back(self, poles: list[complex], channels: list[str], seed: int) -> None:
+        rng = np.random.default_rng(seed)
+        count = 2 * len(poles) * (1 + len(channels))
+        modes = ModalSet(
+            poles=np.array(poles),
+            shapes=np.asarray(rng.standard_normal((len(channels), len(poles))) * (1 + 0.1j), complex),
+            channels=channels,
+            covariance=np.cov(rng.standard_normal((count, 2 * count))),
+        )
+        back = modes_from_dict(json.loads(to_json(modes_to_dict(modes))))
+        assert back.channels == modes.channels
+        assert back.poles.tobytes() == modes.poles.tobytes()
+        assert back.shapes is not None
+        assert modes.shapes is not None
+        assert back.shapes.tobytes() == modes.shapes.tobytes()
+        assert back.covariance is not None
+        assert modes.covariance is not None
+        assert back.covariance.tobytes() == modes.covariance.tobytes()
+
+    @pytest.mark.parametrize("suffix", [".toml", ".json"])
+    def test_written_by_hand_in_any_order(self, tmp_path: Path, suffix: str) -> None:
+        path = tmp_path / f"modes{suffix}"
+        path.write_text(
+            "[[modes]]\nwn_rad_per_s = 70\nzeta = 0.2\nwn_std_rad_per_s = 0.5\nzeta_std = 0.02\n"
+            "[[modes]]\nwn_rad_per_s = 10\nzeta = 0.3\nwn_std_rad_per_s = 0.1\nzeta_std = 0.01\n"
+            if suffix == ".toml"
+            else '{"modes": [{"wn_rad_per_s": 70, "zeta": 0.2, "wn_std_rad_per_s": 0.5, "zeta_std": 0.02},'
+            '{"wn_rad_per_s": 10, "zeta": 0.3, "wn_std_rad_per_s": 0.1, "zeta_std": 0.01}]}'
+        )
+        modes = read_modes(path)
+        # Tolerances: wn and zeta go through the pole and back.
+        assert modes.wn == pytest.approx([10, 70], rel=1e-14)
+        assert modes.zeta == pytest.approx([0.3, 0.2], rel=1e-14)
+        assert modes.wn_std == pytest.approx([0.1, 0.5], rel=1e-12)
+        assert modes.zeta_std == pytest.approx([0.01, 0.02], rel=1e-12)
+
+    def test_hertz(self) -> None:
+        modes = modes_from_dict({"modes": [{"frequency_hz": 2, "zeta": 0}]})
+        assert modes.wn == pytest.approx([4 * np.pi], rel=1e-15)  # one multiplication
+
+    @pytest.mark.parametrize(
+        ("text", "message"),
+        [
+            ("[", "is not JSON"),
+            ("[" * 100000, "is not JSON"),
+            ("[]", "must hold a JSON object"),
+            ("{}", "there are no modes"),
+            ('{"modes": []}', "there are no modes"),
+            ('{"modes": [3]}', "mode 1 must be an object"),
+            ('{"format": "other", "modes": [{}]}', "format 'other' is not known"),
+            ('{"modes": [{"zeta": 0.1}]}', "mode 1 needs zeta, and wn_rad_per_s or frequency_hz"),
+            ('{"modes": [{"wn": 1, "zeta": 0.1}]}', "mode 1 has no use for 'wn'"),
+            ('{"modes": [{"frequency_hz": "2", "zeta": 0.1}]}', "mode 1: frequency_hz = '2' must be a number"),
+            ('{"modes": [{"frequency_hz": NaN, "zeta": 0.1}]}', "must be finite"),
+            ('{"modes": [{"frequency_hz": 2, "zeta": 1.5}]}', "zeta = 1.5 a ratio below 1"),
+            ('{"modes": [{"frequency_hz": 2, "wn_rad_per_s": 2, "zeta": 0}]}', "frequency_hz = 2 is at odds"),
+            ('{"modes": [{"pole_rad_per_s": [-6, 8], "zeta": 0.5}]}', "zeta = 0.5 is at odds with the rest.* 0.6"),
+            ('{"modes": [{"pole_rad_per_s": [1]}]}', "must be a real and an imaginary part"),
+            ('{"modes": [{"pole_rad_per_s": [-6, 8], "zeta_std": 1}]}', "give both wn_std_rad_per_s and zeta_std"),
+            ('{"modes": [{"pole_rad_per_s": [-6, 8], "shape": []}]}', "shape must be a list"),
+            ('{"modes": [{"pole_rad_per_s": [-6, 8]}], "covariance": [[1, 2]]}', "square list"),
+            ('{"modes": [{"pole_rad_per_s": [-6, 8]}], "covariance": [[1]]}', "covariance has shape"),
+            ('{"modes": [{"pole_rad_per_s": [-6, 8]}], "channels": 4}', "must be a list of names"),
+        ],
+    )
+    def test_refusals(self, tmp_path: Path, text: str, message: str) -> None:
+        path = tmp_path / "modes.json"
+        path.write_text(text)
+        with pytest.raises(InputError, match=message) as refusal:
+            read_modes(path)
+        assert str(refusal.value).startswith(f"{path}: ")

@@ -1,0 +1,212 @@
+"""The command: its results, its exit codes, and what it leaves behind."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+
+from suspid import eigenmodes
+from suspid.cars import read_car
+from suspid.cli import main
+from suspid.records import read_record
+
+ROOT = Path(__file__).resolve().parents[1]
+DATA = ROOT.parent / "shared" / "data"
+EXAMPLES = ROOT / "examples"
+CAR, NOMINAL, RECORD = EXAMPLES / "car.toml", EXAMPLES / "nominal_car.toml", EXAMPLES / "quarter_car.csv"
+RECIPE = ["--fs", "500", "--duration", "10", "--initial", "v_tire=1", "--snr", "20", "--seed", "2011", "--digits", "5"]
+
+
+def run(*arguments: object) -> Result:
+    return CliRunner().invoke(main, [str(argument) for argument in arguments])
+
+
+class TestFromRecordToSprings:
+    def test_the_committed_record_is_what_simulate_makes(self, tmp_path: Path) -> None:
+        result = run("simulate", CAR, "-o", tmp_path / "r.csv", *RECIPE)
+        assert result.exit_code == 0, result.output
+        made, committed = read_record(tmp_path / "r.csv"), read_record(RECORD)
+        # Other processors round the exponentials otherwise, in the last printed digit.
+        np.testing.assert_allclose(made.y, committed.y, rtol=1.1e-4, atol=1e-12)
+        assert made.time.tolist() == committed.time.tolist()
+        assert RECORD.stat().st_size < 400_000
+
+    def test_there_and_back(self, tmp_path: Path) -> None:
+        found = run("identify", RECORD, "--modes", 3, "--json", tmp_path / "m.json", "--plot", tmp_path / "p.png")
+        assert found.exit_code == 0, found.output
+        for heading in ("f [Hz]", "wn [rad/s]", "zeta [1]", "±", "noise std", "from [s]", "5000 samples at 500 Hz"):
+            assert heading in found.stdout
+        assert (tmp_path / "p.png").read_bytes().startswith(b"\x89PNG")
+        content = json.loads((tmp_path / "m.json").read_text())
+        truth = eigenmodes(read_car(CAR))
+        for mode, wn, zeta in zip(content["modes"], truth.wn, truth.zeta, strict=True):
+            # Five standard deviations: one false alarm in two million.
+            assert abs(mode["wn_rad_per_s"] - wn) < 5 * mode["wn_std_rad_per_s"]
+            assert abs(mode["zeta"] - zeta) < 5 * mode["zeta_std"]
+        back = run("reconstruct", tmp_path / "m.json", NOMINAL, "-o", tmp_path / "car.toml")
+        assert back.exit_code == 0, back.output
+        assert "stiffness [N/m]" in back.stdout
+        for strut, true in zip(read_car(tmp_path / "car.toml").struts, read_car(CAR).struts, strict=True):
+            assert strut.stiffness == pytest.approx(true.stiffness, rel=0.01)  # the record has 20 dB of noise
+        assert sorted(p.name for p in tmp_path.iterdir()) == ["car.toml", "m.json", "p.png"]
+
+    def test_exact_modes_give_the_car_back(self, tmp_path: Path) -> None:
+        assert run("modes", CAR, "--json", tmp_path / "m.json").exit_code == 0
+        result = run("reconstruct", tmp_path / "m.json", NOMINAL, "-o", tmp_path / "car.toml")
+        assert result.exit_code == 0, result.output
+        for strut, true in zip(read_car(tmp_path / "car.toml").struts, read_car(CAR).struts, strict=True):
+            assert strut.stiffness == pytest.approx(true.stiffness, rel=1e-5)  # what reconstruct promises
+            assert strut.damping == pytest.approx(true.damping, rel=1e-5)
+
+    def test_the_band_is_in_hertz(self, tmp_path: Path) -> None:
+        result = run("identify", RECORD, "--band", 6, 10, "--modes", 1, "--json", tmp_path / "m.json")
+        assert result.exit_code == 0, result.output
+        (mode,) = json.loads((tmp_path / "m.json").read_text())["modes"]
+        assert mode["frequency_hz"] == pytest.approx(eigenmodes(read_car(CAR)).wn[1] / (2 * np.pi), rel=0.01)  # noise
+
+    @pytest.mark.skipif(not DATA.exists(), reason="no shared data")
+    def test_a_measured_structure(self, tmp_path: Path) -> None:
+        file = DATA / "vibtest_inout_mat" / "case1.mat"
+        result = run("identify", file, "--channel", "Time_chan_2", "--fs", 1280, "--json", tmp_path / "m.json")
+        assert result.exit_code == 0, result.output
+        modes = json.loads((tmp_path / "m.json").read_text())["modes"]
+        nearest = min(modes, key=lambda mode: abs(mode["frequency_hz"] - 212.1))
+        assert abs(nearest["frequency_hz"] - 212.1) < 0.1  # five other methods scatter by 0.02 Hz
+        assert 8e-4 < nearest["zeta"] < 1e-3
+
+    def test_a_mode_above_half_the_rate_is_said(self, tmp_path: Path) -> None:
+        result = run("simulate", CAR, "-o", tmp_path / "r.csv", "--fs", 20, "--impulse", "road")
+        assert result.exit_code == 0
+        assert "suspid: warning: a mode at 13.34 Hz lies above half the sampling rate" in result.stderr
+
+
+class TestExitCodes:
+    @pytest.mark.parametrize(
+        ("arguments", "message"),
+        [
+            (("identify", "none.csv"), "none.csv: there is no such file"),
+            (("identify", EXAMPLES), "is a folder"),
+            (("identify", CAR), "type '.toml' are not known"),
+            (("identify", RECORD, "--channel", "seta"), "no channel 'seta'. Did you mean 'seat'"),
+            (("identify", RECORD, "--time", "clock"), "no time column 'clock'"),
+            (("identify", RECORD, "--fs", "400"), "disagree"),
+            (("identify", RECORD, "--band", "300", "400"), "band"),
+            (("identify", RECORD, "--modes", "40"), "found|stand"),
+            (("identify", RECORD, "--plot", "p.xyz"), "pictures of type '.xyz' are not known"),
+            (("identify", RECORD, "--plot", "p"), "pictures of type '' are not known"),
+            (("identify", RECORD, "--json", "none/m.json"), "m.json: cannot be written: there is no folder"),
+            (("identify", RECORD, "--json", "."), "is a folder"),
+            (("reconstruct", "none.json", CAR), "none.json: there is no such file"),
+            (("reconstruct", RECORD, CAR), "is not JSON"),
+            (("modes", RECORD), "is not TOML"),
+            (("simulate", CAR, "-o", "r.txt", "--impulse", "road"), "written as .csv"),
+            (("simulate", CAR, "-o", "r.csv", "--impulse", "raod"), "no input 'raod'. Did you mean 'road'"),
+            (("simulate", CAR, "-o", "r.csv", "--initial", "v_tyre=1"), "no state 'v_tyre'. Did you mean 'v_tire'"),
+            (("simulate", CAR, "-o", "r.csv", "--impulse", "road", "--channel", "sead"), "no output 'sead'"),
+        ],
+    )
+    def test_refused_with_one_line(
+        self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: tuple[object, ...], message: str
+    ) -> None:
+        monkeypatch.chdir(tmp_path)
+        result = run(*arguments)
+        assert result.exit_code == 1, result.output
+        assert result.stdout == ""
+        lines = result.stderr.splitlines()
+        assert len(lines) == 1
+        assert lines[0].startswith("suspid: error: ")
+        assert any(part in lines[0] for part in message.split("|"))
+        assert list(tmp_path.iterdir()) == []
+
+    @pytest.mark.parametrize(
+        "arguments",
+        [
+            ("fly",),
+            ("identify",),
+            ("identify", RECORD, "--fs", "0"),
+            ("identify", RECORD, "--fs", "nan"),
+            ("identify", RECORD, "--fs", "fast"),
+            ("identify", RECORD, "--modes", "0"),
+            ("identify", RECORD, "--band", "5", "2"),
+            ("identify", RECORD, "--method", "magic"),
+            ("simulate", CAR, "-o", "r.csv"),
+            ("simulate", CAR, "--impulse", "road"),
+            ("simulate", CAR, "-o", "r.csv", "--impulse", "road", "--initial", "v_tire=1"),
+            ("simulate", CAR, "-o", "r.csv", "--initial", "v_tire"),
+            ("simulate", CAR, "-o", "r.csv", "--initial", "v_tire=fast"),
+            ("simulate", CAR, "-o", "r.csv", "--initial", "v_tire=1", "--initial", "v_tire=2"),
+            ("simulate", CAR, "-o", "r.csv", "--impulse", "road", "--snr", "20"),
+            ("simulate", CAR, "-o", "r.csv", "--impulse", "road", "--duration", "1e12"),
+        ],
+    )
+    def test_usage(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: tuple[object, ...]) -> None:
+        monkeypatch.chdir(tmp_path)
+        result = run(*arguments)
+        assert result.exit_code == 2, result.output
+        assert "Error:" in result.stderr
+        assert list(tmp_path.iterdir()) == []
+
+
+class TestNothingHalfWritten:
+    def test_an_existing_file_survives_a_failure(self, tmp_path: Path) -> None:
+        (tmp_path / "m.json").write_text("kept")
+        assert run("identify", tmp_path / "none.csv", "--json", tmp_path / "m.json").exit_code == 1
+        assert (tmp_path / "m.json").read_text() == "kept"
+        assert [p.name for p in tmp_path.iterdir()] == ["m.json"]
+
+    def test_an_output_that_cannot_be_written_is_found_before_the_record_is_read(self, tmp_path: Path) -> None:
+        result = run("identify", tmp_path / "none.csv", "--json", tmp_path / "none" / "m.json")
+        assert "m.json: cannot be written" in result.stderr
+
+    def test_a_link_is_followed_and_a_device_is_written_to(self, tmp_path: Path) -> None:
+        (tmp_path / "link.json").symlink_to(tmp_path / "m.json")
+        assert run("modes", CAR, "--json", tmp_path / "link.json").exit_code == 0
+        assert (tmp_path / "link.json").is_symlink()
+        assert json.loads((tmp_path / "m.json").read_text())["format"] == "suspid modes 1"
+        assert run("modes", CAR, "--json", os.devnull).exit_code == 0
+        assert not Path(os.devnull).is_file()
+
+
+class TestTextFromFiles:
+    def test_escape_sequences_do_not_reach_the_terminal(self, tmp_path: Path) -> None:
+        record = read_record(RECORD)
+        rows = "".join(f"{t!r},{v!r}\n" for t, v in zip(record.time.tolist(), record.y[0].tolist(), strict=True))
+        path = tmp_path / "r.csv"
+        path.write_text("t,\x1b[2Jseat\u202e\n" + rows)
+        result = run("identify", path)
+        assert result.exit_code == 0, result.output
+        assert "\\x1b[2Jseat\\u202e" in result.stdout
+        path.write_text("t,\x1b[2Jseat\n0,1\n1,up\n")
+        refused = run("identify", path)
+        for text in (result.stdout, refused.stderr):
+            assert "\x1b" not in text
+            assert "\u202e" not in text
+
+
+class TestAsAProcess:
+    def test_help_imports_none_of_the_heavy_libraries(self) -> None:
+        code = (
+            "import sys\nfrom suspid.cli import main\n"
+            "try: main(['--help'])\n"
+            "except SystemExit as end: assert end.code == 0\n"
+            "heavy = {'control', 'cvxpy', 'matplotlib', 'pywt', 'scipy.signal', 'scipy.stats', 'scipy.io'}\n"
+            "assert not heavy & set(sys.modules), heavy & set(sys.modules)\n"
+        )
+        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120)
+        assert done.returncode == 0, done.stderr
+        assert "identify" in done.stdout
+
+    def test_a_terminal_without_plus_minus_and_an_empty_home(self, tmp_path: Path) -> None:
+        environment = {"PATH": os.environ["PATH"], "HOME": str(tmp_path), "PYTHONIOENCODING": "iso8859_5"}
+        command = [sys.executable, "-c", "from suspid.cli import main; main()", "identify", str(RECORD)]
+        done = subprocess.run(command, capture_output=True, env=environment, timeout=120)
+        assert done.returncode == 0, done.stderr
+        assert b"\\xb1" in done.stdout
+        assert done.stderr == b""
