@@ -19,6 +19,7 @@ LAYERS = [
     ["modes", "signals", "matlab"],
     ["simulation", "records", "cars", "denoising", "scalogram"],
     ["ridges", "likelihood"],
+    ["selection"],
     ["identification"],
     ["reconstruction"],
     ["comparison"],
