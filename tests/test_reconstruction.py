@@ -337,6 +337,26 @@ class TestUncertainty:
                 found.append(error(reconstruct(seen, car).suspension, car))
         assert np.median(errors[True]) < 0.1 * np.median(errors[False])
 
+    def test_a_complex_scale_of_shapes_and_their_covariance_changes_nothing(self) -> None:
+        """Real and imaginary parts of the shapes differ in certainty, so their turning must be followed."""
+        car, modes = heavy_car(), self.noisy(heavy_car(), np.random.default_rng(7))
+        assert modes.shapes is not None
+        assert modes.covariance is not None
+        uneven = np.diag(modes.covariance) * np.tile([1.0, 100.0], 12)
+        factors = np.array([2.0j, -0.3 + 0.4j, 1.0 - 5.0j])
+        turn = np.eye(24)
+        for row, g in enumerate(np.repeat(factors, 3)):
+            turn[6 + 2 * row : 8 + 2 * row, 6 + 2 * row : 8 + 2 * row] = [[g.real, -g.imag], [g.imag, g.real]]
+        plain, turned = (
+            reconstruct(ModalSet(poles=modes.poles, shapes=shapes, channels=modes.channels, covariance=c), car)
+            for shapes, c in ((modes.shapes, np.diag(uneven)), (modes.shapes * factors, turn * uneven @ turn.T))
+        )
+        # To first order alone: which coordinate is the reference may change.
+        assert error(turned.suspension, plain.suspension) < 1e-6
+        assert turned.stiffness_std is not None
+        assert plain.stiffness_std is not None
+        assert list(turned.stiffness_std.values()) == pytest.approx(list(plain.stiffness_std.values()), rel=1e-3)
+
     def test_exact_modes_have_none(self) -> None:
         answer = reconstruct(eigenmodes(heavy_car()), heavy_car())
         assert answer.stiffness_std is None
@@ -395,6 +415,19 @@ class TestRefusals:
         swapped = ModalSet(poles=modes.poles, shapes=modes.shapes, channels=("tire", "chassis", "seat"))
         with pytest.raises(ReconstructionError, match=r"MAC|off by"):
             reconstruct(swapped, paper_car())
+
+    def test_right_poles_with_the_shapes_of_other_modes(self) -> None:
+        """Where the poles alone are weighed, they can be met whatever the shapes are."""
+        modes = eigenmodes(heavy_car())
+        assert modes.shapes is not None
+        measured = ModalSet(
+            poles=modes.poles,
+            shapes=modes.shapes[:, [0, 2, 1]],
+            channels=modes.channels,
+            covariance=1e-4 * np.eye(6),
+        )
+        with pytest.raises(ReconstructionError, match="MAC"):
+            reconstruct(measured, heavy_car())
 
     @pytest.mark.parametrize("name", ["tyre.damping", "tire.dampin", "wheel"])
     def test_an_unknown_name_is_told_its_nearest(self, name: str) -> None:
