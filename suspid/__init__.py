@@ -10,6 +10,8 @@
      2   11.6775       73.3716    0.259608
 """
 
+from suspid.comparison import Comparison, compare
+from suspid.denoising import denoise
 from suspid.errors import (
     IdentificationError,
     InputError,
@@ -17,8 +19,10 @@ from suspid.errors import (
     RecordError,
     SuspidError,
 )
-from suspid.identification import Identification, identify
+from suspid.identification import Considered, FourSteps, Identification, identify
 from suspid.modes import Interval, ModalSet, eigenmodes
+from suspid.reconstruction import Reconstruction, reconstruct
+from suspid.records import read_record, write_record
 from suspid.ridges import Ridge, SkeletonFit, Window, find_ridges, fit_ridges
 from suspid.scalogram import BandwidthSearch, Morlet, Scalogram, best_bandwidth, cwt
 from suspid.simulation import add_noise, free_decay
@@ -30,12 +34,14 @@ __all__ = [  # noqa: RUF022 - grouped by step
     "Strut", "Suspension", "quarter_car", "statespace",
     # its modes
     "ModalSet", "Interval", "eigenmodes",
-    # its responses
-    "free_decay", "add_noise",
+    # its responses, and measured ones
+    "free_decay", "add_noise", "read_record", "write_record", "denoise",
     # a record's modes, at once or step by step
-    "identify", "Identification",
+    "identify", "Identification", "FourSteps", "Considered",
     "best_bandwidth", "BandwidthSearch", "cwt", "Scalogram", "Morlet",
     "find_ridges", "Ridge", "Window", "fit_ridges", "SkeletonFit",
+    # back to springs and dampers, and how near that is
+    "reconstruct", "Reconstruction", "compare", "Comparison",
     # what goes wrong
     "SuspidError", "InputError", "RecordError", "IdentificationError", "ReconstructionError",
 ]

@@ -4,32 +4,125 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from tabulate import tabulate
 
 from suspid.errors import IdentificationError, InputError
+from suspid.exponentials import blocks_of, synthesize
+from suspid.likelihood import joint_covariance
 from suspid.modes import ModalSet
 from suspid.ridges import Ridge, SkeletonFit, find_ridges, fit_ridges, fit_skeleton, sample_noise
 from suspid.scalogram import BandwidthSearch, Scalogram, best_bandwidth, cwt
+from suspid.selection import Selection, select
 from suspid.signals import Signal, as_response, as_signal
 from suspid.units import ComplexArray, RadianPerSecond, RealArray
-from suspid.values import frozen_real
+from suspid.values import frozen_real, text_table
 
 if TYPE_CHECKING:
     import control
 
 # Rows of the scalogram per octave: a third of the width of the narrowest row in use.
 PER_OCTAVE = 24
-# The band unless one is given: from this many cycles in the record to this share of the Nyquist frequency.
+# Where ridges are looked for: from this many cycles in the record to this share of the Nyquist frequency.
 LEAST_CYCLES = 4.0
 HIGHEST = 0.9
 # Each ridge may use the wavelet of least entropy or one shorter by these factors.
 SHORTER = (1.0, 0.5, 0.25, 0.125)
-FEWEST_SAMPLES = 64
+FEWEST_SAMPLES = 32
+# How many of the poles that are no modes the table shows.
+MOST_SHOWN = 6
+# No sensor resolves less than this share of a channel's peak: what is smaller is rounding and is not modelled.
+FINEST = 1e-11
 
-Method = Literal["ridge"]
+Method = Literal["likelihood", "ridge"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class FourSteps:
+    """The paper's four steps on one record, each computed when first asked for.
+
+    Parameters
+    ----------
+    response : control.TimeResponseData
+        The record less its mean.
+    count : int or None
+        How many ridges; None: all that stand out.
+    omega : ndarray (row,)
+        Angular frequencies of the rows [rad/s].
+    bandwidth : float or None
+        N of the wavelet; None: that of least entropy.
+    candidates : tuple of float
+        Bandwidths among which to choose.
+    """
+
+    response: control.TimeResponseData
+    count: int | None
+    omega: RealArray
+    bandwidth: float | None
+    candidates: tuple[float, ...]
+
+    @cached_property
+    def search(self) -> BandwidthSearch | None:
+        """Step 1: entropy against bandwidth; None if the bandwidth was given."""
+        if self.bandwidth is not None:
+            return None
+        return best_bandwidth(self.response, omega=self.omega, candidates=self.candidates)
+
+    @cached_property
+    def scalogram(self) -> Scalogram:
+        """Step 2: the transform with the bandwidth given or of least entropy."""
+        bandwidth = self.bandwidth if self.search is None else self.search.best
+        assert bandwidth is not None
+        return cwt(self.response, omega=self.omega, bandwidth=bandwidth)
+
+    @cached_property
+    def ridges(self) -> tuple[Ridge, ...]:
+        """Step 3: each ridge with the wavelet, of that one and shorter ones, that leaves its pole least uncertain."""
+        attempts: list[tuple[Ridge, ...]] = []
+        failure: IdentificationError | None = None
+        for factor in SHORTER:
+            transform = self.scalogram
+            if factor != 1.0:
+                bandwidth = self.scalogram.wavelet.bandwidth * factor
+                transform = cwt(self.response, omega=self.omega, bandwidth=bandwidth)
+            try:
+                attempts.append(find_ridges(transform, count=self.count))
+            except IdentificationError as error:
+                failure = failure or error
+        if not attempts:
+            assert failure is not None
+            raise failure
+        steady = []
+        for ridge in attempts[0]:
+            same = [r for other in attempts for r in other if abs(np.log(r.omega / ridge.omega)) < 0.02]
+            steady.append(min(same, key=lambda r: fit_skeleton(r).variance))
+        return tuple(steady)
+
+    @cached_property
+    def modes(self) -> ModalSet:
+        """Step 4: modes from the lines through the skeletons."""
+        return fit_ridges(self.ridges)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Considered:
+    """A pole that was met on the way and is not among the modes.
+
+    Parameters
+    ----------
+    pole : complex
+        Where it lies [rad/s].
+    reason : str
+        Why it is no mode.
+    removed : bool
+        Whether its motion was taken out of the record with the fit (a tone, a drift), or left in the residual.
+    """
+
+    pole: complex
+    reason: str
+    removed: bool
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -40,36 +133,57 @@ class Identification:
     ----------
     response : control.TimeResponseData
         The record.
-    method : str
+    method : {"likelihood", "ridge"}
         How it was identified.
     modes : ModalSet
         The modes, with their uncertainty.
-    ridge_modes : ModalSet
-        The modes from the ridges alone.
-    scalogram : Scalogram
-        The transform of the record less its mean, with the wavelet of least entropy.
-    ridges : tuple of Ridge
-        One per ridge mode, each with its own wavelet, skeleton and window.
-    bandwidth_search : BandwidthSearch or None
-        Entropy against bandwidth; None if the bandwidth was given.
     fitted : control.TimeResponseData
-        The free decay of `modes`, best fitted to the record; zero before the onset.
+        The motion that was found (with offset, tones and drift), as it fits the record.
     residual : control.TimeResponseData
         The record less `fitted`.
     noise_std : ndarray (channel,)
         Standard deviation of the noise, in the unit of each channel.
+    loudness : ndarray (mode,)
+        Power of the residual near each mode over that of the noise [1]; where it is above 1 the
+        covariance of the modes is widened by it. Ones for method "ridge".
+    considered : tuple of Considered
+        What else was met, and why it is no mode.
+    steps : FourSteps
+        The wavelet's view of the record.
     """
 
     response: control.TimeResponseData
     method: Method
     modes: ModalSet
-    ridge_modes: ModalSet
-    scalogram: Scalogram
-    ridges: tuple[Ridge, ...]
-    bandwidth_search: BandwidthSearch | None
     fitted: control.TimeResponseData
     residual: control.TimeResponseData
     noise_std: RealArray
+    loudness: RealArray
+    considered: tuple[Considered, ...]
+    steps: FourSteps
+
+    @property
+    def bandwidth_search(self) -> BandwidthSearch | None:
+        """Entropy against bandwidth; None if the bandwidth was given."""
+        return self.steps.search
+
+    @property
+    def scalogram(self) -> Scalogram:
+        """The transform of the record less its mean."""
+        return self.steps.scalogram
+
+    @property
+    def ridges(self) -> tuple[Ridge, ...]:
+        """The ridges that stand out, each with its own wavelet, skeleton and window; perhaps none."""
+        try:
+            return self.steps.ridges
+        except IdentificationError:
+            return ()
+
+    @property
+    def ridge_modes(self) -> ModalSet:
+        """The modes from the ridges alone; perhaps none."""
+        return fit_ridges(self.ridges) if self.ridges else _no_modes(as_signal(self.response))
 
     @property
     def lines(self) -> tuple[SkeletonFit, ...]:
@@ -78,32 +192,57 @@ class Identification:
 
     @property
     def explained(self) -> RealArray:
-        """Share of each channel's energy about its mean that the fit explains, from the onset on [1], (channel,)."""
-        signal, residual = as_signal(self.response), as_signal(self.residual)
-        since = signal.timepts >= min(ridge.onset for ridge in self.ridges) if self.ridges else slice(None)
-        record = signal.values[:, since] - signal.values[:, since].mean(axis=1, keepdims=True)
-        energy = np.sum(record**2, axis=1)
-        left = np.sum(residual.values[:, since] ** 2, axis=1)
-        return np.asarray(1 - left / np.where(energy > 0, energy, 1.0))
+        """Share of each channel's energy about its mean that the fit explains [1], (channel,)."""
+        signal, left = as_signal(self.response).values, as_signal(self.residual).values
+        energy = np.sum((signal - signal.mean(axis=1, keepdims=True)) ** 2, axis=1)
+        return np.asarray(1 - np.sum(left**2, axis=1) / np.where(energy > 0, energy, 1.0))
+
+    @property
+    def whiteness(self) -> RealArray:
+        """Correlation of each channel's residual with itself one sample later [1], (channel,): 0 for white noise."""
+        left = as_signal(self.residual).values
+        power = np.sum(left**2, axis=1)
+        return np.asarray(np.sum(left[:, 1:] * left[:, :-1], axis=1) / np.where(power > 0, power, 1.0))
+
+    @property
+    def collinearity(self) -> RealArray:
+        """Modal phase collinearity [1], (mode,): 1 if all channels move in phase or in antiphase, 0 if they circle."""
+        assert self.modes.shapes is not None
+        re, im = self.modes.shapes.real, self.modes.shapes.imag
+        xx, yy, xy = np.sum(re**2, axis=0), np.sum(im**2, axis=0), np.sum(re * im, axis=0)
+        total = np.where(xx + yy > 0, xx + yy, 1.0)
+        return np.asarray(((xx - yy) ** 2 + 4 * xy**2) / total**2)
 
     def __str__(self) -> str:
-        signal = as_signal(self.response)
+        if len(self.modes):
+            found = str(self.modes)
+        else:
+            found = "no mode: nothing in the record decays like one and stands above its noise"
         channels = {
-            "channel": signal.channels,
+            "channel": as_signal(self.response).channels,
             "explained": [f"{100 * share:.2f} %" for share in self.explained],
             "noise std": [f"{std:.3g}" for std in self.noise_std],
+            "lag-1 correlation": [f"{value:+.2f}" for value in self.whiteness],
         }
-        windows = {
-            "ridge [rad/s]": [f"{ridge.omega:.5g}" for ridge in self.ridges],
-            "N": [f"{ridge.wavelet.bandwidth:.3g}" for ridge in self.ridges],
-            "from [s]": [f"{ridge.window.start:.3g}" for ridge in self.ridges],
-            "to [s]": [f"{ridge.window.stop:.3g}" for ridge in self.ridges],
-            "ends at": [ridge.window.reason for ridge in self.ridges],
-        }
-        parts = [str(self.modes)] + [
-            tabulate(columns, headers="keys", disable_numparse=True, stralign="right")
-            for columns in (windows, channels)
-        ]
+        parts = [found]
+        loud = [f"{ratio:.3g} times beside mode {i + 1}" for i, ratio in enumerate(self.loudness) if ratio > 1]
+        if loud:
+            parts.append(
+                f"The residual is louder than the noise, {', '.join(loud)}: the decay is not quite linear, "
+                f"or not alone; the intervals are widened for it."
+            )
+        if self.method == "ridge":
+            parts.append(text_table(_ridge_columns(self.ridges)))
+        parts.append(text_table(channels))
+        if self.considered:
+            shown = self.considered[:MOST_SHOWN]
+            others = {
+                "considered: wn [rad/s]": [f"{abs(c.pole):.5g}" for c in shown],
+                "zeta [1]": [f"{-c.pole.real / max(abs(c.pole), 1e-300):.3g}" for c in shown],
+                "not a mode because": [c.reason for c in shown],
+            }
+            more = len(self.considered) - len(shown)
+            parts.append(text_table(others) + (f"\n… and {more} more in .considered" if more else ""))
         return "\n\n".join(parts)
 
 
@@ -111,29 +250,34 @@ def identify(
     response: control.TimeResponseData,
     *,
     modes: int | None = None,
-    method: Method = "ridge",
+    method: Method = "likelihood",
     band: tuple[RadianPerSecond, RadianPerSecond] | None = None,
     bandwidth: float | None = None,
     candidates: Iterable[float] = range(1, 51),
 ) -> Identification:
     """Return the modes of a free decay.
 
-    The paper's four steps: the bandwidth N of least wavelet entropy; the transform with it; ridges
-    and skeletons; lines through them. Where a wavelet of that N is so long that the edges eat the
-    skeleton, N / 2, N / 4 and N / 8 are tried, and each ridge keeps the one that leaves its pole
-    the smallest standard deviation. The mean of each channel is taken off first.
+    "likelihood" fits the poles of all channels jointly: sums of damped exponentials with amplitudes of
+    their own and an offset in every channel, in white noise of unknown level. Poles are added while
+    the record pays for them by BIC; tones, drifts and the like are fitted but are no modes. The
+    covariance is that of the Cramér-Rao bound at the estimate, widened where the residual is not noise.
+
+    "ridge" is the paper's four steps: the bandwidth N of least wavelet entropy; the transform with it;
+    ridges and skeletons; lines through them. Where a wavelet of that N is so long that the edges eat
+    the skeleton, N / 2, N / 4 and N / 8 are tried, and each ridge keeps the one that leaves its pole
+    the smallest standard deviation. It needs light damping.
 
     Parameters
     ----------
     response : control.TimeResponseData
-        A free decay, uniformly sampled; all channels are used together.
+        A free decay from its first sample on, uniformly sampled; all channels are used together.
     modes : int, optional
-        How many modes. Default: all that stand out.
-    method : {"ridge"}
-        "ridge": the paper's method, for light damping.
+        How many modes. Default: as many as the record supports.
+    method : {"likelihood", "ridge"}
+        See above.
     band : (float, float), optional
-        Angular frequencies between which to look [rad/s]. Default: from four cycles in the record
-        to 0.9 of the Nyquist frequency.
+        Angular frequencies between which to look [rad/s]. Default: all; for the ridges from four
+        cycles in the record to 0.9 of the Nyquist frequency.
     bandwidth : float, optional
         N of the wavelet. Default: that of least entropy among ``candidates``.
     candidates : iterable of float
@@ -142,7 +286,8 @@ def identify(
     Returns
     -------
     Identification
-        Modes with uncertainty, and the ridges, lines, fit and residual behind them.
+        Modes with uncertainty, and all that is needed to judge them. Without ``modes``, the likelihood
+        may return no mode at all, and the table says so.
 
     Raises
     ------
@@ -154,42 +299,153 @@ def identify(
     Examples
     --------
     >>> import numpy as np
-    >>> from suspid import free_decay, quarter_car
+    >>> from suspid import add_noise, free_decay, quarter_car
     >>> car = quarter_car(seat_mass=200, chassis_mass=200, tire_mass=200,
     ...                   seat_stiffness=200e3, chassis_stiffness=400e3, tire_stiffness=800e3,
     ...                   seat_damping=300, chassis_damping=200, tire_damping=100)
     >>> record = free_decay(car, np.arange(0, 10, 0.002), initial_state={"v_tire": 1.0})
-    >>> identify(record, modes=3).modes.wn.round(4)
+    >>> identify(record).modes.wn.round(4)
     array([21.2737, 50.1386, 83.8549])
+    >>> noisy = add_noise(record, snr_db=20.0, rng=np.random.default_rng(1))
+    >>> len(identify(noisy).modes)
+    3
     """
-    if method != "ridge":
-        raise InputError(f"{method=} is unknown; the methods are 'ridge'")
+    if method not in ("likelihood", "ridge"):
+        raise InputError(f"{method=} is unknown; the methods are 'likelihood' and 'ridge'")
+    if modes is not None and modes < 1:
+        raise InputError(f"{modes=}: ask for at least one mode, or leave it out to find out")
     signal = as_signal(response, least=FEWEST_SAMPLES)
     centred = signal.values - signal.values.mean(axis=1, keepdims=True)
-    if not np.any(np.abs(centred) > 1e-12 * np.max(np.abs(signal.values))):
-        raise IdentificationError(f"every channel is constant ({', '.join(signal.channels)}): there is no decay in it")
-    about_mean = as_response(signal.timepts, centred, signal.channels)
-    omega = _rows(signal, band)
-    search = None
-    if bandwidth is None:
-        search = best_bandwidth(about_mean, omega=omega, candidates=candidates)
-        bandwidth = search.best
-    scalogram = cwt(about_mean, omega=omega, bandwidth=bandwidth)
-    ridges = _steadiest_ridges(about_mean, scalogram, modes)
-    found = fit_ridges(ridges)
-    fitted = _decay_of(found, signal, min(ridge.onset for ridge in ridges))
+    for name, samples, about in zip(signal.channels, signal.values, centred, strict=True):
+        if not np.any(np.abs(about) > 1e-12 * np.max(np.abs(samples))):
+            raise IdentificationError(f"channel {name!r} is constant: there is no decay in it; leave it out")
+    steps = FourSteps(
+        response=as_response(signal.timepts, centred, signal.channels),
+        count=modes,
+        omega=_rows(signal, band),
+        bandwidth=bandwidth,
+        candidates=tuple(float(n) for n in candidates),
+    )
+    if method == "ridge":
+        return _by_ridges(response, signal, steps)
+    return _by_likelihood(response, signal, centred, steps, band)
+
+
+def _by_ridges(response: control.TimeResponseData, signal: Signal, steps: FourSteps) -> Identification:
+    fitted = _decay_of(steps.modes, signal, min(ridge.onset for ridge in steps.ridges))
     return Identification(
         response=response,
-        method=method,
-        modes=found,
-        ridge_modes=found,
-        scalogram=scalogram,
-        ridges=ridges,
-        bandwidth_search=search,
+        method="ridge",
+        modes=steps.modes,
         fitted=as_response(signal.timepts, fitted, signal.channels, title="Fitted decay"),
         residual=as_response(signal.timepts, signal.values - fitted, signal.channels, title="Residual"),
         noise_std=frozen_real(sample_noise(signal)),
+        loudness=frozen_real(np.ones(len(steps.modes))),
+        considered=(),
+        steps=steps,
     )
+
+
+def _by_likelihood(
+    response: control.TimeResponseData,
+    signal: Signal,
+    centred: RealArray,
+    steps: FourSteps,
+    band: tuple[RadianPerSecond, RadianPerSecond] | None,
+) -> Identification:
+    low, high = band or (0.0, np.pi / signal.step)
+    selection = select(
+        centred, floor=_resolution(signal.values) ** 2, modes=steps.count, band=(low * signal.step, high * signal.step)
+    )
+    fit = selection.fit
+    mean = signal.values - centred
+    motion = synthesize(fit.poles.exponents, fit.amplitudes, centred.shape[1])
+    modes, loudness = _modes_of(selection, signal, centred)
+    if steps.count is not None and len(modes) < steps.count:
+        where = f", at {', '.join(f'{wn:.4g}' for wn in modes.wn)} rad/s" if len(modes) else ""
+        raise IdentificationError(
+            f"{steps.count} modes were asked for, {len(modes)} could be found{where}; "
+            f"nothing else in the record decays like a mode",
+            found=modes if len(modes) else None,
+        )
+    left = centred - motion
+    free = centred.shape[1] - len(fit.poles) - fit.poles.free / len(centred)
+    return Identification(
+        response=response,
+        method="likelihood",
+        modes=modes,
+        fitted=as_response(signal.timepts, motion + mean, signal.channels, title="Fitted decay"),
+        residual=as_response(signal.timepts, left, signal.channels, title="Residual"),
+        noise_std=frozen_real(np.sqrt(np.sum(left**2, axis=1) / max(free, 1.0))),
+        loudness=loudness,
+        considered=_considered(selection, signal),
+        steps=steps,
+    )
+
+
+def _modes_of(selection: Selection, signal: Signal, centred: RealArray) -> tuple[ModalSet, RealArray]:
+    """Return the modes among the fitted poles, and how loud the residual is beside each."""
+    fit = selection.fit
+    kept = np.flatnonzero([verdict == "mode" for verdict in selection.verdicts])
+    pairs = kept[kept < len(fit.poles.pairs)]
+    reals = kept[kept >= len(fit.poles.pairs)] - len(fit.poles.pairs)
+    if not kept.size:
+        return _no_modes(signal), frozen_real([])
+    shapes, covariance = joint_covariance(fit, pairs, reals, blocks_of(centred), selection.loudness[kept])
+    exponents = np.concatenate([fit.poles.pairs[pairs], fit.poles.reals[reals]])
+    per_second = np.ones(len(covariance))
+    per_second[: 2 * len(kept)] = 1 / signal.step
+    modes = ModalSet(
+        poles=np.asarray(exponents / signal.step, complex),
+        shapes=shapes,
+        channels=signal.channels,
+        covariance=covariance * np.outer(per_second, per_second),
+    )
+    return modes, frozen_real(selection.loudness[kept][np.argsort(np.abs(exponents), kind="stable")])
+
+
+def _considered(selection: Selection, signal: Signal) -> tuple[Considered, ...]:
+    """Return what was fitted but is no mode, then what was tried and not kept."""
+    reasons = {
+        "tone": "a tone: it does not decay within the record",
+        "drift": "a drift: it decays more slowly than the record lasts",
+        "growing": "it grows",
+        "under a cycle": "under one cycle in the record",
+        "a few samples": "gone after a few samples",
+        "outside the band": "outside the band",
+    }
+    every = np.concatenate([selection.fit.poles.pairs, selection.fit.poles.reals])
+    removed = tuple(
+        Considered(pole=complex(theta) / signal.step, reason=reasons[verdict], removed=True)
+        for theta, verdict in zip(every, selection.verdicts, strict=True)
+        if verdict != "mode"
+    )
+    left = tuple(
+        Considered(pole=candidate.theta / signal.step, reason=reason, removed=False)
+        for candidate, reason in sorted(selection.rejected, key=lambda item: -item[0].gain)
+    )
+    return removed + left
+
+
+def _no_modes(signal: Signal) -> ModalSet:
+    shapes = np.zeros((len(signal.channels), 0), complex)
+    return ModalSet(poles=np.zeros(0, complex), shapes=shapes, channels=signal.channels)
+
+
+def _resolution(values: RealArray) -> RealArray:
+    """Return the standard deviation that rounding and quantisation leave in each channel."""
+    peak = np.max(np.abs(values), axis=1)
+    single = np.all(values == values.astype(np.float32), axis=1)
+    rounding = np.where(single, 2.0**-24, 2.0**-52) * peak
+    steps = np.zeros(len(values))
+    for channel, samples in enumerate(values):
+        levels = np.unique(samples[:4096])
+        gaps = np.diff(levels)
+        if gaps.size and gaps.min() > 1e-9 * peak[channel]:
+            ratio = gaps / gaps.min()
+            if np.max(np.abs(ratio - np.round(ratio))) < 1e-3:
+                steps[channel] = gaps.min()
+    return np.asarray(np.maximum(np.maximum(4 * rounding, FINEST * peak), steps / np.sqrt(12)))
 
 
 def _rows(signal: Signal, band: tuple[RadianPerSecond, RadianPerSecond] | None) -> RealArray:
@@ -204,28 +460,6 @@ def _rows(signal: Signal, band: tuple[RadianPerSecond, RadianPerSecond] | None) 
     return np.geomspace(low, min(high, 0.999 * nyquist), max(8, int(np.ceil(PER_OCTAVE * np.log2(high / low)))))
 
 
-def _steadiest_ridges(response: control.TimeResponseData, scalogram: Scalogram, count: int | None) -> tuple[Ridge, ...]:
-    """Return each ridge with the wavelet, of the given one and shorter ones, that leaves its pole least uncertain."""
-    attempts: list[tuple[Ridge, ...]] = []
-    failure: IdentificationError | None = None
-    for factor in SHORTER:
-        wider = scalogram
-        if factor != 1.0:
-            wider = cwt(response, omega=scalogram.omega, bandwidth=scalogram.wavelet.bandwidth * factor)
-        try:
-            attempts.append(find_ridges(wider, count=count))
-        except IdentificationError as error:
-            failure = failure or error
-    if not attempts:
-        assert failure is not None
-        raise failure
-    steady = []
-    for ridge in attempts[0]:
-        same = [r for other in attempts for r in other if abs(np.log(r.omega / ridge.omega)) < 0.02]
-        steady.append(min(same, key=lambda r: fit_skeleton(r).variance))
-    return tuple(steady)
-
-
 def _decay_of(modes: ModalSet, signal: Signal, onset: float) -> RealArray:
     """Return the sum of the modes' decays and a constant nearest to the record from the onset on, (channel, sample)."""
     elapsed = signal.timepts - onset
@@ -236,3 +470,13 @@ def _decay_of(modes: ModalSet, signal: Signal, onset: float) -> RealArray:
     fitted = np.zeros_like(signal.values)
     fitted[:, since] = (basis @ amplitudes).T
     return fitted
+
+
+def _ridge_columns(ridges: tuple[Ridge, ...]) -> dict[str, list[str]]:
+    return {
+        "ridge [rad/s]": [f"{ridge.omega:.5g}" for ridge in ridges],
+        "N": [f"{ridge.wavelet.bandwidth:.3g}" for ridge in ridges],
+        "from [s]": [f"{ridge.window.start:.3g}" for ridge in ridges],
+        "to [s]": [f"{ridge.window.stop:.3g}" for ridge in ridges],
+        "ends at": [ridge.window.reason for ridge in ridges],
+    }

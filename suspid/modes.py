@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from tabulate import tabulate
 
 from suspid.errors import InputError
 from suspid.suspension import Suspension, state_matrix
 from suspid.units import ComplexArray, RadianPerSecond, Ratio, RealArray
-from suspid.values import frozen_complex, frozen_real
+from suspid.values import frozen_complex, frozen_real, text_table
 
 if TYPE_CHECKING:
     import control
@@ -252,8 +251,8 @@ class ModalSet:
 
 def modal_table(modes: ModalSet) -> str:
     """Return the table that ``str(modes)`` shows: one row per mode, with units."""
-    columns: dict[str, object] = {
-        "mode": range(1, len(modes) + 1),
+    columns: dict[str, list[str]] = {
+        "mode": [str(i + 1) for i in range(len(modes))],
         "f [Hz]": _rounded(modes.wn / (2 * np.pi), modes.wn_std, 1 / (2 * np.pi)),
         "wn [rad/s]": _rounded(modes.wn, modes.wn_std),
     }
@@ -265,7 +264,7 @@ def modal_table(modes: ModalSet) -> str:
     if set(modes.kinds) - {"pair"}:
         said = {"pair": "", "real": "overdamped: one real pole", "rigid": "rigid body: pole at zero"}
         columns["kind"] = [said[kind] for kind in modes.kinds]
-    return tabulate(columns, headers="keys", disable_numparse=True, stralign="right")
+    return text_table(columns)
 
 
 def eigenmodes(system: control.StateSpace | Suspension) -> ModalSet:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
+from tabulate import tabulate
 
 from suspid.units import ComplexArray, RealArray
 
@@ -61,3 +62,8 @@ def nearest_names(name: str, known: Iterable[str]) -> str:
     if close:
         return f" Did you mean {' or '.join(repr(c) for c in close)}?"
     return f" Known: {', '.join(repr(n) for n in names)}." if names else ""
+
+
+def text_table(columns: Mapping[str, Sequence[str]]) -> str:
+    """Return named columns of text as a table, aligned to the right."""
+    return tabulate(columns, headers="keys", disable_numparse=True, stralign="right")

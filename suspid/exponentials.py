@@ -1,0 +1,139 @@
+"""Sums of damped exponentials against each other and against a record, without an exp per sample.
+
+With ``z = exp(theta)`` and k the number of the sample, every inner product that a fit needs is a sum
+over k of ``(k / n)^j exp(phi k)``: in closed form between two exponentials, and with the record as
+two small matrix products, since ``z^(a B + b) = z^(a B) z^b``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from suspid.units import ComplexArray, RealArray
+from suspid.values import frozen_real
+
+# Below this |n phi| the closed forms lose digits and a power series is used, of this many terms.
+SERIES_REACH = 2.0
+SERIES_TERMS = 26
+
+
+def power_sums(phi: ComplexArray, count: int) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
+    """Return ``sum_k (k / n)^j exp(phi k)`` over k = 0 … n - 1, for j = 0, 1, 2.
+
+    Geometric series and its derivatives: with ``u = exp(phi)`` and ``E = exp(n phi)``,
+    ``S0 = (E - 1) / (u - 1)``, ``S1 = (n E - u S0) / (u - 1)``,
+    ``S2 = (n^2 E - u (2 S1 + S0)) / (u - 1)``, each over n^j; near ``phi = 0`` a power series.
+
+    Parameters
+    ----------
+    phi : ndarray
+        Exponents per sample [1].
+    count : int
+        Number of samples n.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> zeroth, first, second = power_sums(np.array([0j]), 5)
+    >>> zeroth.real, first.real
+    (array([5.]), array([2.]))
+    """
+    near = np.abs(phi) * count < SERIES_REACH
+    safe = np.where(near, -1.0, phi)
+    below = 1 / np.expm1(safe)
+    last = np.exp(safe * count)
+    zeroth = (last - 1) * below
+    # (E - 1) / (u - 1) in units of n: u / (u - 1) = 1 + 1 / (u - 1).
+    ratio = 1 + below
+    first = last * below - zeroth * ratio / count
+    second = last * below - (2 * first + zeroth / count) * ratio / count
+    if near.any():
+        x = phi[near] * count
+        terms = np.cumprod(np.column_stack([np.ones_like(x), np.divide.outer(x, np.arange(1, SERIES_TERMS))]), axis=1)
+        zeroth[near], first[near], second[near] = (terms @ _moments(count)).T
+    return zeroth, first, second
+
+
+@lru_cache(maxsize=64)
+def _moments(count: int) -> RealArray:
+    """Return ``sum_k (k / n)^(m + j)``, (m, j), for every m of the series and j = 0, 1, 2."""
+    power = np.arange(SERIES_TERMS + 2, dtype=float)
+    if count > 4096:
+        # Euler-Maclaurin: the sum over a fine grid is its integral and corrections at the ends.
+        m = power
+        sums = count / (m + 1) - 0.5 + np.where(m > 1, m, 0.0) / (12 * count)
+        sums -= np.where(m > 3, m * (m - 1) * (m - 2), 0.0) / (720 * float(count) ** 3)
+        sums += np.where(m > 5, m * (m - 1) * (m - 2) * (m - 3) * (m - 4), 0.0) / (30240 * float(count) ** 5)
+        sums[0] = count
+    else:
+        sums = np.array([np.sum((np.arange(count) / count) ** m) for m in power])
+    return frozen_real(np.stack([sums[j : j + SERIES_TERMS] for j in range(3)], axis=1))
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Blocks:
+    """A record cut into blocks, ready for inner products with exponentials.
+
+    Parameters
+    ----------
+    count : int
+        Number of samples n.
+    size : int
+        Samples per block B.
+    folded : ndarray (2 channel * block, B)
+        The record, then the record times ``k / n``; zeros after the last sample.
+    energy : ndarray (channel,)
+        Sum of squares of each channel.
+    """
+
+    count: int
+    size: int
+    folded: RealArray
+    energy: RealArray
+
+    @property
+    def channels(self) -> int:
+        """Number of channels."""
+        return len(self.energy)
+
+    def project(self, theta: ComplexArray) -> ComplexArray:
+        """Return ``sum_k (k / n)^j y_k conj(exp(theta k))``, (j, channel, exponent), for j = 0 and 1."""
+        inner = np.exp(np.multiply.outer(np.arange(self.size), theta.conj()))
+        outer = np.exp(np.multiply.outer(np.arange(-(-self.count // self.size)) * self.size, theta.conj()))
+        # Real times complex as one real product: numpy would first make the record complex.
+        partial = self.folded @ inner.view(float)
+        partial = partial.reshape(2, self.channels, len(outer), -1).view(complex)
+        return np.asarray(np.sum(partial * outer, axis=2))
+
+
+def blocks_of(values: RealArray) -> Blocks:
+    """Return a record (channel, sample) cut into blocks of about the square root of its length."""
+    channels, count = values.shape
+    size = max(8, int(np.sqrt(count)))
+    blocks = -(-count // size)
+    folded = np.zeros((2, channels, blocks * size))
+    folded[0, :, :count] = values
+    folded[1, :, :count] = values * (np.arange(count) / count)
+    return Blocks(
+        count=count,
+        size=size,
+        folded=folded.reshape(-1, size),
+        energy=np.einsum("ck,ck->c", values, values),
+    )
+
+
+def synthesize(theta: ComplexArray, amplitudes: ComplexArray, count: int) -> RealArray:
+    """Return ``Re sum_i amplitudes[i] exp(theta_i k)``, (channel, sample), from amplitudes (exponent, channel)."""
+    size = max(8, int(np.sqrt(count)))
+    inner = np.exp(np.multiply.outer(theta, np.arange(size)))
+    outer = np.exp(np.multiply.outer(np.arange(-(-count // size)) * size, theta))
+    out = np.empty((amplitudes.shape[1], len(outer) * size))
+    # Real and imaginary parts as one real product: half the work, no complex intermediate.
+    right = np.concatenate([inner.real, -inner.imag])
+    for channel, amplitude in enumerate(amplitudes.T):
+        left = outer * amplitude
+        out[channel] = (np.concatenate([left.real, left.imag], axis=1) @ right).ravel()
+    return out[:, :count]

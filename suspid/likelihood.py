@@ -1,0 +1,305 @@
+"""The joint maximum-likelihood fit of damped modes to all channels, by variable projection.
+
+Every channel is a sum of the same damped exponentials, with amplitudes of its own, and white noise of
+its own variance. The amplitudes are linear and eliminated exactly; the poles are found by Gauss-Newton
+steps with the noise variances concentrated out. All inner products come from `suspid.exponentials`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from suspid.exponentials import Blocks, power_sums
+from suspid.units import ComplexArray, RealArray
+
+# Iterations end when the step is worth less than this in squared standard deviations.
+NEGLIGIBLE = 1e-7
+MOST_STEPS = 60
+# Poles decay at most this much per sample, and grow at most this much over the record.
+FASTEST = 3.0
+GROWTH = 3.0
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Poles:
+    """Exponents per sample, ``pole * step``: of pairs (upper half plane), of real poles, of nuisances held fixed."""
+
+    pairs: ComplexArray
+    reals: RealArray
+    nuisances: RealArray
+
+    @property
+    def exponents(self) -> ComplexArray:
+        """All exponents: pairs, their conjugates, reals, nuisances."""
+        return np.concatenate([self.pairs, self.pairs.conj(), self.reals, self.nuisances])
+
+    @property
+    def free(self) -> int:
+        """Number of real parameters."""
+        return 2 * len(self.pairs) + len(self.reals)
+
+    def __len__(self) -> int:
+        return 2 * len(self.pairs) + len(self.reals) + len(self.nuisances)
+
+    def moved(self, step: RealArray) -> Poles:
+        """Return the poles after a step in (Re, Im of each pair; each real)."""
+        pairs, reals = len(self.pairs), len(self.reals)
+        change = step[: 2 * pairs].reshape(pairs, 2)
+        return Poles(
+            pairs=self.pairs + change[:, 0] + 1j * change[:, 1],
+            reals=self.reals + step[2 * pairs : 2 * pairs + reals],
+            nuisances=self.nuisances,
+        )
+
+    def with_pair(self, theta: complex) -> Poles:
+        """Return the poles with one more pair."""
+        return Poles(pairs=np.append(self.pairs, theta), reals=self.reals, nuisances=self.nuisances)
+
+    def with_real(self, theta: float) -> Poles:
+        """Return the poles with one more real pole."""
+        return Poles(pairs=self.pairs, reals=np.append(self.reals, theta), nuisances=self.nuisances)
+
+    def without(self, index: int) -> Poles:
+        """Return the poles without one, counted over pairs then reals."""
+        pairs = len(self.pairs)
+        if index < pairs:
+            return Poles(pairs=np.delete(self.pairs, index), reals=self.reals, nuisances=self.nuisances)
+        return Poles(pairs=self.pairs, reals=np.delete(self.reals, index - pairs), nuisances=self.nuisances)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class DecayFit:
+    """Poles with the amplitudes and variances that fit a record best.
+
+    Parameters
+    ----------
+    poles : Poles
+        The exponents.
+    amplitudes : ndarray (exponent, channel)
+        Complex amplitudes at the first sample; conjugate for conjugate exponents.
+    squares : ndarray (channel,)
+        Residual sum of squares.
+    information : ndarray (parameter, parameter)
+        ``J^T J / variance`` of the poles' real parameters (Re and Im per sample), amplitudes projected out.
+    gradient : ndarray (parameter,)
+        Of the log likelihood.
+    gram : ndarray (exponent, exponent)
+        Inner products of the exponentials.
+    tilt : ndarray (exponent, exponent)
+        Inner products of the exponentials with their derivatives.
+    """
+
+    poles: Poles
+    amplitudes: ComplexArray
+    squares: RealArray
+    information: RealArray
+    gradient: RealArray
+    gram: ComplexArray
+    tilt: ComplexArray
+
+
+def evaluate(blocks: Blocks, poles: Poles, floor: RealArray) -> DecayFit | None:
+    """Return the fit at given poles, or None where their exponentials cannot be told apart.
+
+    Parameters
+    ----------
+    blocks : Blocks
+        The record.
+    poles : Poles
+        The exponents.
+    floor : ndarray (channel,)
+        Least variance that a channel's residual counts as.
+    """
+    theta, count = poles.exponents, blocks.count
+    gram, tilt, bend = power_sums(theta.conj()[:, None] + theta, count)
+    # With exponentials of unit norm the Gram matrix says by its condition whether they can be told apart.
+    norm = 1 / np.sqrt(gram.diagonal().real)
+    try:
+        lower = np.linalg.cholesky(gram * np.outer(norm, norm))
+    except np.linalg.LinAlgError:
+        return None
+    pivots = lower.diagonal().real
+    if pivots.min(initial=1.0) < 1e-7:
+        return None
+    inverse = np.linalg.inv(lower) * norm
+    inverse = inverse.conj().T @ inverse
+    zeroth, first = blocks.project(theta)
+    amplitudes = inverse @ zeroth.T
+    explained = np.einsum("ci,ic->c", zeroth.conj(), amplitudes).real
+    squares = np.maximum(blocks.energy - explained, 0.0)
+    variance = np.maximum(squares / count, floor)
+    projected = bend - tilt @ inverse @ tilt
+    weighted = amplitudes / variance
+    curvature = projected * (amplitudes.conj() @ weighted.T)
+    slope = np.sum(weighted.conj() * (first.T - tilt @ amplitudes), axis=1)
+    chart = _chart(poles)
+    return DecayFit(
+        poles=poles,
+        amplitudes=amplitudes,
+        squares=squares,
+        information=(chart.conj().T @ curvature @ chart).real * count**2,
+        gradient=(chart.conj().T @ slope).real * count,
+        gram=gram,
+        tilt=tilt,
+    )
+
+
+def likelihood_loss(fit: DecayFit, count: int, floor: RealArray) -> float:
+    """Return minus twice the concentrated log likelihood, ``n sum_c log variance_c``, but for a constant."""
+    return float(count * np.sum(np.log(np.maximum(fit.squares / count, floor))))
+
+
+def maximize(
+    blocks: Blocks, poles: Poles, floor: RealArray, *, steps: int = MOST_STEPS, negligible: float = NEGLIGIBLE
+) -> DecayFit | None:
+    """Return the fit of greatest likelihood near given poles, by damped Gauss-Newton steps.
+
+    Parameters
+    ----------
+    blocks : Blocks
+        The record.
+    poles : Poles
+        Where to start.
+    floor : ndarray (channel,)
+        Least variance that a channel's residual counts as.
+    steps : int
+        Most steps.
+    negligible : float
+        Steps worth less than this, in squared standard deviations, end the search.
+    """
+    fit = evaluate(blocks, poles, floor)
+    if fit is None or not poles.free:
+        return fit
+    loss, damping = likelihood_loss(fit, blocks.count, floor), 1e-3
+    rounding = 1e-13 * blocks.count
+    for _ in range(steps):
+        scale = np.sqrt(np.maximum(fit.information.diagonal(), 1e-300))
+        unit = fit.information / np.outer(scale, scale)
+        worth = 0.0
+        for _ in range(12):
+            step = np.linalg.solve(unit + damping * np.eye(len(unit)), fit.gradient / scale) / scale
+            worth = float(step @ fit.gradient)
+            trial = evaluate(blocks, _bounded(fit.poles, step, blocks.count), floor)
+            if trial is not None:
+                trial_loss = likelihood_loss(trial, blocks.count, floor)
+                if trial_loss <= loss + rounding:
+                    break
+            damping = max(10 * damping, 1e-4)
+        else:
+            return fit
+        gained = loss - trial_loss
+        fit, loss = trial, trial_loss
+        damping = damping / 10 if damping > 1e-9 else 0.0
+        if worth < negligible and gained < max(negligible, rounding):
+            break
+    return fit
+
+
+def _bounded(poles: Poles, step: RealArray, count: int) -> Poles:
+    """Return the poles after a step cut to what the quadratic model can mean, and kept in range."""
+    pairs, reals = len(poles.pairs), len(poles.reals)
+    reach = np.concatenate([np.repeat(np.abs(poles.pairs.real), 2), np.abs(poles.reals)]) + 1.5 / count
+    share = np.max(np.abs(step) / reach, initial=0.0)
+    moved = poles.moved(step / max(1.0, share))
+    lowest, highest = -FASTEST, GROWTH / count
+    im = np.clip(np.abs(moved.pairs.imag), 1e-3 / count, np.pi)
+    return Poles(
+        pairs=np.clip(moved.pairs.real, lowest, highest) + 1j * im if pairs else moved.pairs,
+        reals=np.clip(moved.reals, lowest, highest) if reals else moved.reals,
+        nuisances=poles.nuisances,
+    )
+
+
+def _chart(poles: Poles) -> ComplexArray:
+    """Return d(exponent) / d(real parameter), (exponent, parameter)."""
+    pairs, reals = len(poles.pairs), len(poles.reals)
+    chart = np.zeros((len(poles), poles.free), complex)
+    i = np.arange(pairs)
+    chart[i, 2 * i], chart[i, 2 * i + 1] = 1, 1j
+    chart[pairs + i, 2 * i], chart[pairs + i, 2 * i + 1] = 1, -1j
+    j = np.arange(reals)
+    chart[2 * pairs + j, 2 * pairs + j] = 1
+    return chart
+
+
+def joint_covariance(
+    fit: DecayFit, pairs: NDArray[np.intp], reals: NDArray[np.intp], blocks: Blocks, inflation: RealArray
+) -> tuple[ComplexArray, RealArray]:
+    """Return the shapes of some poles and the joint covariance of those poles and shapes.
+
+    The amplitudes at fixed poles and the poles themselves err independently; an error of the poles
+    drags the amplitudes along. Both parts are mapped to first order to the shapes, which are the
+    amplitudes over the one of the strongest channel.
+
+    Parameters
+    ----------
+    fit : DecayFit
+        The fit.
+    pairs, reals : ndarray of int
+        Which of its pairs and of its real poles are wanted.
+    blocks : Blocks
+        The record.
+    inflation : ndarray (pole,)
+        Factor by which the variance of each wanted pole is widened.
+
+    Returns
+    -------
+    shapes : ndarray (channel, pole)
+        The largest component of each is 1.
+    covariance : ndarray
+        In the order of `ModalSet.covariance`, poles per sample.
+    """
+    poles, count, channels = fit.poles, blocks.count, blocks.channels
+    free = count - len(poles) - poles.free / channels
+    variance = fit.squares / max(free, 1.0)
+    # The information was weighed by the variances over all samples.
+    of_poles = np.linalg.inv(fit.information) * (count / max(free, 1.0))
+    inverse = np.linalg.inv(fit.gram)
+    rows = np.concatenate([pairs, 2 * len(poles.pairs) + reals]).astype(int)
+    twins = np.concatenate([pairs + len(poles.pairs), 2 * len(poles.pairs) + reals]).astype(int)
+    columns = [[2 * i, 2 * i + 1] for i in pairs] + [[2 * len(poles.pairs) + i, -1] for i in reals]
+    wanted = len(rows)
+    # Real and imaginary parts of the wanted amplitudes, from those of all exponents.
+    parts = np.zeros((2 * wanted, len(poles)), complex)
+    for k, (row, twin) in enumerate(zip(rows, twins, strict=True)):
+        parts[2 * k, row] += 0.5
+        parts[2 * k, twin] += 0.5
+        parts[2 * k + 1, row] -= 0.5j
+        parts[2 * k + 1, twin] += 0.5j
+    by_noise = (parts @ inverse @ parts.conj().T).real
+    dragged = [
+        (parts @ (-inverse @ fit.tilt @ (fit.amplitudes[:, c, None] * _chart(poles)))).real for c in range(channels)
+    ]
+    strongest = np.argmax(np.abs(fit.amplitudes[rows]), axis=1)
+    shapes = np.empty((channels, wanted), complex)
+    pole_map = np.zeros((2 * wanted, poles.free))
+    size = 2 * wanted * (1 + channels)
+    by_pole = np.zeros((size, poles.free))
+    by_channel = [np.zeros((size, 2 * wanted)) for _ in range(channels)]
+    for k, row in enumerate(rows):
+        for part, column in enumerate(columns[k]):
+            if column >= 0:
+                pole_map[2 * k + part, column] = 1
+        reference = fit.amplitudes[row, strongest[k]]
+        for c in range(channels):
+            shapes[c, k] = fit.amplitudes[row, c] / reference
+            at = 2 * wanted + 2 * (k * channels + c)
+            direct, across = _rotation(1 / reference), _rotation(-shapes[c, k] / reference)
+            own = slice(2 * k, 2 * k + 2)
+            by_channel[c][at : at + 2, own] += direct
+            by_channel[strongest[k]][at : at + 2, own] += across
+            by_pole[at : at + 2] = direct @ dragged[c][own] * count + across @ dragged[strongest[k]][own] * count
+    by_pole[: 2 * wanted] = pole_map
+    covariance = by_pole @ of_poles @ by_pole.T
+    for matrix, noise in zip(by_channel, variance, strict=True):
+        covariance += matrix @ (noise * by_noise) @ matrix.T
+    widen = np.sqrt(np.concatenate([np.repeat(inflation, 2), np.repeat(inflation, 2 * channels)]))
+    return shapes, covariance * np.outer(widen, widen)
+
+
+def _rotation(factor: complex) -> RealArray:
+    """Return multiplication by a complex number as a real matrix."""
+    return np.array([[factor.real, -factor.imag], [factor.imag, factor.real]])

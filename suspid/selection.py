@@ -1,0 +1,370 @@
+"""How many modes, and where: poles are added while the record pays for them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from suspid.exponentials import Blocks, blocks_of, power_sums, synthesize
+from suspid.likelihood import DecayFit, Poles, evaluate, maximize
+from suspid.units import ComplexArray, RealArray
+
+# The grid of decay rates: from half an e-folding over the record to one per sample, by this factor.
+DECAY_FACTOR = 2.0
+# Grid points whose gain is computed exactly, beyond those beside poles already fitted.
+LOCAL_MAXIMA = 48
+# Candidates refitted before giving up, and the share of the price below which none is.
+TRIES = 3
+HOPELESS = 0.5
+MOST_POLES = 16
+# A mode's surroundings count as louder than the rest of the residual beyond this ratio. There the model itself is
+# wrong by more than the noise, and a pole must explain this many times more than what is left beside it.
+COLOURED = 2.5
+WORTHWHILE = 20.0
+# Poles nearer to each other than this share of the faster decay rate are one mode that is not quite linear.
+DISTINCT = 1.0
+# A pole that decays less than this over the record, known no better than this many standard deviations, is a tone.
+TONE_DECAY, TONE_SURE = 0.25, 10.0
+
+Verdict = Literal["mode", "tone", "drift", "growing", "under a cycle", "a few samples", "outside the band", "split"]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Candidate:
+    """A pole worth trying: exponent per sample, and what it would gain in twice the log likelihood."""
+
+    theta: complex
+    real: bool
+    gain: float
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Selection:
+    """The poles that the record pays for.
+
+    Parameters
+    ----------
+    fit : DecayFit
+        All poles, modes and nuisances alike.
+    verdicts : tuple of str
+        What each free pole (pairs, then reals) is taken for.
+    gains : ndarray (pole,)
+        What each is worth in twice the log likelihood, by leaving it out.
+    loudness : ndarray (pole,)
+        Power of the residual near each pole over that of the noise; 1 where they agree.
+    rejected : tuple of Candidate and reason
+        Poles that were tried and not kept.
+    """
+
+    fit: DecayFit
+    verdicts: tuple[Verdict, ...]
+    gains: RealArray
+    loudness: RealArray
+    rejected: tuple[tuple[Candidate, str], ...]
+
+
+def price(channels: int, samples: int, *, real: bool = False) -> float:
+    """Return what a pole must gain in twice the log likelihood: BIC's ``log(samples)`` for each of its parameters."""
+    return (1 if real else 2) * (1 + channels) * float(np.log(samples))
+
+
+def select(
+    values: RealArray,
+    *,
+    floor: RealArray,
+    modes: int | None = None,
+    band: tuple[float, float] = (0.0, np.pi),
+) -> Selection:
+    """Return the poles of a record, found one after another from its own residual.
+
+    The next pole is that of largest gain over a grid of frequency and decay rate, orthogonal to what
+    is fitted already; then all poles are refitted together. A pole stays if it gains more than its
+    price, times how loud the residual is near it.
+
+    Parameters
+    ----------
+    values : ndarray (channel, sample)
+        The record, without its mean.
+    floor : ndarray (channel,)
+        Least noise variance: rounding or quantisation.
+    modes : int, optional
+        Stop at so many modes, whatever the price.
+    band : (float, float)
+        Angular frequencies per sample between which a pole can be a mode.
+    """
+    blocks = blocks_of(values)
+    floor = np.maximum(floor, 1e-28 * blocks.energy / blocks.count)
+    state = _State(values=values, blocks=blocks, floor=floor, band=band)
+    poles = Poles(pairs=np.zeros(0, complex), reals=np.zeros(0), nuisances=np.zeros(1))
+    fit = evaluate(blocks, poles, floor)
+    assert fit is not None
+    rejected: list[tuple[Candidate, str]] = []
+    while fit.poles.free < 2 * MOST_POLES:
+        if modes is not None and sum(v == "mode" for v in state.verdicts(fit)) >= modes:
+            break
+        better = _extended(state, fit, rejected, forced=modes is not None)
+        if better is None:
+            break
+        fit = better
+    fit, gains = _thinned(state, fit, rejected, forced=modes is not None)
+    residual = state.residual(fit)
+    return Selection(
+        fit=fit,
+        verdicts=state.verdicts(fit),
+        gains=gains,
+        loudness=np.array([state.loudness(fit, residual, i) for i in range(_poles(fit))]),
+        rejected=tuple(rejected),
+    )
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class _State:
+    values: RealArray
+    blocks: Blocks
+    floor: RealArray
+    band: tuple[float, float]
+
+    def residual(self, fit: DecayFit) -> RealArray:
+        motion = synthesize(fit.poles.exponents, fit.amplitudes, self.blocks.count)
+        return np.asarray(self.values - motion, float)
+
+    def variance(self, residual: RealArray) -> RealArray:
+        squares = np.einsum("ck,ck->c", residual, residual)
+        return np.asarray(np.maximum(squares / self.blocks.count, self.floor), float)
+
+    def loss(self, fit: DecayFit) -> float:
+        return float(self.blocks.count * np.sum(np.log(self.variance(self.residual(fit)))))
+
+    def fitted(self, poles: Poles) -> DecayFit | None:
+        # Sums of squares by subtraction carry the rounding of the whole energy.
+        return maximize(self.blocks, poles, np.maximum(self.floor, 1e-15 * self.blocks.energy / self.blocks.count))
+
+    def gain_of(self, fit: DecayFit, index: int) -> float:
+        """Return what a pole gains in twice the log likelihood over the best fit without it."""
+        loss = self.loss(fit)
+        shorter = evaluate(self.blocks, fit.poles.without(index), self.floor)
+        gain = np.inf if shorter is None else self.loss(shorter) - loss
+        if gain < 3 * self.price(real=index >= len(fit.poles.pairs)):
+            refitted = self.fitted(fit.poles.without(index))
+            gain = np.inf if refitted is None else self.loss(refitted) - loss
+        return float(gain)
+
+    def energy_of(self, fit: DecayFit, index: int, residual: RealArray) -> float:
+        """Return the energy that only this pole explains, in units of the noise variance."""
+        shorter = evaluate(self.blocks, fit.poles.without(index), self.floor)
+        if shorter is None:
+            return np.inf
+        more = self.variance(self.residual(shorter)) / self.variance(residual) - 1
+        return float(self.blocks.count * np.sum(more))
+
+    def price(self, *, real: bool) -> float:
+        return price(self.blocks.channels, self.blocks.channels * self.blocks.count, real=real)
+
+    def verdicts(self, fit: DecayFit) -> tuple[Verdict, ...]:
+        spread = np.sqrt(np.maximum(np.diag(np.linalg.pinv(fit.information)), 0.0)) if fit.poles.free else np.zeros(0)
+        pairs = len(fit.poles.pairs)
+        return tuple(self.verdict(theta, spread[2 * i], real=False) for i, theta in enumerate(fit.poles.pairs)) + tuple(
+            self.verdict(complex(theta), spread[2 * pairs + i], real=True) for i, theta in enumerate(fit.poles.reals)
+        )
+
+    def verdict(self, theta: complex, spread: float, *, real: bool) -> Verdict:
+        count, decay = self.blocks.count, -theta.real
+        if decay < -3 * spread:
+            return "growing"
+        if decay > 0.7:
+            return "a few samples"
+        if real:
+            return "drift" if decay * count < 3 else "mode"
+        if abs(theta.imag) * count < 2 * np.pi:
+            return "under a cycle"
+        if decay * count < (1.0 if decay < 3 * spread else TONE_DECAY if decay < TONE_SURE * spread else 0.0):
+            return "tone"
+        if not self.band[0] <= abs(theta) <= self.band[1] or theta.imag > 0.98 * np.pi:
+            return "outside the band"
+        return "mode"
+
+    def loudness(self, fit: DecayFit, residual: RealArray, index: int) -> float:
+        """Return the power of the residual beside a pole, seen through its own decay, over that of the noise."""
+        pairs = len(fit.poles.pairs)
+        theta = complex(fit.poles.pairs[index]) if index < pairs else complex(fit.poles.reals[index - pairs])
+        row = index if index < pairs else pairs + index
+        count, decay = self.blocks.count, max(-theta.real, 0.25 / self.blocks.count)
+        beside = np.array([-8, -6, -4, -2, 2, 4, 6, 8]) * (decay + np.pi / count)
+        omega = np.unique(np.clip(np.abs(theta.imag + beside), np.pi / count, np.pi))
+        spread = blocks_of(residual).project(-decay + 1j * omega)[0]
+        variance = self.variance(residual)
+        expected = power_sums(np.array([-2 * decay + 0j]), count)[0].real
+        power = np.mean(np.abs(spread) ** 2, axis=1) / expected / variance
+        weights = np.abs(fit.amplitudes[row]) ** 2 / variance
+        ratio = float(np.sum(weights * power) / np.sum(weights)) if np.sum(weights) > 0 else 1.0
+        return ratio if ratio > COLOURED else 1.0
+
+
+def _poles(fit: DecayFit) -> int:
+    return len(fit.poles.pairs) + len(fit.poles.reals)
+
+
+def _extended(state: _State, fit: DecayFit, rejected: list[tuple[Candidate, str]], *, forced: bool) -> DecayFit | None:
+    """Return the fit with one more pole, or None if no candidate is worth its price."""
+    residual = state.residual(fit)
+    before = float(state.blocks.count * np.sum(np.log(state.variance(residual))))
+    if np.all(state.variance(residual) <= state.floor):
+        return None
+    for candidate in candidates(fit, residual, state.variance(residual))[:TRIES]:
+        cost = state.price(real=candidate.real)
+        if candidate.gain < HOPELESS * cost and not forced:
+            break
+        longer = fit.poles.with_real(candidate.theta.real) if candidate.real else fit.poles.with_pair(candidate.theta)
+        trial = state.fitted(longer)
+        if trial is None:
+            continue
+        gain = before - state.loss(trial)
+        index = _poles(trial) - 1 if candidate.real else len(trial.poles.pairs) - 1
+        near = _nearest(trial, index)
+        if near < DISTINCT:
+            rejected.append((candidate, f"split of another mode: {near:.2g} linewidths from it"))
+            continue
+        if gain > cost or (forced and gain > 0):
+            return trial
+        rejected.append((candidate, f"too weak: gains {gain:.3g} of the {cost:.3g} needed"))
+    return None
+
+
+def _nearest(fit: DecayFit, index: int) -> float:
+    """Return the distance of a pole from the nearest other, in decay rates of the faster of the two."""
+    every = np.concatenate([fit.poles.pairs, fit.poles.reals.astype(complex)])
+    others = np.delete(every, index)
+    if not len(others):
+        return np.inf
+    faster = np.maximum(np.maximum(-others.real, -every[index].real), 1e-12)
+    return float(np.min(np.abs(others - every[index]) / faster))
+
+
+def _thinned(
+    state: _State, fit: DecayFit, rejected: list[tuple[Candidate, str]], *, forced: bool
+) -> tuple[DecayFit, RealArray]:
+    """Return the fit without poles that are not worth their price beside the others, and what each pole is worth."""
+    while True:
+        gains = np.array([state.gain_of(fit, index) for index in range(_poles(fit))])
+        if forced or not len(gains):
+            return fit, gains
+        residual = state.residual(fit)
+        prices = np.array([state.price(real=index >= len(fit.poles.pairs)) for index in range(_poles(fit))])
+        loud = np.array([state.loudness(fit, residual, index) for index in range(_poles(fit))])
+        # Beside a residual that is not noise, energy counts, not likelihood.
+        energy = np.array([state.energy_of(fit, index, residual) for index in range(_poles(fit))])
+        worth = np.where(loud > 1, np.minimum(energy / (WORTHWHILE * loud), gains), gains) / prices
+        index = int(np.argmin(worth))
+        shorter = state.fitted(fit.poles.without(index)) if worth[index] < 1 else None
+        if shorter is None:
+            return fit, gains
+        theta = complex(np.concatenate([fit.poles.pairs, fit.poles.reals])[index])
+        reason = "not needed beside the others"
+        if gains[index] >= prices[index]:
+            times = energy[index] / (prices[index] * loud[index])
+            reason = (
+                f"too little beside what no mode explains near it: {times:.2g} times its price, {WORTHWHILE:g} needed"
+            )
+        lost = Candidate(theta=theta, real=index >= len(fit.poles.pairs), gain=float(gains[index]))
+        rejected.append((lost, reason))
+        fit = shorter
+
+
+def candidates(fit: DecayFit, residual: RealArray, variance: RealArray) -> list[Candidate]:
+    """Return poles in order of what they gain beyond their price, no two within a linewidth of each other.
+
+    Parameters
+    ----------
+    fit : DecayFit
+        What is fitted already; gains are those orthogonal to it.
+    residual : ndarray (channel, sample)
+        What it leaves.
+    variance : ndarray (channel,)
+        Mean square of the residual.
+    """
+    channels, count = residual.shape
+    known = fit.poles.exponents
+    inverse: ComplexArray = np.asarray(np.linalg.inv(fit.gram), complex)
+    decays = np.geomspace(0.5 / count, 1.0, 1 + int(np.ceil(np.log(2.0 * count) / np.log(DECAY_FACTOR))))
+    thetas, inner = _grid(residual, variance, decays, known)
+    real: ComplexArray = np.asarray(-decays, complex)
+    real_inner = blocks_of(residual).project(real)[0]
+    pair_gain = _pair_gain(known, inverse, thetas, inner, count)
+    real_gain = _real_gain(known, inverse, real, real_inner, count)
+    found = []
+    for theta, gain, is_real in ((thetas, pair_gain, False), (real, real_gain, True)):
+        share = np.clip(gain / (variance[:, None] * count), 0.0, 1 - 1e-12)
+        worth = -count * np.sum(np.log1p(-share), axis=0)
+        found += [Candidate(theta=complex(t), real=is_real, gain=float(w)) for t, w in zip(theta, worth, strict=True)]
+    samples = channels * count
+    found.sort(key=lambda c: c.gain - price(channels, samples, real=c.real), reverse=True)
+    distinct: list[Candidate] = []
+    for candidate in found:
+        reach = 2 * abs(candidate.theta.real) + 2 * np.pi / count
+        if all(abs(candidate.theta.imag - c.theta.imag) > reach or candidate.real != c.real for c in distinct):
+            distinct.append(candidate)
+        if len(distinct) == TRIES:
+            break
+    return distinct
+
+
+def _grid(
+    residual: RealArray, variance: RealArray, decays: RealArray, known: ComplexArray
+) -> tuple[ComplexArray, ComplexArray]:
+    """Return the exponents worth a closer look, (point,), and the residual's inner products with them."""
+    from scipy.fft import next_fast_len, rfft
+
+    count = residual.shape[1]
+    thetas, inner, loose = [], [], []
+    for decay in decays:
+        used = min(count, int(np.ceil(9 / decay)))
+        length = next_fast_len(2 * used, real=True)
+        spectrum = rfft(residual[:, :used] * np.exp(-decay * np.arange(used)), n=length, axis=1)
+        omega = 2 * np.pi / length * np.arange(spectrum.shape[1])
+        norm = -np.expm1(-2 * decay * used) / -np.expm1(-2 * decay)
+        gain = np.sum(np.abs(spectrum) ** 2 / variance[:, None], axis=0) / norm
+        peak = np.zeros(len(omega), bool)
+        peak[1:-1] = (gain[1:-1] >= gain[:-2]) & (gain[1:-1] >= gain[2:])
+        beside = np.zeros(len(omega), bool)
+        for theta in known[known.imag >= 0]:
+            reach = 4 * max(decay, -theta.real, np.pi / count)
+            low, high = np.searchsorted(omega, [theta.imag - reach, theta.imag + reach])
+            beside[low : high : max(1, (high - low) // 12)] = True
+        beside[0] = False
+        keep = np.flatnonzero(peak | beside)
+        thetas.append(-decay + 1j * omega[keep])
+        inner.append(spectrum[:, keep])
+        loose.append(np.where(beside[keep], np.inf, gain[keep]))
+    theta, spread, rank = np.concatenate(thetas), np.concatenate(inner, axis=1), np.concatenate(loose)
+    best = np.sort(rank[np.isfinite(rank)])[-LOCAL_MAXIMA:]
+    keep = np.flatnonzero(rank >= (best[0] if len(best) else 0.0))
+    return theta[keep], spread[:, keep]
+
+
+def _pair_gain(
+    known: ComplexArray, inverse: ComplexArray, theta: ComplexArray, inner: ComplexArray, count: int
+) -> RealArray:
+    """Return the square of the residual's part along ``exp(theta k)`` and its conjugate, (channel, point)."""
+    cross = power_sums(known.conj()[:, None] + theta, count)[0]
+    conjugate = power_sums(known.conj()[:, None] + theta.conj(), count)[0]
+    own, own_conjugate = (power_sums(np.asarray(phi, complex), count)[0] for phi in (2 * theta.real, 2 * theta.conj()))
+    solved = inverse @ conjugate
+    s0 = own.real - np.sum(cross.conj() * (inverse @ cross), axis=0).real
+    s1 = own_conjugate - np.sum(cross.conj() * solved, axis=0)
+    determinant = s0**2 - np.abs(s1) ** 2
+    sound = (s0 > 1e-6 * own.real) & (determinant > 1e-6 * s0**2)
+    gain = 2 * (s0 * np.abs(inner) ** 2 - (inner.conj() ** 2 * s1).real)
+    return np.where(sound, gain / np.where(sound, determinant, 1.0), 0.0)
+
+
+def _real_gain(
+    known: ComplexArray, inverse: ComplexArray, theta: ComplexArray, inner: ComplexArray, count: int
+) -> RealArray:
+    """Return the square of the residual's part along ``exp(theta k)``, theta real, (channel, point)."""
+    cross = power_sums(known.conj()[:, None] + theta, count)[0]
+    own = power_sums(2 * theta, count)[0].real
+    left = own - np.sum(cross.conj() * (inverse @ cross), axis=0).real
+    sound = left > 1e-6 * own
+    return np.where(sound, inner.real**2 / np.where(sound, left, 1.0), 0.0)
