@@ -22,10 +22,14 @@ ABOVE_NOISE = 3.0
 EDGE_SHARE = 3.0
 # Distance in cones from both ends within which no ridge is looked for.
 SEARCH_CONES = 1.2
-# A ridge found unaided stands out by this factor in energy over its flanks, and in the trusted window by that in
-# modulus over the noise, where noise alone gets among a million samples with a chance of e^(-25 + 14).
+# A ridge stands out by this factor in energy over its flanks if found unaided, by that if asked for; and in the trusted
+# window by STANDS_OUT in modulus over the noise, where noise alone gets among a million samples with a chance of
+# e^(-25 + 14).
 PROMINENCE = 2.0
+PROMINENCE_ASKED = 1.05
 STANDS_OUT = 5.0
+# A free decay does not grow by more than this many of its own standard deviations.
+GROWTH = 5.0
 # A ridge is one if its skeleton's own frequency lies this near in relative terms, and if the fitted lines leave less
 # than this share of its energy in the trusted window.
 FARTHEST = 0.1
@@ -195,11 +199,11 @@ def find_ridges(scalogram: Scalogram, *, count: int | None = None) -> tuple[Ridg
     noise = sample_noise(signal)
     width = np.sqrt(2 / scalogram.wavelet.bandwidth) / scalogram.wavelet.center
     refined: list[Ridge] = []
-    for omega in _peaks(scalogram, noise, PROMINENCE if count is None else 1.05):
+    for omega in _peaks(scalogram, noise, PROMINENCE if count is None else PROMINENCE_ASKED):
         ridge = _refined(signal, omega, scalogram.wavelet, noise)
         if ridge is None or any(abs(np.log(ridge.omega / other.omega)) < width / 2 for other in refined):
             continue
-        if count is None and np.max(ridge.strength[ridge.trusted]) < STANDS_OUT:
+        if not _stands_out(signal, ridge):
             continue
         refined.append(ridge)
         if len(refined) == count:
@@ -370,6 +374,28 @@ def _refined(signal: Signal, omega: float, wavelet: Morlet, noise: RealArray) ->
     fit = fit_skeleton(ridge)
     misfit = np.abs(np.exp(fit.logarithm) - np.exp(fit.lines)) / ridge.floor[:, None]
     return ridge if np.sum(misfit**2) < INCOHERENT * np.sum(skeleton**2) else None
+
+
+def _stands_out(signal: Signal, ridge: Ridge) -> bool:
+    """Return whether the ridge is more than noise or the flank or edge of another one.
+
+    In the trusted window it must rise above the noise, have more energy than the rows beside it, and not grow.
+    """
+    if np.max(ridge.strength[ridge.trusted]) < STANDS_OUT:
+        return False
+    fit = fit_skeleton(ridge)
+    if fit.pole.real > GROWTH * np.sqrt(fit.variance):
+        return False
+    # At this distance in the logarithm a lone mode has lost a factor e.
+    aside = float(np.exp(np.sqrt(2 / ridge.wavelet.bandwidth) / ridge.wavelet.center))
+    omega = np.array([ridge.omega / aside, ridge.omega, min(ridge.omega * aside, 0.999 * np.pi / signal.step)])
+    beside = transform(signal, omega=omega, wavelet=ridge.wavelet, normalization="amplitude")
+    energy = []
+    for i, row in enumerate(beside.rows):
+        time = beside.timepts(i)
+        inside = (time >= ridge.window.start) & (time <= ridge.window.stop)
+        energy.append(float(np.sum(np.mean((np.abs(row[:, inside]) / ridge.floor[:, None]) ** 2, axis=1))))
+    return energy[1] > max(energy[0], energy[2])
 
 
 def _ridge_at(signal: Signal, omega: float, wavelet: Morlet, noise: RealArray, fit: SkeletonFit | None = None) -> Ridge:
