@@ -9,6 +9,7 @@ from __future__ import annotations
 import io
 import math
 import struct
+import warnings
 import zlib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -51,7 +52,10 @@ def read_matlab(path: Path) -> Table:
     try:
         if version == 5:
             content, unusable = _sound_part(content)
-        variables = loadmat(io.BytesIO(content))  # type: ignore[arg-type]  # the stubs know paths only
+        with warnings.catch_warnings():
+            # What scipy warns of, such as numbers it may have read wrongly or a name that stands twice, is no record.
+            warnings.simplefilter("error", UserWarning)
+            variables = loadmat(io.BytesIO(content))  # type: ignore[arg-type]  # the stubs know paths only
     except (RecordError, KeyboardInterrupt):
         raise
     # The parsers meet a damaged file with errors of every kind, MemoryError among them.

@@ -258,5 +258,6 @@ def _rounding(stamps: RealArray) -> Second:
         return 0.0
     largest = float(np.max(np.abs(stamps)))
     places = next((k for k in range(10) if np.allclose(stamps, np.round(stamps, k), rtol=0, atol=1e-10)), 10)
-    single = bool(np.all(stamps == stamps.astype(np.float32)))
+    with np.errstate(over="ignore"):
+        single = bool(np.all(stamps == stamps.astype(np.float32)))
     return max(10.0**-places, float(np.spacing(np.float32(largest))) if single else 0.0)
