@@ -41,7 +41,7 @@ class TestFromRecordToSprings:
     def test_there_and_back(self, tmp_path: Path) -> None:
         found = run("identify", RECORD, "--modes", 3, "--json", tmp_path / "m.json", "--plot", tmp_path / "p.png")
         assert found.exit_code == 0, found.output
-        for heading in ("f [Hz]", "wn [rad/s]", "zeta [1]", "±", "noise std", "from [s]", "5000 samples at 500 Hz"):
+        for heading in ("f [Hz]", "wn [rad/s]", "zeta [1]", "±", "noise std", "5000 samples at 500 Hz"):
             assert heading in found.stdout
         assert (tmp_path / "p.png").read_bytes().startswith(b"\x89PNG")
         content = json.loads((tmp_path / "m.json").read_text())
@@ -64,6 +64,12 @@ class TestFromRecordToSprings:
         for strut, true in zip(read_car(tmp_path / "car.toml").struts, read_car(CAR).struts, strict=True):
             assert strut.stiffness == pytest.approx(true.stiffness, rel=1e-5)  # what reconstruct promises
             assert strut.damping == pytest.approx(true.damping, rel=1e-5)
+
+    def test_the_ridge_method_shows_its_windows(self) -> None:
+        result = run("identify", RECORD, "--method", "ridge", "--modes", 3)
+        assert result.exit_code == 0, result.output
+        for heading in ("ridge [rad/s]", "from [s]", "to [s]"):
+            assert heading in result.stdout
 
     def test_the_band_is_in_hertz(self, tmp_path: Path) -> None:
         result = run("identify", RECORD, "--band", 6, 10, "--modes", 1, "--json", tmp_path / "m.json")
