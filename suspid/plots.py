@@ -372,28 +372,31 @@ def plot_identification(identification: Identification, figure: Figure) -> Figur
     """
     if figure.get_layout_engine() is None:
         figure.set_layout_engine("constrained")
-    modes, ridges = identification.modes, identification.ridges[:MOST_RIDGES]
+    modes, every_ridge = identification.modes, identification.ridges
+    search, ridges = identification.bandwidth_search, every_ridge[:MOST_RIDGES]
     blocks = [ridges[i : i + ABREAST] for i in range(0, len(ridges), ABREAST)]
     names = as_signal(identification.response).channels[:MOST_CHANNELS]
     fit_rows = len(names) if len(names) <= ABREAST else -(-len(names) // 2)
-    last = _last_row(identification)
+    several = modes.shapes is not None and modes.shapes.size > len(modes)
+    last = ["entropy"] * (search is not None) + ["shapes"] * several
     heights = {"modes": 0.25 + 0.14 * min(len(modes) + 2, MOST_MODES + 2), "scalogram": 2.7 if len(blocks) < 2 else 2.3}
     keys = 3 + (2 + len(ridges[0].channels) if ridges else 0)
     heights |= {"key": 0.1 + 0.2 * -(-keys // KEYS_ABREAST)}
     heights |= {f"skeletons {i}": 2.5 for i in range(len(blocks))}
-    heights |= {"fit": 0.5 + 0.75 * fit_rows} | ({"last": max(1.6, 0.6 + 0.17 * len(modes.channels))} if last else {})
+    heights |= {"fit": 0.5 + 0.75 * fit_rows} | ({"last": max(1.6, 0.6 + 0.2 * len(modes.channels))} if last else {})
     places = _places(figure, heights)
 
     _write_modes(identification, figure.add_subplot(places["modes"]))
     scalogram_ax = figure.add_subplot(places["scalogram"])
-    plot_scalogram(identification.scalogram, ax=scalogram_ax, ridges=identification.ridges)
-    _mark_modes(identification, scalogram_ax)
+    plot_scalogram(identification.scalogram, ax=scalogram_ax, ridges=every_ridge)
+    _mark_modes(modes, scalogram_ax)
     explained: list[Axes] = []
     for i, block in enumerate(blocks):
         skeletons = _subplots(places[f"skeletons {i}"], 2, len(block))
         plot_skeletons(block, axes=skeletons)
         explained.append(_without_legend(skeletons[0, 0]))
-    explained = [*explained[:1], _draw_fit(identification, names, places["fit"], rows=fit_rows)]
+    onset = min((ridge.onset for ridge in every_ridge), default=None)
+    explained = [*explained[:1], _draw_fit(identification, names, onset, places["fit"], rows=fit_rows)]
     _write_key(figure.add_subplot(places["key"]), explained)
     if last:
         parts = places["last"].subgridspec(1, len(last), width_ratios=[3 if p == "shapes" else 2 for p in last])
@@ -401,8 +404,8 @@ def plot_identification(identification: Identification, figure: Figure) -> Figur
             ax = figure.add_subplot(parts[i])
             if part == "shapes":
                 plot_shapes(modes, ax=ax)
-            elif identification.bandwidth_search is not None:
-                plot_entropy(identification.bandwidth_search, ax=ax)
+            elif search is not None:
+                plot_entropy(search, ax=ax)
     for ax in figure.axes:
         _small_print(ax)
     return figure
@@ -528,9 +531,9 @@ def _shade_window(ridge: Ridge, ax: Axes) -> None:
     ax.axvspan(ridge.window.start, ridge.window.stop, color=SHADE, linewidth=0.0)
 
 
-def _mark_modes(identification: Identification, ax: Axes) -> None:
+def _mark_modes(modes: ModalSet, ax: Axes) -> None:
     """Mark the damped frequency of each mode at the right edge, whether it has a ridge or not."""
-    hertz = identification.modes.poles.imag / (2 * np.pi)
+    hertz = modes.poles.imag / (2 * np.pi)
     low, high = ax.get_ylim()
     within = hertz[(hertz > low) & (hertz < high)]
     end = ax.get_xlim()[1]
@@ -559,7 +562,9 @@ def _write_key(ax: Axes, explained: Sequence[Axes]) -> None:
     ax.legend(handles, labels, loc="center", ncols=KEYS_ABREAST, borderaxespad=0.0)
 
 
-def _draw_fit(identification: Identification, names: Sequence[str], spec: SubplotSpec, *, rows: int) -> Axes:
+def _draw_fit(
+    identification: Identification, names: Sequence[str], onset: Second | None, spec: SubplotSpec, *, rows: int
+) -> Axes:
     """Draw few channels whole and over the first cycles; many in two columns. Return the first of the Axes."""
     if len(names) > ABREAST:
         grid = _subplots(spec, rows, 2)
@@ -571,7 +576,7 @@ def _draw_fit(identification: Identification, names: Sequence[str], spec: Subplo
         return _without_legend(grid[0, 0])
     grid = _subplots(spec, rows, 2, widths=[3, 2])
     signal, poles = as_signal(identification.response), identification.modes.poles
-    onset = min((ridge.onset for ridge in identification.ridges), default=signal.start)
+    onset = signal.start if onset is None else onset
     turning = poles.imag[poles.imag > 0]
     cycles = 6 * 2 * np.pi / np.min(turning) if len(turning) else signal.duration
     stop = min(onset + max(cycles, 20 * signal.step), signal.start + signal.duration)
@@ -589,12 +594,6 @@ def _without_legend(ax: Axes) -> Axes:
     if legend is not None:
         legend.remove()
     return ax
-
-
-def _last_row(identification: Identification) -> list[str]:
-    shapes = identification.modes.shapes
-    several = shapes is not None and len(shapes) > 1
-    return ["entropy"] * (identification.bandwidth_search is not None) + ["shapes"] * several
 
 
 def _subplots(
