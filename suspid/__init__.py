@@ -10,6 +10,7 @@
      2   11.6775       73.3716    0.259608
 """
 
+from suspid.cars import read_car, write_car
 from suspid.comparison import Comparison, compare
 from suspid.denoising import denoise
 from suspid.errors import (
@@ -31,7 +32,7 @@ from suspid.suspension import Strut, Suspension, quarter_car, statespace
 # fmt: off
 __all__ = [  # noqa: RUF022 - grouped by step
     # a model
-    "Strut", "Suspension", "quarter_car", "statespace",
+    "Strut", "Suspension", "quarter_car", "statespace", "read_car", "write_car",
     # its modes
     "ModalSet", "Interval", "eigenmodes",
     # its responses, and measured ones

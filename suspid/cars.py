@@ -49,6 +49,11 @@ def read_car(path: str | os.PathLike[str]) -> Suspension:
     InputError
         If the file cannot be read, is not TOML, or a table, key or value in it is wrong; the message
         names the file, the table and the key.
+
+    Examples
+    --------
+    >>> read_car("examples/car.toml").coordinates
+    ('seat', 'chassis', 'tire')
     """
     text = read_text(Path(path))
     try:
@@ -64,6 +69,15 @@ def write_car(suspension: Suspension, path: str | os.PathLike[str]) -> None:
     ------
     InputError
         If the file cannot be written.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = pathlib.Path(folder) / "car.toml"
+    ...     write_car(read_car("examples/car.toml"), path)
+    ...     read_car(path) == read_car("examples/car.toml")
+    True
     """
     with replacing(path) as draft:
         draft.write_text(car_to_toml(suspension), encoding="utf-8")

@@ -101,8 +101,7 @@ class Blocks:
 
     def project(self, theta: ComplexArray) -> ComplexArray:
         """Return ``sum_k (k / n)^j y_k conj(exp(theta k))``, (j, channel, exponent), for j = 0 and 1."""
-        inner = np.exp(np.multiply.outer(np.arange(self.size), theta.conj()))
-        outer = np.exp(np.multiply.outer(np.arange(-(-self.count // self.size)) * self.size, theta.conj()))
+        inner, outer = _powers(theta.conj(), self.size, -(-self.count // self.size))
         # Real times complex as one real product: numpy would first make the record complex.
         partial = self.folded @ inner.view(float)
         partial = partial.reshape(2, self.channels, len(outer), -1).view(complex)
@@ -125,14 +124,20 @@ def blocks_of(values: RealArray) -> Blocks:
     )
 
 
+def _powers(theta: ComplexArray, size: int, blocks: int) -> tuple[ComplexArray, ComplexArray]:
+    """Return ``exp(theta b)``, (sample, exponent), and ``exp(theta B a)``, (block, exponent)."""
+    steps = np.concatenate([np.arange(size), np.arange(blocks) * size])
+    powers = np.exp(steps[:, None] * theta)
+    return powers[:size], powers[size:]
+
+
 def synthesize(theta: ComplexArray, amplitudes: ComplexArray, count: int) -> RealArray:
     """Return ``Re sum_i amplitudes[i] exp(theta_i k)``, (channel, sample), from amplitudes (exponent, channel)."""
     size = max(8, int(np.sqrt(count)))
-    inner = np.exp(np.multiply.outer(theta, np.arange(size)))
-    outer = np.exp(np.multiply.outer(np.arange(-(-count // size)) * size, theta))
+    inner, outer = _powers(theta, size, -(-count // size))
     out = np.empty((amplitudes.shape[1], len(outer) * size))
     # Real and imaginary parts as one real product: half the work, no complex intermediate.
-    right = np.concatenate([inner.real, -inner.imag])
+    right = np.concatenate([inner.real.T, -inner.imag.T])
     for channel, amplitude in enumerate(amplitudes.T):
         left = outer * amplitude
         out[channel] = (np.concatenate([left.real, left.imag], axis=1) @ right).ravel()

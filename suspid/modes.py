@@ -342,7 +342,7 @@ def _jacobian(pole: complex) -> RealArray:
     if wn == 0:
         return np.zeros((2, 2))
     re, im = pole.real, pole.imag
-    return np.array([[re / wn, im / wn], [-(im**2) / wn**3, re * im / wn**3]])
+    return np.array([[re / wn, im / wn], [-((im / wn) ** 2) / wn, (re / wn) * (im / wn) / wn]])
 
 
 def _covariance_order(order: NDArray[np.intp], size: int) -> list[int]:

@@ -293,20 +293,20 @@ def candidates(fit: DecayFit, residual: RealArray, variance: RealArray) -> list[
     real_inner = blocks_of(residual).project(real)[0]
     pair_gain = _pair_gain(known, inverse, thetas, inner, count)
     real_gain = _real_gain(known, inverse, real, real_inner, count)
-    found = []
-    for theta, gain, is_real in ((thetas, pair_gain, False), (real, real_gain, True)):
-        share = np.clip(gain / (variance[:, None] * count), 0.0, 1 - 1e-12)
-        worth = -count * np.sum(np.log1p(-share), axis=0)
-        found += [Candidate(theta=complex(t), real=is_real, gain=float(w)) for t, w in zip(theta, worth, strict=True)]
+    theta = np.concatenate([thetas, real])
+    is_real = np.arange(len(theta)) >= len(thetas)
+    share = np.concatenate([pair_gain, real_gain], axis=1) / (variance[:, None] * count)
+    gains = -count * np.sum(np.log1p(-np.clip(share, 0.0, 1 - 1e-12)), axis=0)
     samples = channels * count
-    found.sort(key=lambda c: c.gain - price(channels, samples, real=c.real), reverse=True)
+    net = gains - np.where(is_real, price(channels, samples, real=True), price(channels, samples))
+    reach = 2 * np.abs(theta.real) + 2 * np.pi / count
     distinct: list[Candidate] = []
-    for candidate in found:
-        reach = 2 * abs(candidate.theta.real) + 2 * np.pi / count
-        if all(abs(candidate.theta.imag - c.theta.imag) > reach or candidate.real != c.real for c in distinct):
-            distinct.append(candidate)
-        if len(distinct) == TRIES:
-            break
+    while len(distinct) < TRIES and np.any(np.isfinite(net)):
+        best = int(np.argmax(net))
+        distinct.append(Candidate(theta=complex(theta[best]), real=bool(is_real[best]), gain=float(gains[best])))
+        net[
+            (np.abs(theta.imag - theta[best].imag) <= np.maximum(reach, reach[best])) & (is_real == is_real[best])
+        ] = -np.inf
     return distinct
 
 
