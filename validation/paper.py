@@ -7,11 +7,20 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from tabulate import tabulate
 
-from suspid import ModalSet, eigenmodes, statespace
-from suspid.units import ComplexArray, RealArray, Second
-from validation.bounds import Bound
+from suspid import eigenmodes
+from validation.paper_tables import (
+    FEWEST_DRAWS,
+    Studies,
+    best_step,
+    case_rows,
+    damping_rows,
+    found_and_ratio,
+    largest_ratio,
+    markdown,
+    short,
+    truth_rows,
+)
 from validation.study import (
     CANDIDATES,
     CHANNEL_SETS,
@@ -19,24 +28,15 @@ from validation.study import (
     FOUND,
     NOISY_WINDOWS,
     RATE,
-    Study,
     available_methods,
     bound,
-    case_methods,
     paper_car,
     run_studies,
 )
-from validation.table2 import ACTUAL_WN, ACTUAL_ZETA, CASES, Case
+from validation.table2 import ACTUAL_WN, ACTUAL_ZETA, CASES
 
 SEEDS = 100
-# Fewer draws than this give no RMSE worth printing.
-FEWEST_DRAWS = 10
-# Errors below this, of identification without noise, are rounding and change from machine to machine.
-ROUNDING = 1e-6
-TRAPEZOIDAL_STEP: Second = 0.002
 HEADER = ("", "w1", "zeta1 %", "w2", "zeta2 %", "w3", "zeta3 %", "MAE w", "MAE zeta %")
-
-Studies = dict[tuple[str, tuple[str, ...], str], Study]
 
 
 def report(
@@ -62,9 +62,10 @@ def report(
     studies = run_studies(
         seeds=seeds, workers=workers or os.cpu_count() or 1, channel_sets=channel_sets, candidates=candidates
     )
-    parts = [_preface(seeds), _damping_part(), _table_preface(studies, seeds, candidates)]
+    parts = [_preface(seeds), _requirements(studies), _summary(studies, channel_sets, seeds), _damping_part()]
+    parts.append(_table_preface(studies, seeds, candidates))
     parts += [_table_part(channels, studies, seeds) for channels in channel_sets]
-    parts += [_requirements(studies), _printed_errors(), _picture_part()]
+    parts += [_printed_errors(), _picture_part()]
     return "\n\n".join(parts) + "\n"
 
 
@@ -73,58 +74,6 @@ def pictures(folder: Path) -> list[Path]:
     from validation.paper_pictures import draw_all
 
     return draw_all(folder)
-
-
-def truth_rows() -> list[list[str]]:
-    """Return the rows of the exact modes that stand above every part of Table 2."""
-    truth = eigenmodes(paper_car())
-    return [
-        ["actual, paper", *_modes_text(ACTUAL_WN, ACTUAL_ZETA, 2), "", ""],
-        ["actual, exact", *_modes_text(truth.wn[::-1], 100 * truth.zeta[::-1], 4), "", ""],
-    ]
-
-
-def damping_rows() -> list[list[str]]:
-    """Return the readings of Table 1's damping beside Table 2."""
-    tenfold = statespace(paper_car()).A
-    printed, exact = eigenmodes(paper_car(damping_factor=1.0)), eigenmodes(paper_car())
-    stepped = ModalSet(poles=trapezoidal_poles(np.asarray(tenfold), TRAPEZOIDAL_STEP))
-    rows = [
-        ["Table 2, actual", *_modes_text(ACTUAL_WN, ACTUAL_ZETA, 2)],
-        ["Table 2, original", *_modes_text(CASES[0].wn, CASES[0].zeta, 4)],
-    ]
-    for name, modes in (
-        ("1. c as printed: 30, 20, 10 N s/m", printed),
-        ("2. ten times that: 300, 200, 100 N s/m", exact),
-        ("3. as 2, trapezoidal rule at 2 ms", stepped),
-    ):
-        rows.append([name, *_modes_text(modes.wn[::-1], 100 * modes.zeta[::-1], 4)])
-    return rows
-
-
-def trapezoidal_poles(A: RealArray, step: Second) -> ComplexArray:
-    """Return the poles that integrating ``x' = A x`` by the trapezoidal rule at a fixed step seems to have [rad/s].
-
-    One step multiplies the state by ``(I - A h / 2)^-1 (I + A h / 2)``; the poles are the logarithms of
-    its eigenvalues over h, those of the upper half plane.
-    """
-    half = 0.5 * step * A
-    factors = np.linalg.eigvals(np.linalg.solve(np.eye(len(A)) - half, np.eye(len(A)) + half))
-    poles = np.log(factors.astype(complex)) / step
-    return np.asarray(poles[poles.imag > 0])
-
-
-def best_step() -> Second:
-    """Return the step at which the trapezoidal rule comes nearest to the frequencies of Table 2's original row [s]."""
-    from scipy.optimize import minimize_scalar
-
-    A = np.asarray(statespace(paper_car()).A)
-
-    def distance(step: float) -> float:
-        found = np.sort(np.abs(trapezoidal_poles(A, step)))
-        return float(np.sum((found - np.sort(CASES[0].wn)) ** 2))
-
-    return float(minimize_scalar(distance, bounds=(1e-4, 5e-3), method="bounded", options={"xatol": 1e-7}).x)
 
 
 def _preface(seeds: int) -> str:
@@ -144,7 +93,7 @@ Modes are counted as in the paper, the fastest first. w is in rad/s; zeta in per
 
 
 def _damping_part() -> str:
-    table = _markdown(["", *HEADER[1:7]], damping_rows())
+    table = markdown(["", *HEADER[1:7]], damping_rows())
     step = best_step()
     return f"""## Table 1's damping
 
@@ -174,10 +123,10 @@ def _table_preface(studies: Studies, seeds: int, candidates: Sequence[float]) ->
   RMSE of the rest flatters. With fewer than {min(FEWEST_DRAWS, seeds)} such draws no figure is given.
 - **found**: in how many of the draws each mode was found, and in how many all three. Three modes are asked for;
   one is found if an estimate lies within {100 * FOUND:g} % of its frequency.
-- Methods: {", ".join(f"`{m}`" for m in available_methods())}, as `identify(record, modes=3, method=...)`. The bandwidth
-  of least entropy is searched once per case, in its first draw, among
+- Methods: {", ".join(f"`{m}`" for m in available_methods())}, as `identify(record, modes=3, method=...)`. For `ridge`,
+  the bandwidth of least entropy is searched once per case, in its first draw, among
   {low:g} to {high:g} (w0 = 2 pi): {told}.
-- `{NOISY_WINDOWS}`: the denoised record, with each ridge's window and weights as found in the noisy one.
+- `{NOISY_WINDOWS}`: the denoised record, with the window and noise of each ridge as found in the noisy one.
   `ridge` alone reads its noise from the record that it is given, and a denoised record seems to have none."""
 
 
@@ -185,53 +134,9 @@ def _table_part(channels: tuple[str, ...], studies: Studies, seeds: int) -> str:
     rows = truth_rows()
     for case in CASES:
         rows.append([f"**{case.name}**", *[""] * (len(HEADER) - 1)])
-        rows += _case_rows(case, channels, studies, seeds)
+        rows += case_rows(case, channels, studies, seeds)
     name = "three channels" if len(channels) > 1 else f"the {channels[0]} alone"
-    return f"## Table 2, from {name}\n\n{_markdown(HEADER, rows)}"
-
-
-def _case_rows(case: Case, channels: tuple[str, ...], studies: Studies, seeds: int) -> list[list[str]]:
-    rows = [["paper", *_modes_text(case.wn, case.zeta, 4), *(f"{error:.2e}" for error in case.mae)]]
-    errors = [np.abs(np.subtract(case.wn, ACTUAL_WN)), np.abs(np.subtract(case.zeta, ACTUAL_ZETA))]
-    rows.append(["paper, error", *_short_pairs(*errors), *(_short(float(np.mean(e))) for e in errors)])
-    least = None if case.snr_db is None else bound(case.snr_db, channels)
-    if least is not None:
-        efficient = np.sqrt(2 / np.pi)
-        pairs = _short_pairs(least.wn_std[::-1], 100 * least.zeta_std[::-1])
-        means = (efficient * np.mean(least.wn_std), efficient * 100 * np.mean(least.zeta_std))
-        rows.append(["bound", *pairs, *(_short(float(m)) for m in means)])
-    for method in case_methods(case):
-        study = studies[case.name, channels, method]
-        rows += _exact_rows(method, study) if least is None else _noisy_rows(method, study, least, seeds)
-    return rows
-
-
-def _exact_rows(method: str, study: Study) -> list[list[str]]:
-    """Return the rows of a record without noise: one draw."""
-    truth = eigenmodes(paper_car())
-    errors = np.abs(study.wn[0] - truth.wn)[::-1], 100 * np.abs(study.zeta[0] - truth.zeta)[::-1]
-    return [
-        [method, *_modes_text(study.wn[0, ::-1], 100 * study.zeta[0, ::-1], 4), "", ""],
-        [f"{method}, error", *_short_pairs(*errors), *(_short(float(np.mean(e))) for e in errors)],
-    ]
-
-
-def _noisy_rows(method: str, study: Study, least: Bound, seeds: int) -> list[list[str]]:
-    truth, complete = eigenmodes(paper_car()), study.complete
-    counts = [text for k in range(len(truth))[::-1] for text in (str(int(np.sum(study.found[:, k]))), "")]
-    rows = [[f"{method}, found of {seeds}", *counts, f"all: {int(np.sum(complete))}", ""]]
-    if np.sum(complete) < min(FEWEST_DRAWS, seeds):
-        return rows
-    wn, zeta = study.wn[complete, ::-1], 100 * study.zeta[complete, ::-1]
-    errors = np.abs(wn - truth.wn[::-1]), np.abs(zeta - 100 * truth.zeta[::-1])
-    rmse = [np.sqrt(np.mean(error**2, axis=0)) for error in errors]
-    ratios = rmse[0] / least.wn_std[::-1], rmse[1] / (100 * least.zeta_std[::-1])
-    return [
-        [f"{method}, mean", *_modes_text(wn.mean(axis=0), zeta.mean(axis=0), 4), "", ""],
-        [f"{method}, RMSE", *_short_pairs(*rmse), *(_short(float(np.mean(error))) for error in errors)],
-        [f"{method}, RMSE / bound", *_short_pairs(*ratios), "", ""],
-        *rows,
-    ]
+    return f"## Table 2, from {name}\n\n{markdown(HEADER, rows)}"
 
 
 def _requirements(studies: Studies) -> str:
@@ -239,9 +144,7 @@ def _requirements(studies: Studies) -> str:
     rows: list[list[str]] = []
 
     def judge(what: str, method: str, figure: str, measured: float, limit: float) -> None:
-        rows.append(
-            [what, method, figure, _short(measured), f"{limit:g}", "met" if measured <= limit else "**missed**"]
-        )
+        rows.append([what, method, figure, short(measured), f"{limit:g}", "met" if measured <= limit else "**missed**"])
 
     for method in available_methods():
         clean = studies.get(("original", CHANNEL_SETS[2], method))
@@ -252,15 +155,28 @@ def _requirements(studies: Studies) -> str:
         noisy, least = studies.get(("noise 20 dB", ("tire",), method)), bound(20.0, ("tire",))
         if noisy is not None:
             judge("tire alone, 20 dB", method, "modes lost", float(np.sum(~noisy.found)), 0.0)
-            worst = max(
-                float(np.max(np.sqrt(np.nanmean((found - exact) ** 2, axis=0)) / std))
-                for found, exact, std in (
-                    (noisy.wn, truth.wn, least.wn_std),
-                    (noisy.zeta, truth.zeta, least.zeta_std),
-                )
-            )
-            judge("tire alone, 20 dB", method, "largest RMSE / bound", worst, 4.0)
-    return "## What the method must reach\n\n" + _markdown(("", "method", "figure", "measured", "at most", ""), rows)
+            judge("tire alone, 20 dB", method, "largest RMSE / bound", largest_ratio(noisy, least), 4.0)
+    return "## What the method must reach\n\n" + markdown(("", "method", "figure", "measured", "at most", ""), rows)
+
+
+def _summary(studies: Studies, channel_sets: Sequence[tuple[str, ...]], seeds: int) -> str:
+    methods = (*available_methods(), NOISY_WINDOWS)
+    rows = []
+    for case in CASES:
+        for channels in channel_sets:
+            if case.snr_db is None:
+                continue
+            row = [case.name, ", ".join(channels)]
+            for method in methods:
+                study = studies.get((case.name, channels, method))
+                row += ["", ""] if study is None else found_and_ratio(study, bound(case.snr_db, channels), seeds)
+            rows.append(row)
+    header = ["", "channels", *(text for m in methods for text in (f"{m}: all found", "RMSE / bound"))]
+    return f"""## Summary
+
+In how many of {seeds} draws all three modes were found, and in these the largest of the six ratios of RMSE to bound.
+
+{markdown(header, rows)}"""
 
 
 def _printed_errors() -> str:
@@ -280,7 +196,7 @@ def _printed_errors() -> str:
     header += [f"below bound, {channels[0] if len(channels) == 1 else 'three'}" for channels in CHANNEL_SETS]
     return f"""## The paper's own errors
 
-{_markdown(header, rows)}
+{markdown(header, rows)}
 
 Recomputed: Eq. (22) from the printed modes. The last columns count how many of the six printed errors are smaller than
 the bound, the standard deviation of the best unbiased estimate; an efficient estimator has about four of six below it.
@@ -302,23 +218,3 @@ def _picture_part() -> str:
     for case in CASES:
         lines += ["", f"![{case.name}](paper_{case.slug}.png)"]
     return "\n".join(lines)
-
-
-def _markdown(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    align = ["left"] + ["right"] * (len(header) - 1)
-    return tabulate(rows, headers=header, tablefmt="pipe", disable_numparse=True, colalign=align)
-
-
-def _modes_text(wn: Sequence[float] | RealArray, zeta: Sequence[float] | RealArray, digits: int) -> list[str]:
-    return [f"{value:.{digits}f}" for pair in zip(wn, zeta, strict=True) for value in pair]
-
-
-def _short_pairs(wn: RealArray, zeta: RealArray) -> list[str]:
-    return [_short(float(value)) for pair in zip(wn, zeta, strict=True) for value in pair]
-
-
-def _short(value: float) -> str:
-    """Return two significant digits, in positional form."""
-    if 0 < value < ROUNDING:
-        return f"< {ROUNDING:.0e}"
-    return np.format_float_positional(float(f"{value:.1e}"), trim="-")

@@ -130,7 +130,8 @@ def entropy_search(
     case: Case, channels: Sequence[str], *, seed: int, candidates: Sequence[float] = CANDIDATES
 ) -> BandwidthSearch:
     """Return the entropy against bandwidth on the rows that `identify` uses."""
-    search = identify(case_record(case, channels, seed=seed), modes=1, candidates=candidates).bandwidth_search
+    record = case_record(case, channels, seed=seed)
+    search = identify(record, modes=1, method="ridge", candidates=candidates).bandwidth_search
     assert search is not None
     return search
 
@@ -213,7 +214,7 @@ def _estimate(case: Case, channels: tuple[str, ...], method: str, seed: int, ban
     if method != NOISY_WINDOWS:
         return identify(record, modes=3, method=cast("Method", method), bandwidth=bandwidth).modes
     noisy = case_record(replace(case, denoised=False), channels, seed=seed)
-    ridges = identify(noisy, modes=3, bandwidth=bandwidth).ridges
+    ridges = identify(noisy, modes=3, method="ridge", bandwidth=bandwidth).ridges
     return fit_ridges([_on_record(ridge, record) for ridge in ridges])
 
 
