@@ -7,14 +7,13 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from tabulate import tabulate
 
 from suspid.errors import InputError
 from suspid.modes import ModalSet
 from suspid.reconstruction import pole_distances
 from suspid.suspension import Suspension
 from suspid.units import ComplexArray, Ratio, RealArray
-from suspid.values import FrozenMapping, frozen_real
+from suspid.values import FrozenMapping, frozen_real, text_table
 
 UNITS = {"wn": "rad/s", "zeta": "1", "stiffness": "N/m", "damping": "N s/m", "mass": "kg"}
 EXACT = 1e-9  # relative; what two ways of solving one eigenvalue problem agree to
@@ -105,7 +104,7 @@ class Comparison:
         notes = [f"mean absolute error: {mae}"]
         if self.mac is not None:
             notes.append(f"MAC by expected mode: {', '.join(f'{m:.6f}' for m in self.mac)}")
-        table = tabulate(columns, headers="keys", disable_numparse=True, stralign="right")
+        table = text_table(columns)
         return "\n".join([f"{told[0]} ({self.rule})", table, *notes])
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from suspid.errors import InputError
 from suspid.suspension import Suspension, state_matrix
 from suspid.units import ComplexArray, RadianPerSecond, Ratio, RealArray
-from suspid.values import frozen_complex, frozen_real, text_table
+from suspid.values import frozen_complex, frozen_real, rounded, spread, text_table
 
 if TYPE_CHECKING:
     import control
@@ -253,14 +253,14 @@ def modal_table(modes: ModalSet) -> str:
     """Return the table that ``str(modes)`` shows: one row per mode, with units."""
     columns: dict[str, list[str]] = {
         "mode": [str(i + 1) for i in range(len(modes))],
-        "f [Hz]": _rounded(modes.wn / (2 * np.pi), modes.wn_std, 1 / (2 * np.pi)),
-        "wn [rad/s]": _rounded(modes.wn, modes.wn_std),
+        "f [Hz]": rounded(modes.wn / (2 * np.pi), modes.wn_std, 1 / (2 * np.pi)),
+        "wn [rad/s]": rounded(modes.wn, modes.wn_std),
     }
     if modes.wn_std is not None:
-        columns["±"] = [f"{s:#.2g}" for s in modes.wn_std]
-    columns["zeta [1]"] = _rounded(modes.zeta, modes.zeta_std)
+        columns["±"] = [spread(s) for s in modes.wn_std]
+    columns["zeta [1]"] = rounded(modes.zeta, modes.zeta_std)
     if modes.zeta_std is not None:
-        columns[" ±"] = [f"{s:#.2g}" for s in modes.zeta_std]
+        columns[" ±"] = [spread(s) for s in modes.zeta_std]
     if set(modes.kinds) - {"pair"}:
         said = {"pair": "", "real": "overdamped: one real pole", "rigid": "rigid body: pole at zero"}
         columns["kind"] = [said[kind] for kind in modes.kinds]
@@ -351,11 +351,3 @@ def _covariance_order(order: NDArray[np.intp], size: int) -> list[int]:
     poles = [2 * m + part for m in order for part in (0, 1)]
     shapes = [2 * len(order) + 2 * (m * per_mode + c) + part for m in order for c in range(per_mode) for part in (0, 1)]
     return [int(i) for i in poles + shapes]
-
-
-def _rounded(values: RealArray, stds: RealArray | None, scale: float = 1.0) -> list[str]:
-    """Return values with the digits that their uncertainty leaves, or six significant ones."""
-    if stds is None:
-        return [f"{v:.6g}" for v in values]
-    digits = [1 - int(np.floor(np.log10(s * scale))) if s > 0 else 6 for s in stds]
-    return [f"{v:.{min(max(d, 0), 12)}f}" for v, d in zip(values, digits, strict=True)]

@@ -12,13 +12,12 @@ from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from tabulate import tabulate
 
 from suspid.errors import InputError, ReconstructionError
 from suspid.modes import ModalSet, eigenmodes
 from suspid.suspension import Suspension
 from suspid.units import ComplexArray, NewtonPerMetre, NewtonSecondPerMetre, Ratio, RealArray
-from suspid.values import FrozenMapping, nearest_names
+from suspid.values import FrozenMapping, nearest_names, rounded, spread, text_table
 
 SOLVER = "CLARABEL"
 QUANTITIES = ("stiffness", "damping")
@@ -67,13 +66,16 @@ class Reconstruction:
         struts = self.suspension.struts
         columns: dict[str, Sequence[str]] = {"strut": [s.name for s in struts]}
         for quantity, unit, stds in (("stiffness", "N/m", self.stiffness_std), ("damping", "N s/m", self.damping_std)):
-            columns[f"{quantity} [{unit}]"] = [f"{getattr(s, quantity):.7g}" for s in struts]
+            values = np.array([getattr(s, quantity) for s in struts])
+            columns[f"{quantity} [{unit}]"] = [f"{value:.7g}" for value in values]
             if stds is not None:
-                columns[f"± [{unit}]"] = [f"{stds[s.name]:.2g}" for s in struts]
+                known = np.array([stds[s.name] for s in struts])
+                columns[f"{quantity} [{unit}]"] = rounded(values, known)
+                columns[f"± [{unit}]"] = [spread(std) for std in known]
         if self.held:
             names = {s.name: [q for q in QUANTITIES if f"{s.name}.{q}" in self.held] for s in struts}
             columns["held"] = [", ".join(held) for held in names.values()]
-        return f"{tabulate(columns, headers='keys', disable_numparse=True, stralign='right')}\n{self.status}"
+        return f"{text_table(columns)}\n{self.status}"
 
 
 def reconstruct(

@@ -67,3 +67,22 @@ def nearest_names(name: str, known: Iterable[str]) -> str:
 def text_table(columns: Mapping[str, Sequence[str]]) -> str:
     """Return named columns of text as a table, aligned to the right."""
     return tabulate(columns, headers="keys", disable_numparse=True, stralign="right")
+
+
+def rounded(values: RealArray, stds: RealArray | None, scale: float = 1.0) -> list[str]:
+    """Return values with the digits that their uncertainty (times ``scale``) leaves, or six significant ones."""
+    if stds is None:
+        return [f"{v:.6g}" for v in values]
+    digits = [1 - int(np.floor(np.log10(s * scale))) if s > 0 else 6 for s in stds]
+    return [f"{v:.{min(max(d, 0), 12)}f}" for v, d in zip(values, digits, strict=True)]
+
+
+def spread(std: float) -> str:
+    """Return a standard deviation with two digits; tens and more are written out.
+
+    Examples
+    --------
+    >>> spread(0.01234), spread(1.0), spread(512.0)
+    ('0.012', '1.0', '510')
+    """
+    return f"{std:#.2g}" if std < 9.95 else f"{float(f'{std:.2g}'):.0f}"
