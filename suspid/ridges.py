@@ -276,8 +276,10 @@ def fit_skeleton(ridge: Ridge) -> SkeletonFit:
     elapsed = time - ridge.onset
     # The phase turns by omega per second: unwrapping what is left of it cannot slip between samples.
     turned = skeleton * np.exp(-1j * ridge.omega * elapsed)
-    logarithm = np.log(np.abs(turned)) + 1j * np.unwrap(np.angle(turned), axis=1)
-    weights = (np.abs(skeleton) / ridge.floor[:, None]) ** 2
+    # A silent channel has no logarithm: it gets the smallest there is, and no weight.
+    silent = np.finfo(float).tiny
+    logarithm = np.log(np.maximum(np.abs(turned), silent)) + 1j * np.unwrap(np.angle(turned), axis=1)
+    weights = np.maximum((np.abs(skeleton) / ridge.floor[:, None]) ** 2, silent)
     mean_time = np.sum(weights * elapsed, axis=1, keepdims=True) / np.sum(weights, axis=1, keepdims=True)
     lever = weights * (elapsed - mean_time)
     inertia = float(np.sum(lever * (elapsed - mean_time)))
@@ -286,6 +288,8 @@ def fit_skeleton(ridge: Ridge) -> SkeletonFit:
     model: ComplexArray = np.exp(origin[:, None] + slope * elapsed)
     variance = 0.0
     for channel, floor in enumerate(ridge.floor):
+        if not np.any(skeleton[channel]):
+            continue
         # Disturbances beyond the noise widen the result.
         residual = float(np.mean(np.abs(turned[channel] - model[channel]) ** 2))
         influence = np.asarray(lever[channel] / inertia / model[channel], complex)
