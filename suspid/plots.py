@@ -106,7 +106,8 @@ def plot_scalogram(
     start, end = signal.start, signal.start + signal.duration
     order = np.argsort(scalogram.omega)
     hertz = np.asarray(scalogram.omega)[order] / (2 * np.pi)
-    edges = np.linspace(start, end, min(COLUMNS, signal.values.shape[1]) + 1)
+    # Half a step earlier, so that a sample lies in the middle of its column.
+    edges = np.linspace(start, end, min(COLUMNS, signal.values.shape[1]) + 1) - signal.step / 2
     modulus = _pooled(scalogram, _channel_weights(scalogram, channel), edges)[order]
     largest = np.max(modulus) or 1.0
     level = 20 * np.log10(np.maximum(modulus / largest, 10 ** (-decibels / 20)))
@@ -166,7 +167,7 @@ def plot_skeletons(ridges: Sequence[Ridge], *, axes: Sequence[Sequence[Axes]] | 
     >>> axes = Figure().subplots(2, len(ridges), squeeze=False)
     >>> plot_skeletons(ridges, axes=axes)
     >>> axes[1, 0].get_ylabel()
-    'phase left\\n[rad]'
+    'phase left\n[rad]'
     """
     grid = _grid(axes, (2, len(ridges)))
     for i, ridge in enumerate(ridges):
@@ -211,10 +212,11 @@ def plot_entropy(search: BandwidthSearch, *, ax: Axes) -> Axes:
     if tried[-1] > 100 * tried[0]:
         ax.set_xscale("log")
     ax.set(xlabel="bandwidth N [1]", ylabel="wavelet entropy [nat]")
-    ax.set_title(f"least entropy at N = {search.best:.4g}", loc="left")
+    title = f"least entropy at N = {search.best:.4g}"
     if search.at_end:
-        text = "least at an end of the range:\nthe range decided, not the record"
-        ax.text(0.5, 0.95, text, transform=ax.transAxes, ha="center", va="top", color=VERMILION, fontsize="x-small")
+        ax.set_title(f"{title}, an end of the range:\nthe range decided, not the record", loc="left", color=VERMILION)
+    else:
+        ax.set_title(title, loc="left")
     return ax
 
 
@@ -330,7 +332,7 @@ def plot_shapes(modes: ModalSet, *, ax: Axes) -> Axes:
                 # On the far side of the axis, where there is no bar.
                 side = "right" if component.real >= 0 else "left"
                 offset = -0.03 if side == "right" else 0.03
-                ax.text(k + offset, row, f"{degrees:.0f}°", ha=side, va="center", fontsize="x-small")
+                ax.text(k + offset, row, f"{degrees:.0f}°".replace("-", "−"), ha=side, va="center", fontsize="x-small")
     count = len(modes)
     for k in range(1, count):
         ax.axvline(k + 0.5, color=SHADE, linewidth=0.8)
@@ -381,7 +383,7 @@ def plot_identification(identification: Identification, figure: Figure) -> Figur
     last = ["entropy"] * (search is not None) + ["shapes"] * several
     heights = {"modes": 0.25 + 0.14 * min(len(modes) + 2, MOST_MODES + 2), "scalogram": 2.7 if len(blocks) < 2 else 2.3}
     keys = 3 + (2 + len(ridges[0].channels) if ridges else 0)
-    heights |= {"key": 0.1 + 0.2 * -(-keys // KEYS_ABREAST)}
+    heights |= {"key": 0.2 + 0.2 * -(-keys // KEYS_ABREAST)}
     heights |= {f"skeletons {i}": 2.5 for i in range(len(blocks))}
     heights |= {"fit": 0.5 + 0.75 * fit_rows} | ({"last": max(1.6, 0.6 + 0.2 * len(modes.channels))} if last else {})
     places = _places(figure, heights)
@@ -536,6 +538,8 @@ def _mark_modes(modes: ModalSet, ax: Axes) -> None:
     hertz = modes.poles.imag / (2 * np.pi)
     low, high = ax.get_ylim()
     within = hertz[(hertz > low) & (hertz < high)]
+    if not within.size:
+        return
     end = ax.get_xlim()[1]
     ax.plot(np.full(len(within), end), within, color=GREEN, marker="<", linestyle="none", label="mode", clip_on=False)
     ax.legend(loc="upper right", fontsize="small", framealpha=0.9)
@@ -546,7 +550,9 @@ def _write_modes(identification: Identification, ax: Axes) -> None:
     if len(lines) > MOST_MODES + 2:
         lines = [*lines[: MOST_MODES + 1], f"  … {len(identification.modes)} modes in all"]
     ax.set_axis_off()
-    ax.text(0.0, 1.0, "\n".join(lines), family="monospace", va="top", transform=ax.transAxes, fontsize=8)
+    text = ax.text(0.0, 1.0, "\n".join(lines), family="monospace", va="top", transform=ax.transAxes, fontsize=8)
+    # Text keeps to its row; it must not push the panels aside.
+    text.set_in_layout(False)
     title = str(identification.response.title or "")
     ax.set_title(f"{_shown(title, most=60)} — method {identification.method}".lstrip(" —"), loc="left")
 
@@ -559,7 +565,8 @@ def _write_key(ax: Axes, explained: Sequence[Axes]) -> None:
         more, names = panel.get_legend_handles_labels()
         handles, labels = handles + more, labels + names
     ax.set_axis_off()
-    ax.legend(handles, labels, loc="center", ncols=KEYS_ABREAST, borderaxespad=0.0)
+    legend = ax.legend(handles, labels, loc="center", ncols=KEYS_ABREAST, borderaxespad=0.0)
+    legend.set_in_layout(False)
 
 
 def _draw_fit(
@@ -642,8 +649,8 @@ def _shown(name: str, *, most: int = 32) -> str:
 
     Examples
     --------
-    >>> print(_shown("seat $x^2$"))
-    seat \$x^2\$
+    >>> print(_shown("seat $x^2$\x07"))
+    seat \$x^2\$\x07
     """
     families = FontProperties().get_family()
     fonts = [get_font(findfont(FontProperties(family=[family]))).get_charmap() for family in families]
