@@ -28,6 +28,8 @@ SEARCH_CONES = 1.2
 PROMINENCE = 2.0
 PROMINENCE_ASKED = 1.05
 STANDS_OUT = 5.0
+# A ridge is stronger by this than what the edge of the whole signal may leave where its window starts.
+OVER_EDGE = 2.0
 # A free decay does not grow by more than this many of its own standard deviations.
 GROWTH = 5.0
 # A ridge is one if its skeleton's own frequency lies this near in relative terms, and if the fitted lines leave less
@@ -389,6 +391,14 @@ def _stands_out(signal: Signal, ridge: Ridge) -> bool:
         return False
     fit = fit_skeleton(ridge)
     if fit.pole.real > GROWTH * np.sqrt(fit.variance):
+        return False
+    # Where the record is short for the wavelet the window begins within the edge of the whole signal.
+    cone = float(ridge.wavelet.envelope(ridge.omega))
+    away = (ridge.window.start - ridge.onset) / cone - max(0.0, -fit.pole.real) * cone / 2
+    gain = float(ridge.wavelet.gain(1j * ridge.omega, ridge.scale).real)
+    whole = np.sqrt(np.mean((np.max(np.abs(signal.values), axis=1) * gain / ridge.floor) ** 2))
+    edge = float(whole) * np.exp(-(max(away, 0.0) ** 2)) / (2 * np.sqrt(np.pi) * max(away, 0.3))
+    if np.max(ridge.strength[ridge.trusted]) < OVER_EDGE * edge:
         return False
     # At this distance in the logarithm a lone mode has lost a factor e.
     aside = float(np.exp(np.sqrt(2 / ridge.wavelet.bandwidth) / ridge.wavelet.center))
