@@ -413,6 +413,7 @@ def _considered(selection: Selection, signal: Signal) -> tuple[Considered, ...]:
         "under a cycle": "under one cycle in the record",
         "a few samples": "gone after a few samples",
         "outside the band": "outside the band",
+        "real or pair": "one real pole or a heavily damped pair: the record does not tell",
     }
     every = np.concatenate([selection.fit.poles.pairs, selection.fit.poles.reals])
     removed = tuple(

@@ -131,6 +131,8 @@ def evaluate(blocks: Blocks, poles: Poles, floor: RealArray) -> DecayFit | None:
     explained = np.einsum("ci,ic->c", zeroth.conj(), amplitudes).real
     squares = np.maximum(blocks.energy - explained, 0.0)
     variance = np.maximum(squares / count, floor)
+    if not np.all(np.isfinite(amplitudes)) or not np.all(variance > 0):
+        return None
     projected = bend - tilt @ inverse @ tilt
     weighted = amplitudes / variance
     curvature = projected * (amplitudes.conj() @ weighted.T)
@@ -176,7 +178,8 @@ def maximize(
     loss, damping = likelihood_loss(fit, blocks.count, floor), 1e-3
     rounding = 1e-13 * blocks.count
     for _ in range(steps):
-        scale = np.sqrt(np.maximum(fit.information.diagonal(), 1e-300))
+        diagonal = fit.information.diagonal()
+        scale = np.sqrt(np.maximum(diagonal, 1e-12 * np.max(diagonal)))
         unit = fit.information / np.outer(scale, scale)
         worth = 0.0
         for _ in range(12):

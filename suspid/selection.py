@@ -23,12 +23,18 @@ MOST_POLES = 16
 # wrong by more than the noise, and a pole must explain this many times more than what is left beside it.
 COLOURED = 2.5
 WORTHWHILE = 20.0
-# Poles nearer to each other than this share of the faster decay rate are one mode that is not quite linear.
+# Poles nearer to each other than so many decay rates (the geometric mean of theirs) are one mode, not quite linear.
 DISTINCT = 1.0
 # A pole that decays less than this over the record, known no better than this many standard deviations, is a tone.
 TONE_DECAY, TONE_SURE = 0.25, 10.0
 
-Verdict = Literal["mode", "tone", "drift", "growing", "under a cycle", "a few samples", "outside the band", "split"]
+# A real pole is exchanged for a pair where that gains this much per parameter; it is a mode only if the pair gains less
+# than the second figure and the pole itself so much that a pair would show.
+PAIR_GAIN, PAIR_EXCLUDED, REAL_SURE = 3.5, 4.0, 150.0
+
+Verdict = Literal[
+    "mode", "tone", "drift", "growing", "under a cycle", "a few samples", "outside the band", "real or pair"
+]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -109,10 +115,17 @@ def select(
             break
         fit = better
     fit, gains = _thinned(state, fit, rejected, forced=modes is not None)
+    fit, extra = _paired(state, fit)
+    if len(extra):
+        gains = np.array([state.gain_of(fit, index) for index in range(_poles(fit))])
     residual = state.residual(fit)
+    verdicts = list(state.verdicts(fit))
+    for index, more in enumerate(extra, start=len(fit.poles.pairs)):
+        if verdicts[index] == "mode" and (more > PAIR_EXCLUDED or gains[index] < REAL_SURE):
+            verdicts[index] = "real or pair"
     return Selection(
         fit=fit,
-        verdicts=state.verdicts(fit),
+        verdicts=tuple(verdicts),
         gains=gains,
         loudness=np.array([state.loudness(fit, residual, i) for i in range(_poles(fit))]),
         rejected=tuple(rejected),
@@ -233,13 +246,13 @@ def _extended(state: _State, fit: DecayFit, rejected: list[tuple[Candidate, str]
 
 
 def _nearest(fit: DecayFit, index: int) -> float:
-    """Return the distance of a pole from the nearest other, in decay rates of the faster of the two."""
+    """Return the distance of a pole from the nearest other, in geometric means of the two decay rates."""
     every = np.concatenate([fit.poles.pairs, fit.poles.reals.astype(complex)])
     others = np.delete(every, index)
     if not len(others):
         return np.inf
-    faster = np.maximum(np.maximum(-others.real, -every[index].real), 1e-12)
-    return float(np.min(np.abs(others - every[index]) / faster))
+    linewidth = np.sqrt(np.maximum(others.real * every[index].real, 1e-24))
+    return float(np.min(np.abs(others - every[index]) / linewidth))
 
 
 def _thinned(
@@ -270,6 +283,23 @@ def _thinned(
         lost = Candidate(theta=theta, real=index >= len(fit.poles.pairs), gain=float(gains[index]))
         rejected.append((lost, reason))
         fit = shorter
+
+
+def _paired(state: _State, fit: DecayFit) -> tuple[DecayFit, RealArray]:
+    """Return the fit with real poles exchanged for pairs where those fit clearly better; what pairs would gain else."""
+    enough = PAIR_GAIN * (1 + state.blocks.channels)
+    index, extra = 0, list[float]()
+    while index < len(fit.poles.reals):
+        theta = fit.poles.reals[index]
+        pair = fit.poles.without(len(fit.poles.pairs) + index).with_pair(theta + 0.7j * abs(theta))
+        trial = state.fitted(pair)
+        more = -np.inf if trial is None else state.loss(fit) - state.loss(trial)
+        if trial is not None and more > enough:
+            fit, index, extra = trial, 0, []
+            continue
+        extra.append(more)
+        index += 1
+    return fit, np.array(extra)
 
 
 def candidates(fit: DecayFit, residual: RealArray, variance: RealArray) -> list[Candidate]:
