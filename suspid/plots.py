@@ -550,9 +550,7 @@ def _write_modes(identification: Identification, ax: Axes) -> None:
     if len(lines) > MOST_MODES + 2:
         lines = [*lines[: MOST_MODES + 1], f"  … {len(identification.modes)} modes in all"]
     ax.set_axis_off()
-    text = ax.text(0.0, 1.0, "\n".join(lines), family="monospace", va="top", transform=ax.transAxes, fontsize=8)
-    # Text keeps to its row; it must not push the panels aside.
-    text.set_in_layout(False)
+    ax.text(0.0, 1.0, "\n".join(lines), family="monospace", va="top", transform=ax.transAxes, fontsize=8)
     title = str(identification.response.title or "")
     ax.set_title(f"{_shown(title, most=60)} — method {identification.method}".lstrip(" —"), loc="left")
 

@@ -212,6 +212,17 @@ class TestSkeletons:
                 # Phases of a thousand radians are taken off each other; 1e-9 is far above that rounding.
                 assert np.allclose(phase[ridge.trusted] - turning, left, rtol=0, atol=1e-9)
 
+    def test_turns_of_the_phase_outside_the_window_do_not_shift_what_is_inside(self, scalogram: Scalogram) -> None:
+        (ridge,) = find_ridges(scalogram, count=1)
+        before = np.clip((ridge.window.start - ridge.timepts) / (ridge.window.start - ridge.timepts[0]), 0, 1)
+        turned = replace(ridge, skeleton=ridge.skeleton * np.exp(4j * np.pi * before))
+        axes = Figure().subplots(2, 2)
+        plot_skeletons([ridge, turned], axes=axes)
+        for plain, other in zip(axes[1, 0].get_lines(), axes[1, 1].get_lines(), strict=True):
+            (x, y), (_, z) = coordinates(plain), coordinates(other)
+            # A turn is 6.28; whatever rounding the exponential adds is far below 1e-9.
+            assert np.allclose(y[x >= ridge.window.start], z[x >= ridge.window.start], rtol=0, atol=1e-9)
+
     def test_the_noise_level_is_where_trust_ends(self, scalogram: Scalogram) -> None:
         (ridge,) = find_ridges(scalogram, count=1)
         axes = Figure().subplots(2, 1, squeeze=False)
@@ -302,6 +313,7 @@ class TestPage:
         figure = plot_identification(identification, Figure(figsize=PAGE))
         found = list(labels(figure))
         assert len(found) > 10
+        assert found.count("[unit]") == 3
         for text in found:
             assert text.endswith("]"), text
             assert text.rpartition("[")[2][:-1].split(" of ")[0] in UNITS, text
@@ -357,7 +369,7 @@ class TestPage:
 
     def test_a_record_without_a_mode(self) -> None:
         noise = np.random.default_rng(0).normal(size=(1, 2000))
-        found = identify(as_response(np.linspace(0, 3.998, 2000), noise, ["y"]), bandwidth=4.0)
+        found = identify(as_response(np.linspace(0, 3.998, 2000), noise, ["y"]), candidates=[4.0, 8.0])
         assert not len(found.modes)
         plot_identification(found, Figure(figsize=PAGE)).draw_without_rendering()
 
