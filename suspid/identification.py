@@ -272,7 +272,7 @@ def identify(
     response : control.TimeResponseData
         A free decay from its first sample on, uniformly sampled; all channels are used together.
     modes : int, optional
-        How many modes. Default: as many as the record supports.
+        How many modes: the strongest of those that the record supports. Default: all of them.
     method : {"likelihood", "ridge"}
         See above.
     band : (float, float), optional
@@ -413,6 +413,7 @@ def _considered(selection: Selection, signal: Signal) -> tuple[Considered, ...]:
         "under a cycle": "under one cycle in the record",
         "a few samples": "gone after a few samples",
         "outside the band": "outside the band",
+        "beyond": "weaker than the modes asked for",
         "real or pair": "one real pole or a heavily damped pair: the record does not tell",
     }
     every = np.concatenate([selection.fit.poles.pairs, selection.fit.poles.reals])

@@ -32,8 +32,11 @@ TONE_DECAY, TONE_SURE = 0.25, 10.0
 # than the second figure and the pole itself so much that a pair would show.
 PAIR_GAIN, PAIR_EXCLUDED, REAL_SURE = 3.5, 4.0, 150.0
 
+# A pole that falls by more than this in one sample is gone before it can be seen to swing.
+BRIEF = 0.35
+
 Verdict = Literal[
-    "mode", "tone", "drift", "growing", "under a cycle", "a few samples", "outside the band", "real or pair"
+    "mode", "tone", "drift", "growing", "under a cycle", "a few samples", "outside the band", "real or pair", "beyond"
 ]
 
 
@@ -96,7 +99,7 @@ def select(
     floor : ndarray (channel,)
         Least noise variance: rounding or quantisation.
     modes : int, optional
-        Stop at so many modes, whatever the price.
+        Take the strongest so many of those found for modes.
     band : (float, float)
         Angular frequencies per sample between which a pole can be a mode.
     """
@@ -108,13 +111,11 @@ def select(
     assert fit is not None
     rejected: list[tuple[Candidate, str]] = []
     while fit.poles.free < 2 * MOST_POLES:
-        if modes is not None and sum(v == "mode" for v in state.verdicts(fit)) >= modes:
-            break
-        better = _extended(state, fit, rejected, forced=modes is not None)
+        better = _extended(state, fit, rejected)
         if better is None:
             break
         fit = better
-    fit, gains = _thinned(state, fit, rejected, forced=modes is not None)
+    fit, gains = _thinned(state, fit, rejected)
     fit, extra = _paired(state, fit)
     if len(extra):
         gains = np.array([state.gain_of(fit, index) for index in range(_poles(fit))])
@@ -123,6 +124,9 @@ def select(
     for index, more in enumerate(extra, start=len(fit.poles.pairs)):
         if verdicts[index] == "mode" and (more > PAIR_EXCLUDED or gains[index] < REAL_SURE):
             verdicts[index] = "real or pair"
+    kept = [index for index in np.argsort(-gains) if verdicts[index] == "mode"]
+    for index in kept[modes:] if modes is not None else []:
+        verdicts[index] = "beyond"
     return Selection(
         fit=fit,
         verdicts=tuple(verdicts),
@@ -186,7 +190,7 @@ class _State:
         count, decay = self.blocks.count, -theta.real
         if decay < -3 * spread:
             return "growing"
-        if decay > 0.7:
+        if decay > BRIEF:
             return "a few samples"
         if real:
             return "drift" if decay * count < 3 else "mode"
@@ -219,7 +223,7 @@ def _poles(fit: DecayFit) -> int:
     return len(fit.poles.pairs) + len(fit.poles.reals)
 
 
-def _extended(state: _State, fit: DecayFit, rejected: list[tuple[Candidate, str]], *, forced: bool) -> DecayFit | None:
+def _extended(state: _State, fit: DecayFit, rejected: list[tuple[Candidate, str]]) -> DecayFit | None:
     """Return the fit with one more pole, or None if no candidate is worth its price."""
     residual = state.residual(fit)
     before = float(state.blocks.count * np.sum(np.log(state.variance(residual))))
@@ -227,7 +231,7 @@ def _extended(state: _State, fit: DecayFit, rejected: list[tuple[Candidate, str]
         return None
     for candidate in candidates(fit, residual, state.variance(residual))[:TRIES]:
         cost = state.price(real=candidate.real)
-        if candidate.gain < HOPELESS * cost and not forced:
+        if candidate.gain < HOPELESS * cost:
             break
         longer = fit.poles.with_real(candidate.theta.real) if candidate.real else fit.poles.with_pair(candidate.theta)
         trial = state.fitted(longer)
@@ -239,7 +243,7 @@ def _extended(state: _State, fit: DecayFit, rejected: list[tuple[Candidate, str]
         if near < DISTINCT:
             rejected.append((candidate, f"split of another mode: {near:.2g} linewidths from it"))
             continue
-        if gain > cost or (forced and gain > 0):
+        if gain > cost:
             return trial
         rejected.append((candidate, f"too weak: gains {gain:.3g} of the {cost:.3g} needed"))
     return None
@@ -255,13 +259,11 @@ def _nearest(fit: DecayFit, index: int) -> float:
     return float(np.min(np.abs(others - every[index]) / linewidth))
 
 
-def _thinned(
-    state: _State, fit: DecayFit, rejected: list[tuple[Candidate, str]], *, forced: bool
-) -> tuple[DecayFit, RealArray]:
+def _thinned(state: _State, fit: DecayFit, rejected: list[tuple[Candidate, str]]) -> tuple[DecayFit, RealArray]:
     """Return the fit without poles that are not worth their price beside the others, and what each pole is worth."""
     while True:
         gains = np.array([state.gain_of(fit, index) for index in range(_poles(fit))])
-        if forced or not len(gains):
+        if not len(gains):
             return fit, gains
         residual = state.residual(fit)
         prices = np.array([state.price(real=index >= len(fit.poles.pairs)) for index in range(_poles(fit))])
