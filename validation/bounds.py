@@ -5,6 +5,7 @@ Nothing here is taken from the library's estimators; it is a second opinion on t
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -108,7 +109,9 @@ def cramer_rao(
     return Bound(wn_std=frozen_real(wn_std), zeta_std=frozen_real(zeta_std))
 
 
-def decay_amplitudes(system: control.StateSpace, initial_state: ArrayLike) -> tuple[ComplexArray, ComplexArray]:
+def decay_amplitudes(
+    system: control.StateSpace, initial_state: Mapping[str, float] | ArrayLike
+) -> tuple[ComplexArray, ComplexArray]:
     """Return the poles of a free decay and its complex amplitudes, by eigenvectors of A.
 
     ``y(t) = C exp(A t) x_0 = Re sum_k a_k exp(lambda_k t)`` with ``a_k = 2 C v_k w_k^H x_0`` over the poles of the
@@ -118,8 +121,8 @@ def decay_amplitudes(system: control.StateSpace, initial_state: ArrayLike) -> tu
     ----------
     system : control.StateSpace
         Continuous, with complex pole pairs only.
-    initial_state : array_like (state,)
-        State at t = 0.
+    initial_state : mapping of str to float, or array_like (state,)
+        State at t = 0, by label (others zero) or whole.
 
     Returns
     -------
@@ -134,6 +137,8 @@ def decay_amplitudes(system: control.StateSpace, initial_state: ArrayLike) -> tu
         If a pole is real.
     """
     A, C = np.asarray(system.A, float), np.asarray(system.C, float)
+    if isinstance(initial_state, Mapping):
+        initial_state = [initial_state.get(label, 0.0) for label in system.state_labels]
     poles, vectors = np.linalg.eig(A)
     if np.any(poles.imag == 0):
         raise InputError(f"the system has real poles, {poles[poles.imag == 0].real} rad/s")

@@ -122,12 +122,13 @@ def _table_preface(studies: Studies, seeds: int, candidates: Sequence[float]) ->
   columns are Eq. (22), averaged over these draws. Draws that lost a mode are the hard ones: where there are many, the
   RMSE of the rest flatters. With fewer than {min(FEWEST_DRAWS, seeds)} such draws no figure is given.
 - **found**: in how many of the draws each mode was found, and in how many all three. Three modes are asked for;
-  one is found if an estimate lies within {100 * FOUND:g} % of its frequency.
+  one is found if the pole of an estimate lies within {100 * FOUND:g} % of its own, over w.
 - Methods: {", ".join(f"`{m}`" for m in available_methods())}, as `identify(record, modes=3, method=...)`. For `ridge`,
   the bandwidth of least entropy is searched once per case, in its first draw, among
   {low:g} to {high:g} (w0 = 2 pi): {told}.
-- `{NOISY_WINDOWS}`: the denoised record, with the window and noise of each ridge as found in the noisy one.
-  `ridge` alone reads its noise from the record that it is given, and a denoised record seems to have none."""
+- `{NOISY_WINDOWS}`: the denoised record, with the ridges, windows and noise that the noisy one
+  shows where three stand out there. `ridge` alone reads its noise from the record that it is given; a denoised
+  record seems to have none, so its windows reach into what denoising left of the noise."""
 
 
 def _table_part(channels: tuple[str, ...], studies: Studies, seeds: int) -> str:
@@ -207,8 +208,8 @@ def _picture_part() -> str:
     lines = [
         "## Pictures",
         "",
-        "The content of Figures 5-16, from the tire alone, in the first draw of the noisy cases: the response, its "
-        "noisy and denoised versions; entropy against N; for each case the scalogram with its ridges, and modulus and "
+        "The content of Figures 5-16, from the tire alone, in the first draw of the noisy cases: the response, its",
+        "noisy and denoised versions; entropy against N; for each case the scalogram with its ridges, and modulus and",
         "phase along each ridge with the fitted lines. Of three modes asked for, those that stood out are drawn.",
         "",
         "![Responses](paper_responses.png)",

@@ -27,7 +27,7 @@ LONG_CANDIDATES = np.geomspace(1.0, 800.0, 40)
 DOTS_PER_INCH = 90
 PALE = "#BBBBBB"
 # Colours per picture: plain lines and one ramp need no more, and the files are a third as large.
-PALETTE = 96
+PALETTE = 128
 
 
 def draw_all(folder: Path) -> list[Path]:
@@ -122,6 +122,10 @@ def save(figure: Figure, path: Path) -> Path:
     with BytesIO() as buffer:
         # The version of matplotlib would change the file and not the picture.
         figure.savefig(buffer, format="png", metadata={"Software": None})
-        picture = Image.open(buffer).convert("RGB").quantize(PALETTE, dither=Image.Dither.NONE)
+        picture = (
+            Image.open(buffer)
+            .convert("RGB")
+            .quantize(PALETTE, method=Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+        )
     picture.save(path, optimize=True)
     return path

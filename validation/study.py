@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cache
-from itertools import product
+from itertools import product, starmap
 from multiprocessing import get_context
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,7 +47,7 @@ DURATION: Second = 10.0
 START = {"v_tire": 1.0}
 # Table 1 prints c = 30, 20, 10 N s/m; the modes of Table 2 belong to ten times that.
 DAMPING_FACTOR = 10.0
-# A mode counts as found if an estimate lies this near to its natural frequency, in relative terms.
+# A mode counts as found if the pole of an estimate lies this near to its own, over its natural frequency.
 FOUND = 0.05
 # Every method that `identify` knows is judged; another one is one more name here.
 METHODS: tuple[str, ...] = ("ridge", "likelihood")
@@ -54,6 +55,8 @@ METHODS: tuple[str, ...] = ("ridge", "likelihood")
 NOISY_WINDOWS = "ridge, windows of the noisy record"
 # The bandwidth of least entropy is chosen among these, as in the paper.
 CANDIDATES = range(1, 51)
+# Draws that a process takes at once.
+BLOCK = 25
 CHANNEL_SETS: tuple[tuple[str, ...], ...] = (("seat",), ("tire",), ("seat", "chassis", "tire"))
 
 
@@ -117,9 +120,7 @@ def case_record(case: Case, channels: Sequence[str], *, seed: int) -> control.Ti
 
 def bound(snr_db: Decibel, channels: Sequence[str]) -> Bound:
     """Return the Cramér-Rao bound for the record's poles from some channels, ascending in frequency."""
-    system = statespace(paper_car())
-    start = np.array([START.get(label, 0.0) for label in system.state_labels])
-    poles, amplitudes = decay_amplitudes(system, start)
+    poles, amplitudes = decay_amplitudes(statespace(paper_car()), START)
     record = clean_record()
     picked = [list(record.output_labels).index(name) for name in channels]
     std = np.sqrt(np.mean(np.asarray(record.y)[picked] ** 2, axis=1) * 10 ** (-snr_db / 10))
@@ -179,43 +180,88 @@ def run_studies(
     dict
         By name of the case, channels and method.
     """
-    keys = [(c, ch, m) for c, ch in product(CASES, channel_sets) for m in case_methods(c)]
+    pairs = list(product(CASES, channel_sets))
+    # By signal-to-noise ratio and channels, a noisy record serves its denoised form too.
+    groups = list(product(dict.fromkeys(case.snr_db for case in CASES), channel_sets))
+    blocks = [
+        (snr_db, channels, range(start, min(start + BLOCK, seeds if snr_db is not None else 1)))
+        for snr_db, channels in groups
+        for start in range(0, seeds if snr_db is not None else 1, BLOCK)
+    ]
+    with _mapping(workers) as run:
+        # Choosing N anew in every draw would take ten times as long.
+        found = run(_least_entropy, [(case, channels, candidates) for case, channels in pairs])
+        chosen = {(case.name, channels): best for (case, channels), best in zip(pairs, found, strict=True)}
+        estimates = list(run(_estimates, [(*block, chosen) for block in blocks]))
+    studies = {}
+    for case, channels in pairs:
+        for method in case_methods(case):
+            parts = [
+                e[case.name, method] for e, b in zip(estimates, blocks, strict=True) if b[:2] == (case.snr_db, channels)
+            ]
+            wn, zeta = np.concatenate(parts, axis=1)
+            studies[case.name, channels, method] = Study(
+                bandwidth=chosen[case.name, channels], wn=frozen_real(wn), zeta=frozen_real(zeta)
+            )
+    return studies
+
+
+@contextmanager
+def _mapping(workers: int) -> Iterator[Callable[..., Iterable[Any]]]:
+    """Provide a map over tuples of arguments, in this process or in several."""
     if workers == 1:
-        studies = [_study(*key, seeds, candidates) for key in keys]
-    else:
-        # Forking a process that runs threads is unsafe.
-        with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-            studies = list(pool.map(_study, *zip(*keys, strict=True), [seeds] * len(keys), [candidates] * len(keys)))
-    return {(c.name, ch, m): study for (c, ch, m), study in zip(keys, studies, strict=True)}
+        yield starmap
+        return
+    # Forking a process that runs threads is unsafe.
+    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+        yield lambda function, arguments: pool.map(function, *zip(*arguments, strict=True))
 
 
-def _study(case: Case, channels: tuple[str, ...], method: str, seeds: int, candidates: Sequence[float]) -> Study:
+def _least_entropy(case: Case, channels: tuple[str, ...], candidates: Sequence[float]) -> float:
+    return entropy_search(case, channels, seed=0, candidates=candidates).best
+
+
+def _estimates(
+    snr_db: Decibel | None,
+    channels: tuple[str, ...],
+    seeds: Sequence[int],
+    chosen: Mapping[tuple[str, tuple[str, ...]], float],
+) -> dict[tuple[str, str], RealArray]:
+    """Return wn and zeta, (2, draw, mode), by name of the case and method, for all cases of one noise."""
     truth = eigenmodes(paper_car())
-    # Choosing N anew in every draw would take ten times as long.
-    best = entropy_search(case, channels, seed=0, candidates=candidates).best
-    draws = range(seeds if case.snr_db is not None else 1)
-    wn, zeta = np.full((2, len(draws), len(truth)), np.nan)
-    for i, seed in enumerate(draws):
-        try:
-            modes = _estimate(case, channels, method, seed, best)
-        except IdentificationError as error:
-            modes = error.found
-        for k, expected in enumerate(truth.wn):
-            if modes is None:
-                continue
-            j = int(np.argmin(np.abs(modes.wn - expected)))
-            if abs(modes.wn[j] - expected) < FOUND * expected:
-                wn[i, k], zeta[i, k] = modes.wn[j], modes.zeta[j]
-    return Study(bandwidth=best, wn=frozen_real(wn), zeta=frozen_real(zeta))
+    cases = sorted((case for case in CASES if case.snr_db == snr_db), key=lambda case: case.denoised)
+    out = {(c.name, m): np.full((2, len(seeds), len(truth)), np.nan) for c in cases for m in case_methods(c)}
+    for i, seed in enumerate(seeds):
+        noisy_ridges: tuple[Ridge, ...] = ()
+        for case in cases:
+            record = case_record(case, channels, seed=seed)
+            for method in available_methods():
+                try:
+                    found = identify(
+                        record, modes=3, method=cast("Method", method), bandwidth=chosen[case.name, channels]
+                    )
+                    modes: ModalSet | None = found.modes
+                    if method == "ridge" and not case.denoised:
+                        noisy_ridges = found.ridges
+                except IdentificationError as error:
+                    modes = error.found
+                out[case.name, method][:, i] = matched(modes, truth)
+            if case.denoised and noisy_ridges:
+                modes = fit_ridges([_on_record(ridge, record) for ridge in noisy_ridges])
+                out[case.name, NOISY_WINDOWS][:, i] = matched(modes, truth)
+    return out
 
 
-def _estimate(case: Case, channels: tuple[str, ...], method: str, seed: int, bandwidth: float) -> ModalSet | None:
-    record = case_record(case, channels, seed=seed)
-    if method != NOISY_WINDOWS:
-        return identify(record, modes=3, method=cast("Method", method), bandwidth=bandwidth).modes
-    noisy = case_record(replace(case, denoised=False), channels, seed=seed)
-    ridges = identify(noisy, modes=3, method="ridge", bandwidth=bandwidth).ridges
-    return fit_ridges([_on_record(ridge, record) for ridge in ridges])
+def matched(modes: ModalSet | None, truth: ModalSet) -> RealArray:
+    """Return wn and zeta of the estimate nearest to each true pole, NaN where none is near, (2, mode)."""
+    out = np.full((2, len(truth)), np.nan)
+    for k, pole in enumerate(truth.poles if modes is not None and len(modes) else ()):
+        assert modes is not None
+        distance = np.abs(modes.poles - pole)
+        j = int(np.argmin(distance))
+        if distance[j] < FOUND * abs(pole):
+            out[:, k] = modes.wn[j], modes.zeta[j]
+    return out
 
 
 def _on_record(ridge: Ridge, record: control.TimeResponseData) -> Ridge:
