@@ -3,16 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Literal
 
 import numpy as np
 
 from suspid.exponentials import Blocks, blocks_of, power_sums, synthesize
-from suspid.likelihood import DecayFit, Poles, evaluate, maximize
+from suspid.likelihood import NEGLIGIBLE, DecayFit, Poles, evaluate, maximize
 from suspid.units import ComplexArray, RealArray
+from suspid.values import frozen_real
 
-# The grid of decay rates: from half an e-folding over the record to one per sample, by this factor.
-DECAY_FACTOR = 2.0
+# The grid of decay rates: from half an e-folding over the record to one per sample, by about this factor. Midway
+# between two of them a pole still shows 93 % of its energy.
+DECAY_FACTOR = 3.0
+# A decaying exponential counts as gone after so many e-foldings, and is as wide as the Fourier bins of so many.
+GONE, WIDE = 9.0, 6.0
+# While poles are still to come, the others need not be fitted better than to this share of their standard deviations.
+ROUGH = 0.05
 # Grid points whose gain is computed exactly, beyond those beside poles already fitted.
 LOCAL_MAXIMA = 48
 # Candidates refitted before giving up, and the share of the price below which none is.
@@ -115,10 +122,12 @@ def select(
         if better is None:
             break
         fit = better
+    fit = state.fitted(fit.poles) or fit
     fit, gains = _thinned(state, fit, rejected)
     fit, extra = _paired(state, fit)
     if len(extra):
-        gains = np.array([state.gain_of(fit, index) for index in range(_poles(fit))])
+        left = state.residual(fit)
+        gains = np.array([state.worth_of(fit, index, left)[0] for index in range(_poles(fit))])
     residual = state.residual(fit)
     verdicts = list(state.verdicts(fit))
     for index, more in enumerate(extra, start=len(fit.poles.pairs)):
@@ -154,27 +163,24 @@ class _State:
     def loss(self, fit: DecayFit) -> float:
         return float(self.blocks.count * np.sum(np.log(self.variance(self.residual(fit)))))
 
-    def fitted(self, poles: Poles) -> DecayFit | None:
+    def fitted(self, poles: Poles, *, rough: bool = False) -> DecayFit | None:
         # Sums of squares by subtraction carry the rounding of the whole energy.
-        return maximize(self.blocks, poles, np.maximum(self.floor, 1e-15 * self.blocks.energy / self.blocks.count))
+        floor = np.maximum(self.floor, 1e-15 * self.blocks.energy / self.blocks.count)
+        return maximize(self.blocks, poles, floor, negligible=ROUGH**2 if rough else NEGLIGIBLE)
 
-    def gain_of(self, fit: DecayFit, index: int) -> float:
-        """Return what a pole gains in twice the log likelihood over the best fit without it."""
-        loss = self.loss(fit)
-        shorter = evaluate(self.blocks, fit.poles.without(index), self.floor)
-        gain = np.inf if shorter is None else self.loss(shorter) - loss
-        if gain < 3 * self.price(real=index >= len(fit.poles.pairs)):
-            refitted = self.fitted(fit.poles.without(index))
-            gain = np.inf if refitted is None else self.loss(refitted) - loss
-        return float(gain)
-
-    def energy_of(self, fit: DecayFit, index: int, residual: RealArray) -> float:
-        """Return the energy that only this pole explains, in units of the noise variance."""
+    def worth_of(self, fit: DecayFit, index: int, residual: RealArray) -> tuple[float, float]:
+        """Return what leaving a pole out costs: in twice the log likelihood, and in energy over noise variance."""
+        least = self.variance(residual)
         shorter = evaluate(self.blocks, fit.poles.without(index), self.floor)
         if shorter is None:
-            return np.inf
-        more = self.variance(self.residual(shorter)) / self.variance(residual) - 1
-        return float(self.blocks.count * np.sum(more))
+            return np.inf, np.inf
+        more = self.variance(self.residual(shorter)) / least
+        gain = self.blocks.count * float(np.sum(np.log(more)))
+        if gain < 3 * self.price(real=index >= len(fit.poles.pairs)):
+            refitted = self.fitted(fit.poles.without(index))
+            if refitted is not None:
+                gain = self.loss(refitted) - self.blocks.count * float(np.sum(np.log(least)))
+        return gain, self.blocks.count * float(np.sum(more - 1))
 
     def price(self, *, real: bool) -> float:
         return price(self.blocks.channels, self.blocks.channels * self.blocks.count, real=real)
@@ -234,7 +240,7 @@ def _extended(state: _State, fit: DecayFit, rejected: list[tuple[Candidate, str]
         if candidate.gain < HOPELESS * cost:
             break
         longer = fit.poles.with_real(candidate.theta.real) if candidate.real else fit.poles.with_pair(candidate.theta)
-        trial = state.fitted(longer)
+        trial = state.fitted(longer, rough=True)
         if trial is None:
             continue
         gain = before - state.loss(trial)
@@ -262,14 +268,14 @@ def _nearest(fit: DecayFit, index: int) -> float:
 def _thinned(state: _State, fit: DecayFit, rejected: list[tuple[Candidate, str]]) -> tuple[DecayFit, RealArray]:
     """Return the fit without poles that are not worth their price beside the others, and what each pole is worth."""
     while True:
-        gains = np.array([state.gain_of(fit, index) for index in range(_poles(fit))])
-        if not len(gains):
-            return fit, gains
         residual = state.residual(fit)
+        worths = [state.worth_of(fit, index, residual) for index in range(_poles(fit))]
+        if not worths:
+            return fit, np.zeros(0)
+        gains, energy = np.array(worths).T
         prices = np.array([state.price(real=index >= len(fit.poles.pairs)) for index in range(_poles(fit))])
         loud = np.array([state.loudness(fit, residual, index) for index in range(_poles(fit))])
         # Beside a residual that is not noise, energy counts, not likelihood.
-        energy = np.array([state.energy_of(fit, index, residual) for index in range(_poles(fit))])
         worth = np.where(loud > 1, np.minimum(energy / (WORTHWHILE * loud), gains), gains) / prices
         index = int(np.argmin(worth))
         shorter = state.fitted(fit.poles.without(index)) if worth[index] < 1 else None
@@ -320,7 +326,7 @@ def candidates(fit: DecayFit, residual: RealArray, variance: RealArray) -> list[
     known = fit.poles.exponents
     inverse: ComplexArray = np.asarray(np.linalg.inv(fit.gram), complex)
     decays = np.geomspace(0.5 / count, 1.0, 1 + int(np.ceil(np.log(2.0 * count) / np.log(DECAY_FACTOR))))
-    thetas, inner = _grid(residual, variance, decays, known)
+    thetas, inner = _grid(residual, variance, decays, known[known.imag >= 0])
     real: ComplexArray = np.asarray(-decays, complex)
     real_inner = blocks_of(residual).project(real)[0]
     pair_gain = _pair_gain(known, inverse, thetas, inner, count)
@@ -351,28 +357,39 @@ def _grid(
     count = residual.shape[1]
     thetas, inner, loose = [], [], []
     for decay in decays:
-        used = min(count, int(np.ceil(9 / decay)))
-        length = next_fast_len(2 * used, real=True)
-        spectrum = rfft(residual[:, :used] * np.exp(-decay * np.arange(used)), n=length, axis=1)
-        omega = 2 * np.pi / length * np.arange(spectrum.shape[1])
-        norm = -np.expm1(-2 * decay * used) / -np.expm1(-2 * decay)
-        gain = np.sum(np.abs(spectrum) ** 2 / variance[:, None], axis=0) / norm
-        peak = np.zeros(len(omega), bool)
-        peak[1:-1] = (gain[1:-1] >= gain[:-2]) & (gain[1:-1] >= gain[2:])
-        beside = np.zeros(len(omega), bool)
-        for theta in known[known.imag >= 0]:
-            reach = 4 * max(decay, -theta.real, np.pi / count)
-            low, high = np.searchsorted(omega, [theta.imag - reach, theta.imag + reach])
-            beside[low : high : max(1, (high - low) // 12)] = True
-        beside[0] = False
-        keep = np.flatnonzero(peak | beside)
-        thetas.append(-decay + 1j * omega[keep])
-        inner.append(spectrum[:, keep])
-        loose.append(np.where(beside[keep], np.inf, gain[keep]))
+        used = min(count, int(np.ceil(GONE / decay)))
+        length = next_fast_len(used if decay * count > WIDE else 2 * used, real=True)
+        spectrum = rfft(residual[:, :used] * _decay(decay, used), n=length, axis=1)
+        norm = np.expm1(-2 * decay * used) / np.expm1(-2 * decay)
+        power = spectrum.real**2 + spectrum.imag**2
+        gain = (1 / (variance * norm)) @ power
+        keep = np.flatnonzero((gain[1:-1] >= gain[:-2]) & (gain[1:-1] >= gain[2:])) + 1
+        if len(keep) > LOCAL_MAXIMA:
+            keep = keep[np.argpartition(gain[keep], -LOCAL_MAXIMA)[-LOCAL_MAXIMA:]]
+        rank = gain[keep]
+        per_bin = 2 * np.pi / length
+        reach = 4 * np.maximum(np.maximum(decay, -known.real), np.pi / count)
+        low = np.maximum(np.ceil((known.imag - reach) / per_bin), 1).astype(int)
+        high = np.minimum((known.imag + reach) / per_bin, len(gain) - 1).astype(int)
+        beside = [np.arange(a, b + 1, max(1, (b - a) // 12)) for a, b in zip(low, high, strict=True)]
+        every = np.concatenate([keep, *beside])
+        thetas.append(-decay + 1j * per_bin * every)
+        inner.append(spectrum[:, every])
+        loose.append(np.concatenate([rank, np.full(len(every) - len(keep), np.inf)]))
     theta, spread, rank = np.concatenate(thetas), np.concatenate(inner, axis=1), np.concatenate(loose)
     best = np.sort(rank[np.isfinite(rank)])[-LOCAL_MAXIMA:]
     keep = np.flatnonzero(rank >= (best[0] if len(best) else 0.0))
     return theta[keep], spread[:, keep]
+
+
+def _decay(rate: float, count: int) -> RealArray:
+    """Return ``exp(-rate k)``; kept from one pole to the next while the record is not long."""
+    return _short_decay(rate, count) if count <= 2**16 else np.exp(-rate * np.arange(count))
+
+
+@lru_cache(maxsize=32)
+def _short_decay(rate: float, count: int) -> RealArray:
+    return frozen_real(np.exp(-rate * np.arange(count)))
 
 
 def _pair_gain(
