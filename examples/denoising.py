@@ -22,7 +22,7 @@ rng = np.random.default_rng(1)
 
 print("zeta less its exact value, in percent of it (mean and scatter of 10 records), and noise left")
 print("  SNR     record      mode 1          mode 2      noise std")
-for snr in (20.0, 5.0):
+for snr in (20.0, 12.0):
     errors: dict[str, list[np.ndarray]] = {"raw": [], "denoised": []}
     left: dict[str, list[float]] = {"raw": [], "denoised": []}
     for _ in range(10):
