@@ -57,6 +57,21 @@ def power_sums(phi: ComplexArray, count: int) -> tuple[ComplexArray, ComplexArra
     return zeroth, first, second
 
 
+def cross_sums(left: ComplexArray, right: ComplexArray, count: int) -> ComplexArray:
+    """Return ``sum_k exp((left_i + right_j) k)``, (left, right), by outer products of few exponentials.
+
+    Near ``left + right = 0`` it is left to `power_sums`; elsewhere some 4 / (n |left + right|) units of
+    rounding are lost, which does not matter where one looks for poles.
+    """
+    phi = left[:, None] + right
+    ratio = np.exp(left)[:, None] * np.exp(right) - 1
+    near = np.abs(phi) * count < SERIES_REACH
+    sums = (np.exp(count * left)[:, None] * np.exp(count * right) - 1) / np.where(near, 1.0, ratio)
+    if near.any():
+        sums[near] = power_sums(phi[near], count)[0]
+    return np.asarray(sums)
+
+
 @lru_cache(maxsize=64)
 def _moments(count: int) -> RealArray:
     """Return ``sum_k (k / n)^(m + j)``, (m, j), for every m of the series and j = 0, 1, 2."""
@@ -126,9 +141,14 @@ def blocks_of(values: RealArray) -> Blocks:
 
 def _powers(theta: ComplexArray, size: int, blocks: int) -> tuple[ComplexArray, ComplexArray]:
     """Return ``exp(theta b)``, (sample, exponent), and ``exp(theta B a)``, (block, exponent)."""
-    steps = np.concatenate([np.arange(size), np.arange(blocks) * size])
-    powers = np.exp(steps[:, None] * theta)
+    powers = np.exp(_steps(size, blocks) * theta)
     return powers[:size], powers[size:]
+
+
+@lru_cache(maxsize=64)
+def _steps(size: int, blocks: int) -> RealArray:
+    """Return the numbers of the samples of a block and of the first samples of the blocks, (number, 1)."""
+    return frozen_real(np.concatenate([np.arange(size), np.arange(blocks) * size])[:, None])
 
 
 def synthesize(theta: ComplexArray, amplitudes: ComplexArray, count: int) -> RealArray:

@@ -8,12 +8,14 @@ steps with the noise variances concentrated out. All inner products come from `s
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from suspid.exponentials import Blocks, power_sums
 from suspid.units import ComplexArray, RealArray
+from suspid.values import frozen_complex
 
 # Iterations end when the step is worth less than this in squared standard deviations.
 NEGLIGIBLE = 1e-7
@@ -113,31 +115,31 @@ def evaluate(blocks: Blocks, poles: Poles, floor: RealArray) -> DecayFit | None:
     floor : ndarray (channel,)
         Least variance that a channel's residual counts as.
     """
-    theta, count = poles.exponents, blocks.count
+    theta, count, pairs = poles.exponents, blocks.count, len(poles.pairs)
     gram, tilt, bend = power_sums(theta.conj()[:, None] + theta, count)
-    # With exponentials of unit norm the Gram matrix says by its condition whether they can be told apart.
+    # With exponentials of unit norm the Gram matrix says by its pivots whether they can be told apart.
     norm = 1 / np.sqrt(gram.diagonal().real)
     try:
-        lower = np.linalg.cholesky(gram * np.outer(norm, norm))
+        lower = np.linalg.cholesky(gram * (norm[:, None] * norm))
     except np.linalg.LinAlgError:
         return None
-    pivots = lower.diagonal().real
-    if pivots.min(initial=1.0) < 1e-7:
+    if lower.diagonal().real.min() < 1e-7:
         return None
     inverse = np.linalg.inv(lower) * norm
     inverse = inverse.conj().T @ inverse
-    zeroth, first = blocks.project(theta)
-    amplitudes = inverse @ zeroth.T
-    explained = np.einsum("ci,ic->c", zeroth.conj(), amplitudes).real
+    # Of a real record the products with the conjugates are conjugate.
+    half = blocks.project(theta[np.r_[:pairs, 2 * pairs : len(theta)]]).transpose(0, 2, 1)
+    zeroth, first = np.concatenate([half[:, :pairs], half[:, :pairs].conj(), half[:, pairs:]], axis=1)
+    amplitudes = inverse @ zeroth
+    explained = (zeroth.real * amplitudes.real + zeroth.imag * amplitudes.imag).sum(axis=0)
     squares = np.maximum(blocks.energy - explained, 0.0)
     variance = np.maximum(squares / count, floor)
-    if not np.all(np.isfinite(amplitudes)) or not np.all(variance > 0):
+    if not (np.isfinite(explained).all() and (variance > 0).all()):
         return None
-    projected = bend - tilt @ inverse @ tilt
-    weighted = amplitudes / variance
-    curvature = projected * (amplitudes.conj() @ weighted.T)
-    slope = np.sum(weighted.conj() * (first.T - tilt @ amplitudes), axis=1)
-    chart = _chart(poles)
+    weighted = amplitudes.conj() / variance
+    curvature = (bend - tilt @ inverse @ tilt) * (weighted @ amplitudes.T)
+    slope = (weighted * (first - tilt @ amplitudes)).sum(axis=1)
+    chart = _chart(pairs, len(poles.reals), len(theta))
     return DecayFit(
         poles=poles,
         amplitudes=amplitudes,
@@ -181,10 +183,11 @@ def maximize(
         diagonal = fit.information.diagonal()
         scale = np.sqrt(np.maximum(diagonal, 1e-12 * np.max(diagonal)))
         unit = fit.information / np.outer(scale, scale)
-        worth = 0.0
         for _ in range(12):
             step = np.linalg.solve(unit + damping * np.eye(len(unit)), fit.gradient / scale) / scale
             worth = float(step @ fit.gradient)
+            if worth < negligible:
+                return fit
             trial = evaluate(blocks, _bounded(fit.poles, step, blocks.count), floor)
             if trial is not None:
                 trial_loss = likelihood_loss(trial, blocks.count, floor)
@@ -193,11 +196,8 @@ def maximize(
             damping = max(10 * damping, 1e-4)
         else:
             return fit
-        gained = loss - trial_loss
         fit, loss = trial, trial_loss
         damping = damping / 10 if damping > 1e-9 else 0.0
-        if worth < negligible and gained < max(negligible, rounding):
-            break
     return fit
 
 
@@ -216,16 +216,16 @@ def _bounded(poles: Poles, step: RealArray, count: int) -> Poles:
     )
 
 
-def _chart(poles: Poles) -> ComplexArray:
+@lru_cache(maxsize=256)
+def _chart(pairs: int, reals: int, exponents: int) -> ComplexArray:
     """Return d(exponent) / d(real parameter), (exponent, parameter)."""
-    pairs, reals = len(poles.pairs), len(poles.reals)
-    chart = np.zeros((len(poles), poles.free), complex)
+    chart = np.zeros((exponents, 2 * pairs + reals), complex)
     i = np.arange(pairs)
     chart[i, 2 * i], chart[i, 2 * i + 1] = 1, 1j
     chart[pairs + i, 2 * i], chart[pairs + i, 2 * i + 1] = 1, -1j
     j = np.arange(reals)
     chart[2 * pairs + j, 2 * pairs + j] = 1
-    return chart
+    return frozen_complex(chart)
 
 
 def joint_covariance(
@@ -274,7 +274,15 @@ def joint_covariance(
         parts[2 * k + 1, twin] += 0.5j
     by_noise = (parts @ inverse @ parts.conj().T).real
     dragged = [
-        (parts @ (-inverse @ fit.tilt @ (fit.amplitudes[:, c, None] * _chart(poles)))).real for c in range(channels)
+        (
+            parts
+            @ (
+                -inverse
+                @ fit.tilt
+                @ (fit.amplitudes[:, c, None] * _chart(len(poles.pairs), len(poles.reals), len(poles)))
+            )
+        ).real
+        for c in range(channels)
     ]
     strongest = np.argmax(np.abs(fit.amplitudes[rows]), axis=1)
     shapes = np.empty((channels, wanted), complex)

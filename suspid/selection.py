@@ -7,14 +7,14 @@ from functools import lru_cache
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
-from suspid.exponentials import Blocks, blocks_of, power_sums, synthesize
+from suspid.exponentials import Blocks, blocks_of, cross_sums, power_sums, synthesize
 from suspid.likelihood import NEGLIGIBLE, DecayFit, Poles, evaluate, maximize
 from suspid.units import ComplexArray, RealArray
-from suspid.values import frozen_real
 
-# The grid of decay rates: from half an e-folding over the record to one per sample, by about this factor. Midway
-# between two of them a pole still shows 93 % of its energy.
+# The grid of decay rates: from one e-folding over the record to one per sample, by about this factor. Midway between
+# two of them a pole still shows 93 % of its energy, and so does one that does not decay on the first.
 DECAY_FACTOR = 3.0
 # A decaying exponential counts as gone after so many e-foldings, and is as wide as the Fourier bins of so many.
 GONE, WIDE = 9.0, 6.0
@@ -24,12 +24,14 @@ ROUGH = 0.05
 LOCAL_MAXIMA = 48
 # Candidates refitted before giving up, and the share of the price below which none is.
 TRIES = 3
-HOPELESS = 0.5
+HOPELESS = 0.7
 MOST_POLES = 16
 # A mode's surroundings count as louder than the rest of the residual beyond this ratio. There the model itself is
 # wrong by more than the noise, and a pole must explain this many times more than what is left beside it.
 COLOURED = 2.5
 WORTHWHILE = 20.0
+# Where beside a pole that is looked at, in linewidths.
+BESIDE = np.array([-8.0, -6.0, -4.0, -2.0, 2.0, 4.0, 6.0, 8.0])
 # Poles nearer to each other than so many decay rates (the geometric mean of theirs) are one mode, not quite linear.
 DISTINCT = 1.0
 # A pole that decays less than this over the record, known no better than this many standard deviations, is a tone.
@@ -140,7 +142,7 @@ def select(
         fit=fit,
         verdicts=tuple(verdicts),
         gains=gains,
-        loudness=np.array([state.loudness(fit, residual, i) for i in range(_poles(fit))]),
+        loudness=state.loudness(fit, residual),
         rejected=tuple(rejected),
     )
 
@@ -208,21 +210,23 @@ class _State:
             return "outside the band"
         return "mode"
 
-    def loudness(self, fit: DecayFit, residual: RealArray, index: int) -> float:
-        """Return the power of the residual beside a pole, seen through its own decay, over that of the noise."""
-        pairs = len(fit.poles.pairs)
-        theta = complex(fit.poles.pairs[index]) if index < pairs else complex(fit.poles.reals[index - pairs])
-        row = index if index < pairs else pairs + index
-        count, decay = self.blocks.count, max(-theta.real, 0.25 / self.blocks.count)
-        beside = np.array([-8, -6, -4, -2, 2, 4, 6, 8]) * (decay + np.pi / count)
-        omega = np.unique(np.clip(np.abs(theta.imag + beside), np.pi / count, np.pi))
-        spread = blocks_of(residual).project(-decay + 1j * omega)[0]
+    def loudness(self, fit: DecayFit, residual: RealArray) -> RealArray:
+        """Return the power of the residual beside each pole, seen through its own decay, over that of the noise."""
+        if not _poles(fit):
+            return np.zeros(0)
+        count, pairs = self.blocks.count, len(fit.poles.pairs)
+        theta = np.concatenate([fit.poles.pairs, fit.poles.reals])
+        rows = np.concatenate([np.arange(pairs), np.arange(2 * pairs, 2 * pairs + len(fit.poles.reals))])
+        decay = np.maximum(-theta.real, 0.25 / count)
+        beside = (decay + np.pi / count)[:, None] * BESIDE
+        omega = np.clip(np.abs(theta.imag[:, None] + beside), np.pi / count, np.pi)
+        spread = blocks_of(residual).project((1j * omega - decay[:, None]).ravel())[0]
         variance = self.variance(residual)
-        expected = power_sums(np.array([-2 * decay + 0j]), count)[0].real
-        power = np.mean(np.abs(spread) ** 2, axis=1) / expected / variance
-        weights = np.abs(fit.amplitudes[row]) ** 2 / variance
-        ratio = float(np.sum(weights * power) / np.sum(weights)) if np.sum(weights) > 0 else 1.0
-        return ratio if ratio > COLOURED else 1.0
+        expected = power_sums(-2 * decay + 0j, count)[0].real
+        power = np.mean(np.abs(spread.reshape(len(variance), *omega.shape)) ** 2, axis=2) / expected / variance[:, None]
+        weights = np.abs(fit.amplitudes[rows]).T ** 2 / variance[:, None] + 1e-300
+        ratio = np.sum(weights * power, axis=0) / np.sum(weights, axis=0)
+        return np.where(ratio > COLOURED, ratio, 1.0)
 
 
 def _poles(fit: DecayFit) -> int:
@@ -274,7 +278,7 @@ def _thinned(state: _State, fit: DecayFit, rejected: list[tuple[Candidate, str]]
             return fit, np.zeros(0)
         gains, energy = np.array(worths).T
         prices = np.array([state.price(real=index >= len(fit.poles.pairs)) for index in range(_poles(fit))])
-        loud = np.array([state.loudness(fit, residual, index) for index in range(_poles(fit))])
+        loud = state.loudness(fit, residual)
         # Beside a residual that is not noise, energy counts, not likelihood.
         worth = np.where(loud > 1, np.minimum(energy / (WORTHWHILE * loud), gains), gains) / prices
         index = int(np.argmin(worth))
@@ -325,11 +329,11 @@ def candidates(fit: DecayFit, residual: RealArray, variance: RealArray) -> list[
     channels, count = residual.shape
     known = fit.poles.exponents
     inverse: ComplexArray = np.asarray(np.linalg.inv(fit.gram), complex)
-    decays = np.geomspace(0.5 / count, 1.0, 1 + int(np.ceil(np.log(2.0 * count) / np.log(DECAY_FACTOR))))
+    decays = np.geomspace(1.0 / count, 1.0, 1 + int(np.ceil(np.log(count) / np.log(DECAY_FACTOR))))
     thetas, inner = _grid(residual, variance, decays, known[known.imag >= 0])
     real: ComplexArray = np.asarray(-decays, complex)
     real_inner = blocks_of(residual).project(real)[0]
-    pair_gain = _pair_gain(known, inverse, thetas, inner, count)
+    pair_gain = _pair_gain(fit.poles, inverse, thetas, inner, count)
     real_gain = _real_gain(known, inverse, real, real_inner, count)
     theta = np.concatenate([thetas, real])
     is_real = np.arange(len(theta)) >= len(thetas)
@@ -355,18 +359,21 @@ def _grid(
     from scipy.fft import next_fast_len, rfft
 
     count = residual.shape[1]
+    noise = np.sqrt(variance)[:, None]
+    # Where to look needs no more than single precision, of a residual in units of its own size.
+    scaled = (residual / noise).astype(np.float32)
     thetas, inner, loose = [], [], []
     for decay in decays:
         used = min(count, int(np.ceil(GONE / decay)))
         length = next_fast_len(used if decay * count > WIDE else 2 * used, real=True)
-        spectrum = rfft(residual[:, :used] * _decay(decay, used), n=length, axis=1)
+        spectrum = rfft(scaled[:, :used] * _decay(decay, used), n=length, axis=1)
         norm = np.expm1(-2 * decay * used) / np.expm1(-2 * decay)
         power = spectrum.real**2 + spectrum.imag**2
-        gain = (1 / (variance * norm)) @ power
+        gain = np.sum(power, axis=0) if len(power) > 1 else power[0]
         keep = np.flatnonzero((gain[1:-1] >= gain[:-2]) & (gain[1:-1] >= gain[2:])) + 1
         if len(keep) > LOCAL_MAXIMA:
             keep = keep[np.argpartition(gain[keep], -LOCAL_MAXIMA)[-LOCAL_MAXIMA:]]
-        rank = gain[keep]
+        rank = gain[keep] / norm
         per_bin = 2 * np.pi / length
         reach = 4 * np.maximum(np.maximum(decay, -known.real), np.pi / count)
         low = np.maximum(np.ceil((known.imag - reach) / per_bin), 1).astype(int)
@@ -379,29 +386,30 @@ def _grid(
     theta, spread, rank = np.concatenate(thetas), np.concatenate(inner, axis=1), np.concatenate(loose)
     best = np.sort(rank[np.isfinite(rank)])[-LOCAL_MAXIMA:]
     keep = np.flatnonzero(rank >= (best[0] if len(best) else 0.0))
-    return theta[keep], spread[:, keep]
+    return theta[keep], np.asarray(spread[:, keep] * noise, complex)
 
 
-def _decay(rate: float, count: int) -> RealArray:
+def _decay(rate: float, count: int) -> NDArray[np.float32]:
     """Return ``exp(-rate k)``; kept from one pole to the next while the record is not long."""
-    return _short_decay(rate, count) if count <= 2**16 else np.exp(-rate * np.arange(count))
+    return _short_decay(rate, count) if count <= 2**16 else np.exp(-rate * np.arange(count)).astype(np.float32)
 
 
 @lru_cache(maxsize=32)
-def _short_decay(rate: float, count: int) -> RealArray:
-    return frozen_real(np.exp(-rate * np.arange(count)))
+def _short_decay(rate: float, count: int) -> NDArray[np.float32]:
+    decay: NDArray[np.float32] = np.exp(-rate * np.arange(count)).astype(np.float32)
+    return decay
 
 
-def _pair_gain(
-    known: ComplexArray, inverse: ComplexArray, theta: ComplexArray, inner: ComplexArray, count: int
-) -> RealArray:
+def _pair_gain(poles: Poles, inverse: ComplexArray, theta: ComplexArray, inner: ComplexArray, count: int) -> RealArray:
     """Return the square of the residual's part along ``exp(theta k)`` and its conjugate, (channel, point)."""
-    cross = power_sums(known.conj()[:, None] + theta, count)[0]
-    conjugate = power_sums(known.conj()[:, None] + theta.conj(), count)[0]
-    own, own_conjugate = (power_sums(np.asarray(phi, complex), count)[0] for phi in (2 * theta.real, 2 * theta.conj()))
-    solved = inverse @ conjugate
-    s0 = own.real - np.sum(cross.conj() * (inverse @ cross), axis=0).real
-    s1 = own_conjugate - np.sum(cross.conj() * solved, axis=0)
+    cross = cross_sums(poles.exponents.conj(), theta, count)
+    # What is fitted already comes in conjugate pairs, so its products with the conjugates are the same in other order.
+    pairs = len(poles.pairs)
+    twin = np.concatenate([np.arange(pairs) + pairs, np.arange(pairs), np.arange(2 * pairs, len(poles))])
+    own, own_conjugate = power_sums(np.concatenate([2 * theta.real + 0j, 2 * theta.conj()]), count)[0].reshape(2, -1)
+    solved = inverse @ cross
+    s0 = own.real - np.einsum("ip,ip->p", cross.conj(), solved).real
+    s1 = own_conjugate - np.einsum("ip,ip->p", cross.conj(), solved[twin].conj())
     determinant = s0**2 - np.abs(s1) ** 2
     sound = (s0 > 1e-6 * own.real) & (determinant > 1e-6 * s0**2)
     gain = 2 * (s0 * np.abs(inner) ** 2 - (inner.conj() ** 2 * s1).real)
