@@ -290,8 +290,8 @@ def _checked_picture(path: Path) -> Path:
 def _draw(identification: Identification, draft: Path) -> None:
     from matplotlib.figure import Figure
 
-    from suspid.plots import plot_identification
+    from suspid.plots import PAGE, plot_identification
 
-    figure = Figure(figsize=(12, 9), layout="constrained")
+    figure = Figure(figsize=PAGE, layout="constrained")
     plot_identification(identification, figure)
     figure.savefig(draft, format=draft.suffix[1:].lower(), dpi=120)

@@ -212,7 +212,7 @@ class BandwidthSearch:
     @property
     def at_end(self) -> bool:
         """Whether the least entropy lies at an end of the candidates: then the range decided, not the record."""
-        return int(np.argmin(self.entropy)) in (0, len(self.candidates) - 1)
+        return self.best in (np.min(self.candidates), np.max(self.candidates))
 
 
 def cwt(
