@@ -11,7 +11,7 @@ import numpy as np
 
 from suspid.errors import IdentificationError, InputError
 from suspid.exponentials import blocks_of, synthesize
-from suspid.likelihood import joint_covariance
+from suspid.likelihood import Poles, joint_covariance, maximize
 from suspid.modes import ModalSet
 from suspid.ridges import Ridge, SkeletonFit, find_ridges, fit_ridges, fit_skeleton, sample_noise
 from suspid.scalogram import BandwidthSearch, Scalogram, best_bandwidth, cwt
@@ -30,6 +30,8 @@ LEAST_CYCLES = 4.0
 HIGHEST = 0.9
 # Each ridge may use the wavelet of least entropy or one shorter by these factors.
 SHORTER = (1.0, 0.5, 0.25, 0.125)
+# Ridges are found on a scalogram of this precision; their skeletons are then transformed anew, to rounding.
+TO_LOOK_AT = 1e-6
 FEWEST_SAMPLES = 32
 # How many of the poles that are no modes the table shows.
 MOST_SHOWN = 6
@@ -75,7 +77,7 @@ class FourSteps:
         """Step 2: the transform with the bandwidth given or of least entropy."""
         bandwidth = self.bandwidth if self.search is None else self.search.best
         assert bandwidth is not None
-        return cwt(self.response, omega=self.omega, bandwidth=bandwidth)
+        return cwt(self.response, omega=self.omega, bandwidth=bandwidth, precision=TO_LOOK_AT)
 
     @cached_property
     def ridges(self) -> tuple[Ridge, ...]:
@@ -86,7 +88,7 @@ class FourSteps:
             transform = self.scalogram
             if factor != 1.0:
                 bandwidth = self.scalogram.wavelet.bandwidth * factor
-                transform = cwt(self.response, omega=self.omega, bandwidth=bandwidth)
+                transform = cwt(self.response, omega=self.omega, bandwidth=bandwidth, precision=TO_LOOK_AT)
             try:
                 attempts.append(find_ridges(transform, count=self.count))
             except IdentificationError as error:
@@ -125,7 +127,7 @@ class Considered:
     removed: bool
 
 
-@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Identification:
     """What `identify` found, and all that is needed to judge it.
 
@@ -144,8 +146,8 @@ class Identification:
     noise_std : ndarray (channel,)
         Standard deviation of the noise, in the unit of each channel.
     loudness : ndarray (mode,)
-        Power of the residual near each mode over that of the noise [1]; where it is above 1 the
-        covariance of the modes is widened by it. Ones for method "ridge".
+        Power of the residual near each mode over that of the noise [1]. Where it is above 1 the covariance
+        of the mode is widened by it, or by the square of `halves` if that is more. Ones for method "ridge".
     considered : tuple of Considered
         What else was met, and why it is no mode.
     steps : FourSteps
@@ -213,9 +215,36 @@ class Identification:
         total = np.where(xx + yy > 0, xx + yy, 1.0)
         return np.asarray(((xx - yy) ** 2 + 4 * xy**2) / total**2)
 
+    @cached_property
+    def halves(self) -> RealArray:
+        """How far the two halves of the decay disagree on each mode [1], (mode,), in their standard deviations.
+
+        The record is cut where half of what it says of the mode's pole lies before, and all poles are fitted to
+        each part alone, starting from `modes`. The figure is the distance of the two poles over its standard
+        deviation in the noise, root mean square of real and imaginary part: about 1 for a linear decay. It is
+        NaN for a real pole, and where a part does not hold the mode.
+        """
+        signal = as_signal(self.response)
+        every = np.array([*self.modes.poles, *(c.pole for c in self.considered if c.removed)]) * signal.step
+        pair = every.imag > 0
+        poles = Poles(pairs=np.asarray(every[pair], complex), reals=every[~pair].real, nuisances=np.zeros(1))
+        place = np.cumsum(pair) - 1
+        return frozen_real(
+            [
+                _disagreement(signal.values, poles, int(place[mode]), self.noise_std) if pair[mode] else np.nan
+                for mode in range(len(self.modes))
+            ]
+        )
+
     def __str__(self) -> str:
         if len(self.modes):
-            found = str(self.modes)
+            quality = {
+                "mode": [str(i + 1) for i in range(len(self.modes))],
+                "phase collinearity": [f"{value:.3f}" for value in self.collinearity],
+                "halves apart [sd]": [f"{value:.1f}" for value in self.halves],
+                "residual beside / noise": [f"{value:.3g}" for value in self.loudness],
+            }
+            found = f"{self.modes}\n\n{text_table(quality)}"
         else:
             found = "no mode: nothing in the record decays like one and stands above its noise"
         channels = {
@@ -225,10 +254,10 @@ class Identification:
             "lag-1 correlation": [f"{value:+.2f}" for value in self.whiteness],
         }
         parts = [found]
-        loud = [f"{ratio:.3g} times beside mode {i + 1}" for i, ratio in enumerate(self.loudness) if ratio > 1]
+        loud = [str(i + 1) for i, ratio in enumerate(self.loudness) if ratio > 1]
         if loud:
             parts.append(
-                f"The residual is louder than the noise, {', '.join(loud)}: the decay is not quite linear, "
+                f"Beside mode {', '.join(loud)} the residual is louder than the noise: the decay is not quite linear, "
                 f"or not alone; the intervals are widened for it."
             )
         if self.method == "ridge":
@@ -391,7 +420,11 @@ def _modes_of(selection: Selection, signal: Signal, centred: RealArray) -> tuple
     reals = kept[kept >= len(fit.poles.pairs)] - len(fit.poles.pairs)
     if not kept.size:
         return _no_modes(signal), frozen_real([])
-    shapes, covariance = joint_covariance(fit, pairs, reals, blocks_of(centred), selection.loudness[kept])
+    noise = np.sqrt(fit.squares / centred.shape[1])
+    widening = selection.loudness[kept].copy()
+    for k in np.flatnonzero(widening[: len(pairs)] > 1):
+        widening[k] = np.nanmax([widening[k], _disagreement(centred, fit.poles, int(pairs[k]), noise) ** 2])
+    shapes, covariance = joint_covariance(fit, pairs, reals, blocks_of(centred), widening)
     exponents = np.concatenate([fit.poles.pairs[pairs], fit.poles.reals[reals]])
     per_second = np.ones(len(covariance))
     per_second[: 2 * len(kept)] = 1 / signal.step
@@ -402,6 +435,32 @@ def _modes_of(selection: Selection, signal: Signal, centred: RealArray) -> tuple
         covariance=covariance * np.outer(per_second, per_second),
     )
     return modes, frozen_real(selection.loudness[kept][np.argsort(np.abs(exponents), kind="stable")])
+
+
+def _disagreement(values: RealArray, poles: Poles, which: int, noise_std: RealArray) -> float:
+    """Return how far two halves of the decay disagree on a pair, see `Identification.halves`."""
+    # What a sample says of the pole goes as k^2 exp(-2 decay k).
+    decay, count = max(0.0, -float(poles.pairs[which].real)), values.shape[1]
+    says = np.cumsum(np.arange(count) ** 2.0 * np.exp(-2 * decay * np.arange(count)))
+    cut = int(np.searchsorted(says, says[-1] / 2))
+    found, variance = [], []
+    for part in (values[:, :cut], values[:, cut:]):
+        if part.shape[1] < FEWEST_SAMPLES:
+            return float("nan")
+        blocks = blocks_of(part - part.mean(axis=1, keepdims=True))
+        fit = maximize(blocks, poles, np.maximum(noise_std**2, 1e-28 * blocks.energy / blocks.count), steps=12)
+        try:
+            spread = np.linalg.inv(fit.information).diagonal()[2 * which : 2 * which + 2] if fit else np.full(2, -1.0)
+        except np.linalg.LinAlgError:
+            return float("nan")
+        # A part that does not know the decay rate to a third, or leads elsewhere, does not hold the mode.
+        held = fit is not None and abs(fit.poles.pairs[which] - poles.pairs[which]) < decay
+        if fit is None or not held or not np.all((spread > 0) & (spread < (decay / 3) ** 2)):
+            return float("nan")
+        found.append(fit.poles.pairs[which])
+        variance.append(spread)
+    apart = found[0] - found[1]
+    return float(np.sqrt(np.mean(np.array([apart.real, apart.imag]) ** 2 / (variance[0] + variance[1]))))
 
 
 def _considered(selection: Selection, signal: Signal) -> tuple[Considered, ...]:

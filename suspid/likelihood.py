@@ -181,6 +181,8 @@ def maximize(
     rounding = 1e-13 * blocks.count
     for _ in range(steps):
         diagonal = fit.information.diagonal()
+        if not (np.isfinite(fit.information).all() and diagonal.min() > 0):
+            return fit
         scale = np.sqrt(np.maximum(diagonal, 1e-12 * np.max(diagonal)))
         unit = fit.information / np.outer(scale, scale)
         for _ in range(12):
