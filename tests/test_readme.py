@@ -1,0 +1,61 @@
+"""The README holds: its script runs, its commands are those that CI calls, its figures are those of the reports."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+
+
+def block_after(marker: str) -> str:
+    found = re.search(rf"<!-- {marker} -->\n```\w+\n(.*?)```", README, flags=re.S)
+    assert found, marker
+    return found[1]
+
+
+class TestScript:
+    def test_nine_lines(self) -> None:
+        # A call that is broken over two lines for reading counts as one.
+        statements = [line for line in block_after("script").splitlines() if not line.startswith(" ")]
+        assert len(statements) == 8
+        assert len(block_after("script").splitlines()) == 9
+
+    def test_runs_and_finds_the_car(self) -> None:
+        run = subprocess.run(
+            [sys.executable, "-W", "error", "-c", block_after("script")], capture_output=True, text=True, check=True
+        )
+        assert "21.27" in run.stdout
+        assert "seat" in run.stdout
+
+
+class TestCommands:
+    def test_the_main_job_is_on_a_record_of_the_project(self) -> None:
+        record = re.search(r"suspid identify (\S+)", block_after("main job"))
+        assert record
+        assert (ROOT / record[1]).is_file()
+
+    def test_ci_reads_the_test_command(self) -> None:
+        assert "pytest" in block_after("tests")
+        assert "README.md" in (ROOT / ".ci/run").read_text(encoding="utf-8")
+
+
+class TestFigures:
+    def test_accuracy_rows_are_those_of_the_report(self) -> None:
+        report = (ROOT / "validation/report/accuracy.md").read_text(encoding="utf-8")
+        rows = [line for line in README.splitlines() if re.match(r"\| (paper's car|hatchback|saloon|van)", line)]
+        assert len(rows) == 6
+        for row in rows:
+            name, right, largest, coverage = (cell.strip() for cell in row.strip("|").split("|"))
+            bare = re.sub(r" \(zeta [^)]*\)", "", name)
+            theirs = next(line for line in report.splitlines() if line.startswith(f"| {bare} "))
+            cells = [cell.strip() for cell in theirs.strip("|").split("|")]
+            assert [right, largest, coverage] == [cells[2], cells[3], cells[5]]
+
+    def test_linked_files_are_there(self) -> None:
+        for target in re.findall(r"\]\(([^)#]+)\)", README):
+            if not target.startswith("http"):
+                assert (ROOT / target).exists(), target
