@@ -23,6 +23,10 @@ MOST_STEPS = 60
 # Poles decay at most this much per sample, and grow at most this much over the record.
 FASTEST = 3.0
 GROWTH = 3.0
+# Rounding of inner products, as a share of their size.
+ROUNDING = 2e-16
+# Eigenvalues of an information of unit diagonal below this are rounding.
+INDEFINITE = 1e-10
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -103,7 +107,7 @@ class DecayFit:
     tilt: ComplexArray
 
 
-def evaluate(blocks: Blocks, poles: Poles, floor: RealArray) -> DecayFit | None:
+def evaluate(blocks: Blocks, poles: Poles, floor: RealArray, *, squares: RealArray | None = None) -> DecayFit | None:
     """Return the fit at given poles, or None where their exponentials cannot be told apart.
 
     Parameters
@@ -114,6 +118,8 @@ def evaluate(blocks: Blocks, poles: Poles, floor: RealArray) -> DecayFit | None:
         The exponents.
     floor : ndarray (channel,)
         Least variance that a channel's residual counts as.
+    squares : ndarray (channel,), optional
+        Residual sums of squares, where they are known better than by subtraction from the energy.
     """
     theta, count, pairs = poles.exponents, blocks.count, len(poles.pairs)
     gram, tilt, bend = power_sums(theta.conj()[:, None] + theta, count)
@@ -123,7 +129,8 @@ def evaluate(blocks: Blocks, poles: Poles, floor: RealArray) -> DecayFit | None:
         lower = np.linalg.cholesky(gram * (norm[:, None] * norm))
     except np.linalg.LinAlgError:
         return None
-    if lower.diagonal().real.min() < 1e-7:
+    pivot = float(lower.diagonal().real.min())
+    if pivot < 1e-7:
         return None
     inverse = np.linalg.inv(lower) * norm
     inverse = inverse.conj().T @ inverse
@@ -132,7 +139,9 @@ def evaluate(blocks: Blocks, poles: Poles, floor: RealArray) -> DecayFit | None:
     zeroth, first = np.concatenate([half[:, :pairs], half[:, :pairs].conj(), half[:, pairs:]], axis=1)
     amplitudes = inverse @ zeroth
     explained = (zeroth.real * amplitudes.real + zeroth.imag * amplitudes.imag).sum(axis=0)
-    squares = np.maximum(blocks.energy - explained, 0.0)
+    if squares is None:
+        # What is explained is known to the rounding that the inverse magnifies: nothing below it is a residual.
+        squares = np.maximum(blocks.energy - explained, ROUNDING / pivot**2 * blocks.energy)
     variance = np.maximum(squares / count, floor)
     if not (np.isfinite(explained).all() and (variance > 0).all()):
         return None
@@ -261,7 +270,7 @@ def joint_covariance(
     free = count - len(poles) - poles.free / channels
     variance = fit.squares / max(free, 1.0)
     # The information was weighed by the variances over all samples.
-    of_poles = np.linalg.inv(fit.information) * (count / max(free, 1.0))
+    of_poles = pole_covariance(fit) * (count / max(free, 1.0))
     inverse = np.linalg.inv(fit.gram)
     rows = np.concatenate([pairs, 2 * len(poles.pairs) + reals]).astype(int)
     twins = np.concatenate([pairs + len(poles.pairs), 2 * len(poles.pairs) + reals]).astype(int)
@@ -298,6 +307,10 @@ def joint_covariance(
                 pole_map[2 * k + part, column] = 1
         reference = fit.amplitudes[row, strongest[k]]
         for c in range(channels):
+            if c == strongest[k]:
+                # One by definition: no rounding of a difference may stand for its variance.
+                shapes[c, k] = 1.0
+                continue
             shapes[c, k] = fit.amplitudes[row, c] / reference
             at = 2 * wanted + 2 * (k * channels + c)
             direct, across = _rotation(1 / reference), _rotation(-shapes[c, k] / reference)
@@ -311,6 +324,19 @@ def joint_covariance(
         covariance += matrix @ (noise * by_noise) @ matrix.T
     widen = np.sqrt(np.concatenate([np.repeat(inflation, 2), np.repeat(inflation, 2 * channels)]))
     return shapes, covariance * np.outer(widen, widen)
+
+
+def pole_covariance(fit: DecayFit) -> RealArray:
+    """Return the inverse of the information of the poles, (parameter, parameter), never indefinite.
+
+    Where poles can hardly be told apart, rounding leaves negative eigenvalues; they stand for the
+    least information that can be told from none.
+    """
+    diagonal = fit.information.diagonal()
+    scale = 1 / np.sqrt(np.maximum(diagonal, 1e-300 + 1e-30 * np.max(diagonal, initial=0.0)))
+    values, vectors = np.linalg.eigh(fit.information * np.outer(scale, scale))
+    half = scale[:, None] * vectors / np.sqrt(np.maximum(values, INDEFINITE))
+    return np.asarray(half @ half.T)
 
 
 def _rotation(factor: complex) -> RealArray:

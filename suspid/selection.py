@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from suspid.exponentials import Blocks, blocks_of, cross_sums, power_sums, synthesize
-from suspid.likelihood import NEGLIGIBLE, DecayFit, Poles, evaluate, maximize
+from suspid.likelihood import NEGLIGIBLE, DecayFit, Poles, evaluate, maximize, pole_covariance
 from suspid.units import ComplexArray, RealArray
 
 # The grid of decay rates: from one e-folding over the record to one per sample, by about this factor. Midway between
@@ -131,6 +131,7 @@ def select(
         left = state.residual(fit)
         gains = np.array([state.worth_of(fit, index, left)[0] for index in range(_poles(fit))])
     residual = state.residual(fit)
+    fit = evaluate(blocks, fit.poles, floor, squares=np.einsum("ck,ck->c", residual, residual)) or fit
     verdicts = list(state.verdicts(fit))
     for index, more in enumerate(extra, start=len(fit.poles.pairs)):
         if verdicts[index] == "mode" and (more > PAIR_EXCLUDED or gains[index] < REAL_SURE):
@@ -188,7 +189,7 @@ class _State:
         return price(self.blocks.channels, self.blocks.channels * self.blocks.count, real=real)
 
     def verdicts(self, fit: DecayFit) -> tuple[Verdict, ...]:
-        spread = np.sqrt(np.maximum(np.diag(np.linalg.pinv(fit.information)), 0.0)) if fit.poles.free else np.zeros(0)
+        spread = np.sqrt(np.diag(pole_covariance(fit)))
         pairs = len(fit.poles.pairs)
         return tuple(self.verdict(theta, spread[2 * i], real=False) for i, theta in enumerate(fit.poles.pairs)) + tuple(
             self.verdict(complex(theta), spread[2 * pairs + i], real=True) for i, theta in enumerate(fit.poles.reals)
