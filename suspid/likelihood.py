@@ -23,6 +23,10 @@ MOST_STEPS = 60
 # Poles decay at most this much per sample, and grow at most this much over the record.
 FASTEST = 3.0
 GROWTH = 3.0
+# A pair swings by at least this share of its decay: a slower one is two real poles that cannot be told apart.
+SLOWEST = 1e-2
+# Exponentials of which one has less than this of its own beside the others cannot be told apart.
+ALIKE = 1e-5
 # Rounding of inner products, as a share of their size.
 ROUNDING = 2e-16
 # Eigenvalues of an information of unit diagonal below this are rounding.
@@ -130,7 +134,7 @@ def evaluate(blocks: Blocks, poles: Poles, floor: RealArray, *, squares: RealArr
     except np.linalg.LinAlgError:
         return None
     pivot = float(lower.diagonal().real.min())
-    if pivot < 1e-7:
+    if pivot < ALIKE:
         return None
     inverse = np.linalg.inv(lower) * norm
     inverse = inverse.conj().T @ inverse
@@ -219,9 +223,10 @@ def _bounded(poles: Poles, step: RealArray, count: int) -> Poles:
     share = np.max(np.abs(step) / reach, initial=0.0)
     moved = poles.moved(step / max(1.0, share))
     lowest, highest = -FASTEST, GROWTH / count
-    im = np.clip(np.abs(moved.pairs.imag), 1e-3 / count, np.pi)
+    re = np.clip(moved.pairs.real, lowest, highest)
+    im = np.clip(np.abs(moved.pairs.imag), np.maximum(1e-3 / count, SLOWEST * np.abs(re)), np.pi)
     return Poles(
-        pairs=np.clip(moved.pairs.real, lowest, highest) + 1j * im if pairs else moved.pairs,
+        pairs=re + 1j * im if pairs else moved.pairs,
         reals=np.clip(moved.reals, lowest, highest) if reals else moved.reals,
         nuisances=poles.nuisances,
     )

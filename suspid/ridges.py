@@ -420,6 +420,8 @@ def _ridge_at(signal: Signal, omega: float, wavelet: Morlet, noise: RealArray, f
     white = noise * np.sqrt(signal.step) * wavelet.noise_gain()
     floor = np.maximum(white, np.maximum(rounding, 1e-12 * np.max(largest)))
     floor = np.where(floor > 0, floor, 1.0)
+    if fit is not None:
+        floor = np.maximum(floor, _left_behind(skeleton, time, fit, signal.start + signal.duration - cone))
     strength = np.sqrt(np.sum((np.abs(skeleton) / floor[:, None]) ** 2, axis=0) / len(floor))
     peak = int(np.argmax(strength))
     onset = max(signal.start, float(time[peak]) - 1.5 * cone)
@@ -432,10 +434,18 @@ def _ridge_at(signal: Signal, omega: float, wavelet: Morlet, noise: RealArray, f
     end = signal.start + signal.duration
     after = (time >= onset + reach) & (strength < ABOVE_NOISE)
     noise_floor = float(time[np.argmax(after)]) if np.any(after) else np.inf
+    # Where the record is short for its wavelet, a quarter of it is kept at the cost of some edge. That edge then
+    # counts as noise: what of it exceeds the share allowed for raises the floor.
     room = end - onset
-    # Where the record is short for its wavelet, a quarter of it at least is kept at the cost of some edge.
-    reach_on = min(reach, 0.5 * room)
-    window = Window(onset_edge=onset + reach_on, record_end=end - min(reach, 0.25 * room), noise_floor=noise_floor)
+    reach_on, reach_off = min(reach, 0.5 * room), min(reach, 0.25 * room)
+    at_end = np.max(np.abs(signal.values[:, -max(1, int(cone / signal.step)) :]), axis=1)
+    loudest_at_end = at_end * float(wavelet.gain(1j * omega, row.scale[0]).real) / floor
+    excess = np.maximum(
+        loudest * _edge((reach_on - shift) / cone) if reach_on < reach else 0.0,
+        loudest_at_end * _edge(reach_off / cone) if reach_off < reach else 0.0,
+    )
+    floor = floor * np.maximum(1.0, excess / EDGE_SHARE)
+    window = Window(onset_edge=onset + reach_on, record_end=end - reach_off, noise_floor=noise_floor)
     return Ridge(
         omega=float(omega),
         wavelet=wavelet,
@@ -449,8 +459,25 @@ def _ridge_at(signal: Signal, omega: float, wavelet: Morlet, noise: RealArray, f
     )
 
 
+def _left_behind(skeleton: ComplexArray, time: RealArray, fit: SkeletonFit, until: Second) -> RealArray:
+    """Return what stands in the row when its own decay is long over, root mean square by channel.
+
+    Noise that is not white (a denoised record's, a hum's skirt) shows only here.
+    """
+    own = np.exp(np.minimum((fit.origin[:, None] + fit.pole * (time - fit.onset)).real, 600.0))
+    over = (own < np.abs(skeleton) / ABOVE_NOISE) & (time > fit.timepts[0]) & (time < until)
+    power = np.sum(np.abs(skeleton) ** 2 * over, axis=1) / np.maximum(np.sum(over, axis=1), 1)
+    return np.where(np.sum(over, axis=1) >= 4, np.sqrt(power), 0.0)
+
+
+def _edge(cones: float) -> float:
+    """Return how much an edge disturbs at a distance u in cones: ``exp(-u^2) / (2 sqrt(pi) u)``."""
+    u = max(cones, 0.2)
+    return float(np.exp(-(u**2)) / (2 * np.sqrt(np.pi) * u))
+
+
 def _edge_cones(share: float) -> float:
-    """Return the distance u, in cones, at which an edge disturbs by ``share``: ``exp(-u^2) / (2 sqrt(pi) u)``."""
+    """Return the distance in cones at which an edge disturbs by ``share``."""
     u = 1.0
     for _ in range(30):
         u = np.sqrt(max(0.25, -np.log(share * 2 * np.sqrt(np.pi) * u)))

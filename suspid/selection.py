@@ -125,7 +125,7 @@ def select(
             break
         fit = better
     fit = state.fitted(fit.poles) or fit
-    fit, gains = _thinned(state, fit, rejected)
+    fit, gains = _thinned(state, _single(state, fit), rejected)
     fit, extra = _paired(state, fit)
     if len(extra):
         left = state.residual(fit)
@@ -282,13 +282,16 @@ def _thinned(state: _State, fit: DecayFit, rejected: list[tuple[Candidate, str]]
         loud = state.loudness(fit, residual)
         # Beside a residual that is not noise, energy counts, not likelihood.
         worth = np.where(loud > 1, np.minimum(energy / (WORTHWHILE * loud), gains), gains) / prices
-        index = int(np.argmin(worth))
+        # Poles far apart when they were added may have come together since: of two the lesser goes.
+        split = np.array([_nearest(fit, index) < DISTINCT for index in range(_poles(fit))])
+        index = int(np.argmin(np.where(split, 0.0, worth) + 1e-9 * worth / np.max(worth)))
+        worth[split] = 0.0
         shorter = state.fitted(fit.poles.without(index)) if worth[index] < 1 else None
         if shorter is None:
             return fit, gains
         theta = complex(np.concatenate([fit.poles.pairs, fit.poles.reals])[index])
-        reason = "not needed beside the others"
-        if gains[index] >= prices[index]:
+        reason = "split of another mode" if split[index] else "not needed beside the others"
+        if not split[index] and gains[index] >= prices[index]:
             times = energy[index] / (prices[index] * loud[index])
             reason = (
                 f"too little beside what no mode explains near it: {times:.2g} times its price, {WORTHWHILE:g} needed"
@@ -296,6 +299,21 @@ def _thinned(state: _State, fit: DecayFit, rejected: list[tuple[Candidate, str]]
         lost = Candidate(theta=theta, real=index >= len(fit.poles.pairs), gain=float(gains[index]))
         rejected.append((lost, reason))
         fit = shorter
+
+
+def _single(state: _State, fit: DecayFit) -> DecayFit:
+    """Return the fit with pairs exchanged for one real pole where the record does not pay for the second."""
+    index = 0
+    while index < len(fit.poles.pairs):
+        theta = fit.poles.pairs[index]
+        if abs(theta.imag) < -theta.real:
+            trial = state.fitted(fit.poles.without(index).with_real(theta.real))
+            saved = state.price(real=False) - state.price(real=True)
+            if trial is not None and state.loss(trial) - state.loss(fit) < saved:
+                fit, index = trial, 0
+                continue
+        index += 1
+    return fit
 
 
 def _paired(state: _State, fit: DecayFit) -> tuple[DecayFit, RealArray]:
