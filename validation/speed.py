@@ -28,6 +28,8 @@ CHANNELS = ("seat", "chassis", "tire")
 LENGTHS = (1_000, 10_000, 100_000, 1_000_000)
 # The transform: the paper's wavelet, on rows from four cycles in the record to 0.9 of the Nyquist frequency.
 SAMPLES, ROWS, BANDWIDTH, CENTER = 100_000, 300, 22.0, 2 * np.pi
+# What ssqueezepy's cwt does if told nothing.
+PEER_DEFAULT = "ssqueezepy, float32, reflect padding, parallel on"
 # So many envelopes from the ends nothing of them is felt, whatever a library pads with.
 CLEAR = 6.0
 
@@ -221,13 +223,21 @@ def transforms_table(runs: Mapping[str, Callable[[], Any]], rounds: int) -> str:
     for name in [name for name in medians if name.endswith(", row by row")]:
         whole = name.removesuffix(", row by row")
         medians[whole] = min(medians[whole], medians.pop(name))
-    ours = list(medians)[:3]
+    ours, peers = list(medians)[:3], {name: v for name, v in medians.items() if name.startswith("ssqueezepy")}
     table = [
         [name, f"{1e3 * value:.0f}", *(f"{value / medians[base]:.2f}" for base in ours)]
         for name, value in medians.items()
     ]
     headers = ["transform", "ms", *(f"over suspid {base.split(', ')[2]}" for base in ours)]
-    return tabulate(table, headers=headers, tablefmt="github", disable_numparse=True)
+    text = tabulate(table, headers=headers, tablefmt="github", disable_numparse=True)
+    if not peers:
+        return "ssqueezepy is not installed.\n\n" + text
+    usual, best = peers[PEER_DEFAULT], min(peers, key=lambda name: peers[name])
+    return (
+        f"As both come ({PEER_DEFAULT}) ssqueezepy takes {usual / medians[ours[0]]:.1f} times as long as suspid, and "
+        f"{usual / medians[ours[1]]:.1f} times as long as the transforms of the search for N; at its fastest ({best}) "
+        f"{peers[best] / medians[ours[0]]:.1f} and {peers[best] / medians[ours[1]]:.1f} times.\n\n{text}"
+    )
 
 
 def _points(scalogram: Scalogram) -> Iterator[tuple[int, int, int]]:
