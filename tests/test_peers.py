@@ -19,8 +19,6 @@ from validation.peers import bound, clean, hints, missing_module, nearest, recor
 PEERS = [method for method in METHODS if method.distribution != "suspid"]
 # Keeps only modes that its indicators trust.
 CAUTIOUS = {"pyyeti ERA, automatic"}
-# Takes middle values over models of every order, the poorest among them.
-COARSE = {"koma SSI-cov + HDBSCAN"}
 
 
 def truth() -> Estimates:
@@ -101,7 +99,7 @@ class TestPeers:
         assert result.failed == 0
         # The peers are used as they deserve if none of them is further off than its wavelets or filters explain.
         assert np.max(np.abs(result.wn)) < 0.2
-        assert np.max(np.abs(result.zeta)) < (0.01 if method.name in COARSE else 0.002)
+        assert np.max(np.abs(result.zeta)) < 0.002
 
 
 class TestReport:

@@ -107,12 +107,12 @@ def koma(samples: RealArray, near: RealArray) -> Estimates:
     """Covariance SSI of orders 2 to 60, stable poles, clusters of HDBSCAN."""
     del near
     oma, clustering = importlib.import_module("koma.oma"), importlib.import_module("koma.clustering")
-    poles, shapes, orders = oma.covssi(slowed(samples)[:, None], SLOW, 30, np.arange(2, 61, 2), showinfo=False)
+    poles, shapes, orders = oma.covssi(slowed(samples)[:, None], SLOW, 60, np.arange(2, 61, 2), showinfo=False)
     # One channel has no phase collinearity to judge by: the range must let 1 pass.
     valid = {"freq": [0, np.inf], "damping": [0, np.inf], "mpc": [-np.inf, np.inf]}
     poles, shapes, orders, _ = oma.find_stable_poles(poles, shapes, orders, 1, valid_range=valid)
     clusterer = clustering.PoleClusterer(
-        poles, shapes, orders, min_samples=8, min_cluster_size=8, scaling={"lambda_real": 1.0, "lambda_imag": 1.0}
+        poles, shapes, orders, min_samples=5, min_cluster_size=5, scaling={"lambda_real": 1.0, "lambda_imag": 1.0}
     )
     clusters = clusterer.postprocess(prob_threshold=0.5)
     if not len(clusters[0]):
@@ -226,7 +226,7 @@ METHODS = (
     Method(name="python-control ERA, m = n = 240", distribution="control", module="control", given="N",
            settings="50 Hz; r=6", run=control_large),
     Method(name="koma SSI-cov + HDBSCAN", distribution="koma-python", module="koma", given="-",
-           settings="50 Hz; 30 block rows, orders 2 to 60, clusters of at least 8", run=koma),
+           settings="50 Hz; 60 block rows, orders 2 to 60, clusters of at least 5", run=koma),
     Method(name="pyOMA_2 SSI-cov, order 12", distribution="pyOMA_2", module="pyoma2", given="H",
            settings="50 Hz; 20 block rows", run=pyoma),
     Method(name="sdypy-EMA lscf + exponential window", distribution="sdypy-EMA", module="sdypy.EMA", given="H",
