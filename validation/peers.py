@@ -72,7 +72,8 @@ def report(*, seeds: int = 10, methods: Sequence[Method] = METHODS, rounds: int 
         accuracy_table(methods, scores, problems),
         "A peer that raises an exception has found nothing: "
         + ("; ".join(_exceptions(scores)) or "none did")
-        + ".\n\nSettings, with public functions alone, the best of a few tried on these very records: "
+        + ".\n\nSettings, with public functions alone (for mwdi, koma, pyOMA_2, sdypy-EMA and "
+        "sippy_unipi chosen among a few by what they gave on these very records, to their advantage): "
         + "; ".join(f"{m.name}: {m.settings}" for m in there if m.distribution != "suspid")
         + ". The skeleton script takes the strongest of 33 rows within 8 % of the given frequency and fits lines, "
         "weighted by the squared modulus, from two envelopes after the start until the modulus is thrice the noise.",
