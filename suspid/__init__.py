@@ -22,17 +22,18 @@ from suspid.errors import (
 )
 from suspid.identification import Considered, FourSteps, Identification, identify
 from suspid.modes import Interval, ModalSet, eigenmodes
+from suspid.presets import full_car, half_car, quarter_car
 from suspid.reconstruction import Reconstruction, reconstruct
 from suspid.records import read_record, write_record
 from suspid.ridges import Ridge, SkeletonFit, Window, find_ridges, fit_ridges
 from suspid.scalogram import BandwidthSearch, Morlet, Scalogram, best_bandwidth, cwt
 from suspid.simulation import add_noise, free_decay
-from suspid.suspension import Strut, Suspension, quarter_car, statespace
+from suspid.suspension import Strut, Suspension, statespace
 
 # fmt: off
 __all__ = [  # noqa: RUF022 - grouped by step
     # a model
-    "Strut", "Suspension", "quarter_car", "statespace", "read_car", "write_car",
+    "Strut", "Suspension", "quarter_car", "half_car", "full_car", "statespace", "read_car", "write_car",
     # its modes
     "ModalSet", "Interval", "eigenmodes",
     # its responses, and measured ones

@@ -18,7 +18,8 @@ Masses [kg] by coordinate, struts with stiffness [N/m], damping [N s/m] and arms
     damping = 0.0
     arms = { tire = 1, road = -1 }
 
-or, in short, a table ``[quarter_car]`` with the arguments of `quarter_car`.
+or, in short, a table ``[quarter_car]``, ``[half_car]`` or ``[full_car]`` with the arguments of `quarter_car`,
+`half_car` or `full_car`; where the last takes a pair of values, write ``[left, right]``.
 """
 
 from __future__ import annotations
@@ -29,16 +30,23 @@ import os
 import re
 import reprlib
 import tomllib
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
 from typing import NoReturn
 
 from suspid.errors import InputError
 from suspid.files import printable, read_text, replacing
-from suspid.suspension import Strut, Suspension, quarter_car
+from suspid.presets import full_car, half_car, quarter_car
+from suspid.suspension import Strut, Suspension
 from suspid.values import nearest_names
 
 STRUT_KEYS = ("name", "stiffness", "damping", "arms")
+PRESETS: Mapping[str, Callable[..., Suspension]] = {
+    "quarter_car": quarter_car,
+    "half_car": half_car,
+    "full_car": full_car,
+}
+UNITS = {"mass": "kg", "inertia": "kg m2", "stiffness": "N/m", "damping": "N s/m"}  # by last word; all else is in m
 
 
 def read_car(path: str | os.PathLike[str]) -> Suspension:
@@ -105,17 +113,18 @@ def car_from_toml(text: str) -> Suspension:
     {'chassis': 400.0, 'tire': 40.0}
     """
     content = parsed_toml(text)
-    _check_keys("the file", content, ("masses", "struts", "quarter_car"))
-    if "quarter_car" in content:
+    _check_keys("the file", content, ("masses", "struts", *PRESETS))
+    short = next((name for name in PRESETS if name in content), None)
+    if short:
         if len(content) > 1:
-            raise InputError(
-                "[quarter_car] describes the whole car; leave [masses] and [[struts]] out, or use them alone"
-            )
-        return _quarter_car(_table("[quarter_car]", content["quarter_car"]))
+            others = ", ".join(f"[{name}]" for name in content if name != short)
+            raise InputError(f"[{short}] describes the whole car; leave {others} out, or [{short}]")
+        return _preset(short, _table(f"[{short}]", content[short]))
     for key, form in (("masses", "[masses]"), ("struts", "[[struts]]")):
         if key not in content:
+            shorts = ", ".join(f"[{name}]" for name in PRESETS)
             raise InputError(
-                f"there is no {form}; describe the car with [masses] and [[struts]], or with [quarter_car]"
+                f"there is no {form}; describe the car with [masses] and [[struts]], or with one of {shorts}"
             )
     masses = {name: _number("[masses]", name, m, "kg") for name, m in _table("[masses]", content["masses"]).items()}
     if not isinstance(content["struts"], list):
@@ -163,18 +172,23 @@ def parsed_toml(text: str) -> dict[str, object]:
         raise InputError(f"is not TOML: {printable(str(error))}") from None
 
 
-def _quarter_car(given: Mapping[str, object]) -> Suspension:
-    parameters = inspect.signature(quarter_car).parameters
-    _check_keys("[quarter_car]", given, tuple(parameters))
+def _preset(preset: str, given: Mapping[str, object]) -> Suspension:
+    where, parameters = f"[{preset}]", inspect.signature(PRESETS[preset]).parameters
+    _check_keys(where, given, tuple(parameters))
     for name, parameter in parameters.items():
         if parameter.default is inspect.Parameter.empty and name not in given:
-            raise InputError(f"[quarter_car]: {name} is missing")
-    units = {"mass": "kg", "stiffness": "N/m", "damping": "N s/m"}
-    numbers = {n: _number("[quarter_car]", n, v, units[n.partition("_")[2]]) for n, v in given.items()}
+            raise InputError(f"{where}: {name} is missing")
+    values: dict[str, object] = {}
+    for name, value in given.items():
+        unit = UNITS.get(name.rpartition("_")[2], "m")
+        if isinstance(value, list) and preset == "full_car":  # which knows where a pair may stand
+            values[name] = tuple(_number(where, name, side, unit) for side in value)
+        else:
+            values[name] = _number(where, name, value, unit)
     try:
-        return quarter_car(**numbers)
+        return PRESETS[preset](**values)
     except InputError as error:
-        raise InputError(f"[quarter_car]: {error}") from None
+        raise InputError(f"{where}: {error}") from None
 
 
 def _strut(where: str, given: object) -> Strut:

@@ -58,7 +58,7 @@ class Strut:
     def __post_init__(self) -> None:
         _check_name("a strut", self.name)
         for quantity, unit in (("stiffness", "N/m"), ("damping", "N s/m")):
-            value = _number(f"strut {self.name!r}: {quantity}", getattr(self, quantity), unit)
+            value = finite_number(f"strut {self.name!r}: {quantity}", getattr(self, quantity), unit)
             if value < 0:
                 raise InputError(f"strut {self.name!r}: {quantity} = {value:g} {unit} is negative; it must be >= 0")
             object.__setattr__(self, quantity, value)
@@ -68,7 +68,7 @@ class Strut:
             )
         for coordinate, arm in self.arms.items():
             _check_name(f"strut {self.name!r}: a coordinate", coordinate)
-            _number(f"strut {self.name!r}: arm {coordinate!r}", arm, "1 or m")
+            finite_number(f"strut {self.name!r}: arm {coordinate!r}", arm, "1 or m")
         if not any(self.arms.values()):
             raise InputError(f"strut {self.name!r} has no arm that is not zero; it ties nothing")
         object.__setattr__(self, "arms", FrozenMapping(self.arms))
@@ -120,7 +120,7 @@ class Suspension:
             raise InputError("a suspension needs at least one mass; masses is empty")
         for coordinate, mass in self.masses.items():
             _check_name("a mass", coordinate)
-            value = _number(f"mass {coordinate!r}", mass, "kg")
+            value = finite_number(f"mass {coordinate!r}", mass, "kg")
             if value <= 0:
                 raise InputError(f"mass {coordinate!r} = {value:g} kg must be positive")
         for strut in self.struts:
@@ -209,6 +209,7 @@ class Suspension:
 
         Examples
         --------
+        >>> from suspid import quarter_car
         >>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3,
         ...                   tire_stiffness=200e3, chassis_damping=1500)
         >>> car.with_parameters(damping={"chassis": 900}).struts[0].damping
@@ -231,67 +232,6 @@ class Suspension:
                 for s in self.struts
             ),
         )
-
-
-def quarter_car(
-    *,
-    seat_mass: Kilogram | None = None,
-    chassis_mass: Kilogram,
-    tire_mass: Kilogram,
-    seat_stiffness: NewtonPerMetre | None = None,
-    chassis_stiffness: NewtonPerMetre,
-    tire_stiffness: NewtonPerMetre,
-    seat_damping: NewtonSecondPerMetre | None = None,
-    chassis_damping: NewtonSecondPerMetre,
-    tire_damping: NewtonSecondPerMetre = 0.0,
-) -> Suspension:
-    """Return the quarter car of Fig. 1: seat on chassis on tire on the road.
-
-    Parameters
-    ----------
-    seat_mass, chassis_mass, tire_mass : float
-        Masses [kg]. Without the three seat arguments: the 2-DOF quarter car.
-    seat_stiffness, chassis_stiffness, tire_stiffness : float
-        Spring rates between seat and chassis, chassis and tire, tire and road [N/m].
-    seat_damping, chassis_damping, tire_damping : float
-        Damper rates in the same places [N s/m].
-
-    Returns
-    -------
-    Suspension
-        Coordinates ``seat``, ``chassis``, ``tire``; struts of the same names; input ``road``.
-
-    Raises
-    ------
-    InputError
-        If only some of the seat arguments are given, or a value is refused.
-
-    Examples
-    --------
-    The paper's car, Table 1, with ten times the printed damping:
-
-    >>> car = quarter_car(seat_mass=200, chassis_mass=200, tire_mass=200,
-    ...                   seat_stiffness=200e3, chassis_stiffness=400e3, tire_stiffness=800e3,
-    ...                   seat_damping=300, chassis_damping=200, tire_damping=100)
-    >>> car.coordinates
-    ('seat', 'chassis', 'tire')
-    """
-    seat = {"seat_mass": seat_mass, "seat_stiffness": seat_stiffness, "seat_damping": seat_damping}
-    missing = [name for name, value in seat.items() if value is None]
-    if missing and len(missing) < len(seat):
-        raise InputError(
-            f"a car with a seat needs {', '.join(missing)} as well; give all of {', '.join(seat)}, or none of them"
-        )
-    masses = {"chassis": chassis_mass, "tire": tire_mass}
-    struts = [
-        Strut(name="chassis", stiffness=chassis_stiffness, damping=chassis_damping, arms={"chassis": 1, "tire": -1}),
-        Strut(name="tire", stiffness=tire_stiffness, damping=tire_damping, arms={"tire": 1, "road": -1}),
-    ]
-    if seat_mass is not None and seat_stiffness is not None and seat_damping is not None:
-        masses = {"seat": seat_mass, **masses}
-        arms = {"seat": 1.0, "chassis": -1.0}
-        struts.insert(0, Strut(name="seat", stiffness=seat_stiffness, damping=seat_damping, arms=arms))
-    return Suspension(masses=masses, struts=struts)
 
 
 def statespace(
@@ -325,6 +265,7 @@ def statespace(
 
     Examples
     --------
+    >>> from suspid import quarter_car
     >>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3,
     ...                   tire_stiffness=200e3, chassis_damping=1500, tire_damping=50)
     >>> system = statespace(car, outputs=["chassis_acceleration", "chassis_travel"])
@@ -387,6 +328,15 @@ def state_matrix(suspension: Suspension) -> RealArray:
     return np.block([[np.zeros((n, n)), np.eye(n)], [-inverse_mass * suspension.K, -inverse_mass * suspension.C]])
 
 
+def finite_number(what: str, value: object, unit: str) -> float:
+    """Return a value as a float; what is no finite number is an `InputError` that names it and its unit."""
+    if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
+        raise InputError(f"{what} = {value!r} is not a number; give it in {unit}")
+    if not math.isfinite(value):
+        raise InputError(f"{what} = {value} {unit} is not finite")
+    return float(value)
+
+
 def _selection(suspension: Suspension, output: str) -> tuple[int, RealArray, RealArray]:
     """Return, for an output by name, its order of derivative and its weights of coordinates and roads."""
     stem, _, suffix = output.rpartition("_")
@@ -407,14 +357,6 @@ def _selection(suspension: Suspension, output: str) -> tuple[int, RealArray, Rea
 def _check_name(what: str, name: object) -> None:
     if not isinstance(name, str) or not name or "." in name:
         raise InputError(f"{what} is named {name!r}; a name is a string, not empty, without '.' (as in python-control)")
-
-
-def _number(what: str, value: object, unit: str) -> float:
-    if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
-        raise InputError(f"{what} = {value!r} is not a number; give it in {unit}")
-    if not math.isfinite(value):
-        raise InputError(f"{what} = {value} {unit} is not finite")
-    return float(value)
 
 
 def _probable_slip(road: str, coordinates: Sequence[str]) -> str | None:

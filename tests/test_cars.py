@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from suspid import InputError, ModalSet, Strut, Suspension, quarter_car
+from suspid import InputError, ModalSet, Strut, Suspension, full_car, half_car, quarter_car
 from suspid.cars import car_from_toml, car_to_toml, read_car, write_car
 from suspid.modal_json import modes_from_dict, modes_to_dict, read_modes, to_json
 
@@ -22,6 +22,15 @@ EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 MASSES_TABLE = "[masses]\nbody = 10\n"
 STRUT = '[[struts]]\nname = "leg"\nstiffness = 1e3\ndamping = 2\narms = { body = 1, road = -1 }\n'
 SHORT = "[quarter_car]\nchassis_mass = 4\ntire_mass = 1\nchassis_stiffness = 2e3\ntire_stiffness = 2e4\n"
+HALF = (
+    "[half_car]\nchassis_mass = 1200\npitch_inertia = 1800\nfront_tire_mass = 80\nrear_tire_mass = 90\n"
+    "cg_to_front = 1.2\ncg_to_rear = 1.5\nfront_stiffness = 40e3\nrear_stiffness = 36e3\n"
+    "front_tire_stiffness = 400e3\nrear_tire_stiffness = 380e3\nfront_damping = 3e3\n"
+)
+FULL = (
+    HALF.replace("half", "full").replace("rear_stiffness = 36e3", "rear_stiffness = [17e3, 19e3]")
+    + "rear_damping = 1400\nroll_inertia = 500\nfront_track = 1.5\nrear_track = 1.48\n"
+)
 
 
 class TestWrittenThenReadIsTheSame:
@@ -60,6 +69,53 @@ class TestShortForm:
         )
         assert car_from_toml(SHORT + "chassis_damping = 30\n") == expected
 
+    def test_it_is_half_car(self) -> None:
+        expected = half_car(
+            chassis_mass=1200,
+            pitch_inertia=1800,
+            front_tire_mass=80,
+            rear_tire_mass=90,
+            cg_to_front=1.2,
+            cg_to_rear=1.5,
+            front_stiffness=40e3,
+            rear_stiffness=36e3,
+            front_tire_stiffness=400e3,
+            rear_tire_stiffness=380e3,
+            front_damping=3e3,
+            rear_damping=2800,
+            seat_mass=80,
+            seat_stiffness=16e3,
+            seat_damping=500,
+            seat_ahead=-0.2,
+        )
+        seat = "seat_mass = 80\nseat_stiffness = 16e3\nseat_damping = 500\nseat_ahead = -0.2\n"
+        car = car_from_toml(HALF + "rear_damping = 2800\n" + seat)
+        assert car == expected
+        assert car_from_toml(car_to_toml(car)) == car
+
+    def test_it_is_full_car_with_a_pair_for_two_sides(self) -> None:
+        expected = full_car(
+            chassis_mass=1200,
+            pitch_inertia=1800,
+            roll_inertia=500,
+            front_tire_mass=80,
+            rear_tire_mass=90,
+            cg_to_front=1.2,
+            cg_to_rear=1.5,
+            front_track=1.5,
+            rear_track=1.48,
+            front_stiffness=40e3,
+            rear_stiffness=(17e3, 19e3),
+            front_tire_stiffness=400e3,
+            rear_tire_stiffness=380e3,
+            front_antiroll_stiffness=5e3,
+            front_damping=3e3,
+            rear_damping=1400,
+        )
+        car = car_from_toml(FULL + "front_antiroll_stiffness = 5e3\n")
+        assert car == expected
+        assert car_from_toml(car_to_toml(car)) == car
+
 
 REFUSED = [
     ("\n", r"there is no \[masses\]"),
@@ -94,6 +150,17 @@ REFUSED = [
     ),
     (SHORT + "chassis_damping = 3\nseat_mass = 1\n", "a car with a seat needs seat_stiffness, seat_damping"),
     (SHORT + "chassis_damping = 3\n" + MASSES_TABLE, "describes the whole car"),
+    (HALF, r"\[half_car\]: rear_damping is missing"),
+    (HALF + "rear_damping = 3\nseat_left = 3\n", r"\[half_car\] has no use for 'seat_left'"),
+    (HALF + "rear_damping = [3, 4]\n", r"\[half_car\]: rear_damping = \[3, 4\] must be a number in N s/m"),
+    (HALF.replace("1800", '"a"') + "rear_damping = 3\n", "pitch_inertia = 'a' must be a number in kg m2"),
+    (HALF.replace("1.2", '"a"') + "rear_damping = 3\n", "cg_to_front = 'a' must be a number in m"),
+    (HALF.replace("1.2", "-1.2") + "rear_damping = 3\n", r"\[half_car\]: cg_to_front = -1.2 m must be positive"),
+    (HALF + "rear_damping = 3\n" + FULL, r"\[half_car\] describes the whole car; leave \[full_car\] out"),
+    (FULL.replace("17e3, 19e3", "1, 2, 3"), r"rear_stiffness = \(1.0, 2.0, 3.0\): give one value \[N/m\] for both"),
+    (FULL.replace("17e3", "true"), "rear_stiffness = True must be a number in N/m"),
+    (FULL.replace("= 1.5\nrear_track", "= [1, 2]\nrear_track"), r"front_track = \(1.0, 2.0\) is not a number"),
+    (FULL + "seat_mass = 80\n", "a car with a seat needs seat_stiffness, seat_damping, seat_ahead, seat_left"),
     ("quarter_car = 4\n", r"\[quarter_car\] must be a table"),
 ]
 

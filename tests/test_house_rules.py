@@ -16,7 +16,7 @@ LAYERS = [
     ["units", "errors"],
     ["values", "files"],
     ["suspension", "tables", "exponentials"],
-    ["modes", "signals", "matlab"],
+    ["modes", "signals", "matlab", "presets"],
     ["simulation", "records", "cars", "denoising", "scalogram"],
     ["ridges", "likelihood"],
     ["selection"],
