@@ -337,7 +337,7 @@ def pole_covariance(fit: DecayFit) -> RealArray:
     Where poles can hardly be told apart, rounding leaves negative eigenvalues; they stand for the
     least information that can be told from none.
     """
-    diagonal = fit.information.diagonal()
+    diagonal = np.abs(fit.information.diagonal())
     scale = 1 / np.sqrt(np.maximum(diagonal, 1e-300 + 1e-30 * np.max(diagonal, initial=0.0)))
     values, vectors = np.linalg.eigh(fit.information * np.outer(scale, scale))
     half = scale[:, None] * vectors / np.sqrt(np.maximum(values, INDEFINITE))

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from suspid.exponentials import Blocks, blocks_of, cross_sums, power_sums, synthesize
 from suspid.likelihood import NEGLIGIBLE, DecayFit, Poles, evaluate, maximize, pole_covariance
 from suspid.units import ComplexArray, RealArray
+from suspid.values import frozen_real
 
 # The grid of decay rates: from one e-folding over the record to one per sample, by about this factor. Midway between
 # two of them a pole still shows 93 % of its energy, and so does one that does not decay on the first.
@@ -29,17 +30,23 @@ MOST_POLES = 16
 # A mode's surroundings count as louder than the rest of the residual beyond this ratio. There the model itself is
 # wrong by more than the noise, and a pole must explain this many times more than what is left beside it.
 COLOURED = 2.5
+COLOURS_BEGIN = 1.5
 WORTHWHILE = 20.0
 # Where beside a pole that is looked at, in linewidths.
 BESIDE = np.array([-8.0, -6.0, -4.0, -2.0, 2.0, 4.0, 6.0, 8.0])
-# Poles nearer to each other than so many decay rates (the geometric mean of theirs) are one mode, not quite linear.
-DISTINCT = 1.0
+# Poles nearer to each other than so many decay rates (the geometric mean of theirs) are one mode, not quite linear;
+# if they move alike in all channels (by this assurance criterion), so are poles as near as the third figure.
+DISTINCT, ALIKE, DISTINCT_ALIKE = 0.25, 0.9, 2.0
 # A pole that decays less than this over the record, known no better than this many standard deviations, is a tone.
 TONE_DECAY, TONE_SURE = 0.25, 10.0
 
 # A real pole is exchanged for a pair where that gains this much per parameter; it is a mode only if the pair gains less
 # than the second figure and the pole itself so much that a pair would show.
 PAIR_GAIN, PAIR_EXCLUDED, REAL_SURE = 3.5, 4.0, 150.0
+
+# Poles below these exponents over the record creep: the first always, the second once all else is fitted. Exponentials
+# of the last three together are an offset, a slope and a bend, to within some 1e-4 of a drift.
+STILL, CREEPING, BENT = 0.3, 3.0, frozen_real([0.0, -0.3, 0.3])
 
 # A pole that falls by more than this in one sample is gone before it can be seen to swing.
 BRIEF = 0.35
@@ -123,9 +130,11 @@ def select(
         better = _extended(state, fit, rejected)
         if better is None:
             break
-        fit = better
+        fit = _straightened(state, better, STILL, rejected)
     fit = state.fitted(fit.poles) or fit
-    fit, gains = _thinned(state, _single(state, fit), rejected)
+    fit = _straightened(state, _single(state, fit), CREEPING, rejected)
+    fit = state.fitted(fit.poles) or fit
+    fit, gains = _thinned(state, fit, rejected)
     fit, extra = _paired(state, fit)
     if len(extra):
         left = state.residual(fit)
@@ -212,6 +221,11 @@ class _State:
         return "mode"
 
     def loudness(self, fit: DecayFit, residual: RealArray) -> RealArray:
+        """Return the power of the residual beside each pole over that of the noise; 1 where they agree."""
+        ratio = self.beside(fit, residual)
+        return np.where(ratio > COLOURED, ratio, 1.0)
+
+    def beside(self, fit: DecayFit, residual: RealArray) -> RealArray:
         """Return the power of the residual beside each pole, seen through its own decay, over that of the noise."""
         if not _poles(fit):
             return np.zeros(0)
@@ -227,7 +241,7 @@ class _State:
         power = np.mean(np.abs(spread.reshape(len(variance), *omega.shape)) ** 2, axis=2) / expected / variance[:, None]
         weights = np.abs(fit.amplitudes[rows]).T ** 2 / variance[:, None] + 1e-300
         ratio = np.sum(weights * power, axis=0) / np.sum(weights, axis=0)
-        return np.where(ratio > COLOURED, ratio, 1.0)
+        return np.where(ratio > COLOURS_BEGIN, ratio, 1.0)
 
 
 def _poles(fit: DecayFit) -> int:
@@ -251,7 +265,7 @@ def _extended(state: _State, fit: DecayFit, rejected: list[tuple[Candidate, str]
         gain = before - state.loss(trial)
         index = _poles(trial) - 1 if candidate.real else len(trial.poles.pairs) - 1
         near = _nearest(trial, index)
-        if near < DISTINCT:
+        if _split(trial, index):
             rejected.append((candidate, f"split of another mode: {near:.2g} linewidths from it"))
             continue
         if gain > cost:
@@ -270,6 +284,20 @@ def _nearest(fit: DecayFit, index: int) -> float:
     return float(np.min(np.abs(others - every[index]) / linewidth))
 
 
+def _split(fit: DecayFit, index: int) -> bool:
+    """Return whether a pole is part of another: too near to it, or near and of the same shape in the channels."""
+    every = np.concatenate([fit.poles.pairs, fit.poles.reals.astype(complex)])
+    pairs = len(fit.poles.pairs)
+    rows = np.concatenate([np.arange(pairs), np.arange(2 * pairs, pairs + len(every))]).astype(int)
+    shapes = fit.amplitudes[rows] / np.sqrt(fit.squares + 1e-300)
+    shapes /= np.linalg.norm(shapes, axis=1, keepdims=True) + 1e-300
+    linewidth = np.sqrt(np.maximum(every.real * every[index].real, 1e-24))
+    near = np.abs(every - every[index]) / linewidth
+    alike = np.abs(shapes @ shapes[index].conj()) ** 2 > ALIKE
+    near[index] = np.inf
+    return bool(np.any(near < np.where(alike, DISTINCT_ALIKE, DISTINCT)))
+
+
 def _thinned(state: _State, fit: DecayFit, rejected: list[tuple[Candidate, str]]) -> tuple[DecayFit, RealArray]:
     """Return the fit without poles that are not worth their price beside the others, and what each pole is worth."""
     while True:
@@ -279,11 +307,11 @@ def _thinned(state: _State, fit: DecayFit, rejected: list[tuple[Candidate, str]]
             return fit, np.zeros(0)
         gains, energy = np.array(worths).T
         prices = np.array([state.price(real=index >= len(fit.poles.pairs)) for index in range(_poles(fit))])
-        loud = state.loudness(fit, residual)
-        # Beside a residual that is not noise, energy counts, not likelihood.
-        worth = np.where(loud > 1, np.minimum(energy / (WORTHWHILE * loud), gains), gains) / prices
+        loud, beside = state.loudness(fit, residual), state.beside(fit, residual)
+        # Beside a residual that is not noise, energy counts, not likelihood; noise of a colour has its power there.
+        worth = np.where(loud > 1, np.minimum(energy / (WORTHWHILE * loud), gains), gains / beside) / prices
         # Poles far apart when they were added may have come together since: of two the lesser goes.
-        split = np.array([_nearest(fit, index) < DISTINCT for index in range(_poles(fit))])
+        split = np.array([_split(fit, index) for index in range(_poles(fit))])
         index = int(np.argmin(np.where(split, 0.0, worth) + 1e-9 * worth / np.max(worth)))
         worth[split] = 0.0
         shorter = state.fitted(fit.poles.without(index)) if worth[index] < 1 else None
@@ -299,6 +327,25 @@ def _thinned(state: _State, fit: DecayFit, rejected: list[tuple[Candidate, str]]
         lost = Candidate(theta=theta, real=index >= len(fit.poles.pairs), gain=float(gains[index]))
         rejected.append((lost, reason))
         fit = shorter
+
+
+def _straightened(state: _State, fit: DecayFit, reach: float, rejected: list[tuple[Candidate, str]]) -> DecayFit:
+    """Return the fit with poles that creep along the whole record exchanged for a bent line, where that serves."""
+    count, every = state.blocks.count, np.concatenate([fit.poles.pairs, fit.poles.reals.astype(complex)])
+    slow = np.flatnonzero(np.abs(every) * count < reach)
+    if not slow.size or len(fit.poles.nuisances) > 1:
+        return fit
+    poles = fit.poles
+    for index in slow[::-1]:
+        poles = poles.without(int(index))
+    poles = Poles(pairs=poles.pairs, reals=poles.reals, nuisances=BENT / count)
+    trial = state.fitted(poles, rough=True)
+    if trial is None or state.loss(trial) > state.loss(fit) + state.price(real=True):
+        return fit
+    reason = "a drift: taken out with the offset, as a bent line"
+    lost = [Candidate(theta=complex(every[i]), real=bool(i >= len(fit.poles.pairs)), gain=0.0) for i in slow]
+    rejected.extend((candidate, reason) for candidate in lost)
+    return trial
 
 
 def _single(state: _State, fit: DecayFit) -> DecayFit:
