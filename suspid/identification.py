@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Literal
 
@@ -47,23 +47,34 @@ class FourSteps:
 
     Parameters
     ----------
-    response : control.TimeResponseData
+    signal : Signal
         The record less its mean.
     count : int or None
         How many ridges; None: all that stand out.
-    omega : ndarray (row,)
-        Angular frequencies of the rows [rad/s].
+    band : (float, float)
+        Angular frequencies of the first and last row [rad/s].
     bandwidth : float or None
         N of the wavelet; None: that of least entropy.
     candidates : tuple of float
         Bandwidths among which to choose.
     """
 
-    response: control.TimeResponseData
+    signal: Signal
     count: int | None
-    omega: RealArray
+    band: tuple[RadianPerSecond, RadianPerSecond]
     bandwidth: float | None
     candidates: tuple[float, ...]
+
+    @cached_property
+    def response(self) -> control.TimeResponseData:
+        """The record less its mean."""
+        return as_response(self.signal.timepts, self.signal.values, self.signal.channels)
+
+    @cached_property
+    def omega(self) -> RealArray:
+        """Angular frequencies of the rows [rad/s], (row,): the band, evenly spaced in its logarithm."""
+        low, high = self.band
+        return frozen_real(np.geomspace(low, high, max(8, int(np.ceil(PER_OCTAVE * np.log2(high / low))))))
 
     @cached_property
     def search(self) -> BandwidthSearch | None:
@@ -349,9 +360,9 @@ def identify(
         if not np.any(np.abs(about) > 1e-12 * np.max(np.abs(samples))):
             raise IdentificationError(f"channel {name!r} is constant: there is no decay in it; leave it out")
     steps = FourSteps(
-        response=as_response(signal.timepts, centred, signal.channels),
+        signal=replace(signal, values=centred),
         count=modes,
-        omega=_rows(signal, band),
+        band=_band(signal, band),
         bandwidth=bandwidth,
         candidates=tuple(float(n) for n in candidates),
     )
@@ -509,8 +520,10 @@ def _resolution(values: RealArray) -> RealArray:
     return np.asarray(np.maximum(np.maximum(4 * rounding, FINEST * peak), steps / np.sqrt(12)))
 
 
-def _rows(signal: Signal, band: tuple[RadianPerSecond, RadianPerSecond] | None) -> RealArray:
-    """Return the angular frequencies of the rows: the band, evenly spaced in its logarithm."""
+def _band(
+    signal: Signal, band: tuple[RadianPerSecond, RadianPerSecond] | None
+) -> tuple[RadianPerSecond, RadianPerSecond]:
+    """Return the angular frequencies between which ridges are looked for."""
     nyquist = np.pi / signal.step
     low, high = band or (2 * np.pi * LEAST_CYCLES / signal.duration, HIGHEST * nyquist)
     if not 0 < low < high <= nyquist:
@@ -518,7 +531,7 @@ def _rows(signal: Signal, band: tuple[RadianPerSecond, RadianPerSecond] | None) 
             f"the band {low:g} … {high:g} rad/s must be two increasing angular frequencies between 0 and "
             f"the Nyquist frequency {nyquist:g} rad/s"
         )
-    return np.geomspace(low, min(high, 0.999 * nyquist), max(8, int(np.ceil(PER_OCTAVE * np.log2(high / low)))))
+    return float(low), float(min(high, 0.999 * nyquist))
 
 
 def _decay_of(modes: ModalSet, signal: Signal, onset: float) -> RealArray:
