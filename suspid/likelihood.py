@@ -28,7 +28,7 @@ SLOWEST = 1e-2
 # Exponentials of which one has less than this of its own beside the others cannot be told apart.
 ALIKE = 1e-5
 # Rounding of inner products, as a share of their size.
-ROUNDING = 2e-16
+ROUNDING = 4e-15
 # Eigenvalues of an information of unit diagonal below this are rounding.
 INDEFINITE = 1e-10
 
@@ -92,6 +92,8 @@ class DecayFit:
         Complex amplitudes at the first sample; conjugate for conjugate exponents.
     squares : ndarray (channel,)
         Residual sum of squares.
+    rounding : ndarray (channel,)
+        Least that it can be known to be.
     information : ndarray (parameter, parameter)
         ``J^T J / variance`` of the poles' real parameters (Re and Im per sample), amplitudes projected out.
     gradient : ndarray (parameter,)
@@ -105,6 +107,7 @@ class DecayFit:
     poles: Poles
     amplitudes: ComplexArray
     squares: RealArray
+    rounding: RealArray
     information: RealArray
     gradient: RealArray
     gram: ComplexArray
@@ -143,9 +146,10 @@ def evaluate(blocks: Blocks, poles: Poles, floor: RealArray, *, squares: RealArr
     zeroth, first = np.concatenate([half[:, :pairs], half[:, :pairs].conj(), half[:, pairs:]], axis=1)
     amplitudes = inverse @ zeroth
     explained = (zeroth.real * amplitudes.real + zeroth.imag * amplitudes.imag).sum(axis=0)
-    if squares is None:
-        # What is explained is known to the rounding that the inverse magnifies: nothing below it is a residual.
-        squares = np.maximum(blocks.energy - explained, ROUNDING / pivot**2 * blocks.energy)
+    # What is explained is known to the rounding that the inverse magnifies: nothing below it is a residual.
+    left = blocks.energy - explained if squares is None else squares
+    rounding = ROUNDING / pivot**2 * blocks.energy
+    squares = np.maximum(left, rounding)
     variance = np.maximum(squares / count, floor)
     if not (np.isfinite(explained).all() and (variance > 0).all()):
         return None
@@ -157,6 +161,7 @@ def evaluate(blocks: Blocks, poles: Poles, floor: RealArray, *, squares: RealArr
         poles=poles,
         amplitudes=amplitudes,
         squares=squares,
+        rounding=rounding,
         information=(chart.conj().T @ curvature @ chart).real * count**2,
         gradient=(chart.conj().T @ slope).real * count,
         gram=gram,
@@ -190,7 +195,7 @@ def maximize(
     fit = evaluate(blocks, poles, floor)
     if fit is None or not poles.free:
         return fit
-    loss, damping = likelihood_loss(fit, blocks.count, floor), 1e-3
+    damping = 1e-3
     rounding = 1e-13 * blocks.count
     for _ in range(steps):
         diagonal = fit.information.diagonal()
@@ -205,13 +210,15 @@ def maximize(
                 return fit
             trial = evaluate(blocks, _bounded(fit.poles, step, blocks.count), floor)
             if trial is not None:
-                trial_loss = likelihood_loss(trial, blocks.count, floor)
-                if trial_loss <= loss + rounding:
+                # Two fits below what rounding leaves of either are equally good.
+                least = np.maximum(floor, np.maximum(fit.rounding, trial.rounding) / blocks.count)
+                worse = likelihood_loss(trial, blocks.count, least) - likelihood_loss(fit, blocks.count, least)
+                if worse <= rounding:
                     break
             damping = max(10 * damping, 1e-4)
         else:
             return fit
-        fit, loss = trial, trial_loss
+        fit = trial
         damping = damping / 10 if damping > 1e-9 else 0.0
     return fit
 

@@ -133,7 +133,7 @@ def select(
         fit = _straightened(state, better, STILL, rejected)
     fit = state.fitted(fit.poles) or fit
     fit = _straightened(state, _single(state, fit), CREEPING, rejected)
-    fit = state.fitted(fit.poles) or fit
+    fit = _unbent(state, state.fitted(fit.poles) or fit)
     fit, gains = _thinned(state, fit, rejected)
     fit, extra = _paired(state, fit)
     if len(extra):
@@ -346,6 +346,15 @@ def _straightened(state: _State, fit: DecayFit, reach: float, rejected: list[tup
     lost = [Candidate(theta=complex(every[i]), real=bool(i >= len(fit.poles.pairs)), gain=0.0) for i in slow]
     rejected.extend((candidate, reason) for candidate in lost)
     return trial
+
+
+def _unbent(state: _State, fit: DecayFit) -> DecayFit:
+    """Return the fit with a plain offset where slope and bend are not worth their price."""
+    if len(fit.poles.nuisances) == 1:
+        return fit
+    trial = state.fitted(Poles(pairs=fit.poles.pairs, reals=fit.poles.reals, nuisances=np.zeros(1)))
+    worth = np.inf if trial is None else state.loss(trial) - state.loss(fit)
+    return trial if trial is not None and worth < 2 * state.price(real=True) else fit
 
 
 def _single(state: _State, fit: DecayFit) -> DecayFit:
