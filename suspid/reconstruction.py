@@ -1,129 +1,210 @@
-"""From modes back to springs and dampers, for known masses and topology."""
+"""From modes back to springs and dampers, for known topology: every suspension that has them, and how sure it is."""
 
 from __future__ import annotations
 
-import contextlib
-import functools
-import threading
-import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
+from suspid.alternatives import distinct, even_starts, farness, spectral_minima, told_apart
+from suspid.equations import EXACT, Observed, all_poles, deciding, linear, partners, sensitivities, spectral
+from suspid.equations import pole_distances as pole_distances
 from suspid.errors import InputError, ReconstructionError
 from suspid.modes import ModalSet, eigenmodes
+from suspid.observations import ModalTest, observe, tests_of, unweighted
+from suspid.programs import STATIONARY, convex_program, descend, slope_left
 from suspid.suspension import Suspension
-from suspid.units import ComplexArray, NewtonPerMetre, NewtonSecondPerMetre, Ratio, RealArray
-from suspid.values import FrozenMapping, nearest_names, rounded, spread, text_table
+from suspid.units import Kilogram, NewtonPerMetre, NewtonSecondPerMetre, Ratio, RealArray
+from suspid.unknowns import QUANTITIES, Bounds, Unknowns, parameter_names, parameter_vector, unknowns_of
+from suspid.values import FrozenMapping, frozen_real, rounded, spread, text_table
 
-SOLVER = "CLARABEL"
-QUANTITIES = ("stiffness", "damping")
-LEAST_STIFFNESS = 1e-6  # of nominal: k > 0 as a closed bound
-LARGEST_STEP = 0.5  # in log k, and in c w / k
-STARTS = 25
-EXACT = 1e-8  # relative error of poles that counts as none
+TOLERANCE = 0.02  # of a pole's modulus
+STARTS = 24  # where the poles alone are too few to search by them
+POLISHED = 12  # of the minima that the search finds
 BLIND = 1e-8  # of the largest singular value: what the data do not see
-SHAPE_WEIGHT = 0.1  # of errors of shapes against relative errors of poles, which are always known better
 LEAST_MAC = 0.8  # below it a shape is another mode's
+UNLIKELY = 1e-3  # probability of a chi-square below which the topology does not explain the modes
+UNLIKELY_TWIN = 1e-4  # the same, for the rise of chi-square from the best suspension to another
+NEAR_MISS = 5e-3  # relative distance from exact poles at which another suspension is mentioned
+DATA_AGAINST_PRIOR = 1e6  # weight of modes without covariance, which are exact, beside a nominal car's
 
-# Residual and its derivatives by the unknowns, at the unknowns.
-Equations: TypeAlias = Callable[[RealArray], tuple[RealArray, RealArray]]
 
-
-@dataclass(frozen=True, kw_only=True, slots=True)
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Reconstruction:
-    """The suspension whose modes are the given ones.
+    """The suspension whose modes are the given ones, the others that have them too, and its certainty.
 
     Parameters
     ----------
     suspension : Suspension
-        Springs and dampers found, with the masses and the topology that were known.
+        Springs and dampers (and masses) found: of those with the modes, the one nearest to nominal.
     stiffness_std, damping_std : mapping of str to float, or None
         Standard deviations [N/m], [N s/m] by strut, to first order from the covariance of the modes; 0 for what was
         held, and as if no bound were there for what ends on one. None if the modes carry no covariance.
+    mass_std : mapping of str to float, or None
+        The same [kg] by coordinate.
     alternatives : tuple of Suspension
-        Other suspensions with the same modes.
+        Every other suspension found that has the modes within their uncertainty, by distance from nominal.
+    distances : tuple of float
+        How far each alternative is from the data: its chi-square; for modes without covariance, the relative
+        distance of its worst pole [1].
+    told_apart : tuple of str
+        What would tell each alternative from `suspension`.
     residual : float
         Distance of a pole of `suspension` from the given one, relative to the latter; the worst mode [1].
     status : str
         How it was found, and what to know about it.
     held : tuple of str
         The strut parameters held at their nominal values, such as ``"tire.damping"``.
+    parameters : tuple of str
+        The parameters found, such as ``"tire.stiffness"`` or ``"seat.mass"``.
+    covariance : ndarray (parameter, parameter), or None
+        Joint covariance of `parameters`, in their units squared.
+    ranges : ndarray (parameter, 2)
+        Bounds of `parameters`, in their units.
+    chi_square : float or None
+        Squared distance from the data in standard deviations; None if the modes carry no covariance.
+    freedom : int
+        Degrees of freedom: equations less unknowns.
+    explains : bool
+        Whether the topology explains the modes: chi-square is not improbably large. If it is, the standard
+        deviations are widened by its root over `freedom`, and are a guess.
     """
 
     suspension: Suspension
     stiffness_std: Mapping[str, NewtonPerMetre] | None
     damping_std: Mapping[str, NewtonSecondPerMetre] | None
+    mass_std: Mapping[str, Kilogram] | None = None
     alternatives: tuple[Suspension, ...] = ()
+    distances: tuple[float, ...] = ()
+    told_apart: tuple[str, ...] = ()
     residual: Ratio
     status: str
     held: tuple[str, ...] = ()
+    parameters: tuple[str, ...] = ()
+    covariance: RealArray | None = None
+    ranges: RealArray
+    chi_square: float | None = None
+    freedom: int = 0
+    explains: bool = True
+
+    def interval(self, level: Ratio = 0.95) -> dict[str, tuple[float, float]]:
+        """Return the ends between which each of `parameters` lies with probability ``level``, cut at its bounds.
+
+        They belong to `suspension`: an alternative has its own.
+
+        Raises
+        ------
+        InputError
+            If the modes carried no covariance, or the level is not between 0 and 1.
+        """
+        from scipy.special import ndtri
+
+        if not 0 < level < 1:
+            raise InputError(f"{level=} must lie between 0 and 1, such as 0.95")
+        if self.covariance is None:
+            raise InputError("the modes carried no covariance, so the parameters have none; identify gives one")
+        every = dict(zip(parameter_names(self.suspension), parameter_vector(self.suspension).tolist(), strict=True))
+        reach = float(ndtri((1 + level) / 2)) * np.sqrt(np.diag(self.covariance))
+        values = np.array([every[name] for name in self.parameters])
+        ends = np.clip(values[:, None] + reach[:, None] * [-1, 1], self.ranges[:, :1], self.ranges[:, 1:])
+        return {name: (float(low), float(high)) for name, (low, high) in zip(self.parameters, ends, strict=True)}
 
     def __str__(self) -> str:
         struts = self.suspension.struts
         columns: dict[str, Sequence[str]] = {"strut": [s.name for s in struts]}
         for quantity, unit, stds in (("stiffness", "N/m", self.stiffness_std), ("damping", "N s/m", self.damping_std)):
             values = np.array([getattr(s, quantity) for s in struts])
-            columns[f"{quantity} [{unit}]"] = [f"{value:.7g}" for value in values]
-            if stds is not None:
-                known = np.array([stds[s.name] for s in struts])
-                columns[f"{quantity} [{unit}]"] = rounded(values, known)
-                columns[f"± [{unit}]"] = [spread(std) for std in known]
-        if self.held:
+            columns |= _with_spread(f"{quantity} [{unit}]", f"± [{unit}]", values, stds, [s.name for s in struts])
+        if any(not name.endswith(".mass") for name in self.held):
             names = {s.name: [q for q in QUANTITIES if f"{s.name}.{q}" in self.held] for s in struts}
             columns["held"] = [", ".join(held) for held in names.values()]
-        return f"{text_table(columns)}\n{self.status}"
+        parts = [text_table(columns)]
+        free = [name for name in self.suspension.masses if f"{name}.mass" in self.parameters]
+        if free:
+            values = np.array([self.suspension.masses[name] for name in free])
+            parts.append(text_table({"mass": free} | _with_spread("[kg]", "± [kg]", values, self.mass_std, free)))
+        parts.append(self.status)
+        for i, (car, distance) in enumerate(zip(self.alternatives, self.distances, strict=True)):
+            k, c = (", ".join(f"{getattr(s, q):.5g}" for s in car.struts) for q in QUANTITIES)
+            far = f"worst pole off by {distance:.1e}" if self.chi_square is None else f"chi-square {distance:.3g}"
+            apart = f"; told apart by {self.told_apart[i]}" if self.told_apart[i] else ""
+            parts.append(f"another suspension has these modes: k = {k} N/m, c = {c} N s/m ({far}){apart}")
+        return "\n".join(parts)
 
 
 def reconstruct(
-    modes: ModalSet, suspension: Suspension, *, fixed: Sequence[str] = (), tolerance: Ratio = 0.02
+    modes: ModalSet | Sequence[ModalTest | ModalSet],
+    suspension: Suspension,
+    *,
+    fixed: Sequence[str] = (),
+    bounds: Bounds | None = None,
+    ties: Sequence[Sequence[str]] = (),
+    nominal_std: Ratio | Mapping[str, Ratio] | None = None,
+    free_masses: Sequence[str] = (),
+    tolerance: Ratio | None = None,
+    search: bool = True,
 ) -> Reconstruction:
-    """Find the stiffness and the damping of every strut from modes, for known masses and topology.
+    """Find the stiffness and the damping of every strut from modes, for known topology.
 
-    With shapes at all coordinates, ``(lambda^2 M + lambda C + K) psi = 0`` is linear in k and c: one convex program,
-    which needs no start; of modes that are not exact, it is itself the start of a sequence. Otherwise the poles (and
-    the shapes at some coordinates, if there are two at least) are met by a sequence of convex programs from the nominal
-    suspension; should that end short of the modes, from others spread reproducibly around it. Always k > 0 and c >= 0.
+    With shapes that show all coordinates, ``(lambda^2 M + lambda C + K) psi = 0`` is linear in k, c and masses: one
+    convex program, which needs no start and has one answer; of modes that are not exact, it is itself the start of
+    a sequence. Otherwise the poles (and the shapes, if there are two channels at least) are met by a sequence of
+    convex programs from the nominal suspension, and from the minima that a reproducible search around it finds.
+    Always k > 0, c >= 0 and mass > 0.
 
-    Modes with a covariance are weighted by it; without one, relative errors of poles count ten times those of shapes.
-    If it covers the poles alone, the shapes choose the suspension and the poles alone set its numbers, provided that
-    they can.
+    Modes with a covariance are weighted by it, poles and shapes jointly; without one they count as exact, relative
+    errors of poles ten times those of shapes. If it covers the poles alone, the shapes choose the suspension and the
+    poles alone set its numbers, provided that they can.
 
     Parameters
     ----------
-    modes : ModalSet
-        The modes, in any order of the coordinates and any scale of the shapes. Shapes are used if their channels are
-        named as coordinates. Poles at zero (rigid-body motion) say nothing about k and c and are only checked.
+    modes : ModalSet, or sequence of ModalTest
+        The modes, in any scale of the shapes; or those of several tests of one car, some perhaps with known masses
+        added. Shapes are used if their channels are named as outputs of `statespace`: a coordinate, its
+        ``_velocity`` or ``_acceleration``, the ``_travel`` of a strut. Poles at zero (rigid-body motion) say nothing
+        about k and c and are only checked.
     suspension : Suspension
         Known masses and topology; its k and c are the nominal values: the start, the scale, and the value of what is
         held. A strut of nominal stiffness 0 is a damper alone and stays one.
     fixed : sequence of str
         Strut parameters held at their nominal value: ``"tire.damping"``, or ``"tire"`` for both of a strut's.
-    tolerance : float
-        Largest distance of a reconstructed pole from the given one, relative to the latter, that is accepted [1]; five
-        standard deviations of the pole are accepted as well.
+    bounds : mapping of str to (float, float), optional
+        Least and largest value by parameter, such as ``{"tire.stiffness": (150e3, 250e3)}``; None for no bound.
+    ties : sequence of sequences of str
+        Groups of parameters that are equal, such as ``("left.stiffness", "right.stiffness")``.
+    nominal_std : float, or mapping of str to float, optional
+        Standard deviation of the nominal parameters, relative [1]: they then count as measured values. A number
+        holds for all that are not 0.
+    free_masses : sequence of str
+        Masses that are unknown too, by coordinate; only known masses (others, or added ones) can give them a scale.
+    tolerance : float, optional
+        Largest distance of a reconstructed pole from the given one, relative to the latter, that is accepted [1];
+        five standard deviations of the pole are accepted as well. Default: 0.02. If given, modes without a
+        covariance count as known to it, rather than as exact, where alternatives are listed.
+    search : bool
+        Whether to look for alternatives. Without, only the nominal suspension is a start, unless it leads nowhere.
 
     Returns
     -------
     Reconstruction
-        ``suspension``, ``stiffness_std``, ``damping_std``, ``residual``, ``status``; ``str()`` is the table.
+        ``suspension``, ``alternatives``, ``covariance`` and what else there is to know; ``str()`` is the table.
 
     Raises
     ------
     InputError
-        If an argument is of the wrong type, a name in ``fixed`` is unknown, there are more poles than the suspension
-        has, or a pole or a shape cannot be used.
+        If an argument is of the wrong type, a name is unknown, wishes contradict each other, there are more poles
+        than the suspension has, or a pole or a shape cannot be used.
     ReconstructionError
-        If there are fewer equations than unknowns, if the modes do not determine some parameters (which are named), or
-        if no suspension of this topology with k > 0 and c >= 0 has these modes. ``best`` is the nearest one met.
+        If there are fewer equations than unknowns, if the modes do not determine some combination of parameters
+        (which is named), or if no suspension of this topology with k > 0 and c >= 0 has these modes: a pole is
+        further off than ``tolerance``. ``best`` is the nearest one met. Modes that are met within the tolerance, but
+        not within their covariance, are no error: ``explains`` is then False.
 
     Notes
     -----
-    From w and zeta alone several suspensions may have the same modes; the one reached from the nominal values is
-    returned. Shapes, or a parameter held, decide.
+    From w and zeta alone several suspensions may have the same modes; the one nearest to the nominal values is
+    returned, the others are ``alternatives``. Shapes, a parameter held, or a test with an added mass decide.
 
     Examples
     --------
@@ -136,581 +217,419 @@ def reconstruct(
     -------  -----------------  -----------------  -------
     chassis              20000               1500
        tire             200000                  0  damping
-    one convex program on poles and shapes; worst pole off by ...
+    one convex program on poles and shapes, which has one answer; worst pole off by ...
     """
-    problem, notes = _posed(modes, suspension, fixed)
-    best, cost, again = problem.nominal, np.inf, 0
-    for tried, start in enumerate(_starts(problem)):
-        x = start if problem.exact(start) else _descend(problem, problem.deciding, start)
-        reached = float(np.linalg.norm(problem.deciding(x)[0]))
-        again = again + 1 if abs(reached - cost) <= 1e-6 * cost else 0 if reached < cost else again
-        if reached < cost:
-            best, cost = x, reached
-        if cost <= problem.enough or problem.exact(x) or (tried >= 12 and again >= 3):
-            break
-    car = problem.suspension(best)
+    tests = tests_of(modes, suspension)
+    problem, notes = _posed(tests, suspension, fixed, bounds, ties, nominal_std, free_masses)
+    points = _candidates(problem, search=search)
+    costs = [float(np.linalg.norm(problem.deciding(x)[0])) for x in points]
+    accepted = [i for i, cost in enumerate(costs) if cost <= problem.allowed(min(costs), tolerance)]
+    accepted.sort(key=lambda i: farness(points[i], problem.unknowns))
+    best, cost = points[accepted[0]], costs[accepted[0]]
+    car = problem.unknowns.suspension(best)
     _check_seen(problem, best, car)
-    residual, mac = _check_fit(problem, modes, car, tolerance)
+    accuracy = TOLERANCE if tolerance is None else tolerance
+    residual, mac = _check_fit(problem, tests, car, accuracy)
     if mac is not None and not problem.exact(best):
         notes.append(f"least MAC of the shapes {mac:.4f}")
-    ends = [name for name, x, low in zip(problem.names, best, problem.lower, strict=True) if x <= low * (1 + 1e-9)]
-    if ends and cost > EXACT:
-        notes.append(f"held back by its bound: {', '.join(ends)}")
-    stiffness_std, damping_std = _spread(problem, best)
+    notes += _remarks(problem, best, cost)
+    others = [problem.unknowns.suspension(points[i]) for i in accepted[1:]]
+    if problem.weighted:
+        distances = tuple(costs[i] ** 2 for i in accepted[1:])
+    else:
+        distances = tuple(max(_pole_errors(test, other).max() for test in tests) for other in others)
+        missed = [c for i, c in enumerate(costs) if i not in accepted and c <= NEAR_MISS]
+        if missed and not problem.unknowns.has_prior.any():
+            notes.append(
+                f"another suspension comes within {min(missed):.1e} of these modes: "
+                f"give their uncertainty, or tolerance=…, to have it judged"
+            )
+    chi_square, freedom, explains = _goodness(problem, best, cost)
+    if chi_square is not None:
+        notes.append(f"chi-square {chi_square:.3g} at {freedom} degrees of freedom")
+    if not explains:
+        notes.append("this topology does not explain these modes: standard deviations are widened for it")
+    widening = 1.0 if explains or chi_square is None else float(np.sqrt(chi_square / max(freedom, 1)))
+    covariance = _covariance(problem, best, widening)
+    named = dict.fromkeys(parameter_names(suspension), 0.0)
+    if covariance is not None:
+        named |= dict(zip(problem.unknowns.names, np.sqrt(np.diag(covariance)).tolist(), strict=True))
+    stds = [FrozenMapping({n.rpartition(".")[0]: s for n, s in named.items() if n.endswith(q)}) for q in _KINDS]
+    watched = [c for c, test in zip(tests[0].modes.channels, problem.tests, strict=False) if test.shapes is not None]
+    unknowns = problem.unknowns
+    column = unknowns.column
     return Reconstruction(
         suspension=car,
-        stiffness_std=stiffness_std,
-        damping_std=damping_std,
+        stiffness_std=None if covariance is None else stds[0],
+        damping_std=None if covariance is None else stds[1],
+        mass_std=None if covariance is None else stds[2],
+        alternatives=tuple(others),
+        distances=distances,
+        told_apart=tuple(told_apart(car, other, watched) for other in others),
         residual=residual,
         status="; ".join([problem.manner(best), f"worst pole off by {residual:.1e} of its modulus", *notes]),
-        held=tuple(n for n in _parameter_names(suspension) if n not in problem.names),
+        held=tuple(n for n in parameter_names(suspension) if n not in unknowns.names and not n.endswith(".mass")),
+        parameters=unknowns.names,
+        covariance=covariance,
+        ranges=frozen_real(np.column_stack([unknowns.lower, unknowns.upper])[column] * unknowns.scale[column, None]),
+        chi_square=chi_square,
+        freedom=freedom,
+        explains=explains,
     )
 
 
-def pole_distances(a: ComplexArray, b: ComplexArray) -> RealArray:
-    """Return ``|a - b| / max(|a|, |b|)`` of every pole of ``a`` from every pole of ``b``; 0 for two zeros.
-
-    Examples
-    --------
-    >>> pole_distances(np.array([4j, 10j]), np.array([5j])).round(3)
-    array([[0.2],
-           [0.5]])
-    """
-    larger = np.maximum(np.abs(a)[:, None], np.abs(b))
-    return np.asarray(np.abs(a[:, None] - b) / np.where(larger > 0, larger, 1.0))
+_KINDS = (".stiffness", ".damping", ".mass")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class _Problem:
-    """Modes, and a suspension with unknowns x: k over nominal and c over a scale, of what is free.
+    """Tests, and the unknowns of the suspension."""
 
-    Everything inside is dimensionless: coordinates are scaled by the roots of the masses, equations by the poles.
-    """
+    tests: tuple[Observed, ...]
+    unknowns: Unknowns
 
-    car: Suspension
-    names: tuple[str, ...]
-    struts: list[int]  # of each unknown
-    springs: NDArray[np.bool_]  # which unknowns are stiffnesses
-    scale: RealArray  # of each unknown [N/m or N s/m]
-    poles: ComplexArray  # those not at zero
-    rigid: int  # how many are
-    real: NDArray[np.bool_]  # overdamped: no imaginary part, nor one of its shape
-    shapes: ComplexArray | None  # (observed coordinate, mode)
-    observed: list[int]  # coordinates of the shapes, by index
-    whiten: RealArray | None  # makes what `sensitivities` returns uncorrelated and of variance 1
-    poles_alone: bool  # have a covariance
+    @property
+    def weighted(self) -> bool:
+        return self.tests[0].whiten is not None
+
+    @property
+    def shaped(self) -> bool:
+        return any(test.shapes is not None for test in self.tests)
 
     @property
     def full(self) -> bool:
-        return self.shapes is not None and len(self.observed) == len(self.car.coordinates)
+        """Whether the shapes make the problem linear."""
+        if all(test.full for test in self.tests):
+            return True
+        return any(test.full for test in self.tests) and not len(
+            self.unseen(self.linear_slope(), self.unknowns.nominal)
+        )
 
     @property
-    def nominal(self) -> RealArray:
-        k, c = _parameters(self.car)
-        return np.where(self.springs, k[self.struts], c[self.struts]) / self.scale
-
-    @property
-    def lower(self) -> RealArray:
-        return np.where(self.springs, LEAST_STIFFNESS, 0.0)
-
-    @property
-    def arms(self) -> RealArray:
-        return np.asarray(self.car.arms(self.car.coordinates) / np.sqrt(np.diag(self.car.M)))
+    def enough_poles(self) -> bool:
+        return sum(test.pole_equations for test in self.tests) >= len(self.unknowns)
 
     @property
     def enough(self) -> float:
-        """Norm of the deciding residual at which no other start is tried."""
+        """Norm of the deciding residual at which no other start is needed."""
         from scipy.special import chdtri
 
-        if self.whiten is None:
-            return EXACT  # of exact modes; with modes that are not, every start is tried
-        return float(np.sqrt(chdtri(max(len(self.whiten) - len(self.names), 1), 1e-4)))
+        if not self.weighted:
+            return EXACT
+        rows = sum(len(test.whiten) for test in self.tests if test.whiten is not None)
+        return float(np.sqrt(chdtri(max(rows - len(self.unknowns), 1), UNLIKELY_TWIN)))
 
-    def physical(self, x: RealArray) -> tuple[RealArray, RealArray]:
-        """Return k [N/m] and c [N s/m] of every strut."""
-        k, c = _parameters(self.car)
-        index = np.array(self.struts)
-        k[index[self.springs]] = (x * self.scale)[self.springs]
-        c[index[~self.springs]] = (x * self.scale)[~self.springs]
-        return k, c
-
-    def suspension(self, x: RealArray) -> Suspension:
-        k, c = self.physical(x)
-        names = [s.name for s in self.car.struts]
-        return self.car.with_parameters(
-            stiffness=dict(zip(names, k.tolist(), strict=True)), damping=dict(zip(names, c.tolist(), strict=True))
+    @property
+    def reach(self) -> Ratio:
+        """Distance from the poles beyond which no minimum by the poles alone can have the modes."""
+        if not self.weighted:
+            return NEAR_MISS
+        return NEAR_MISS + 10 * max(
+            float(1 / np.linalg.svd(t.whiten, compute_uv=False).min()) for t in self.tests if t.whiten is not None
         )
 
-    def rates(self, poles: ComplexArray) -> ComplexArray:
-        """Return the derivative of ``k + pole c`` of its strut by each unknown, (mode, unknown)."""
-        return np.asarray(np.where(self.springs, 1.0 + 0j, poles[:, None]) * self.scale)
+    def allowed(self, least: float, tolerance: Ratio | None) -> float:
+        """Return the norm of the deciding residual up to which a suspension has the modes, given the least one."""
+        from scipy.special import chdtri
 
-    def real_rows(self, values: ComplexArray | RealArray, which: NDArray[np.bool_]) -> RealArray:
-        """Return real and imaginary parts as rows, without the imaginary parts of ``which``."""
-        return np.concatenate([values.real, values.imag[~which]])
+        if self.weighted:
+            return float(np.sqrt(least**2 + chdtri(1, UNLIKELY_TWIN)))
+        return max(EXACT, 1.01 * least, 0.0 if tolerance is None else tolerance)
 
     def manner(self, x: RealArray) -> str:
         """Return how x was found, in words."""
         if self.full:
-            return "one convex program on poles and shapes" + ", refined by a sequence" * (not self.exact(x))
-        return "sequence of convex programs on poles" + " and shapes" * (self.shapes is not None)
+            manner = "one convex program on poles and shapes, which has one answer"
+            return manner + ", refined by a sequence" * (not self.exact(x))
+        return "sequence of convex programs on poles" + " and shapes" * self.shaped
 
     def exact(self, x: RealArray) -> bool:
-        """Return whether full shapes, taken as exact, leave nothing to improve."""
-        return self.full and self.whiten is None and bool(np.linalg.norm(self.linear(x)[0]) <= EXACT)
+        """Return whether shapes of all coordinates, taken as exact, leave nothing to improve."""
+        if self.weighted or self.unknowns.has_prior.any() or not all(test.full for test in self.tests):
+            return False
+        residual, slope = self.linear()
+        return bool(np.linalg.norm(residual + slope @ x) <= EXACT)
 
     def deciding(self, x: RealArray) -> tuple[RealArray, RealArray]:
         """Return the residual that judges x, weighted, and its derivatives."""
-        if self.whiten is None and self.shapes is None:
-            return self.spectral(x)
-        residual, slope = self.sensitivities(x)
-        if self.whiten is None:
-            weights = np.where(np.arange(len(residual)) < _pole_equations(self.real), 1.0, SHAPE_WEIGHT)
-            return weights * residual, weights[:, None] * slope
-        return self.whiten @ residual, self.whiten @ slope
-
-    def linear(self, x: RealArray) -> tuple[RealArray, RealArray]:
-        """Return ``(lambda^2 M + lambda C + K) psi``, relative to its first term: linear in x."""
-        assert self.shapes is not None
-        order = np.argsort(self.observed)
-        motion = self.shapes[order].T * np.sqrt(np.diag(self.car.M))  # (mode, coordinate)
-        motion = motion / np.linalg.norm(motion, axis=1, keepdims=True)
-        k, c = self.physical(x)
-        travel = motion @ self.arms.T  # (mode, strut)
-        forces = (k + self.poles[:, None] * c) * travel
-        inertia = self.poles[:, None] ** 2
-        residual = motion + forces @ self.arms / inertia
-        slope = (
-            (self.rates(self.poles) * travel[:, self.struts])[:, :, None] * self.arms[self.struts] / inertia[:, None]
-        )
-        real = np.repeat(self.real, len(self.car.coordinates))
-        columns = np.moveaxis(slope, 1, 2).reshape(len(real), -1)
-        return self.real_rows(residual.ravel(), real), self.real_rows(columns, real)
+        p, arms, spread = self.unknowns.parameters(x), self.unknowns.arms, self.unknowns.spread
+        parts = [(r, s @ spread) for r, s in (deciding(test, arms, p) for test in self.tests)]
+        if self.unknowns.has_prior.any():
+            weight = 1.0 if self.weighted else DATA_AGAINST_PRIOR
+            parts = [(weight * r, weight * s) for r, s in parts]
+            parts.append(self.unknowns.prior(x))
+        return np.concatenate([r for r, _ in parts]), np.concatenate([s for _, s in parts])
 
     def spectral(self, x: RealArray) -> tuple[RealArray, RealArray]:
-        """Return ``det(lambda^2 M + lambda C + K)`` at the given poles, and its derivatives.
+        """Return the characteristic polynomials at the poles, and their derivatives."""
+        p, arms, spread = self.unknowns.parameters(x), self.unknowns.arms, self.unknowns.spread
+        parts = [spectral(test, arms, p) for test in self.tests]
+        return np.concatenate([r for r, _ in parts]), np.concatenate([s for _, s in parts]) @ spread
 
-        Divided by the product of the distances to all other poles it is, near a solution, the relative error of
-        the pole; being a polynomial, it needs no pairing of poles and does not mind pairs turning overdamped.
-        """
-        k, c = self.physical(x)
-        n = len(self.car.coordinates)
-        nodes, target, spacing = self.nodes()
-        forces = k + nodes[:, None] * c
-        dynamic = nodes[:, None, None] ** 2 * np.eye(n) + np.einsum("ms,si,sj->mij", forces, self.arms, self.arms)
-        U, S, Vh = np.linalg.svd(dynamic)
-        others = np.array([np.prod(np.delete(S, i, axis=1), axis=1) for i in range(n)]).T
-        turn = np.linalg.det(U) * np.linalg.det(Vh)
-        adjugate = (Vh.conj().swapaxes(1, 2) * others[:, None, :]) @ U.conj().swapaxes(1, 2)
-        per_force = np.einsum("si,mij,sj->ms", self.arms, adjugate, self.arms)
-        slope = (turn / spacing)[:, None] * per_force[:, self.struts] * self.rates(nodes)
-        residual = (turn * np.prod(S, axis=1) - target) / spacing
-        return self.real_rows(residual, self.real), self.real_rows(slope, self.real)
+    def linear(self) -> tuple[RealArray, RealArray]:
+        """Return the linear equations of all tests that have them: residual at x = 0 and derivatives."""
+        masses = np.diag(self.unknowns.car.M)
+        parts = [linear(test, self.unknowns.arms, masses) for test in self.tests if test.full]
+        residuals = [r + s @ self.unknowns.base for r, s in parts]
+        return np.concatenate(residuals), np.concatenate([s for _, s in parts]) @ self.unknowns.spread
 
-    def nodes(self) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
-        """Return where `spectral` takes the determinant, what it should be there, and what it is divided by.
+    def linear_slope(self) -> RealArray:
+        return self.linear()[1]
 
-        These are the poles, and zero. Where poles meet (critical damping), the value at one says nothing of the
-        others: as long as all poles are known, points around them do as well.
-        """
-        n, size = len(self.car.coordinates), np.abs(self.poles)
-        everything = _all_poles(np.concatenate([self.poles, np.zeros(self.rigid)]))
-        if len(everything) < 2 * n:
-            return self.poles, np.zeros_like(self.poles), np.asarray(self.poles / size * size ** (2 * n))
-        near = 0.02 * size
-        nodes = np.where(self.real, self.poles, self.poles.real + 1j * np.maximum(self.poles.imag, near))
-        for i in range(1, len(nodes)):
-            while np.any(np.abs(nodes[:i] - nodes[i]) < near[i]):
-                nodes[i] *= 1.03
-        target = np.prod(nodes[:, None] - everything, axis=1)
-        target[nodes == self.poles] = 0.0
-        gaps = nodes[:, None] - np.concatenate([nodes, nodes[~self.real].conj(), np.zeros(self.rigid)])
-        gaps[np.arange(len(nodes)), np.arange(len(nodes))] = size
-        return nodes, target, np.asarray(np.prod(gaps, axis=1))
+    def unseen(self, slope: RealArray, x: RealArray, least: Ratio = BLIND) -> RealArray:
+        """Return the directions of the unknowns, relative for springs, that equations of this slope do not see."""
+        _, values, directions = np.linalg.svd(slope * np.where(self.unknowns.positive, x, 1.0))
+        values = np.concatenate([values, np.zeros(len(directions) - len(values))])
+        return np.asarray(directions[values <= least * values[0]])
 
-    def sensitivities(self, x: RealArray) -> tuple[RealArray, RealArray]:
-        """Return relative errors of the poles and errors of the shapes (if weighed), and derivatives of both."""
-        k, c = self.physical(x)
-        n, roots = len(self.car.coordinates), np.sqrt(np.diag(self.car.M))
-        damping, stiffness = self.arms.T * c @ self.arms, self.arms.T * k @ self.arms
-        found, vectors = np.linalg.eig(
-            np.block([[np.zeros((n, n)), np.eye(n)], [-stiffness, -damping]]).astype(complex)
-        )
-        partner = _nearest(self.poles, found)
-        pole, motion = found[partner], vectors[:n, partner].T
-        modes = np.arange(len(pole))
-        shapes = self.weighed_shapes
-        largest = np.argmax(np.abs(motion if shapes is None else shapes.T), axis=1)
-        reference = largest if shapes is None else np.array(self.observed)[largest]
-        at = motion[modes, reference]
-        motion = motion / np.where(np.abs(at) > 1e-12, at, 1e-12)[:, None]
-        # Poles and shapes together: the dynamic matrix bordered by "the reference coordinate does not move".
-        bordered = np.zeros((len(pole), n + 1, n + 1), complex)
-        bordered[:, :n, :n] = pole[:, None, None] ** 2 * np.eye(n) + pole[:, None, None] * damping + stiffness
-        bordered[:, :n, n] = 2 * pole[:, None] * motion + motion @ damping
-        bordered[modes, n, reference] = 1.0
-        travel = (motion @ self.arms.T)[:, self.struts] * self.rates(pole)  # (mode, unknown)
-        load = np.zeros((len(pole), n + 1, len(self.names)), complex)
-        load[:, :n] = -np.einsum("mp,pi->mip", travel, self.arms[self.struts])
-        slope = np.asarray(np.linalg.pinv(bordered) @ load, complex)
-        size = np.abs(self.poles)
-        errors = [self.real_rows((pole - self.poles) / size, self.real)]
-        slopes = [self.real_rows(slope[:, n] / size[:, None], self.real)]
-        if shapes is not None:
-            rows = self.observed
-            scale = (roots[reference][:, None] / roots[rows])[:, :, None]  # from scaled coordinates to displacements
-            ratio = shapes.T / shapes.T[modes, largest][:, None]
-            others = np.arange(len(rows)) != largest[:, None]
-            error = (motion[:, rows] * scale[:, :, 0] - ratio)[others]
-            real = np.repeat(self.real, len(rows) - 1)
-            errors.append(self.real_rows(error, real))
-            slopes.append(self.real_rows((slope[:, rows] * scale)[others], real))
-        return np.concatenate(errors), np.concatenate(slopes)
-
-    @property
-    def weighed_shapes(self) -> ComplexArray | None:
-        """The shapes, unless the poles alone have a covariance."""
-        return None if self.poles_alone else self.shapes
+    def descend(self, x: RealArray, *, by_poles: bool = False) -> RealArray:
+        """Return the minimum near x of the deciding residual, or of the polynomials at the poles."""
+        u = self.unknowns
+        equations = self.spectral if by_poles else self.deciding
+        return descend(equations, x, positive=u.positive, lower=u.lower, upper=u.upper)
 
 
-def _posed(modes: ModalSet, suspension: Suspension, fixed: Sequence[str]) -> tuple[_Problem, list[str]]:
+def _posed(
+    tests: Sequence[ModalTest],
+    suspension: Suspension,
+    fixed: Sequence[str],
+    bounds: Bounds | None,
+    ties: Sequence[Sequence[str]],
+    nominal_std: Ratio | Mapping[str, Ratio] | None,
+    free_masses: Sequence[str],
+) -> tuple[_Problem, list[str]]:
     """Return the checked, dimensionless problem, and what to tell about it."""
-    for value, kind in ((modes, ModalSet), (suspension, Suspension)):
-        if not isinstance(value, kind):
-            part = "modes" if kind is ModalSet else "suspension"
-            hint = f"; take its .{part}" if hasattr(value, part) else ""
-            raise InputError(f"reconstruct needs a {kind.__name__} here, not {type(value).__name__}{hint}")
-    n, total = len(suspension.coordinates), len(_all_poles(modes.poles))
-    if total > 2 * n:
-        raise InputError(
-            f"the modes hold {total} poles (a pair counts twice), but {n} masses have {2 * n}; "
-            f"leave out modes that are not the suspension's"
-        )
-    moving = modes.poles != 0
-    names = _free_names(suspension, fixed)
-    struts = [[s.name for s in suspension.struts].index(name.split(".")[0]) for name in names]
-    springs = np.array([name.endswith("stiffness") for name in names])
-    k, _ = _parameters(suspension)
-    poles, real = modes.poles[moving], modes.poles[moving].imag == 0
-    if not len(poles):
-        raise InputError(f"of {len(modes)} modes none says anything about k and c; give modes that are not rigid")
-    rate = float(np.exp(np.mean(np.log(np.abs(poles)))))
-    scale = np.where(springs, k[struts], np.where(k > 0, k, np.max(k, initial=0.0) or 1.0)[struts] / rate)
-    shapes, observed, notes = _usable_shapes(modes, suspension, moving)
-    unknowns = len(names)
-    per_pole, per_shape = _pole_equations(real), _pole_equations(real) * max(len(observed) - 1, 0)
-    equations = per_pole + per_shape
-    if equations < unknowns:
+    notes: list[str] = []
+    seen: list[Observed] = []
+    for test in tests:
+        one, said = observe(test, suspension)
+        seen.append(one)
+        notes += [note for note in said if note not in notes]
+    rate = float(np.exp(np.mean(np.log(np.abs(np.concatenate([one.poles for one in seen]))))))
+    unknowns = unknowns_of(
+        suspension,
+        rate=rate,
+        fixed=fixed,
+        bounds=bounds,
+        ties=ties,
+        nominal_std=nominal_std,
+        free_masses=free_masses,
+    )
+    known = int(np.sum(unknowns.has_prior))
+    equations = sum(one.equations for one in seen)
+    if equations + known < len(unknowns):
+        lack, names = len(unknowns) - equations - known, unknowns.labels
         raise ReconstructionError(
-            f"{unknowns} unknowns ({', '.join(names)}) but {equations} equations from {len(poles)} modes: add modes, "
-            f"or shapes at more coordinates, or hold at least {unknowns - equations} with fixed=…, such as "
-            f"fixed=[{names[-1]!r}]",
+            f"{len(names)} unknowns ({', '.join(names)}) but {equations} equations from "
+            f"{sum(len(one.poles) for one in seen)} modes: add modes, or shapes at more coordinates, or hold at least "
+            f"{lack} with fixed=…, such as fixed=[{unknowns.names[-1]!r}]",
             best=suspension,
         )
-    poles_alone = modes.covariance is not None and (shapes is None or len(modes.covariance) == 2 * len(modes))
-    weighted = modes.covariance is not None and not (poles_alone and per_pole < unknowns)
-    if poles_alone and not weighted:
+    weighed = sum(one.pole_equations if one.poles_alone else one.equations for one in seen)
+    if tests[0].modes.covariance is not None and weighed + known < len(unknowns):
         notes.append("not weighted: the covariance covers the poles alone, which are too few")
-    problem = _Problem(
-        car=suspension,
-        names=names,
-        struts=struts,
-        springs=springs,
-        scale=scale,
-        poles=poles,
-        rigid=int(np.sum(~moving)),
-        real=real,
-        shapes=shapes,
-        observed=observed,
-        whiten=_whitening(modes, moving, None if poles_alone else shapes) if weighted else None,
-        poles_alone=poles_alone and weighted,
-    )
-    meeting = pole_distances(poles, _all_poles(poles)) < 1e-4
-    if problem.full and np.sum(meeting) > len(poles) and _blind_shapes(problem):
-        notes.append("shapes not used: poles meet (critical damping), and their shapes with them")
-        problem = replace(problem, shapes=None, observed=[])
+        seen = [unweighted(one) for one in seen]
+    problem = _Problem(tests=tuple(seen), unknowns=unknowns)
+    for i, one in enumerate(seen):
+        meeting = pole_distances(one.poles, all_poles(one.poles)) < 1e-4
+        if one.full and np.sum(meeting) > len(one.poles):
+            alone = _Problem(tests=(one,), unknowns=unknowns)
+            if len(alone.unseen(alone.linear_slope(), unknowns.nominal, 1e-4)):
+                notes.append("shapes not used: poles meet (critical damping), and their shapes with them")
+                seen[i] = replace(one, shapes=None, weights=one.weights[:0], orders=one.orders[:0])
+                problem = _Problem(tests=tuple(seen), unknowns=unknowns)
     return problem, notes
 
 
-def _free_names(suspension: Suspension, fixed: Sequence[str]) -> tuple[str, ...]:
-    """Return the unknowns: every parameter but those held and the springs that are none."""
-    every = _parameter_names(suspension)
-    struts = {s.name: s for s in suspension.struts}
-    held = {f"{name}.stiffness" for name, strut in struts.items() if strut.stiffness == 0}
-    for name in [fixed] if isinstance(fixed, str) else fixed:
-        if name not in every and name not in struts:
-            raise InputError(f"fixed: there is no strut parameter {name!r}.{nearest_names(name, [*every, *struts])}")
-        held |= {name} if name in every else {f"{name}.{q}" for q in QUANTITIES}
-    free = tuple(name for name in every if name not in held)
-    if not free:
-        raise InputError("fixed holds every parameter; there is nothing to find")
-    return free
+def _candidates(problem: _Problem, *, search: bool) -> list[RealArray]:
+    """Return the distinct suspensions, as unknowns, that may have the modes."""
+    unknowns = problem.unknowns
+    points: list[RealArray] = []
 
+    def cost(x: RealArray) -> float:
+        return float(np.linalg.norm(problem.deciding(x)[0]))
 
-def _parameter_names(suspension: Suspension) -> list[str]:
-    return [f"{s.name}.{q}" for q in QUANTITIES for s in suspension.struts]
-
-
-def _parameters(suspension: Suspension) -> tuple[RealArray, RealArray]:
-    return np.array([s.stiffness for s in suspension.struts]), np.array([s.damping for s in suspension.struts])
-
-
-def _pole_equations(real: NDArray[np.bool_]) -> int:
-    return int(2 * len(real) - np.sum(real))
-
-
-def _all_poles(poles: ComplexArray) -> ComplexArray:
-    """Return the poles with the conjugate partners of those that have one."""
-    return np.concatenate([poles, poles[poles.imag != 0].conj()])
-
-
-def _usable_shapes(
-    modes: ModalSet, suspension: Suspension, moving: NDArray[np.bool_]
-) -> tuple[ComplexArray | None, list[int], list[str]]:
-    """Return the shapes whose channels are coordinates, those coordinates, and why not others."""
-    if modes.shapes is None:
-        return None, [], []
-    strange = [c for c in modes.channels if c not in suspension.coordinates]
-    twice = [c for c in modes.channels if list(modes.channels).count(c) > 1]
-    if strange or twice:
-        return None, [], [f"shapes not used: channel {(strange + twice)[0]!r} is not one coordinate"]
-    if len(modes.channels) < 2:
-        return None, [], ["shapes not used: one channel has none"]
-    shapes = np.array(modes.shapes[:, moving])
-    for i, shape in enumerate(shapes.T):
-        largest = shape[np.argmax(np.abs(shape))]
-        if not np.all(np.isfinite(shape)) or largest == 0:
-            raise InputError(f"mode {i + 1} has the shape {shape}, which is not finite or zero; leave the mode out")
-        shapes[:, i] = shape / largest
-    real = modes.poles[moving].imag == 0
-    return np.where(real, shapes.real, shapes), [suspension.coordinates.index(c) for c in modes.channels], []
-
-
-def _whitening(modes: ModalSet, moving: NDArray[np.bool_], shapes: ComplexArray | None) -> RealArray:
-    """Return the inverse root of the covariance of what `_Problem.sensitivities` returns."""
-    assert modes.covariance is not None
-    if not np.all(np.isfinite(modes.covariance)):
-        raise InputError("the covariance of the modes is not finite; give modes without it, or a finite one")
-    index, channels = np.flatnonzero(moving), len(modes.channels)
-    # First-order map from (poles, then shapes mode by mode) to relative poles, then shapes over their reference.
-    change = np.zeros((len(index) * (1 + (channels - 1) * (shapes is not None)), len(modes.covariance) // 2), complex)
-    change[np.arange(len(index)), index] = 1 / np.abs(modes.poles[index])
-    row = len(index)
-    real = list(modes.poles[index].imag == 0)
-    if shapes is not None and modes.shapes is not None:
-        for i, m in enumerate(index):
-            largest = int(np.argmax(np.abs(shapes[:, i])))
-            at, first = modes.shapes[largest, m], len(modes) + m * channels
-            for c in set(range(channels)) - {largest}:
-                change[row, [first + c, first + largest]] = 1 / at, -modes.shapes[c, m] / at**2
-                row += 1
-                real.append(real[i])
-    spread = np.empty((2 * len(change), len(modes.covariance)))
-    spread[: len(change), 0::2], spread[: len(change), 1::2] = change.real, -change.imag
-    spread[len(change) :, 0::2], spread[len(change) :, 1::2] = change.imag, change.real
-    # In the order of real_rows: of the poles, then of the shapes, the real parts before the imaginary ones.
-    shown = np.concatenate([np.ones(len(change), bool), ~np.array(real)])
-    is_pole = np.tile(np.arange(len(change)) < len(index), 2)
-    order = np.concatenate([np.flatnonzero(shown & is_pole), np.flatnonzero(shown & ~is_pole)])
-    covariance = spread[order] @ modes.covariance @ spread[order].T
-    # A variance of zero means as exact as the poles of a matrix are.
-    std = np.sqrt(np.diag(covariance) + 1e-24)
-    values, vectors = np.linalg.eigh(covariance / np.outer(std, std))
-    return np.asarray((vectors / np.sqrt(np.maximum(values, 1e-10))).T / std)
-
-
-def _starts(problem: _Problem) -> Iterator[RealArray]:
-    """Return where to start: by the shapes, else by the poles from nominal, then from others around it."""
     if problem.full:
-        residual, slope = problem.linear(np.zeros(len(problem.names)))
-        yield _convex_program(slope, -residual, problem.lower, np.full(len(problem.names), 1e9))
-        return
-    enough_poles = _pole_equations(problem.real) >= len(problem.names)
-    # An additive recurrence by powers of the root of g^(d+1) = g + 1 fills the unit cube evenly.
-    golden = 2.0
-    for _ in range(60):
-        golden = (1 + golden) ** (1 / (1 + len(problem.names)))
-    around = np.arange(1, STARTS)[:, None] * golden ** -np.arange(1.0, len(problem.names) + 1) % 1
-    # Springs within a factor of 3 of nominal, dampers from none to a strong one.
-    spread = np.where(problem.springs, 3.0 ** (2 * around - 1), around)
-    for start in [problem.nominal, *np.where(problem.springs, spread * problem.nominal, spread)]:
-        yield _descend(problem, problem.spectral, start) if enough_poles else start
-
-
-def _descend(problem: _Problem, equations: Equations, x: RealArray) -> RealArray:
-    """Return a minimum of the norm of the equations, by convex programs in a box of trust around x."""
-    springs, radius = problem.springs, LARGEST_STEP
-    residual, slope = equations(x)
-    for _ in range(60):
-        per_step = np.where(springs, x, 1.0)  # a step is in log k, and in c
-        floor = np.where(springs, np.log(LEAST_STIFFNESS / per_step), -x)
-        low = np.maximum(-radius, floor)
-        high = np.full(len(x), radius)
-        step = _bounded_least_squares(slope * per_step, -residual, low, high)
-        expected = residual @ residual - np.sum((residual + slope * per_step @ step) ** 2)
-        trial = np.where(springs, x * np.exp(np.where(springs, step, 0.0)), np.maximum(x + step, 0.0))
-        trial_residual, trial_slope = equations(trial)
-        gained = residual @ residual - trial_residual @ trial_residual
-        if gained > 0:
-            x, residual, slope = trial, trial_residual, trial_slope
-        if np.max(np.abs(step)) < 1e-13 or (gained <= 0 and np.max(np.abs(step)) < 1e-9):
-            break
-        radius = min(2 * radius, 4.0) if gained > 0.75 * expected else radius if gained > 0.1 * expected else radius / 4
-    return x
-
-
-def _bounded_least_squares(A: RealArray, b: RealArray, low: RealArray, high: RealArray) -> RealArray:
-    """Return the x between bounds of least ``|A x - b|``; where no bound acts, that is no more than least squares."""
-    x = np.asarray(np.linalg.lstsq(A, b, rcond=None)[0], float)
-    return x if np.all((low <= x) & (x <= high)) else _convex_program(A, b, low, high)
-
-
-def _convex_program(A: RealArray, b: RealArray, low: RealArray, high: RealArray) -> RealArray:
-    """Return the x between bounds of least ``|A x - b|``, by the solver, sharpened and tested here.
-
-    The solver says which bounds act; least squares on the others then has all digits. Accepted is what meets the
-    conditions of an optimum: no slope along a free unknown, none outward of a bound.
-    """
-    free_answer = np.linalg.lstsq(A, b, rcond=None)[0]
-    size = min(max(float(np.max(np.abs(free_answer))), 1e-300), float(np.max(high)))
-    R = np.zeros((A.shape[1], A.shape[1] + 1))  # the same program in as few rows as there are unknowns
-    triangle = np.asarray(np.linalg.qr(np.column_stack([A, b / size]), mode="r"))[: A.shape[1]]
-    R[: len(triangle)] = triangle / max(float(np.max(np.abs(triangle[:, :-1]))), 1e-300)
-    y = _solve(R[:, :-1], R[:, -1], np.maximum(low / size, -1e6), np.minimum(high / size, 1e6))
-    x = np.clip(y * size, low, high)
-    near = 1e-6 * size
-    low_acts, high_acts = x - low < near, high - x < near
-    lengths = np.linalg.norm(A, axis=0) * (np.linalg.norm(b) or 1.0) + 1e-300
-    for _ in range(5 * len(x)):
-        free = ~(low_acts | high_acts)
-        x = np.where(low_acts, low, np.where(high_acts, high, 0.0))
-        x[free] = np.linalg.lstsq(A[:, free], b - A @ x, rcond=None)[0]
-        beyond = np.maximum(low - x, x - high)
-        if np.max(beyond) > 0:
-            worst = int(np.argmax(beyond))
-            low_acts[worst], high_acts[worst] = x[worst] < low[worst], x[worst] > high[worst]
-            continue
-        outward = (A.T @ (A @ x - b)) / lengths * np.where(low_acts, -1.0, np.where(high_acts, 1.0, 0.0))
-        if np.max(outward) <= 1e-12:
-            return x
-        worst = int(np.argmax(outward))
-        low_acts[worst] = high_acts[worst] = False
-    raise ReconstructionError(
-        f"{SOLVER} left a slope of {np.max(outward, initial=0.0):.1e} at the optimum, which is none; "
-        f"check the nominal values and the modes for a slip of units"
-    )
-
-
-def _solve(A: RealArray, b: RealArray, low: RealArray, high: RealArray) -> RealArray:
-    """Return what the solver gives for least ``|A x - b|`` between bounds; judged by the caller, not by its status."""
-    problem, values, x = _compiled(len(low), threading.get_ident())
-    for name, value in (("A", A), ("b", b), ("low", low), ("high", high)):
-        values[name].value = value
-    from cvxpy.error import SolverError
-
-    with warnings.catch_warnings(), contextlib.suppress(SolverError):
-        warnings.simplefilter("ignore")
-        problem.solve(solver=SOLVER)
-        if x.value is not None:
-            return np.asarray(x.value, float)
-    return np.clip(np.zeros(len(low)), low, high)
-
-
-@functools.lru_cache(maxsize=64)
-def _compiled(size: int, thread: int) -> tuple[Any, dict[str, Any], Any]:  # noqa: ARG001 - one program per thread
-    """Return the program with its parameters and unknowns, compiled once for each number of unknowns."""
-    import cvxpy
-
-    cp: Any = cvxpy  # whose types leave out what it makes at run time
-    x = cp.Variable(size)
-    values = {"A": cp.Parameter((size, size)), **{name: cp.Parameter(size) for name in ("b", "low", "high")}}
-    objective = cp.Minimize(cp.sum_squares(values["A"] @ x - values["b"]))
-    problem = cp.Problem(objective, [x >= values["low"], x <= values["high"]])
-    if not problem.is_dcp(dpp=True):
-        raise AssertionError("the program must be disciplined in its parameters, or it is compiled anew each time")
-    return problem, values, x
-
-
-def _nearest(poles: ComplexArray, found: ComplexArray) -> NDArray[np.intp]:
-    """Return, for each pole, the index of its partner among the found ones; no partner twice."""
-    from scipy.optimize import linear_sum_assignment
-
-    return np.asarray(linear_sum_assignment(pole_distances(poles, found))[1])
+        residual, slope = problem.linear()
+        told, pull = unknowns.prior(np.zeros(len(unknowns)))
+        rows, target = np.vstack([slope, pull / DATA_AGAINST_PRIOR]), -np.append(residual, told / DATA_AGAINST_PRIOR)
+        start = convex_program(rows, target, unknowns.lower, np.minimum(unknowns.upper, 1e9))
+        points.append(start if problem.exact(start) else problem.descend(start))
+        if problem.exact(start) or cost(points[0]) <= problem.enough:
+            return points
+    nominal = unknowns.nominal
+    start = problem.descend(nominal, by_poles=True) if problem.enough_poles else nominal
+    points.append(problem.descend(start))
+    if problem.full or (not search and cost(points[-1]) <= problem.enough):
+        return distinct(points, [cost(x) for x in points], unknowns)
+    if problem.enough_poles:
+        starts = spectral_minima(problem.tests, unknowns, reach=problem.reach)[:POLISHED]
+    else:
+        starts = list(even_starts(unknowns, STARTS))
+    points += [problem.descend(x) for x in starts]
+    return distinct(points, [cost(x) for x in points], unknowns)
 
 
 def _check_seen(problem: _Problem, x: RealArray, car: Suspension) -> None:
-    if problem.shapes is None:
-        slope = problem.spectral(x)[1]
-    elif problem.full and not problem.poles_alone:
-        slope = problem.linear(x)[1]
+    """Raise if some combination of the unknowns leaves the modes as they are."""
+    u = problem.unknowns
+    p = u.parameters(x)
+    if problem.exact(x):
+        slope = problem.linear_slope()
     else:
-        slope = problem.sensitivities(x)[1]
-    blind = _unseen(problem, slope, x, BLIND)
+        parts = [(spectral if t.shapes is None else sensitivities)(t, u.arms, p)[1] for t in problem.tests]
+        slope = np.concatenate(parts) @ u.spread
+    if u.has_prior.any():
+        slope = np.concatenate([slope, np.linalg.norm(slope) * u.prior(x)[1] * u.prior_std[u.has_prior][:, None]])
+    blind = problem.unseen(slope, x)
     if len(blind):
         weight = np.max(np.abs(blind), axis=0)
-        unseen = [name for name, w in zip(problem.names, weight, strict=True) if w > 0.05]
+        unseen = [name for name, w in zip(u.labels, weight, strict=True) if w > 0.05]
         raise ReconstructionError(
             f"the modes do not determine {', '.join(unseen)}: {len(blind)} of {len(x)} combinations of the parameters "
-            f"leave them as they are; hold one with fixed=…, add modes, or add shapes at more coordinates",
+            f"leave them as they are ({_in_words(blind, x, u)}); hold one with fixed=…, add modes, or add shapes at "
+            f"more coordinates",
             best=car,
         )
 
 
-def _blind_shapes(problem: _Problem) -> bool:
-    """Return whether shapes that meet with their poles leave the linear program short of equations."""
-    x = problem.nominal
-    return len(_unseen(problem, problem.linear(x)[1], x, 1e-4)) > 0
+def _in_words(blind: RealArray, x: RealArray, unknowns: Unknowns) -> str:
+    """Return the combinations of parameters that are not seen, as changes that leave the modes as they are."""
+    size = np.where(unknowns.positive, x, 1.0) * unknowns.scale
+    moves = blind.copy()
+    # Gauss-Jordan elimination: each combination in as few parameters as can be.
+    for row in range(len(moves)):
+        pivot = int(np.argmax(np.abs(moves[row])))
+        moves[row] /= moves[row, pivot]
+        for other in set(range(len(moves))) - {row}:
+            moves[other] -= moves[other, pivot] * moves[row]
+    said = []
+    for move in moves:
+        change = move * size
+        first = int(np.argmax(np.abs(move)))
+        change = np.where(np.abs(move) > 1e-3, change / abs(change[first]), 0.0)
+        units = {"stiffness": "N/m", "damping": "N s/m", "mass": "kg"}
+        said.append(
+            ", ".join(
+                f"{name} {value:+.3g} {units[name.rpartition('.')[2]]}"
+                for name, value in zip(unknowns.labels, change, strict=True)
+                if value
+            )
+        )
+    return "; or ".join(said)
 
 
-def _unseen(problem: _Problem, slope: RealArray, x: RealArray, least: Ratio) -> RealArray:
-    """Return the directions of the unknowns, relative for springs, that equations of this slope do not see."""
-    _, values, directions = np.linalg.svd(slope * np.where(problem.springs, x, 1.0))
-    values = np.concatenate([values, np.zeros(len(directions) - len(values))])
-    return np.asarray(directions[values <= least * values[0]])
+def _pole_errors(test: ModalTest, car: Suspension) -> RealArray:
+    """Return the relative distance of each pole of a test from the car's own eigenvalue."""
+    every = all_poles(eigenmodes(_loaded(car, test)).poles)
+    size, given = np.abs(test.modes.poles), test.modes.poles
+    partner = partners(all_poles(given), every)[: len(given)]
+    return np.asarray(np.abs(every[partner] - given) / np.where(size > 0, size, np.max(size)))
 
 
-def _check_fit(problem: _Problem, modes: ModalSet, car: Suspension, tolerance: Ratio) -> tuple[float, float | None]:
+def _loaded(car: Suspension, test: ModalTest) -> Suspension:
+    added = {name: car.masses[name] + mass for name, mass in test.added_masses.items() if mass}
+    return car.with_parameters(masses=added) if added else car
+
+
+def _check_fit(
+    problem: _Problem, tests: Sequence[ModalTest], car: Suspension, tolerance: Ratio
+) -> tuple[float, float | None]:
     """Return the relative distance of the worst pole, from the car's own eigenvalues, and the least MAC."""
+    residual, least = 0.0, None
+    for i, (test, seen) in enumerate(zip(tests, problem.tests, strict=True)):
+        modes, error = test.modes, _pole_errors(test, car)
+        where = f" of test {i + 1}" * (len(tests) > 1)
+        allowed = np.full(len(modes), tolerance)
+        if modes.covariance is not None:
+            std = np.sqrt(np.diag(modes.covariance)[: 2 * len(modes)].reshape(-1, 2).sum(axis=1))
+            allowed = np.maximum(allowed, 5 * std / np.where(modes.wn > 0, modes.wn, np.max(modes.wn)))
+        if np.any(error > allowed):
+            worst = int(np.argmax(error / allowed))
+            raise ReconstructionError(
+                f"no suspension of this topology and these masses with k > 0 and c >= 0 has these modes: in the "
+                f"nearest one the pole of mode {worst + 1}{where} is off by {error[worst]:.2%} of its modulus "
+                f"({allowed[worst]:.2%} allowed); check the masses, the order of the modes' channels, and what is held",
+                best=car,
+            )
+        residual = max(residual, float(np.max(error, initial=0.0)))
+        if seen.shapes is None:
+            continue
+        mac = _mac(seen, _loaded(car, test))
+        if np.min(mac) < LEAST_MAC and (seen.whiten is None or seen.poles_alone):
+            raise ReconstructionError(
+                f"the nearest suspension has the poles, but not the shape of mode {int(np.argmin(mac)) + 1}{where}: "
+                f"MAC {np.min(mac):.2f} where {LEAST_MAC} is needed; check the names of the channels, or leave the "
+                f"shapes out",
+                best=car,
+            )
+        least = min(float(np.min(mac)), 1.0 if least is None else least)
+    return residual, least
+
+
+def _mac(seen: Observed, car: Suspension) -> RealArray:
+    """Return the modal assurance criterion of each shape with the car's own."""
+    assert seen.shapes is not None
     found = eigenmodes(car)
-    given, every = _all_poles(modes.poles), _all_poles(found.poles)
-    size = np.abs(given)
-    partner = _nearest(given, every)
-    error = (np.abs(every[partner] - given) / np.where(size > 0, size, np.max(size)))[: len(modes)]
-    allowed = np.full(len(modes), tolerance)
-    if modes.covariance is not None:
-        std = np.sqrt(np.diag(modes.covariance)[: 2 * len(modes)].reshape(-1, 2).sum(axis=1))
-        allowed = np.maximum(allowed, 5 * std / np.where(modes.wn > 0, modes.wn, np.max(modes.wn)))
-    if np.any(error > allowed):
-        worst = int(np.argmax(error / allowed))
-        raise ReconstructionError(
-            f"no suspension of this topology and these masses with k > 0 and c >= 0 has these modes: in the nearest "
-            f"one the pole of mode {worst + 1} is off by {error[worst]:.2%} of its modulus "
-            f"({allowed[worst]:.2%} allowed); check the masses, the order of the modes' channels, and what is held",
-            best=car,
-        )
-    residual = float(np.max(error, initial=0.0))
-    if problem.shapes is None or found.shapes is None:
-        return residual, None
-    shapes = np.hstack([found.shapes, found.shapes[:, found.poles.imag != 0].conj()])[problem.observed]
-    shapes = shapes[:, partner[: len(modes)][modes.poles != 0]]
-    powers = np.sum(np.abs(shapes) ** 2, axis=0) * np.sum(np.abs(problem.shapes) ** 2, axis=0)
-    mac = np.abs(np.sum(shapes.conj() * problem.shapes, axis=0)) ** 2 / powers
-    if np.min(mac) < LEAST_MAC and (problem.whiten is None or problem.poles_alone):
-        raise ReconstructionError(
-            f"the nearest suspension has the poles, but not the shape of mode {int(np.argmin(mac)) + 1}: "
-            f"MAC {np.min(mac):.2f} where {LEAST_MAC} is needed; check the names of the channels, or leave the "
-            f"shapes out",
-            best=car,
-        )
-    return residual, float(np.min(mac))
+    assert found.shapes is not None
+    poles = all_poles(found.poles)
+    shapes = np.hstack([found.shapes, found.shapes[:, found.poles.imag != 0].conj()])
+    partner = partners(all_poles(seen.poles), poles)[: len(seen.poles)]
+    shown = (seen.weights @ shapes[:, partner]) * poles[partner] ** seen.orders[:, None]
+    powers = np.sum(np.abs(shown) ** 2, axis=0) * np.sum(np.abs(seen.shapes) ** 2, axis=0)
+    overlap = np.abs(np.sum(shown.conj() * seen.shapes, axis=0)) ** 2
+    return np.asarray(overlap / np.where(powers > 0, powers, 1.0))
 
 
-def _spread(problem: _Problem, x: RealArray) -> tuple[FrozenMapping | None, FrozenMapping | None]:
-    """Return the standard deviations of k and of c by strut, to first order."""
-    if problem.whiten is None:
-        return None, None
+def _remarks(problem: _Problem, x: RealArray, cost: float) -> list[str]:
+    """Return what is to be said of an optimum: bounds that act, and whether it is one."""
+    u, notes = problem.unknowns, []
+    size = np.maximum(np.abs(x), 1e-9)
+    ends = [
+        label
+        for label, value, low, high, s in zip(u.labels, x, u.lower, u.upper, size, strict=True)
+        if value <= low + 1e-9 * s or value >= high - 1e-9 * s
+    ]
+    if ends and cost > EXACT:
+        notes.append(f"held back by its bound: {', '.join(ends)}")
+    if cost > (0.1 if problem.weighted else EXACT):
+        left = slope_left(problem.deciding, x, u.lower, u.upper)
+        if left > STATIONARY and left * cost**2 > 1e-3 * problem.weighted:
+            notes.append(f"no optimum: a further step would take {left:.1e} of the squared residual")
+    return notes
+
+
+def _goodness(problem: _Problem, x: RealArray, cost: float) -> tuple[float | None, int, bool]:
+    """Return chi-square, its degrees of freedom, and whether it is not improbably large."""
+    from scipy.special import chdtrc
+
+    u = problem.unknowns
+    rows = len(problem.deciding(x)[0])
+    freedom = rows - len(u)
+    if not problem.weighted:
+        return None, freedom, True
+    # A bound that acts leaves one unknown less to follow the noise.
+    stuck = int(np.sum((x <= u.lower * (1 + 1e-9)) | (x >= u.upper * (1 - 1e-9))))
+    return cost**2, freedom, not freedom + stuck or bool(chdtrc(freedom + stuck, cost**2) >= UNLIKELY)
+
+
+def _covariance(problem: _Problem, x: RealArray, widening: float) -> RealArray | None:
+    """Return the joint covariance of the free parameters, to first order and as if there were no bounds."""
+    if not problem.weighted:
+        return None
+    u = problem.unknowns
     _, slope = problem.deciding(x)
-    std = np.linalg.norm(np.linalg.pinv(slope), axis=1) * problem.scale
-    named = dict(zip(problem.names, std.tolist(), strict=True))
-    k, c = ({s.name: named.get(f"{s.name}.{q}", 0.0) for s in problem.car.struts} for q in QUANTITIES)
-    return FrozenMapping(k), FrozenMapping(c)
+    size = np.linalg.norm(slope, axis=0)
+    half = widening * (np.linalg.pinv(slope / size) / size[:, None] * u.scale[:, None])[u.column]
+    return frozen_real(half @ half.T)
+
+
+def _with_spread(
+    title: str, spread_title: str, values: RealArray, stds: Mapping[str, float] | None, names: Sequence[str]
+) -> dict[str, Sequence[str]]:
+    """Return a column of values, and one of their standard deviations if there are any."""
+    if stds is None:
+        return {title: [f"{value:.7g}" for value in values]}
+    known = np.array([stds[name] for name in names])
+    # Columns need names of their own: the unit tells them apart.
+    return {title: rounded(values, known), spread_title: [spread(std) for std in known]}

@@ -503,7 +503,7 @@ class TestProgram:
         """The sharpened optimum is that of SciPy's active-set method, at any size of the data."""
         from scipy.optimize import lsq_linear
 
-        from suspid.reconstruction import _convex_program
+        from suspid.programs import convex_program
 
         rng = np.random.default_rng(6)
         for size in (1e-9, 1e-5, 1.0, 1e5):
@@ -511,17 +511,17 @@ class TestProgram:
             low, high = np.full(4, -0.1 * size), np.full(4, 0.2 * size)
             expected = lsq_linear(A, b / size, (low / size, high / size), method="bvls", tol=1e-15).x * size
             np.testing.assert_allclose(
-                _convex_program(A, b, low, high), expected, rtol=1e-9, atol=1e-12 * size, err_msg=f"{size=}"
+                convex_program(A, b, low, high), expected, rtol=1e-9, atol=1e-12 * size, err_msg=f"{size=}"
             )
 
     def test_it_is_compiled_once(self) -> None:
-        from suspid.reconstruction import _compiled
+        from suspid.programs import compiled
 
         car = two_mass_car(chassis_damping=1500.0, tire_damping=30.0)
         reconstruct(eigenmodes(car), car)
-        before = _compiled.cache_info().misses
+        before = compiled.cache_info().misses
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             answers = [reconstruct(eigenmodes(car), changed(car, [f] * 4)) for f in (0.7, 1.3)]
-        assert _compiled.cache_info().misses == before
+        assert compiled.cache_info().misses == before
         assert all(isinstance(a, Reconstruction) for a in answers)
