@@ -58,7 +58,7 @@ class ModalTest:
         object.__setattr__(self, "added_masses", FrozenMapping(self.added_masses))
 
 
-def tests_of(modes: object, suspension: object) -> tuple[ModalTest, ...]:
+def modal_tests(modes: object, suspension: object) -> tuple[ModalTest, ...]:
     """Return the tests, whatever the form they were given in, checked against the suspension."""
     given = [modes] if isinstance(modes, ModalSet | ModalTest) or not isinstance(modes, Sequence) else list(modes)
     tests = []

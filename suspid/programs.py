@@ -85,9 +85,17 @@ def slope_left(equations: Equations, x: RealArray, lower: RealArray, upper: Real
 
 
 def bounded_least_squares(A: RealArray, b: RealArray, low: RealArray, high: RealArray) -> RealArray:
-    """Return the x between bounds of least ``|A x - b|``; where no bound acts, that is no more than least squares."""
+    """Return the x between bounds of least ``|A x - b|``.
+
+    Where no bound acts, that is no more than least squares; where those that least squares crosses act, and the
+    conditions of an optimum prove it, the solver need not be asked.
+    """
     x = np.asarray(np.linalg.lstsq(A, b, rcond=None)[0], float)
-    return x if np.all((low <= x) & (x <= high)) else convex_program(A, b, low, high)
+    below, above = x < low, x > high
+    if not np.any(below | above):
+        return x
+    proven, _ = _sharpened(A, b, low, high, below, above)
+    return convex_program(A, b, low, high) if proven is None else proven
 
 
 def convex_program(A: RealArray, b: RealArray, low: RealArray, high: RealArray) -> RealArray:
@@ -97,16 +105,35 @@ def convex_program(A: RealArray, b: RealArray, low: RealArray, high: RealArray) 
     conditions of an optimum: no slope along a free unknown, none outward of a bound.
     """
     free_answer = np.linalg.lstsq(A, b, rcond=None)[0]
-    size = min(max(float(np.max(np.abs(free_answer))), 1e-300), float(np.max(high)))
+    size = min(max(float(np.max(np.abs(free_answer))), 1e-150), float(np.max(high)))
     R = np.zeros((A.shape[1], A.shape[1] + 1))  # the same program in as few rows as there are unknowns
     triangle = np.asarray(np.linalg.qr(np.column_stack([A, b / size]), mode="r"))[: A.shape[1]]
     R[: len(triangle)] = triangle / max(float(np.max(np.abs(triangle[:, :-1]))), 1e-300)
     y = _solve(R[:, :-1], R[:, -1], np.maximum(low / size, -1e6), np.minimum(high / size, 1e6))
     x = np.clip(y * size, low, high)
     near = 1e-6 * size
-    low_acts, high_acts = x - low < near, high - x < near
+    proven, left = _sharpened(A, b, low, high, x - low < near, high - x < near)
+    if proven is None:
+        raise ReconstructionError(
+            f"{SOLVER} left a slope of {left:.1e} at the optimum, which is none; "
+            f"check the nominal values and the modes for a slip of units"
+        )
+    return proven
+
+
+def _sharpened(
+    A: RealArray,
+    b: RealArray,
+    low: RealArray,
+    high: RealArray,
+    low_acts: NDArray[np.bool_],
+    high_acts: NDArray[np.bool_],
+) -> tuple[RealArray | None, float]:
+    """Return the optimum, from a guess of the bounds that act, or None if it is not proven; and the slope left."""
+    low_acts, high_acts = low_acts.copy(), high_acts.copy()
     lengths = np.linalg.norm(A, axis=0) * (np.linalg.norm(b) or 1.0) + 1e-300
-    for _ in range(5 * len(x)):
+    left = np.inf
+    for _ in range(5 * len(low)):
         free = ~(low_acts | high_acts)
         x = np.where(low_acts, low, np.where(high_acts, high, 0.0))
         x[free] = np.linalg.lstsq(A[:, free], b - A @ x, rcond=None)[0]
@@ -116,14 +143,12 @@ def convex_program(A: RealArray, b: RealArray, low: RealArray, high: RealArray) 
             low_acts[worst], high_acts[worst] = x[worst] < low[worst], x[worst] > high[worst]
             continue
         outward = (A.T @ (A @ x - b)) / lengths * np.where(low_acts, -1.0, np.where(high_acts, 1.0, 0.0))
-        if np.max(outward) <= 1e-12:
-            return x
+        left = float(np.max(outward))
+        if left <= 1e-12:
+            return x, left
         worst = int(np.argmax(outward))
         low_acts[worst] = high_acts[worst] = False
-    raise ReconstructionError(
-        f"{SOLVER} left a slope of {np.max(outward, initial=0.0):.1e} at the optimum, which is none; "
-        f"check the nominal values and the modes for a slip of units"
-    )
+    return None, left
 
 
 def _solve(A: RealArray, b: RealArray, low: RealArray, high: RealArray) -> RealArray:

@@ -12,7 +12,7 @@ from suspid.equations import EXACT, Observed, all_poles, deciding, linear, partn
 from suspid.equations import pole_distances as pole_distances
 from suspid.errors import InputError, ReconstructionError
 from suspid.modes import ModalSet, eigenmodes
-from suspid.observations import ModalTest, observe, tests_of, unweighted
+from suspid.observations import ModalTest, modal_tests, observe, unweighted
 from suspid.programs import STATIONARY, convex_program, descend, slope_left
 from suspid.suspension import Suspension
 from suspid.units import Kilogram, NewtonPerMetre, NewtonSecondPerMetre, Ratio, RealArray
@@ -219,7 +219,7 @@ def reconstruct(
        tire             200000                  0  damping
     one convex program on poles and shapes, which has one answer; worst pole off by ...
     """
-    tests = tests_of(modes, suspension)
+    tests = modal_tests(modes, suspension)
     problem, notes = _posed(tests, suspension, fixed, bounds, ties, nominal_std, free_masses)
     points = _candidates(problem, search=search)
     costs = [float(np.linalg.norm(problem.deciding(x)[0])) for x in points]
