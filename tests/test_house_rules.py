@@ -23,6 +23,8 @@ LAYERS = [
     ["identification"],
     ["equations"],
     ["observations", "alternatives"],
+    ["problem"],
+    ["verdicts"],
     ["reconstruction"],
     ["comparison"],
     ["modal_json"],
