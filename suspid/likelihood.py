@@ -175,7 +175,12 @@ def likelihood_loss(fit: DecayFit, count: int, floor: RealArray) -> float:
 
 
 def maximize(
-    blocks: Blocks, poles: Poles, floor: RealArray, *, steps: int = MOST_STEPS, negligible: float = NEGLIGIBLE
+    blocks: Blocks,
+    start: Poles | DecayFit,
+    floor: RealArray,
+    *,
+    steps: int = MOST_STEPS,
+    negligible: float = NEGLIGIBLE,
 ) -> DecayFit | None:
     """Return the fit of greatest likelihood near given poles, by damped Gauss-Newton steps.
 
@@ -183,8 +188,8 @@ def maximize(
     ----------
     blocks : Blocks
         The record.
-    poles : Poles
-        Where to start.
+    start : Poles or DecayFit
+        Where to start; a fit was evaluated with the same blocks and floor.
     floor : ndarray (channel,)
         Least variance that a channel's residual counts as.
     steps : int
@@ -192,8 +197,8 @@ def maximize(
     negligible : float
         Steps worth less than this, in squared standard deviations, end the search.
     """
-    fit = evaluate(blocks, poles, floor)
-    if fit is None or not poles.free:
+    fit = start if isinstance(start, DecayFit) else evaluate(blocks, start, floor)
+    if fit is None or not fit.poles.free:
         return fit
     damping = 1e-3
     rounding = 1e-13 * blocks.count

@@ -15,17 +15,21 @@ from suspid.units import ComplexArray, RealArray
 from suspid.values import frozen_real
 
 # The grid of decay rates: from one e-folding over the record to one per sample, by about this factor. Midway between
-# two of them a pole still shows 93 % of its energy, and so does one that does not decay on the first.
-DECAY_FACTOR = 3.0
+# two of them a pole still shows 89 % of its energy, and one that does not decay shows 92 % on the first.
+DECAY_FACTOR = 4.0
 # A decaying exponential counts as gone after so many e-foldings, and is as wide as the Fourier bins of so many.
-GONE, WIDE = 9.0, 6.0
+GONE, WIDE = 9.0, 3.0
 # While poles are still to come, the others need not be fitted better than to this share of their standard deviations.
 ROUGH = 0.05
 # Grid points whose gain is computed exactly, beyond those beside poles already fitted.
 LOCAL_MAXIMA = 48
 # Candidates refitted before giving up, and the share of the price below which none is.
 TRIES = 3
+MOST_CANDIDATES = 12
 HOPELESS = 0.7
+# Candidates worth their price and so many linewidths apart are fitted together; they stay where each then gains so
+# many times its price.
+APART, STRONG = 4.0, 10.0
 MOST_POLES = 16
 # A mode's surroundings count as louder than the rest of the residual beyond this ratio. There the model itself is
 # wrong by more than the noise, and a pole must explain this many times more than what is left beside it.
@@ -49,7 +53,7 @@ PAIR_GAIN, PAIR_EXCLUDED, REAL_SURE = 3.5, 4.0, 150.0
 STILL, CREEPING, BENT = 0.3, 3.0, frozen_real([0.0, -0.3, 0.3])
 
 # A pole that falls by more than this in one sample is gone before it can be seen to swing.
-BRIEF = 0.35
+BRIEF = 0.5
 
 Verdict = Literal[
     "mode", "tone", "drift", "growing", "under a cycle", "a few samples", "outside the band", "real or pair", "beyond"
@@ -131,14 +135,13 @@ def select(
         if better is None:
             break
         fit = _straightened(state, better, STILL, rejected)
-    fit = state.fitted(fit.poles) or fit
-    fit = _straightened(state, _single(state, fit), CREEPING, rejected)
-    fit = _unbent(state, state.fitted(fit.poles) or fit)
+    fit = state.fitted(fit) or fit
+    straight = _straightened(state, _single(state, fit), CREEPING, rejected)
+    fit = _unbent(state, fit if straight is fit else state.fitted(straight) or straight)
     fit, gains = _thinned(state, fit, rejected)
     fit, extra = _paired(state, fit)
     if len(extra):
-        left = state.residual(fit)
-        gains = np.array([state.worth_of(fit, index, left)[0] for index in range(_poles(fit))])
+        gains, _ = state.worths(fit, state.residual(fit))
     residual = state.residual(fit)
     fit = evaluate(blocks, fit.poles, floor, squares=np.einsum("ck,ck->c", residual, residual)) or fit
     verdicts = list(state.verdicts(fit))
@@ -175,24 +178,32 @@ class _State:
     def loss(self, fit: DecayFit) -> float:
         return float(self.blocks.count * np.sum(np.log(self.variance(self.residual(fit)))))
 
-    def fitted(self, poles: Poles, *, rough: bool = False) -> DecayFit | None:
+    def fitted(self, start: Poles | DecayFit, *, rough: bool = False) -> DecayFit | None:
         # Sums of squares by subtraction carry the rounding of the whole energy.
         floor = np.maximum(self.floor, 1e-15 * self.blocks.energy / self.blocks.count)
-        return maximize(self.blocks, poles, floor, negligible=ROUGH**2 if rough else NEGLIGIBLE)
+        return maximize(self.blocks, start, floor, negligible=ROUGH**2 if rough else NEGLIGIBLE)
 
-    def worth_of(self, fit: DecayFit, index: int, residual: RealArray) -> tuple[float, float]:
-        """Return what leaving a pole out costs: in twice the log likelihood, and in energy over noise variance."""
+    def worths(self, fit: DecayFit, residual: RealArray, *, refit: bool = True) -> tuple[RealArray, RealArray]:
+        """Return what leaving each pole out costs: in twice the log likelihood, and in energy over noise variance.
+
+        At fixed poles the sum of squares grows by ``a^H (G^-1)^-1 a`` with a the amplitudes left out and G^-1
+        their block of the inverse Gram matrix. Where that is not much, the others are fitted anew.
+        """
         least = self.variance(residual)
-        shorter = evaluate(self.blocks, fit.poles.without(index), self.floor)
-        if shorter is None:
-            return np.inf, np.inf
-        more = self.variance(self.residual(shorter)) / least
-        gain = self.blocks.count * float(np.sum(np.log(more)))
-        if gain < 3 * self.price(real=index >= len(fit.poles.pairs)):
-            refitted = self.fitted(fit.poles.without(index))
-            if refitted is not None:
-                gain = self.loss(refitted) - self.blocks.count * float(np.sum(np.log(least)))
-        return gain, self.blocks.count * float(np.sum(more - 1))
+        level = self.blocks.count * float(np.sum(np.log(least)))
+        inverse, pairs = np.linalg.inv(fit.gram), len(fit.poles.pairs)
+        gains, energies = np.zeros(_poles(fit)), np.zeros(_poles(fit))
+        for index in range(_poles(fit)):
+            rows = [index, pairs + index] if index < pairs else [pairs + index]
+            amplitudes = fit.amplitudes[rows]
+            block = np.linalg.inv(inverse[np.ix_(rows, rows)])
+            more = np.einsum("ic,ij,jc->c", amplitudes.conj(), block, amplitudes).real / (self.blocks.count * least)
+            energies[index] = self.blocks.count * np.sum(more)
+            gains[index] = self.blocks.count * np.sum(np.log1p(np.maximum(more, 0.0)))
+            if refit and gains[index] < 3 * self.price(real=index >= pairs):
+                refitted = self.fitted(fit.poles.without(index))
+                gains[index] = gains[index] if refitted is None else self.loss(refitted) - level
+        return gains, energies
 
     def price(self, *, real: bool) -> float:
         return price(self.blocks.channels, self.blocks.channels * self.blocks.count, real=real)
@@ -254,7 +265,11 @@ def _extended(state: _State, fit: DecayFit, rejected: list[tuple[Candidate, str]
     before = float(state.blocks.count * np.sum(np.log(state.variance(residual))))
     if np.all(state.variance(residual) <= state.floor):
         return None
-    for candidate in candidates(fit, residual, state.variance(residual))[:TRIES]:
+    found = candidates(fit, residual, state.variance(residual))
+    together = _together(state, fit, found)
+    if together is not None:
+        return together
+    for candidate in found[:TRIES]:
         cost = state.price(real=candidate.real)
         if candidate.gain < HOPELESS * cost:
             break
@@ -271,6 +286,35 @@ def _extended(state: _State, fit: DecayFit, rejected: list[tuple[Candidate, str]
         if gain > cost:
             return trial
         rejected.append((candidate, f"too weak: gains {gain:.3g} of the {cost:.3g} needed"))
+    return None
+
+
+def _together(state: _State, fit: DecayFit, found: list[Candidate]) -> DecayFit | None:
+    """Return the fit with several strong pairs far apart, those that hold their own together; it saves searches."""
+    cost = state.price(real=False)
+    strong = [c for c in found if not c.real and c.gain > cost]
+    reach = [APART * (2 * abs(c.theta.real) + 2 * np.pi / state.blocks.count) for c in strong]
+    taken = [
+        c.theta
+        for i, c in enumerate(strong)
+        if all(abs(c.theta.imag - strong[j].theta.imag) > max(reach[i], reach[j]) for j in range(i))
+    ]
+    if len(taken) < 2:
+        return None
+    trial: DecayFit | None = fit
+    while trial is not None and taken:
+        poles = fit.poles
+        for theta in taken:
+            poles = poles.with_pair(theta)
+        trial = state.fitted(poles, rough=True)
+        if trial is None:
+            return None
+        gains, _ = state.worths(trial, state.residual(trial), refit=False)
+        added = range(len(fit.poles.pairs), len(trial.poles.pairs))
+        holds = [gains[i] > STRONG * cost and not _split(trial, i) for i in added]
+        if all(holds):
+            return trial
+        taken = [theta for theta, held in zip(taken, holds, strict=True) if held]
     return None
 
 
@@ -302,12 +346,12 @@ def _thinned(state: _State, fit: DecayFit, rejected: list[tuple[Candidate, str]]
     """Return the fit without poles that are not worth their price beside the others, and what each pole is worth."""
     while True:
         residual = state.residual(fit)
-        worths = [state.worth_of(fit, index, residual) for index in range(_poles(fit))]
-        if not worths:
+        if not _poles(fit):
             return fit, np.zeros(0)
-        gains, energy = np.array(worths).T
+        gains, energy = state.worths(fit, residual)
         prices = np.array([state.price(real=index >= len(fit.poles.pairs)) for index in range(_poles(fit))])
-        loud, beside = state.loudness(fit, residual), state.beside(fit, residual)
+        beside = state.beside(fit, residual)
+        loud = np.where(beside > COLOURED, beside, 1.0)
         # Beside a residual that is not noise, energy counts, not likelihood; noise of a colour has its power there.
         worth = np.where(loud > 1, np.minimum(energy / (WORTHWHILE * loud), gains), gains / beside) / prices
         # Poles far apart when they were added may have come together since: of two the lesser goes.
@@ -418,7 +462,7 @@ def candidates(fit: DecayFit, residual: RealArray, variance: RealArray) -> list[
     net = gains - np.where(is_real, price(channels, samples, real=True), price(channels, samples))
     reach = 2 * np.abs(theta.real) + 2 * np.pi / count
     distinct: list[Candidate] = []
-    while len(distinct) < TRIES and np.any(np.isfinite(net)):
+    while len(distinct) < MOST_CANDIDATES and np.any(np.isfinite(net)):
         best = int(np.argmax(net))
         distinct.append(Candidate(theta=complex(theta[best]), real=bool(is_real[best]), gain=float(gains[best])))
         net[
@@ -495,7 +539,7 @@ def _real_gain(
     known: ComplexArray, inverse: ComplexArray, theta: ComplexArray, inner: ComplexArray, count: int
 ) -> RealArray:
     """Return the square of the residual's part along ``exp(theta k)``, theta real, (channel, point)."""
-    cross = power_sums(known.conj()[:, None] + theta, count)[0]
+    cross = cross_sums(known.conj(), theta, count)
     own = power_sums(2 * theta, count)[0].real
     left = own - np.sum(cross.conj() * (inverse @ cross), axis=0).real
     sound = left > 1e-6 * own
