@@ -20,6 +20,7 @@ STARTS = 24  # where the poles alone are too few to search by them
 POLISHED = 12  # of the minima that the search finds
 BLIND = 1e-8  # of the largest singular value: what the data do not see
 UNLIKELY_TWIN = 1e-4  # probability of the rise of chi-square from the best suspension to another
+VAGUE = 0.05  # standard deviation of a shape's component above which shapes may not choose one suspension
 NEAR_MISS = 5e-3  # relative distance from exact poles at which another suspension is mentioned
 DATA_AGAINST_PRIOR = 1e6  # weight of modes without covariance, which are exact, beside a nominal car's
 
@@ -49,6 +50,12 @@ class Problem:
         return any(test.full for test in self.tests) and not len(
             self.unseen(self.linear_slope(), self.unknowns.nominal)
         )
+
+    @property
+    def unique(self) -> bool:
+        """Whether the problem is linear, and its shapes too well known for another suspension within their spread."""
+        vague = [1 / np.linalg.svd(t.whiten, compute_uv=False).min() for t in self.tests if t.whiten is not None]
+        return self.full and (self.tests[0].poles_alone or bool(max(vague, default=0.0) <= VAGUE))
 
     @property
     def enough_poles(self) -> bool:
@@ -85,7 +92,7 @@ class Problem:
     def manner(self, x: RealArray) -> str:
         """Return how x was found, in words."""
         if self.full:
-            manner = "one convex program on poles and shapes, which has one answer"
+            manner = "one convex program on poles and shapes" + ", which has one answer" * self.unique
             return manner + ", refined by a sequence" * (not self.exact(x))
         return "sequence of convex programs on poles" + " and shapes" * self.shaped
 
@@ -202,12 +209,12 @@ def candidates(problem: Problem, *, search: bool) -> list[RealArray]:
         rows, target = np.vstack([slope, pull / DATA_AGAINST_PRIOR]), -np.append(residual, told / DATA_AGAINST_PRIOR)
         start = convex_program(rows, target, unknowns.lower, np.minimum(unknowns.upper, 1e9))
         points.append(start if problem.exact(start) else problem.descend(start))
-        if problem.exact(start) or cost(points[0]) <= problem.enough:
+        if problem.unique and (problem.exact(start) or cost(points[0]) <= problem.enough):
             return points
     nominal = unknowns.nominal
     start = problem.descend(nominal, by_poles=True) if problem.enough_poles else nominal
     points.append(problem.descend(start))
-    if problem.full or (not search and cost(points[-1]) <= problem.enough):
+    if problem.unique or (not search and cost(points[-1]) <= problem.enough):
         return distinct(points, [cost(x) for x in points], unknowns)
     if problem.enough_poles:
         starts = spectral_minima(problem.tests, unknowns, reach=problem.reach)[:POLISHED]

@@ -17,6 +17,7 @@ from suspid.units import RealArray
 
 SOLVER = "CLARABEL"
 LARGEST_STEP = 0.5  # in the logarithm of what is positive, and in the others themselves
+NEARLY = 1e-7  # slope, of the largest there can be, of an optimum that cannot be sharpened
 STATIONARY = 1e-6  # worth of the step still possible, of the residual's square, at an optimum
 
 # Residual and its derivatives by the unknowns, at the unknowns.
@@ -55,7 +56,10 @@ def descend(
             floor = np.where(positive, np.log(np.maximum(lower, 1e-300) / per_step), lower - x)
             ceiling = np.where(positive, np.log(upper / per_step), upper - x)
         low, high = np.minimum(np.maximum(-radius, floor), 0.0), np.maximum(np.minimum(radius, ceiling), 0.0)
-        step = bounded_least_squares(slope * per_step, -residual, low, high)
+        try:
+            step = bounded_least_squares(slope * per_step, -residual, low, high)
+        except ReconstructionError:
+            break  # no way on from a point that sees too little; whoever asked judges where it ends
         expected = residual @ residual - np.sum((residual + slope * per_step @ step) ** 2)
         trial = np.where(positive, x * np.exp(np.where(positive, step, 0.0)), x + step)
         trial = np.clip(trial, lower, upper)
@@ -114,6 +118,14 @@ def convex_program(A: RealArray, b: RealArray, low: RealArray, high: RealArray) 
     near = 1e-6 * size
     proven, left = _sharpened(A, b, low, high, x - low < near, high - x < near)
     if proven is None:
+        # Where columns depend on each other, which bounds act is not unique; the solver's own point may do.
+        gradient = (A.T @ (A @ x - b)) / (np.linalg.norm(A, axis=0) * (np.linalg.norm(b) or 1.0) + 1e-300)
+        downhill = np.where(
+            x - low < near, np.minimum(gradient, 0), np.where(high - x < near, np.maximum(gradient, 0), gradient)
+        )
+        left = float(np.max(np.abs(downhill)))
+        if left <= NEARLY:
+            return x
         raise ReconstructionError(
             f"{SOLVER} left a slope of {left:.1e} at the optimum, which is none; "
             f"check the nominal values and the modes for a slip of units"

@@ -120,7 +120,11 @@ class Reconstruction:
         parts.append(self.status)
         for i, (car, distance) in enumerate(zip(self.alternatives, self.distances, strict=True)):
             k, c = (", ".join(f"{getattr(s, q):.5g}" for s in car.struts) for q in QUANTITIES)
-            far = f"worst pole off by {distance:.1e}" if self.chi_square is None else f"chi-square {distance:.3g}"
+            far = (
+                f"worst pole off by {distance:.1e}"
+                if self.chi_square is None
+                else f"chi-square {distance if distance > 1e-6 else 0:.3g}"
+            )
             apart = f"; told apart by {self.told_apart[i]}" if self.told_apart[i] else ""
             parts.append(f"another suspension has these modes: k = {k} N/m, c = {c} N s/m ({far}){apart}")
         return "\n".join(parts)
@@ -239,7 +243,7 @@ def reconstruct(
             )
     chi_square, freedom, explains = goodness(problem, best, cost)
     if chi_square is not None:
-        notes.append(f"chi-square {chi_square:.3g} at {freedom} degrees of freedom")
+        notes.append(f"chi-square {chi_square if chi_square > 1e-6 else 0:.3g} at {freedom} degrees of freedom")
     if not explains:
         notes.append("this topology does not explain these modes: standard deviations are widened for it")
     widening = 1.0 if explains or chi_square is None else float(np.sqrt(chi_square / max(freedom, 1)))

@@ -101,7 +101,7 @@ def check_fit(
             raise ReconstructionError(
                 f"no suspension of this topology and these masses with k > 0 and c >= 0 has these modes: in the "
                 f"nearest one the pole of mode {worst + 1}{where} is off by {error[worst]:.2%} of its modulus "
-                f"({allowed[worst]:.2%} allowed); check the masses, the order of the modes' channels, and what is held",
+                f"({allowed[worst]:.2%} allowed); check the masses, names and gains of the channels, and what is held",
                 best=car,
             )
         residual = max(residual, float(np.max(error, initial=0.0)))
