@@ -15,6 +15,7 @@ from suspid.unknowns import Unknowns
 STARTS_PER_UNKNOWN = 16
 STEPS = 80
 DECADES = 1.0  # springs and masses from a tenth to ten times nominal
+FARTHEST = 1e4  # times nominal, where the search turns back
 SAME = 1e-3  # relative difference of parameters below which two suspensions are one
 ROUNDING = 1e-11  # costs below it are equal
 ADDED_SHARE = 0.3  # of a coordinate's mass, in the test that is proposed
@@ -48,7 +49,7 @@ def spectral_minima(tests: Sequence[Observed], unknowns: Unknowns, *, reach: Rat
         parts = [spectral(test, arms, p) for test in tests]
         return np.concatenate([r for r, _ in parts], axis=-1), np.concatenate([s for _, s in parts], axis=-2) @ spread
 
-    spread = unknowns.spread
+    spread, upper = unknowns.spread, np.minimum(unknowns.upper, FARTHEST)
     x = even_starts(unknowns, STARTS_PER_UNKNOWN * len(unknowns))
     residual, slope = equations(x)
     cost, damping = np.sum(residual**2, axis=1), np.full(len(x), 1e-2)
@@ -58,17 +59,18 @@ def spectral_minima(tests: Sequence[Observed], unknowns: Unknowns, *, reach: Rat
         size = np.where(positive, x, 1.0)
         scaled = slope * size[:, None, :]
         gradient = np.einsum("bru,br->bu", scaled, residual)
-        stuck = ((x <= unknowns.lower) & (gradient > 0)) | ((x >= unknowns.upper) & (gradient < 0))
+        stuck = ((x <= unknowns.lower) & (gradient > 0)) | ((x >= upper) & (gradient < 0))
         scaled = np.where(stuck[:, None, :], 0.0, scaled)
         normal = scaled.swapaxes(1, 2) @ scaled
         diagonal = np.einsum("buu->bu", normal)
-        weight = damping[:, None] * np.maximum(diagonal, 1e-6 * np.max(diagonal, axis=1, keepdims=True)) + 1e-300
+        largest = np.max(diagonal, axis=1, keepdims=True)
+        weight = damping[:, None] * np.maximum(diagonal, 1e-6 * largest) + np.where(largest > 0, 0.0, 1.0)
         step = np.linalg.solve(
             normal + weight[:, :, None] * np.eye(x.shape[1]), -np.where(stuck, 0.0, gradient)[..., None]
         )[..., 0]
         step = np.clip(step, -1.0, 1.0)
         trial = np.where(positive, x * np.exp(np.where(positive, step, 0.0)), x + step)
-        trial = np.clip(trial, unknowns.lower, unknowns.upper)
+        trial = np.clip(trial, unknowns.lower, upper)
         trial_residual, trial_slope = equations(trial)
         trial_cost = np.sum(trial_residual**2, axis=1)
         better = trial_cost < cost

@@ -30,7 +30,7 @@ class Observed:
     real : ndarray (mode,)
         Overdamped ones: no imaginary part, nor one of the shape.
     shapes : ndarray (channel, mode), or None
-        With the largest component of each 1.
+        Velocities over the modulus of the pole, accelerations over its square; then the largest component of each 1.
     orders : ndarray (channel,)
         0, 1, 2 for displacements, velocities, accelerations.
     weights : ndarray (channel, coordinate)
@@ -136,7 +136,7 @@ def linear(test: Observed, arms: RealArray, masses: RealArray) -> tuple[RealArra
 def motion_of(test: Observed) -> ComplexArray:
     """Return the motion of every coordinate in each mode, (mode, coordinate), from channels that show it all."""
     assert test.shapes is not None
-    displacements = test.shapes.T / test.poles[:, None] ** test.orders
+    displacements = test.shapes.T / (test.poles / np.abs(test.poles))[:, None] ** test.orders
     return np.asarray(np.linalg.lstsq(test.weights.astype(complex), displacements.T, rcond=None)[0].T)
 
 
@@ -224,7 +224,7 @@ def sensitivities(test: Observed, arms: RealArray, p: RealArray) -> tuple[RealAr
         # the masses, but at given roots the derivatives above are those of the displacements times these roots.
         largest = np.argmax(np.abs(shapes), axis=0)
         show = test.weights / roots
-        power = pole[:, None] ** test.orders
+        power = (pole / size)[:, None] ** test.orders
         seen = power * (motion @ show.T)
         change = power[:, :, None] * (show @ slope[:, :n])
         change += (test.orders * seen / pole[:, None])[:, :, None] * slope[:, n, None, :]

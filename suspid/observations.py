@@ -118,7 +118,7 @@ def observe(test: ModalTest, suspension: Suspension) -> tuple[Observed, list[str
         orders=orders,
         weights=weights,
         added=np.array([test.added_masses.get(c, 0.0) for c in suspension.coordinates]),
-        whiten=None if modes.covariance is None else _whitening(modes, moving, None if poles_alone else shapes),
+        whiten=None if modes.covariance is None else _whitening(modes, moving, None if poles_alone else shapes, orders),
         poles_alone=poles_alone,
         nodes=nodes,
         target=target,
@@ -152,18 +152,21 @@ def _usable_shapes(
         return *nothing, [f"shapes not used: channel {twice[0]!r} is not one coordinate"]
     if len(channels) < 2:
         return *nothing, ["shapes not used: one channel has none"]
-    shapes = np.array(modes.shapes[:, moving])
+    orders, weights = np.array([s[0] for s in selections]), np.array([s[1] for s in selections])
+    # Velocities and accelerations over the frequency and its square: as large as the displacements.
+    shapes = modes.shapes[:, moving] / modes.wn[moving] ** orders[:, None]
     for i, shape in enumerate(shapes.T):
         largest = shape[np.argmax(np.abs(shape))]
         if not np.all(np.isfinite(shape)) or largest == 0:
             raise InputError(f"mode {i + 1} has the shape {shape}, which is not finite or zero; leave the mode out")
         shapes[:, i] = shape / largest
     real = modes.poles[moving].imag == 0
-    orders, weights = np.array([s[0] for s in selections]), np.array([s[1] for s in selections])
     return np.where(real, shapes.real, shapes), orders, weights, []
 
 
-def _whitening(modes: ModalSet, moving: NDArray[np.bool_], shapes: ComplexArray | None) -> RealArray:
+def _whitening(
+    modes: ModalSet, moving: NDArray[np.bool_], shapes: ComplexArray | None, orders: NDArray[np.intp]
+) -> RealArray:
     """Return the inverse root of the covariance of what `sensitivities` returns.
 
     The shapes of a `ModalSet` are free of scale: of each, one component carries no information, and its variance
@@ -183,7 +186,8 @@ def _whitening(modes: ModalSet, moving: NDArray[np.bool_], shapes: ComplexArray 
             largest = int(np.argmax(np.abs(shapes[:, i])))
             at, first = modes.shapes[largest, m], len(modes) + m * channels
             for c in set(range(channels)) - {largest}:
-                change[row, [first + c, first + largest]] = 1 / at, -modes.shapes[c, m] / at**2
+                unit = modes.wn[m] ** float(orders[largest] - orders[c])
+                change[row, [first + c, first + largest]] = unit / at, -unit * modes.shapes[c, m] / at**2
                 row += 1
                 real.append(real[i])
     spread = np.empty((2 * len(change), len(modes.covariance)))

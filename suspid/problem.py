@@ -16,6 +16,7 @@ from suspid.suspension import Suspension
 from suspid.units import Ratio, RealArray
 from suspid.unknowns import Bounds, Unknowns, unknowns_of
 
+PULL = 0.01  # to the nominal values, beside relative errors of poles that are too few
 STARTS = 24  # where the poles alone are too few to search by them
 POLISHED = 12  # of the minima that the search finds
 BLIND = 1e-8  # of the largest singular value: what the data do not see
@@ -114,10 +115,12 @@ class Problem:
         return np.concatenate([r for r, _ in parts]), np.concatenate([s for _, s in parts])
 
     def spectral(self, x: RealArray) -> tuple[RealArray, RealArray]:
-        """Return the characteristic polynomials at the poles, and their derivatives."""
+        """Return the characteristic polynomials at the poles, and their derivatives; a pull to nominal if too few."""
         p, arms, spread = self.unknowns.parameters(x), self.unknowns.arms, self.unknowns.spread
-        parts = [spectral(test, arms, p) for test in self.tests]
-        return np.concatenate([r for r, _ in parts]), np.concatenate([s for _, s in parts]) @ spread
+        parts = [(r, s @ spread) for r, s in (spectral(test, arms, p) for test in self.tests)]
+        if not self.enough_poles:
+            parts.append((PULL * (x - self.unknowns.nominal), PULL * np.eye(len(x))))
+        return np.concatenate([r for r, _ in parts]), np.concatenate([s for _, s in parts])
 
     def linear(self) -> tuple[RealArray, RealArray]:
         """Return the linear equations of all tests that have them: residual at x = 0 and derivatives."""
@@ -212,13 +215,12 @@ def candidates(problem: Problem, *, search: bool) -> list[RealArray]:
         if problem.unique and (problem.exact(start) or cost(points[0]) <= problem.enough):
             return points
     nominal = unknowns.nominal
-    start = problem.descend(nominal, by_poles=True) if problem.enough_poles else nominal
-    points.append(problem.descend(start))
+    points.append(problem.descend(problem.descend(nominal, by_poles=True)))
     if problem.unique or (not search and cost(points[-1]) <= problem.enough):
         return distinct(points, [cost(x) for x in points], unknowns)
     if problem.enough_poles:
         starts = spectral_minima(problem.tests, unknowns, reach=problem.reach)[:POLISHED]
     else:
-        starts = list(even_starts(unknowns, STARTS))
+        starts = [nominal, *(problem.descend(x, by_poles=True) for x in even_starts(unknowns, STARTS))]
     points += [problem.descend(x) for x in starts]
     return distinct(points, [cost(x) for x in points], unknowns)

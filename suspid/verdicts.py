@@ -18,6 +18,7 @@ from suspid.unknowns import Unknowns
 from suspid.values import frozen_real
 
 LEAST_MAC = 0.8  # below it a shape is another mode's
+LOST = 1e-2  # share of the squared residual that a step at an optimum cannot take
 UNLIKELY = 1e-3  # probability of a chi-square below which the topology does not explain the modes
 
 
@@ -127,14 +128,14 @@ def shape_mac(seen: Observed, car: Suspension) -> RealArray:
     poles = all_poles(found.poles)
     shapes = np.hstack([found.shapes, found.shapes[:, found.poles.imag != 0].conj()])
     partner = partners(all_poles(seen.poles), poles)[: len(seen.poles)]
-    shown = (seen.weights @ shapes[:, partner]) * poles[partner] ** seen.orders[:, None]
+    shown = (seen.weights @ shapes[:, partner]) * (poles[partner] / np.abs(seen.poles)) ** seen.orders[:, None]
     powers = np.sum(np.abs(shown) ** 2, axis=0) * np.sum(np.abs(seen.shapes) ** 2, axis=0)
     overlap = np.abs(np.sum(shown.conj() * seen.shapes, axis=0)) ** 2
     return np.asarray(overlap / np.where(powers > 0, powers, 1.0))
 
 
 def remarks(problem: Problem, x: RealArray, cost: float) -> list[str]:
-    """Return what is to be said of an optimum: bounds that act, and whether it is one."""
+    """Return what is to be said of an optimum: bounds that act, and how sharp it is; raise if it is none."""
     u, notes = problem.unknowns, []
     size = np.maximum(np.abs(x), 1e-9)
     ends = [
@@ -146,8 +147,15 @@ def remarks(problem: Problem, x: RealArray, cost: float) -> list[str]:
         notes.append(f"held back by its bound: {', '.join(ends)}")
     if cost > (0.1 if problem.weighted else EXACT):
         left = slope_left(problem.deciding, x, u.lower, u.upper)
-        if left > STATIONARY and left * cost**2 > 1e-3 * problem.weighted:
-            notes.append(f"no optimum: a further step would take {left:.1e} of the squared residual")
+        worth = left * cost**2 if problem.weighted else 1.0
+        if left > LOST and worth > 1.0:
+            raise ReconstructionError(
+                f"the search ended where a further step would still take {left:.1%} of the squared residual: that is "
+                f"no answer; start from a nearer nominal car, hold parameters with fixed=…, or add shapes",
+                best=u.suspension(x),
+            )
+        if left > STATIONARY and worth > 1e-3:
+            notes.append(f"no sharp optimum: a further step would take {left:.1e} of the squared residual")
     return notes
 
 
