@@ -22,7 +22,7 @@ import numpy as np
 from suspid.errors import InputError, SuspidError
 from suspid.files import printable, replacing
 from suspid.identification import Identification, Method, identify
-from suspid.signals import as_signal
+from suspid.signals import as_signal, cut
 
 if TYPE_CHECKING:
     import control
@@ -94,6 +94,8 @@ def main() -> None:
 @click.option(
     "--band", type=_Positive("Hz"), nargs=2, metavar="LOW HIGH", help="Lowest and highest frequency to look at [Hz]."
 )
+@click.option("--from", "start", type=float, metavar="SECONDS", help="Time at which the decay begins.")
+@click.option("--to", "stop", type=float, metavar="SECONDS", help="Last time to use.")
 @click.option("--plot", type=FILE, metavar="FILE", help="Write pictures of the identification (.png, .svg, .pdf).")
 @click.option("--json", "json_file", type=FILE, metavar="FILE", help="Write modes, uncertainty and settings as JSON.")
 def identify_command(
@@ -104,6 +106,8 @@ def identify_command(
     modes: int | None,
     method: Method,
     band: tuple[float, float] | None,
+    start: float | None,
+    stop: float | None,
     plot: Path | None,
     json_file: Path | None,
 ) -> None:
@@ -113,10 +117,13 @@ def identify_command(
 
     if band and not band[0] < band[1]:
         raise click.BadParameter(f"{band[0]:g} Hz is not below {band[1]:g} Hz.", param_hint="'--band'")
+    _check_apart([file], [plot, json_file])
     with ExitStack() as outputs, _said_warnings() as said:
         figure_draft = outputs.enter_context(replacing(_checked_picture(plot))) if plot else None
         json_draft = outputs.enter_context(replacing(json_file)) if json_file else None
         record = read_record(file, channels=channels or None, time=time, fs=fs)
+        if start is not None or stop is not None:
+            record = cut(record, start=start, stop=stop)
         rad_band = (2 * math.pi * band[0], 2 * math.pi * band[1]) if band else None
         identification = identify(record, modes=modes, method=method, band=rad_band)
         said += _doubts(identification)
@@ -139,6 +146,7 @@ def reconstruct_command(modes: Path, car: Path, fixed: tuple[str, ...], output: 
     from suspid.modal_json import read_modes
     from suspid.reconstruction import reconstruct
 
+    _check_apart([modes], [output])
     with ExitStack() as outputs, _said_warnings():
         draft = outputs.enter_context(replacing(output)) if output else None
         found = reconstruct(read_modes(modes), read_car(car), fixed=fixed)
@@ -186,6 +194,7 @@ def simulate_command(
         raise click.UsageError(f"{fs:g} Hz for {duration:g} s must be between 2 and {MOST_SAMPLES} samples.")
     state = _initial_state(initial)
     check_record_name(output)
+    _check_apart([car], [output])
     with replacing(output) as draft, _said_warnings() as said:
         suspension = read_car(car)
         system = statespace(suspension, outputs=channels or None)
@@ -209,12 +218,23 @@ def modes_command(car: Path, json_file: Path | None) -> None:
     from suspid.modal_json import modes_to_dict, to_json
     from suspid.modes import eigenmodes
 
+    _check_apart([car], [json_file])
     with ExitStack() as outputs:
         draft = outputs.enter_context(replacing(json_file)) if json_file else None
         modes: ModalSet = eigenmodes(read_car(car))
         if draft:
             draft.write_text(to_json(modes_to_dict(modes)), encoding="utf-8")
     _say(str(modes))
+
+
+def _check_apart(inputs: list[Path], outputs: list[Path | None]) -> None:
+    """Refuse an output that is also an input or another output: nothing that is read is ever overwritten."""
+    taken = [path.resolve() for path in inputs]
+    for path in outputs:
+        if path is not None:
+            if path.resolve() in taken:
+                raise click.UsageError(f"{printable(str(path))} is named twice: as an output and for something else.")
+            taken.append(path.resolve())
 
 
 def _say(text: str) -> None:

@@ -88,6 +88,10 @@ class Comparison:
         """Whether every value is within what is allowed, and no mode is missing or extra."""
         return all(row.verdict == "ok" for row in self.table)
 
+    def __bool__(self) -> bool:
+        """Whether it passed, so that ``assert compare(found, expected)`` means what it says."""
+        return self.passed
+
     def __str__(self) -> str:
         failed = [row for row in self.table if row.verdict != "ok"]
         told = [f"{len(failed)} of {len(self.table)} values fail" if failed else f"all {len(self.table)} values pass"]

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from suspid.errors import IdentificationError, InputError
+from suspid.errors import IdentificationError, InputError, RecordError
 from suspid.exponentials import blocks_of, synthesize
 from suspid.likelihood import Poles, joint_covariance, maximize
 from suspid.modes import ModalSet
@@ -33,10 +33,23 @@ SHORTER = (1.0, 0.5, 0.25, 0.125)
 # Ridges are found on a scalogram of this precision; their skeletons are then transformed anew, to rounding.
 TO_LOOK_AT = 1e-6
 FEWEST_SAMPLES = 32
+# So many samples on end at the largest value, left by a jump, are clipped.
+CLIPPED = 3
 # How many of the poles that are no modes the table shows.
 MOST_SHOWN = 6
 # No sensor resolves less than this share of a channel's peak: what is smaller is rounding and is not modelled.
 FINEST = 1e-11
+
+REASONS: dict[str, str] = {
+    "tone": "a tone: it does not decay within the record",
+    "drift": "a drift: it decays more slowly than the record lasts",
+    "growing": "it grows",
+    "under a cycle": "under one cycle in the record",
+    "a few samples": "gone after a few samples",
+    "outside the band": "outside the band",
+    "beyond": "weaker than the modes asked for",
+    "real or pair": "one real pole or a heavily damped pair: the record does not tell",
+}
 
 Method = Literal["likelihood", "ridge"]
 
@@ -256,6 +269,10 @@ class Identification:
                 "residual beside / noise": [f"{value:.3g}" for value in self.loudness],
             }
             found = f"{self.modes}\n\n{text_table(quality)}"
+        elif any(c.reason in (REASONS["outside the band"], REASONS["beyond"]) for c in self.considered):
+            found = "no mode in the band; those outside it are listed below"
+        elif np.max(self.explained) > 0.5 or any(c.removed or "split" in c.reason for c in self.considered):
+            found = "no mode: what moves in the record is no free decay of modes, see below"
         else:
             found = "no mode: nothing in the record decays like one and stands above its noise"
         channels = {
@@ -268,8 +285,14 @@ class Identification:
         loud = [str(i + 1) for i, ratio in enumerate(self.loudness) if ratio > 1]
         if loud:
             parts.append(
-                f"Beside mode {', '.join(loud)} the residual is louder than the noise: the decay is not quite linear, "
-                f"or not alone; the intervals are widened for it."
+                f"Beside mode {', '.join(loud)} the residual is louder than white noise: the noise is coloured, or the "
+                f"decay is not quite linear or not alone; the intervals are widened for it."
+            )
+        late = _late_start(as_signal(self.response))
+        if late is not None and (loud or not len(self.modes)):
+            parts.append(
+                f"The largest motion comes {late - as_signal(self.response).start:.3g} s after the start: if the decay "
+                f"begins there, cut the record to it, from t = {late:.6g} s on."
             )
         if self.method == "ridge":
             parts.append(text_table(_ridge_columns(self.ridges)))
@@ -359,6 +382,7 @@ def identify(
     for name, samples, about in zip(signal.channels, signal.values, centred, strict=True):
         if not np.any(np.abs(about) > 1e-12 * np.max(np.abs(samples))):
             raise IdentificationError(f"channel {name!r} is constant: there is no decay in it; leave it out")
+    _check_clipping(signal)
     steps = FourSteps(
         signal=replace(signal, values=centred),
         count=modes,
@@ -474,21 +498,19 @@ def _disagreement(values: RealArray, poles: Poles, which: int, noise_std: RealAr
     return float(np.sqrt(np.mean(np.array([apart.real, apart.imag]) ** 2 / (variance[0] + variance[1]))))
 
 
+def _late_start(signal: Signal) -> float | None:
+    """Return when the largest motion comes [s], if that is after a fiftieth of the record, else None."""
+    about = np.abs(signal.values - signal.values.mean(axis=1, keepdims=True))
+    strength = np.sum((about / np.maximum(about.max(axis=1, keepdims=True), 1e-300)) ** 2, axis=0)
+    peak = int(np.argmax(strength))
+    return float(signal.timepts[peak]) if peak > 0.02 * signal.values.shape[1] else None
+
+
 def _considered(selection: Selection, signal: Signal) -> tuple[Considered, ...]:
     """Return what was fitted but is no mode, then what was tried and not kept."""
-    reasons = {
-        "tone": "a tone: it does not decay within the record",
-        "drift": "a drift: it decays more slowly than the record lasts",
-        "growing": "it grows",
-        "under a cycle": "under one cycle in the record",
-        "a few samples": "gone after a few samples",
-        "outside the band": "outside the band",
-        "beyond": "weaker than the modes asked for",
-        "real or pair": "one real pole or a heavily damped pair: the record does not tell",
-    }
     every = np.concatenate([selection.fit.poles.pairs, selection.fit.poles.reals])
     removed = tuple(
-        Considered(pole=complex(theta) / signal.step, reason=reasons[verdict], removed=True)
+        Considered(pole=complex(theta) / signal.step, reason=REASONS[verdict], removed=True)
         for theta, verdict in zip(every, selection.verdicts, strict=True)
         if verdict != "mode"
     )
@@ -511,13 +533,53 @@ def _resolution(values: RealArray) -> RealArray:
     rounding = np.where(single, 2.0**-24, 2.0**-52) * peak
     steps = np.zeros(len(values))
     for channel, samples in enumerate(values):
+        digits = _significant_digits(samples[:4096])
+        if digits is not None:
+            # Rounding to digits is coarsest where the samples are largest, and there the modes are.
+            steps[channel] = 10.0 ** (np.floor(np.log10(peak[channel])) - digits + 1)
         levels = np.unique(samples[:4096])
         gaps = np.diff(levels)
         if gaps.size and gaps.min() > 1e-9 * peak[channel]:
             ratio = gaps / gaps.min()
             if np.max(np.abs(ratio - np.round(ratio))) < 1e-3:
-                steps[channel] = gaps.min()
+                steps[channel] = max(steps[channel], gaps.min())
     return np.asarray(np.maximum(np.maximum(4 * rounding, FINEST * peak), steps / np.sqrt(12)))
+
+
+def _significant_digits(samples: RealArray) -> int | None:
+    """Return to how many decimal digits all samples are rounded, or None if to more than twelve."""
+    some = np.abs(samples[samples != 0])
+    if not some.size:
+        return None
+    magnitude = np.floor(np.log10(some))
+    for digits in range(2, 13):
+        scaled = some * 10.0 ** (digits - 1 - magnitude)
+        if np.all(np.abs(scaled - np.round(scaled)) < 1e-15 * 10.0**digits + 1e-9):
+            return digits
+    return None
+
+
+def _check_clipping(signal: Signal) -> None:
+    """Refuse a channel that stays at its largest or smallest value while it is moving fast."""
+    for name, samples in zip(signal.channels, signal.values, strict=True):
+        for limit, word in ((samples.max(), "largest"), (samples.min(), "smallest")):
+            at = np.flatnonzero(samples == limit)
+            starts = np.flatnonzero(np.diff(at, prepend=-9) > 1)
+            lengths = np.diff(np.append(starts, len(at)))
+            longest = int(np.argmax(lengths))
+            first, count = int(at[starts[longest]]), int(lengths[longest])
+            if count < CLIPPED or count > 0.5 * len(samples):
+                continue
+            # A slow crest in coarse steps stays too, but comes and goes by single steps.
+            outside = [samples[k] for k in (first - 1, first + count) if 0 <= k < len(samples)]
+            steps = np.abs(np.diff(samples))
+            if max(abs(limit - value) for value in outside) > 3 * np.min(steps[steps > 0]) + 1e-3 * np.ptp(samples):
+                time = signal.timepts
+                raise RecordError(
+                    f"channel {name!r} is clipped: {len(at)} samples are at its {word} value {limit:g}, {count} of "
+                    f"them on end from t = {time[first]:g} s; start the record after t = {time[at[-1]]:g} s, "
+                    f"or leave the channel out"
+                )
 
 
 def _band(

@@ -35,6 +35,11 @@ MOST_POLES = 16
 # wrong by more than the noise, and a pole must explain this many times more than what is left beside it.
 COLOURED = 2.5
 COLOURS_BEGIN = 1.5
+# A residual is coloured where its correlation over one sample is so many standard deviations from none.
+COLOUR_SURE = 4.0
+# Its autoregression has this order, and a trace of white noise for the sake of the equations.
+COLOUR_ORDER = 8
+RIDGE = np.array([1.0 + 1e-9, *np.ones(COLOUR_ORDER - 1)])
 WORTHWHILE = 20.0
 # Where beside a pole that is looked at, in linewidths.
 BESIDE = np.array([-8.0, -6.0, -4.0, -2.0, 2.0, 4.0, 6.0, 8.0])
@@ -233,10 +238,14 @@ class _State:
 
     def loudness(self, fit: DecayFit, residual: RealArray) -> RealArray:
         """Return the power of the residual beside each pole over that of the noise; 1 where they agree."""
+        # In a white residual what is seen beside a pole is chance; in a coloured one it is the noise there, or less
+        # than that where the colour has its peak at the pole itself.
+        if self.coloured(residual):
+            return self.beside(fit, residual, at_pole=True)
         ratio = self.beside(fit, residual)
         return np.where(ratio > COLOURED, ratio, 1.0)
 
-    def beside(self, fit: DecayFit, residual: RealArray) -> RealArray:
+    def beside(self, fit: DecayFit, residual: RealArray, *, at_pole: bool = False) -> RealArray:
         """Return the power of the residual beside each pole, seen through its own decay, over that of the noise."""
         if not _poles(fit):
             return np.zeros(0)
@@ -251,8 +260,38 @@ class _State:
         expected = power_sums(-2 * decay + 0j, count)[0].real
         power = np.mean(np.abs(spread.reshape(len(variance), *omega.shape)) ** 2, axis=2) / expected / variance[:, None]
         weights = np.abs(fit.amplitudes[rows]).T ** 2 / variance[:, None] + 1e-300
+        if at_pole:
+            power = np.maximum(power, noise_colour(residual, np.abs(theta.imag)))
         ratio = np.sum(weights * power, axis=0) / np.sum(weights, axis=0)
-        return np.where(ratio > COLOURS_BEGIN, ratio, 1.0)
+        return np.where(ratio > (1.0 if at_pole else COLOURS_BEGIN), ratio, 1.0)
+
+    def coloured(self, residual: RealArray) -> bool:
+        """Return whether a channel's residual goes with itself one sample later, by more than chance explains."""
+        power = np.maximum(np.einsum("ck,ck->c", residual, residual), self.floor * self.blocks.count)
+        together = np.einsum("ck,ck->c", residual[:, 1:], residual[:, :-1]) / np.where(power > 0, power, 1.0)
+        return bool(np.any(np.abs(together) > COLOUR_SURE / np.sqrt(self.blocks.count)))
+
+
+def noise_colour(residual: RealArray, omega: RealArray) -> RealArray:
+    """Return the power density of a residual over that of white noise of its variance, (channel, frequency).
+
+    From an autoregression of order `COLOUR_ORDER` (Yule-Walker): ``1 / |1 - sum_k a_k exp(-j omega k)|^2`` over
+    its mean.
+    """
+    from scipy.linalg import solve_toeplitz
+
+    lags = [
+        np.einsum("ck,ck->c", residual[:, lag:], residual[:, : residual.shape[1] - lag])
+        for lag in range(COLOUR_ORDER + 1)
+    ]
+    turns = np.exp(-1j * np.arange(1, COLOUR_ORDER + 1)[:, None] * omega)
+    density = np.ones((len(residual), len(omega)))
+    for channel, correlation in enumerate(np.array(lags).T):
+        if correlation[0] > 0:
+            coefficients = solve_toeplitz(correlation[:-1] * RIDGE, correlation[1:])
+            innovation = 1 - float(coefficients @ correlation[1:]) / correlation[0]
+            density[channel] = innovation / np.abs(1 - coefficients @ turns) ** 2
+    return density
 
 
 def _poles(fit: DecayFit) -> int:
@@ -462,8 +501,10 @@ def candidates(fit: DecayFit, residual: RealArray, variance: RealArray) -> list[
     net = gains - np.where(is_real, price(channels, samples, real=True), price(channels, samples))
     reach = 2 * np.abs(theta.real) + 2 * np.pi / count
     distinct: list[Candidate] = []
-    while len(distinct) < MOST_CANDIDATES and np.any(np.isfinite(net)):
+    for _ in range(MOST_CANDIDATES):
         best = int(np.argmax(net))
+        if net[best] == -np.inf or (net[best] < 0 and len(distinct) >= TRIES):
+            break
         distinct.append(Candidate(theta=complex(theta[best]), real=bool(is_real[best]), gain=float(gains[best])))
         net[
             (np.abs(theta.imag - theta[best].imag) <= np.maximum(reach, reach[best])) & (is_real == is_real[best])

@@ -135,3 +135,41 @@ def as_response(
         issiso=len(channels) == 1,
         title=title or None,
     )
+
+
+def cut(
+    response: control.TimeResponseData, *, start: Second | None = None, stop: Second | None = None
+) -> control.TimeResponseData:
+    """Return the part of a record from ``start`` to ``stop``, such as a decay from its release on.
+
+    Parameters
+    ----------
+    response : control.TimeResponseData
+        The record.
+    start, stop : float, optional
+        First and last time to keep [s]. Default: the record's own.
+
+    Raises
+    ------
+    RecordError
+        If fewer than two samples are left.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> record = as_response(np.arange(5) / 10, np.arange(5.0)[None], ["seat"])
+    >>> cut(record, start=0.2).time
+    array([0.2, 0.3, 0.4])
+    """
+    signal = as_signal(response)
+    time = signal.timepts
+    slack = JITTER * signal.step
+    first = -np.inf if start is None else start - slack
+    last = np.inf if stop is None else stop + slack
+    keep = (time >= first) & (time <= last)
+    if np.sum(keep) < 2:
+        raise RecordError(
+            f"from {first:g} to {last:g} s the record holds {np.sum(keep)} samples; it lasts from {time[0]:g} "
+            f"to {time[-1]:g} s"
+        )
+    return as_response(time[keep], signal.values[:, keep], signal.channels)

@@ -216,3 +216,22 @@ class TestAsAProcess:
         assert done.returncode == 0, done.stderr
         assert b"\\xb1" in done.stdout
         assert done.stderr == b""
+
+
+class TestNothingIsOverwritten:
+    def test_an_input_is_no_output(self, tmp_path: Path) -> None:
+        record = tmp_path / "my.csv"
+        record.write_text("time,seat\n" + "".join(f"{k / 100},{np.exp(-k / 50) * np.cos(k / 3)}\n" for k in range(300)))
+        before = record.read_bytes()
+        run = CliRunner().invoke(main, ["identify", str(record), "--json", str(record)])
+        assert run.exit_code == 2
+        assert "named twice" in run.output
+        assert record.read_bytes() == before
+
+    def test_from_and_to_cut_the_record(self, tmp_path: Path) -> None:
+        record = tmp_path / "my.csv"
+        record.write_text("time,seat\n" + "".join(f"{k / 100},{np.exp(-k / 50) * np.cos(k / 3)}\n" for k in range(300)))
+        run = CliRunner().invoke(main, ["identify", str(record), "--from", "0.5", "--to", "2"])
+        assert run.exit_code == 0
+        assert "from t = 0.5 s" in run.output
+        assert "151 samples" in run.output

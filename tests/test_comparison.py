@@ -186,3 +186,10 @@ class TestRefusals:
     def test_rtol(self, rtol: float) -> None:
         with pytest.raises(InputError, match="rtol"):
             compare(car(), car(), rtol=rtol)
+
+
+class TestTruth:
+    def test_a_failed_comparison_is_false(self) -> None:
+        one, other = ModalSet.from_wn_zeta([10.0], [0.1]), ModalSet.from_wn_zeta([12.0], [0.1])
+        assert compare(one, one)
+        assert not compare(one, other)

@@ -8,6 +8,7 @@ from suspid import (
     Identification,
     IdentificationError,
     ModalSet,
+    RecordError,
     Suspension,
     add_noise,
     eigenmodes,
@@ -280,3 +281,53 @@ class TestReport:
         assert modes.shapes is not None
         assert truth.shapes is not None
         np.testing.assert_allclose(modes.shapes, truth.shapes, rtol=0, atol=1e-7)
+
+
+class TestRoundedAndClipped:
+    """What files do to numbers: digits cut off, values cut off."""
+
+    @pytest.mark.parametrize("digits", [4, 6, 9])
+    @pytest.mark.parametrize("car", [cars.PAPER, cars.HATCHBACK])
+    def test_significant_digits_bring_no_modes(self, car: Suspension, digits: int) -> None:
+        clean = free_decay(car, np.arange(5000) / 500, initial_state={"v_tire": 1.0})
+        printed = np.array([[float(f"{value:.{digits}g}") for value in row] for row in clean.y])
+        found = identify(as_response(clean.time, printed, clean.output_labels)).modes
+        truth = eigenmodes(car)
+        assert len(found) == len(truth)
+        assert found.wn_std is not None
+        # Five of its own standard deviations, in 18 values.
+        assert np.all(np.abs(found.wn - truth.wn) < 5 * found.wn_std)
+
+    @pytest.mark.parametrize("level", [0.5, 0.95])
+    def test_clipping_is_refused_with_its_time(self, level: float) -> None:
+        clean = free_decay(cars.SALOON, np.arange(5000) / 500, initial_state={"v_tire": 1.0})
+        limit = level * np.max(np.abs(clean.y), axis=1, keepdims=True)
+        with pytest.raises(RecordError, match=r"clipped: \d+ samples .* on end from t = "):
+            identify(as_response(clean.time, np.clip(clean.y, -limit, limit), clean.output_labels))
+
+    @pytest.mark.parametrize("bits", [8, 12])
+    def test_a_coarse_converter_is_not_clipping(self, bits: int) -> None:
+        clean = free_decay(cars.PAPER, np.arange(5000) / 500, initial_state={"v_tire": 1.0})
+        step = np.max(np.abs(clean.y), axis=1, keepdims=True) / 2 ** (bits - 1)
+        found = identify(as_response(clean.time, np.round(clean.y / step) * step, clean.output_labels)).modes
+        assert len(found) == 3
+
+
+class TestColouredNoise:
+    def test_intervals_hold_in_autoregressive_noise(self) -> None:
+        from scipy.signal import lfilter
+
+        time = np.arange(5000) / 500
+        clean = np.asarray(free_decay(cars.HATCHBACK, time, initial_state={"v_tire": 1.0}).y)
+        std = np.sqrt(np.mean(clean**2, axis=1, keepdims=True) * 10**-2.6)
+        truth, inside = eigenmodes(cars.HATCHBACK), list[bool]()
+        for seed in range(15):
+            white = np.random.default_rng(seed).standard_normal((3, len(time) + 500))
+            noise = lfilter([1.0], [1.0, -0.5], white)[:, 500:] * np.sqrt(1 - 0.5**2)
+            modes = identify(as_response(time, clean + std * noise, ["seat", "chassis", "tire"])).modes
+            assert len(modes) == 3
+            bounds = modes.interval(0.95)
+            inside += list((bounds.wn[:, 0] < truth.wn) & (truth.wn < bounds.wn[:, 1]))
+            inside += list((bounds.zeta[:, 0] < truth.zeta) & (truth.zeta < bounds.zeta[:, 1]))
+        # 90 values at 95 %: fewer than 79 inside has a chance below 1e-3. Without widening it is about 70.
+        assert sum(inside) >= 79
