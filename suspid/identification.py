@@ -535,8 +535,9 @@ def _resolution(values: RealArray) -> RealArray:
     for channel, samples in enumerate(values):
         digits = _significant_digits(samples[:4096])
         if digits is not None:
-            # Rounding to digits is coarsest where the samples are largest, and there the modes are.
-            steps[channel] = 10.0 ** (np.floor(np.log10(peak[channel])) - digits + 1)
+            # Rounding to digits is coarsest where the samples are largest, and there the modes are. It is no noise
+            # where a sample hardly moves, so all of the last digit is in doubt.
+            steps[channel] = np.sqrt(12) * 10.0 ** (np.floor(np.log10(peak[channel])) - digits + 1)
         levels = np.unique(samples[:4096])
         gaps = np.diff(levels)
         if gaps.size and gaps.min() > 1e-9 * peak[channel]:
