@@ -27,6 +27,7 @@ from suspid.reconstruction import Reconstruction, reconstruct
 from suspid.records import read_record, write_record
 from suspid.ridges import Ridge, SkeletonFit, Window, find_ridges, fit_ridges
 from suspid.scalogram import BandwidthSearch, Morlet, Scalogram, best_bandwidth, cwt
+from suspid.signals import cut
 from suspid.simulation import add_noise, free_decay
 from suspid.suspension import Strut, Suspension, statespace
 
@@ -37,7 +38,7 @@ __all__ = [  # noqa: RUF022 - grouped by step
     # its modes
     "ModalSet", "Interval", "eigenmodes",
     # its responses, and measured ones
-    "free_decay", "add_noise", "read_record", "write_record", "denoise",
+    "free_decay", "add_noise", "read_record", "write_record", "cut", "denoise",
     # a record's modes, at once or step by step
     "identify", "Identification", "FourSteps", "Considered",
     "best_bandwidth", "BandwidthSearch", "cwt", "Scalogram", "Morlet",
