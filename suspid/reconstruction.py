@@ -194,9 +194,9 @@ def reconstruct(
         than the suspension has, or a pole or a shape cannot be used.
     ReconstructionError
         If there are fewer equations than unknowns, if the modes do not determine some combination of parameters
-        (which is named), or if no suspension of this topology with k > 0 and c >= 0 has these modes: a pole is
-        further off than ``tolerance``. ``best`` is the nearest one met. Modes that are met within the tolerance, but
-        not within their covariance, are no error: ``explains`` is then False.
+        (which is named), if the search ends at no optimum, or if no suspension of this topology with k > 0 and
+        c >= 0 has these modes: a pole is further off than ``tolerance``. ``best`` is the nearest one met. Modes that
+        are met within the tolerance, but not within their covariance, are no error: ``explains`` is then False.
 
     Notes
     -----
