@@ -22,6 +22,7 @@ from suspid.errors import (
 )
 from suspid.identification import Considered, FourSteps, Identification, identify
 from suspid.modes import Interval, ModalSet, eigenmodes
+from suspid.observations import ModalTest
 from suspid.presets import full_car, half_car, quarter_car
 from suspid.reconstruction import Reconstruction, reconstruct
 from suspid.records import read_record, write_record
@@ -44,7 +45,7 @@ __all__ = [  # noqa: RUF022 - grouped by step
     "best_bandwidth", "BandwidthSearch", "cwt", "Scalogram", "Morlet",
     "find_ridges", "Ridge", "Window", "fit_ridges", "SkeletonFit",
     # back to springs and dampers, and how near that is
-    "reconstruct", "Reconstruction", "compare", "Comparison",
+    "reconstruct", "Reconstruction", "ModalTest", "compare", "Comparison",
     # what goes wrong
     "SuspidError", "InputError", "RecordError", "IdentificationError", "ReconstructionError",
 ]

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from suspid.equations import Observed, all_poles, spectral_nodes
 from suspid.errors import InputError
 from suspid.modes import ModalSet
-from suspid.suspension import Suspension, _selection
+from suspid.suspension import Suspension, output_weights
 from suspid.units import ComplexArray, Kilogram, RealArray
 from suspid.values import FrozenMapping, nearest_names
 
@@ -143,7 +143,7 @@ def _usable_shapes(
     selections = []
     for channel in channels:
         try:
-            selections.append(_selection(suspension, channel))
+            selections.append(output_weights(suspension, channel))
         except InputError:
             known = "a coordinate, its velocity or acceleration, or the travel of a strut"
             return *nothing, [f"shapes not used: channel {channel!r} is not {known}"]

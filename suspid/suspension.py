@@ -301,7 +301,7 @@ def statespace(
         raise InputError(f"output {twice[0]!r} stands {names.count(twice[0])} times; names must differ")
     C, D = np.zeros((len(names), 2 * n)), np.zeros((len(names), len(inputs)))
     for row, name in enumerate(names):
-        derivative, weights, road_weights = _selection(suspension, name)
+        derivative, weights, road_weights = output_weights(suspension, name)
         if derivative == 2 and not road_rate and np.any(weights @ per_rate):
             raise InputError(
                 f"output {name!r} depends on the rate of a road input; use road_rate=True, "
@@ -337,7 +337,7 @@ def finite_number(what: str, value: object, unit: str) -> float:
     return float(value)
 
 
-def _selection(suspension: Suspension, output: str) -> tuple[int, RealArray, RealArray]:
+def output_weights(suspension: Suspension, output: str) -> tuple[int, RealArray, RealArray]:
     """Return, for an output by name, its order of derivative and its weights of coordinates and roads."""
     stem, _, suffix = output.rpartition("_")
     coordinates, roads = suspension.coordinates, suspension.roads
