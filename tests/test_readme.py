@@ -59,3 +59,12 @@ class TestFigures:
         for target in re.findall(r"\]\(([^)#]+)\)", README):
             if not target.startswith("http"):
                 assert (ROOT / target).exists(), target
+
+    def test_the_springs_are_those_of_the_report(self) -> None:
+        report = (ROOT / "validation/report/springs.md").read_text(encoding="utf-8")
+        rows = re.findall(r"\s(\d\.\d\d)\s+(\d+)%\n", report)
+        assert len(rows) == 18
+        said = re.search(r"at most (\d\.\d\d) for every k and c, (\d+) to (\d+) %", README.replace("\n", " "))
+        assert said
+        assert float(said[1]) == max(float(ratio) for ratio, _ in rows)
+        assert [int(said[2]), int(said[3])] == [f([int(share) for _, share in rows]) for f in (min, max)]
