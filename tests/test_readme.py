@@ -68,3 +68,23 @@ class TestFigures:
         assert said
         assert float(said[1]) == max(float(ratio) for ratio, _ in rows)
         assert [int(said[2]), int(said[3])] == [f([int(share) for _, share in rows]) for f in (min, max)]
+
+    def test_the_peers_are_those_of_the_report(self) -> None:
+        report = (ROOT / "validation/report/peers.md").read_text(encoding="utf-8")
+        theirs = [
+            [cell.strip() for cell in line.strip("|").split("|")] for line in report.splitlines() if line[:1] == "|"
+        ]
+        start = README.index("| method | given |")
+        rows = README[start : README.index("\n\n", start)].splitlines()[2:]
+        assert len(rows) == 7
+        for row in rows:
+            _, given, *figures = (cell.strip() for cell in row.strip("|").split("|"))
+            assert [given, *figures] in [[cells[1], *cells[3:]] for cells in theirs if len(cells) == 7], row
+
+    def test_the_time_is_that_of_the_report(self) -> None:
+        report = (ROOT / "validation/report/speed.md").read_text(encoding="utf-8")
+        theirs = re.search(r"`identify\(record\)` takes ([\d.]+) times what mwdi takes", report)
+        said = re.search(r"takes ([\d.]+) times as long as mwdi", README.replace("\n", " "))
+        assert theirs
+        assert said
+        assert float(said[1]) == round(float(theirs[1]), 1)
