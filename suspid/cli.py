@@ -1,25 +1,32 @@
 """The command ``suspid``: from a record to modes, from modes to springs and dampers, and back to a record.
 
-It ends with 0 if all went well, with 1 and one line on stderr if `suspid` refuses, and with 2 if
-the command line is wrong.
+It ends with 0 if all went well, with 1 and one line on stderr if `suspid` refuses, with 2 if the command line is
+wrong, and with 3 if a car was found and written, but does not explain the modes within their uncertainty.
 """
 
 from __future__ import annotations
 
 import inspect
-import io
 import math
-import sys
-import warnings
-from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Any, get_args
+from typing import TYPE_CHECKING, get_args
 
 import click
 import numpy as np
 
-from suspid.errors import InputError, SuspidError
+from suspid.cli_support import (
+    Commands,
+    Positive,
+    added_masses,
+    bounds_by_name,
+    check_apart,
+    equal_names,
+    interval_table,
+    said_warnings,
+    say,
+)
+from suspid.errors import InputError
 from suspid.files import printable, replacing
 from suspid.identification import Identification, Method, identify
 from suspid.signals import as_signal, cut
@@ -34,49 +41,11 @@ FILE = click.Path(path_type=Path)
 MOST_SAMPLES = 50_000_000
 # Below this share of a channel's energy, the modes are hardly those of the record.
 LEAST_EXPLAINED = 0.5
+LEVEL = 0.95
+UNEXPLAINED = 3
 
 
-class _Positive(click.ParamType[float]):
-    """A finite number above zero, in the unit that ``name`` says."""
-
-    def __init__(self, unit: str) -> None:
-        self.name = unit
-
-    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> float:
-        try:
-            number = float(str(value))
-        except ValueError:
-            self.fail(f"{value!r} is not a number.", param, ctx)
-        if not (number > 0 and math.isfinite(number)):
-            self.fail(f"{value} {self.name} must be positive and finite.", param, ctx)
-        return number
-
-
-class _Failure(click.ClickException):
-    """An error of suspid's, shown as one line."""
-
-    exit_code = 1
-
-    def show(self, file: IO[Any] | None = None) -> None:
-        line = " ".join(part.strip() for part in self.message.splitlines())
-        click.echo(f"suspid: error: {printable(line)}", file=file or sys.stderr)
-
-
-class _Commands(click.Group):
-    """Commands whose `SuspidError` ends the program with one line instead of a traceback."""
-
-    def invoke(self, ctx: click.Context) -> object:
-        for stream in (sys.stdout, sys.stderr):
-            # A terminal that cannot show "±" gets its code, not a traceback.
-            if isinstance(stream, io.TextIOWrapper):
-                stream.reconfigure(errors="backslashreplace")
-        try:
-            return super().invoke(ctx)
-        except SuspidError as error:
-            raise _Failure(str(error)) from None
-
-
-@click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"]})
+@click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(package_name="suspid", message="suspid %(version)s")
 def main() -> None:
     """Find the modes of a suspension in its measured free decay, and its springs and dampers from its modes."""
@@ -87,12 +56,12 @@ def main() -> None:
 @click.option("--channel", "channels", metavar="NAME", multiple=True, help="Channel to use; may be given again. [all]")
 @click.option("--time", "time", metavar="NAME", help="Column of time, if it is not named like one.")
 @click.option(
-    "--fs", type=_Positive("Hz"), metavar="HZ", help="Sampling rate; it must agree with the column of time, if any."
+    "--fs", type=Positive("Hz"), metavar="HZ", help="Sampling rate; it must agree with the column of time, if any."
 )
 @click.option("--modes", type=click.IntRange(min=1), metavar="N", help="How many modes to find. [all that stand out]")
 @click.option("--method", type=click.Choice(get_args(Method)), default=METHOD, show_default=True, help="How to find.")
 @click.option(
-    "--band", type=_Positive("Hz"), nargs=2, metavar="LOW HIGH", help="Lowest and highest frequency to look at [Hz]."
+    "--band", type=Positive("Hz"), nargs=2, metavar="LOW HIGH", help="Lowest and highest frequency to look at [Hz]."
 )
 @click.option("--from", "start", type=float, metavar="SECONDS", help="Time at which the decay begins.")
 @click.option("--to", "stop", type=float, metavar="SECONDS", help="Last time to use.")
@@ -117,8 +86,8 @@ def identify_command(
 
     if band and not band[0] < band[1]:
         raise click.BadParameter(f"{band[0]:g} Hz is not below {band[1]:g} Hz.", param_hint="'--band'")
-    _check_apart([file], [plot, json_file])
-    with ExitStack() as outputs, _said_warnings() as said:
+    check_apart([file], [plot, json_file])
+    with ExitStack() as outputs, said_warnings() as said:
         figure_draft = outputs.enter_context(replacing(_checked_picture(plot))) if plot else None
         json_draft = outputs.enter_context(replacing(json_file)) if json_file else None
         record = read_record(file, channels=channels or None, time=time, fs=fs)
@@ -132,34 +101,95 @@ def identify_command(
             json_draft.write_text(to_json(content), encoding="utf-8")
         if figure_draft:
             _draw(identification, figure_draft)
-    _say(f"{printable(str(file))}: {_record_in_words(record)}\n\n{identification}")
+    say(f"{printable(str(file))}: {_record_in_words(record)}\n\n{identification}")
 
 
 @main.command("reconstruct")
-@click.argument("modes", type=FILE)
+@click.argument("modes", type=FILE, nargs=-1, required=True)
 @click.argument("car", type=FILE)
+@click.option("--added", metavar="FILE:NAME=KG", multiple=True, help="Mass added at NAME in the test FILE; repeat.")
 @click.option("--fixed", metavar="STRUT[.stiffness|.damping]", multiple=True, help="Hold at the nominal value; repeat.")
+@click.option(
+    "--bound",
+    "bounds",
+    type=(str, float, float),
+    metavar="NAME LOW HIGH",
+    multiple=True,
+    help="Least and largest value of a parameter such as tire.stiffness; 0 and inf are no bounds; repeat.",
+)
+@click.option("--tie", "ties", metavar="A=B", multiple=True, help="Parameters that are equal; repeat.")
+@click.option(
+    "--nominal-std", type=Positive("share"), metavar="SHARE", help="Trust the nominal values to this, as 0.3."
+)
+@click.option("--free-mass", "free_masses", metavar="NAME", multiple=True, help="Mass that is unknown too; repeat.")
+@click.option("--tolerance", type=Positive("share"), metavar="SHARE", help="Largest relative error of a pole. [0.02]")
+@click.option("--no-search", is_flag=True, help="Start from the nominal car alone: look for no alternatives.")
+@click.option("--level", type=click.FloatRange(0, 1, min_open=True, max_open=True), help="Print intervals, as 0.95.")
 @click.option("-o", "--output", type=FILE, metavar="FILE", help="Write the car that was found as TOML.")
-def reconstruct_command(modes: Path, car: Path, fixed: tuple[str, ...], output: Path | None) -> None:
-    """Find springs and dampers from MODES (JSON of identify, or .toml) and the masses and nominal struts of CAR."""
+@click.option("--json", "json_file", type=FILE, metavar="FILE", help="Write parameters and uncertainty as JSON.")
+def reconstruct_command(
+    modes: tuple[Path, ...],
+    car: Path,
+    added: tuple[str, ...],
+    fixed: tuple[str, ...],
+    bounds: tuple[tuple[str, float, float], ...],
+    ties: tuple[str, ...],
+    nominal_std: float | None,
+    free_masses: tuple[str, ...],
+    tolerance: float | None,
+    no_search: bool,
+    level: float | None,
+    output: Path | None,
+    json_file: Path | None,
+) -> None:
+    """Find springs and dampers from MODES (JSON of identify, or .toml) and the masses and nominal struts of CAR.
+
+    Several MODES are tests of one car, perhaps with masses added: suspid reconstruct empty.json loaded.json car.toml
+    --added loaded.json:chassis=75. FILE is written as among the MODES; if there is one, NAME=KG will do.
+
+    Ends with 3 if the car that was found does not explain the modes within their uncertainty.
+    """
+    from suspid.car_json import reconstruction_to_dict
     from suspid.cars import car_to_toml, read_car
-    from suspid.modal_json import read_modes
+    from suspid.modal_json import read_modes, to_json
+    from suspid.observations import ModalTest
     from suspid.reconstruction import reconstruct
 
-    _check_apart([modes], [output])
-    with ExitStack() as outputs, _said_warnings():
+    if len({path.resolve() for path in modes}) < len(modes):
+        raise click.UsageError("One of the MODES is named twice: every test counts once.")
+    check_apart([*modes, car], [output, json_file])
+    masses, limits, groups = added_masses(added, modes), bounds_by_name(bounds), equal_names(ties)
+    with ExitStack() as outputs, said_warnings() as said:
         draft = outputs.enter_context(replacing(output)) if output else None
-        found = reconstruct(read_modes(modes), read_car(car), fixed=fixed)
+        json_draft = outputs.enter_context(replacing(json_file)) if json_file else None
+        found = reconstruct(
+            [ModalTest(modes=read_modes(path), added_masses=kg) for path, kg in zip(modes, masses, strict=True)],
+            read_car(car),
+            fixed=fixed,
+            bounds=limits,
+            ties=groups,
+            nominal_std=nominal_std,
+            free_masses=free_masses,
+            tolerance=tolerance,
+            search=not no_search,
+        )
+        text = str(found) if level is None else f"{found}\n\n{interval_table(found, level)}"
+        if not found.explains:
+            said.append("the car that was found does not explain these modes within their uncertainty")
         if draft:
             draft.write_text(car_to_toml(found.suspension), encoding="utf-8")
-    _say(str(found))
+        if json_draft:
+            json_draft.write_text(to_json(reconstruction_to_dict(found, level=level or LEVEL)), encoding="utf-8")
+    say(text)
+    if not found.explains:
+        click.get_current_context().exit(UNEXPLAINED)
 
 
 @main.command("simulate")
 @click.argument("car", type=FILE)
 @click.option("-o", "--output", type=FILE, metavar="FILE", required=True, help="The record to write (.csv).")
-@click.option("--fs", type=_Positive("Hz"), default=500.0, show_default=True, help="Sampling rate.")
-@click.option("--duration", type=_Positive("s"), default=10.0, show_default=True, help="Length of the record.")
+@click.option("--fs", type=Positive("Hz"), default=500.0, show_default=True, help="Sampling rate.")
+@click.option("--duration", type=Positive("s"), default=10.0, show_default=True, help="Length of the record.")
 @click.option("--impulse", metavar="INPUT", help="Input that gets a unit impulse, such as road.")
 @click.option("--initial", metavar="STATE=VALUE", multiple=True, help="Start, such as v_tire=1 [m/s]; repeat.")
 @click.option("--channel", "channels", metavar="NAME", multiple=True, help="Output; repeat. [all displacements]")
@@ -194,8 +224,8 @@ def simulate_command(
         raise click.UsageError(f"{fs:g} Hz for {duration:g} s must be between 2 and {MOST_SAMPLES} samples.")
     state = _initial_state(initial)
     check_record_name(output)
-    _check_apart([car], [output])
-    with replacing(output) as draft, _said_warnings() as said:
+    check_apart([car], [output])
+    with replacing(output) as draft, said_warnings() as said:
         suspension = read_car(car)
         system = statespace(suspension, outputs=channels or None)
         timepts = np.arange(count) / fs
@@ -206,7 +236,7 @@ def simulate_command(
         if highest >= fs / 2:
             said.append(f"a mode at {highest:.4g} Hz lies above half the sampling rate and is aliased")
         write_record(record, draft, digits=digits)
-    _say(f"{printable(str(output))}: {_record_in_words(record)}")
+    say(f"{printable(str(output))}: {_record_in_words(record)}")
 
 
 @main.command("modes")
@@ -218,46 +248,13 @@ def modes_command(car: Path, json_file: Path | None) -> None:
     from suspid.modal_json import modes_to_dict, to_json
     from suspid.modes import eigenmodes
 
-    _check_apart([car], [json_file])
+    check_apart([car], [json_file])
     with ExitStack() as outputs:
         draft = outputs.enter_context(replacing(json_file)) if json_file else None
         modes: ModalSet = eigenmodes(read_car(car))
         if draft:
             draft.write_text(to_json(modes_to_dict(modes)), encoding="utf-8")
-    _say(str(modes))
-
-
-def _check_apart(inputs: list[Path], outputs: list[Path | None]) -> None:
-    """Refuse an output that is also an input or another output: nothing that is read is ever overwritten."""
-    taken = [path.resolve() for path in inputs]
-    for path in outputs:
-        if path is not None:
-            if path.resolve() in taken:
-                raise click.UsageError(f"{printable(str(path))} is named twice: as an output and for something else.")
-            taken.append(path.resolve())
-
-
-def _say(text: str) -> None:
-    """Print text whose names may come from a file: nothing in it reaches the terminal as a command."""
-    click.echo("\n".join(printable(line) for line in text.split("\n")))
-
-
-@contextmanager
-def _said_warnings() -> Iterator[list[str]]:
-    """Collect warnings of the library, and add one's own; at the end each is a line on stderr."""
-    said: list[str] = []
-
-    def add(message: Warning | str, *_: object, **__: object) -> None:
-        said.append(" ".join(str(message).split()))
-
-    with warnings.catch_warnings():
-        warnings.simplefilter("default")
-        for category in (DeprecationWarning, PendingDeprecationWarning, FutureWarning, ResourceWarning):
-            warnings.simplefilter("ignore", category)
-        warnings.showwarning = add
-        yield said
-    for text in dict.fromkeys(said):
-        click.echo(f"suspid: warning: {printable(text)}", err=True)
+    say(str(modes))
 
 
 def _initial_state(given: tuple[str, ...]) -> dict[str, float]:

@@ -160,6 +160,123 @@ class TestExitCodes:
         assert list(tmp_path.iterdir()) == []
 
 
+def write_test(path: Path, masses: dict[str, float], *, std: float | None = None, car: Path = CAR) -> Path:
+    """Write the exact poles of the car with these masses, known to ``std`` (relative)."""
+    modes = eigenmodes(read_car(car).with_parameters(masses=masses))
+    entries = [
+        {"wn_rad_per_s": wn, "zeta": zeta} for wn, zeta in zip(modes.wn.tolist(), modes.zeta.tolist(), strict=True)
+    ]
+    if std is not None:
+        entries = [e | {"wn_std_rad_per_s": std * e["wn_rad_per_s"], "zeta_std": std * e["zeta"]} for e in entries]
+    path.write_text(json.dumps({"modes": entries}))
+    return path
+
+
+class TestSeveralTestsGiveTheCar:
+    def test_options_reach_reconstruct(self, tmp_path: Path) -> None:
+        empty = write_test(tmp_path / "empty.json", {}, std=1e-4)
+        loaded = write_test(tmp_path / "loaded.json", {"seat": 260.0}, std=1e-4)
+        (tmp_path / "nominal.toml").write_text(NOMINAL.read_text().replace("seat = 200.0", "seat = 220.0"))
+        result = run(
+            *("reconstruct", empty, loaded, tmp_path / "nominal.toml", "--added", f"{loaded}:seat=60"),
+            *("--free-mass", "seat", "--bound", "tire.stiffness", 6e5, 1.2e6, "--level", 0.9),
+            *("--json", tmp_path / "found.json", "-o", tmp_path / "found.toml"),
+        )
+        assert result.exit_code == 0, result.output
+        for heading in ("90 % interval", "lower", "upper", "tire.damping [N s/m]", "seat.mass [kg]"):
+            assert heading in result.stdout
+        true, found = read_car(CAR), read_car(tmp_path / "found.toml")
+        assert found.masses["seat"] == pytest.approx(200.0, rel=1e-4)  # the modes are exact
+        for strut, truth in zip(found.struts, true.struts, strict=True):
+            assert strut.stiffness == pytest.approx(truth.stiffness, rel=1e-4)
+        content = json.loads((tmp_path / "found.json").read_text())
+        assert content["format"] == "suspid car 1"
+        by_name = {entry["name"]: entry for entry in content["parameters"]}
+        assert by_name["seat.mass"]["unit"] == "kg"
+        assert by_name["tire.stiffness"]["unit"] == "N/m"
+        assert content["explains"] is True
+        assert content["level"] == 0.9
+        assert content["freedom"] == 12 - 7  # two numbers of six poles; six of the struts and a mass
+        variances = np.diag(content["covariance"])
+        for entry, variance in zip(content["parameters"], variances, strict=True):
+            assert entry["std"] == pytest.approx(variance**0.5, rel=1e-12)  # the same number
+            # 1.6449: the 95 % point of the normal distribution.
+            assert entry["upper"] - entry["value"] <= 1.6449 * entry["std"] * (1 + 1e-4)
+
+    def test_what_is_fixed_and_tied_stays_so(self, tmp_path: Path) -> None:
+        test = write_test(tmp_path / "m.json", {})
+        nominal = NOMINAL.read_text().replace("damping = 80.0", "damping = 100.0")
+        (tmp_path / "n.toml").write_text(nominal.replace("stiffness = 300e3", "stiffness = 390e3"))
+        options = ("--fixed", "tire.damping", "--no-search", "--json", tmp_path / "f.json", "--tolerance", 0.5)
+        result = run("reconstruct", test, tmp_path / "n.toml", *options, "--tie", "seat.damping=chassis.damping")
+        assert result.exit_code == 0, result.output
+        content = json.loads((tmp_path / "f.json").read_text())
+        assert content["held"] == [{"name": "tire.damping", "value": 100.0, "unit": "N s/m"}]
+        values = {entry["name"]: entry["value"] for entry in content["parameters"]}
+        assert values["seat.damping"] == pytest.approx(values["chassis.damping"], rel=1e-12)  # one unknown
+        assert content["covariance"] is None
+        assert content["parameters"][0]["std"] is None
+
+    def test_alternatives_are_written_with_their_distances(self, tmp_path: Path) -> None:
+        test = write_test(tmp_path / "m.json", {}, std=1e-4, car=EXAMPLES / "hatchback.toml")
+        result = run("reconstruct", test, EXAMPLES / "hatchback.toml", "--json", tmp_path / "f.json")
+        assert result.exit_code == 0, result.output
+        others = json.loads((tmp_path / "f.json").read_text())["alternatives"]
+        assert len(others) == result.stdout.count("another suspension has these modes")
+        assert others  # poles alone leave a chain of three masses open
+        for other in others:
+            assert other["distance"] >= 0
+            assert set(other["parameters"]) >= {"seat.stiffness", "tire.damping"}
+
+    def test_a_wrong_mass_ends_with_3(self, tmp_path: Path) -> None:
+        empty = write_test(tmp_path / "empty.json", {}, std=1e-4)
+        loaded = write_test(tmp_path / "loaded.json", {"seat": 260.0}, std=1e-4)
+        out = tmp_path / "f.json"
+        result = run("reconstruct", empty, loaded, NOMINAL, "--added", f"{loaded}:seat=50", "--json", out)
+        assert result.exit_code == 3, result.output
+        assert result.stderr.count("suspid: warning: the car that was found does not explain these modes") == 1
+        assert json.loads(out.read_text())["explains"] is False
+
+    @pytest.mark.parametrize(
+        ("options", "code", "message"),
+        [
+            (("--added", "m.json:sead=60"), 1, "there is no mass 'sead'. Did you mean 'seat'"),
+            (("--added", "x.json:seat=60"), 2, "none of the MODES"),
+            (("--added", "m.json:seat"), 2, "write FILE:NAME=KG"),
+            (("--added", "seat=1", "--added", "m.json:seat=2"), 2, "already"),
+            (("--added", "seat=-1"), 1, "must be a finite mass"),
+            (("--bound", "tire.stifness", 1, 2), 1, "no parameter 'tire.stifness'. Did you mean 'tire.stiffness'"),
+            (("--bound", "tire.stiffness", 2, 1), 1, "low must be below high"),
+            (("--tie", "seat.damping"), 2, "write A=B"),
+            (("--tie", "seat.damping=tyre.damping"), 1, "no parameter 'tyre.damping'"),
+            (("--fixed", "tyre"), 1, "no strut parameter 'tyre'"),
+            (("--free-mass", "sead"), 1, "no mass 'sead'"),
+            (("--nominal-std", 0), 2, "positive"),
+            (("--level", 1), 2, "--level"),
+            (("--level", 0.9, "--json", "f.json"), 1, "carried no covariance"),
+            (("--json", "n.toml"), 2, "named twice"),
+            (("-o", "m.json"), 2, "named twice"),
+        ],
+    )
+    def test_refused_clearly(
+        self,
+        tmp_path: Path,
+        monkeypatch: pytest.MonkeyPatch,
+        options: tuple[object, ...],
+        code: int,
+        message: str,
+    ) -> None:
+        monkeypatch.chdir(tmp_path)
+        write_test(Path("m.json"), {})
+        Path("n.toml").write_text(NOMINAL.read_text())
+        before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+        result = run("reconstruct", "m.json", "n.toml", *options)
+        assert result.exit_code == code, result.output
+        assert message in " ".join(result.stderr.split())
+        assert code == 2 or len(result.stderr.splitlines()) == 1
+        assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
+
+
 class TestNothingHalfWritten:
     def test_an_existing_file_survives_a_failure(self, tmp_path: Path) -> None:
         (tmp_path / "m.json").write_text("kept")

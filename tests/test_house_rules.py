@@ -27,8 +27,9 @@ LAYERS = [
     ["verdicts"],
     ["reconstruction"],
     ["comparison"],
-    ["modal_json"],
+    ["modal_json", "car_json"],
     ["plots", "report", "fleet"],
+    ["cli_support"],
     ["cli"],
     ["__init__", "__main__"],
 ]
