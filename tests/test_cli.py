@@ -228,6 +228,18 @@ class TestSeveralTestsGiveTheCar:
             assert other["distance"] >= 0
             assert set(other["parameters"]) >= {"seat.stiffness", "tire.damping"}
 
+        alone = run("reconstruct", test, EXAMPLES / "hatchback.toml", "--no-search")
+        assert alone.exit_code == 0, alone.output
+        assert "another suspension" not in alone.stdout
+
+    def test_a_bound_is_not_passed(self, tmp_path: Path) -> None:
+        test, out = write_test(tmp_path / "m.json", {}), tmp_path / "f.json"
+        options = ("--bound", "tire.stiffness", 9e5, "inf", "--tolerance", 0.5, "--no-search", "--json", out)
+        result = run("reconstruct", test, NOMINAL, *options)
+        assert result.exit_code == 0, result.output
+        values = {entry["name"]: entry["value"] for entry in json.loads(out.read_text())["parameters"]}
+        assert values["tire.stiffness"] >= 9e5 * (1 - 1e-6)  # the car has 8e5; 1e-6 is the solver's accuracy
+
     def test_a_wrong_mass_ends_with_3(self, tmp_path: Path) -> None:
         empty = write_test(tmp_path / "empty.json", {}, std=1e-4)
         loaded = write_test(tmp_path / "loaded.json", {"seat": 260.0}, std=1e-4)
