@@ -114,7 +114,8 @@ def report(*, seeds: int = SEEDS) -> str:
         "## What cannot be known is not invented",
         "Share of returned modes that lie more than four of their own standard deviations from every true mode.",
         honesty_table(HONESTY, outcomes),
-        f"Of {len(silent)} records of pure noise, {sum(n > 0 for n in silent)} gave a mode ({sum(silent)} modes in all).",
+        f"Of {len(silent)} records of pure noise, {sum(n > 0 for n in silent)} gave a mode "
+        f"({sum(silent)} modes in all).",
         "## Without noise",
         "Largest relative error of wn and zeta: "
         + ", ".join(f"{error:.1e}" for error in clean)
