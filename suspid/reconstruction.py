@@ -20,6 +20,8 @@ from suspid.values import FrozenMapping, frozen_real, rounded, spread, text_tabl
 from suspid.verdicts import check_fit, check_seen, goodness, parameter_covariance, pole_errors, remarks
 
 TOLERANCE = 0.02  # of a pole's modulus
+ROUNDED = 1e-9  # of a pole's modulus: nearer, modes without covariance are met
+LEVEL = 3.84  # rise of chi-square up to which two suspensions are equally likely: 95 % of one degree of freedom
 KINDS = (".stiffness", ".damping", ".mass")
 
 
@@ -30,7 +32,7 @@ class Reconstruction:
     Parameters
     ----------
     suspension : Suspension
-        Springs and dampers (and masses) found: of those with the modes, the one nearest to nominal.
+        Springs and dampers (and masses) found: of those that have the modes equally well, the one nearest to nominal.
     stiffness_std, damping_std : mapping of str to float, or None
         Standard deviations [N/m], [N s/m] by strut, to first order from the covariance of the modes; 0 for what was
         held, and as if no bound were there for what ends on one. None if the modes carry no covariance.
@@ -200,8 +202,9 @@ def reconstruct(
 
     Notes
     -----
-    From w and zeta alone several suspensions may have the same modes; the one nearest to the nominal values is
-    returned, the others are ``alternatives``. Shapes, a parameter held, or a test with an added mass decide.
+    From w and zeta alone several suspensions may have the same modes; of those that the data hold equally likely
+    the one nearest to the nominal values is returned, the others are ``alternatives``. Shapes, a parameter held, or
+    a test with an added mass decide. All intervals hold for the masses as given: an error of theirs is not in them.
 
     Examples
     --------
@@ -221,7 +224,9 @@ def reconstruct(
     points = candidates(problem, search=search)
     costs = [float(np.linalg.norm(problem.deciding(x)[0])) for x in points]
     accepted = [i for i, cost in enumerate(costs) if cost <= problem.allowed(min(costs), tolerance)]
-    accepted.sort(key=lambda i: farness(points[i], problem.unknowns))
+    # The data come first: nearness to the nominal car decides only between cars that they hold equally likely.
+    level = min(costs) ** 2 + LEVEL if problem.weighted else np.inf
+    accepted.sort(key=lambda i: (costs[i] ** 2 > level, farness(points[i], problem.unknowns)))
     best, cost = points[accepted[0]], costs[accepted[0]]
     car = problem.unknowns.suspension(best)
     check_seen(problem, best, car)
@@ -241,9 +246,13 @@ def reconstruct(
                 f"another suspension comes within {min(missed):.1e} of these modes: "
                 f"give their uncertainty, or tolerance=…, to have it judged"
             )
-    chi_square, freedom, explains = goodness(problem, best, cost)
+    chi_square, freedom, _ = goodness(problem, best, cost)
+    nearest = int(np.argmin(costs))
+    _, _, explains = goodness(problem, points[nearest], costs[nearest])
     if chi_square is not None:
         notes.append(f"chi-square {chi_square if chi_square > 1e-6 else 0:.3g} at {freedom} degrees of freedom")
+    elif freedom > 0 and residual > ROUNDED:
+        notes.append("the modes state no uncertainty: how well they are met is not judged")
     if not explains:
         notes.append("this topology does not explain these modes: standard deviations are widened for it")
     widening = 1.0 if explains or chi_square is None else float(np.sqrt(chi_square / max(freedom, 1)))

@@ -494,3 +494,23 @@ class TestTests:
         tests = [loaded(TWO), ModalTest(modes=eigenmodes(TWO), added_masses={"chassis": 100.0})]
         with pytest.raises(ReconstructionError, match=r"of test \d is off by"):
             reconstruct(tests, TWO)
+
+
+class TestTheDataComeFirst:
+    @pytest.mark.parametrize("zeta_share", [0.0023, 0.0025, 0.0027])
+    def test_a_twin_near_the_nominal_does_not_beat_the_car_that_fits(self, zeta_share: float) -> None:
+        car = quarter_car(
+            seat_mass=200, chassis_mass=200, tire_mass=200,
+            seat_stiffness=200e3, chassis_stiffness=400e3, tire_stiffness=800e3,
+            seat_damping=300, chassis_damping=200, tire_damping=100,
+        )  # fmt: skip
+        twin = car.with_parameters(
+            stiffness={"seat": 240e3, "chassis": 485e3, "tire": 550e3},
+            damping={"seat": 220, "chassis": 20, "tire": 660},
+        )
+        exact = eigenmodes(car)
+        modes = ModalSet.from_wn_zeta(exact.wn, exact.zeta, wn_std=1e-6 * exact.wn, zeta_std=zeta_share * exact.zeta)
+        answer = reconstruct(modes, twin)
+        # Exact modes have the true car at chi-square 0; the twin is 10 to 15 away, beyond a standard deviation of 3.
+        assert answer.explains
+        assert answer.suspension.struts[2].stiffness == pytest.approx(800e3, rel=1e-4)
