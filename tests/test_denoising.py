@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.special import erf
 
-from suspid import IdentificationError, InputError, ModalSet, RecordError, add_noise, free_decay, quarter_car
+from suspid import IdentificationError, InputError, ModalSet, RecordError, add_noise, free_decay
 from suspid.denoising import (
     RuleName,
     ThresholdName,
@@ -29,6 +29,7 @@ from suspid.denoising import (
 )
 from suspid.signals import as_response
 from suspid.units import RealArray
+from validation import cars
 from validation import denoising as denoising_report
 
 if TYPE_CHECKING:
@@ -57,17 +58,7 @@ def gain_db(clean: RealArray, noisy: RealArray, found: RealArray) -> float:
 
 
 def table_1_decay(count: int = 5000) -> control.TimeResponseData:
-    car = quarter_car(
-        seat_mass=200,
-        chassis_mass=200,
-        tire_mass=200,
-        seat_stiffness=200e3,
-        chassis_stiffness=400e3,
-        tire_stiffness=800e3,
-        seat_damping=300,
-        chassis_damping=200,
-        tire_damping=100,
-    )
+    car = cars.PAPER
     return free_decay(car, np.arange(count) / 500, initial_state={"v_tire": 1.0})
 
 

@@ -21,23 +21,14 @@ from suspid import (
     read_record,
 )
 from suspid.signals import as_response, as_signal
+from validation import cars
 
 DATA = Path(__file__).resolve().parents[2] / "shared" / "data"
 TIME = np.arange(5000) / 500
 
 
 def paper_car() -> Suspension:
-    return quarter_car(
-        seat_mass=200,
-        chassis_mass=200,
-        tire_mass=200,
-        seat_stiffness=200e3,
-        chassis_stiffness=400e3,
-        tire_stiffness=800e3,
-        seat_damping=300,
-        chassis_damping=200,
-        tire_damping=100,
-    )
+    return cars.PAPER
 
 
 def other_cars() -> list[Suspension]:

@@ -25,7 +25,6 @@ from suspid import (
     find_ridges,
     free_decay,
     identify,
-    quarter_car,
 )
 from suspid.plots import (
     FULL_BAR,
@@ -41,6 +40,7 @@ from suspid.plots import (
 from suspid.ridges import ABOVE_NOISE, fit_skeleton
 from suspid.signals import as_response, as_signal
 from suspid.units import RealArray
+from validation import cars
 
 HOSTILE = ("$x^2$", "$\\undefined{$", "_hidden", "\x1b[2Jq\n", "座席", "a" * 500, "")
 UNITS = ("s", "Hz", "rad/s", "dB", "1", "nat", "rad", "√s × unit", "unit")
@@ -48,17 +48,7 @@ UNITS = ("s", "Hz", "rad/s", "dB", "1", "nat", "rad", "√s × unit", "unit")
 
 @pytest.fixture(scope="module")
 def record() -> control.TimeResponseData:
-    car = quarter_car(
-        seat_mass=200,
-        chassis_mass=200,
-        tire_mass=200,
-        seat_stiffness=200e3,
-        chassis_stiffness=400e3,
-        tire_stiffness=800e3,
-        seat_damping=300,
-        chassis_damping=200,
-        tire_damping=100,
-    )
+    car = cars.PAPER
     decay = free_decay(car, np.arange(5, 11, 0.005), initial_state={"v_tire": 1.0})
     return add_noise(decay, snr_db=20.0, rng=np.random.default_rng(3))
 

@@ -11,11 +11,12 @@ from typing import TYPE_CHECKING, Literal, TypeAlias, get_args
 import numpy as np
 from tabulate import tabulate
 
-from suspid import ModalSet, Suspension, SuspidError, add_noise, eigenmodes, free_decay, quarter_car
+from suspid import ModalSet, SuspidError, add_noise, eigenmodes, free_decay
 from suspid.denoising import NoiseName, RuleName, ThresholdName, TransformName, denoise
 from suspid.signals import as_response, as_signal
 from suspid.units import Decibel, RealArray
 from suspid.values import frozen_real
+from validation import cars
 
 if TYPE_CHECKING:
     import control
@@ -61,7 +62,7 @@ def report(*, gain_seeds: int = 10, zeta_seeds: int = 100) -> str:
 
 def table_1() -> control.TimeResponseData:
     """Return the decay of the paper's car (c = 300, 200, 100 N s/m) after an impulse on the tire: 500 Hz, 10 s."""
-    return free_decay(_car(), np.arange(5000) / 500, initial_state={"v_tire": 1.0})
+    return free_decay(cars.PAPER, np.arange(5000) / 500, initial_state={"v_tire": 1.0})
 
 
 def cases() -> tuple[Case, ...]:
@@ -124,7 +125,7 @@ def has_scikit_image() -> bool:
 
 def zeta_part(identify: Identifier, *, seeds: int) -> str:
     """Return what denoising does to the damping ratios of the paper's record, as identified by ``identify``."""
-    truth = eigenmodes(_car())
+    truth = eigenmodes(cars.PAPER)
     clean = identify(table_1())
     rows: list[list[object]] = [
         ["", "true", *(f"{100 * z:.4f}" for z in truth.zeta), ""],
@@ -161,7 +162,7 @@ def zeta_bound(case: Case) -> RealArray:
     The decay is ``sum_k Re(a_k exp(p_k t))`` in each channel, with amplitudes of its own: their
     derivatives are projected out channel by channel, the poles' add up.
     """
-    truth, signal = eigenmodes(_car()), as_signal(case.clean)
+    truth, signal = eigenmodes(cars.PAPER), as_signal(case.clean)
     waves = np.exp(np.outer(signal.timepts, truth.poles))
     basis = np.concatenate([waves.real, -waves.imag], axis=1)
     nuisance = np.linalg.qr(basis)[0]
@@ -272,17 +273,3 @@ def _gain_row(names: list[object], gains: list[float]) -> list[object]:
 
 def _table(rows: list[list[object]], headers: list[str]) -> str:
     return tabulate(rows, headers=headers, tablefmt="github", disable_numparse=True)
-
-
-def _car() -> Suspension:
-    return quarter_car(
-        seat_mass=200,
-        chassis_mass=200,
-        tire_mass=200,
-        seat_stiffness=200e3,
-        chassis_stiffness=400e3,
-        tire_stiffness=800e3,
-        seat_damping=300,
-        chassis_damping=200,
-        tire_damping=100,
-    )
