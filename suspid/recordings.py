@@ -1,0 +1,107 @@
+"""Recordings: channels as a file holds them, each on its own clock, before anything is repaired."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from suspid.errors import RecordError
+from suspid.units import Hertz, RealArray, Second
+from suspid.values import nearest_names, text_table
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class RawChannel:
+    """What a file says of one channel; nothing is checked or changed yet.
+
+    Parameters
+    ----------
+    name : str
+        Its name in the file; unique within the recording.
+    unit : str
+        Its unit as the file states it; empty where it does not.
+    timepts : ndarray (sample,)
+        The stamps [s] as they stand: perhaps rounded, repeated, backwards or not a number. Channels of one
+        clock share one array.
+    values : ndarray (sample,)
+        The samples, perhaps not a number.
+    rate : float or None
+        Sampling rate [Hz] that the file or the user states; None: only the stamps tell.
+    """
+
+    name: str
+    unit: str
+    timepts: RealArray
+    values: RealArray
+    rate: Hertz | None
+
+    @property
+    def mean_rate(self) -> Hertz:
+        """Rate that is stated, or else that of the median step between stamps [Hz]; NaN if there is none."""
+        if self.rate is not None:
+            return self.rate
+        steps = np.diff(self.timepts[np.isfinite(self.timepts)])
+        steps = steps[steps > 0]
+        return float(1 / np.median(steps)) if steps.size else float("nan")
+
+    @property
+    def duration(self) -> Second:
+        """Time between the earliest and the latest stamp [s]; NaN if there is none."""
+        finite = self.timepts[np.isfinite(self.timepts)]
+        return float(np.max(finite) - np.min(finite)) if finite.size else float("nan")
+
+    @property
+    def gaps(self) -> int:
+        """How many runs of missing samples there are: steps above one and a half, and runs of NaN."""
+        finite = self.timepts[np.isfinite(self.timepts)]
+        holes = int(np.sum(np.diff(finite) > 1.5 / self.mean_rate)) if finite.size > 1 else 0
+        missing = np.isnan(self.values)
+        runs = int(np.sum(missing[1:] & ~missing[:-1])) + int(missing.size > 0 and missing[0])
+        return holes + runs
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Recording:
+    """The channels of a file.
+
+    Parameters
+    ----------
+    title : str
+        Name of the file without its suffix.
+    channels : tuple of RawChannel
+        In the order of the file.
+    left_out : mapping of str to str
+        What else the file holds, and why it is no channel.
+    """
+
+    title: str
+    channels: tuple[RawChannel, ...]
+    left_out: tuple[tuple[str, str], ...] = ()
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the channels."""
+        return tuple(channel.name for channel in self.channels)
+
+    def __getitem__(self, name: str) -> RawChannel:
+        """Return the channel of that name, or refuse with the nearest ones."""
+        for channel in self.channels:
+            if channel.name == name:
+                return channel
+        raise RecordError(f"there is no channel {name!r}.{nearest_names(name, self.names)}")
+
+    def __str__(self) -> str:
+        table = text_table(
+            {
+                "channel": list(self.names),
+                "unit": [channel.unit or "?" for channel in self.channels],
+                "rate [Hz]": [f"{channel.mean_rate:.6g}" for channel in self.channels],
+                "samples": [str(channel.values.size) for channel in self.channels],
+                "length [s]": [f"{channel.duration:.6g}" for channel in self.channels],
+                "gaps": [str(channel.gaps) for channel in self.channels],
+            }
+        )
+        if not self.left_out:
+            return table
+        return f"{table}\n\n{text_table({'left out': [n for n, _ in self.left_out], 'because it': [w for _, w in self.left_out]})}"
