@@ -71,7 +71,7 @@ class Recording:
         Name of the file without its suffix.
     channels : tuple of RawChannel
         In the order of the file.
-    left_out : mapping of str to str
+    left_out : tuple of (str, str)
         What else the file holds, and why it is no channel.
     """
 
@@ -102,6 +102,5 @@ class Recording:
                 "gaps": [str(channel.gaps) for channel in self.channels],
             }
         )
-        if not self.left_out:
-            return table
-        return f"{table}\n\n{text_table({'left out': [n for n, _ in self.left_out], 'because it': [w for _, w in self.left_out]})}"
+        names, reasons = [name for name, _ in self.left_out], [reason for _, reason in self.left_out]
+        return f"{table}\n\n{text_table({'left out': names, 'because it': reasons})}" if names else table
