@@ -21,6 +21,10 @@ class RecordError(InputError):
     """A record, or the file that should hold one, that cannot be used."""
 
 
+class RecordWarning(UserWarning):
+    """What was repaired in a record as it was read, or was seen there and left alone."""
+
+
 class IdentificationError(SuspidError):
     """Modes could not be found as asked.
 
