@@ -1,0 +1,1 @@
+"""Sensors: units, signs and scales, and the vertical in a tilted accelerometer."""
