@@ -5,14 +5,14 @@ from __future__ import annotations
 import csv
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
 from suspid.errors import RecordError
 from suspid.files import read_text
-from suspid.units import Hertz, RealArray
+from suspid.units import Hertz, RealArray, Second
 from suspid.values import frozen_real, nearest_names
 
 # How many of each unit of time make a second.
@@ -25,7 +25,31 @@ PER_SECOND = {
 }
 TIME_NAMES = {"t", "time", "timepts", "timestamp", "timestamps", "timedomain", "timevector", "elapsed", "elapsedtime"}
 TIME_NAMES |= {"zeit", "temps", "tiempo"} | {name for name in PER_SECOND if len(name) > 2 and name != "min"}
+# A name and, in brackets behind it, its unit.
+BRACKETED = re.compile(r"(.*\S)\s*[\[(]\s*([^\[\]()]*(?:\([^\[\]()]*\))?[^\[\]()]*)[\])]")
 DELIMITERS = ("\t", ";", ",")
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Clock:
+    """When the samples of a column were taken.
+
+    Parameters
+    ----------
+    name : str
+        Name of the clock, such as that of the group of channels that share it.
+    start : float
+        Time of the first sample [s], where there are no stamps.
+    rate : float or None
+        Sampling rate that the file states [Hz]; None: only the stamps tell.
+    stamps : callable, optional
+        Returns the stamps [s] as they stand in the file. Default: ``start + arange(sample) / rate``.
+    """
+
+    name: str
+    start: Second = 0.0
+    rate: Hertz | None = None
+    stamps: Callable[[], RealArray] | None = None
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -37,17 +61,29 @@ class Table:
     sizes : mapping of str to int
         Number of samples by column, in the order of the file.
     columns : callable
-        Returns the numbers of the named columns, one array each; refuses text cells.
+        Returns the numbers of the named columns, one read-only array each, NaN where one is missing; refuses
+        text cells.
     unusable : mapping of str to str
-        What else the file holds, and why it cannot be a column.
+        What else the file holds, and why it cannot be a column, as a predicate: ``"is text"``.
     rates : mapping of str to float
-        Sampling rates that the file states [Hz], by the name under which they stand.
+        Sampling rates that the file states [Hz], by the name under which they stand; they hold for every
+        column without a clock.
+    units : mapping of str to str
+        Units by column as the file states them; a column without one may be absent.
+    clocks : mapping of str to Clock
+        Clocks by column. Columns of one clock share one `Clock`. Without one, time is the column named
+        like a time, or follows from the rate.
+    title : str
+        What the file calls its content; empty: the name of the file stands for it.
     """
 
     sizes: Mapping[str, int]
     columns: Callable[[Sequence[str]], list[RealArray]]
     unusable: Mapping[str, str]
     rates: Mapping[str, Hertz]
+    units: Mapping[str, str] = field(default_factory=dict)
+    clocks: Mapping[str, Clock] = field(default_factory=dict)
+    title: str = ""
 
     def check(self, name: str, *, what: str) -> None:
         """Refuse a column that is not there."""
@@ -55,6 +91,38 @@ class Table:
             raise RecordError(f"{what} {name!r} {self.unusable[name]}")
         if name not in self.sizes:
             raise RecordError(f"there is no {what} {name!r}.{nearest_names(name, self.sizes)}")
+
+    def full_name(self, name: str, *, what: str) -> str:
+        """Return the column of that name, or the only one of that name before its unit."""
+        short = [column for column in self.sizes if bare_name(column) == name]
+        if name not in self.sizes and name not in self.unusable and len(short) == 1:
+            return short[0]
+        self.check(name, what=what)
+        return name
+
+
+def bare_name(name: str) -> str:
+    """Return the name without the unit in brackets behind it.
+
+    Examples
+    --------
+    >>> bare_name("seat [mm]"), bare_name("a_seat_m/s2")
+    ('seat', 'a_seat_m/s2')
+    """
+    found = BRACKETED.fullmatch(name.strip())
+    return found[1].strip() if found else name.strip()
+
+
+def bracketed_unit(name: str) -> str:
+    """Return the unit in brackets behind a name; empty if there is none.
+
+    Examples
+    --------
+    >>> bracketed_unit("seat [mm]"), bracketed_unit("acc (m/s^2)"), bracketed_unit("a_seat_m/s2")
+    ('mm', 'm/s^2', '')
+    """
+    found = BRACKETED.fullmatch(name.strip())
+    return found[2].strip() if found else ""
 
 
 def split_unit(name: str) -> tuple[str, str]:
@@ -125,7 +193,8 @@ def read_delimited(path: Path) -> Table:
             raise _text_cell(body, delimiter, {names[k]: k for k in use}, 1 + header)
         return [frozen_real(column) for column in numbers.T]
 
-    return Table(sizes=dict.fromkeys(names, len(body)), columns=columns, unusable={}, rates={})
+    units = {name: bracketed_unit(name) for name in names if bracketed_unit(name)}
+    return Table(sizes=dict.fromkeys(names, len(body)), columns=columns, unusable={}, rates={}, units=units)
 
 
 def _cells(line: str, delimiter: str) -> list[str]:

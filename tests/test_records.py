@@ -269,7 +269,7 @@ REFUSED: list[tuple[str, str | bytes, dict[str, Any], str]] = [
     ("r.csv", "0,up\n1,2\n", {"fs": 1}, "line 1 is neither a header nor data: cell 2 is 'up'"),
     ("r.csv", "once upon\na time\n", {"fs": 1}, "line 2, column 'once upon': 'a time' is not a number"),
     ("r.csv", "t\n0\n1\n", {}, "no channel as long as time"),
-    ("r.wav", GOOD, {}, r"type '.wav' are not known; known: .csv"),
+    ("r.doc", GOOD, {}, r"type '.doc' are not known; known: .csv"),
     ("r", GOOD, {}, "type '' are not known"),
 ]
 
