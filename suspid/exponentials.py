@@ -41,19 +41,27 @@ def power_sums(phi: ComplexArray, count: int) -> tuple[ComplexArray, ComplexArra
     >>> zeroth.real, first.real
     (array([5.]), array([2.]))
     """
-    near = np.abs(phi) * count < SERIES_REACH
+    near = np.abs(phi) < SERIES_REACH / count
     safe = np.where(near, -1.0, phi)
     below = 1 / np.expm1(safe)
     last = np.exp(safe * count)
     zeroth = (last - 1) * below
     # (E - 1) / (u - 1) in units of n: u / (u - 1) = 1 + 1 / (u - 1).
     ratio = 1 + below
-    first = last * below - zeroth * ratio / count
-    second = last * below - (2 * first + zeroth / count) * ratio / count
+    ended, ratio = last * below, ratio / count
+    first = ended - zeroth * ratio
+    second = ended - (2 * first + zeroth / count) * ratio
     if near.any():
         x = phi[near] * count
-        terms = np.cumprod(np.column_stack([np.ones_like(x), np.divide.outer(x, np.arange(1, SERIES_TERMS))]), axis=1)
-        zeroth[near], first[near], second[near] = (terms @ _moments(count)).T
+        if x.any():
+            terms = np.cumprod(
+                np.column_stack([np.ones_like(x), np.divide.outer(x, np.arange(1, SERIES_TERMS))]), axis=1
+            )
+            sums = (terms @ _moments(count)).T
+        else:
+            # A constant against itself.
+            sums = _moments(count)[0][:, None]
+        zeroth[near], first[near], second[near] = sums
     return zeroth, first, second
 
 
@@ -120,7 +128,7 @@ class Blocks:
         # Real times complex as one real product: numpy would first make the record complex.
         partial = self.folded @ inner.view(float)
         partial = partial.reshape(2, self.channels, len(outer), -1).view(complex)
-        return np.asarray(np.sum(partial * outer, axis=2))
+        return np.asarray(np.einsum("jcbi,bi->jci", partial, outer))
 
 
 def blocks_of(values: RealArray) -> Blocks:

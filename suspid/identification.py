@@ -459,7 +459,7 @@ def _modes_of(selection: Selection, signal: Signal, centred: RealArray) -> tuple
     widening = selection.loudness[kept].copy()
     for k in np.flatnonzero(widening[: len(pairs)] > 1):
         widening[k] = np.nanmax([widening[k], _disagreement(centred, fit.poles, int(pairs[k]), noise) ** 2])
-    shapes, covariance = joint_covariance(fit, pairs, reals, blocks_of(centred), widening)
+    shapes, covariance = joint_covariance(fit, pairs, reals, centred.shape[1], widening)
     exponents = np.concatenate([fit.poles.pairs[pairs], fit.poles.reals[reals]])
     per_second = np.ones(len(covariance))
     per_second[: 2 * len(kept)] = 1 / signal.step

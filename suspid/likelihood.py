@@ -7,7 +7,7 @@ steps with the noise variances concentrated out. All inner products come from `s
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from suspid.exponentials import Blocks, power_sums
 from suspid.units import ComplexArray, RealArray
-from suspid.values import frozen_complex
+from suspid.values import frozen_complex, frozen_real
 
 # Iterations end when the step is worth less than this in squared standard deviations.
 NEGLIGIBLE = 1e-7
@@ -102,6 +102,8 @@ class DecayFit:
         Inner products of the exponentials.
     tilt : ndarray (exponent, exponent)
         Inner products of the exponentials with their derivatives.
+    sharpness : ndarray (exponent, exponent)
+        Inner products of the derivatives, what the exponentials explain of them projected out.
     """
 
     poles: Poles
@@ -112,9 +114,10 @@ class DecayFit:
     gradient: RealArray
     gram: ComplexArray
     tilt: ComplexArray
+    sharpness: ComplexArray
 
 
-def evaluate(blocks: Blocks, poles: Poles, floor: RealArray, *, squares: RealArray | None = None) -> DecayFit | None:
+def evaluate(blocks: Blocks, poles: Poles, floor: RealArray) -> DecayFit | None:
     """Return the fit at given poles, or None where their exponentials cannot be told apart.
 
     Parameters
@@ -125,36 +128,34 @@ def evaluate(blocks: Blocks, poles: Poles, floor: RealArray, *, squares: RealArr
         The exponents.
     floor : ndarray (channel,)
         Least variance that a channel's residual counts as.
-    squares : ndarray (channel,), optional
-        Residual sums of squares, where they are known better than by subtraction from the energy.
     """
+    from scipy.linalg.lapack import zpotrf, ztrtri
+
     theta, count, pairs = poles.exponents, blocks.count, len(poles.pairs)
     gram, tilt, bend = power_sums(theta.conj()[:, None] + theta, count)
     # With exponentials of unit norm the Gram matrix says by its pivots whether they can be told apart.
     norm = 1 / np.sqrt(gram.diagonal().real)
-    try:
-        lower = np.linalg.cholesky(gram * (norm[:, None] * norm))
-    except np.linalg.LinAlgError:
+    lower, failed = zpotrf(gram * (norm[:, None] * norm), lower=1, clean=1)
+    if failed:
         return None
     pivot = float(lower.diagonal().real.min())
-    if pivot < ALIKE:
+    if not pivot >= ALIKE:
         return None
-    inverse = np.linalg.inv(lower) * norm
+    inverse = ztrtri(lower, lower=1)[0] * norm
     inverse = inverse.conj().T @ inverse
     # Of a real record the products with the conjugates are conjugate.
-    half = blocks.project(theta[np.r_[:pairs, 2 * pairs : len(theta)]]).transpose(0, 2, 1)
+    half = blocks.project(theta[_distinct(pairs, len(theta))]).transpose(0, 2, 1)
     zeroth, first = np.concatenate([half[:, :pairs], half[:, :pairs].conj(), half[:, pairs:]], axis=1)
     amplitudes = inverse @ zeroth
     explained = (zeroth.real * amplitudes.real + zeroth.imag * amplitudes.imag).sum(axis=0)
     # What is explained is known to the rounding that the inverse magnifies: nothing below it is a residual.
-    left = blocks.energy - explained if squares is None else squares
     rounding = ROUNDING / pivot**2 * blocks.energy
-    squares = np.maximum(left, rounding)
+    squares = np.maximum(blocks.energy - explained, rounding)
     variance = np.maximum(squares / count, floor)
-    if not (np.isfinite(explained).all() and (variance > 0).all()):
+    if not (np.isfinite(explained).all() and variance.min() > 0):
         return None
+    sharpness = bend - tilt @ inverse @ tilt
     weighted = amplitudes.conj() / variance
-    curvature = (bend - tilt @ inverse @ tilt) * (weighted @ amplitudes.T)
     slope = (weighted * (first - tilt @ amplitudes)).sum(axis=1)
     chart = _chart(pairs, len(poles.reals), len(theta))
     return DecayFit(
@@ -162,16 +163,39 @@ def evaluate(blocks: Blocks, poles: Poles, floor: RealArray, *, squares: RealArr
         amplitudes=amplitudes,
         squares=squares,
         rounding=rounding,
-        information=(chart.conj().T @ curvature @ chart).real * count**2,
+        information=_information(sharpness, amplitudes, variance, chart, count),
         gradient=(chart.conj().T @ slope).real * count,
         gram=gram,
         tilt=tilt,
+        sharpness=sharpness,
     )
+
+
+def reweighed(fit: DecayFit, blocks: Blocks, floor: RealArray, squares: RealArray) -> DecayFit:
+    """Return a fit whose residual sums of squares are known better than by subtraction from the energy."""
+    squares = np.maximum(squares, fit.rounding)
+    variance = np.maximum(squares / blocks.count, floor)
+    chart = _chart(len(fit.poles.pairs), len(fit.poles.reals), len(fit.poles))
+    information = _information(fit.sharpness, fit.amplitudes, variance, chart, blocks.count)
+    return replace(fit, squares=squares, information=information)
+
+
+def _information(
+    sharpness: ComplexArray, amplitudes: ComplexArray, variance: RealArray, chart: ComplexArray, count: int
+) -> RealArray:
+    curvature = sharpness * ((amplitudes.conj() / variance) @ amplitudes.T)
+    return np.asarray((chart.conj().T @ curvature @ chart).real * count**2)
+
+
+@lru_cache(maxsize=256)
+def _distinct(pairs: int, exponents: int) -> NDArray[np.intp]:
+    """Return which exponents are no conjugates of others before them."""
+    return np.concatenate([np.arange(pairs), np.arange(2 * pairs, exponents)])
 
 
 def likelihood_loss(fit: DecayFit, count: int, floor: RealArray) -> float:
     """Return minus twice the concentrated log likelihood, ``n sum_c log variance_c``, but for a constant."""
-    return float(count * np.sum(np.log(np.maximum(fit.squares / count, floor))))
+    return float(count * np.log(np.maximum(fit.squares / count, floor)).sum())
 
 
 def maximize(
@@ -206,10 +230,10 @@ def maximize(
         diagonal = fit.information.diagonal()
         if not (np.isfinite(fit.information).all() and diagonal.min() > 0):
             return fit
-        scale = np.sqrt(np.maximum(diagonal, 1e-12 * np.max(diagonal)))
-        unit = fit.information / np.outer(scale, scale)
+        scale = np.sqrt(np.maximum(diagonal, 1e-12 * diagonal.max()))
+        unit = fit.information / (scale[:, None] * scale)
         for _ in range(12):
-            step = np.linalg.solve(unit + damping * np.eye(len(unit)), fit.gradient / scale) / scale
+            step = np.linalg.solve(unit + damping * _unit_matrix(len(unit)), fit.gradient / scale) / scale
             worth = float(step @ fit.gradient)
             if worth < negligible:
                 return fit
@@ -230,18 +254,24 @@ def maximize(
 
 def _bounded(poles: Poles, step: RealArray, count: int) -> Poles:
     """Return the poles after a step cut to what the quadratic model can mean, and kept in range."""
-    pairs, reals = len(poles.pairs), len(poles.reals)
-    reach = np.concatenate([np.repeat(np.abs(poles.pairs.real), 2), np.abs(poles.reals)]) + 1.5 / count
-    share = np.max(np.abs(step) / reach, initial=0.0)
+    pairs, slack = len(poles.pairs), 1.5 / count
+    reach = np.abs(np.concatenate([poles.pairs.real.repeat(2), poles.reals])) + slack
+    share = float((np.abs(step) / reach).max())
     moved = poles.moved(step / max(1.0, share))
-    lowest, highest = -FASTEST, GROWTH / count
-    re = np.clip(moved.pairs.real, lowest, highest)
-    im = np.clip(np.abs(moved.pairs.imag), np.maximum(1e-3 / count, SLOWEST * np.abs(re)), np.pi)
+    highest = GROWTH / count
+    re = np.minimum(np.maximum(moved.pairs.real, -FASTEST), highest)
+    slowest = np.maximum(1e-3 / count, SLOWEST * np.abs(re))
+    im = np.minimum(np.maximum(np.abs(moved.pairs.imag), slowest), np.pi)
     return Poles(
         pairs=re + 1j * im if pairs else moved.pairs,
-        reals=np.clip(moved.reals, lowest, highest) if reals else moved.reals,
+        reals=np.minimum(np.maximum(moved.reals, -FASTEST), highest),
         nuisances=poles.nuisances,
     )
+
+
+@lru_cache(maxsize=64)
+def _unit_matrix(size: int) -> RealArray:
+    return frozen_real(np.eye(size))
 
 
 @lru_cache(maxsize=256)
@@ -257,7 +287,7 @@ def _chart(pairs: int, reals: int, exponents: int) -> ComplexArray:
 
 
 def joint_covariance(
-    fit: DecayFit, pairs: NDArray[np.intp], reals: NDArray[np.intp], blocks: Blocks, inflation: RealArray
+    fit: DecayFit, pairs: NDArray[np.intp], reals: NDArray[np.intp], count: int, inflation: RealArray
 ) -> tuple[ComplexArray, RealArray]:
     """Return the shapes of some poles and the joint covariance of those poles and shapes.
 
@@ -271,8 +301,8 @@ def joint_covariance(
         The fit.
     pairs, reals : ndarray of int
         Which of its pairs and of its real poles are wanted.
-    blocks : Blocks
-        The record.
+    count : int
+        Number of samples.
     inflation : ndarray (pole,)
         Factor by which the variance of each wanted pole is widened.
 
@@ -283,7 +313,7 @@ def joint_covariance(
     covariance : ndarray
         In the order of `ModalSet.covariance`, poles per sample.
     """
-    poles, count, channels = fit.poles, blocks.count, blocks.channels
+    poles, channels = fit.poles, len(fit.squares)
     free = count - len(poles) - poles.free / channels
     variance = fit.squares / max(free, 1.0)
     # The information was weighed by the variances over all samples.

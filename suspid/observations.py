@@ -15,6 +15,9 @@ from suspid.suspension import Suspension, output_weights
 from suspid.units import ComplexArray, Kilogram, RealArray
 from suspid.values import FrozenMapping, nearest_names
 
+FEW_DIGITS = 8  # significant ones: numbers that a person printed; computed ones have 15 to 17
+HERTZ = 2 * np.pi  # rad/s
+
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ModalTest:
@@ -125,6 +128,30 @@ def observe(test: ModalTest, suspension: Suspension) -> tuple[Observed, list[str
         spacing=spacing,
     )
     return seen, notes
+
+
+def printed(modes: ModalSet) -> bool:
+    """Return whether the modes were printed: all frequencies and damping ratios, or all poles, are of few digits.
+
+    Who prints six digits has measured or rounded; a computed number has few digits by chance once in millions.
+
+    Examples
+    --------
+    >>> printed(ModalSet.from_wn_zeta([21.2686, 50.0925], [0.007905, 0.025293]))
+    True
+    >>> printed(ModalSet.from_wn_zeta([450**0.5, 2500**0.5], [0.007905, 0.025293]))
+    False
+    """
+    moving = modes.poles != 0
+    wn, zeta, poles = modes.wn[moving], modes.zeta[moving], modes.poles[moving]
+    forms = [(values / unit, ratios) for unit in (1.0, HERTZ) for values, ratios in ((wn, zeta), (poles.imag, poles.real / unit))]
+    return any(_few_digits(np.concatenate(form)) for form in forms)
+
+
+def _few_digits(values: RealArray) -> bool:
+    """Return whether all values are decimal numbers of few digits, but for the rounding of a few operations."""
+    short = np.array([float(f"{value:.{FEW_DIGITS - 1}e}") for value in values])
+    return bool(np.all(np.abs(values - short) <= 1e-14 * np.abs(values)))
 
 
 def unweighted(seen: Observed) -> Observed:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from suspid.exponentials import Blocks, blocks_of, cross_sums, power_sums, synthesize
-from suspid.likelihood import NEGLIGIBLE, DecayFit, Poles, evaluate, maximize, pole_covariance
+from suspid.likelihood import NEGLIGIBLE, DecayFit, Poles, evaluate, maximize, pole_covariance, reweighed
 from suspid.units import ComplexArray, RealArray
 from suspid.values import frozen_real
 
@@ -131,24 +131,24 @@ def select(
     blocks = blocks_of(values)
     floor = np.maximum(floor, 1e-28 * blocks.energy / blocks.count)
     state = _State(values=values, blocks=blocks, floor=floor, band=band)
-    poles = Poles(pairs=np.zeros(0, complex), reals=np.zeros(0), nuisances=np.zeros(1))
-    fit = evaluate(blocks, poles, floor)
-    assert fit is not None
+    nothing = evaluate(blocks, Poles(pairs=np.zeros(0, complex), reals=np.zeros(0), nuisances=np.zeros(1)), floor)
+    assert nothing is not None
+    held = _Held(state=state, fit=nothing)
     rejected: list[tuple[Candidate, str]] = []
-    while fit.poles.free < 2 * MOST_POLES:
-        better = _extended(state, fit, rejected)
+    while held.poles.free < 2 * MOST_POLES:
+        better = _extended(state, held, rejected)
         if better is None:
             break
-        fit = _straightened(state, better, STILL, rejected)
-    fit = state.fitted(fit) or fit
-    straight = _straightened(state, _single(state, fit), CREEPING, rejected)
-    fit = _unbent(state, fit if straight is fit else state.fitted(straight) or straight)
-    fit, gains = _thinned(state, fit, rejected)
-    fit, extra = _paired(state, fit)
+        held = _straightened(state, better, STILL, rejected)
+    held = state.fitted(held.fit) or held
+    straight = _straightened(state, _single(state, held), CREEPING, rejected)
+    held = _unbent(state, held if straight is held else state.fitted(straight.fit) or straight)
+    held, gains = _thinned(state, held, rejected)
+    held, extra = _paired(state, held)
     if len(extra):
-        gains, _ = state.worths(fit, state.residual(fit))
-    residual = state.residual(fit)
-    fit = evaluate(blocks, fit.poles, floor, squares=np.einsum("ck,ck->c", residual, residual)) or fit
+        gains, _ = state.worths(held)
+    # Sums of squares from the residual itself: by subtraction they carry the rounding of the whole energy.
+    fit = reweighed(held.fit, blocks, floor, held.squares)
     verdicts = list(state.verdicts(fit))
     for index, more in enumerate(extra, start=len(fit.poles.pairs)):
         if verdicts[index] == "mode" and (more > PAIR_EXCLUDED or gains[index] < REAL_SURE):
@@ -160,7 +160,7 @@ def select(
         fit=fit,
         verdicts=tuple(verdicts),
         gains=gains,
-        loudness=state.loudness(fit, residual),
+        loudness=held.loudness,
         rejected=tuple(rejected),
     )
 
@@ -172,46 +172,42 @@ class _State:
     floor: RealArray
     band: tuple[float, float]
 
-    def residual(self, fit: DecayFit) -> RealArray:
-        motion = synthesize(fit.poles.exponents, fit.amplitudes, self.blocks.count)
-        return np.asarray(self.values - motion, float)
-
-    def variance(self, residual: RealArray) -> RealArray:
-        squares = np.einsum("ck,ck->c", residual, residual)
-        return np.asarray(np.maximum(squares / self.blocks.count, self.floor), float)
-
-    def loss(self, fit: DecayFit) -> float:
-        return float(self.blocks.count * np.sum(np.log(self.variance(self.residual(fit)))))
-
-    def fitted(self, start: Poles | DecayFit, *, rough: bool = False) -> DecayFit | None:
+    def fitted(self, start: Poles | DecayFit, *, rough: bool = False) -> _Held | None:
         # Sums of squares by subtraction carry the rounding of the whole energy.
         floor = np.maximum(self.floor, 1e-15 * self.blocks.energy / self.blocks.count)
-        return maximize(self.blocks, start, floor, negligible=ROUGH**2 if rough else NEGLIGIBLE)
+        fit = maximize(self.blocks, start, floor, negligible=ROUGH**2 if rough else NEGLIGIBLE)
+        return None if fit is None else _Held(state=self, fit=fit)
 
-    def worths(self, fit: DecayFit, residual: RealArray, *, refit: bool = True) -> tuple[RealArray, RealArray]:
+    def worths(self, held: _Held, *, refit: bool = True) -> tuple[RealArray, RealArray]:
         """Return what leaving each pole out costs: in twice the log likelihood, and in energy over noise variance.
 
         At fixed poles the sum of squares grows by ``a^H (G^-1)^-1 a`` with a the amplitudes left out and G^-1
         their block of the inverse Gram matrix. Where that is not much, the others are fitted anew.
         """
-        least = self.variance(residual)
-        level = self.blocks.count * float(np.sum(np.log(least)))
-        inverse, pairs = np.linalg.inv(fit.gram), len(fit.poles.pairs)
-        gains, energies = np.zeros(_poles(fit)), np.zeros(_poles(fit))
-        for index in range(_poles(fit)):
-            rows = [index, pairs + index] if index < pairs else [pairs + index]
-            amplitudes = fit.amplitudes[rows]
-            block = np.linalg.inv(inverse[np.ix_(rows, rows)])
-            more = np.einsum("ic,ij,jc->c", amplitudes.conj(), block, amplitudes).real / (self.blocks.count * least)
-            energies[index] = self.blocks.count * np.sum(more)
-            gains[index] = self.blocks.count * np.sum(np.log1p(np.maximum(more, 0.0)))
-            if refit and gains[index] < 3 * self.price(real=index >= pairs):
-                refitted = self.fitted(fit.poles.without(index))
-                gains[index] = gains[index] if refitted is None else self.loss(refitted) - level
+        fit, count, pairs = held.fit, self.blocks.count, len(held.poles.pairs)
+        inverse = np.linalg.inv(fit.gram)
+        # Of conjugate exponents the blocks are [[a, b], [b*, a]], and so are their inverses.
+        first = np.arange(pairs)
+        a, b = inverse[first, first].real, inverse[first, first + pairs]
+        squared, crossed = np.abs(fit.amplitudes[:pairs]) ** 2, fit.amplitudes[:pairs] ** 2
+        of_pairs = 2 * (a[:, None] * squared - (b[:, None] * crossed.conj()).real) / (a**2 - np.abs(b) ** 2)[:, None]
+        real = np.arange(2 * pairs, 2 * pairs + len(held.poles.reals))
+        of_reals = np.abs(fit.amplitudes[real]) ** 2 / inverse[real, real].real[:, None]
+        more = np.concatenate([of_pairs, of_reals]) / (count * held.variance)
+        energies = count * more.sum(axis=1)
+        gains = count * np.log1p(np.maximum(more, 0.0)).sum(axis=1)
+        if refit:
+            for index in np.flatnonzero(gains < 3 * self.prices(held.poles)):
+                refitted = self.fitted(held.poles.without(int(index)))
+                gains[index] = gains[index] if refitted is None else refitted.loss - held.loss
         return gains, energies
 
     def price(self, *, real: bool) -> float:
         return price(self.blocks.channels, self.blocks.channels * self.blocks.count, real=real)
+
+    def prices(self, poles: Poles) -> RealArray:
+        """Return the price of every free pole, (pole,)."""
+        return np.array([self.price(real=False)] * len(poles.pairs) + [self.price(real=True)] * len(poles.reals))
 
     def verdicts(self, fit: DecayFit) -> tuple[Verdict, ...]:
         spread = np.sqrt(np.diag(pole_covariance(fit)))
@@ -236,40 +232,100 @@ class _State:
             return "outside the band"
         return "mode"
 
-    def loudness(self, fit: DecayFit, residual: RealArray) -> RealArray:
-        """Return the power of the residual beside each pole over that of the noise; 1 where they agree."""
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Held:
+    """A fit and what it leaves of the record, each computed when first asked for."""
+
+    state: _State
+    fit: DecayFit
+
+    @property
+    def poles(self) -> Poles:
+        return self.fit.poles
+
+    @cached_property
+    def residual(self) -> RealArray:
+        motion = synthesize(self.poles.exponents, self.fit.amplitudes, self.state.blocks.count)
+        return np.asarray(self.state.values - motion, float)
+
+    @cached_property
+    def squares(self) -> RealArray:
+        return np.asarray(np.einsum("ck,ck->c", self.residual, self.residual))
+
+    @cached_property
+    def variance(self) -> RealArray:
+        """Mean square of the residual, at least the floor, (channel,)."""
+        return np.asarray(np.maximum(self.squares / self.state.blocks.count, self.state.floor), float)
+
+    @cached_property
+    def loss(self) -> float:
+        return float(self.state.blocks.count * np.log(self.variance).sum())
+
+    @cached_property
+    def splits(self) -> NDArray[np.bool_]:
+        """Whether each pole is part of another: too near to it, or near and of the same shape in the channels."""
+        every, fit = _every(self.poles), self.fit
+        pairs = len(self.poles.pairs)
+        rows = np.concatenate([np.arange(pairs), np.arange(2 * pairs, pairs + len(every))]).astype(int)
+        shapes = fit.amplitudes[rows] / np.sqrt(fit.squares + 1e-300)
+        shapes = shapes / (np.sqrt(np.sum(np.abs(shapes) ** 2, axis=1, keepdims=True)) + 1e-300)
+        alike = np.abs(shapes @ shapes.conj().T) ** 2 > ALIKE
+        return np.asarray(np.any(_apart(every) < np.where(alike, DISTINCT_ALIKE, DISTINCT), axis=1))
+
+    @cached_property
+    def coloured(self) -> bool:
+        """Whether a channel's residual goes with itself one sample later, by more than chance explains."""
+        power, count = np.maximum(self.squares, self.state.floor * self.state.blocks.count), self.state.blocks.count
+        together = np.einsum("ck,ck->c", self.residual[:, 1:], self.residual[:, :-1]) / np.where(power > 0, power, 1.0)
+        return bool(np.any(np.abs(together) > COLOUR_SURE / np.sqrt(count)))
+
+    @property
+    def loudness(self) -> RealArray:
+        """Power of the residual beside each pole over that of the noise; 1 where they agree."""
         # In a white residual what is seen beside a pole is chance; in a coloured one it is the noise there, or less
         # than that where the colour has its peak at the pole itself.
-        if self.coloured(residual):
-            return self.beside(fit, residual, at_pole=True)
-        ratio = self.beside(fit, residual)
-        return np.where(ratio > COLOURED, ratio, 1.0)
+        if not self.coloured:
+            return np.where(self.beside > COLOURED, self.beside, 1.0)
+        ratio = self._ratio(np.maximum(self._power, noise_colour(self.residual, np.abs(_every(self.poles).imag))))
+        return np.where(ratio > 1.0, ratio, 1.0)
 
-    def beside(self, fit: DecayFit, residual: RealArray, *, at_pole: bool = False) -> RealArray:
-        """Return the power of the residual beside each pole, seen through its own decay, over that of the noise."""
-        if not _poles(fit):
-            return np.zeros(0)
-        count, pairs = self.blocks.count, len(fit.poles.pairs)
-        theta = np.concatenate([fit.poles.pairs, fit.poles.reals])
-        rows = np.concatenate([np.arange(pairs), np.arange(2 * pairs, 2 * pairs + len(fit.poles.reals))])
+    @cached_property
+    def beside(self) -> RealArray:
+        """Power of the residual beside each pole, seen through its own decay, over that of the noise."""
+        ratio = self._ratio(self._power)
+        return np.where(ratio > COLOURS_BEGIN, ratio, 1.0)
+
+    @cached_property
+    def _power(self) -> RealArray:
+        count, theta = self.state.blocks.count, _every(self.poles)
         decay = np.maximum(-theta.real, 0.25 / count)
         beside = (decay + np.pi / count)[:, None] * BESIDE
-        omega = np.clip(np.abs(theta.imag[:, None] + beside), np.pi / count, np.pi)
-        spread = blocks_of(residual).project((1j * omega - decay[:, None]).ravel())[0]
-        variance = self.variance(residual)
-        expected = power_sums(-2 * decay + 0j, count)[0].real
-        power = np.mean(np.abs(spread.reshape(len(variance), *omega.shape)) ** 2, axis=2) / expected / variance[:, None]
-        weights = np.abs(fit.amplitudes[rows]).T ** 2 / variance[:, None] + 1e-300
-        if at_pole:
-            power = np.maximum(power, noise_colour(residual, np.abs(theta.imag)))
-        ratio = np.sum(weights * power, axis=0) / np.sum(weights, axis=0)
-        return np.where(ratio > (1.0 if at_pole else COLOURS_BEGIN), ratio, 1.0)
+        omega = np.minimum(np.maximum(np.abs(theta.imag[:, None] + beside), np.pi / count), np.pi)
+        spread = blocks_of(self.residual).project((1j * omega - decay[:, None]).ravel())[0]
+        expected = np.expm1(-2 * decay * count) / np.expm1(-2 * decay)
+        power = np.mean(np.abs(spread.reshape(len(self.variance), *omega.shape)) ** 2, axis=2)
+        return np.asarray(power / expected / self.variance[:, None])
 
-    def coloured(self, residual: RealArray) -> bool:
-        """Return whether a channel's residual goes with itself one sample later, by more than chance explains."""
-        power = np.maximum(np.einsum("ck,ck->c", residual, residual), self.floor * self.blocks.count)
-        together = np.einsum("ck,ck->c", residual[:, 1:], residual[:, :-1]) / np.where(power > 0, power, 1.0)
-        return bool(np.any(np.abs(together) > COLOUR_SURE / np.sqrt(self.blocks.count)))
+    def _ratio(self, power: RealArray) -> RealArray:
+        pairs = len(self.poles.pairs)
+        rows = np.concatenate([np.arange(pairs), np.arange(2 * pairs, 2 * pairs + len(self.poles.reals))])
+        weights = np.abs(self.fit.amplitudes[rows]).T ** 2 / self.variance[:, None] + 1e-300
+        return np.asarray(np.sum(weights * power, axis=0) / np.sum(weights, axis=0))
+
+
+def _every(poles: Poles) -> ComplexArray:
+    """Return the free poles: pairs, then reals."""
+    return np.concatenate([poles.pairs, poles.reals])
+
+
+def _apart(every: ComplexArray) -> RealArray:
+    """Return how far poles are from each other, in geometric means of the two decay rates; inf from itself."""
+    decay = every.real
+    linewidth = np.sqrt(np.maximum(decay[:, None] * decay, 1e-24))
+    apart = np.abs(every[:, None] - every) / linewidth
+    np.fill_diagonal(apart, np.inf)
+    return np.asarray(apart)
 
 
 def noise_colour(residual: RealArray, omega: RealArray) -> RealArray:
@@ -294,32 +350,26 @@ def noise_colour(residual: RealArray, omega: RealArray) -> RealArray:
     return density
 
 
-def _poles(fit: DecayFit) -> int:
-    return len(fit.poles.pairs) + len(fit.poles.reals)
-
-
-def _extended(state: _State, fit: DecayFit, rejected: list[tuple[Candidate, str]]) -> DecayFit | None:
+def _extended(state: _State, held: _Held, rejected: list[tuple[Candidate, str]]) -> _Held | None:
     """Return the fit with one more pole, or None if no candidate is worth its price."""
-    residual = state.residual(fit)
-    before = float(state.blocks.count * np.sum(np.log(state.variance(residual))))
-    if np.all(state.variance(residual) <= state.floor):
+    if np.all(held.variance <= state.floor):
         return None
-    found = candidates(fit, residual, state.variance(residual))
-    together = _together(state, fit, found)
+    found = candidates(held.fit, held.residual, held.variance)
+    together = _together(state, held, found)
     if together is not None:
         return together
     for candidate in found[:TRIES]:
         cost = state.price(real=candidate.real)
         if candidate.gain < HOPELESS * cost:
             break
-        longer = fit.poles.with_real(candidate.theta.real) if candidate.real else fit.poles.with_pair(candidate.theta)
-        trial = state.fitted(longer, rough=True)
+        theta, poles = candidate.theta, held.poles
+        trial = state.fitted(poles.with_real(theta.real) if candidate.real else poles.with_pair(theta), rough=True)
         if trial is None:
             continue
-        gain = before - state.loss(trial)
-        index = _poles(trial) - 1 if candidate.real else len(trial.poles.pairs) - 1
-        near = _nearest(trial, index)
-        if _split(trial, index):
+        gain = held.loss - trial.loss
+        index = -1 if candidate.real else len(trial.poles.pairs) - 1
+        if trial.splits[index]:
+            near = float(_apart(_every(trial.poles))[index].min())
             rejected.append((candidate, f"split of another mode: {near:.2g} linewidths from it"))
             continue
         if gain > cost:
@@ -328,7 +378,7 @@ def _extended(state: _State, fit: DecayFit, rejected: list[tuple[Candidate, str]
     return None
 
 
-def _together(state: _State, fit: DecayFit, found: list[Candidate]) -> DecayFit | None:
+def _together(state: _State, held: _Held, found: list[Candidate]) -> _Held | None:
     """Return the fit with several strong pairs far apart, those that hold their own together; it saves searches."""
     cost = state.price(real=False)
     strong = [c for c in found if not c.real and c.gain > cost]
@@ -340,136 +390,108 @@ def _together(state: _State, fit: DecayFit, found: list[Candidate]) -> DecayFit 
     ]
     if len(taken) < 2:
         return None
-    trial: DecayFit | None = fit
+    trial: _Held | None = held
     while trial is not None and taken:
-        poles = fit.poles
+        poles = held.poles
         for theta in taken:
             poles = poles.with_pair(theta)
         trial = state.fitted(poles, rough=True)
         if trial is None:
             return None
-        gains, _ = state.worths(trial, state.residual(trial), refit=False)
-        added = range(len(fit.poles.pairs), len(trial.poles.pairs))
-        holds = [gains[i] > STRONG * cost and not _split(trial, i) for i in added]
-        if all(holds):
+        gains, _ = state.worths(trial, refit=False)
+        added = slice(len(held.poles.pairs), len(trial.poles.pairs))
+        holds = (gains[added] > STRONG * cost) & ~trial.splits[added]
+        if holds.all():
             return trial
-        taken = [theta for theta, held in zip(taken, holds, strict=True) if held]
+        taken = [theta for theta, stays in zip(taken, holds, strict=True) if stays]
     return None
 
 
-def _nearest(fit: DecayFit, index: int) -> float:
-    """Return the distance of a pole from the nearest other, in geometric means of the two decay rates."""
-    every = np.concatenate([fit.poles.pairs, fit.poles.reals.astype(complex)])
-    others = np.delete(every, index)
-    if not len(others):
-        return np.inf
-    linewidth = np.sqrt(np.maximum(others.real * every[index].real, 1e-24))
-    return float(np.min(np.abs(others - every[index]) / linewidth))
-
-
-def _split(fit: DecayFit, index: int) -> bool:
-    """Return whether a pole is part of another: too near to it, or near and of the same shape in the channels."""
-    every = np.concatenate([fit.poles.pairs, fit.poles.reals.astype(complex)])
-    pairs = len(fit.poles.pairs)
-    rows = np.concatenate([np.arange(pairs), np.arange(2 * pairs, pairs + len(every))]).astype(int)
-    shapes = fit.amplitudes[rows] / np.sqrt(fit.squares + 1e-300)
-    shapes /= np.linalg.norm(shapes, axis=1, keepdims=True) + 1e-300
-    linewidth = np.sqrt(np.maximum(every.real * every[index].real, 1e-24))
-    near = np.abs(every - every[index]) / linewidth
-    alike = np.abs(shapes @ shapes[index].conj()) ** 2 > ALIKE
-    near[index] = np.inf
-    return bool(np.any(near < np.where(alike, DISTINCT_ALIKE, DISTINCT)))
-
-
-def _thinned(state: _State, fit: DecayFit, rejected: list[tuple[Candidate, str]]) -> tuple[DecayFit, RealArray]:
+def _thinned(state: _State, held: _Held, rejected: list[tuple[Candidate, str]]) -> tuple[_Held, RealArray]:
     """Return the fit without poles that are not worth their price beside the others, and what each pole is worth."""
     while True:
-        residual = state.residual(fit)
-        if not _poles(fit):
-            return fit, np.zeros(0)
-        gains, energy = state.worths(fit, residual)
-        prices = np.array([state.price(real=index >= len(fit.poles.pairs)) for index in range(_poles(fit))])
-        beside = state.beside(fit, residual)
+        if not held.poles.free:
+            return held, np.zeros(0)
+        gains, energy = state.worths(held)
+        prices, beside = state.prices(held.poles), held.beside
         loud = np.where(beside > COLOURED, beside, 1.0)
         # Beside a residual that is not noise, energy counts, not likelihood; noise of a colour has its power there.
         worth = np.where(loud > 1, np.minimum(energy / (WORTHWHILE * loud), gains), gains / beside) / prices
         # Poles far apart when they were added may have come together since: of two the lesser goes.
-        split = np.array([_split(fit, index) for index in range(_poles(fit))])
-        index = int(np.argmin(np.where(split, 0.0, worth) + 1e-9 * worth / np.max(worth)))
-        worth[split] = 0.0
-        shorter = state.fitted(fit.poles.without(index)) if worth[index] < 1 else None
+        index = int(np.argmin(np.where(held.splits, 0.0, worth) + 1e-9 * worth / np.max(worth)))
+        worth[held.splits] = 0.0
+        shorter = state.fitted(held.poles.without(index)) if worth[index] < 1 else None
         if shorter is None:
-            return fit, gains
-        theta = complex(np.concatenate([fit.poles.pairs, fit.poles.reals])[index])
-        reason = "split of another mode" if split[index] else "not needed beside the others"
-        if not split[index] and gains[index] >= prices[index]:
+            return held, gains
+        reason = "split of another mode" if held.splits[index] else "not needed beside the others"
+        if not held.splits[index] and gains[index] >= prices[index]:
             times = energy[index] / (prices[index] * loud[index])
             reason = (
                 f"too little beside what no mode explains near it: {times:.2g} times its price, {WORTHWHILE:g} needed"
             )
-        lost = Candidate(theta=theta, real=index >= len(fit.poles.pairs), gain=float(gains[index]))
+        real = index >= len(held.poles.pairs)
+        lost = Candidate(theta=complex(_every(held.poles)[index]), real=real, gain=float(gains[index]))
         rejected.append((lost, reason))
-        fit = shorter
+        held = shorter
 
 
-def _straightened(state: _State, fit: DecayFit, reach: float, rejected: list[tuple[Candidate, str]]) -> DecayFit:
+def _straightened(state: _State, held: _Held, reach: float, rejected: list[tuple[Candidate, str]]) -> _Held:
     """Return the fit with poles that creep along the whole record exchanged for a bent line, where that serves."""
-    count, every = state.blocks.count, np.concatenate([fit.poles.pairs, fit.poles.reals.astype(complex)])
+    count, every = state.blocks.count, _every(held.poles)
     slow = np.flatnonzero(np.abs(every) * count < reach)
-    if not slow.size or len(fit.poles.nuisances) > 1:
-        return fit
-    poles = fit.poles
+    if not slow.size or len(held.poles.nuisances) > 1:
+        return held
+    poles = held.poles
     for index in slow[::-1]:
         poles = poles.without(int(index))
     poles = Poles(pairs=poles.pairs, reals=poles.reals, nuisances=BENT / count)
     trial = state.fitted(poles, rough=True)
-    if trial is None or state.loss(trial) > state.loss(fit) + state.price(real=True):
-        return fit
+    if trial is None or trial.loss > held.loss + state.price(real=True):
+        return held
     reason = "a drift: taken out with the offset, as a bent line"
-    lost = [Candidate(theta=complex(every[i]), real=bool(i >= len(fit.poles.pairs)), gain=0.0) for i in slow]
+    lost = [Candidate(theta=complex(every[i]), real=bool(i >= len(held.poles.pairs)), gain=0.0) for i in slow]
     rejected.extend((candidate, reason) for candidate in lost)
     return trial
 
 
-def _unbent(state: _State, fit: DecayFit) -> DecayFit:
+def _unbent(state: _State, held: _Held) -> _Held:
     """Return the fit with a plain offset where slope and bend are not worth their price."""
-    if len(fit.poles.nuisances) == 1:
-        return fit
-    trial = state.fitted(Poles(pairs=fit.poles.pairs, reals=fit.poles.reals, nuisances=np.zeros(1)))
-    worth = np.inf if trial is None else state.loss(trial) - state.loss(fit)
-    return trial if trial is not None and worth < 2 * state.price(real=True) else fit
+    if len(held.poles.nuisances) == 1:
+        return held
+    trial = state.fitted(Poles(pairs=held.poles.pairs, reals=held.poles.reals, nuisances=np.zeros(1)))
+    return trial if trial is not None and trial.loss - held.loss < 2 * state.price(real=True) else held
 
 
-def _single(state: _State, fit: DecayFit) -> DecayFit:
+def _single(state: _State, held: _Held) -> _Held:
     """Return the fit with pairs exchanged for one real pole where the record does not pay for the second."""
     index = 0
-    while index < len(fit.poles.pairs):
-        theta = fit.poles.pairs[index]
+    while index < len(held.poles.pairs):
+        theta = held.poles.pairs[index]
         if abs(theta.imag) < -theta.real:
-            trial = state.fitted(fit.poles.without(index).with_real(theta.real))
+            trial = state.fitted(held.poles.without(index).with_real(theta.real))
             saved = state.price(real=False) - state.price(real=True)
-            if trial is not None and state.loss(trial) - state.loss(fit) < saved:
-                fit, index = trial, 0
+            if trial is not None and trial.loss - held.loss < saved:
+                held, index = trial, 0
                 continue
         index += 1
-    return fit
+    return held
 
 
-def _paired(state: _State, fit: DecayFit) -> tuple[DecayFit, RealArray]:
+def _paired(state: _State, held: _Held) -> tuple[_Held, RealArray]:
     """Return the fit with real poles exchanged for pairs where those fit clearly better; what pairs would gain else."""
     enough = PAIR_GAIN * (1 + state.blocks.channels)
     index, extra = 0, list[float]()
-    while index < len(fit.poles.reals):
-        theta = fit.poles.reals[index]
-        pair = fit.poles.without(len(fit.poles.pairs) + index).with_pair(theta + 0.7j * abs(theta))
+    while index < len(held.poles.reals):
+        theta = held.poles.reals[index]
+        pair = held.poles.without(len(held.poles.pairs) + index).with_pair(theta + 0.7j * abs(theta))
         trial = state.fitted(pair)
-        more = -np.inf if trial is None else state.loss(fit) - state.loss(trial)
+        more = -np.inf if trial is None else held.loss - trial.loss
         if trial is not None and more > enough:
-            fit, index, extra = trial, 0, []
+            held, index, extra = trial, 0, []
             continue
         extra.append(more)
         index += 1
-    return fit, np.array(extra)
+    return held, np.array(extra)
 
 
 def candidates(fit: DecayFit, residual: RealArray, variance: RealArray) -> list[Candidate]:

@@ -15,7 +15,7 @@ MODULES = {path.stem: ast.parse(path.read_text(encoding="utf-8")) for path in so
 LAYERS = [
     ["units", "errors"],
     ["values", "files"],
-    ["suspension", "tables", "recordings", "exponentials"],
+    ["suspension", "tables", "recordings", "exponentials", "foreign"],
     ["modes", "signals", "matlab", "hdf", "uff", "tdms", "mdf", "wav", "parquet", "presets", "unknowns", "programs"],
     ["cleaning", "sensors"],
     ["simulation", "records", "cars", "denoising", "scalogram"],

@@ -264,7 +264,7 @@ def pairs_part(value: complex) -> list[float]:
 
 
 def covariance_of(fit: DecayFit, values: Real, inflation: Real) -> tuple[Complex, Real]:
-    return joint_covariance(fit, np.array([0, 1]), np.array([0]), blocks_of(values), inflation)
+    return joint_covariance(fit, np.array([0, 1]), np.array([0]), values.shape[1], inflation)
 
 
 @BOTH
@@ -338,7 +338,7 @@ class TestPoorlyToldApart:
         poles = poles_of(LIGHT, np.array([-apart, 2 * apart]) / COUNT)
         fit = evaluate(blocks_of(values), poles, STD**2)
         if fit is not None:
-            _, covariance = joint_covariance(fit, np.array([0, 1]), np.array([0]), blocks_of(values), np.ones(3))
+            _, covariance = joint_covariance(fit, np.array([0, 1]), np.array([0]), values.shape[1], np.ones(3))
             assert np.all(np.diag(covariance) >= 0)
             # The pairs know nothing of it: they keep the precision they have without the drift.
             plain = np.sqrt(np.diag(np.linalg.inv(fitted(record(LIGHT, 1), poles_of(LIGHT, REAL)).information)))[:4]
