@@ -1,0 +1,96 @@
+"""Foreign readers: their failures become one line, what they print, log and warn is dropped."""
+
+from __future__ import annotations
+
+import contextlib
+import gc
+import io
+import logging
+import warnings
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from typing import TypeVar
+
+from suspid.errors import RecordError
+from suspid.files import printable
+
+T = TypeVar("T")
+LONGEST = 160
+
+
+def sheltered(read: Callable[[], T], *, extra: str, library: str, suffix: str) -> T:
+    r"""Return what a library reads; whatever else comes of it is a `RecordError` of one line.
+
+    Parameters
+    ----------
+    read : callable
+        Imports the library and reads.
+    extra, library, suffix : str
+        The extra of suspid that brings the library, the name of its module, and what it reads, such as ``".tdms"``.
+
+    Raises
+    ------
+    RecordError
+        If the library is not there, or fails, on whatever ground.
+
+    Examples
+    --------
+    >>> def read():
+    ...     raise MemoryError("line 1\nline 2")
+    >>> sheltered(read, extra="tdms", library="nptdms", suffix=".tdms")
+    Traceback (most recent call last):
+    suspid.errors.RecordError: is damaged: MemoryError: line 1 line 2
+    """
+    with _silence():
+        try:
+            return read()
+        except RecordError:
+            raise
+        except ModuleNotFoundError as refusal:
+            missing = refusal.name or library
+            message = f"reading {suffix} needs {missing}: pip install 'suspid[{extra}]'"
+        # A damaged file is met with errors of every kind, MemoryError and RecursionError among them.
+        except Exception as refusal:
+            words = printable(" ".join(str(refusal).split()))
+            words = words if len(words) <= LONGEST else f"{words[:LONGEST]} …"
+            message = f"is damaged: {type(refusal).__name__}{f': {words}' if words else ''}"
+        # What the failed reader holds open goes here, while nobody is told of it: the error that is
+        # raised below has no context, in which the reader's frames would live on.
+        gc.collect(1)
+    raise RecordError(message)
+
+
+@contextlib.contextmanager
+def _silence() -> Iterator[None]:
+    logged = logging.root.manager.disable
+    with (
+        warnings.catch_warnings(),
+        contextlib.redirect_stdout(io.StringIO()),
+        contextlib.redirect_stderr(io.StringIO()),
+    ):
+        warnings.simplefilter("ignore")
+        logging.disable(logging.CRITICAL)
+        try:
+            yield
+        finally:
+            logging.disable(logged)
+
+
+def unique_names(named: Sequence[tuple[str, str]]) -> list[str]:
+    """Return a name for each pair of group and name that no other has.
+
+    Examples
+    --------
+    >>> unique_names([("front", "z"), ("rear", "z"), ("rear", "speed"), ("rear", "z")])
+    ['front/z', 'rear/z', 'speed', 'rear/z (2)']
+    """
+    often = Counter(name for _, name in named)
+    unique: dict[str, None] = {}
+    for group, name in named:
+        stem = f"{group}/{name}" if often[name] > 1 and group else name or "channel"
+        full, number = stem, 1
+        while full in unique:
+            number += 1
+            full = f"{stem} ({number})"
+        unique[full] = None
+    return list(unique)
