@@ -144,7 +144,7 @@ def printed(modes: ModalSet) -> bool:
     """
     moving = modes.poles != 0
     wn, zeta, poles = modes.wn[moving], modes.zeta[moving], modes.poles[moving]
-    forms = [(values / unit, ratios) for unit in (1.0, HERTZ) for values, ratios in ((wn, zeta), (poles.imag, poles.real / unit))]
+    forms = [(wn, zeta), (wn / HERTZ, zeta), (poles.imag, poles.real), (poles.imag / HERTZ, poles.real / HERTZ)]
     return any(_few_digits(np.concatenate(form)) for form in forms)
 
 

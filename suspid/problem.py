@@ -10,7 +10,7 @@ import numpy as np
 from suspid.alternatives import distinct, even_starts, spectral_minima
 from suspid.equations import EXACT, Observed, all_poles, deciding, linear, pole_distances, spectral
 from suspid.errors import ReconstructionError
-from suspid.observations import ModalTest, observe, unweighted
+from suspid.observations import ModalTest, observe, printed, unweighted
 from suspid.programs import convex_program, descend
 from suspid.suspension import Suspension
 from suspid.units import Ratio, RealArray
@@ -23,15 +23,17 @@ BLIND = 1e-8  # of the largest singular value: what the data do not see
 UNLIKELY_TWIN = 1e-4  # probability of the rise of chi-square from the best suspension to another
 VAGUE = 0.05  # standard deviation of a shape's component above which shapes may not choose one suspension
 NEAR_MISS = 5e-3  # relative distance from exact poles at which another suspension is mentioned
+PRINTED = 5e-3  # of a pole's modulus: what printed modes are known to, if nothing else is said
 DATA_AGAINST_PRIOR = 1e6  # weight of modes without covariance, which are exact, beside a nominal car's
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Problem:
-    """Tests, and the unknowns of the suspension."""
+    """Tests, the unknowns of the suspension, and what modes without a covariance are known to (0: exact)."""
 
     tests: tuple[Observed, ...]
     unknowns: Unknowns
+    known_to: Ratio = 0.0
 
     @property
     def weighted(self) -> bool:
@@ -77,18 +79,18 @@ class Problem:
     def reach(self) -> Ratio:
         """Distance from the poles beyond which no minimum by the poles alone can have the modes."""
         if not self.weighted:
-            return NEAR_MISS
+            return max(NEAR_MISS, self.known_to)
         return NEAR_MISS + 10 * max(
             float(1 / np.linalg.svd(t.whiten, compute_uv=False).min()) for t in self.tests if t.whiten is not None
         )
 
-    def allowed(self, least: float, tolerance: Ratio | None) -> float:
+    def allowed(self, least: float) -> float:
         """Return the norm of the deciding residual up to which a suspension has the modes, given the least one."""
         from scipy.special import chdtri
 
         if self.weighted:
             return float(np.sqrt(least**2 + chdtri(1, UNLIKELY_TWIN)))
-        return max(EXACT, 1.01 * least, 0.0 if tolerance is None else tolerance)
+        return max(EXACT, 1.01 * least, self.known_to)
 
     def manner(self, x: RealArray) -> str:
         """Return how x was found, in words."""
@@ -154,6 +156,7 @@ def posed(
     ties: Sequence[Sequence[str]],
     nominal_std: Ratio | Mapping[str, Ratio] | None,
     free_masses: Sequence[str],
+    tolerance: Ratio | None = None,
 ) -> tuple[Problem, list[str]]:
     """Return the checked, dimensionless problem, and what to tell about it."""
     notes: list[str] = []
@@ -186,7 +189,9 @@ def posed(
     if tests[0].modes.covariance is not None and weighed + known < len(unknowns):
         notes.append("not weighted: the covariance covers the poles alone, which are too few")
         seen = [unweighted(one) for one in seen]
-    problem = Problem(tests=tuple(seen), unknowns=unknowns)
+    rounded = any(printed(test.modes) for test in tests)
+    known_to = tolerance if tolerance is not None else PRINTED if rounded else 0.0
+    problem = Problem(tests=tuple(seen), unknowns=unknowns, known_to=known_to)
     for i, one in enumerate(seen):
         meeting = pole_distances(one.poles, all_poles(one.poles)) < 1e-4
         if one.full and np.sum(meeting) > len(one.poles):
@@ -194,7 +199,7 @@ def posed(
             if len(alone.unseen(alone.linear_slope(), unknowns.nominal, 1e-4)):
                 notes.append("shapes not used: poles meet (critical damping), and their shapes with them")
                 seen[i] = replace(one, shapes=None, weights=one.weights[:0], orders=one.orders[:0])
-                problem = Problem(tests=tuple(seen), unknowns=unknowns)
+                problem = replace(problem, tests=tuple(seen))
     return problem, notes
 
 

@@ -180,7 +180,9 @@ def reconstruct(
     tolerance : float, optional
         Largest distance of a reconstructed pole from the given one, relative to the latter, that is accepted [1];
         five standard deviations of the pole are accepted as well. Default: 0.02. If given, modes without a
-        covariance count as known to it, rather than as exact, where alternatives are listed.
+        covariance count as known to it where alternatives are listed. If not, they count as exact; but those that
+        were printed (w and zeta, or the poles, are numbers of at most eight digits, w perhaps in Hz) as known to
+        0.005, for nobody knows how they were found.
     search : bool
         Whether to look for alternatives. Without, only the nominal suspension is a start, unless it leads nowhere.
 
@@ -220,10 +222,10 @@ def reconstruct(
     one convex program on poles and shapes, which has one answer; worst pole off by ...
     """
     tests = modal_tests(modes, suspension)
-    problem, notes = posed(tests, suspension, fixed, bounds, ties, nominal_std, free_masses)
+    problem, notes = posed(tests, suspension, fixed, bounds, ties, nominal_std, free_masses, tolerance)
     points = candidates(problem, search=search)
     costs = [float(np.linalg.norm(problem.deciding(x)[0])) for x in points]
-    accepted = [i for i, cost in enumerate(costs) if cost <= problem.allowed(min(costs), tolerance)]
+    accepted = [i for i, cost in enumerate(costs) if cost <= problem.allowed(min(costs))]
     # The data come first: nearness to the nominal car decides only between cars that they hold equally likely.
     level = min(costs) ** 2 + LEVEL if problem.weighted else np.inf
     accepted.sort(key=lambda i: (costs[i] ** 2 > level, farness(points[i], problem.unknowns)))
@@ -239,7 +241,9 @@ def reconstruct(
     if problem.weighted:
         distances = tuple(costs[i] ** 2 for i in accepted[1:])
     else:
-        distances = tuple(max(pole_errors(test, other).max() for test in tests) for other in others)
+        distances = tuple(max(float(pole_errors(test, other).max()) for test in tests) for other in others)
+        if others and tolerance is None and problem.known_to:
+            notes.append(f"modes of so few digits count as known to {problem.known_to:.1%}; tolerance=… says otherwise")
         missed = [c for i, c in enumerate(costs) if i not in accepted and c <= NEAR_MISS]
         if missed and not problem.unknowns.has_prior.any():
             notes.append(
