@@ -17,6 +17,7 @@ from suspid import InputError, SuspidError
 from suspid.errors import RecordError
 from suspid.parquet import read_parquet, write_parquet
 from suspid.signals import as_response
+from suspid.units import RealArray
 
 FUZZ = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 
@@ -36,7 +37,9 @@ class TestEveryBitComesBack:
     def test_of_time_and_channels(self, tmp_path: Path) -> None:
         rng = np.random.default_rng(0)
         timepts = np.arange(1000) * 0.001 + 1e-17
-        values = np.asarray(rng.normal(size=(2, 1000)) * 10.0 ** rng.integers(-300, 300, size=(2, 1000)), float)
+        values: RealArray = np.asarray(
+            rng.normal(size=(2, 1000)) * 10.0 ** rng.integers(-300, 300, size=(2, 1000)), np.float64
+        )
         values[0, :3] = [5e-324, -0.0, np.nextafter(1, 2)]
         names = ["seat.z [m]", "Körper\x1b\n"]
         write_parquet(as_response(timepts, values, names, title="bump"), tmp_path / "a.parquet")
