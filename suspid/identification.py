@@ -39,6 +39,8 @@ CLIPPED = 3
 MOST_SHOWN = 6
 # No sensor resolves less than this share of a channel's peak: what is smaller is rounding and is not modelled.
 FINEST = 1e-11
+# To so many significant digits at most samples are taken to be rounded.
+MOST_DIGITS = 12
 
 REASONS: dict[str, str] = {
     "tone": "a tone: it does not decay within the record",
@@ -380,7 +382,7 @@ def identify(
     signal = as_signal(response, least=FEWEST_SAMPLES)
     centred = signal.values - signal.values.mean(axis=1, keepdims=True)
     for name, samples, about in zip(signal.channels, signal.values, centred, strict=True):
-        if not np.any(np.abs(about) > 1e-12 * np.max(np.abs(samples))):
+        if not max(about.max(), -about.min()) > 1e-12 * max(samples.max(), -samples.min()):
             raise IdentificationError(f"channel {name!r} is constant: there is no decay in it; leave it out")
     _check_clipping(signal)
     steps = FourSteps(
@@ -538,8 +540,8 @@ def _resolution(values: RealArray) -> RealArray:
             # Rounding to digits is coarsest where the samples are largest, and there the modes are. It is no noise
             # where a sample hardly moves, so all of the last digit is in doubt.
             steps[channel] = np.sqrt(12) * 10.0 ** (np.floor(np.log10(peak[channel])) - digits + 1)
-        levels = np.unique(samples[:4096])
-        gaps = np.diff(levels)
+        gaps = np.diff(np.sort(samples[:4096]))
+        gaps = gaps[gaps > 0]
         if gaps.size and gaps.min() > 1e-9 * peak[channel]:
             ratio = gaps / gaps.min()
             if np.max(np.abs(ratio - np.round(ratio))) < 1e-3:
@@ -550,14 +552,15 @@ def _resolution(values: RealArray) -> RealArray:
 def _significant_digits(samples: RealArray) -> int | None:
     """Return to how many decimal digits all samples are rounded, or None if to more than twelve."""
     some = np.abs(samples[samples != 0])
-    if not some.size:
+    # What is rounded to few digits is rounded to twelve; a handful of samples tells most records apart from that.
+    if not some.size or not _rounded_to(some[:16], MOST_DIGITS) or not _rounded_to(some, MOST_DIGITS):
         return None
-    magnitude = np.floor(np.log10(some))
-    for digits in range(2, 13):
-        scaled = some * 10.0 ** (digits - 1 - magnitude)
-        if np.all(np.abs(scaled - np.round(scaled)) < 1e-15 * 10.0**digits + 1e-9):
-            return digits
-    return None
+    return next(digits for digits in range(2, MOST_DIGITS + 1) if _rounded_to(some, digits))
+
+
+def _rounded_to(some: RealArray, digits: int) -> bool:
+    scaled = some * 10.0 ** (digits - 1 - np.floor(np.log10(some)))
+    return bool(np.all(np.abs(scaled - np.round(scaled)) < 1e-15 * 10.0**digits + 1e-9))
 
 
 def _check_clipping(signal: Signal) -> None:
@@ -565,6 +568,8 @@ def _check_clipping(signal: Signal) -> None:
     for name, samples in zip(signal.channels, signal.values, strict=True):
         for limit, word in ((samples.max(), "largest"), (samples.min(), "smallest")):
             at = np.flatnonzero(samples == limit)
+            if len(at) < CLIPPED:
+                continue
             starts = np.flatnonzero(np.diff(at, prepend=-9) > 1)
             lengths = np.diff(np.append(starts, len(at)))
             longest = int(np.argmax(lengths))

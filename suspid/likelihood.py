@@ -331,17 +331,8 @@ def joint_covariance(
         parts[2 * k + 1, row] -= 0.5j
         parts[2 * k + 1, twin] += 0.5j
     by_noise = (parts @ inverse @ parts.conj().T).real
-    dragged = [
-        (
-            parts
-            @ (
-                -inverse
-                @ fit.tilt
-                @ (fit.amplitudes[:, c, None] * _chart(len(poles.pairs), len(poles.reals), len(poles)))
-            )
-        ).real
-        for c in range(channels)
-    ]
+    turned, chart = -parts @ inverse @ fit.tilt, _chart(len(poles.pairs), len(poles.reals), len(poles))
+    dragged = [((turned * amplitude) @ chart).real for amplitude in fit.amplitudes.T]
     strongest = np.argmax(np.abs(fit.amplitudes[rows]), axis=1)
     shapes = np.empty((channels, wanted), complex)
     pole_map = np.zeros((2 * wanted, poles.free))

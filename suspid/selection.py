@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from suspid.exponentials import Blocks, blocks_of, cross_sums, power_sums, synthesize
+from suspid.exponentials import Blocks, blocks_of, cross_sums, synthesize
 from suspid.likelihood import NEGLIGIBLE, DecayFit, Poles, evaluate, maximize, pole_covariance, reweighed
 from suspid.units import ComplexArray, RealArray
 from suspid.values import frozen_real
@@ -23,6 +23,8 @@ GONE, WIDE = 9.0, 3.0
 ROUGH = 0.05
 # Grid points whose gain is computed exactly, beyond those beside poles already fitted.
 LOCAL_MAXIMA = 48
+# So many points beside each pole already fitted, from one end of its surroundings to the other.
+BETWEEN = np.arange(13)
 # Candidates refitted before giving up, and the share of the price below which none is.
 TRIES = 3
 MOST_CANDIDATES = 12
@@ -509,66 +511,79 @@ def candidates(fit: DecayFit, residual: RealArray, variance: RealArray) -> list[
     channels, count = residual.shape
     known = fit.poles.exponents
     inverse: ComplexArray = np.asarray(np.linalg.inv(fit.gram), complex)
-    decays = np.geomspace(1.0 / count, 1.0, 1 + int(np.ceil(np.log(count) / np.log(DECAY_FACTOR))))
-    thetas, inner = _grid(residual, variance, decays, known[known.imag >= 0])
-    real: ComplexArray = np.asarray(-decays, complex)
-    real_inner = blocks_of(residual).project(real)[0]
-    pair_gain = _pair_gain(fit.poles, inverse, thetas, inner, count)
-    real_gain = _real_gain(known, inverse, real, real_inner, count)
-    theta = np.concatenate([thetas, real])
-    is_real = np.arange(len(theta)) >= len(thetas)
-    share = np.concatenate([pair_gain, real_gain], axis=1) / (variance[:, None] * count)
-    gains = -count * np.sum(np.log1p(-np.clip(share, 0.0, 1 - 1e-12)), axis=0)
+    noise = np.sqrt(variance)[:, None]
+    # Where to look needs no more than single precision, of a residual in units of its own size.
+    theta, inner = _worth_a_look((residual / noise).astype(np.float32), known[known.imag >= 0])
+    reals = len(_layout(count))
+    cross = cross_sums(known.conj(), theta, count)
+    solved = inverse @ cross
+    inner = inner * noise
+    share = np.empty((channels, len(theta)))
+    share[:, :reals] = _real_gain(theta[:reals], inner[:, :reals], cross[:, :reals], solved[:, :reals], count)
+    share[:, reals:] = _pair_gain(
+        fit.poles, theta[reals:], inner[:, reals:], cross[:, reals:], solved[:, reals:], count
+    )
+    share /= variance[:, None] * count
+    gains = -count * np.log1p(-np.minimum(np.maximum(share, 0.0), 1 - 1e-12)).sum(axis=0)
     samples = channels * count
+    is_real = np.arange(len(theta)) < reals
     net = gains - np.where(is_real, price(channels, samples, real=True), price(channels, samples))
     reach = 2 * np.abs(theta.real) + 2 * np.pi / count
     distinct: list[Candidate] = []
     for _ in range(MOST_CANDIDATES):
-        best = int(np.argmax(net))
+        best = int(net.argmax())
         if net[best] == -np.inf or (net[best] < 0 and len(distinct) >= TRIES):
             break
-        distinct.append(Candidate(theta=complex(theta[best]), real=bool(is_real[best]), gain=float(gains[best])))
-        net[
-            (np.abs(theta.imag - theta[best].imag) <= np.maximum(reach, reach[best])) & (is_real == is_real[best])
-        ] = -np.inf
+        distinct.append(Candidate(theta=complex(theta[best]), real=best < reals, gain=float(gains[best])))
+        near = np.abs(theta.imag - theta[best].imag) <= np.maximum(reach, reach[best])
+        net[near & (is_real == is_real[best])] = -np.inf
     return distinct
 
 
-def _grid(
-    residual: RealArray, variance: RealArray, decays: RealArray, known: ComplexArray
-) -> tuple[ComplexArray, ComplexArray]:
-    """Return the exponents worth a closer look, (point,), and the residual's inner products with them."""
-    from scipy.fft import next_fast_len, rfft
+@lru_cache(maxsize=64)
+def _layout(count: int) -> tuple[tuple[float, int, int, float], ...]:
+    """Return decay rate, samples in use, length of the transform and squared norm, for every plane."""
+    from scipy.fft import next_fast_len
 
-    count = residual.shape[1]
-    noise = np.sqrt(variance)[:, None]
-    # Where to look needs no more than single precision, of a residual in units of its own size.
-    scaled = (residual / noise).astype(np.float32)
-    thetas, inner, loose = [], [], []
-    for decay in decays:
+    layout = []
+    for decay in np.geomspace(1.0 / count, 1.0, 1 + int(np.ceil(np.log(count) / np.log(DECAY_FACTOR)))).tolist():
         used = min(count, int(np.ceil(GONE / decay)))
         length = next_fast_len(used if decay * count > WIDE else 2 * used, real=True)
-        spectrum = rfft(scaled[:, :used] * _decay(decay, used), n=length, axis=1)
-        norm = np.expm1(-2 * decay * used) / np.expm1(-2 * decay)
-        power = spectrum.real**2 + spectrum.imag**2
-        gain = np.sum(power, axis=0) if len(power) > 1 else power[0]
-        keep = np.flatnonzero((gain[1:-1] >= gain[:-2]) & (gain[1:-1] >= gain[2:])) + 1
-        if len(keep) > LOCAL_MAXIMA:
-            keep = keep[np.argpartition(gain[keep], -LOCAL_MAXIMA)[-LOCAL_MAXIMA:]]
-        rank = gain[keep] / norm
-        per_bin = 2 * np.pi / length
-        reach = 4 * np.maximum(np.maximum(decay, -known.real), np.pi / count)
-        low = np.maximum(np.ceil((known.imag - reach) / per_bin), 1).astype(int)
-        high = np.minimum((known.imag + reach) / per_bin, len(gain) - 1).astype(int)
-        beside = [np.arange(a, b + 1, max(1, (b - a) // 12)) for a, b in zip(low, high, strict=True)]
-        every = np.concatenate([keep, *beside])
-        thetas.append(-decay + 1j * per_bin * every)
-        inner.append(spectrum[:, every])
-        loose.append(np.concatenate([rank, np.full(len(every) - len(keep), np.inf)]))
-    theta, spread, rank = np.concatenate(thetas), np.concatenate(inner, axis=1), np.concatenate(loose)
-    best = np.sort(rank[np.isfinite(rank)])[-LOCAL_MAXIMA:]
-    keep = np.flatnonzero(rank >= (best[0] if len(best) else 0.0))
-    return theta[keep], np.asarray(spread[:, keep] * noise, complex)
+        layout.append((decay, used, length, float(np.expm1(-2 * decay * used) / np.expm1(-2 * decay))))
+    return tuple(layout)
+
+
+def _worth_a_look(scaled: NDArray[np.float32], known: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
+    """Return exponents, (point,), and a residual's inner products with them, (channel, point).
+
+    The first are real, one of each decay rate. The others are the largest of the local maxima along the
+    frequencies at each decay rate, and points beside what is known already.
+    """
+    count = scaled.shape[1]
+    layout = _layout(count)
+    decay, per_bin = np.array([p[0] for p in layout]), 2 * np.pi / np.array([p[2] for p in layout])
+    reach = 4 * np.maximum(np.maximum(decay[:, None], -known.real), np.pi / count)
+    low = np.maximum(np.ceil((known.imag - reach) / per_bin[:, None]), 1).astype(int)
+    high = np.minimum((known.imag + reach) / per_bin[:, None], np.pi / per_bin[:, None] - 1).astype(int)
+    between = low[..., None] + (high - low)[..., None] * BETWEEN // BETWEEN[-1]
+    theta, heights = [-decay + 0j], [np.full(len(layout), np.inf)]
+    inner: list[ComplexArray] = [np.empty((len(scaled), len(layout)), complex)]
+    for k, (rate, used, length, norm) in enumerate(layout):
+        spectrum = np.fft.rfft(scaled[:, :used] * _decay(rate, used), n=length, axis=1)
+        gain = (spectrum.real**2 + spectrum.imag**2).sum(axis=0)
+        peaks = np.flatnonzero((gain[1:-1] >= gain[:-2]) & (gain[1:-1] >= gain[2:])) + 1
+        if len(peaks) > LOCAL_MAXIMA:
+            peaks = peaks[np.argpartition(gain[peaks], -LOCAL_MAXIMA)[-LOCAL_MAXIMA:]]
+        beside = between[k][high[k] >= low[k]].ravel()
+        bins = np.concatenate([peaks, beside])
+        inner[0][:, k] = spectrum[:, 0]
+        inner.append(spectrum[:, bins])
+        theta.append(-rate + 1j * per_bin[k] * bins)
+        heights.append(np.concatenate([gain[peaks] / norm, np.full(len(beside), np.inf)]))
+    height = np.concatenate(heights)
+    ranked = np.sort(height[height < np.inf])[-LOCAL_MAXIMA:]
+    keep = np.flatnonzero(height >= (ranked[0] if len(ranked) else 0.0))
+    return np.concatenate(theta)[keep], np.concatenate(inner, axis=1)[:, keep]
 
 
 def _decay(rate: float, count: int) -> NDArray[np.float32]:
@@ -582,28 +597,39 @@ def _short_decay(rate: float, count: int) -> NDArray[np.float32]:
     return decay
 
 
-def _pair_gain(poles: Poles, inverse: ComplexArray, theta: ComplexArray, inner: ComplexArray, count: int) -> RealArray:
+def _pair_gain(
+    poles: Poles, theta: ComplexArray, inner: ComplexArray, cross: ComplexArray, solved: ComplexArray, count: int
+) -> RealArray:
     """Return the square of the residual's part along ``exp(theta k)`` and its conjugate, (channel, point)."""
-    cross = cross_sums(poles.exponents.conj(), theta, count)
-    # What is fitted already comes in conjugate pairs, so its products with the conjugates are the same in other order.
-    pairs = len(poles.pairs)
-    twin = np.concatenate([np.arange(pairs) + pairs, np.arange(pairs), np.arange(2 * pairs, len(poles))])
-    own, own_conjugate = power_sums(np.concatenate([2 * theta.real + 0j, 2 * theta.conj()]), count)[0].reshape(2, -1)
-    solved = inverse @ cross
-    s0 = own.real - np.einsum("ip,ip->p", cross.conj(), solved).real
-    s1 = own_conjugate - np.einsum("ip,ip->p", cross.conj(), solved[twin].conj())
+    own, own_conjugate = _own(np.asarray(2 * theta.real, complex), count).real, _own(2 * theta.conj(), count)
+    s0 = own - _product(cross, solved).real
+    s1 = own_conjugate - _product(cross, solved[_twins(len(poles.pairs), len(poles))].conj())
     determinant = s0**2 - np.abs(s1) ** 2
-    sound = (s0 > 1e-6 * own.real) & (determinant > 1e-6 * s0**2)
-    gain = 2 * (s0 * np.abs(inner) ** 2 - (inner.conj() ** 2 * s1).real)
+    sound = (s0 > 1e-6 * own) & (determinant > 1e-6 * s0**2)
+    gain = 2 * (s0 * (inner.real**2 + inner.imag**2) - (inner.conj() ** 2 * s1).real)
     return np.where(sound, gain / np.where(sound, determinant, 1.0), 0.0)
 
 
 def _real_gain(
-    known: ComplexArray, inverse: ComplexArray, theta: ComplexArray, inner: ComplexArray, count: int
+    theta: ComplexArray, inner: ComplexArray, cross: ComplexArray, solved: ComplexArray, count: int
 ) -> RealArray:
     """Return the square of the residual's part along ``exp(theta k)``, theta real, (channel, point)."""
-    cross = cross_sums(known.conj(), theta, count)
-    own = power_sums(2 * theta, count)[0].real
-    left = own - np.sum(cross.conj() * (inverse @ cross), axis=0).real
+    own = _own(2 * theta, count).real
+    left = own - _product(cross, solved).real
     sound = left > 1e-6 * own
     return np.where(sound, inner.real**2 / np.where(sound, left, 1.0), 0.0)
+
+
+def _own(phi: ComplexArray, count: int) -> ComplexArray:
+    """Return ``sum_k exp(phi k)``, none of them near 0."""
+    return np.asarray(np.expm1(count * phi) / np.expm1(phi))
+
+
+def _product(left: ComplexArray, right: ComplexArray) -> ComplexArray:
+    return np.asarray(np.einsum("ip,ip->p", left.conj(), right))
+
+
+@lru_cache(maxsize=256)
+def _twins(pairs: int, exponents: int) -> NDArray[np.intp]:
+    """Return where the conjugate of each exponent stands: what is fitted comes in conjugate pairs."""
+    return np.concatenate([np.arange(pairs) + pairs, np.arange(pairs), np.arange(2 * pairs, exponents)])
