@@ -7,7 +7,6 @@ Long records are drawn by the extremes of their samples, so that no peak gets lo
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,6 +19,8 @@ from suspid.files import printable
 from suspid.modes import modal_table, scaled_shapes
 from suspid.ridges import ABOVE_NOISE, Ridge, fit_skeleton
 from suspid.signals import as_signal
+from suspid.thinning import PIECES as PIECES
+from suspid.thinning import extremes, pooled, power_weights, row_edges
 from suspid.units import RealArray, Second
 from suspid.values import nearest_names
 
@@ -39,9 +40,8 @@ BLUE, VERMILION, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#CC79A7"
 COLOURS = (BLUE, VERMILION, GREEN, PURPLE, "#E69F00", "#56B4E9", "#000000", "#777777")
 GREY = "#8C8C8C"
 SHADE = "#ECECEC"
-# Most columns of a scalogram's picture, and most pieces of a line of which the two extremes are drawn.
+# Most columns of a scalogram's picture.
 COLUMNS = 800
-PIECES = 2000
 # A bar of this length [columns of modes] stands for the largest component of a shape.
 FULL_BAR = 0.42
 # On one page: panels side by side, ridges, channels, and lines of the table of modes.
@@ -108,10 +108,10 @@ def plot_scalogram(
     hertz = np.asarray(scalogram.omega)[order] / (2 * np.pi)
     # Half a step earlier, so that a sample lies in the middle of its column.
     edges = np.linspace(start, end, min(COLUMNS, signal.values.shape[1]) + 1) - signal.step / 2
-    modulus = _pooled(scalogram, _channel_weights(scalogram, channel), edges)[order]
+    modulus = pooled(scalogram, _channel_weights(scalogram, channel), edges)[order]
     largest = np.max(modulus) or 1.0
     level = 20 * np.log10(np.maximum(modulus / largest, 10 ** (-decibels / 20)))
-    mesh = ax.pcolormesh(edges, _row_edges(hertz), level, cmap="Blues", vmin=-decibels, vmax=0.0, rasterized=True)
+    mesh = ax.pcolormesh(edges, row_edges(hertz), level, cmap="Blues", vmin=-decibels, vmax=0.0, rasterized=True)
     cone = scalogram.cone[order]
     for boundary, side in ((start + cone, start), (end - cone, end)):
         ax.fill_betweenx(
@@ -123,12 +123,12 @@ def plot_scalogram(
         sought = (ridge.timepts >= ridge.onset) & (ridge.timepts <= ridge.window.stop)
         trace = np.where(sought & _own(ridge, ridges), ridge.trace, np.nan) / (2 * np.pi)
         ax.plot(
-            *_extremes(ridge.timepts, trace), color="black", linewidth=0.7, label=None if i else "largest modulus near"
+            *extremes(ridge.timepts, trace), color="black", linewidth=0.7, label=None if i else "largest modulus near"
         )
         window, at = [ridge.window.start, ridge.window.stop], ridge.omega / (2 * np.pi)
         ax.plot(window, [at, at], color=VERMILION, linewidth=2.0, label=None if i else "ridge, where trusted")
     ax.set(xlim=(start, end), yscale="log", xlabel="time [s]", ylabel="frequency [Hz]")
-    low, high = _row_edges(hertz)[[0, -1]]
+    low, high = row_edges(hertz)[[0, -1]]
     ax.set_ylim(low, high)
     _frequency_ticks(ax.yaxis, high / low)
     right = ax.secondary_yaxis("right", functions=(_radian_per_second, _hertz))
@@ -272,7 +272,7 @@ def plot_fit(
             (fitted, "fit", BLUE, 0.8),
             (residual, "residual", VERMILION, 0.8),
         ):
-            ax.plot(*_extremes(time, signal.values[at, kept]), color=colour, linewidth=width, label=label)
+            ax.plot(*extremes(time, signal.values[at, kept]), color=colour, linewidth=width, label=label)
         ax.set_title(f"{_shown(name)}: {100 * share[at]:.4g} % explained", loc="left")
         ax.set(ylabel="[unit]", xlim=(low, high))
         ax.yaxis.set_major_locator(MaxNLocator(3))
@@ -428,21 +428,6 @@ def _places(figure: Figure, heights: dict[str, float]) -> dict[str, SubplotSpec]
     return places
 
 
-def _pooled(scalogram: Scalogram, weights: RealArray, edges: RealArray) -> RealArray:
-    """Return the modulus in each column between edges, (row, column): the largest, or that at the middle."""
-    middle = (edges[1:] + edges[:-1]) / 2
-    out = np.empty((len(scalogram.rows), len(middle)))
-    for i, row in enumerate(scalogram.rows):
-        modulus = np.sqrt(weights @ np.abs(row) ** 2)
-        time = scalogram.timepts(i)
-        first = np.searchsorted(time, edges[:-1])
-        if first[-1] < len(time) and np.all(np.diff(first) > 0):
-            out[i] = np.maximum.reduceat(modulus, first)
-        else:
-            out[i] = np.interp(middle, time, modulus)
-    return out
-
-
 def _own(ridge: Ridge, ridges: Sequence[Ridge]) -> NDArray[np.bool_]:
     """Return where the trace of a ridge is not nearer to another one."""
     away = [np.abs(np.log(ridge.trace / other.omega)) for other in ridges]
@@ -450,10 +435,9 @@ def _own(ridge: Ridge, ridges: Sequence[Ridge]) -> NDArray[np.bool_]:
 
 
 def _channel_weights(scalogram: Scalogram, channel: str | None) -> RealArray:
-    power = np.mean(scalogram.signal.values**2, axis=1)
     if channel is None:
-        return np.where(power > 0, 1 / np.where(power > 0, power, 1.0), 0.0)
-    chosen = np.zeros(len(power))
+        return power_weights(scalogram)
+    chosen = np.zeros(len(scalogram.channels))
     chosen[_position(channel, scalogram.channels)] = 1.0
     return chosen
 
@@ -466,26 +450,6 @@ def _hertz(radian_per_second: ArrayLike) -> RealArray:
     return np.asarray(radian_per_second, float) / (2 * np.pi)
 
 
-def _row_edges(hertz: RealArray) -> RealArray:
-    """Return the boundaries between rows, midway in the logarithm."""
-    if len(hertz) == 1:
-        return np.array([hertz[0] / 1.05, hertz[0] * 1.05])
-    middle = np.sqrt(hertz[1:] * hertz[:-1])
-    return np.concatenate([[hertz[0] ** 2 / middle[0]], middle, [hertz[-1] ** 2 / middle[-1]]])
-
-
-def _extremes(time: RealArray, values: RealArray) -> tuple[RealArray, RealArray]:
-    """Return the samples, or of long lines the least and the greatest of each piece, in their order."""
-    count = len(values)
-    if count <= 2 * PIECES or np.any(np.isnan(values)):
-        step = -(-count // (2 * PIECES)) if count else 1
-        return time[::step], values[::step]
-    bounds = np.linspace(0, count, PIECES + 1).astype(int)
-    kept = [start + where(values[start:stop]) for start, stop in pairwise(bounds) for where in (np.argmin, np.argmax)]
-    index = np.unique([0, *kept, count - 1])
-    return time[index], values[index]
-
-
 def _plot_modulus(ridge: Ridge, ax: Axes) -> None:
     fit = fit_skeleton(ridge)
     _shade_window(ridge, ax)
@@ -495,13 +459,13 @@ def _plot_modulus(ridge: Ridge, ax: Axes) -> None:
         if not np.any(modulus[i] > 0):
             continue
         colour = COLOURS[i % len(COLOURS)]
-        ax.plot(*_extremes(ridge.timepts, modulus[i]), color=colour, linewidth=1.6, alpha=0.6, label=_in_legend(name))
+        ax.plot(*extremes(ridge.timepts, modulus[i]), color=colour, linewidth=1.6, alpha=0.6, label=_in_legend(name))
         label = None if np.isfinite(lowest) else f"{ABOVE_NOISE:g} × noise"
         level = ABOVE_NOISE * ridge.floor[i]
         ax.axhline(level, color=colour, linewidth=0.8, linestyle=":", label=label)
         line = np.exp(fit.lines[i].real)
         key = None if label is None else "fitted line"
-        ax.plot(*_extremes(fit.timepts, line), color="black", linewidth=0.8, linestyle="--", label=key)
+        ax.plot(*extremes(fit.timepts, line), color="black", linewidth=0.8, linestyle="--", label=key)
         lowest = min(lowest, max(0.3 * level, 0.3 * float(line[-1])))
     largest = float(np.max(modulus))
     ax.set(yscale="log", xlim=(ridge.timepts[0], ridge.timepts[-1]))
@@ -520,11 +484,11 @@ def _plot_phase(ridge: Ridge, ax: Axes) -> None:
         fitted = fit.logarithm[i].imag - reference - fit.origin[i].imag
         # Unwrapping starts in the noise or in the edge: whole turns are taken from the trusted samples.
         phase += fitted[0] - phase[np.argmax(ridge.trusted)]
-        ax.plot(*_extremes(ridge.timepts, phase), color=COLOURS[i % len(COLOURS)], linewidth=1.6, alpha=0.6)
+        ax.plot(*extremes(ridge.timepts, phase), color=COLOURS[i % len(COLOURS)], linewidth=1.6, alpha=0.6)
         clear = np.abs(ridge.skeleton[i, ridge.trusted]) > ABOVE_NOISE * ridge.floor[i]
         reach = max(reach, float(np.max(np.abs(fitted[clear]), initial=0.0)))
     line = (fit.pole.imag - ridge.omega) * (fit.timepts - ridge.onset)
-    ax.plot(*_extremes(fit.timepts, line), color="black", linewidth=0.8, linestyle="--")
+    ax.plot(*extremes(fit.timepts, line), color="black", linewidth=0.8, linestyle="--")
     ax.set(xlabel="time [s]", xlim=(ridge.timepts[0], ridge.timepts[-1]), ylim=(-1.3 * reach, 1.3 * reach))
     ax.yaxis.set_major_locator(MaxNLocator(5))
 
