@@ -12,12 +12,13 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
+from suspid.delimited import read_delimited
 from suspid.errors import RecordError
 from suspid.files import printable, replacing
 from suspid.matlab import read_matlab
 from suspid.recordings import RawChannel, Recording
 from suspid.signals import JITTER, as_response, as_signal, uniform_step
-from suspid.tables import PER_SECOND, Clock, Table, is_time, read_delimited, split_unit
+from suspid.tables import PER_SECOND, Clock, Table, is_time, split_unit
 from suspid.units import Hertz, RealArray, Second
 
 if TYPE_CHECKING:

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-import csv
+import math
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
-
-import numpy as np
 
 from suspid.errors import RecordError
-from suspid.files import read_text
 from suspid.units import Hertz, RealArray, Second
-from suspid.values import frozen_real, nearest_names
+from suspid.values import nearest_names
 
 # How many of each unit of time make a second.
 PER_SECOND = {
@@ -24,10 +20,14 @@ PER_SECOND = {
     **dict.fromkeys(("min", "minute", "minutes"), 1 / 60),
 }
 TIME_NAMES = {"t", "time", "timepts", "timestamp", "timestamps", "timedomain", "timevector", "elapsed", "elapsedtime"}
-TIME_NAMES |= {"zeit", "temps", "tiempo"} | {name for name in PER_SECOND if len(name) > 2 and name != "min"}
+TIME_NAMES |= {"zeit", "temps", "tiempo", "uhrzeit", "zeitstempel", "datetime", "date/time", "secondselapsed"} | {
+    name for name in PER_SECOND if len(name) > 2 and name != "min"
+}
+RATE_NAMES = {"fs", "samplerate", "samplingrate", "timesamplerate", "samplefrequency", "samplingfrequency"}
+RATE_NAMES |= {"samplefreq", "samplingfreq", "srate", "abtastrate"}
+STEP_NAMES = {"dt", "ts", "deltat", "timestep", "sampletime", "samplingtime", "sampleinterval", "samplinginterval"}
 # A name and, in brackets behind it, its unit.
 BRACKETED = re.compile(r"(.*\S)\s*[\[(]\s*([^\[\]()]*(?:\([^\[\]()]*\))?[^\[\]()]*)[\])]")
-DELIMITERS = ("\t", ";", ",")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -151,79 +151,20 @@ def is_time(name: str) -> bool:
     return stem in TIME_NAMES and (not unit or unit in PER_SECOND)
 
 
-def read_delimited(path: Path) -> Table:
-    """Return the table of a text file: comma, semicolon or tab between cells, with or without header."""
-    lines = read_text(path, error=RecordError).split("\n")
-    while lines and not lines[-1].strip():
-        lines.pop()
-    if len(lines) < 2:
-        raise RecordError(f"has {len(lines)} lines of text; a record needs at least 2 samples, one a line")
-    delimiter = next((d for d in DELIMITERS if len(_cells(lines[1], d)) > 1), ",")
-    first = [cell.strip() for cell in _cells(lines[0], delimiter)]
-    first[:1] = [cell.removeprefix("# ") for cell in first[:1]]
-    numeric = [_is_number(cell) for cell in first]
-    header = not any(numeric) or (not all(numeric) and any(is_time(cell) for cell in first))
-    if not header and not all(numeric):
-        k = numeric.index(False)
-        raise RecordError(
-            f"line 1 is neither a header nor data: cell {k + 1} is {first[k]!r}, but "
-            f"cell {numeric.index(True) + 1} is a number"
-        )
-    names = [cell or f"column {k + 1}" for k, cell in enumerate(first)]
-    names = names if header else [f"column {k + 1}" for k in range(len(first))]
-    twice = next((name for name in names if names.count(name) > 1), None)
-    if twice is not None:
-        raise RecordError(f"the header names {names.count(twice)} columns {twice!r}; names must differ")
-    for number, line in enumerate(lines, start=1):
-        # Counting is 20 times faster than parsing, and as good where nothing is quoted.
-        width = len(_cells(line, delimiter)) if '"' in line else line.count(delimiter) + 1
-        if width != len(names) or not line.strip():
-            found = f"has {width} cells" if line.strip() else "is empty"
-            raise RecordError(f"line {number} {found}, line 1 has {len(names)}{_separated_by(delimiter)}")
-    body = lines[header:]
+def stated_rate(name: str, value: float, unit: str = "") -> Hertz | None:
+    """Return the sampling rate [Hz] that a number of that name states, if it does.
 
-    def columns(wanted: Sequence[str]) -> list[RealArray]:
-        use = [names.index(name) for name in wanted]
-        try:
-            numbers = np.loadtxt(body, delimiter=delimiter, comments=None, quotechar='"', usecols=use, ndmin=2)
-        except ValueError:
-            numbers = None
-        # A text that only one of the two parsers takes for a number is none.
-        if numbers is None or len(numbers) != len(body):
-            raise _text_cell(body, delimiter, {names[k]: k for k in use}, 1 + header)
-        return [frozen_real(column) for column in numbers.T]
-
-    units = {name: bracketed_unit(name) for name in names if bracketed_unit(name)}
-    return Table(sizes=dict.fromkeys(names, len(body)), columns=columns, unusable={}, rates={}, units=units)
-
-
-def _cells(line: str, delimiter: str) -> list[str]:
-    try:
-        return next(csv.reader([line], delimiter=delimiter), [""])
-    except csv.Error as refusal:
-        raise RecordError(f"is not delimited text: {refusal}") from None
-
-
-def _separated_by(delimiter: str) -> str:
-    return f" (separated by {dict(zip(DELIMITERS, ('tabs', 'semicolons', 'commas'), strict=True))[delimiter]})"
-
-
-def _is_number(cell: str) -> bool:
-    try:
-        float(cell)
-    except ValueError:
-        return False
-    return "_" not in cell
-
-
-def _text_cell(body: Sequence[str], delimiter: str, used: Mapping[str, int], first_line: int) -> RecordError:
-    """Return the error that names the first used cell that is no number."""
-    for number, line in enumerate(body, start=first_line):
-        cells = _cells(line, delimiter)
-        for name, k in used.items():
-            if not _is_number(cells[k]):
-                text = cells[k].strip()
-                hint = "; write decimals with a point" if re.fullmatch(r"[+-]?\d*,\d+(e[+-]?\d+)?", text, re.I) else ""
-                found = f"{text!r} is not a number" if text else "the cell is empty"
-                return RecordError(f"line {number}, column {name!r}: {found}{hint}")
-    return RecordError(f"columns {', '.join(map(repr, used))} hold cells that are not numbers")
+    Examples
+    --------
+    >>> stated_rate("Fs", 500.0), stated_rate("dt_ms", 2.0), stated_rate("mass", 80.0)
+    (500.0, 500.0, None)
+    """
+    stem, own = split_unit(name)
+    unit = unit.lower() or own
+    if not (math.isfinite(value) and value > 0):
+        return None
+    if stem in RATE_NAMES and unit in ("", "hz", "khz"):
+        return value * 1e3 if unit == "khz" else value
+    if stem in STEP_NAMES and (not unit or unit in PER_SECOND):
+        return PER_SECOND[unit or "s"] / value
+    return None

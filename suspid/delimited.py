@@ -1,0 +1,303 @@
+"""Delimited text, as loggers, spreadsheets and telephones write it, as a table.
+
+The lines are looked at once to find those that are no rows, and read in pieces when columns are asked for: fast
+where a piece holds plain numbers, cell by cell where it does not.
+"""
+
+from __future__ import annotations
+
+import codecs
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from suspid.cells import COMMA_NUMBER, kind_of, number, seconds
+from suspid.dialects import COMMENTS, Dialect, Layout, find_layout, parted_by, shortened
+from suspid.errors import RecordError
+from suspid.files import read_bytes
+from suspid.tables import Clock, Table, is_time
+from suspid.units import RealArray
+
+PIECE = 1 << 22
+HEAD_LINES, HEAD_BYTES = 1000, 1 << 18
+LONGEST_LINE = 1 << 20
+MOST_FOOTER = 20
+CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f\x7f]")
+# What a row of numbers may begin with; lines that begin with anything else are looked at one by one.
+PLAIN = np.isin(np.arange(256), np.frombuffer(b"0123456789+-.", np.uint8))
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Rows:
+    """The rows of a text file below its header.
+
+    Parameters
+    ----------
+    body : bytes
+        The lines from the first row on, as UTF-8, each ended by a newline.
+    first : int
+        Number of the first line of the body in the file.
+    layout : Layout
+        What the header says of them.
+    skipped : frozenset of int
+        Numbers of the lines that are no rows.
+    size : int
+        Number of rows.
+    """
+
+    body: bytes
+    first: int
+    layout: Layout
+    skipped: frozenset[int]
+    size: int
+
+    def pieces(self) -> Iterator[tuple[list[int], list[str]]]:
+        """Yield the rows piece by piece, with the numbers of their lines."""
+        line = self.first
+        for piece in _pieces(self.body):
+            rows = piece.decode().split("\n")[:-1]
+            numbers = list(range(line, line + len(rows)))
+            line += len(rows)
+            if not self.skipped.isdisjoint(numbers):
+                kept = [k for k, n in enumerate(numbers) if n not in self.skipped]
+                numbers, rows = [numbers[k] for k in kept], [rows[k] for k in kept]
+            if rows:
+                yield numbers, rows
+
+    def columns(self, wanted: Sequence[str]) -> list[RealArray]:
+        """Return the numbers of the named columns, NaN where there is none."""
+        use = [self.layout.names.index(name) for name in wanted]
+        values = np.empty((len(use), self.size))
+        done = 0
+        for lines, rows in self.pieces() if use else ():
+            values[:, done : done + len(rows)] = _numbers(lines, rows, use, self.layout)
+            done += len(rows)
+        values.flags.writeable = False
+        return list(values)
+
+    def cells(self, name: str) -> Iterator[str]:
+        """Yield the cells of a column."""
+        k, dialect = self.layout.names.index(name), self.layout.dialect
+        for _, rows in self.pieces():
+            for row in rows:
+                yield dialect.cells(row)[k]
+
+
+def read_delimited(path: Path) -> Table:
+    """Return the table of a text file: what parts its cells and what stands above its rows is found out.
+
+    Raises
+    ------
+    RecordError
+        If the file is not text, holds no rows of numbers, or a line in their midst is no row.
+    """
+    text, left_out = _decoded(read_bytes(path, error=RecordError))
+    head = text[:HEAD_BYTES].split(b"\n", HEAD_LINES)
+    if len(text) > HEAD_BYTES or len(head) > HEAD_LINES:
+        head.pop()
+        middle = text[len(text) // 2 : len(text) // 2 + HEAD_BYTES // 4].split(b"\n", 300)[1:-1]
+    else:
+        middle = []
+    if not head or max(map(len, head)) > LONGEST_LINE:
+        raise RecordError(f"line 1 is longer than {HEAD_BYTES} bytes; a record has one sample a line")
+    top = [line.decode() for line in head]
+    layout = find_layout(top, [line for line in (*top, *(row.decode() for row in middle)) if line.strip()])
+    offset = sum(len(line) + 1 for line in head[: layout.first])
+    rows, odd = _rows(text[offset:], layout)
+    left_out |= {**layout.left_out, **odd}
+    names = [name for name in layout.names if name]
+    numeric = [name for name in names if layout.kinds[name] in ("number", "missing")]
+    clocks, others = _clocks(rows, numeric)
+    left_out |= {name: reason for name, reason in others.items() if name in names}
+    return Table(
+        sizes=dict.fromkeys(numeric, rows.size),
+        columns=rows.columns,
+        unusable=left_out,
+        rates=layout.rates,
+        units=layout.units,
+        clocks=clocks,
+    )
+
+
+def _decoded(content: bytes) -> tuple[bytes, dict[str, str]]:
+    """Return a text as UTF-8 with newlines, and in which other encoding it was read."""
+    told: dict[str, str] = {}
+    if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        try:
+            content = content.decode("utf-16").encode()
+        except UnicodeError as refusal:
+            raise RecordError(f"is not UTF-16 text, as its first bytes say: {refusal.__class__.__name__}") from None
+        told["encoding"] = "is UTF-16, as the first bytes of the file say"
+    content = content.removeprefix(codecs.BOM_UTF8)
+    if not content.isascii():
+        try:
+            content.decode()
+        except UnicodeDecodeError as refusal:
+            found = f"byte 0x{content[refusal.start]:02x} on line {content.count(bytes([10]), 0, refusal.start) + 1}"
+            try:
+                content = content.decode("cp1252").encode()
+            except UnicodeDecodeError:
+                raise RecordError(f"is neither UTF-8 nor Windows-1252 text: {found}; save it as UTF-8") from None
+            told["encoding"] = f"is not UTF-8 ({found}); read as Windows-1252"
+    content = content.rstrip(b"\x1a")
+    control = CONTROL.search(content)
+    if control:
+        what = "zero bytes" if control[0] == b"\0" else f"the control byte 0x{control[0][0]:02x}"
+        line = content.count(b"\n", 0, control.start()) + 1
+        raise RecordError(f"is not text: it holds {what} (line {line}); if it is UTF-16, save it as UTF-8")
+    if b"\r" in content:
+        content = content.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+    # The serial monitor of Arduino parts its stamps from the text so.
+    if re.match(rb"\d\d:\d\d:\d\d\.\d+ -> ", content):
+        start = content[:HEAD_BYTES]
+        content = content.replace(b" -> ", next((d for d in (b"\t", b";", b",") if d in start), b"\t"))
+    return content if content.endswith(b"\n") else content + b"\n", told
+
+
+def _pieces(body: bytes) -> Iterator[bytes]:
+    """Yield a text in pieces of whole lines."""
+    start = 0
+    while start < len(body):
+        stop = body.find(b"\n", start + PIECE) + 1 or len(body)
+        yield body[start:stop]
+        start = stop
+
+
+def _rows(body: bytes, layout: Layout) -> tuple[Rows, dict[str, str]]:
+    """Return the rows, and which lines among and below them are none."""
+    first = layout.first + 1
+    blank: list[int] = []
+    odd: dict[int, str] = {}
+    line = first
+    for piece in _pieces(body):
+        count = piece.count(b"\n")
+        rows = piece.split(b"\n")
+        for k in _suspects(piece, layout).tolist():
+            text = rows[k].decode()
+            if not text.strip():
+                blank.append(line + k)
+            elif not _is_row(text, layout):
+                odd[line + k] = text
+        line += count
+    last = line - 1
+    skipped = {*blank, *odd}
+    while last in skipped:
+        last -= 1
+    told = {f"line {n}": _why(text, layout, n, last) for n, text in odd.items()}
+    if sum(n > last for n in odd) > MOST_FOOTER:
+        n = next(n for n in odd if n > last)
+        raise RecordError(f"the rows end at line {last}, but {line - n} lines follow: {shortened(odd[n])}")
+    inner = [n for n in blank if n < last]
+    if inner:
+        told[f"line {inner[0]}"] = f"is empty{f', and {len(inner) - 1} more' if len(inner) > 1 else ''}"
+    return Rows(
+        body=body, first=first, layout=layout, skipped=frozenset(skipped), size=line - first - len(skipped)
+    ), told
+
+
+def _suspects(piece: bytes, layout: Layout) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
+    """Return the indices of the lines that are perhaps no rows: in doubt, too many."""
+    width, delimiter = len(layout.names), layout.dialect.delimiter
+    if delimiter == " ":
+        return np.array([k for k, row in enumerate(piece.split(b"\n")[:-1]) if len(row.split()) != width], np.intp)
+    codes = np.frombuffer(piece, np.uint8)
+    ends = np.flatnonzero(codes == ord("\n"))
+    starts = np.concatenate([[0], ends[:-1] + 1])
+    before = np.concatenate([[0], np.cumsum(codes == ord(delimiter), dtype=np.int32)])
+    suspect = before[ends] - before[starts] != width - 1
+    if width == 1:
+        suspect |= ~PLAIN[codes[starts]]
+    suspect |= np.isin(codes[starts], np.frombuffer(b"#%/", np.uint8))
+    if b'"' in piece:
+        quotes = np.concatenate([[0], np.cumsum(codes == ord('"'), dtype=np.int32)])
+        suspect |= quotes[ends] > quotes[starts]
+    letters = np.concatenate([[0], np.cumsum(codes >= ord("A"), dtype=np.int32)])
+    digits = np.concatenate([[0], np.cumsum((codes >= ord("0")) & (codes <= ord("9")), dtype=np.int32)])
+    # Words alone: perhaps a header once more.
+    suspect |= (letters[ends] > letters[starts]) & (digits[ends] == digits[starts])
+    if not layout.names[-1]:
+        suspect |= codes[ends - 1] != ord(delimiter)
+    return np.flatnonzero(suspect)
+
+
+def _is_row(text: str, layout: Layout) -> bool:
+    if text.lstrip().startswith(COMMENTS):
+        return False
+    cells = layout.dialect.cells(text)
+    kinds = [kind_of(cell, comma=layout.dialect.comma) for cell in cells]
+    if not layout.names[-1]:
+        # The rows end with a delimiter; one may lack it, but nothing may stand behind it.
+        return len(cells) == len(layout.names) - 1 or (len(cells) == len(layout.names) and not cells[-1])
+    return len(cells) == len(layout.names) and not set(kinds) <= {"text", "date"}
+
+
+def _why(text: str, layout: Layout, line: int, last: int) -> str:
+    """Return why a line is left out; refuse one that cannot be."""
+    if text.lstrip().startswith(COMMENTS):
+        return f"is a comment: {shortened(text)}"
+    cells = layout.dialect.cells(text)
+    width = len(layout.names)
+    if line < last:
+        found = f"has {len(cells)} cells, the rows above have {width}{parted_by(layout.dialect)}"
+        found = found if len(cells) != width else "holds no number"
+        raise RecordError(f"line {line} {found}: {shortened(text)}; correct it, or take it out if it is no sample")
+    if len(cells) < width and kind_of(cells[0], comma=layout.dialect.comma) in ("number", "stamp"):
+        return f"is cut short: it has {len(cells)} of {width} cells"
+    return f"stands below the data: {shortened(text)}"
+
+
+def _clocks(rows: Rows, numeric: Sequence[str]) -> tuple[dict[str, Clock], dict[str, str]]:
+    """Return the clock that a column of dates or times of day gives, and why other columns are no channels."""
+    kinds = rows.layout.kinds
+    reasons = {name: "holds text" for name, kind in kinds.items() if kind == "text"}
+    reasons |= {name: "holds dates" for name, kind in kinds.items() if kind == "date"}
+    stamps = [name for name, kind in kinds.items() if kind == "stamp"]
+    named = [name for name in stamps if is_time(name)]
+    chosen = named[:1] if len(named) == 1 else stamps[:1] if len(stamps) == 1 else []
+    reasons |= dict.fromkeys(stamps, "holds times of day, as others do: which is time is not clear")
+    clocks: dict[str, Clock] = {}
+    for name in chosen:
+        if any(is_time(other) for other in numeric):
+            reasons[name] = "holds times of day; a column of numbers is the time"
+            continue
+        start = next(rows.cells(name), "")
+        reasons[name] = f"is the time, and is counted from the first stamp, {start!r}"
+        clock = Clock(name=name, stamps=lambda name=name: seconds(lambda: rows.cells(name)))  # type: ignore[misc]
+        clocks = dict.fromkeys(numeric, clock)
+    return clocks, reasons
+
+
+def _numbers(lines: Sequence[int], rows: Sequence[str], use: Sequence[int], layout: Layout) -> RealArray:
+    """Return the numbers of some columns (column, row)."""
+    dialect = layout.dialect
+    delimiter = None if dialect.delimiter == " " else dialect.delimiter
+    whole = "\n".join(rows) if dialect.comma else ""
+    # A point beside decimal commas is a thousand, and is refused below.
+    if not dialect.comma or ("." not in whole and delimiter != ","):
+        plain = whole.replace(",", ".").split("\n") if dialect.comma else rows
+        try:
+            values = np.loadtxt(plain, delimiter=delimiter, comments=None, quotechar='"', usecols=use, ndmin=2)
+        except ValueError:
+            pass
+        else:
+            if len(values) == len(rows):
+                return values.T
+    names = {layout.names[k]: k for k in use}
+    return np.array([_row(line, row, names, dialect) for line, row in zip(lines, rows, strict=True)]).T
+
+
+def _row(line: int, row: str, names: Mapping[str, int], dialect: Dialect) -> list[float]:
+    """Return the numbers of a row, or refuse the first cell that is neither number nor missing."""
+    cells = dialect.cells(row)
+    values = []
+    for name, k in names.items():
+        try:
+            values.append(number(cells[k], comma=dialect.comma))
+        except ValueError:
+            hint = "; write decimals with a point" if COMMA_NUMBER.fullmatch(cells[k]) else ""
+            hint = "; decimals have a comma here, and thousands are not parted" if dialect.comma else hint
+            raise RecordError(f"line {line}, column {name!r}: {cells[k]!r} is not a number{hint}") from None
+    return values

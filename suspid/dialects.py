@@ -1,0 +1,299 @@
+"""Dialects of text files: how cells are parted and decimals written, and where the header ends.
+
+Found from the lines themselves: the dialect is the one under which most lines are rows of numbers.
+What two dialects read as different numbers is refused, never guessed.
+"""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from suspid.cells import Kind, kind_of
+from suspid.errors import RecordError
+from suspid.files import printable
+from suspid.tables import bracketed_unit, is_time, stated_rate
+from suspid.units import Hertz
+
+COMMENTS = ("#", "%", "//")
+DELIMITERS = {"\t": "tabs", ";": "semicolons", ",": "commas", " ": "blanks"}
+# One unit or several joined, such as mm, m/s^2, (kN), µm/m or °/s.
+ATOM = (
+    r"(?:[kKMGmµμunp]?(?:m|s|g|gn|V|A|Hz|Pa|J|W|N|Nm|rad|bar|Ohm|Ω|strain|eps|ε)"
+    r"|min|h|hr|sec|deg|°C?|C|%|1|-|rpm|in|ft|lbf)"
+)
+UNIT = re.compile(
+    rf"{ATOM}(?:\^?-?[0-9²³]|\*\*-?\d|⁻[¹²])?(?:[/*·. ]{ATOM}(?:\^?-?[0-9²³]|\*\*-?\d|⁻[¹²])?)*|hh:mm:ss\S*|[Uu]nits?"
+)
+KEY_VALUE = re.compile(
+    r"\W*([^\W\d][^:=;,\t]*?)\s*[:=;,\t]\s*[\"']?([+-]?\d+(?:\.\d+)?(?:[eE][+-]?\d+)?)\s*[;,\t]?\s*(\w*)\W*"
+)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Dialect:
+    """How a line is parted into cells.
+
+    Parameters
+    ----------
+    delimiter : str
+        What stands between two cells; a blank stands for any run of blanks and tabs.
+    comma : bool
+        Whether decimals stand behind a comma.
+    """
+
+    delimiter: str
+    comma: bool
+
+    def cells(self, line: str) -> list[str]:
+        """Return the cells of a line without their quotes and outer blanks."""
+        if '"' in line:
+            try:
+                blanks = self.delimiter == " "
+                parts = next(
+                    csv.reader([line.strip() if blanks else line], delimiter=self.delimiter, skipinitialspace=blanks),
+                    [""],
+                )
+            except csv.Error as refusal:
+                raise RecordError(f"is not delimited text: {refusal}") from None
+        else:
+            parts = line.split() if self.delimiter == " " else line.split(self.delimiter)
+        return [part.strip() for part in parts]
+
+    def kinds(self, line: str) -> list[Kind]:
+        """Return what the cells of a line hold."""
+        return [kind_of(cell, comma=self.comma) for cell in self.cells(line)]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Layout:
+    """What the top of a text file says of the rows below it.
+
+    Parameters
+    ----------
+    dialect : Dialect
+        How a row is parted.
+    names : tuple of str
+        Names of the columns in their order; an empty last one stands for a delimiter that ends each row.
+    units : mapping of str to str
+        Units by column.
+    kinds : mapping of str to str
+        What each column holds.
+    first : int
+        Index of the first line of data.
+    rates : mapping of str to float
+        Sampling rates that lines above the data state [Hz].
+    left_out : mapping of str to str
+        Lines above the data that are neither names nor units.
+    """
+
+    dialect: Dialect
+    names: tuple[str, ...]
+    units: Mapping[str, str]
+    kinds: Mapping[str, Kind]
+    first: int
+    rates: Mapping[str, Hertz]
+    left_out: Mapping[str, str]
+
+
+def find_layout(head: Sequence[str], sample: Sequence[str]) -> Layout:
+    """Return the layout of a file from its first lines and a sample of lines from all over it.
+
+    Raises
+    ------
+    RecordError
+        If no line holds numbers, the header does not fit the rows, or two dialects fit.
+    """
+    dialect, width = _dialect(head, sample)
+    rows = [kinds for kinds in map(dialect.kinds, sample) if len(kinds) == width and "number" in kinds]
+    columns = [_column_kind([row[k] for row in rows]) for k in range(width)]
+    first = next((k for k, line in enumerate(head) if _is_data(dialect.kinds(line), columns)), None)
+    if first is None:
+        raise RecordError(f"{len(head)} lines of header, and no row of numbers below them")
+    names_at, units_at = _header(head[:first], dialect, columns)
+    trailing = width > 1 and columns[-1] == "missing"
+    cells = [""] * width if names_at is None else _name_cells(head[names_at], dialect, width, trailing=trailing)
+    names = [name or f"column {k + 1}" for k, name in enumerate(cells)]
+    if trailing and not cells[-1]:
+        names[-1] = ""
+    twice = next((name for name in names if names.count(name) > 1), None)
+    if twice is not None:
+        raise RecordError(f"the header names {names.count(twice)} columns {twice!r}; names must differ")
+    stated = (
+        []
+        if units_at is None
+        else [cell.strip("[]() ") for cell in _name_cells(head[units_at], dialect, width, trailing=trailing)]
+    )
+    units = {name: bracketed_unit(name) for name in names if bracketed_unit(name)}
+    units |= {name: unit for name, unit in zip(names, stated, strict=False) if unit}
+    others = [k for k in range(first) if k not in (names_at, units_at) and head[k].strip()]
+    return Layout(
+        dialect=dialect,
+        names=tuple(names),
+        units=units,
+        kinds=dict(zip(names, columns, strict=True)),
+        first=first,
+        rates=_rates([head[k] for k in others]),
+        left_out={f"line {k + 1}": f"stands above the data: {shortened(head[k])}" for k in others},
+    )
+
+
+def shortened(line: str, most: int = 60) -> str:
+    """Return a line in quotes, cut where it is long."""
+    text = printable(line.strip())
+    return repr(text if len(text) <= most else text[: most - 1] + "…")
+
+
+def parted_by(dialect: Dialect) -> str:
+    """Return the delimiter in words for the end of a message."""
+    return f" (separated by {DELIMITERS[dialect.delimiter]})"
+
+
+def _dialect(head: Sequence[str], sample: Sequence[str]) -> tuple[Dialect, int]:
+    """Return the dialect in which most of the lines are rows of numbers, and the width of these."""
+    scored = []
+    for delimiter in DELIMITERS:
+        for comma in (False, True):
+            dialect = Dialect(delimiter=delimiter, comma=comma)
+            rows = [kinds for kinds in map(dialect.kinds, sample) if "number" in kinds]
+            if rows:
+                width = Counter(map(len, rows)).most_common(1)[0][0]
+                score = sum(1 - row.count("text") / width for row in rows if len(row) == width)
+                scored.append((score, width, dialect))
+    if not scored:
+        raise RecordError("holds no row of numbers; a record needs at least 2 samples, one a line")
+    best = max(score for score, _, _ in scored)
+    ties = [(width, dialect) for score, width, dialect in scored if score > best - 1e-9]
+    # Where a decimal comma changes nothing, the point is as good.
+    width, dialect = max(ties, key=lambda tie: (tie[0], not tie[1].comma))
+    if dialect.delimiter == ",":
+        width, dialect = _one_number_or_two(head, sample, ties)
+    return dialect, width
+
+
+def _one_number_or_two(
+    head: Sequence[str], sample: Sequence[str], ties: Sequence[tuple[int, Dialect]]
+) -> tuple[int, Dialect]:
+    """Return the dialect of rows such as ``1,234``: the header tells, or a digit 0 behind the comma."""
+    two = next(tie for tie in ties if tie[1].delimiter == ",")
+    one = max((tie for tie in ties if tie[1].comma and tie[1].delimiter != ","), key=lambda tie: tie[0], default=None)
+    if one is None:
+        return two
+    rows = [line for line in sample if "number" in two[1].kinds(line)]
+    above = [line for line in head if line.strip() and "number" not in two[1].kinds(line)]
+    if above:
+        commas = Counter(line.count(",") for line in rows).most_common(1)[0][0]
+        if above[-1].count(",") == commas:
+            return two
+        if "," not in above[-1]:
+            return one
+    # No program prints an integer with a zero before it.
+    elif any(re.search(r",0\d", line) for line in rows):
+        return one
+    raise RecordError(
+        f"{shortened(rows[0])} may be one number or two: the comma may stand before decimals or between cells; put a "
+        f"header line with the names above, or write decimals with a point"
+    )
+
+
+def _column_kind(kinds: Sequence[Kind]) -> Kind:
+    """Return what most cells of a column hold."""
+    counts = Counter(kind for kind in kinds if kind != "missing")
+    if not counts:
+        return "missing"
+    # One odd cell among as many numbers is a fault to be named, not a column of text.
+    return max(counts, key=lambda kind: (counts[kind], kind in ("number", "stamp")))
+
+
+def _is_data(kinds: Sequence[Kind], columns: Sequence[Kind]) -> bool:
+    """Whether a line is a row of such columns."""
+    if len(kinds) != len(columns) or not ({"number", "stamp"} & set(kinds)):
+        return False
+    return all(
+        kind in (column, "missing") or column in ("text", "missing")
+        for kind, column in zip(kinds, columns, strict=True)
+    )
+
+
+def _header(above: Sequence[str], dialect: Dialect, columns: Sequence[Kind]) -> tuple[int | None, int | None]:
+    """Return the indices of the lines of names and of units above the data."""
+    filled = [k for k, line in enumerate(above) if line.strip()]
+    rows: list[int] = []
+    for k in reversed(filled):
+        if not _may_name(above[k], dialect, len(columns), trailing=columns[-1] == "missing"):
+            break
+        rows.insert(0, k)
+    if rows:
+        units = [k for k in rows if _are_units(above[k], dialect)]
+        # A single row names, whatever it looks like.
+        if units and len(rows) > 1:
+            at = rows.index(units[-1])
+            return rows[at - 1] if at else rows[1], units[-1]
+        return rows[-1], None
+    if filled:
+        _refuse_misfit(above[filled[-1]], filled[-1] + 1, dialect, columns)
+    return None, None
+
+
+def _name_cells(line: str, dialect: Dialect, width: int, *, trailing: bool) -> list[str]:
+    """Return the cells of a header, as many as the rows have where it can be."""
+    text = line.strip() if dialect.delimiter == " " else line
+    for mark in COMMENTS:
+        if text.startswith(mark):
+            text = text.removeprefix(mark)
+            break
+    cells = dialect.cells(text)
+    if len(cells) != width and dialect.delimiter == " ":
+        wide = [cell.strip().strip('"') for cell in re.split(r"\t|\s{2,}", text.strip())]
+        cells = wide if len(wide) == width else cells
+    if len(cells) == width + 1 and not cells[-1]:
+        cells = cells[:-1]
+    if len(cells) == width - 1 and trailing:
+        cells = [*cells, ""]
+    return cells
+
+
+def _may_name(line: str, dialect: Dialect, width: int, *, trailing: bool) -> bool:
+    cells = _name_cells(line, dialect, width, trailing=trailing)
+    numbers = [kind_of(cell, comma=dialect.comma) in ("number", "stamp") for cell in cells]
+    if len(cells) != width or not any(cells) or all(numbers):
+        return False
+    return not any(numbers) or any(is_time(cell) for cell in cells)
+
+
+def _are_units(line: str, dialect: Dialect) -> bool:
+    cells = [cell.strip("[]() ") for cell in _name_cells(line, dialect, 0, trailing=False)]
+    return any(cells) and all(not cell or UNIT.fullmatch(cell) for cell in cells)
+
+
+def _refuse_misfit(line: str, number: int, dialect: Dialect, columns: Sequence[Kind]) -> None:
+    """Refuse a line above the data that is meant to name them, or to be one of them, but does not fit."""
+    if line.lstrip().startswith(COMMENTS) or dialect.delimiter == " ":
+        return
+    cells, kinds = dialect.cells(line), dialect.kinds(line)
+    if len(cells) == len(columns) and "number" in kinds:
+        odd = next((k for k, kind in enumerate(kinds) if kind == "text"), 0)
+        raise RecordError(
+            f"line {number} is neither a header nor data: cell {odd + 1} is {cells[odd]!r}, but "
+            f"cell {kinds.index('number') + 1} is a number"
+        )
+    if 1 < len(cells) != len(columns) and set(kinds) <= {"text"} and not re.match(r"[^:=]*[:=]", cells[0]):
+        hint = "; if decimals have a comma, let semicolons or tabs part the cells" if dialect.delimiter == "," else ""
+        raise RecordError(
+            f"line {number} names {len(cells)} columns, but the rows hold {len(columns)} "
+            f"cells{parted_by(dialect)}{hint}"
+        )
+
+
+def _rates(lines: Sequence[str]) -> dict[str, Hertz]:
+    """Return the sampling rates that lines such as ``Sample rate: 500 Hz`` state."""
+    rates = {}
+    for line in lines:
+        found = KEY_VALUE.fullmatch(line)
+        rate = stated_rate(found[1], float(found[2]), found[3]) if found else None
+        if found and rate is not None:
+            rates[found[1].strip()] = rate
+    return rates
