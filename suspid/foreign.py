@@ -18,7 +18,7 @@ T = TypeVar("T")
 LONGEST = 160
 
 
-def sheltered(read: Callable[[], T], *, extra: str, library: str, suffix: str) -> T:
+def sheltered(read: Callable[[], T], *, extra: str, library: str, suffix: str, doing: str = "reading") -> T:
     r"""Return what a library reads; whatever else comes of it is a `RecordError` of one line.
 
     Parameters
@@ -27,6 +27,8 @@ def sheltered(read: Callable[[], T], *, extra: str, library: str, suffix: str) -
         Imports the library and reads.
     extra, library, suffix : str
         The extra of suspid that brings the library, the name of its module, and what it reads, such as ``".tdms"``.
+    doing : str
+        What it is that needs the library.
 
     Raises
     ------
@@ -48,7 +50,7 @@ def sheltered(read: Callable[[], T], *, extra: str, library: str, suffix: str) -
             raise
         except ModuleNotFoundError as refusal:
             missing = refusal.name or library
-            message = f"reading {suffix} needs {missing}: pip install 'suspid[{extra}]'"
+            message = f"{doing} {suffix} needs {missing}: pip install 'suspid[{extra}]'"
         # A damaged file is met with errors of every kind, MemoryError and RecursionError among them.
         except Exception as refusal:
             words = printable(" ".join(str(refusal).split()))

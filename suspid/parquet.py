@@ -3,23 +3,18 @@
 from __future__ import annotations
 
 import io
-import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from suspid.errors import RecordError
-from suspid.files import printable, read_bytes, replacing
+from suspid.files import printable, read_bytes
 from suspid.foreign import sheltered
-from suspid.signals import as_signal
 from suspid.tables import PER_SECOND, Clock, Table, is_time, split_unit
 from suspid.units import RealArray
 from suspid.values import frozen_real
-
-if TYPE_CHECKING:
-    import control
 
 TIME = "time [s]"
 UNIT_KEYS = (b"unit", b"units", b"UNIT", b"Unit", b"Units")
@@ -46,56 +41,71 @@ def read_parquet(path: Path) -> Table:
     return sheltered(lambda: _table(content, path.suffix), extra="parquet", library="pyarrow", suffix=path.suffix)
 
 
-def write_parquet(response: control.TimeResponseData, path: str | os.PathLike[str]) -> None:
-    """Write a record as Parquet: a column ``time [s]``, then the channels, in double precision.
+def write_parquet(
+    path: Path,
+    timepts: RealArray,
+    values: RealArray,
+    channels: Sequence[str],
+    *,
+    units: Sequence[str] | None = None,
+    title: str = "",
+) -> None:
+    """Write a column ``time [s]``, then the channels, in double precision: every bit comes back.
 
     Parameters
     ----------
-    response : control.TimeResponseData
-        One trace.
-    path : str or path
-        The file. It is written under another name and renamed at the end.
+    path : path
+        The file, which is overwritten.
+    timepts : ndarray (sample,)
+        Time of each sample [s].
+    values : ndarray (channel, sample)
+        The samples.
+    channels : sequence of str
+        Names that differ.
+    units : sequence of str, optional
+        Units by channel, empty where there is none; they stand in the metadata of the fields.
+    title : str
+        What the record is called.
 
     Raises
     ------
     RecordError
-        If the record is refused by `as_signal`, or the name of a channel would not come back.
-    InputError
+        If pyarrow is not there.
+    OSError
         If the file cannot be written.
 
     Examples
     --------
     >>> import tempfile
-    >>> from suspid.signals import as_response
-    >>> response = as_response(np.arange(3) / 10, np.array([[1.0, 0.5, 0.1]]), ["seat"], title="bump")
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     write_parquet(response, Path(folder, "bump.parquet"))
-    ...     table = read_parquet(Path(folder, "bump.parquet"))
-    >>> table.sizes, table.columns(["seat"]), table.title
-    ({'time [s]': 3, 'seat': 3}, [array([1. , 0.5, 0.1])], 'bump')
+    ...     path = Path(folder, "bump.parquet")
+    ...     write_parquet(path, np.arange(3) / 10, np.array([[1.0, 0.5, 0.1]]), ["seat"], units=["m"], title="bump")
+    ...     table = read_parquet(path)
+    >>> table.sizes, table.columns(["seat"]), table.units, table.title
+    ({'time [s]': 3, 'seat': 3}, [array([1. , 0.5, 0.1])], {'time [s]': 's', 'seat': 'm'}, 'bump')
     """
-    signal = as_signal(response)
-    for name in signal.channels:
-        if not name.strip() or is_time(name) or signal.channels.count(name) > 1:
-            raise RecordError(
-                f"channel {name!r} could not be read back under this name: it is empty, stands twice or reads like a "
-                f"time; rename it"
-            )
-    columns = {TIME: np.asarray(response.time, float), **dict(zip(signal.channels, signal.values, strict=True))}
-    title = str(getattr(response, "title", None) or "")
-    with replacing(path) as draft:
-        sheltered(lambda: _write(columns, title, draft), extra="parquet", library="pyarrow", suffix=".parquet")
+    content = sheltered(
+        lambda: _written(timepts, values, channels, units or [""] * len(channels), title),
+        doing="writing",
+        extra="parquet",
+        library="pyarrow",
+        suffix=".parquet",
+    )
+    path.write_bytes(content)
 
 
-def _write(columns: dict[str, RealArray], title: str, draft: Path) -> None:
+def _written(timepts: RealArray, values: RealArray, channels: Sequence[str], units: Sequence[str], title: str) -> bytes:
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    fields = [pa.field(TIME, pa.float64(), nullable=False, metadata={"unit": "s"})]
-    fields += [pa.field(name, pa.float64(), nullable=False) for name in columns if name != TIME]
-    table = pa.table(list(columns.values()), schema=pa.schema(fields, metadata={"title": title, "writer": "suspid"}))
-    with draft.open("wb") as stream:
-        pq.write_table(table, stream, use_dictionary=False, write_page_checksum=True)
+    fields = [
+        pa.field(name, pa.float64(), nullable=False, metadata={"unit": unit} if unit else None)
+        for name, unit in zip([TIME, *channels], ["s", *units], strict=True)
+    ]
+    schema = pa.schema(fields, metadata={"title": title, "writer": "suspid"})
+    stream = io.BytesIO()
+    pq.write_table(pa.table([timepts, *values], schema=schema), stream, use_dictionary=False, write_page_checksum=True)
+    return stream.getvalue()
 
 
 def _table(content: bytes, suffix: str) -> Table:
@@ -128,10 +138,8 @@ def _table(content: bytes, suffix: str) -> Table:
     clocks: dict[str, Clock] = {}
     if len(temporal) == 1 and len(usable) > 1 and not any(is_time(name) for name in usable):
         clock = Clock(name=temporal[0], stamps=lambda: columns(temporal)[0])
-        usable.remove(temporal[0])
-        unusable[temporal[0]] = "is the clock of the others"
-        clocks = dict.fromkeys(usable, clock)
-    units = {name: unit for name in usable if (unit := _unit(schema.field(name).metadata))}
+        clocks = {name: clock for name in usable if name not in temporal}
+    units = {name: unit for name in usable if name not in temporal and (unit := _unit(schema.field(name).metadata))}
     title = (schema.metadata or {}).get(b"title", b"").decode("utf-8", "replace")
     sizes = dict.fromkeys(usable, samples)
     return Table(

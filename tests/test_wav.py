@@ -13,7 +13,7 @@ from suspid import SuspidError
 from suspid.errors import RecordError
 from suspid.wav import read_wav
 
-FUZZ = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+FUZZ = settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 
 
 def wav(samples: np.ndarray, *, rate: int = 800) -> bytes:
