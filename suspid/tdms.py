@@ -37,7 +37,7 @@ class _Entry:
     unit: str
     offset: Second
     step: Second | None
-    # Begin of the waveform: whole seconds and their fraction, in units of 2^-64 s.
+    # Whole seconds, and 2^-64 s.
     began: tuple[int, int] | None
     is_stamp: bool
 
@@ -45,9 +45,9 @@ class _Entry:
 def read_tdms(path: Path) -> Table:
     """Return the table of a TDMS file: each channel of numbers, scaled as the file says.
 
-    A channel is named as in its group; where two groups have such a name, as ``group/name``. Its clock is
-    that of its waveform (``wf_increment``, ``wf_start_offset``, and ``wf_start_time`` since the earliest
-    there is). Without one it is the channel of its group that holds dates or is named like a time.
+    A name that two groups have becomes ``group/name``. The clock of a channel is that of its waveform
+    (``wf_increment``, ``wf_start_offset``, and ``wf_start_time`` since the earliest there is), else the
+    channel of its group that holds dates or is named like a time.
 
     Raises
     ------
@@ -125,7 +125,17 @@ def _entries(content: bytes) -> list[_Entry]:
         wrong = [p for p, s in (status.channel_statuses or {}).items() if s.expected_length != s.read_length]
         if status.incomplete_final_segment or wrong:
             raise RecordError("is damaged: a segment does not hold as many samples as it states")
+        for holder in (file, *file.groups(), *(channel for group in file.groups() for channel in group.channels())):
+            _check_scales(holder.properties)
         return [_entry(channel, len(content)) for group in file.groups() for channel in group.channels()]
+
+
+def _check_scales(properties: Mapping[str, Any]) -> None:
+    """Refuse numbers of scales and coefficients that the properties cannot hold: npTDMS would count up to them."""
+    for key, value in properties.items():
+        counts = key == "NI_Number_Of_Scales" or (key.startswith("NI_Scale[") and key.endswith("_Size"))
+        if counts and not (_is_number(value) and value <= len(properties)):
+            raise RecordError(f"is damaged: it states {key} = {printable(str(value))}")
 
 
 def _entry(channel: Any, most: int) -> _Entry:

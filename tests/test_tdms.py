@@ -213,6 +213,11 @@ class TestDamage:
         with pytest.raises(RecordError, match="is damaged"):
             read_tdms(tmp_path / "a.tdms")
 
+    @pytest.mark.parametrize("key", ["NI_Number_Of_Scales", "NI_Scale[0]_Polynomial_Coefficients_Size"])
+    def test_absurd_numbers_of_scales(self, tmp_path: Path, key: str) -> None:
+        with pytest.raises(RecordError, match="is damaged: it states NI_"):
+            read_tdms(put(tmp_path, [channel("g", "x", [1.0], **{key: 1 << 30})]))
+
     def test_a_crash_of_the_writer(self, tmp_path: Path) -> None:
         second = WHOLE.index(b"TDSm", 4)
         crashed = WHOLE[: second + 12] + b"\xff" * 8 + WHOLE[second + 20 :]
