@@ -1,0 +1,120 @@
+"""Placing: samples onto the uniform grid of a clock, and from one grid onto another."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from suspid.clocks import WIDE, Clock
+from suspid.findings import Finding
+from suspid.units import Ratio, RealArray, Second
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Placed:
+    """Channels on one uniform grid.
+
+    Parameters
+    ----------
+    timepts : ndarray (sample,)
+        The grid [s].
+    step : float
+        Its step [s].
+    names : tuple of str
+        The channels.
+    values : ndarray (channel, sample)
+        Their samples; NaN where missing.
+    findings : tuple of Finding
+        What was met on the way.
+    """
+
+    timepts: RealArray
+    step: Second
+    names: tuple[str, ...]
+    values: RealArray
+    findings: tuple[Finding, ...]
+
+
+def place(clock: Clock, names: Sequence[str], values: RealArray, findings: Sequence[Finding] = ()) -> Placed:
+    """Return rows (channel, row) on the grid of their clock.
+
+    Where every row is a sample of the grid, the samples stay as they are and rows that are missing
+    become NaN; else they are interpolated, and the finding says by how much that errs.
+
+    Examples
+    --------
+    >>> from suspid.clocks import read_clock
+    >>> t = np.delete(np.arange(20) / 10, 7)
+    >>> placed = place(read_clock(t, t[None]), ["seat"], t[None])
+    >>> placed.values[0, 6:9]
+    array([0.6, nan, 0.8])
+    """
+    said = list(clock.findings)
+    if clock.places is None:
+        spread, errors = [], []
+        for row in values:
+            spread.append(interpolate(clock.timepts, clock.stamps, row, widest=WIDE * clock.step))
+            errors.append(halving_error(clock.stamps, row))
+        said[-1] = replace(
+            said[-1], text=f"{said[-1].text}, which errs by less than {100 * max(errors):.2g} % of the motion, rms"
+        )
+        placed = np.array(spread)
+    elif clock.places.size == clock.timepts.size:
+        placed = values
+    else:
+        placed = np.full((len(values), clock.timepts.size), np.nan)
+        placed[:, clock.places] = values
+    return Placed(
+        timepts=clock.timepts, step=clock.step, names=tuple(names), values=placed, findings=(*said, *findings)
+    )
+
+
+def resample(part: Placed, onto: Placed) -> tuple[Placed, Ratio]:
+    """Return channels on the grid of others, and the largest rms error as a share of a channel's motion."""
+    rows = [interpolate(onto.timepts, part.timepts, row, widest=WIDE * part.step) for row in part.values]
+    error = max(halving_error(part.timepts, row) for row in part.values)
+    inside = (onto.timepts >= part.timepts[0]) & (onto.timepts <= part.timepts[-1])
+    grid = onto.timepts[inside] if np.sum(inside) > 1 else onto.timepts[:2]
+    return replace(part, timepts=grid, step=onto.step, values=np.array(rows)), error
+
+
+def interpolate(wanted: RealArray, times: RealArray, values: RealArray, *, widest: Second) -> RealArray:
+    """Return the cubic spline through the samples at the times wanted; NaN in gaps wider than ``widest``.
+
+    Examples
+    --------
+    >>> t = np.array([0.0, 0.1, 0.25, 0.3, 0.4, 1.0])
+    >>> interpolate(np.array([0.2, 0.7]), t, t**3, widest=0.2)
+    array([0.008, nan])
+    """
+    from scipy.interpolate import CubicSpline
+
+    known = np.isfinite(values)
+    spread = np.full(wanted.size, np.nan)
+    if np.sum(known) < 4:
+        return spread
+    t, y = times[known], values[known]
+    slack = 1e-9 * min(widest, float(t[-1] - t[0]))
+    inside = (wanted >= t[0] - slack) & (wanted <= t[-1] + slack)
+    spread[inside] = CubicSpline(t, y)(wanted[inside])
+    behind = np.clip(np.searchsorted(t, wanted), 1, t.size - 1)
+    wide = (t[behind] - t[behind - 1] > widest) & (np.abs(t[behind] - wanted) > slack)
+    wide &= np.abs(wanted - t[behind - 1]) > slack
+    spread[wide] = np.nan
+    return spread
+
+
+def halving_error(times: RealArray, values: RealArray) -> Ratio:
+    """Return by how much the spline through every second sample misses those between, as a share of the motion.
+
+    The spline through all of them errs by less; noise is included, since the record cannot tell.
+    """
+    known = np.isfinite(values)
+    t, y = times[known], values[known]
+    motion = float(np.std(y)) if y.size else 0.0
+    if t.size < 9 or motion == 0:
+        return float("nan")
+    between = interpolate(t[1:-1:2], t[::2], y[::2], widest=np.inf)
+    return float(np.sqrt(np.nanmean((between - y[1:-1:2]) ** 2))) / motion
