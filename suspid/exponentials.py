@@ -124,11 +124,7 @@ class Blocks:
 
     def project(self, theta: ComplexArray) -> ComplexArray:
         """Return ``sum_k (k / n)^j y_k conj(exp(theta k))``, (j, channel, exponent), for j = 0 and 1."""
-        inner, outer = _powers(theta.conj(), self.size, -(-self.count // self.size))
-        # Real times complex as one real product: numpy would first make the record complex.
-        partial = self.folded @ inner.view(float)
-        partial = partial.reshape(2, self.channels, len(outer), -1).view(complex)
-        return np.asarray(np.einsum("jcbi,bi->jci", partial, outer))
+        return _folded_sums(self.folded.reshape(2 * self.channels, -1, self.size), theta).reshape(2, self.channels, -1)
 
 
 def blocks_of(values: RealArray) -> Blocks:
@@ -147,16 +143,39 @@ def blocks_of(values: RealArray) -> Blocks:
     )
 
 
+def project(values: RealArray, theta: ComplexArray) -> ComplexArray:
+    """Return ``sum_k y_k conj(exp(theta k))``, (channel, exponent), of a record that is asked once."""
+    channels, count = values.shape
+    size = max(8, int(np.sqrt(count)))
+    folded = np.zeros((channels, -(-count // size) * size))
+    folded[:, :count] = values
+    return _folded_sums(folded.reshape(channels, -1, size), theta)
+
+
+def _folded_sums(folded: RealArray, theta: ComplexArray) -> ComplexArray:
+    """Return the inner products of rows cut into blocks, (row, block, sample), with exponentials, (row, exponent)."""
+    rows, blocks, size = folded.shape
+    inner, outer = _powers(theta.conj(), size, blocks)
+    # Real times complex as one real product: numpy would first make the record complex.
+    partial = folded.reshape(-1, size) @ inner.view(float)
+    return np.asarray(np.einsum("rbi,bi->ri", partial.reshape(rows, blocks, -1).view(complex), outer))
+
+
 def _powers(theta: ComplexArray, size: int, blocks: int) -> tuple[ComplexArray, ComplexArray]:
     """Return ``exp(theta b)``, (sample, exponent), and ``exp(theta B a)``, (block, exponent)."""
-    powers = np.exp(_steps(size, blocks) * theta)
-    return powers[:size], powers[size:]
+    return _successive(np.exp(theta), size), _successive(np.exp(size * theta), blocks)
 
 
-@lru_cache(maxsize=64)
-def _steps(size: int, blocks: int) -> RealArray:
-    """Return the numbers of the samples of a block and of the first samples of the blocks, (number, 1)."""
-    return frozen_real(np.concatenate([np.arange(size), np.arange(blocks) * size])[:, None])
+def _successive(ratio: ComplexArray, count: int) -> ComplexArray:
+    """Return the powers 0 … count - 1 of numbers, (power, number), by doubling: one rounding more each time."""
+    powers = np.empty((count, len(ratio)), complex)
+    powers[0] = 1.0
+    done, last = 1, ratio
+    while done < count:
+        more = min(done, count - done)
+        np.multiply(powers[:more], last, out=powers[done : done + more])
+        done, last = done + more, last * last
+    return powers
 
 
 def synthesize(theta: ComplexArray, amplitudes: ComplexArray, count: int) -> RealArray:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from suspid.errors import IdentificationError, InputError, RecordError
-from suspid.exponentials import blocks_of, synthesize
+from suspid.exponentials import blocks_of
 from suspid.likelihood import Poles, joint_covariance, maximize
 from suspid.modes import ModalSet
 from suspid.ridges import Ridge, SkeletonFit, find_ridges, fit_ridges, fit_skeleton, sample_noise
@@ -424,8 +424,7 @@ def _by_likelihood(
         centred, floor=_resolution(signal.values) ** 2, modes=steps.count, band=(low * signal.step, high * signal.step)
     )
     fit = selection.fit
-    mean = signal.values - centred
-    motion = synthesize(fit.poles.exponents, fit.amplitudes, centred.shape[1])
+    left = selection.residual
     modes, loudness = _modes_of(selection, signal, centred)
     if steps.count is not None and len(modes) < steps.count:
         where = f", at {', '.join(f'{wn:.4g}' for wn in modes.wn)} rad/s" if len(modes) else ""
@@ -434,13 +433,12 @@ def _by_likelihood(
             f"nothing else in the record decays like a mode",
             found=modes if len(modes) else None,
         )
-    left = centred - motion
     free = centred.shape[1] - len(fit.poles) - fit.poles.free / len(centred)
     return Identification(
         response=response,
         method="likelihood",
         modes=modes,
-        fitted=as_response(signal.timepts, motion + mean, signal.channels, title="Fitted decay"),
+        fitted=as_response(signal.timepts, signal.values - left, signal.channels, title="Fitted decay"),
         residual=as_response(signal.timepts, left, signal.channels, title="Residual"),
         noise_std=frozen_real(np.sqrt(np.sum(left**2, axis=1) / max(free, 1.0))),
         loudness=loudness,

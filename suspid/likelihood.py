@@ -18,7 +18,7 @@ from suspid.units import ComplexArray, RealArray
 from suspid.values import frozen_complex, frozen_real
 
 # Iterations end when the step is worth less than this in squared standard deviations.
-NEGLIGIBLE = 1e-7
+NEGLIGIBLE = 1e-5
 MOST_STEPS = 60
 # Poles decay at most this much per sample, and grow at most this much over the record.
 FASTEST = 3.0
@@ -147,12 +147,12 @@ def evaluate(blocks: Blocks, poles: Poles, floor: RealArray) -> DecayFit | None:
     half = blocks.project(theta[_distinct(pairs, len(theta))]).transpose(0, 2, 1)
     zeroth, first = np.concatenate([half[:, :pairs], half[:, :pairs].conj(), half[:, pairs:]], axis=1)
     amplitudes = inverse @ zeroth
-    explained = (zeroth.real * amplitudes.real + zeroth.imag * amplitudes.imag).sum(axis=0)
+    explained = np.einsum("ic,ic->c", zeroth.conj(), amplitudes).real
     # What is explained is known to the rounding that the inverse magnifies: nothing below it is a residual.
     rounding = ROUNDING / pivot**2 * blocks.energy
     squares = np.maximum(blocks.energy - explained, rounding)
     variance = np.maximum(squares / count, floor)
-    if not (np.isfinite(explained).all() and variance.min() > 0):
+    if not 0 < variance.min() < np.inf:
         return None
     sharpness = bend - tilt @ inverse @ tilt
     weighted = amplitudes.conj() / variance

@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from suspid.exponentials import Blocks, blocks_of, cross_sums, synthesize
+from suspid.exponentials import Blocks, blocks_of, cross_sums, project, synthesize
 from suspid.likelihood import NEGLIGIBLE, DecayFit, Poles, evaluate, maximize, pole_covariance, reweighed
 from suspid.units import ComplexArray, RealArray
 from suspid.values import frozen_real
@@ -25,13 +25,15 @@ ROUGH = 0.05
 LOCAL_MAXIMA = 48
 # So many points beside each pole already fitted, from one end of its surroundings to the other.
 BETWEEN = np.arange(13)
+# They are looked at with decay rates down to that of the pole over the first figure, and up to its times the second.
+NARROWER, WIDER = 8.0, 32.0
 # Candidates refitted before giving up, and the share of the price below which none is.
 TRIES = 3
 MOST_CANDIDATES = 12
 HOPELESS = 0.7
-# Candidates worth their price and so many linewidths apart are fitted together; they stay where each then gains so
-# many times its price.
-APART, STRONG = 4.0, 10.0
+# Candidates worth so many times their price and so many linewidths apart are fitted together; they stay where each then
+# gains its price the third figure's times.
+SOUND, APART, STRONG = 3.0, 4.0, 10.0
 MOST_POLES = 16
 # A mode's surroundings count as louder than the rest of the residual beyond this ratio. There the model itself is
 # wrong by more than the noise, and a pole must explain this many times more than what is left beside it.
@@ -90,6 +92,8 @@ class Selection:
         What each is worth in twice the log likelihood, by leaving it out.
     loudness : ndarray (pole,)
         Power of the residual near each pole over that of the noise; 1 where they agree.
+    residual : ndarray (channel, sample)
+        What the fit leaves.
     rejected : tuple of Candidate and reason
         Poles that were tried and not kept.
     """
@@ -98,6 +102,7 @@ class Selection:
     verdicts: tuple[Verdict, ...]
     gains: RealArray
     loudness: RealArray
+    residual: RealArray
     rejected: tuple[tuple[Candidate, str], ...]
 
 
@@ -137,11 +142,18 @@ def select(
     assert nothing is not None
     held = _Held(state=state, fit=nothing)
     rejected: list[tuple[Candidate, str]] = []
-    while held.poles.free < 2 * MOST_POLES:
-        better = _extended(state, held, rejected)
+    seen: _Points | None = None
+    while held.poles.free < 2 * MOST_POLES and np.any(held.variance > state.floor):
+        # What the strongest poles hid may stand out where one looked before; if not, look everywhere.
+        found = [] if seen is None else _ranked(held.fit, held.variance, seen)
+        again = bool(found) and found[0].gain > STRONG * state.price(real=False)
+        if not again:
+            seen = _searched(held.fit, held.residual, held.variance)
+            found = _ranked(held.fit, held.variance, seen)
+        better = _extended(state, held, found, rejected)
         if better is None:
             break
-        held = _straightened(state, better, STILL, rejected)
+        held, seen = _straightened(state, better, STILL, rejected), None if again else seen
     held = state.fitted(held.fit) or held
     straight = _straightened(state, _single(state, held), CREEPING, rejected)
     held = _unbent(state, held if straight is held else state.fitted(straight.fit) or straight)
@@ -163,6 +175,7 @@ def select(
         verdicts=tuple(verdicts),
         gains=gains,
         loudness=held.loudness,
+        residual=held.residual,
         rejected=tuple(rejected),
     )
 
@@ -304,7 +317,7 @@ class _Held:
         decay = np.maximum(-theta.real, 0.25 / count)
         beside = (decay + np.pi / count)[:, None] * BESIDE
         omega = np.minimum(np.maximum(np.abs(theta.imag[:, None] + beside), np.pi / count), np.pi)
-        spread = blocks_of(self.residual).project((1j * omega - decay[:, None]).ravel())[0]
+        spread = project(self.residual, (1j * omega - decay[:, None]).ravel())
         expected = np.expm1(-2 * decay * count) / np.expm1(-2 * decay)
         power = np.mean(np.abs(spread.reshape(len(self.variance), *omega.shape)) ** 2, axis=2)
         return np.asarray(power / expected / self.variance[:, None])
@@ -352,11 +365,10 @@ def noise_colour(residual: RealArray, omega: RealArray) -> RealArray:
     return density
 
 
-def _extended(state: _State, held: _Held, rejected: list[tuple[Candidate, str]]) -> _Held | None:
+def _extended(
+    state: _State, held: _Held, found: list[Candidate], rejected: list[tuple[Candidate, str]]
+) -> _Held | None:
     """Return the fit with one more pole, or None if no candidate is worth its price."""
-    if np.all(held.variance <= state.floor):
-        return None
-    found = candidates(held.fit, held.residual, held.variance)
     together = _together(state, held, found)
     if together is not None:
         return together
@@ -383,7 +395,7 @@ def _extended(state: _State, held: _Held, rejected: list[tuple[Candidate, str]])
 def _together(state: _State, held: _Held, found: list[Candidate]) -> _Held | None:
     """Return the fit with several strong pairs far apart, those that hold their own together; it saves searches."""
     cost = state.price(real=False)
-    strong = [c for c in found if not c.real and c.gain > cost]
+    strong = [c for c in found if not c.real and c.gain > SOUND * cost]
     reach = [APART * (2 * abs(c.theta.real) + 2 * np.pi / state.blocks.count) for c in strong]
     taken = [
         c.theta
@@ -508,16 +520,35 @@ def candidates(fit: DecayFit, residual: RealArray, variance: RealArray) -> list[
     variance : ndarray (channel,)
         Mean square of the residual.
     """
-    channels, count = residual.shape
-    known = fit.poles.exponents
-    inverse: ComplexArray = np.asarray(np.linalg.inv(fit.gram), complex)
+    return _ranked(fit, variance, _searched(fit, residual, variance))
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class _Points:
+    """Exponents worth a look, (point,), the first few real; and inner products with the record, (channel, point)."""
+
+    theta: ComplexArray
+    inner: ComplexArray
+    reals: int
+    count: int
+
+
+def _searched(fit: DecayFit, residual: RealArray, variance: RealArray) -> _Points:
+    """Return where the residual of a fit is worth a look."""
+    count, known = residual.shape[1], fit.poles.exponents
     noise = np.sqrt(variance)[:, None]
     # Where to look needs no more than single precision, of a residual in units of its own size.
     theta, inner = _worth_a_look((residual / noise).astype(np.float32), known[known.imag >= 0])
-    reals = len(_layout(count))
-    cross = cross_sums(known.conj(), theta, count)
-    solved = inverse @ cross
-    inner = inner * noise
+    explained = fit.amplitudes.T @ cross_sums(known.conj(), theta, count).conj()
+    return _Points(theta=theta, inner=inner * noise + explained, reals=len(_layout(count)), count=count)
+
+
+def _ranked(fit: DecayFit, variance: RealArray, points: _Points) -> list[Candidate]:
+    """Return what the points gain beside a fit, see `candidates`."""
+    theta, count, reals, channels = points.theta, points.count, points.reals, len(variance)
+    cross = cross_sums(fit.poles.exponents.conj(), theta, count)
+    solved = np.linalg.inv(fit.gram) @ cross
+    inner = points.inner - fit.amplitudes.T @ cross.conj()
     share = np.empty((channels, len(theta)))
     share[:, :reals] = _real_gain(theta[:reals], inner[:, :reals], cross[:, :reals], solved[:, :reals], count)
     share[:, reals:] = _pair_gain(
@@ -565,6 +596,8 @@ def _worth_a_look(scaled: NDArray[np.float32], known: ComplexArray) -> tuple[Com
     reach = 4 * np.maximum(np.maximum(decay[:, None], -known.real), np.pi / count)
     low = np.maximum(np.ceil((known.imag - reach) / per_bin[:, None]), 1).astype(int)
     high = np.minimum((known.imag + reach) / per_bin[:, None], np.pi / per_bin[:, None] - 1).astype(int)
+    fast = np.maximum(-known.real, 1 / count)
+    alike = (known.imag == 0) | ((decay[:, None] >= fast / NARROWER) & (decay[:, None] <= fast * WIDER))
     between = low[..., None] + (high - low)[..., None] * BETWEEN // BETWEEN[-1]
     theta, heights = [-decay + 0j], [np.full(len(layout), np.inf)]
     inner: list[ComplexArray] = [np.empty((len(scaled), len(layout)), complex)]
@@ -574,7 +607,7 @@ def _worth_a_look(scaled: NDArray[np.float32], known: ComplexArray) -> tuple[Com
         peaks = np.flatnonzero((gain[1:-1] >= gain[:-2]) & (gain[1:-1] >= gain[2:])) + 1
         if len(peaks) > LOCAL_MAXIMA:
             peaks = peaks[np.argpartition(gain[peaks], -LOCAL_MAXIMA)[-LOCAL_MAXIMA:]]
-        beside = between[k][high[k] >= low[k]].ravel()
+        beside = between[k][alike[k] & (high[k] >= low[k])].ravel()
         bins = np.concatenate([peaks, beside])
         inner[0][:, k] = spectrum[:, 0]
         inner.append(spectrum[:, bins])
