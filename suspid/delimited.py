@@ -109,7 +109,9 @@ def read_delimited(path: Path) -> Table:
     rows, odd = _rows(text[offset:], layout)
     left_out |= {**layout.left_out, **odd}
     names = [name for name in layout.names if name]
-    numeric = [name for name in names if layout.kinds[name] in ("number", "missing")]
+    counter = _counter(layout, top)
+    left_out |= dict.fromkeys(counter, "counts the rows")
+    numeric = [name for name in names if layout.kinds[name] in ("number", "missing") and name not in counter]
     clocks, others = _clocks(rows, numeric)
     left_out |= {name: reason for name, reason in others.items() if name in names}
     return Table(
@@ -120,6 +122,15 @@ def read_delimited(path: Path) -> Table:
         units=layout.units,
         clocks=clocks,
     )
+
+
+def _counter(layout: Layout, top: Sequence[str]) -> list[str]:
+    """Return the first column where only the others have a name and it counts from 0 or 1, as pandas writes it."""
+    names = layout.names
+    if names[0] != "column 1" or len(names) < 2 or names[1] == "column 2":
+        return []
+    rows = [layout.dialect.cells(line)[0] for line in top[layout.first :] if line.strip()]
+    return ["column 1"] if any(rows == [str(k + start) for k in range(len(rows))] for start in (0, 1)) else []
 
 
 def _decoded(content: bytes) -> tuple[bytes, dict[str, str]]:

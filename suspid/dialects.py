@@ -7,6 +7,7 @@ What two dialects read as different numbers is refused, never guessed.
 from __future__ import annotations
 
 import csv
+import itertools
 import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -18,6 +19,10 @@ from suspid.files import printable
 from suspid.tables import bracketed_unit, is_time, stated_rate
 from suspid.units import Hertz
 
+# Digits with what may part them, in a cell that is no number.
+NUMERIC = re.compile(r"[+-]?[\d.,][\d.,;\t '+\-eE]*")
+MOST_TOLD = 8
+REMARKS = {"comment", "comments", "remark", "remarks", "note", "notes", "kommentar"}
 COMMENTS = ("#", "%", "//")
 DELIMITERS = {"\t": "tabs", ";": "semicolons", ",": "commas", " ": "blanks"}
 # One unit or several joined, such as mm, m/s^2, (kN), µm/m or °/s.
@@ -108,8 +113,9 @@ def find_layout(head: Sequence[str], sample: Sequence[str]) -> Layout:
         If no line holds numbers, the header does not fit the rows, or two dialects fit.
     """
     dialect, width = _dialect(head, sample)
-    rows = [kinds for kinds in map(dialect.kinds, sample) if len(kinds) == width and "number" in kinds]
-    columns = [_column_kind([row[k] for row in rows]) for k in range(width)]
+    rows = [line for line in sample if len(kinds := dialect.kinds(line)) == width and "number" in kinds]
+    columns = [_column_kind(column) for column in zip(*map(dialect.kinds, rows), strict=True)]
+    _refuse_parted_thousands(dialect, rows, columns)
     first = next((k for k, line in enumerate(head) if _is_data(dialect.kinds(line), columns)), None)
     if first is None:
         raise RecordError(f"{len(head)} lines of header, and no row of numbers below them")
@@ -137,8 +143,18 @@ def find_layout(head: Sequence[str], sample: Sequence[str]) -> Layout:
         kinds=dict(zip(names, columns, strict=True)),
         first=first,
         rates=_rates([head[k] for k in others]),
-        left_out={f"line {k + 1}": f"stands above the data: {shortened(head[k])}" for k in others},
+        left_out=_above(head, others),
     )
+
+
+def _above(head: Sequence[str], others: Sequence[int]) -> dict[str, str]:
+    """Return which lines above the data are neither names nor units."""
+    if len(others) <= MOST_TOLD:
+        return {f"line {k + 1}": f"stands above the data: {shortened(head[k])}" for k in others}
+    where = f"lines {others[0] + 1} to {others[-1] + 1}"
+    return {
+        where: f"stand above the data, {len(others)} of them neither names nor units: {shortened(head[others[0]])} …"
+    }
 
 
 def shortened(line: str, most: int = 60) -> str:
@@ -161,8 +177,7 @@ def _dialect(head: Sequence[str], sample: Sequence[str]) -> tuple[Dialect, int]:
             rows = [kinds for kinds in map(dialect.kinds, sample) if "number" in kinds]
             if rows:
                 width = Counter(map(len, rows)).most_common(1)[0][0]
-                score = sum(1 - row.count("text") / width for row in rows if len(row) == width)
-                scored.append((score, width, dialect))
+                scored.append((_score(dialect, sample, width), width, dialect))
     if not scored:
         raise RecordError("holds no row of numbers; a record needs at least 2 samples, one a line")
     best = max(score for score, _, _ in scored)
@@ -174,6 +189,20 @@ def _dialect(head: Sequence[str], sample: Sequence[str]) -> tuple[Dialect, int]:
     return dialect, width
 
 
+def _score(dialect: Dialect, sample: Sequence[str], width: int) -> float:
+    """Return how many of the lines are rows of that width, each by the share of its cells that are no words."""
+    score = 0.0
+    for line in sample:
+        cells = dialect.cells(line)
+        kinds = [kind_of(cell, comma=dialect.comma) for cell in cells]
+        if "number" in kinds and len(kinds) == width:
+            texts = [cell for cell, kind in zip(cells, kinds, strict=True) if kind == "text"]
+            # A stronger delimiter between digits says that this one is none.
+            if not any(NUMERIC.fullmatch(text) and re.search(r"[;\t]", text) for text in texts):
+                score += 1 - len(texts) / width
+    return score
+
+
 def _one_number_or_two(
     head: Sequence[str], sample: Sequence[str], ties: Sequence[tuple[int, Dialect]]
 ) -> tuple[int, Dialect]:
@@ -183,7 +212,9 @@ def _one_number_or_two(
     if one is None:
         return two
     rows = [line for line in sample if "number" in two[1].kinds(line)]
-    above = [line for line in head if line.strip() and "number" not in two[1].kinds(line)]
+    above = [
+        line for line in itertools.takewhile(lambda line: "number" not in two[1].kinds(line), head) if line.strip()
+    ]
     if above:
         commas = Counter(line.count(",") for line in rows).most_common(1)[0][0]
         if above[-1].count(",") == commas:
@@ -206,6 +237,19 @@ def _column_kind(kinds: Sequence[Kind]) -> Kind:
         return "missing"
     # One odd cell among as many numbers is a fault to be named, not a column of text.
     return max(counts, key=lambda kind: (counts[kind], kind in ("number", "stamp")))
+
+
+def _refuse_parted_thousands(dialect: Dialect, rows: Sequence[str], columns: Sequence[Kind]) -> None:
+    """Refuse a column whose cells are made of digits and are still no numbers."""
+    for k in [k for k, kind in enumerate(columns) if kind == "text"]:
+        cells = [cell for cell in (dialect.cells(row)[k] for row in rows) if cell]
+        odd = [cell for cell in cells if NUMERIC.fullmatch(cell)]
+        if 2 * len(odd) > len(cells):
+            raise RecordError(
+                f"cells such as {shortened(odd[0])} are not numbers, where decimals stand behind a "
+                f"{'comma' if dialect.comma else 'point'} and cells are parted by {DELIMITERS[dialect.delimiter]}; "
+                f"write numbers without a mark between the thousands"
+            )
 
 
 def _is_data(kinds: Sequence[Kind], columns: Sequence[Kind]) -> bool:
@@ -249,7 +293,8 @@ def _name_cells(line: str, dialect: Dialect, width: int, *, trailing: bool) -> l
     if len(cells) != width and dialect.delimiter == " ":
         wide = [cell.strip().strip('"') for cell in re.split(r"\t|\s{2,}", text.strip())]
         cells = wide if len(wide) == width else cells
-    if len(cells) == width + 1 and not cells[-1]:
+    # LabVIEW names a column of comments that its rows leave away.
+    if len(cells) == width + 1 and (not cells[-1] or cells[-1].lower() in REMARKS):
         cells = cells[:-1]
     if len(cells) == width - 1 and trailing:
         cells = [*cells, ""]
@@ -276,9 +321,10 @@ def _refuse_misfit(line: str, number: int, dialect: Dialect, columns: Sequence[K
     cells, kinds = dialect.cells(line), dialect.kinds(line)
     if len(cells) == len(columns) and "number" in kinds:
         odd = next((k for k, kind in enumerate(kinds) if kind == "text"), 0)
+        hint = "; write numbers without a mark between the thousands" if NUMERIC.fullmatch(cells[odd]) else ""
         raise RecordError(
             f"line {number} is neither a header nor data: cell {odd + 1} is {cells[odd]!r}, but "
-            f"cell {kinds.index('number') + 1} is a number"
+            f"cell {kinds.index('number') + 1} is a number{hint}"
         )
     if 1 < len(cells) != len(columns) and set(kinds) <= {"text"} and not re.match(r"[^:=]*[:=]", cells[0]):
         hint = "; if decimals have a comma, let semicolons or tabs part the cells" if dialect.delimiter == "," else ""

@@ -1,7 +1,8 @@
-"""MATLAB files up to v7: their real vectors as the columns of a table.
+"""MATLAB files up to v7 as tables, with structures as groups.
 
-scipy's reader trusts the types and sizes that a file states, and a damaged file ends the whole
-process there. So every variable is checked first, and only sound numeric ones are handed over.
+scipy's reader trusts the types and sizes that a file states, and a damaged file ends the whole process there. So
+files of v5 to v7 are read here, where every size is checked before it is used; scipy reads v4 alone, which knows
+but matrices.
 """
 
 from __future__ import annotations
@@ -11,101 +12,75 @@ import math
 import struct
 import warnings
 import zlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 
 from suspid.errors import RecordError
 from suspid.files import printable, read_bytes
-from suspid.tables import PER_SECOND, Table, split_unit
-from suspid.units import RealArray
-from suspid.values import frozen_real
+from suspid.tables import Table
+from suspid.variables import Group, Text, Value, Variable, as_table
 
 HEADER = 128
 MATRIX, COMPRESSED, UINT32, INT32, INT8, UTF8 = 14, 15, 6, 5, 1, 16
-# Bytes of one number, by the code of its type.
-ITEM_SIZES = {1: 1, 2: 1, 3: 2, 4: 2, 5: 4, 6: 4, 7: 4, 9: 8, 12: 8, 13: 8}
+# What one number is, by the code of its type.
+ITEMS = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8"}
+TEXTS = {2: "latin1", 4: "utf-16", 16: "utf-8", 17: "utf-16", 18: "utf-32"}
 NUMERIC_CLASSES = range(6, 16)
-OTHER_CLASSES = {1: "a cell array", 2: "a struct", 3: "an object", 4: "text", 5: "a sparse matrix"}
+CELL, STRUCT, OBJECT, CHAR, SPARSE = 1, 2, 3, 4, 5
+OTHER_CLASSES = {CELL: "a cell array", OBJECT: "an object", SPARSE: "a sparse matrix"}
+NO_OBJECT = "save what it holds as vectors, such as ts.Time and ts.Data of a timeseries"
 COMPLEX_FLAG = 0x08
 MOST_BYTES = 1 << 31
-
-RATE_NAMES = {"fs", "samplerate", "samplingrate", "timesamplerate", "samplefrequency", "samplingfrequency"}
-RATE_NAMES |= {"samplefreq", "samplingfreq", "srate"}
-STEP_NAMES = {"dt", "ts", "deltat", "timestep", "sampletime", "samplingtime", "sampleinterval", "samplinginterval"}
+# Deeper structures are no records; a damaged file may seem to have them.
+DEEPEST = 16
 
 
 def read_matlab(path: Path) -> Table:
-    """Return the table of a MATLAB file up to v7: its real vectors, and the rates it states.
+    """Return the table of a MATLAB file up to v7: its real vectors, and the rates and times it states.
+
+    Structures become dotted names (``run1.seat``), their arrays are numbered (``run[2].seat``), matrices are split
+    into columns.
 
     Raises
     ------
     RecordError
         If the file is of another kind, damaged, or holds no real vector.
     """
+    content = read_bytes(path, error=RecordError)
+    try:
+        return as_table(_matrices(content) if _version(content) == 4 else _variables(content))
+    # Sizes that no memory holds are met where they are used.
+    except (zlib.error, struct.error, MemoryError, OverflowError, RecursionError) as refusal:
+        raise RecordError(f"is damaged: {type(refusal).__name__}: {printable(str(refusal))}") from None
+
+
+def _matrices(content: bytes) -> Group:
+    """Return the variables of a file of v4."""
     from scipy.io import loadmat
 
-    content = read_bytes(path, error=RecordError)
-    version = _version(content)
-    unusable: dict[str, str] = {}
     try:
-        if version == 5:
-            content, unusable = _sound_part(content)
         with warnings.catch_warnings():
             # What scipy warns of, such as numbers it may have read wrongly or a name that stands twice, is no record.
             warnings.simplefilter("error", UserWarning)
             variables = loadmat(io.BytesIO(content))  # type: ignore[arg-type]  # the stubs know paths only
-    except (RecordError, KeyboardInterrupt):
+    except KeyboardInterrupt:
         raise
     # The parsers meet a damaged file with errors of every kind, MemoryError among them.
     except Exception as refusal:
         raise RecordError(f"is damaged: {type(refusal).__name__}: {printable(str(refusal))}") from None
-    vectors: dict[str, RealArray] = {}
-    rates: dict[str, float] = {}
+    found: dict[str, Value] = {}
     for name, value in variables.items():
-        if name in ("__header__", "__version__", "__globals__"):
+        if not isinstance(value, np.ndarray) or value.dtype.kind not in "iufb":
+            if not name.startswith("__"):
+                found[name] = "is not real numbers"
             continue
-        if not isinstance(value, np.ndarray) or value.dtype.kind not in "iufbc":
-            unusable[name] = "is not numeric"
-        elif value.dtype.kind == "c":
-            unusable[name] = "is complex; a record is real"
-        elif value.size > 1 and value.size == max(value.shape):
-            vectors[name] = frozen_real(value.ravel())
-        elif value.size > 1:
-            unusable[name] = f"is a matrix of {' x '.join(map(str, value.shape))}; save its columns as vectors"
-        elif value.size:
-            unusable[name] = "is a single number"
-            rate = _rate(name, float(value.item()))
-            if rate is not None:
-                rates[name] = rate
-        else:
-            unusable[name] = "is empty"
-    if not vectors:
-        listed = ", ".join(f"{name!r} {why}" for name, why in unusable.items())
-        raise RecordError(f"holds no real vector: {listed or 'nothing at all'}")
-
-    def columns(wanted: Sequence[str]) -> list[RealArray]:
-        return [vectors[name] for name in wanted]
-
-    return Table(sizes={n: v.size for n, v in vectors.items()}, columns=columns, unusable=unusable, rates=rates)
-
-
-def _rate(name: str, value: float) -> float | None:
-    """Return the sampling rate [Hz] that a scalar of that name states, if it does."""
-    stem, unit = split_unit(name)
-    if not (math.isfinite(value) and value > 0):
-        return None
-    if stem in RATE_NAMES and unit in ("", "hz"):
-        return value
-    if stem in STEP_NAMES and (not unit or unit in PER_SECOND):
-        return PER_SECOND[unit or "s"] / value
-    return None
+        found[name] = _variable(value)
+    return found
 
 
 def _version(content: bytes) -> int:
-    if content[:8] == b"\x89HDF\r\n\x1a\n":
-        raise RecordError("is an HDF5 file (MATLAB v7.3); save it in MATLAB with the option -v7")
     # A text stands at the head of v5, numbers at that of v4.
     if 0 in content[:4]:
         return 4
@@ -113,20 +88,20 @@ def _version(content: bytes) -> int:
     if len(content) < HEADER or order not in (b"IM", b"MI"):
         raise RecordError("is not a MATLAB file: its head is not that of one")
     if content[125 if order == b"IM" else 124] == 2:
-        raise RecordError("is a MATLAB v7.3 file; save it in MATLAB with the option -v7")
+        raise RecordError("is a damaged MATLAB v7.3 file: the HDF5 part is not there")
     return 5
 
 
-def _sound_part(content: bytes) -> tuple[bytes, dict[str, str]]:
-    """Return a file of the numeric variables alone, and why each of the others is left out.
+def _variables(content: bytes) -> Group:
+    """Return the variables of a file of v5 to v7.
 
     Raises
     ------
     RecordError
-        If a variable is damaged, or its name stands twice.
+        If one is damaged, or a name stands twice.
     """
     order = "<" if content[126:128] == b"IM" else ">"
-    kept, seen, unusable = [content[:116] + b" " * 8 + content[124:HEADER]], set(), {}
+    found: dict[str, Value] = {}
     position = HEADER
     while position < len(content):
         kind, body = _element(content, position, order)
@@ -139,42 +114,96 @@ def _sound_part(content: bytes) -> tuple[bytes, dict[str, str]]:
             kind, body = _element(matrix, 0, order)
         if kind != MATRIX:
             raise RecordError(f"is damaged: an element of type {kind} stands where a variable should")
-        name, reason = _checked_variable(body, order)
-        if name in seen:
+        name, value = _value(body, order, 0)
+        # What MATLAB keeps for its objects has no name.
+        if name in found and name:
             raise RecordError(f"holds two variables named {name!r}")
-        seen.add(name)
-        if reason:
-            unusable[name] = reason
-        else:
-            kept.append(struct.pack(order + "II", MATRIX, len(body)) + body)
-    return b"".join(kept), unusable
+        found[name or f"without a name ({len(found) + 1})"] = value
+    return found
 
 
-def _checked_variable(body: bytes, order: str) -> tuple[str, str]:
-    """Return the name of a variable, and why it is not numeric, if it is not."""
+def _value(body: bytes, order: str, depth: int) -> tuple[str, Value]:
+    """Return the name of a variable or field, and what it holds or why that is of no use."""
+    if not body:
+        return "", "is empty"
     parts = _elements(body, order)
     flags_kind, flags = next(parts, (0, b""))
     if flags_kind != UINT32 or len(flags) != 8:
         raise RecordError("is damaged: a variable lacks its flags")
     word = struct.unpack(order + "I", flags[:4])[0]
     class_code = word & 0xFF
-    # Objects of newer kinds have no size and no name here.
+    # Objects of newer kinds have no size here.
     if class_code > NUMERIC_CLASSES[-1]:
-        return f"object of class {class_code}", "is an object"
+        name_kind, name = next(parts, (0, b""))
+        text = name.decode("latin1") if name_kind in (INT8, UTF8) else ""
+        return text, f"is an object; {NO_OBJECT}"
     (dims_kind, dims), (name_kind, name) = next(parts, (0, b"")), next(parts, (0, b""))
     if dims_kind != INT32 or len(dims) % 4 or not 8 <= len(dims) <= 128 or name_kind not in (INT8, UTF8):
         raise RecordError("is damaged: a variable lacks its size or its name")
     text = name.decode("latin1")
+    shape = struct.unpack(f"{order}{len(dims) // 4}i", dims)
+    if min(shape) < 0:
+        raise RecordError(f"is damaged: variable {text!r} has the size {shape}")
+    if class_code == STRUCT:
+        return text, _structure(parts, shape, order, depth)
+    if class_code == CHAR:
+        kind, letters = next(parts, (0, b""))
+        return text, _text(kind, letters, order)
     if class_code not in NUMERIC_CLASSES:
         return text, f"is {OTHER_CLASSES.get(class_code, f'of class {class_code}')}"
-    if not text:
-        return text, "has no name"
-    shape = struct.unpack(f"{order}{len(dims) // 4}i", dims)
-    for _ in range(2 if word >> 8 & COMPLEX_FLAG else 1):
-        kind, numbers = next(parts, (0, b""))
-        if min(shape) < 0 or math.prod(shape) * ITEM_SIZES.get(kind, -1) != len(numbers):
-            raise RecordError(f"is damaged: variable {text!r} does not hold what its size {shape} says")
-    return text, ""
+    return text, _array(text, parts, shape, order, complex_=bool(word >> 8 & COMPLEX_FLAG))
+
+
+def _array(
+    name: str, parts: Iterator[tuple[int, bytes]], shape: tuple[int, ...], order: str, *, complex_: bool
+) -> Variable | str:
+    kind, numbers = next(parts, (0, b""))
+    item = np.dtype(order + ITEMS.get(kind, "V1"))
+    if kind not in ITEMS or math.prod(shape) * item.itemsize != len(numbers):
+        raise RecordError(f"is damaged: variable {name!r} does not hold what its size {shape} says")
+    if complex_:
+        return "is complex; a record is real"
+    return _variable(np.frombuffer(numbers, item).reshape(shape, order="F"))
+
+
+def _variable(array: np.ndarray[tuple[int, ...], np.dtype[np.generic]]) -> Variable:
+    return Variable(shape=array.shape, read=lambda: array)
+
+
+def _text(kind: int, letters: bytes, order: str) -> Text:
+    encoding = TEXTS.get(kind, "latin1")
+    if encoding in ("utf-16", "utf-32"):
+        encoding += "-le" if order == "<" else "-be"
+    return Text(text=letters.decode(encoding, errors="replace"))
+
+
+def _structure(parts: Iterator[tuple[int, bytes]], shape: tuple[int, ...], order: str, depth: int) -> Value:
+    """Return the fields of a structure by their names, or the structures of an array of them by their numbers."""
+    if depth >= DEEPEST:
+        return f"is a structure within {DEEPEST} others"
+    (length_kind, length), (names_kind, names) = next(parts, (0, b"")), next(parts, (0, b""))
+    if length_kind != INT32 or len(length) != 4 or names_kind not in (INT8, UTF8):
+        raise RecordError("is damaged: a structure lacks the names of its fields")
+    width = struct.unpack(order + "i", length)[0]
+    if width <= 0 or len(names) % width:
+        raise RecordError("is damaged: the names of the fields of a structure have no length")
+    fields = [names[k : k + width].split(b"\0")[0].decode("latin1") for k in range(0, len(names), width)]
+    if len(set(fields)) < len(fields):
+        raise RecordError("is damaged: a structure has two fields of one name")
+    if not fields or not math.prod(shape):
+        return "is an empty structure"
+    found: list[dict[str, Value]] = []
+    for _ in range(math.prod(shape)):
+        one: dict[str, Value] = {}
+        for field in fields:
+            kind, body = next(parts, (0, b""))
+            if kind != MATRIX:
+                raise RecordError(f"is damaged: field {field!r} of a structure is not there")
+            one[field] = _value(body, order, depth + 1)[1]
+        found.append(one)
+    if len(found) == 1:
+        return found[0]
+    return {f"[{k + 1}]": one for k, one in enumerate(found)}
 
 
 def _elements(body: bytes, order: str) -> Iterator[tuple[int, bytes]]:

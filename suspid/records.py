@@ -6,7 +6,7 @@ import contextlib
 import csv
 import importlib
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -16,9 +16,10 @@ from suspid.delimited import read_delimited
 from suspid.errors import RecordError
 from suspid.files import printable, replacing
 from suspid.matlab import read_matlab
-from suspid.recordings import RawChannel, Recording
+from suspid.recordings import Recording
 from suspid.signals import JITTER, as_response, as_signal, uniform_step
-from suspid.tables import PER_SECOND, Clock, Table, is_time, split_unit
+from suspid.tables import Table, is_time
+from suspid.timing import as_recording
 from suspid.units import Hertz, RealArray, Second
 
 if TYPE_CHECKING:
@@ -26,9 +27,8 @@ if TYPE_CHECKING:
 
 # How far two clocks may differ and still be meant to be one; over a long record, half a sample at most.
 CLOCK = 1e-4
-# A rate stored in single precision, or as a rounded step, is still the same rate.
-SAME_RATE = 1e-6
 LEAST = 2
+HDF5 = b"\x89HDF\r\n\x1a\n"
 
 Reader: TypeAlias = Callable[[Path], Table]
 
@@ -100,7 +100,8 @@ def read_recording(
     path = Path(path)
     try:
         table = _reader(path, dbc)(path)
-        return _recording(table, [channels] if isinstance(channels, str) else channels, time, fs, title=path.stem)
+        wanted = [channels] if isinstance(channels, str) else channels
+        return as_recording(table, channels=wanted, time=time, fs=fs, title=path.stem)
     except RecordError as error:
         name = printable(str(path))
         message = str(error) if str(error).startswith(f"{name}: ") else f"{name}: {error}"
@@ -251,7 +252,10 @@ def _reader(path: Path, dbc: str | os.PathLike[str] | None) -> Reader:
         raise RecordError(
             f"records of type {path.suffix!r} are not known; known: {', '.join(READERS)}; save it as one of them"
         )
-    mdf = suffix in (".mf4", ".mdf") or (suffix == ".dat" and _starts_with(path, b"MDF"))
+    # MATLAB v7.3 writes HDF5, below a page with its own head.
+    if suffix == ".mat" and (_holds(path, HDF5, 0) or _holds(path, HDF5, 512)):
+        return READERS[".h5"]
+    mdf = suffix in (".mf4", ".mdf") or (suffix == ".dat" and _holds(path, b"MDF", 0))
     if dbc is not None and not mdf:
         raise RecordError("dbc decodes CAN frames; only MDF files hold them: leave it out")
     if mdf and dbc is not None:
@@ -259,89 +263,16 @@ def _reader(path: Path, dbc: str | os.PathLike[str] | None) -> Reader:
     return READERS[".mdf"] if mdf else READERS.get(suffix, read_delimited)
 
 
-def _starts_with(path: Path, mark: bytes) -> bool:
-    """Whether a file can be read and starts so."""
+def _holds(path: Path, mark: bytes, position: int) -> bool:
+    """Whether a file can be read and holds a mark at a position."""
     try:
+        if not path.is_file():
+            return False
         with path.open("rb") as stream:
+            stream.seek(position)
             return stream.read(len(mark)) == mark
     except (OSError, ValueError):
         return False
-
-
-def _recording(
-    table: Table, channels: Sequence[str] | None, time: str | None, fs: Hertz | None, *, title: str
-) -> Recording:
-    if fs is not None and not (np.isfinite(fs) and fs > 0):
-        raise RecordError(f"{fs=} Hz must be positive and finite")
-    channels = [table.full_name(name, what="channel") for name in channels or ()]
-    time = None if time is None else table.full_name(time, what="time column")
-    clocks = {} if time is not None else {name: table.clocks[name] for name in table.sizes if name in table.clocks}
-    if time is None and not (channels and all(name in clocks for name in channels)):
-        time = _time_column(table, channels, fs)
-    # A clock of its own does not obey what is said of the others.
-    rate = _rate(table, fs)
-    names = channels or _all_channels(table, time, clocks, rate)
-    followers = [name for name in names if name not in clocks]
-    for name in names:
-        if name == time or names.count(name) > 1:
-            raise RecordError(f"column {name!r} is asked for twice")
-    if followers and time is None and rate is None:
-        raise RecordError(
-            f"no column is named like a time: {', '.join(map(repr, table.sizes))}; name one (time), or give the "
-            f"sampling rate (fs)"
-        )
-    for name in followers:
-        reference = followers[0] if time is None else time
-        if table.sizes[name] != table.sizes[reference]:
-            raise RecordError(
-                f"channel {name!r} has {table.sizes[name]} samples, {reference!r} has {table.sizes[reference]}"
-            )
-    stamps: RealArray | None = None
-    if followers and time is not None:
-        stamps = table.columns([time])[0] / _per_second(time, table.units.get(time, ""))
-    elif followers:
-        stamps = np.arange(table.sizes[followers[0]]) / (rate or 1.0)
-    values = dict(zip(names, table.columns(names), strict=True))
-    by_clock = {id(clock): _stamps(clock, table.sizes[name], fs) for name, clock in clocks.items() if name in names}
-    raw = []
-    for name in names:
-        timepts = by_clock[id(clocks[name])] if name in clocks else stamps
-        assert timepts is not None
-        timepts.flags.writeable = False
-        own = clocks[name].rate if name in clocks else rate
-        raw.append(
-            RawChannel(
-                name=name,
-                unit=table.units.get(name, ""),
-                timepts=timepts,
-                values=values[name],
-                rate=own if own is not None else fs,
-            )
-        )
-    others = [name for name in table.sizes if name not in names and name != time and not channels]
-    left_out = {**table.unusable, **{name: _why_left_out(table, name, time) for name in others}}
-    return Recording(title=table.title or title, channels=tuple(raw), left_out=tuple(left_out.items()))
-
-
-def _stamps(clock: Clock, size: int, fs: Hertz | None) -> RealArray:
-    """Return the stamps of a clock [s]."""
-    if clock.stamps is not None:
-        stamps = np.asarray(clock.stamps(), float)
-        if stamps.size != size:
-            raise RecordError(f"clock {clock.name!r} has {stamps.size} stamps for {size} samples")
-        return stamps
-    rate = clock.rate if clock.rate is not None else fs
-    if rate is None:
-        raise RecordError(f"nothing tells the rate of {clock.name!r}; give the sampling rate (fs)")
-    if fs is not None and not abs(fs - rate) <= SAME_RATE * rate:
-        raise RecordError(f"'fs' says {fs:g} Hz, {clock.name!r} in the file {rate:g} Hz; leave fs out")
-    return np.asarray(clock.start + np.arange(size) / rate)
-
-
-def _why_left_out(table: Table, name: str, time: str | None) -> str:
-    if time is not None and table.sizes[name] != table.sizes[time]:
-        return f"has {table.sizes[name]} samples, time {time!r} has {table.sizes[time]}"
-    return "reads like a time"
 
 
 def _strict(recording: Recording) -> control.TimeResponseData:
@@ -359,50 +290,6 @@ def _strict(recording: Recording) -> control.TimeResponseData:
     response = as_response(timepts, values, recording.names, title=recording.title)
     as_signal(response)
     return response
-
-
-def _time_column(table: Table, channels: Sequence[str], fs: Hertz | None) -> str | None:
-    candidates = [name for name in table.sizes if is_time(name) and name not in channels]
-    if len(candidates) > 1 and len({table.sizes[c] for c in channels}) == 1:
-        # Vectors of another length are another record's time.
-        candidates = [name for name in candidates if table.sizes[name] == table.sizes[channels[0]]]
-    if len(candidates) > 1:
-        also = "" if fs is None else ", even beside fs: it must agree"
-        raise RecordError(f"{', '.join(map(repr, candidates))} all read like a time; name one (time){also}")
-    return candidates[0] if candidates else None
-
-
-def _all_channels(table: Table, time: str | None, clocks: Mapping[str, Clock], rate: Hertz | None) -> list[str]:
-    others = [name for name in table.sizes if name != time and name not in clocks]
-    if time is not None:
-        others = [name for name in others if table.sizes[name] == table.sizes[time]]
-        if not others and not clocks:
-            raise RecordError(f"there is no channel as long as time, {time!r}: {table.sizes[time]} samples")
-    elif clocks and rate is None:
-        others = []
-    elif len({table.sizes[name] for name in others}) > 1:
-        sizes = ", ".join(f"{name!r} {table.sizes[name]}" for name in others)
-        raise RecordError(f"the vectors differ in length ({sizes}); say which are channels")
-    return [name for name in table.sizes if name in clocks or name in others]
-
-
-def _rate(table: Table, fs: Hertz | None) -> Hertz | None:
-    """Return the rate that was given and the file states, which must be one."""
-    rates = dict(table.rates) if fs is None else {"fs": fs, **table.rates}
-    if not rates:
-        return None
-    given, rate = next(iter(rates.items()))
-    for name, other in rates.items():
-        if not abs(other - rate) <= SAME_RATE * rate:
-            raise RecordError(f"{given!r} says {rate:g} Hz, {name!r} in the file {other:g} Hz; correct one of them")
-    return rate
-
-
-def _per_second(time: str, unit: str) -> float:
-    unit = unit.strip().lower() or split_unit(time)[1]
-    if unit and unit not in PER_SECOND:
-        raise RecordError(f"the unit of time in {time!r} is not known; known: s, ms, us, ns, min; or give fs alone")
-    return PER_SECOND[unit or "s"]
 
 
 def _timepts(stamps: RealArray, rate: Hertz | None) -> RealArray:

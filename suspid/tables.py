@@ -20,14 +20,22 @@ PER_SECOND = {
     **dict.fromkeys(("min", "minute", "minutes"), 1 / 60),
 }
 TIME_NAMES = {"t", "time", "timepts", "timestamp", "timestamps", "timedomain", "timevector", "elapsed", "elapsedtime"}
-TIME_NAMES |= {"zeit", "temps", "tiempo", "uhrzeit", "zeitstempel", "datetime", "date/time", "secondselapsed"} | {
-    name for name in PER_SECOND if len(name) > 2 and name != "min"
-}
+TIME_NAMES |= {
+    "zeit",
+    "temps",
+    "tiempo",
+    "uhrzeit",
+    "zeitstempel",
+    "datetime",
+    "date/time",
+    "secondselapsed",
+    "xvalue",
+} | {name for name in PER_SECOND if len(name) > 2 and name != "min"}
 RATE_NAMES = {"fs", "samplerate", "samplingrate", "timesamplerate", "samplefrequency", "samplingfrequency"}
 RATE_NAMES |= {"samplefreq", "samplingfreq", "srate", "abtastrate"}
 STEP_NAMES = {"dt", "ts", "deltat", "timestep", "sampletime", "samplingtime", "sampleinterval", "samplinginterval"}
-# A name and, in brackets behind it, its unit.
-BRACKETED = re.compile(r"(.*\S)\s*[\[(]\s*([^\[\]()]*(?:\([^\[\]()]*\))?[^\[\]()]*)[\])]")
+# A name and, in brackets behind it, its unit; a number there counts columns.
+BRACKETED = re.compile(r"(.*\S)\s*[\[(]\s*(?!\d+\s*[\])])([^\[\]()]*(?:\([^\[\]()]*\))?[^\[\]()]*)[\])]")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -134,7 +142,7 @@ def split_unit(name: str) -> tuple[str, str]:
     (('time', 'ms'), ('t', 's'), ('timedomain', ''))
     """
     lowered = name.strip().lower()
-    bracketed = re.fullmatch(r"(.*?)[\s_,/]*[\[(]\s*(.*?)\s*[\])]", lowered)
+    bracketed = re.fullmatch(r"(.*?)[\s_,/]*[\[(]\s*(?!\d+\s*[\])])(.*?)\s*[\])]", lowered)
     suffixed = re.fullmatch(r"(.*?)[\s_,/]+([^\s_,/]+)", lowered)
     stem, unit = lowered, ""
     if bracketed:
