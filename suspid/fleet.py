@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import filecmp
 import json
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -174,9 +175,12 @@ def identify_many(
     ...                   tire_stiffness=200e3, chassis_damping=1500)
     >>> decay = free_decay(car, np.arange(0, 4, 0.01), initial_state={"v_tire": 1.0})
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     run = identify_many([("bump", decay), ("flat", decay * 0)], output=folder, workers=1)
-    ...     table = run.modes.select(["record", "mode", "wn_rad_per_s", "zeta"]).to_pandas()
-    >>> print(table)
+    ...     run = identify_many([("bump", decay), ("no record", 0)], output=folder, workers=1)
+    ...     modes, failures = run.modes.to_pydict(), run.failures.to_pydict()
+    >>> modes["record"], modes["mode"], np.round(modes["zeta"], 4)
+    (['bump', 'bump'], [1, 2], array([0.2314, 0.2596]))
+    >>> failures["record"], failures["reason"]
+    (['no record'], ['expected a response or a path, not int'])
     """
     require_fleet()
     if isinstance(chunk, bool) or not isinstance(chunk, int) or chunk < 1:
@@ -337,8 +341,8 @@ def _entries(folder: Path, source: Listing) -> tuple[Iterator[Entry], int | None
     kept, now = folder / LIST, folder / f".{LIST}.now"
     if kept.exists():
         count = write_list(now, source.entries)
-        total = sum(1 for _ in kept.open("rb"))
-        if now.read_bytes() != kept.read_bytes():
+        total = sum(1 for _ in read_list(kept))
+        if not filecmp.cmp(now, kept, shallow=False):
             notes.append(
                 f"the files have changed since the run began: {total} records then, {count} now; the results are of "
                 f"those of then; for the others give another folder"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import os
 import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
@@ -17,7 +18,7 @@ from suspid.fleet_manifest import INSTALL
 from suspid.fleet_parts import Part
 from suspid.fleet_records import Entry
 from suspid.fleet_rows import Job
-from suspid.fleet_work import ONE_THREAD, lost, work, work_apart
+from suspid.fleet_work import ONE_THREAD, leave_with, lost, work, work_apart
 from suspid.units import Second
 
 if TYPE_CHECKING:
@@ -138,8 +139,9 @@ def local_engine(workers: int | None) -> Iterator[Engine]:
         pool.shutdown(wait=True, kill_workers=give_up)
 
     yield Engine(
-        # A worker without work leaves after a while: so it does if the client is killed.
-        start=lambda: loky.ProcessPoolExecutor(max_workers=count, timeout=60, env=ONE_THREAD),
+        start=lambda: loky.ProcessPoolExecutor(
+            max_workers=count, env=ONE_THREAD, initializer=leave_with, initargs=(os.getpid(),)
+        ),
         stop=stop,
         workers=lambda: count,
         alive=lambda: True,

@@ -9,6 +9,7 @@ import pickle
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
@@ -21,9 +22,11 @@ from suspid.units import Second
 
 # A record that kills its process is given a second chance: the process may have died of something else.
 TRIES = 2
-# How long native code, which does not hear, may outlast the time limit before its process is ended.
-GRACE: Second = 5.0
+# How far native code, which does not hear, may outlast the time limit before its process is ended.
+GRACE = 1.25
 TIME_UP = 86
+# How often a worker looks whether its client is still there.
+WATCH: Second = 1.0
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS"), "1")
 # Warnings, threads of BLAS and caches belong to the process: one record at a time.
 _ONE_AT_A_TIME = threading.Lock()
@@ -115,7 +118,7 @@ def limited(seconds: Second | None) -> Iterator[None]:
     thread = threading.get_ident()
     interrupt = ctypes.pythonapi.PyThreadState_SetAsyncExc
     stop = threading.Timer(seconds, lambda: interrupt(ctypes.c_ulong(thread), ctypes.py_object(TimeUp)) and None)
-    end = threading.Timer(seconds + GRACE, lambda: os._exit(TIME_UP))
+    end = threading.Timer(GRACE * seconds, lambda: os._exit(TIME_UP))
     stop.daemon = end.daemon = True
     try:
         stop.start()
@@ -126,12 +129,25 @@ def limited(seconds: Second | None) -> Iterator[None]:
         end.cancel()
 
 
+def leave_with(parent: int) -> None:
+    """End this process soon after its parent, which may be killed before it can say so."""
+
+    def watch() -> None:
+        while os.getppid() == parent:
+            time.sleep(WATCH)
+        os._exit(1)
+
+    if sys.platform != "win32":
+        threading.Thread(target=watch, daemon=True).start()
+
+
 def child() -> None:
     """Be the process of its own of `work_apart`: read a job and records from stdin, write each record's rows."""
     answers = os.fdopen(os.dup(1), "wb")
     # Whatever else is printed must not stand between the answers.
     os.dup2(2, 1)
-    job, chunk = pickle.load(sys.stdin.buffer)
+    job, chunk, parent = pickle.load(sys.stdin.buffer)
+    leave_with(parent)
     with one_thread(job):
         for entry in chunk:
             pickle.dump(rows_of(job, entry), answers)
@@ -140,7 +156,7 @@ def child() -> None:
 
 def _from_child(job: Job, chunk: Sequence[Entry]) -> Iterator[Rows | int]:
     """Yield the rows of each record that a process of its own lives to answer, then how it ended if it did not."""
-    paths = os.pathsep.join(path for path in sys.path if path)
+    paths = os.pathsep.join(path for path in (os.environ.get("PYTHONPATH"), *sys.path) if path)
     process = subprocess.Popen(
         [sys.executable, "-c", "from suspid.fleet_work import child; child()"],
         stdin=subprocess.PIPE,
@@ -152,7 +168,7 @@ def _from_child(job: Job, chunk: Sequence[Entry]) -> Iterator[Rows | int]:
     assert process.stdout is not None
     with process:
         try:
-            pickle.dump((job, list(chunk)), process.stdin)
+            pickle.dump((job, list(chunk), os.getpid()), process.stdin)
             process.stdin.close()
             for _ in chunk:
                 yield pickle.load(process.stdout)

@@ -1,0 +1,38 @@
+"""Small fleets on disk: records of known cars, and what a run left."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from suspid import Suspension, add_noise, free_decay, quarter_car, write_record
+
+CAR = quarter_car(
+    chassis_mass=400, tire_mass=40, chassis_stiffness=20e3, tire_stiffness=200e3, chassis_damping=1500, tire_damping=50
+)
+
+
+def write_decay(path: Path, seed: int, *, car: Suspension = CAR, samples: int = 300) -> None:
+    """Write a record of a car at 100 Hz with noise of 30 dB; five digits, as a logger would."""
+    rng = np.random.default_rng(seed)
+    decay = free_decay(car, np.arange(samples) / 100, initial_state={"v_tire": 1.0, "v_chassis": 0.5})
+    write_record(add_noise(decay, snr_db=30.0, rng=rng), path, digits=5)
+
+
+def make_fleet(folder: Path, count: int, *, samples: int = 300) -> Path:
+    """Write so many records into a folder, some of them below it."""
+    (folder / "north").mkdir(parents=True)
+    for k in range(count):
+        write_decay(folder / ("north" if k % 3 else ".") / f"run{k:03d}.csv", k, samples=samples)
+    return folder
+
+
+def content(folder: Path) -> dict[str, bytes]:
+    """Return every file of a folder of results, drafts and all, by its name."""
+    return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
+
+
+def parts(folder: Path) -> int:
+    """Return how many chunks are complete."""
+    return len(list((folder / "modes").glob("part-*.parquet")))

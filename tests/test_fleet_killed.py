@@ -1,0 +1,186 @@
+"""Fleets that are killed with signal 9 half way: started again, the files are those of a run that was not."""
+
+from __future__ import annotations
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import psutil
+import pytest
+from fleets import CAR, content, make_fleet, parts
+
+from suspid import InputError, SuspidError, write_car
+from suspid.fleet import identify_many
+
+COUNT, CHUNK = 32, 2
+LONG_ENOUGH = 120.0
+CLIENT = """
+import sys
+from suspid.cars import read_car
+from suspid.fleet import identify_many
+
+folder, output, car, chunk, scheduler = sys.argv[1:]
+who = {"scheduler": scheduler} if scheduler else {"workers": 2}
+identify_many(folder, output=output, car=read_car(car), chunk=int(chunk), **who)
+"""
+
+
+@pytest.fixture(scope="module")
+def fleet(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("fleet")
+    write_car(CAR, folder / "car.toml")
+    return make_fleet(folder / "in", COUNT)
+
+
+@pytest.fixture(scope="module")
+def expected(fleet: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
+    output = tmp_path_factory.mktemp("whole")
+    run = identify_many(fleet, output=output, workers=2, car=CAR, chunk=CHUNK)
+    assert (run.records, run.failed) == (COUNT, 0)
+    return content(output)
+
+
+def start(fleet: Path, output: Path, scheduler: str = "") -> subprocess.Popen[bytes]:
+    return subprocess.Popen(
+        [sys.executable, "-c", CLIENT, str(fleet), str(output), str(fleet.parent / "car.toml"), str(CHUNK), scheduler]
+    )
+
+
+def until(condition: Any, what: str) -> None:
+    end = time.monotonic() + LONG_ENOUGH
+    while not condition():
+        assert time.monotonic() < end, f"in {LONG_ENOUGH:g} s it did not come to {what}"
+        time.sleep(0.01)
+
+
+def half_way(output: Path) -> None:
+    until(lambda: parts(output) >= 4, "a fourth part")
+
+
+def connected(address: str) -> Any:
+    import distributed
+
+    connect: Any = distributed.Client
+    return connect(address, timeout=60, set_as_default=False)
+
+
+@contextmanager
+def cluster(*, nanny: bool) -> Iterator[tuple[str, list[subprocess.Popen[bytes]]]]:
+    """Start a Dask scheduler and two workers, processes of their own as on two machines; give address and workers."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    address = f"tcp://127.0.0.1:{port}"
+    dask = [sys.executable, "-m", "distributed.cli.dask_scheduler"]
+    started: list[subprocess.Popen[bytes]] = []
+
+    def run(*command: str) -> subprocess.Popen[bytes]:
+        started.append(
+            subprocess.Popen(
+                list(command), stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+            )
+        )
+        return started[-1]
+
+    try:
+        run(*dask, "--host", "127.0.0.1", "--port", str(port), "--no-dashboard", "--no-show")
+        module = "distributed.cli.dask_worker"
+        options = ["--nthreads", "1", "--no-dashboard", "--nanny" if nanny else "--no-nanny"]
+        workers = [run(sys.executable, "-m", module, address, *options) for _ in range(2)]
+        with connected(address) as client:
+            client.wait_for_workers(2, timeout=60)
+        yield address, workers
+    finally:
+        for process in started:
+            for child in psutil.Process(process.pid).children(recursive=True) if process.poll() is None else []:
+                child.kill()
+            process.kill()
+            process.wait()
+
+
+class TestKilledOnThisMachine:
+    def test_the_client(self, fleet: Path, expected: dict[str, bytes], tmp_path: Path) -> None:
+        process = start(fleet, tmp_path)
+        half_way(tmp_path)
+        workers = psutil.Process(process.pid).children(recursive=True)
+        os.kill(process.pid, signal.SIGKILL)
+        assert process.wait() == -signal.SIGKILL
+        done = parts(tmp_path)
+        assert 4 <= done < COUNT // CHUNK, "it was not killed half way"
+        # Whoever worked for it leaves: nobody is to work for a client that is no more.
+        until(lambda: not any(w.is_running() and w.status() != psutil.STATUS_ZOMBIE for w in workers), "an end of them")
+        run = identify_many(fleet, output=tmp_path, workers=1, car=CAR, chunk=CHUNK)
+        assert (run.records, run.failed, run.kept) == (COUNT, 0, CHUNK * done)
+        assert content(tmp_path) == expected
+
+    def test_again_and_again(self, fleet: Path, expected: dict[str, bytes], tmp_path: Path) -> None:
+        for more in range(1, 3):
+            process = start(fleet, tmp_path)
+            until(lambda more=more: parts(tmp_path) >= more, "another part")
+            os.kill(process.pid, signal.SIGKILL)
+            process.wait()
+        assert identify_many(fleet, output=tmp_path, workers=2, car=CAR, chunk=CHUNK).kept >= 2 * CHUNK
+        assert content(tmp_path) == expected
+
+    def test_a_worker(self, fleet: Path, expected: dict[str, bytes], tmp_path: Path) -> None:
+        process = start(fleet, tmp_path)
+        half_way(tmp_path)
+        workers = [p for p in psutil.Process(process.pid).children() if "popen_loky" in " ".join(p.cmdline())]
+        assert len(workers) == 2
+        os.kill(workers[0].pid, signal.SIGKILL)
+        assert parts(tmp_path) < COUNT // CHUNK, "it was not killed half way"
+        assert process.wait(timeout=LONG_ENOUGH) == 0
+        assert content(tmp_path) == expected
+
+
+class TestDask:
+    def test_a_worker_is_killed(self, fleet: Path, expected: dict[str, bytes], tmp_path: Path) -> None:
+        with cluster(nanny=False) as (address, workers):
+            process = start(fleet, tmp_path, address)
+            half_way(tmp_path)
+            os.kill(workers[0].pid, signal.SIGKILL)
+            assert parts(tmp_path) < COUNT // CHUNK, "it was not killed half way"
+            assert process.wait(timeout=LONG_ENOUGH) == 0
+            assert workers[1].poll() is None
+        assert content(tmp_path) == expected
+
+    def test_the_client_is_killed(self, fleet: Path, expected: dict[str, bytes], tmp_path: Path) -> None:
+        with cluster(nanny=True) as (address, _):
+            process = start(fleet, tmp_path, address)
+            half_way(tmp_path)
+            os.kill(process.pid, signal.SIGKILL)
+            process.wait()
+            done = parts(tmp_path)
+            assert 4 <= done < COUNT // CHUNK, "it was not killed half way"
+            with connected(address) as client:
+                run = identify_many(fleet, output=tmp_path, scheduler=client, car=CAR, chunk=CHUNK)
+            assert (run.records, run.failed, run.kept) == (COUNT, 0, CHUNK * done)
+        assert content(tmp_path) == expected
+
+    def test_the_scheduler_is_killed(self, fleet: Path, expected: dict[str, bytes], tmp_path: Path) -> None:
+        with cluster(nanny=False) as (address, workers):
+            scheduler = next(c for c in psutil.Process().children() if "dask_scheduler" in " ".join(c.cmdline()))
+
+            def kill(done: int, *_: object) -> None:
+                if done == 4 * CHUNK:
+                    scheduler.kill()
+
+            with pytest.raises(SuspidError, match="the cluster was lost; .* the same command goes on"):
+                identify_many(fleet, output=tmp_path, scheduler=address, car=CAR, chunk=CHUNK, progress=kill)
+            assert len(workers) == 2
+        assert 4 <= parts(tmp_path) < COUNT // CHUNK
+        identify_many(fleet, output=tmp_path, workers=2, car=CAR, chunk=CHUNK)
+        assert content(tmp_path) == expected
+
+    def test_nobody_answers(self, fleet: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+        monkeypatch.setattr("suspid.fleet_engine.FIRST_WORKER", 0.5)
+        with pytest.raises(InputError, match="no Dask scheduler answers"):
+            identify_many(fleet, output=tmp_path, scheduler="tcp://127.0.0.1:9")
