@@ -15,7 +15,7 @@ MODULES = {path.stem: ast.parse(path.read_text(encoding="utf-8")) for path in so
 LAYERS = [
     ["units", "errors"],
     ["values", "files"],
-    ["suspension", "tables", "cells", "recordings", "exponentials", "foreign"],
+    ["suspension", "tables", "cells", "recordings", "exponentials", "foreign", "mdf_blocks", "mdf_channels"],
     ["variables"],
     [
         "modes",

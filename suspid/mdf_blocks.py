@@ -1,0 +1,165 @@
+"""Blocks of MDF files, checked before asammdf follows them.
+
+Its reader trusts every link and every size: it goes round in circles where blocks do, and takes what
+lies beyond the end of a file that was cut off for empty.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections import defaultdict
+from dataclasses import dataclass, field
+
+from suspid.errors import RecordError
+
+HEAD, HEADER = 64, 24
+# Which links lead on, by the kind of block; each such block is led to once. Other links lead to text and
+# descriptions, which may be shared.
+FOLLOWED = {
+    b"##HD": (0, 1, 3, 4),
+    b"##DG": (0, 1, 2),
+    b"##CG": (0, 1),
+    b"##CN": (0, 1, 5),
+    b"##CA": (0,),
+    b"##FH": (0,),
+    b"##AT": (0,),
+    b"##EV": (0,),
+    b"##HL": (0,),
+}
+LISTS = (b"##DL", b"##LD")
+DATA = (b"##DT", b"##DV", b"##DI", b"##SD", b"##RD")
+ZIPPED = b"##DZ"
+PARTS = (b"##CN", b"##CA")
+# A composition may be described otherwise, and what a channel points to be a group or an attachment.
+ONLY_TO = {(b"##CN", 1): PARTS, (b"##CA", 0): PARTS, (b"##CN", 5): (*DATA, *LISTS, ZIPPED, b"##HL")}
+# The same of versions 2 and 3: least size, and the kinds that the links lead to.
+OLD: dict[bytes, tuple[int, tuple[tuple[int, bytes], ...]]] = {
+    b"HD": (20, ((0, b"DG"),)),
+    b"DG": (24, ((0, b"DG"), (1, b"CG"))),
+    b"CG": (26, ((0, b"CG"), (1, b"CN"))),
+    b"CN": (218, ((0, b"CN"),)),
+}
+VARIABLE_LENGTH = 1
+# Deflate makes nothing smaller than by this factor.
+DEFLATE = 1032
+
+
+@dataclass(slots=True)
+class _Sizes:
+    """Bytes of samples by data group: what its channel groups state, and what its data blocks hold."""
+
+    stated: defaultdict[int, int] = field(default_factory=lambda: defaultdict(int))
+    held: defaultdict[int, int] = field(default_factory=lambda: defaultdict(int))
+
+
+def check_blocks(content: bytes) -> None:
+    """Refuse a file whose blocks are linked in a circle, lie beyond its end or hold less than they state.
+
+    Raises
+    ------
+    RecordError
+        If the file is no MDF file, damaged, or cut off.
+    """
+    if content[:8].strip() not in (b"MDF", b"UnFinMF"):
+        raise RecordError(f"is not an MDF file: it begins with {content[:8]!r}")
+    if len(content) < HEAD + HEADER:
+        raise RecordError("is cut off: it ends in its head")
+    sizes = _check_old(content) if content[HEAD : HEAD + 2] == b"HD" else _check_new(content)
+    # What was not finished does not state how much there is; asammdf counts it.
+    for group, stated in sizes.stated.items() if content[:3] == b"MDF" else ():
+        if stated > sizes.held[group]:
+            raise RecordError(
+                f"is damaged or cut off: the data group at byte {group} states {stated} bytes of samples and holds "
+                f"{sizes.held[group]}"
+            )
+
+
+def _check_new(content: bytes) -> _Sizes:
+    """Check a file of version 4."""
+    sizes, seen, shared = _Sizes(), set[int](), set[int]()
+    ahead = [(HEAD, 0)]
+    while ahead:
+        address, group = ahead.pop()
+        kind, links = _block(content, address)
+        _refuse_again(address, seen)
+        group = address if kind == b"##DG" else group
+        _count(content, address, kind, len(links), group, sizes)
+        followed = range(len(links)) if kind in LISTS else FOLLOWED.get(kind, ())
+        for place, target in enumerate(links):
+            only_to = ONLY_TO.get((kind, place))
+            if target and place in followed and (only_to is None or content[target : target + 4] in only_to):
+                # The samples of a channel are its own, not those of the group.
+                ahead.append((target, 0 if (kind, place) == (b"##CN", 5) else group))
+            elif target:
+                shared.add(target)
+    done = set(seen)
+    while shared:
+        address = shared.pop()
+        done.add(address)
+        shared.update(target for target in _block(content, address)[1] if target and target not in done)
+    return sizes
+
+
+def _refuse_again(address: int, seen: set[int]) -> None:
+    if address in seen:
+        raise RecordError(f"is damaged: its blocks are linked in a circle at byte {address}")
+    seen.add(address)
+
+
+def _block(content: bytes, address: int) -> tuple[bytes, tuple[int, ...]]:
+    """Return kind and links of a block of version 4 that lies within the file."""
+    if address + HEADER > len(content):
+        raise RecordError(f"is cut off: a block at byte {address} lies beyond its end")
+    kind, _, size, count = struct.unpack_from("<4sIQQ", content, address)
+    # A last data block that was not finished states no size.
+    size = max(size, HEADER) if kind in DATA and content[:3] == b"UnF" else size
+    if kind[:2] != b"##" or size < HEADER or count > (size - HEADER) // 8:
+        raise RecordError(f"is damaged: there is no block at byte {address}")
+    if address + size > len(content):
+        raise RecordError(f"is cut off: it ends in the block {kind[2:].decode('latin1')!r} at byte {address}")
+    return kind, struct.unpack_from(f"<{count}Q", content, address + HEADER)
+
+
+def _count(content: bytes, address: int, kind: bytes, links: int, group: int, sizes: _Sizes) -> None:
+    """Add what a channel group states, or what a data block holds, to the bytes of its data group."""
+    body = address + HEADER + 8 * links
+    size = struct.unpack_from("<Q", content, address + 8)[0]
+    least = {b"##CG": 32, ZIPPED: 24, b"##DG": 1}.get(kind, 0)
+    if body + least > address + max(size, HEADER):
+        raise RecordError(f"is damaged: the block at byte {address} is too short")
+    if kind == b"##CG":
+        _, cycles, flags, _, _, samples, invalidation = struct.unpack_from("<QQHHIII", content, body)
+        if not flags & VARIABLE_LENGTH:
+            first_link = struct.unpack_from("<Q", content, group + 16)[0]
+            record_id = content[group + HEADER + 8 * first_link]
+            sizes.stated[group] += cycles * (samples + invalidation + record_id)
+    elif kind == ZIPPED:
+        whole, zipped = struct.unpack_from("<QQ", content, body + 8)
+        if zipped > size or whole > DEFLATE * (zipped + 64):
+            raise RecordError(f"is damaged: the block at byte {address} states {zipped} bytes that make {whole}")
+        sizes.held[group] += whole
+    elif kind in DATA:
+        sizes.held[group] += size - HEADER
+
+
+def _check_old(content: bytes) -> _Sizes:
+    """Check a file of version 2 or 3."""
+    order = ">" if content[24:26] not in (b"\0\0", b"  ") else "<"
+    sizes, seen = _Sizes(), set[int]()
+    ahead = [(HEAD, 0, b"HD")]
+    while ahead:
+        address, group, expected = ahead.pop()
+        _refuse_again(address, seen)
+        inside = address + 4 <= len(content)
+        kind, size = struct.unpack_from(f"{order}2sH", content, address) if inside else (b"", 0)
+        if kind != expected or address + size > len(content) or size < OLD[kind][0]:
+            raise RecordError(f"is damaged or cut off: there is no whole block {expected.decode()!r} at byte {address}")
+        links = struct.unpack_from(f"{order}4I", content, address + 4)
+        if kind == b"DG":
+            group = address
+            sizes.held[group] = max(0, len(content) - links[3]) if links[3] else 0
+        elif kind == b"CG":
+            samples, cycles = struct.unpack_from(f"{order}HI", content, address + 20)
+            sizes.stated[group] += cycles * (samples + struct.unpack_from(f"{order}H", content, group + 22)[0])
+        ahead += [(links[place], group, target) for place, target in OLD[kind][1] if links[place]]
+    return sizes

@@ -1,0 +1,142 @@
+"""Channels of MDF files: where they stand, what the file says of them, and which are numbers over time."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from suspid.errors import RecordError
+from suspid.files import printable
+
+BUS_EVENT, PLAIN_BUS_EVENT, REMOTE_MASTER = 1 << 1, 1 << 2, 1 << 3
+FRAMES = "CAN_DataFrame"
+ID_BITS = 29
+TIME, SYNCHRONOUS = 1, ("", "time", "angle", "distance", "index")
+# By generation of the format: types of data that are numbers, conversions to words, and by formulas.
+NUMBERS = {True: range(6), False: (0, 1, 2, 3, 9, 10, 11, 12, 13, 14, 15, 16)}
+TO_WORDS = {True: (7, 8, 9, 10, 11), False: (11, 12)}
+BY_FORMULA = {True: 3, False: 10}
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Place:
+    """Where a channel stands, and what the file says of it."""
+
+    group: int
+    index: int
+    group_name: str
+    name: str
+    unit: str
+    size: int
+    timed: bool
+    reason: str
+
+
+@contextlib.contextmanager
+def opened(content: bytes) -> Iterator[Any]:
+    """Give an open file of asammdf's, and close it with whatever it made for itself."""
+    from asammdf import MDF
+
+    # The names of buses stand in attachments, which are left alone.
+    file = MDF(io.BytesIO(content), process_bus_logging=False)  # type: ignore[call-arg]  # its types leave it out
+    try:
+        yield file
+    finally:
+        file.close()
+
+
+def _is_raw(group: Any) -> bool:
+    """Whether a group holds the frames of a bus, not signals."""
+    flags = getattr(group.channel_group, "flags", 0)
+    return bool(flags & PLAIN_BUS_EVENT or (flags & BUS_EVENT and _named(group, FRAMES)))
+
+
+def _named(group: Any, name: str) -> bool:
+    return any(channel.name == name for channel in group.channels)
+
+
+def _size(group: Any) -> int:
+    return int(group.channel_group.cycles_nr)
+
+
+def places_of(file: Any) -> list[Place]:
+    """Return all channels that are neither time nor frames of a bus."""
+    new, places = str(file.version) >= "4", []
+    for k, group in enumerate(file.groups):
+        if _is_raw(group):
+            continue
+        name = printable(getattr(group.channel_group, "acq_name", "") or "") or f"group {k + 1}"
+        remote = getattr(group.channel_group, "flags", 0) & REMOTE_MASTER
+        leader = group.channel_group.cg_master_index if remote else k
+        time = file.masters_db.get(leader)
+        master = None if time is None else file.groups[leader].channels[time]
+        for i, channel in enumerate(group.channels):
+            if channel is not master:
+                places.append(
+                    Place(
+                        group=k,
+                        index=i,
+                        group_name=name,
+                        name=printable(channel.name) or f"channel {i}",
+                        unit=printable((channel.unit or getattr(channel.conversion, "unit", "") or "").strip()),
+                        size=_size(group),
+                        timed=master is not None,
+                        reason=_why_not(group, i, master, new),
+                    )
+                )
+    return places
+
+
+def _why_not(group: Any, index: int, master: Any, new: bool) -> str:
+    """Return why a channel is no column of numbers over time, as a predicate; empty if it is one."""
+    channel = group.channels[index]
+    kind = _conversion(channel)
+    sync = getattr(master, "sync_type", TIME)
+    if not _size(group):
+        return "is empty"
+    if sync != TIME:
+        return f"is sampled over {SYNCHRONOUS[sync] if sync < len(SYNCHRONOUS) else sync}, not over time"
+    if group.channel_dependencies[index]:
+        return "is an array or a structure"
+    if channel.data_type not in NUMBERS[new]:
+        return "is text or bytes"
+    if kind in TO_WORDS[new]:
+        return "holds numbers that stand for words"
+    if BY_FORMULA[new] in (kind, _conversion(master)):
+        return "is scaled by a formula; formulas from files are not evaluated"
+    return ""
+
+
+def frame_groups(file: Any) -> list[int]:
+    """Return the groups that hold CAN frames."""
+    return [k for k, group in enumerate(file.groups) if _is_raw(group) and _named(group, FRAMES) and _size(group)]
+
+
+def frame_ids(file: Any, frames: Sequence[int]) -> list[tuple[int, int]]:
+    """Return bus and id of all CAN frames, each pair once."""
+    found: set[tuple[int, int]] = set()
+    for k in frames:
+        if any(_conversion(channel) == BY_FORMULA[True] for channel in file.groups[k].channels):
+            raise RecordError("scales its CAN frames by a formula; formulas from files are not evaluated")
+        buses, ids = (
+            np.asarray(file.get(f"{FRAMES}.{name}", group=k, samples_only=True)[0]).astype(np.int64)
+            for name in ("BusChannel", "ID")
+        )
+        pairs = np.unique((buses << ID_BITS) | (ids & ((1 << ID_BITS) - 1)))
+        found |= {(int(pair) >> ID_BITS, int(pair) & ((1 << ID_BITS) - 1)) for pair in pairs}
+    return sorted(found)
+
+
+def _conversion(channel: Any) -> int | None:
+    return getattr(getattr(channel, "conversion", None), "conversion_type", None)
+
+
+def listed_ids(ids: Sequence[tuple[int, int]]) -> str:
+    """Return ids by bus, as text."""
+    buses = dict.fromkeys(bus for bus, _ in ids)
+    return "; ".join(f"bus {bus}: {', '.join(f'0x{i:X}' for b, i in ids if b == bus)}" for bus in buses)
