@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
+from tabulate import tabulate
 
 from suspid.clocks import read_clock
 from suspid.errors import RecordError
+from suspid.files import printable
 from suspid.findings import Finding as Finding
 from suspid.gaps import MOST_FILLED, fill, runs
 from suspid.placing import Placed, place, resample
@@ -18,7 +20,6 @@ from suspid.recordings import RawChannel, Recording
 from suspid.signals import as_response, as_signal
 from suspid.suspects import inspect
 from suspid.units import Hertz, RealArray, Second
-from suspid.values import text_table
 
 if TYPE_CHECKING:
     import control
@@ -27,8 +28,10 @@ if TYPE_CHECKING:
 SAME_RATE = 0.01
 # Share of a channel's samples below which there is no channel.
 FEWEST = 0.5
-# What is left of the recording where its ends are cut off.
-LEAST_LEFT = 0.5
+# What must be left of the recording where its ends are cut off: where an end is missing, and where there is a long gap.
+LEAST_LEFT, MOST_LEFT = 0.5, 0.9
+# Characters of a line in which a finding is explained.
+WIDTH = 60
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -52,17 +55,16 @@ class Cleaned:
     def __str__(self) -> str:
         if not self.findings:
             return "nothing was found and nothing was changed"
-        return text_table(
-            {
-                "found": [finding.kind for finding in self.findings],
-                "channel": [finding.channel or "(time)" for finding in self.findings],
-                "from [s]": [f"{finding.start:.6g}" for finding in self.findings],
-                "to [s]": [f"{finding.stop:.6g}" for finding in self.findings],
-                "samples": [str(finding.samples) for finding in self.findings],
-                "repaired": ["yes" if finding.repaired else "no" for finding in self.findings],
-                "what": [finding.text for finding in self.findings],
-            }
-        )
+        columns = {
+            "found": [finding.kind for finding in self.findings],
+            "channel": [printable(finding.channel) or "(time)" for finding in self.findings],
+            "from [s]": [f"{finding.start:.6g}" for finding in self.findings],
+            "to [s]": [f"{finding.stop:.6g}" for finding in self.findings],
+            "samples": [str(finding.samples) for finding in self.findings],
+            "repaired": ["yes" if finding.repaired else "no" for finding in self.findings],
+            "what": [printable(finding.text) for finding in self.findings],
+        }
+        return tabulate(columns, headers="keys", disable_numparse=True, maxcolwidths=[None, 24, *[None] * 4, WIDTH])
 
 
 def clean(
@@ -294,6 +296,8 @@ def _whole(placed: Placed) -> tuple[RealArray, dict[str, RealArray], list[Findin
     first, last = int(np.argmin(holes)), int(holes.size - np.argmin(holes[::-1]))
     starts, stops = runs(~holes)
     longest = int(np.argmax(stops - starts))
+    if stops[longest] - starts[longest] >= MOST_LEFT * holes.size:
+        first, last = int(starts[longest]), int(stops[longest])
     if np.any(holes[first:last]) or last - first < LEAST_LEFT * holes.size:
         begin, end = runs(holes)
         k = int(np.argmax(end - begin))
@@ -307,7 +311,7 @@ def _whole(placed: Placed) -> tuple[RealArray, dict[str, RealArray], list[Findin
     inside = np.zeros(holes.size, bool)
     inside[first:last] = True
     if not np.all(inside):
-        findings.append(_cut(times, inside, "samples are missing there"))
+        findings.append(_cut(times, inside, "samples are missing there or next to it"))
     return times[inside], dict(zip(placed.names, table[:, inside], strict=True)), findings
 
 

@@ -12,6 +12,8 @@ from suspid.values import frozen_real
 
 # So many samples on end at the largest value, left by a jump, are clipped.
 CLIPPED = 3
+# Among so many samples on each side equal ones are counted: a run that these make likely is none.
+BESIDE, CHANCE = 20, 1e-3
 # Values that stand for no value in the files of loggers.
 MARKS = (-9999.0, 9999.0, -999.0, 999.0, -99999.0, 99999.0, -999999.0, 999999.0)
 FULL_SCALE = tuple(
@@ -90,13 +92,19 @@ def clipped_run(samples: RealArray, *, largest: bool) -> tuple[int, int] | None:
     lengths = np.diff(np.append(starts, len(at)))
     longest = int(np.argmax(lengths))
     first, count = int(at[starts[longest]]), int(lengths[longest])
+    after = first + count
     if count < CLIPPED or count > 0.5 * len(samples):
         return None
-    outside = [samples[k] for k in (first - 1, first + count) if 0 <= k < len(samples)]
     steps = np.abs(np.diff(samples))
-    if max(abs(limit - value) for value in outside) > 3 * np.min(steps[steps > 0]) + 1e-3 * np.ptp(samples):
-        return first, count
-    return None
+    # What begins with a jump and is left slowly was released from rest.
+    jump = abs(limit - samples[after] if after < len(samples) else limit - samples[first - 1])
+    if jump <= 3 * np.min(steps[steps > 0]) + 1e-3 * np.ptp(samples):
+        return None
+    # Noise of a few steps of the converter repeats a value by chance.
+    near = slice(max(0, first - BESIDE), after + BESIDE)
+    others = steps[near][samples[near][: steps[near].size] != limit]
+    chance = (np.sum(others == 0) + 1) / (others.size + 2)
+    return (first, count) if chance ** (count - 1) < CHANCE else None
 
 
 def _without_sentinels(name: str, times: RealArray, values: RealArray, findings: list[Finding]) -> RealArray:
@@ -189,7 +197,8 @@ def _without_frozen(name: str, times: RealArray, values: RealArray, findings: li
         & (entered > np.maximum(far, 4 * around))
         & (released > np.maximum(far, 4 * around))
     )
-    held = (released > np.maximum(far, 2 * around)) & (around > far)
+    by_chance = samples.size * (0.27 * quantum / np.maximum(around, quantum)) ** (lengths[inner] - 1.0)
+    held = (released > np.maximum(far, 2 * around)) & (around > far) & (by_chance < CHANCE)
     extreme = (samples[starts[inner]] == np.max(samples)) | (samples[starts[inner]] == np.min(samples))
     bad = inner[zero | (held & ~extreme)]
     if not bad.size:
