@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
 
+from suspid.conversions import STANDARD_GRAVITY
+from suspid.conversions import to_si as to_si
 from suspid.errors import InputError, RecordError
 from suspid.files import printable
 from suspid.signals import Signal, as_response, as_signal
@@ -18,81 +19,12 @@ from suspid.values import frozen_real, nearest_names
 if TYPE_CHECKING:
     import control
 
-STANDARD_GRAVITY = 9.80665
 # What is measured at rest is gravity if it is that of the earth to within this share.
 GRAVITY = 0.15
 # Parts of the record over which the spread of a direction is counted.
 BLOCKS = 20
 # Gravity and the motion agree if they are no further apart than this, or than three standard deviations [deg].
 AGREE = 10.0
-
-INCH, POUND_FORCE, KNOT = 0.0254, 4.4482216152605, 1852 / 3600
-# Units by name: factor and the SI unit it leads to.
-UNITS: dict[str, tuple[float, str]] = {
-    "m": (1.0, "m"), "dm": (0.1, "m"), "cm": (1e-2, "m"), "mm": (1e-3, "m"), "um": (1e-6, "m"), "nm": (1e-9, "m"),
-    "in": (INCH, "m"), "inch": (INCH, "m"), "mil": (1e-3 * INCH, "m"), "ft": (12 * INCH, "m"),
-    "m/s": (1.0, "m/s"), "cm/s": (1e-2, "m/s"), "mm/s": (1e-3, "m/s"), "in/s": (INCH, "m/s"), "ips": (INCH, "m/s"),
-    "ft/s": (12 * INCH, "m/s"), "km/h": (1 / 3.6, "m/s"), "kph": (1 / 3.6, "m/s"), "mph": (0.44704, "m/s"),
-    "kn": (KNOT, "m/s"),
-    "m/s2": (1.0, "m/s2"), "cm/s2": (1e-2, "m/s2"), "gal": (1e-2, "m/s2"), "mm/s2": (1e-3, "m/s2"),
-    "in/s2": (INCH, "m/s2"), "ft/s2": (12 * INCH, "m/s2"),
-    "g": (STANDARD_GRAVITY, "m/s2"), "gn": (STANDARD_GRAVITY, "m/s2"), "g0": (STANDARD_GRAVITY, "m/s2"),
-    "mg": (1e-3 * STANDARD_GRAVITY, "m/s2"), "ug": (1e-6 * STANDARD_GRAVITY, "m/s2"),
-    "n": (1.0, "N"), "kn_force": (1e3, "N"), "lbf": (POUND_FORCE, "N"), "kgf": (STANDARD_GRAVITY, "N"),
-    "rad": (1.0, "rad"), "mrad": (1e-3, "rad"), "deg": (np.pi / 180, "rad"), "°": (np.pi / 180, "rad"),
-    "rad/s": (1.0, "rad/s"), "deg/s": (np.pi / 180, "rad/s"), "°/s": (np.pi / 180, "rad/s"),
-    "dps": (np.pi / 180, "rad/s"), "rpm": (np.pi / 30, "rad/s"),
-    "strain": (1.0, "strain"), "ε": (1.0, "strain"), "m/m": (1.0, "strain"), "mm/m": (1e-3, "strain"),
-    "uε": (1e-6, "strain"), "ue": (1e-6, "strain"), "ustrain": (1e-6, "strain"), "microstrain": (1e-6, "strain"),
-    "um/m": (1e-6, "strain"),
-    "pa": (1.0, "Pa"), "kpa": (1e3, "Pa"), "mpa": (1e6, "Pa"), "bar": (1e5, "Pa"), "psi": (6894.757293168, "Pa"),
-    "v": (1.0, "V"), "mv": (1e-3, "V"),
-}  # fmt: skip
-
-
-def to_si(values: ArrayLike, unit: str) -> tuple[RealArray, str]:
-    """Return values in SI units, and that unit.
-
-    Parameters
-    ----------
-    values : array_like
-        In the unit given.
-    unit : str
-        Such as "mm", "in", "g" (of gravity), "m/s^2", "deg/s", "km/h", "µε" (strain stays strain, a ratio).
-
-    Raises
-    ------
-    InputError
-        If the unit is not known.
-
-    Examples
-    --------
-    >>> to_si([1.0, -2.0], "mm")
-    (array([ 0.001, -0.002]), 'm')
-    >>> to_si(1.0, "g"), to_si(250.0, "µε")
-    ((array(9.80665), 'm/s2'), (array(0.00025), 'strain'))
-    """
-    plain = unit.strip().strip("[]()").strip()
-    for old, new in (
-        ("²", "2"),
-        ("^", ""),
-        ("**", ""),
-        ("µ", "u"),
-        ("μ", "u"),
-        ("·", ""),
-        (" ", ""),
-        ("s-2", "/s2"),
-        ("//", "/"),
-    ):
-        plain = plain.replace(old, new)
-    plain = plain.replace("/sec", "/s").replace("/s/s", "/s2")
-    # kN and kn (knot), N and n: the only units that differ in case alone.
-    key = "kn_force" if plain == "kN" else plain if plain in UNITS else plain.lower()
-    if key not in UNITS:
-        known = ["kN" if name == "kn_force" else name for name in UNITS]
-        raise InputError(f"the unit {printable(unit)!r} is not known.{nearest_names(plain, known)}")
-    factor, si = UNITS[key]
-    return np.asarray(values, float) * factor, si
 
 
 def scaled(response: control.TimeResponseData, factors: Mapping[str, float]) -> control.TimeResponseData:
@@ -188,8 +120,8 @@ class Vertical:
     def __str__(self) -> str:
         parts = ", ".join(f"{u:+.4f} {printable(name)}" for u, name in zip(self.up, self.axes, strict=True))
         lines = [
-            f"up: {parts}, by {self.by}; {self.tilt_deg:.2f} ± {self.std_deg:.2g} deg off {printable(self.nearest_axis)}; "
-            f"{100 * self.explained:.1f} % of the motion is along it"
+            f"up: {parts}, by {self.by}; {self.tilt_deg:.2f} ± {self.std_deg:.2g} deg off "
+            f"{printable(self.nearest_axis)}; {100 * self.explained:.1f} % of the motion is along it"
         ]
         if self.gravity_unit:
             lines.append(f"gravity: {self.gravity:.4g} {self.gravity_unit}, taken away")
@@ -267,8 +199,8 @@ def vertical(
     unit = next((u for u, g in (("m/s2", STANDARD_GRAVITY), ("g", 1.0)) if abs(length / g - 1) <= GRAVITY), "")
     if by == "gravity" and not unit:
         raise RecordError(
-            f"gravity is not measured: the mean of {', '.join(map(repr, names))} is {length:.4g}, neither 9.81 (m/s2) nor "
-            f"1 (g) to within {100 * GRAVITY:.0f} %; convert the unit, or take by='motion'"
+            f"gravity is not measured: the mean of {', '.join(map(repr, names))} is {length:.4g}, neither 9.81 (m/s2) "
+            f"nor 1 (g) to within {100 * GRAVITY:.0f} %; convert the unit, or take by='motion'"
         )
     principal = directions[:, -1]
     towards = float(mean @ principal) if unit else float(principal[np.argmax(np.abs(principal))])
