@@ -5,18 +5,28 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from suspid.equations import Observed, partners, pole_distances, spectral
 from suspid.modes import eigenmodes
+from suspid.polynomials import characteristic
+from suspid.programs import Equations
 from suspid.suspension import Suspension
-from suspid.units import Ratio, RealArray
+from suspid.units import ComplexArray, Ratio, RealArray
 from suspid.unknowns import Unknowns
 
-STARTS_PER_UNKNOWN = 16
-STEPS = 80
-DECADES = 1.0  # springs and masses from a tenth to ten times nominal
+STARTS_PER_UNKNOWN, MORE_STARTS = 12, 48  # of a quarter car, and of what has more unknowns than it
+QUARTER_CAR = 6  # unknowns
+ROUNDS = 4  # of starts at most
+OFTEN = 3  # times that every minimum is met, before the search ends
+STEPS = 40
+STRAGGLERS = 0.1  # of the starts: so few are not waited for
+MET = 1e-13  # squared distance from the poles at which a start has arrived
+LITTLE = 1e-3  # share of the squared distance that a step takes where a start rests
+DECADES = 1.5  # springs and masses from a thirtieth to thirty times nominal: rare minima lie far out
 FARTHEST = 1e4  # times nominal, where the search turns back
 SAME = 1e-3  # relative difference of parameters below which two suspensions are one
+HARDLY_THERE = 1e-2  # of nominal: springs and masses below it differ only by shares of it
 ROUNDING = 1e-11  # costs below it are equal
 ADDED_SHARE = 0.3  # of a coordinate's mass, in the test that is proposed
 
@@ -24,7 +34,7 @@ ADDED_SHARE = 0.3  # of a coordinate's mass, in the test that is proposed
 def even_starts(unknowns: Unknowns, count: int) -> RealArray:
     """Return points that fill the surroundings of the nominal values evenly, the same ones each time, (start, unknown).
 
-    An additive recurrence by powers of the root of ``g^(d+1) = g + 1``: springs and masses within a decade of nominal,
+    An additive recurrence by powers of the root of ``g^(d+1) = g + 1``: springs and masses within `DECADES` of nominal,
     dampers from none to a strong one.
     """
     dimensions, golden = len(unknowns), 2.0
@@ -39,71 +49,123 @@ def even_starts(unknowns: Unknowns, count: int) -> RealArray:
 def spectral_minima(tests: Sequence[Observed], unknowns: Unknowns, *, reach: Ratio) -> list[RealArray]:
     """Return distinct minima of the distance from the poles, nearest first, from starts spread around nominal.
 
-    All starts move at once, by damped Gauss-Newton steps on the characteristic polynomial, kept between bounds.
-    Minima further from the poles than ``reach`` are left out, but for the nearest.
+    The nominal values are the first start. More are added until every minimum was met several times: then few are
+    left that were never met. Minima further from the poles than ``reach`` are left out, but for the nearest.
     """
-    arms, positive = unknowns.arms, unknowns.positive
+    equations = polynomial_equations(tests, unknowns)
+    count = len(unknowns) * (STARTS_PER_UNKNOWN if len(unknowns) <= QUARTER_CAR else MORE_STARTS)
+    starts = np.vstack([unknowns.nominal, even_starts(unknowns, ROUNDS * count)])
+    points, costs = descend_together(equations, starts[:count], unknowns)
+    minima, met = gathered(points, costs, unknowns, reach)
+    for first in range(count, ROUNDS * count, count):
+        if min(met) >= OFTEN:
+            break
+        more, their_costs = descend_together(equations, starts[first : first + count], unknowns)
+        points, costs = np.vstack([points, more]), np.append(costs, their_costs)
+        minima, met = gathered(points, costs, unknowns, reach)
+    return minima
 
-    def equations(x: RealArray) -> tuple[RealArray, RealArray]:
-        p = unknowns.parameters(x)
-        parts = [spectral(test, arms, p) for test in tests]
-        return np.concatenate([r for r, _ in parts], axis=-1), np.concatenate([s for _, s in parts], axis=-2) @ spread
 
-    spread, upper = unknowns.spread, np.minimum(unknowns.upper, FARTHEST)
-    x = even_starts(unknowns, STARTS_PER_UNKNOWN * len(unknowns))
+def polynomial_equations(tests: Sequence[Observed], unknowns: Unknowns) -> Equations:
+    """Return the residual of all tests' poles and its derivatives, of many points at once."""
+    arms, spread = unknowns.arms, unknowns.spread
+
+    def by_determinants(test: Observed) -> Equations:
+        def equations(x: RealArray) -> tuple[RealArray, RealArray]:
+            residual, slope = spectral(test, arms, unknowns.parameters(x))
+            return residual, slope @ spread
+
+        return equations
+
+    every = [characteristic(test, unknowns) or by_determinants(test) for test in tests]
+
+    def together(x: RealArray) -> tuple[RealArray, RealArray]:
+        parts = [one(x) for one in every]
+        return np.concatenate([r for r, _ in parts], axis=1), np.concatenate([s for _, s in parts], axis=1)
+
+    return every[0] if len(every) == 1 else together
+
+
+def descend_together(equations: Equations, x: RealArray, unknowns: Unknowns) -> tuple[RealArray, RealArray]:
+    """Return where many points end that move at once towards minima of the equations, and the costs there.
+
+    Damped Gauss-Newton steps, kept between bounds; a point rests as soon as a step brings it little, and the last few
+    are not waited for: what is near a minimum still has to be sharpened.
+    """
+    x, positive = x.copy(), unknowns.positive
+    lower, upper = unknowns.lower, np.minimum(unknowns.upper, FARTHEST)
+    own, count = np.arange(x.shape[1]), len(x)
     residual, slope = equations(x)
     cost, damping = np.sum(residual**2, axis=1), np.full(len(x), 1e-2)
     ends: list[RealArray] = []
-    costs: list[float] = []
+    costs: list[RealArray] = []
     for _ in range(STEPS):
-        size = np.where(positive, x, 1.0)
-        scaled = slope * size[:, None, :]
-        gradient = np.einsum("bru,br->bu", scaled, residual)
-        stuck = ((x <= unknowns.lower) & (gradient > 0)) | ((x >= upper) & (gradient < 0))
-        scaled = np.where(stuck[:, None, :], 0.0, scaled)
+        scaled = slope * np.where(positive, x, 1.0)[:, None, :]
+        gradient = (residual[:, None, :] @ scaled)[:, 0]
+        stuck = ((x <= lower) & (gradient > 0)) | ((x >= upper) & (gradient < 0))
+        scaled[np.broadcast_to(stuck[:, None, :], scaled.shape)] = 0.0
+        gradient[stuck] = 0.0
         normal = scaled.swapaxes(1, 2) @ scaled
-        diagonal = np.einsum("buu->bu", normal)
-        largest = np.max(diagonal, axis=1, keepdims=True)
-        weight = damping[:, None] * np.maximum(diagonal, 1e-6 * largest) + np.where(largest > 0, 0.0, 1.0)
-        step = np.linalg.solve(
-            normal + weight[:, :, None] * np.eye(x.shape[1]), -np.where(stuck, 0.0, gradient)[..., None]
-        )[..., 0]
-        step = np.clip(step, -1.0, 1.0)
-        trial = np.where(positive, x * np.exp(np.where(positive, step, 0.0)), x + step)
-        trial = np.clip(trial, unknowns.lower, upper)
+        diagonal = normal[:, own, own]
+        largest = diagonal.max(axis=1, keepdims=True)
+        # What has no slope at all must not make the matrix singular.
+        normal[:, own, own] += damping[:, None] * np.maximum(diagonal, 1e-6 * largest) + stuck + (largest <= 0)
+        step = np.maximum(np.minimum(np.linalg.solve(normal, -gradient[..., None])[..., 0], 1.0), -1.0)
+        trial = x + step
+        trial[:, positive] = x[:, positive] * np.exp(step[:, positive])
+        trial = np.minimum(np.maximum(trial, lower), upper)
         trial_residual, trial_slope = equations(trial)
-        trial_cost = np.sum(trial_residual**2, axis=1)
+        trial_cost = (trial_residual * trial_residual).sum(axis=1)
         better = trial_cost < cost
-        done = (cost < 1e-20) | (better & (cost - trial_cost < 1e-9 * cost)) | (damping > 1e8)
-        x = np.where(better[:, None], trial, x)
-        residual = np.where(better[:, None], trial_residual, residual)
-        slope = np.where(better[:, None, None], trial_slope, slope)
+        done = (cost < MET) | (better & (cost - trial_cost < LITTLE * cost)) | (damping > 1e8)
+        np.copyto(x, trial, where=better[:, None])
+        np.copyto(residual, trial_residual, where=better[:, None])
+        np.copyto(slope, trial_slope, where=better[:, None, None])
         cost = np.where(better, trial_cost, cost)
-        damping = np.where(better, damping / 5, 4 * damping)
-        ends.extend(x[done])
-        costs.extend(cost[done].tolist())
-        x, residual, slope, cost, damping = (a[~done] for a in (x, residual, slope, cost, damping))
-        if not len(x):
-            break
-    ends, costs = [*ends, *x], [*costs, *cost.tolist()]
-    near = max(reach**2, min(costs))
-    kept = [i for i, reached in enumerate(costs) if reached <= near]
-    return distinct([ends[i] for i in kept], [costs[i] for i in kept], unknowns)
+        damping *= np.where(better, 0.2, 4.0)
+        if done.any():
+            ends.append(x[done])
+            costs.append(cost[done])
+            x, residual, slope, cost, damping = (a[~done] for a in (x, residual, slope, cost, damping))
+            if len(x) <= STRAGGLERS * count:
+                return np.concatenate(ends), np.concatenate(costs)
+    return np.concatenate([*ends, x]), np.concatenate([*costs, cost])
 
 
-def distinct(points: Sequence[RealArray], costs: Sequence[float], unknowns: Unknowns) -> list[RealArray]:
-    """Return the points that are not the same as one of lower cost, by ascending cost; of equals the first."""
-    kept: list[RealArray] = []
-    for i in np.argsort(np.maximum(costs, ROUNDING), kind="stable"):
-        if not any(same(points[i], other, unknowns) for other in kept):
-            kept.append(points[i])
+def gathered(
+    points: RealArray, costs: RealArray, unknowns: Unknowns, reach: Ratio
+) -> tuple[list[RealArray], list[int]]:
+    """Return the distinct points within reach, or the nearest, by ascending cost, and how often each was met."""
+    order = np.argsort(np.maximum(costs, ROUNDING**2), kind="stable")
+    left = points[order[costs[order] <= max(reach**2, float(np.min(costs)))]]
+    minima: list[RealArray] = []
+    met: list[int] = []
+    while len(left):
+        one = same(left[0], left, unknowns)
+        minima.append(left[0])
+        met.append(int(np.sum(one)))
+        left = left[~one]
+    return minima, met
+
+
+def distinct(points: Sequence[RealArray], costs: Sequence[float], unknowns: Unknowns) -> list[int]:
+    """Return which points are not the same as one of lower cost, by ascending cost; of equals the first."""
+    kept: list[int] = []
+    for i in np.argsort(np.maximum(costs, ROUNDING), kind="stable").tolist():
+        if not any(same(points[i], points[j], unknowns) for j in kept):
+            kept.append(i)
     return kept
 
 
-def same(a: RealArray, b: RealArray, unknowns: Unknowns) -> bool:
-    """Return whether two points are one suspension: springs and masses relative, dampers to the strongest."""
-    strongest = np.max(np.where(unknowns.positive, 0.0, np.maximum(a, b)), initial=1e-3)
-    return bool(np.all(np.abs(a - b) <= SAME * np.where(unknowns.positive, np.maximum(a, b), strongest)))
+def same(a: RealArray, b: RealArray, unknowns: Unknowns) -> NDArray[np.bool_]:
+    """Return whether two points (or one and each of many) are one suspension.
+
+    Springs and masses relative, dampers to the strongest.
+    """
+    larger = np.maximum(a, b)
+    springs = np.maximum(larger, HARDLY_THERE)
+    strongest = np.max(np.where(unknowns.positive, 0.0, larger), axis=-1, keepdims=True, initial=1e-3)
+    return np.asarray(np.all(np.abs(a - b) <= SAME * np.where(unknowns.positive, springs, strongest), axis=-1))
 
 
 def farness(x: RealArray, unknowns: Unknowns) -> float:
@@ -141,18 +203,24 @@ def told_apart(car: Suspension, other: Suspension, observed: Sequence[str]) -> s
         if best[0] > SAME:
             names = car.coordinates[best[1]], car.coordinates[best[2]]
             said.append(f"sensors at {names[0]} and {names[1]} (shape of mode {best[3] + 1} differs by {best[0]:.0%})")
-    shift, where, load = 0.0, "", 0.0
-    for name, mass in car.masses.items():
-        loaded = [c.with_parameters(masses={name: m + ADDED_SHARE * mass}) for c, m in _masses(car, other, name)]
-        one, two = (eigenmodes(c).poles for c in loaded)
-        apart = pole_distances(one, two)
-        moved = float(np.max(np.min(apart, axis=1)))
-        if moved > shift:
-            shift, where, load = moved, name, ADDED_SHARE * mass
-    if shift > 0:
-        said.append(f"a test with {load:.2g} kg added to {where} (a pole differs by {shift:.2%})")
+    # With a mass added to each coordinate in turn, (coordinate, pole).
+    ours_loaded, theirs_loaded = (_loaded_poles(c, ADDED_SHARE * np.diag(car.M)) for c in (car, other))
+    moved = [
+        float(np.max(np.min(pole_distances(a, b), axis=1))) for a, b in zip(ours_loaded, theirs_loaded, strict=True)
+    ]
+    most = int(np.argmax(moved))
+    if moved[most] > 0:
+        name = car.coordinates[most]
+        load = ADDED_SHARE * car.masses[name]
+        said.append(f"a test with {load:.2g} kg added to {name} (a pole differs by {moved[most]:.2%})")
     return " or ".join(said)
 
 
-def _masses(car: Suspension, other: Suspension, name: str) -> list[tuple[Suspension, float]]:
-    return [(c, c.masses[name]) for c in (car, other)]
+def _loaded_poles(car: Suspension, added: RealArray) -> ComplexArray:
+    """Return the poles with each mass added alone, (coordinate, pole)."""
+    n = len(added)
+    masses = np.diag(car.M) + np.diag(added)  # (coordinate loaded, coordinate)
+    A = np.zeros((n, 2 * n, 2 * n))
+    A[:, :n, n:] = np.eye(n)
+    A[:, n:, :n], A[:, n:, n:] = -car.K / masses[:, :, None], -car.C / masses[:, :, None]
+    return np.asarray(np.linalg.eigvals(A), complex)

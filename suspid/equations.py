@@ -7,6 +7,7 @@ function takes the arms (strut, coordinate) and p, and returns a dimensionless r
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +18,7 @@ EXACT = 1e-8  # relative error of poles that counts as none
 SHAPE_WEIGHT = 0.1  # of errors of shapes against relative errors of poles, which are always known better
 
 
-@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Observed:
     """The modes of one test, as equations for the parameters.
 
@@ -58,7 +59,7 @@ class Observed:
     target: ComplexArray
     spacing: ComplexArray
 
-    @property
+    @cached_property
     def full(self) -> bool:
         """Whether the channels show the motion of every coordinate."""
         return self.shapes is not None and int(np.linalg.matrix_rank(self.weights)) == self.weights.shape[1]
@@ -68,7 +69,7 @@ class Observed:
         """The shapes, unless the poles alone have a covariance."""
         return None if self.poles_alone else self.shapes
 
-    @property
+    @cached_property
     def pole_equations(self) -> int:
         """Number of real equations of the poles."""
         return int(2 * len(self.real) - np.sum(self.real))
@@ -77,6 +78,11 @@ class Observed:
     def equations(self) -> int:
         """Number of real equations of poles and shapes."""
         return self.pole_equations * (1 if self.shapes is None else len(self.shapes))
+
+    @property
+    def rows(self) -> int:
+        """Number of real equations that are weighed."""
+        return self.pole_equations if self.poles_alone else self.equations
 
 
 def pole_distances(a: ComplexArray, b: ComplexArray) -> RealArray:
@@ -94,9 +100,13 @@ def pole_distances(a: ComplexArray, b: ComplexArray) -> RealArray:
 
 def partners(poles: ComplexArray, found: ComplexArray) -> NDArray[np.intp]:
     """Return, for each pole, the index of its partner among the found ones; no partner twice."""
+    distances = pole_distances(poles, found)
+    nearest = np.argmin(distances, axis=1)
+    if len(set(nearest.tolist())) == len(nearest):
+        return np.asarray(nearest)
     from scipy.optimize import linear_sum_assignment
 
-    return np.asarray(linear_sum_assignment(pole_distances(poles, found))[1])
+    return np.asarray(linear_sum_assignment(distances)[1])
 
 
 def all_poles(poles: ComplexArray) -> ComplexArray:
@@ -199,7 +209,9 @@ def sensitivities(test: Observed, arms: RealArray, p: RealArray) -> tuple[RealAr
     roots = np.sqrt(masses)
     light = arms / roots
     damping, stiffness = light.T * p[struts : 2 * struts] @ light, light.T * p[:struts] @ light
-    found, vectors = np.linalg.eig(np.block([[np.zeros((n, n)), np.eye(n)], [-stiffness, -damping]]).astype(complex))
+    A = np.zeros((2 * n, 2 * n), complex)
+    A[:n, n:], A[n:, :n], A[n:, n:] = np.eye(n), -stiffness, -damping
+    found, vectors = np.linalg.eig(A)
     partner = partners(test.poles, found)
     pole, motion = found[partner], vectors[:n, partner].T
     modes = np.arange(len(pole))
@@ -214,7 +226,10 @@ def sensitivities(test: Observed, arms: RealArray, p: RealArray) -> tuple[RealAr
     load[:, :n, :struts] = -(motion @ light.T)[:, None, :] * light.T
     load[:, :n, struts : 2 * struts] = pole[:, None, None] * load[:, :n, :struts]
     load[:, np.arange(n), 2 * struts + np.arange(n)] = -(pole[:, None] ** 2) * motion / masses
-    slope = np.asarray(np.linalg.pinv(bordered) @ load, complex)
+    try:
+        slope = np.linalg.solve(bordered, load)
+    except np.linalg.LinAlgError:  # poles that meet
+        slope = np.asarray(np.linalg.pinv(bordered) @ load, complex)
     size = np.abs(test.poles)
     errors = [_real_rows((pole - test.poles) / size, test.real)]
     slopes = [_real_rows(slope[:, n] / size[:, None], test.real)]

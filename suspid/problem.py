@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from suspid.alternatives import distinct, even_starts, spectral_minima
 from suspid.equations import EXACT, Observed, all_poles, deciding, linear, pole_distances, spectral
 from suspid.errors import ReconstructionError
 from suspid.observations import ModalTest, observe, printed, unweighted
-from suspid.programs import convex_program, descend
+from suspid.programs import bounded_least_squares, descend
 from suspid.suspension import Suspension
 from suspid.units import Ratio, RealArray
 from suspid.unknowns import Bounds, Unknowns, unknowns_of
@@ -20,6 +21,7 @@ PULL = 0.01  # to the nominal values, beside relative errors of poles that are t
 STARTS = 24  # where the poles alone are too few to search by them
 POLISHED = 12  # of the minima that the search finds
 BLIND = 1e-8  # of the largest singular value: what the data do not see
+NEGLIGIBLE = 1e-10  # of chi-square: no step is worth so little
 UNLIKELY_TWIN = 1e-4  # probability of the rise of chi-square from the best suspension to another
 VAGUE = 0.05  # standard deviation of a shape's component above which shapes may not choose one suspension
 NEAR_MISS = 5e-3  # relative distance from exact poles at which another suspension is mentioned
@@ -27,7 +29,7 @@ PRINTED = 5e-3  # of a pole's modulus: what printed modes are known to, if nothi
 DATA_AGAINST_PRIOR = 1e6  # weight of modes without covariance, which are exact, beside a nominal car's
 
 
-@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Problem:
     """Tests, the unknowns of the suspension, and what modes without a covariance are known to (0: exact)."""
 
@@ -45,37 +47,40 @@ class Problem:
         """Whether there are shapes."""
         return any(test.shapes is not None for test in self.tests)
 
-    @property
+    @cached_property
     def full(self) -> bool:
         """Whether the shapes make the problem linear."""
         if all(test.full for test in self.tests):
             return True
-        return any(test.full for test in self.tests) and not len(
-            self.unseen(self.linear_slope(), self.unknowns.nominal)
-        )
+        return any(test.full for test in self.tests) and not len(self.unseen(self.linear[1], self.unknowns.nominal))
 
-    @property
+    @cached_property
     def unique(self) -> bool:
         """Whether the problem is linear, and its shapes too well known for another suspension within their spread."""
         vague = [1 / np.linalg.svd(t.whiten, compute_uv=False).min() for t in self.tests if t.whiten is not None]
         return self.full and (self.tests[0].poles_alone or bool(max(vague, default=0.0) <= VAGUE))
 
     @property
+    def rows(self) -> int:
+        """Number of rows of the deciding residual."""
+        return sum(test.rows for test in self.tests) + int(np.sum(self.unknowns.has_prior))
+
+    @property
     def enough_poles(self) -> bool:
         """Whether the poles alone are as many equations as there are unknowns."""
         return sum(test.pole_equations for test in self.tests) >= len(self.unknowns)
 
-    @property
+    @cached_property
     def enough(self) -> float:
         """Norm of the deciding residual at which no other start is needed."""
         from scipy.special import chdtri
 
         if not self.weighted:
             return EXACT
-        rows = sum(len(test.whiten) for test in self.tests if test.whiten is not None)
-        return float(np.sqrt(chdtri(max(rows - len(self.unknowns), 1), UNLIKELY_TWIN)))
+        known = int(np.sum(self.unknowns.has_prior))
+        return float(np.sqrt(chdtri(max(self.rows - known - len(self.unknowns), 1), UNLIKELY_TWIN)))
 
-    @property
+    @cached_property
     def reach(self) -> Ratio:
         """Distance from the poles beyond which no minimum by the poles alone can have the modes."""
         if not self.weighted:
@@ -103,7 +108,7 @@ class Problem:
         """Return whether shapes of all coordinates, taken as exact, leave nothing to improve."""
         if self.weighted or self.unknowns.has_prior.any() or not all(test.full for test in self.tests):
             return False
-        residual, slope = self.linear()
+        residual, slope = self.linear
         return bool(np.linalg.norm(residual + slope @ x) <= EXACT)
 
     def deciding(self, x: RealArray) -> tuple[RealArray, RealArray]:
@@ -124,6 +129,7 @@ class Problem:
             parts.append((PULL * (x - self.unknowns.nominal), PULL * np.eye(len(x))))
         return np.concatenate([r for r, _ in parts]), np.concatenate([s for _, s in parts])
 
+    @cached_property
     def linear(self) -> tuple[RealArray, RealArray]:
         """Return the linear equations of all tests that have them: residual at x = 0 and derivatives."""
         masses = np.diag(self.unknowns.car.M)
@@ -131,13 +137,9 @@ class Problem:
         residuals = [r + s @ self.unknowns.base for r, s in parts]
         return np.concatenate(residuals), np.concatenate([s for _, s in parts]) @ self.unknowns.spread
 
-    def linear_slope(self) -> RealArray:
-        """Return the derivatives of the linear equations."""
-        return self.linear()[1]
-
     def unseen(self, slope: RealArray, x: RealArray, least: Ratio = BLIND) -> RealArray:
-        """Return the directions of the unknowns, relative for springs, that equations of this slope do not see."""
-        _, values, directions = np.linalg.svd(slope * np.where(self.unknowns.positive, x, 1.0))
+        """Return the directions of the unknowns, in units of `Unknowns.sizes`, that equations of this slope miss."""
+        _, values, directions = np.linalg.svd(slope * self.unknowns.sizes(x))
         values = np.concatenate([values, np.zeros(len(directions) - len(values))])
         return np.asarray(directions[values <= least * values[0]])
 
@@ -145,7 +147,8 @@ class Problem:
         """Return the minimum near x of the deciding residual, or of the polynomials at the poles."""
         u = self.unknowns
         equations = self.spectral if by_poles else self.deciding
-        return descend(equations, x, positive=u.positive, lower=u.lower, upper=u.upper)
+        negligible = NEGLIGIBLE if self.weighted and not by_poles else 0.0
+        return descend(equations, x, positive=u.positive, lower=u.lower, upper=u.upper, negligible=negligible)
 
 
 def posed(
@@ -196,36 +199,49 @@ def posed(
         meeting = pole_distances(one.poles, all_poles(one.poles)) < 1e-4
         if one.full and np.sum(meeting) > len(one.poles):
             alone = Problem(tests=(one,), unknowns=unknowns)
-            if len(alone.unseen(alone.linear_slope(), unknowns.nominal, 1e-4)):
+            if len(alone.unseen(alone.linear[1], unknowns.nominal, 1e-4)):
                 notes.append("shapes not used: poles meet (critical damping), and their shapes with them")
                 seen[i] = replace(one, shapes=None, weights=one.weights[:0], orders=one.orders[:0])
                 problem = replace(problem, tests=tuple(seen))
     return problem, notes
 
 
-def candidates(problem: Problem, *, search: bool) -> list[RealArray]:
-    """Return the distinct suspensions, as unknowns, that may have the modes."""
+def candidates(problem: Problem, *, search: bool) -> tuple[list[RealArray], list[float]]:
+    """Return the distinct suspensions, as unknowns, that may have the modes, and the norms of their residuals."""
     unknowns = problem.unknowns
     points: list[RealArray] = []
+    costs: list[float] = []
 
-    def cost(x: RealArray) -> float:
-        return float(np.linalg.norm(problem.deciding(x)[0]))
+    def add(x: RealArray) -> None:
+        x = unknowns.settled(x)
+        points.append(x)
+        costs.append(float(np.linalg.norm(problem.deciding(x)[0])))
+
+    def told() -> tuple[list[RealArray], list[float]]:
+        kept = distinct(points, costs, unknowns)
+        return [points[i] for i in kept], [costs[i] for i in kept]
 
     if problem.full:
-        residual, slope = problem.linear()
-        told, pull = unknowns.prior(np.zeros(len(unknowns)))
-        rows, target = np.vstack([slope, pull / DATA_AGAINST_PRIOR]), -np.append(residual, told / DATA_AGAINST_PRIOR)
-        start = convex_program(rows, target, unknowns.lower, np.minimum(unknowns.upper, 1e9))
-        points.append(start if problem.exact(start) else problem.descend(start))
-        if problem.unique and (problem.exact(start) or cost(points[0]) <= problem.enough):
-            return points
+        residual, slope = problem.linear
+        prior, pull = unknowns.prior(np.zeros(len(unknowns)))
+        rows, target = np.vstack([slope, pull / DATA_AGAINST_PRIOR]), -np.append(residual, prior / DATA_AGAINST_PRIOR)
+        start = bounded_least_squares(rows, target, unknowns.lower, np.minimum(unknowns.upper, 1e9))
+        exact = problem.exact(start)
+        add(start if exact else problem.descend(start))
+        if problem.unique and (exact or costs[0] <= problem.enough):
+            return points, costs
     nominal = unknowns.nominal
-    points.append(problem.descend(problem.descend(nominal, by_poles=True)))
-    if problem.unique or (not search and cost(points[-1]) <= problem.enough):
-        return distinct(points, [cost(x) for x in points], unknowns)
+    if not (search and problem.enough_poles) or problem.unique:
+        add(problem.descend(problem.descend(nominal, by_poles=True)))
+        if problem.unique or (not search and costs[-1] <= problem.enough):
+            return told()
     if problem.enough_poles:
-        starts = spectral_minima(problem.tests, unknowns, reach=problem.reach)[:POLISHED]
-    else:
-        starts = [nominal, *(problem.descend(x, by_poles=True) for x in even_starts(unknowns, STARTS))]
-    points += [problem.descend(x) for x in starts]
-    return distinct(points, [cost(x) for x in points], unknowns)
+        for x in spectral_minima(problem.tests, unknowns, reach=problem.reach)[:POLISHED]:
+            add(problem.descend(x))
+        if min(costs) > problem.enough:
+            add(problem.descend(problem.descend(nominal, by_poles=True)))
+        return told()
+    add(problem.descend(nominal))
+    for x in even_starts(unknowns, STARTS):
+        add(problem.descend(problem.descend(x, by_poles=True)))
+    return told()

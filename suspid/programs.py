@@ -18,6 +18,7 @@ from suspid.units import RealArray
 SOLVER = "CLARABEL"
 LARGEST_STEP = 0.5  # in the logarithm of what is positive, and in the others themselves
 NEARLY = 1e-7  # slope, of the largest there can be, of an optimum that cannot be sharpened
+NOTHING = 1e-13  # share of the squared residual that a step promises, below which a descent ends
 STATIONARY = 1e-6  # worth of the step still possible, of the residual's square, at an optimum
 
 # Residual and its derivatives by the unknowns, at the unknowns.
@@ -25,7 +26,13 @@ Equations: TypeAlias = Callable[[RealArray], tuple[RealArray, RealArray]]
 
 
 def descend(
-    equations: Equations, x: RealArray, *, positive: NDArray[np.bool_], lower: RealArray, upper: RealArray
+    equations: Equations,
+    x: RealArray,
+    *,
+    positive: NDArray[np.bool_],
+    lower: RealArray,
+    upper: RealArray,
+    negligible: float = 0.0,
 ) -> RealArray:
     """Return a minimum of the norm of the equations between bounds, by convex programs in a box of trust around x.
 
@@ -39,6 +46,8 @@ def descend(
         Which unknowns are stepped in their logarithm.
     lower, upper : ndarray (unknown,)
         Bounds.
+    negligible : float
+        Gain of the squared norm that is not worth a step.
 
     Examples
     --------
@@ -68,6 +77,8 @@ def descend(
         if gained > 0:
             x, residual, slope = trial, trial_residual, trial_slope
         if np.max(np.abs(step)) < 1e-13 or (gained <= 0 and np.max(np.abs(step)) < 1e-9):
+            break
+        if gained >= 0 and expected <= max(NOTHING * float(residual @ residual), negligible):
             break
         radius = min(2 * radius, 4.0) if gained > 0.75 * expected else radius if gained > 0.1 * expected else radius / 4
     return x

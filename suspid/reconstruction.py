@@ -223,15 +223,14 @@ def reconstruct(
     """
     tests = modal_tests(modes, suspension)
     problem, notes = posed(tests, suspension, fixed, bounds, ties, nominal_std, free_masses, tolerance)
-    points = candidates(problem, search=search)
-    costs = [float(np.linalg.norm(problem.deciding(x)[0])) for x in points]
+    points, costs = candidates(problem, search=search)
     accepted = [i for i, cost in enumerate(costs) if cost <= problem.allowed(min(costs))]
     # The data come first: nearness to the nominal car decides only between cars that they hold equally likely.
     level = min(costs) ** 2 + LEVEL if problem.weighted else np.inf
     accepted.sort(key=lambda i: (costs[i] ** 2 > level, farness(points[i], problem.unknowns)))
     best, cost = points[accepted[0]], costs[accepted[0]]
     car = problem.unknowns.suspension(best)
-    check_seen(problem, best, car)
+    notes += check_seen(problem, best, car)
     accuracy = TOLERANCE if tolerance is None else tolerance
     residual, mac = check_fit(problem, tests, car, accuracy)
     if mac is not None and not problem.exact(best):
@@ -250,9 +249,10 @@ def reconstruct(
                 f"another suspension comes within {min(missed):.1e} of these modes: "
                 f"give their uncertainty, or tolerance=…, to have it judged"
             )
-    chi_square, freedom, _ = goodness(problem, best, cost)
+    chi_square, freedom, explains = goodness(problem, best, cost)
     nearest = int(np.argmin(costs))
-    _, _, explains = goodness(problem, points[nearest], costs[nearest])
+    if nearest != accepted[0]:
+        _, _, explains = goodness(problem, points[nearest], costs[nearest])
     if chi_square is not None:
         notes.append(f"chi-square {chi_square if chi_square > 1e-6 else 0:.3g} at {freedom} degrees of freedom")
     elif freedom > 0 and residual > ROUNDED:

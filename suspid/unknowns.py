@@ -16,6 +16,8 @@ from suspid.values import frozen_real, nearest_names
 
 QUANTITIES = ("stiffness", "damping")
 LEAST = 1e-6  # of nominal: k > 0 and mass > 0 as closed bounds
+NEXT_TO_NONE = 1e-3  # of nominal: a spring that small is judged beside the nominal one
+ROUNDING = 1e-13  # of the strongest damper
 
 Bounds: TypeAlias = Mapping[str, tuple[float | None, float | None]]
 
@@ -46,6 +48,10 @@ class Unknowns:
         Bounds over `scale`.
     prior_std : ndarray (unknown,)
         Standard deviation of the nominal value over `scale`; infinite where none is stated.
+    base, spread : ndarray (parameter,), (parameter, unknown)
+        ``p = base + spread @ x``.
+    arms : ndarray (strut, coordinate)
+        Elongation of each strut per unit of each coordinate.
     """
 
     car: Suspension
@@ -60,6 +66,7 @@ class Unknowns:
     prior_std: RealArray
     base: RealArray
     spread: RealArray
+    arms: RealArray
 
     def __len__(self) -> int:
         return len(self.scale)
@@ -72,11 +79,6 @@ class Unknowns:
         )
 
     @property
-    def arms(self) -> RealArray:
-        """Elongation of each strut per unit of each coordinate, (strut, coordinate)."""
-        return self.car.arms(self.car.coordinates)
-
-    @property
     def has_prior(self) -> NDArray[np.bool_]:
         """Of which unknowns a nominal value with a standard deviation is data."""
         return np.isfinite(self.prior_std)
@@ -84,6 +86,15 @@ class Unknowns:
     def parameters(self, x: RealArray) -> RealArray:
         """Return p = (k, c, masses) of unknowns x, (…, parameter), in SI units."""
         return np.asarray(self.base + x @ self.spread.T)
+
+    def sizes(self, x: RealArray) -> RealArray:
+        """Return what a change of 1 means: of springs and masses themselves, unless there is next to none; else 1."""
+        return np.where(self.positive & (x > NEXT_TO_NONE), x, 1.0)
+
+    def settled(self, x: RealArray) -> RealArray:
+        """Return x with dampers that are nothing but rounding on their bound."""
+        strongest = np.max(x[~self.positive], initial=0.0)
+        return np.where(~self.positive & (x - self.lower < ROUNDING * strongest), self.lower, x)
 
     def suspension(self, x: RealArray) -> Suspension:
         """Return the suspension with these unknowns."""
@@ -209,6 +220,7 @@ def unknowns_of(
         prior_std=frozen_real(std),
         base=frozen_real(base),
         spread=frozen_real(spread),
+        arms=frozen_real(car.arms(car.coordinates)),
     )
 
 

@@ -14,40 +14,59 @@ from suspid.problem import Problem
 from suspid.programs import STATIONARY, slope_left
 from suspid.suspension import Suspension
 from suspid.units import Ratio, RealArray
-from suspid.unknowns import Unknowns
+from suspid.unknowns import LEAST, Unknowns
 from suspid.values import frozen_real
 
 LEAST_MAC = 0.8  # below it a shape is another mode's
+TAKES_PART = 0.01  # of a combination: below it a parameter is not named
 LOST = 1e-2  # share of the squared residual that a step at an optimum cannot take
 UNLIKELY = 1e-3  # probability of a chi-square below which the topology does not explain the modes
 
 
-def check_seen(problem: Problem, x: RealArray, car: Suspension) -> None:
-    """Raise if some combination of the unknowns leaves the modes as they are."""
+def check_seen(problem: Problem, x: RealArray, car: Suspension) -> list[str]:
+    """Raise if some combination of the unknowns leaves the modes, and what else is known, as they are.
+
+    Returns what the nominal values alone tell apart, in words.
+    """
     u = problem.unknowns
     p = u.parameters(x)
     if problem.exact(x):
-        slope = problem.linear_slope()
+        slope = problem.linear[1]
     else:
         parts = [(spectral if t.shapes is None else sensitivities)(t, u.arms, p)[1] for t in problem.tests]
         slope = np.concatenate(parts) @ u.spread
+    notes = []
     if u.has_prior.any():
+        alone = problem.unseen(slope, x)
+        if len(alone):
+            names = involved(alone, u)
+            notes.append(
+                f"{' and '.join([', '.join(names[:-1]), names[-1]] if len(names) > 1 else names)} "
+                f"{'are told apart' if len(names) > 1 else 'is known'} by the nominal values alone: "
+                f"the modes do not see {_in_words(alone, x, u)}"
+            )
         slope = np.concatenate([slope, np.linalg.norm(slope) * u.prior(x)[1] * u.prior_std[u.has_prior][:, None]])
     blind = problem.unseen(slope, x)
     if len(blind):
-        weight = np.max(np.abs(blind), axis=0)
-        unseen = [name for name, w in zip(u.labels, weight, strict=True) if w > 0.05]
+        unseen = involved(blind, u)
         raise ReconstructionError(
             f"the modes do not determine {', '.join(unseen)}: {len(blind)} of {len(x)} combinations of the parameters "
             f"leave them as they are ({_in_words(blind, x, u)}); hold one with fixed=…, add modes, or add shapes at "
             f"more coordinates",
             best=car,
         )
+    return notes
+
+
+def involved(blind: RealArray, unknowns: Unknowns) -> list[str]:
+    """Return the names of the unknowns that take part in directions, whatever their basis."""
+    weight = np.linalg.norm(blind, axis=0)
+    return [name for name, w in zip(unknowns.labels, weight, strict=True) if w > TAKES_PART]
 
 
 def _in_words(blind: RealArray, x: RealArray, unknowns: Unknowns) -> str:
     """Return the combinations of parameters that are not seen, as changes that leave the modes as they are."""
-    size = np.where(unknowns.positive, x, 1.0) * unknowns.scale
+    size = unknowns.sizes(x) * unknowns.scale
     moves = blind.copy()
     # Gauss-Jordan elimination: each combination in as few parameters as can be.
     for row in range(len(moves)):
@@ -143,6 +162,14 @@ def remarks(problem: Problem, x: RealArray, cost: float) -> list[str]:
         for label, value, low, high, s in zip(u.labels, x, u.lower, u.upper, size, strict=True)
         if value <= low + 1e-9 * s or value >= high - 1e-9 * s
     ]
+    least = [name for name, value in zip(u.labels, x, strict=True) if name in ends and value <= 1.01 * LEAST]
+    least = [name for name in least if u.positive[u.labels.index(name)]]
+    if least:
+        notes.append(
+            f"next to nothing is left of {', '.join(least)}, which must be positive: these modes want none; "
+            f"check the topology, or hold it with fixed=…"
+        )
+    ends = [name for name in ends if name not in least]
     if ends and cost > EXACT:
         notes.append(f"held back by its bound: {', '.join(ends)}")
     if cost > (0.1 if problem.weighted else EXACT):
@@ -164,8 +191,7 @@ def goodness(problem: Problem, x: RealArray, cost: float) -> tuple[float | None,
     from scipy.special import chdtrc
 
     u = problem.unknowns
-    rows = len(problem.deciding(x)[0])
-    freedom = rows - len(u)
+    freedom = problem.rows - len(u)
     if not problem.weighted:
         return None, freedom, True
     # A bound that acts leaves one unknown less to follow the noise.

@@ -467,7 +467,7 @@ class TestCertainty:
         record = add_noise(free_decay(SALOON, TIMES, initial_state=START), snr_db=20, rng=np.random.default_rng(3))
         modes = identify(record, modes=3).modes
         problem, _ = posed(modal_tests(modes, SALOON), nominal(SALOON), (), None, (), None, ())
-        (x,) = candidates(problem, search=True)
+        (x,), _ = candidates(problem, search=True)
         u = problem.unknowns
         assert slope_left(problem.deciding, x, u.lower, u.upper) < 1e-10
         assert slope_left(problem.deciding, 1.01 * x, u.lower, u.upper) > 1e-2
