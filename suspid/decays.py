@@ -1,0 +1,441 @@
+"""Where in a long recording something decays freely: after a bump, a step, a drop, a release."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from suspid.bursts import Burst, Envelopes, envelopes, find_bursts
+from suspid.errors import RecordError
+from suspid.identification import FEWEST_SAMPLES
+from suspid.identification import _resolution as resolution
+from suspid.signals import Signal, as_signal
+from suspid.trials import Trial, block_size, quiet_variance, tried
+from suspid.units import Decibel, RealArray, Second
+from suspid.values import frozen_real, text_table
+
+if TYPE_CHECKING:
+    import control
+
+# Starts that are tried lie by this factor further from the onset, up to this share of the stretch; then the interval
+# between the last that fails and the first that holds is halved so often.
+LATER, LATEST, HALVINGS = 1.4, 0.4, 2
+# A start holds if the next ones need no fewer poles: those that absorb the forcing are gone then.
+NEXT = 2
+# If none holds, later ones are tried for so many periods of the band that knows the onset after the one that leaves
+# least.
+PATIENCE = 4
+# At least one mode stands out of the background of its own band, so far below the threshold at most.
+OWN_BAND: Decibel = 6.0
+# The strongest bursts, so many, are looked at.
+MOST_BURSTS = 16
+# Once the start is known, so many blocks of the stretch are looked at.
+MOST_IN_ALL = 2000
+# More poles than these are no decay of a few modes; modes that explain less than this of the motion are not its cause.
+MOST_POLES, EXPLAINED = 10, 0.5
+# A decay whose rate is known no better than to this is none.
+LEAST_KNOWN = 0.1
+# What casts doubt: fewer cycles, and more of the motion left as something that is no white noise.
+FEW_CYCLES, DRIVEN = 2.0, 0.03
+# So many samples on end at the largest or smallest value of a channel, reached by a jump, are clipped.
+CLIPPED = 3
+# The place of rest moves if by more than this share of the motion, together if by the same to this.
+SHIFTED, ALIKE = 0.15, 0.1
+# What comes before is taken over this long [s], at most; a spike stands so many times above what follows.
+BEFORE, SPIKE = 1.0, 2.0
+
+Kind = Literal["impulse", "step", "release", "step or release"]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Decay:
+    """A stretch of free decay.
+
+    Parameters
+    ----------
+    start, stop : float
+        Its first and last time [s]; the forcing has ended at the start.
+    rank : int
+        1 for the one that determines its modes best.
+    kind : {"impulse", "step", "release", "step or release"} or None
+        What set it off; None if the record does not tell.
+    level : float
+        How far it stands above the background, at its peak in its best band [dB].
+    cycles : float
+        How many it makes before it sinks into the noise or ends: of the mode that makes most, among those that
+        carry at least a hundredth of the energy [1].
+    strength : float
+        Energy of its modes over the variance of the noise, times the square of the cycles [dB].
+    wn, zeta : ndarray (mode,)
+        Natural frequencies [rad/s] and damping ratios [1] that it was recognised by; `identify` knows them better.
+    doubts : tuple of str
+        What speaks against it; empty if nothing does.
+    """
+
+    start: Second
+    stop: Second
+    rank: int
+    kind: Kind | None
+    level: Decibel
+    cycles: float
+    strength: Decibel
+    wn: RealArray
+    zeta: RealArray
+    doubts: tuple[str, ...]
+
+    def __str__(self) -> str:
+        said = f"; {'; '.join(self.doubts)}" if self.doubts else ""
+        what = f"{self.cycles:.1f} cycles, {self.level:.0f} dB above the background"
+        return f"{self.start:.6g} … {self.stop:.6g} s: {what}{said}"
+
+
+class Decays(tuple[Decay, ...]):
+    """Decays in order of rank, and what else stood out.
+
+    Attributes
+    ----------
+    remarks : tuple of str
+        What is no decay, and why; what was not looked at.
+    """
+
+    remarks: tuple[str, ...]
+
+    def __new__(cls, decays: Iterable[Decay] = (), *, remarks: Sequence[str] = ()) -> Decays:
+        """Hold the decays in the order given."""
+        made = super().__new__(cls, decays)
+        made.remarks = tuple(remarks)
+        return made
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Pickle with the remarks."""
+        return _made, (tuple(self), self.remarks)
+
+    def __str__(self) -> str:
+        columns: dict[str, list[str]] = {
+            "rank": [str(decay.rank) for decay in self],
+            "start [s]": [f"{decay.start:.6g}" for decay in self],
+            "stop [s]": [f"{decay.stop:.6g}" for decay in self],
+            "after": [decay.kind or "?" for decay in self],
+            "above background [dB]": [f"{decay.level:.0f}" for decay in self],
+            "cycles": [f"{decay.cycles:.1f}" for decay in self],
+            "f [Hz]": [", ".join(f"{wn / (2 * np.pi):.3g}" for wn in decay.wn) for decay in self],
+            "doubts": ["; ".join(decay.doubts) or "none" for decay in self],
+        }
+        parts = [text_table(columns)] if self else ["no free decay"]
+        return "\n".join([*parts, *self.remarks])
+
+
+def _made(decays: tuple[Decay, ...], remarks: tuple[str, ...]) -> Decays:
+    return Decays(decays, remarks=remarks)
+
+
+def find_decays(response: control.TimeResponseData, *, given: Sequence[tuple[Second, Second]] | None = None) -> Decays:
+    """Return the stretches of free decay in a recording, the best first.
+
+    Each channel is split into octave bands; where one stands further above its background than noise does, something
+    happened there. From the onset on, later and later starts are tried: the first from which damped exponentials
+    explain all but noise, with no more poles than from the next starts on, is where the forcing has ended. Steady
+    noise, steady tones and rolling on a road give no decay. What stands out and does not decay freely is left out,
+    and `Decays.remarks` says why; what is usable with care carries its doubts.
+
+    Parameters
+    ----------
+    response : control.TimeResponseData
+        The recording, uniformly sampled: displacements, velocities, accelerations, any channels.
+    given : sequence of (float, float), optional
+        First and last time [s] of stretches that are known to decay freely: they are judged, not moved.
+
+    Returns
+    -------
+    Decays
+        A tuple of `Decay`, in order of rank: those without doubts first, each by what it tells of its modes.
+
+    Raises
+    ------
+    RecordError
+        If the recording cannot be used, or a given stretch is not within it.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from suspid import free_decay, quarter_car
+    >>> from suspid.signals import as_response
+    >>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3,
+    ...                   tire_stiffness=200e3, chassis_damping=1500)
+    >>> values = 1e-5 * np.random.default_rng(1).standard_normal((2, 3000))
+    >>> values[:, 1200:] += free_decay(car, np.arange(1800) / 100, initial_state={"v_tire": 1.0}).y
+    >>> decays = find_decays(as_response(np.arange(3000) / 100, values, ["chassis", "tire"]))
+    >>> [round(decay.start, 1) for decay in decays]
+    [12.0]
+    """
+    signal = as_signal(response, least=FEWEST_SAMPLES)
+    found = envelopes(signal)
+    finest = resolution(signal.values)
+    remarks: list[str] = []
+    decays: list[Decay] = []
+    if given is not None:
+        for first, last in given:
+            decays += _judged(signal, found, finest, _given(signal, found, first, last), remarks, moved=False)
+        return _ranked(decays, remarks)
+    bursts = find_bursts(found)
+    if not bursts:
+        at = int(np.argmax(found.level))
+        remarks.append(
+            f"Nothing stands out: the level is highest at t = {found.timepts[at]:.6g} s, {found.level[at]:.1f} dB "
+            f"above the background, and steady noise reaches {found.threshold:.1f} dB."
+        )
+    strongest = sorted(bursts, key=lambda burst: -burst.level)[:MOST_BURSTS]
+    if len(bursts) > len(strongest):
+        remarks.append(
+            f"{len(bursts)} stretches stand out; the {MOST_BURSTS} strongest were looked at. Cut the recording, or "
+            f"give the stretches, for the others."
+        )
+    for burst in sorted(strongest, key=lambda burst: burst.onset):
+        decays += _judged(signal, found, finest, burst, remarks, moved=True)
+    return _ranked(decays, remarks)
+
+
+def _ranked(decays: list[Decay], remarks: list[str]) -> Decays:
+    order = sorted(decays, key=lambda decay: (bool(decay.doubts), -decay.strength))
+    return Decays([replace(decay, rank=rank) for rank, decay in enumerate(order, start=1)], remarks=remarks)
+
+
+def _given(signal: Signal, found: Envelopes, first: Second, last: Second) -> Burst:
+    """Return a stretch that the user gives as a burst."""
+    time = signal.timepts
+    if not (time[0] - 0.5 * signal.step <= first < last <= time[-1] + 0.5 * signal.step):
+        raise RecordError(
+            f"the stretch {first:g} … {last:g} s is not within the record, {time[0]:g} … {time[-1]:g} s; give its "
+            f"first and last time"
+        )
+    inside = (found.timepts >= first) & (found.timepts <= last)
+    levels = found.levels[:, inside] if np.any(inside) else found.levels[:, :1]
+    rings = np.flatnonzero(np.median(levels[:, : max(1, levels.shape[1] // 4)], axis=1) > found.threshold - 3.0)
+    top = found.centres[rings[0]] if rings.size else found.centres[0]
+    return Burst(
+        onset=first,
+        peak=first,
+        stop=last,
+        level=float(np.max(levels)),
+        top=float(top),
+        width=signal.step,
+        cut=False,
+    )
+
+
+def _judged(
+    signal: Signal, found: Envelopes, finest: RealArray, burst: Burst, remarks: list[str], *, moved: bool
+) -> list[Decay]:
+    """Return the decay after a burst in a list, or an empty one and a remark on why there is none."""
+    where = f"t = {burst.onset:.6g} s stands {burst.level:.0f} dB above the background, but"
+    first = max(0, int(np.ceil((burst.onset - signal.start) / signal.step - 1e-6)))
+    last = min(signal.values.shape[1], int(np.floor((burst.stop - signal.start) / signal.step + 1e-6)) + 1)
+    # A road that has been stepped on stands still afterwards: it takes no part.
+    later = signal.values[:, first + (last - first) // 2 : last]
+    moving = np.flatnonzero(np.ptp(later, axis=1) > 0) if later.size else np.zeros(0, np.intp)
+    part = replace(
+        signal,
+        values=frozen_real(signal.values[moving]),
+        channels=tuple(signal.channels[channel] for channel in moving),
+    )
+    clipped = _clipped(part.values)
+    size = min(block_size(signal.step, burst.top), max(1, (last - first) // 64))
+    begin, trial = first, None
+    if moving.size:
+        least = quiet_variance(part.values, size=size, length=last - first, finest=finest[moving])
+        if moved:
+            begin, trial = _start(part, least, burst, first, last, size, clipped)
+        if trial is not None or not moved:
+            whole = tried(part.values[:, begin:last], step=signal.step, size=size, least=least, most=MOST_IN_ALL)
+            trial = whole or trial
+    if trial is None:
+        remarks.append(f"{where} it is too short, or goes on too briefly, to be a decay.")
+        return []
+    reason = _refused(trial) or _drowned(trial, found, signal.start + signal.step * begin)
+    if reason:
+        remarks.append(f"{where} {reason}.")
+        return []
+    theta = trial.selection.fit.poles.pairs[trial.modes] / trial.step
+    order = np.argsort(np.abs(theta))
+    strong = trial.strengths >= 0.01 * np.max(trial.strengths)
+    cycles = float(np.max(trial.cycles[strong]))
+    energy = float(np.sum(trial.strengths))
+    time = signal.start + signal.step * np.array([begin, last - 1])
+    return [
+        Decay(
+            start=float(time[0]),
+            stop=float(time[1]),
+            rank=0,
+            kind=_kind(part, trial, first, begin) if moved else None,
+            level=burst.level,
+            cycles=cycles,
+            strength=float(10 * np.log10(max(energy, 1e-30) * max(cycles, 1e-3) ** 2)),
+            wn=frozen_real(np.abs(theta[order])),
+            zeta=frozen_real(-theta[order].real / np.abs(theta[order])),
+            doubts=_doubts(part, trial, burst, cycles, begin, clipped[begin:last]),
+        )
+    ]
+
+
+def _start(
+    signal: Signal, least: RealArray, burst: Burst, first: int, last: int, size: int, clipped: RealArray
+) -> tuple[int, Trial | None]:
+    """Return the first sample from which the stretch decays freely, and the fit from there on."""
+    known: dict[int, Trial | None] = {}
+
+    def at(index: int) -> Trial | None:
+        if index not in known:
+            known[index] = tried(signal.values[:, index:last], step=signal.step, size=size, least=least)
+        return known[index]
+
+    early = np.flatnonzero(clipped[first : first + (last - first) // 4])
+    begin = first + (int(early[-1]) + 1 if early.size else 0)
+    pace = max(1.0, 0.25 * burst.width / signal.step)
+    delays = [0.0, pace]
+    while delays[-1] * LATER < LATEST * (last - begin):
+        delays.append(delays[-1] * LATER)
+    places = list(dict.fromkeys(begin + round(delay) for delay in delays))
+    shares: list[tuple[float, int]] = []
+    for number, place in enumerate(places):
+        trial = at(place)
+        if trial is None:
+            break
+        if not len(trial.modes):
+            continue
+        after = [at(later) for later in places[number + 1 : number + 1 + NEXT]]
+        if trial.excess <= 1 and all(later is None or later.poles >= trial.poles for later in after):
+            return _earlier(at, places[number - 1] if number else place, place)
+        shares.append((trial.early, place))
+        fewest = min(shares)
+        if fewest[0] < EXPLAINED and place - fewest[1] > PATIENCE * burst.width / signal.step:
+            break
+    if not shares:
+        return begin, at(begin)
+    # Where no start holds, the first from which about as little is left as from any other.
+    place = next(place for share, place in shares if share <= 1.5 * min(shares)[0])
+    return place, at(place)
+
+
+def _earlier(at: Callable[[int], Trial | None], low: int, high: int) -> tuple[int, Trial | None]:
+    """Return an earlier start that holds too, between one that does not and one that does, by halving."""
+    found = at(high)
+    for _ in range(HALVINGS):
+        middle = (low + high) // 2
+        trial = at(middle) if middle not in (low, high) else None
+        if found is None or trial is None:
+            break
+        if trial.excess <= 1 and len(trial.modes) and trial.poles <= found.poles:
+            high, found = middle, trial
+        else:
+            low = middle
+    return high, found
+
+
+def _refused(trial: Trial) -> str | None:
+    """Return why a stretch is no decay, or None if it is one."""
+    if not len(trial.modes):
+        others = sorted({verdict for verdict in trial.selection.verdicts if verdict != "mode"})
+        return "no mode decays after it" + (f" ({', '.join(others)})" if others else "")
+    if trial.poles > MOST_POLES:
+        return f"it takes {trial.poles} poles to follow it: it is no decay of a few modes"
+    # A decay rate is known to about sqrt(2 / E), with E the energy over the variance of the noise.
+    spread = float(np.sqrt(2 / np.max(trial.strengths)))
+    if spread > LEAST_KNOWN:
+        return f"its decay rate would be known to {100 * spread:.0f} % at best: too little stands above the noise"
+    early = max(1, trial.motion.shape[1] // 3)
+    motion = np.sum(trial.motion[:, :early] ** 2, axis=1)
+    share = motion / (motion + np.sum(trial.residual[:, :early] ** 2, axis=1) + 1e-300)
+    left = float(np.median(trial.left))
+    if left > EXPLAINED:
+        return f"{100 * left:.0f} % of the motion is left over by modes that decay: it is driven on"
+    if np.max(share) < EXPLAINED:
+        return f"modes that decay explain {100 * np.max(share):.0f} % of it at most: it is driven on, or noise"
+    return None
+
+
+def _drowned(trial: Trial, found: Envelopes, start: Second) -> str | None:
+    """Return why the modes of a stretch are no news: none stands out of the background of its own band."""
+    highest = -np.inf
+    for theta in trial.selection.fit.poles.pairs[trial.modes]:
+        frequency = abs(theta) / (2 * np.pi * trial.step)
+        band = int(np.argmin(np.abs(np.log(found.centres / frequency))))
+        first, last = np.searchsorted(found.timepts, [start, start + 1 / min(frequency, found.centres[band])])
+        highest = max(highest, float(np.max(found.levels[band, max(0, first - 1) : last + 1])))
+    if highest < found.threshold - OWN_BAND:
+        return f"what decays then is at most {highest:.0f} dB above the background of its own band"
+    return None
+
+
+def _doubts(
+    signal: Signal, trial: Trial, burst: Burst, cycles: float, begin: int, clipped: RealArray
+) -> tuple[str, ...]:
+    doubts = []
+    if cycles < FEW_CYCLES:
+        doubts.append(f"{cycles:.1f} cycles are few")
+    if trial.excess > 1:
+        doubts.append(
+            f"its first part is off by {100 * trial.early:.2g} % of the motion from any decay: "
+            f"the forcing has not ended, or the motion is not linear"
+        )
+    left = trial.left
+    if np.max(left) > DRIVEN:
+        worst = int(np.argmax(left))
+        doubts.append(
+            f"still driven, or not linear: {100 * left[worst]:.2g} % of the motion of {signal.channels[worst]!r} is "
+            f"left over, and that is no white noise"
+        )
+    if "growing" in trial.selection.verdicts:
+        doubts.append("still driven: part of the motion grows")
+    if np.any(clipped):
+        doubts.append(f"clipped in {int(np.sum(clipped))} samples")
+    if begin == 0:
+        doubts.append("the record begins with it: whether the forcing had ended cannot be seen")
+    if burst.cut:
+        doubts.append("cut off by what comes next, before it has sunk into the background")
+    return tuple(doubts)
+
+
+def _kind(signal: Signal, trial: Trial, first: int, begin: int) -> Kind | None:
+    """Return what set a decay off, where the places of rest before and after or a spike tell."""
+    quiet = signal.values[:, max(0, first - int(BEFORE / signal.step)) : first]
+    if quiet.shape[1] < FEWEST_SAMPLES:
+        return None
+    count = trial.residual.shape[1]
+    after = signal.values[:, begin : begin + count * max(1, round(trial.step / signal.step))]
+    swing = np.max(np.abs(trial.motion), axis=1)
+    shift = np.mean(after, axis=1) - np.mean(trial.motion, axis=1) - np.mean(quiet, axis=1)
+    spread = np.std(quiet, axis=1)
+    moved = (np.abs(shift) > SHIFTED * swing) & (np.abs(shift) > 5 * spread)
+    if np.any(moved):
+        if np.sum(moved) < 2:
+            return "step or release"
+        size = np.abs(shift[moved])
+        return "step" if np.ptp(shift[moved]) < ALIKE * np.max(size) else "release"
+    forced = signal.values[:, first:begin]
+    if forced.shape[1]:
+        spike = np.max(np.abs(forced - np.mean(quiet, axis=1, keepdims=True)), axis=1)
+        if np.any((spike > SPIKE * swing) & (spike > 10 * spread)):
+            return "impulse"
+    return None
+
+
+def _clipped(values: RealArray) -> np.ndarray:
+    """Return which samples lie in a run at the largest or smallest value of a channel, (sample,)."""
+    out = np.zeros(values.shape[1], bool)
+    for samples in values:
+        span = float(np.ptp(samples))
+        for limit in (samples.max(), samples.min()):
+            at = np.flatnonzero(samples == limit)
+            begins = np.flatnonzero(np.diff(at, prepend=-9) > 1)
+            for begin, length in zip(begins, np.diff(np.append(begins, len(at))), strict=True):
+                low, high = int(at[begin]), int(at[begin]) + int(length)
+                if length < CLIPPED or length > 0.5 * len(samples):
+                    continue
+                outside = [samples[k] for k in (low - 1, high) if 0 <= k < len(samples)]
+                # A slow crest in coarse steps stays too, but comes and goes by single steps.
+                if max(abs(limit - value) for value in outside) > 1e-3 * span:
+                    out[low:high] = True
+    return out
