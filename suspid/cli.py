@@ -6,15 +6,16 @@ wrong, and with 3 if a car was found and written, but does not explain the modes
 
 from __future__ import annotations
 
-import inspect
 import math
 from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING, get_args
+from typing import TYPE_CHECKING
 
 import click
 import numpy as np
 
+from suspid.cli_measured import channels_command, identify_command, record_in_words, report_command
+from suspid.cli_reading import FILE
 from suspid.cli_support import (
     Commands,
     Positive,
@@ -26,21 +27,12 @@ from suspid.cli_support import (
     said_warnings,
     say,
 )
-from suspid.errors import InputError
 from suspid.files import printable, replacing
-from suspid.identification import Identification, Method, identify
-from suspid.signals import as_signal, cut
 
 if TYPE_CHECKING:
-    import control
-
     from suspid.modes import ModalSet
 
-METHOD = inspect.signature(identify).parameters["method"].default
-FILE = click.Path(path_type=Path)
 MOST_SAMPLES = 50_000_000
-# Below this share of a channel's energy, the modes are hardly those of the record.
-LEAST_EXPLAINED = 0.5
 LEVEL = 0.95
 UNEXPLAINED = 3
 
@@ -51,57 +43,9 @@ def main() -> None:
     """Find the modes of a suspension in its measured free decay, and its springs and dampers from its modes."""
 
 
-@main.command("identify")
-@click.argument("file", type=FILE)
-@click.option("--channel", "channels", metavar="NAME", multiple=True, help="Channel to use; may be given again. [all]")
-@click.option("--time", "time", metavar="NAME", help="Column of time, if it is not named like one.")
-@click.option(
-    "--fs", type=Positive("Hz"), metavar="HZ", help="Sampling rate; it must agree with the column of time, if any."
-)
-@click.option("--modes", type=click.IntRange(min=1), metavar="N", help="How many modes to find. [all that stand out]")
-@click.option("--method", type=click.Choice(get_args(Method)), default=METHOD, show_default=True, help="How to find.")
-@click.option(
-    "--band", type=Positive("Hz"), nargs=2, metavar="LOW HIGH", help="Lowest and highest frequency to look at [Hz]."
-)
-@click.option("--from", "start", type=float, metavar="SECONDS", help="Time at which the decay begins.")
-@click.option("--to", "stop", type=float, metavar="SECONDS", help="Last time to use.")
-@click.option("--plot", type=FILE, metavar="FILE", help="Write pictures of the identification (.png, .svg, .pdf).")
-@click.option("--json", "json_file", type=FILE, metavar="FILE", help="Write modes, uncertainty and settings as JSON.")
-def identify_command(
-    file: Path,
-    channels: tuple[str, ...],
-    time: str | None,
-    fs: float | None,
-    modes: int | None,
-    method: Method,
-    band: tuple[float, float] | None,
-    start: float | None,
-    stop: float | None,
-    plot: Path | None,
-    json_file: Path | None,
-) -> None:
-    """Find the modes in the record FILE (.csv, .txt, .tsv or .mat), a free decay."""
-    from suspid.modal_json import identification_to_dict, to_json
-    from suspid.records import read_record
-
-    if band and not band[0] < band[1]:
-        raise click.BadParameter(f"{band[0]:g} Hz is not below {band[1]:g} Hz.", param_hint="'--band'")
-    check_apart([file], [plot, json_file])
-    with ExitStack() as outputs, said_warnings() as said:
-        figure_draft = outputs.enter_context(replacing(_checked_picture(plot))) if plot else None
-        json_draft = outputs.enter_context(replacing(json_file)) if json_file else None
-        record = read_record(file, channels=channels or None, time=time, fs=fs)
-        if start is not None or stop is not None:
-            record = cut(record, start=start, stop=stop)
-        rad_band = (2 * math.pi * band[0], 2 * math.pi * band[1]) if band else None
-        identification = identify(record, modes=modes, method=method, band=rad_band)
-        said += _doubts(identification)
-        if json_draft:
-            content = identification_to_dict(identification, file=str(file), warnings=said)
-            json_draft.write_text(to_json(content), encoding="utf-8")
-        if figure_draft:
-            _draw(identification, figure_draft)
-    say(f"{printable(str(file))}: {_record_in_words(record)}\n\n{identification}")
+main.add_command(channels_command)
+main.add_command(identify_command)
+main.add_command(report_command)
 
 
 @main.command("reconstruct")
@@ -236,7 +180,7 @@ def simulate_command(
         if highest >= fs / 2:
             said.append(f"a mode at {highest:.4g} Hz lies above half the sampling rate and is aliased")
         write_record(record, draft, digits=digits)
-    say(f"{printable(str(output))}: {_record_in_words(record)}")
+    say(f"{printable(str(output))}: {record_in_words(record)}")
 
 
 @main.command("modes")
@@ -269,46 +213,3 @@ def _initial_state(given: tuple[str, ...]) -> dict[str, float]:
             raise click.BadParameter(f"{text!r}: write STATE=VALUE, each state once.", param_hint="'--initial'")
         state[name] = number
     return state
-
-
-def _doubts(identification: Identification) -> list[str]:
-    channels = as_signal(identification.residual).channels
-    doubts = [
-        f"the modes explain only {100 * share:.0f} % of channel {name!r}"
-        for name, share in zip(channels, identification.explained, strict=True)
-        if share < LEAST_EXPLAINED
-    ]
-    modes = identification.modes
-    growing = [f"mode {k} ({wn:.4g} rad/s) grows" for k, wn in enumerate(modes.wn, 1) if modes.poles[k - 1].real > 0]
-    return doubts + growing
-
-
-def _record_in_words(record: control.TimeResponseData) -> str:
-    signal = as_signal(record)
-    names = ", ".join(signal.channels[:6]) + (", …" if len(signal.channels) > 6 else "")
-    return (
-        f"{signal.values.shape[1]} samples at {1 / signal.step:.6g} Hz from t = {signal.start:.6g} s, "
-        f"{len(signal.channels)} channel{'s' * (len(signal.channels) > 1)}: {names}"
-    )
-
-
-def _checked_picture(path: Path) -> Path:
-    """Return the path, if its suffix is a kind of picture."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-
-    known = sorted(FigureCanvasAgg.filetypes)
-    if path.suffix[1:].lower() not in known:
-        raise InputError(
-            f"{printable(str(path))}: pictures of type {path.suffix!r} are not known; known: {', '.join(known)}"
-        )
-    return path
-
-
-def _draw(identification: Identification, draft: Path) -> None:
-    from matplotlib.figure import Figure
-
-    from suspid.plots import PAGE, plot_identification
-
-    figure = Figure(figsize=PAGE, layout="constrained")
-    plot_identification(identification, figure)
-    figure.savefig(draft, format=draft.suffix[1:].lower(), dpi=120)

@@ -20,6 +20,10 @@ if TYPE_CHECKING:
     from suspid.reconstruction import Reconstruction
 
 
+# Where the context keeps the arguments of the command.
+ARGUMENTS = "suspid.arguments"
+
+
 class Positive(click.ParamType[float]):
     """A finite number above zero, in the unit that ``name`` says."""
 
@@ -49,6 +53,11 @@ class _Failure(click.ClickException):
 
 class Commands(click.Group):
     """Commands whose `SuspidError` ends the program with one line instead of a traceback."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Keep the arguments, for reports that show the command they come from."""
+        ctx.meta[ARGUMENTS] = list(args)
+        return super().parse_args(ctx, args)
 
     def invoke(self, ctx: click.Context) -> object:
         """Run the command that was asked for."""

@@ -290,7 +290,7 @@ class Identification:
                 f"Beside mode {', '.join(loud)} the residual is louder than white noise: the noise is coloured, or the "
                 f"decay is not quite linear or not alone; the intervals are widened for it."
             )
-        late = _late_start(as_signal(self.response))
+        late = late_start(as_signal(self.response))
         if late is not None and (loud or not len(self.modes)):
             parts.append(
                 f"The largest motion comes {late - as_signal(self.response).start:.3g} s after the start: if the decay "
@@ -498,7 +498,7 @@ def _disagreement(values: RealArray, poles: Poles, which: int, noise_std: RealAr
     return float(np.sqrt(np.mean(np.array([apart.real, apart.imag]) ** 2 / (variance[0] + variance[1]))))
 
 
-def _late_start(signal: Signal) -> float | None:
+def late_start(signal: Signal) -> float | None:
     """Return when the largest motion comes [s], if that is after a fiftieth of the record, else None."""
     about = np.abs(signal.values - signal.values.mean(axis=1, keepdims=True))
     strength = np.sum((about / np.maximum(about.max(axis=1, keepdims=True), 1e-300)) ** 2, axis=0)
