@@ -251,11 +251,12 @@ def _why(text: str, layout: Layout, line: int, last: int) -> str:
         return f"is a comment: {shortened(text)}"
     cells = layout.dialect.cells(text)
     width = len(layout.names)
-    if line < last:
+    samples = kind_of(cells[0], comma=layout.dialect.comma) in ("number", "stamp")
+    if line < last or (samples and len(cells) > width):
         found = f"has {len(cells)} cells, the rows above have {width}{parted_by(layout.dialect)}"
         found = found if len(cells) != width else "holds no number"
         raise RecordError(f"line {line} {found}: {shortened(text)}; correct it, or take it out if it is no sample")
-    if len(cells) < width and kind_of(cells[0], comma=layout.dialect.comma) in ("number", "stamp"):
+    if samples and len(cells) < width:
         return f"is cut short: it has {len(cells)} of {width} cells"
     return f"stands below the data: {shortened(text)}"
 

@@ -2,32 +2,32 @@
 
 from __future__ import annotations
 
-import contextlib
 import csv
 import importlib
 import os
+import warnings
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
+from suspid.cleaning import clean
 from suspid.delimited import read_delimited
-from suspid.errors import RecordError
+from suspid.errors import RecordError, RecordWarning
 from suspid.files import printable, replacing
 from suspid.matlab import read_matlab
 from suspid.recordings import Recording
-from suspid.signals import JITTER, as_response, as_signal, uniform_step
+from suspid.signals import as_signal
 from suspid.tables import Table, is_time
 from suspid.timing import as_recording
-from suspid.units import Hertz, RealArray, Second
+from suspid.units import Hertz
 
 if TYPE_CHECKING:
     import control
 
-# How far two clocks may differ and still be meant to be one; over a long record, half a sample at most.
-CLOCK = 1e-4
-LEAST = 2
+# What of a file was lost, and not merely passed over.
+DAMAGE = ("is cut short", "is not UTF-8")
 HDF5 = b"\x89HDF\r\n\x1a\n"
 
 Reader: TypeAlias = Callable[[Path], Table]
@@ -118,9 +118,16 @@ def read_record(
 ) -> control.TimeResponseData:
     r"""Return the record that a file holds.
 
-    Text (``.csv``, ``.txt``, ``.tsv``): one sample a line, comma, semicolon or tab between the cells,
-    UTF-8. Without a header the columns are named ``column 1``, ``column 2`` …. MATLAB up to v7
-    (``.mat``): every real vector is a column; a scalar named like ``Fs`` or ``dt`` is the rate.
+    Its channels are read by `read_recording` and made sound by `suspid.cleaning.clean`; whatever was repaired,
+    left out or merely met is told as a `RecordWarning`.
+
+    Text (``.csv``, ``.txt``, ``.tsv``, ``.dat``): one sample a line, in UTF-8, UTF-16 or Windows-1252. What parts the
+    cells, the sign before decimals, header, units, and lines that are no samples are found out; without a header the
+    columns are named ``column 1``, ``column 2`` …. MATLAB (``.mat``) and HDF5 (``.h5``, ``.hdf5``): every real
+    vector, and every column of a matrix, is a column, those of a structure by dotted names; a number named like
+    ``Fs`` or ``dt`` is the rate. Further: Parquet (``.parquet``, ``.pq``), universal files (``.uff``, ``.unv``),
+    TDMS (``.tdms``), ASAM MDF (``.mf4``, ``.mdf``, ``.dat``), and ``.wav``; what some of them need is named where it
+    is missing.
 
     Parameters
     ----------
@@ -134,18 +141,25 @@ def read_record(
     fs : float, optional
         Sampling rate [Hz]. Without a column of time, the record starts at 0. Beside one, the stamps must
         agree with it to within their own rounding; the grid of ``fs`` then stands in for them.
+    dbc : str or path, optional
+        Database that decodes the raw CAN frames of an MDF file.
 
     Returns
     -------
     control.TimeResponseData
-        Outputs (channel, sample), in the units of the file; no sample is changed.
+        Outputs (channel, sample), in the units of the file, on a uniform clock.
 
     Raises
     ------
     RecordError
-        If the file cannot be read as what its suffix says, a column is not there or holds text,
-        time is not found, irregular or at odds with ``fs``, or a sample is not finite. The message
-        begins with the name of the file.
+        If the file cannot be read as what its suffix says, a column is not there or holds text, time is not
+        found or at odds with ``fs``, or what is wrong cannot be repaired safely. The message begins with the name
+        of the file.
+
+    Warns
+    -----
+    RecordWarning
+        For each thing that was repaired, left out, or met in the record.
 
     Examples
     --------
@@ -161,9 +175,14 @@ def read_record(
     """
     recording = read_recording(path, channels=channels, time=time, fs=fs, dbc=dbc)
     try:
-        return _strict(recording)
+        cleaned = clean(recording, channels=None if channels is None else recording.names, fs=fs)
     except RecordError as error:
         raise RecordError(f"{printable(str(path))}: {error}") from None
+    damaged = [f"{what} {why}" for what, why in recording.left_out if why.startswith(DAMAGE)]
+    found = [f"{finding.channel or 'time'}: {finding.kind}: {finding.text}" for finding in cleaned.findings]
+    for text in (*damaged, *found):
+        warnings.warn(f"{printable(str(path))}: {printable(text)}", RecordWarning, stacklevel=2)
+    return cleaned.record
 
 
 def write_record(
@@ -273,50 +292,3 @@ def _holds(path: Path, mark: bytes, position: int) -> bool:
             return stream.read(len(mark)) == mark
     except (OSError, ValueError):
         return False
-
-
-def _strict(recording: Recording) -> control.TimeResponseData:
-    """Return the record of channels that share one uniform clock and miss nothing."""
-    first = recording.channels[0]
-    for channel in recording.channels:
-        if channel.timepts is not first.timepts:
-            raise RecordError(
-                f"channels {first.name!r} and {channel.name!r} have clocks of their own; name one of them"
-            )
-    if first.values.size < LEAST:
-        raise RecordError(f"the record has {first.values.size} samples; at least {LEAST} are needed")
-    timepts = _timepts(first.timepts, first.rate)
-    values = np.array([channel.values for channel in recording.channels])
-    response = as_response(timepts, values, recording.names, title=recording.title)
-    as_signal(response)
-    return response
-
-
-def _timepts(stamps: RealArray, rate: Hertz | None) -> RealArray:
-    """Return the stamps or, where the rate is known and agrees, the uniform grid that they round."""
-    if rate is None or not np.all(np.isfinite(stamps)):
-        return stamps
-    grid = np.asarray(stamps[0] + np.arange(stamps.size) / rate)
-    off = np.abs(stamps - grid)
-    allowed = JITTER / rate + _rounding(stamps) + np.minimum(0.5 / rate, CLOCK * np.abs(grid - grid[0]))
-    if np.any(off > allowed):
-        worst = int(np.argmax(off - allowed))
-        span = float(stamps[-1] - stamps[0])
-        mean = f"{(stamps.size - 1) / span:.9g} Hz on average" if span > 0 else "backwards"
-        raise RecordError(
-            f"fs = {rate:.9g} Hz and the column of time disagree: the stamps run at {mean}, and "
-            f"stamp {worst + 1}, {stamps[worst]:.9g} s, lies {off[worst] * rate:.3g} samples off"
-        )
-    return grid
-
-
-def _rounding(stamps: RealArray) -> Second:
-    """Return the decimal, or the single precision, to which irregular stamps are rounded; 0 for regular ones [s]."""
-    with contextlib.suppress(RecordError):
-        uniform_step(stamps)
-        return 0.0
-    largest = float(np.max(np.abs(stamps)))
-    places = next((k for k in range(10) if np.allclose(stamps, np.round(stamps, k), rtol=0, atol=1e-10)), 10)
-    with np.errstate(over="ignore"):
-        single = bool(np.all(stamps == stamps.astype(np.float32)))
-    return max(10.0**-places, float(np.spacing(np.float32(largest))) if single else 0.0)

@@ -172,7 +172,8 @@ def _all_channels(
     if time is not None:
         others = [name for name in others if table.sizes[name] == table.sizes[time]]
         if not others and not clocks:
-            raise RecordError(f"there is no channel as long as time, {time!r}: {table.sizes[time]} samples")
+            why = "".join(f"; {name!r} {reason}" for name, reason in list(table.unusable.items())[:4])
+            raise RecordError(f"there is no channel as long as time, {time!r}: {table.sizes[time]} samples{why}")
     elif clocks and rate is None:
         others = []
     elif len({table.sizes[name] for name in others}) > 1:
