@@ -74,6 +74,9 @@ class Dialect:
         return [kind_of(cell, comma=self.comma) for cell in self.cells(line)]
 
 
+COMMAS = Dialect(delimiter=",", comma=False)
+
+
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Layout:
     """What the top of a text file says of the rows below it.
@@ -185,8 +188,10 @@ def _dialect(head: Sequence[str], sample: Sequence[str]) -> tuple[Dialect, int]:
     ties = [(width, dialect) for score, width, dialect in scored if score > best - 1e-9]
     # Where a decimal comma changes nothing, the point is as good.
     width, dialect = max(ties, key=lambda tie: (tie[0], not tie[1].comma))
-    if dialect.delimiter == ",":
-        width, dialect = _one_number_or_two(head, sample, ties)
+    # A line cut short is a row of decimal commas too: rows of commas need not be all.
+    two = next(((w, d) for score, w, d in scored if d == COMMAS and score > 1 - 1e-9 and 2 * score >= best), None)
+    if two is not None and not [row for row in sample if "text" in (kinds := COMMAS.kinds(row)) and "number" in kinds]:
+        width, dialect = _one_number_or_two(head, sample, two, ties)
     return dialect, width
 
 
@@ -205,14 +210,15 @@ def _score(dialect: Dialect, sample: Sequence[str], width: int) -> float:
 
 
 def _one_number_or_two(
-    head: Sequence[str], sample: Sequence[str], ties: Sequence[tuple[int, Dialect]]
+    head: Sequence[str], sample: Sequence[str], two: tuple[int, Dialect], ties: Sequence[tuple[int, Dialect]]
 ) -> tuple[int, Dialect]:
     """Return the dialect of rows such as ``1,234``: the header tells, or a digit 0 behind the comma."""
-    two = next(tie for tie in ties if tie[1].delimiter == ",")
     one = max((tie for tie in ties if tie[1].comma and tie[1].delimiter != ","), key=lambda tie: tie[0], default=None)
     if one is None:
-        return two
-    rows = [line for line in sample if "number" in two[1].kinds(line)]
+        return max(ties, key=lambda tie: (tie[0], not tie[1].comma))
+    rows = [line for line in sample if "number" in two[1].kinds(line) and "," in line]
+    if not rows:
+        return max(ties, key=lambda tie: (tie[0], not tie[1].comma))
     above = [
         line for line in itertools.takewhile(lambda line: "number" not in two[1].kinds(line), head) if line.strip()
     ]
