@@ -6,6 +6,7 @@ import ctypes
 import importlib
 import os
 import pickle
+import signal
 import subprocess
 import sys
 import threading
@@ -130,13 +131,14 @@ def limited(seconds: Second | None) -> Iterator[None]:
 
 
 def leave_with(parent: int) -> None:
-    """End this process soon after its parent, which may be killed before it can say so."""
+    """End this process soon after its parent, which may be killed before it can say so; Ctrl-C is the parent's."""
 
     def watch() -> None:
         while os.getppid() == parent:
             time.sleep(WATCH)
         os._exit(1)
 
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     if sys.platform != "win32":
         threading.Thread(target=watch, daemon=True).start()
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import os
 import signal
 import socket
@@ -13,7 +14,6 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-import psutil
 import pytest
 from fleets import CAR, content, make_fleet, parts
 
@@ -22,6 +22,7 @@ from suspid.fleet import identify_many
 
 COUNT, CHUNK = 32, 2
 LONG_ENOUGH = 120.0
+psutil: Any = importlib.import_module("psutil")
 CLIENT = """
 import sys
 from suspid.cars import read_car

@@ -1,0 +1,194 @@
+"""Change over time of a quantity that was measured several times, each time with its uncertainty."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TypeAlias
+
+import numpy as np
+
+from suspid.errors import InputError
+from suspid.units import Ratio, RealArray
+
+# With fewer there is no telling scatter from change.
+FEWEST = 4
+LEVEL = 0.95
+
+Measured: TypeAlias = "tuple[RealArray, RealArray, RealArray]"
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Trend:
+    """The straight line through measurements over time, and whether its change is more than chance.
+
+    Parameters
+    ----------
+    vehicle : str
+        Whose they are.
+    quantity : str
+        What was measured.
+    count : int
+        How many times.
+    span : float
+        Time from first to last.
+    start, end : float
+        Values of the line at the first and the last time.
+    change : (float, float)
+        Ends of the 95 % interval of ``end - start``.
+    p : float
+        Probability of such a change, or a larger one, where there is none.
+    p_adjusted : float
+        The same with regard to how many trends were looked at (Benjamini and Hochberg).
+    scatter : float
+        Standard deviation from test to test, beyond the stated ones.
+    """
+
+    vehicle: str
+    quantity: str
+    count: int
+    span: float
+    start: float
+    end: float
+    change: tuple[float, float]
+    p: Ratio
+    p_adjusted: Ratio
+    scatter: float
+
+    @property
+    def changes(self) -> bool:
+        """Whether the end no longer holds the start: less than 5 % of the trends of which this is said are chance."""
+        return self.p_adjusted < 1 - LEVEL
+
+    @property
+    def direction(self) -> str:
+        """``"falls"``, ``"rises"``, or ``"holds"`` if the interval still holds the start."""
+        return ("falls" if self.end < self.start else "rises") if self.changes else "holds"
+
+
+def trends_of(quantity: str, tests: Mapping[str, Measured]) -> tuple[Trend, ...]:
+    """Return the weighted line through each vehicle's measurements over time; vehicles with too few are left out.
+
+    Each value counts by its own variance plus one that all tests share (temperature, load), which makes the residuals
+    of all vehicles together as large as they are; of a vehicle whose residuals are larger still, as large as its own.
+    The interval is that of Student's t, with the degrees of freedom that this variance rests on.
+
+    Parameters
+    ----------
+    quantity : str
+        What was measured.
+    tests : mapping of str to (ndarray, ndarray, ndarray)
+        By vehicle: times, values and their standard deviations (NaN where there is none).
+
+    Raises
+    ------
+    InputError
+        If the arrays of a vehicle differ in length.
+
+    Examples
+    --------
+    >>> time, noise = np.arange(6.0), np.array([3.0, -5, 4, 1, -2, 3])
+    >>> worn, sound = trends_of(
+    ...     "damper",
+    ...     {
+    ...         "VAN 7": (time, 1500.0 - 100.0 * time + noise, np.full(6, 5.0)),
+    ...         "VAN 8": (time, 1500.0 + noise, np.full(6, 5.0)),
+    ...     },
+    ... )
+    >>> worn.direction, round(worn.end - worn.start), sound.direction
+    ('falls', -499, 'holds')
+    """
+    usable: dict[str, Measured] = {}
+    for vehicle, (time, values, stds) in tests.items():
+        if not len(time) == len(values) == len(stds):
+            raise InputError(f"{vehicle}: {len(time)} times, {len(values)} values and {len(stds)} standard deviations")
+        known = np.isfinite(time) & np.isfinite(values)
+        if np.sum(known) >= FEWEST and np.ptp(time[known]) > 0:
+            own = np.nan_to_num(np.asarray(stds[known], float), nan=0.0) ** 2
+            usable[vehicle] = np.asarray(time[known], float), np.asarray(values[known], float), own
+    if not usable:
+        return ()
+    everyone = _shared_variance(list(usable.values()))
+    freedom = sum(len(time) - 2 for time, _, _ in usable.values())
+    return tuple(_trend(vehicle, quantity, one, everyone, freedom) for vehicle, one in usable.items())
+
+
+def adjusted(trends: Sequence[Trend]) -> tuple[Trend, ...]:
+    """Return the trends with their probabilities adjusted for how many they are, the surest change first.
+
+    Examples
+    --------
+    >>> tests = {"A": (np.arange(5.0), np.array([1.0, 1.1, 0.9, 0.8, 0.85]), np.zeros(5))}
+    >>> (line,) = trends_of("c", tests)
+    >>> [round(t.p_adjusted / t.p) for t in adjusted([line, line])]
+    [1, 1]
+    """
+    from scipy import stats
+
+    if not trends:
+        return ()
+    every = stats.false_discovery_control([trend.p for trend in trends])
+    found = [replace(trend, p_adjusted=float(p)) for trend, p in zip(trends, every, strict=True)]
+    return tuple(sorted(found, key=lambda trend: (trend.p, trend.vehicle, trend.quantity)))
+
+
+def _trend(vehicle: str, quantity: str, one: Measured, everyone: float, freedom: int) -> Trend:
+    from scipy import stats
+
+    t, v, own = one
+    alone = _shared_variance([one])
+    shared = max(alone, everyone)
+    if alone > everyone:
+        freedom = len(t) - 2
+    line, covariance, _ = _line(t, v, own + shared)
+    start, end = (np.array([[1.0, np.min(t)], [1.0, np.max(t)]]) @ line).tolist()
+    std = float(np.ptp(t) * np.sqrt(covariance[1, 1]))
+    reach = float(stats.t.ppf((1 + LEVEL) / 2, freedom)) * std
+    # Without any scatter, whatever changes is no chance.
+    p = float(2 * stats.t.sf(abs(end - start) / std, freedom)) if std > 0 else float(end == start)
+    return Trend(
+        vehicle=vehicle,
+        quantity=quantity,
+        count=len(t),
+        span=float(np.ptp(t)),
+        start=start,
+        end=end,
+        change=(end - start - reach, end - start + reach),
+        p=p,
+        p_adjusted=p,
+        scatter=float(np.sqrt(shared)),
+    )
+
+
+def _shared_variance(groups: Sequence[Measured]) -> float:
+    """Return the variance that, added to each value's own, makes the residuals as large as they should be."""
+    from scipy.optimize import brentq
+
+    freedom = sum(len(t) - 2 for t, _, _ in groups)
+    unweighted = sum(_line(t, v, np.ones(len(t)))[2] for t, v, _ in groups)
+    if unweighted <= 1e-24 * sum(float(v @ v) for _, v, _ in groups):
+        return 0.0
+    least = 1e-12 * unweighted / freedom
+
+    def excess(shared: float) -> float:
+        return sum(_line(t, v, own + shared)[2] for t, v, own in groups) - freedom
+
+    if excess(least) <= 0:
+        return least
+    high = unweighted / freedom
+    while excess(high) > 0:
+        high *= 2
+    return float(brentq(excess, least, high, rtol=1e-6))
+
+
+def _line(t: RealArray, v: RealArray, variance: RealArray) -> tuple[RealArray, RealArray, float]:
+    """Return the weighted line (value at 0, slope), its covariance, and the sum of weighted squares left."""
+    largest = float(np.max(variance))
+    weight = 1 / np.maximum(variance, 1e-12 * largest) if largest > 0 else np.ones(len(t))
+    middle = float(weight @ t / np.sum(weight))
+    basis = np.column_stack([np.ones(len(t)), t - middle]) * np.sqrt(weight)[:, None]
+    inverse = np.linalg.inv(basis.T @ basis)
+    at_middle = inverse @ (basis.T @ (v * np.sqrt(weight)))
+    left = v * np.sqrt(weight) - basis @ at_middle
+    back = np.array([[1.0, -middle], [0.0, 1.0]])
+    return back @ at_middle, back @ inverse @ back.T, float(left @ left)
