@@ -348,7 +348,7 @@ def _refused(trial: Trial) -> str | None:
     early = max(1, trial.motion.shape[1] // 3)
     motion = np.sum(trial.motion[:, :early] ** 2, axis=1)
     share = motion / (motion + np.sum(trial.residual[:, :early] ** 2, axis=1) + 1e-300)
-    left = float(np.median(trial.left))
+    left = float(trial.left[np.argmax(share)])
     if left > EXPLAINED:
         return f"{100 * left:.0f} % of the motion is left over by modes that decay: it is driven on"
     if np.max(share) < EXPLAINED:

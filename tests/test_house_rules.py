@@ -40,7 +40,7 @@ LAYERS = [
     ["ridges", "likelihood"],
     ["selection"],
     ["identification"],
-    ["bursts", "trials"],
+    ["bursts", "trials", "shared"],
     ["decays"],
     ["repeats"],
     ["equations"],
