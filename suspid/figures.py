@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.charts import Band, Chart, Scale, Tick, area, decades, image, labelled, line, palette
-from suspid.files import printable
 from suspid.modes import scaled_shapes
 from suspid.ridges import ABOVE_NOISE, Ridge, fit_skeleton
 from suspid.signals import as_signal
@@ -33,7 +32,6 @@ CYCLES = 6.0
 class ShapeBar:
     """One channel in a mode: real part, amplitude with its sign, over the largest component [1]; phase [degree]."""
 
-    channel: str
     real: float
     amplitude: float
     angle: str
@@ -110,7 +108,7 @@ def fit_charts(identification: Identification, channel: int, unit: str) -> tuple
         charts.append(
             Chart(
                 title=title,
-                described=f"Record, fit and residual of {printable(record.channels[channel])}",
+                described=f"Record, fit and residual of channel {channel + 1}",
                 x_label="time [s]",
                 y_label=f"[{label}]",
                 x_ticks=across.ticks(),
@@ -184,19 +182,18 @@ def shape_bars(modes: ModalSet) -> tuple[tuple[ShapeBar, ...], ...]:
     return tuple(
         tuple(
             ShapeBar(
-                channel=printable(name),
                 real=float(value.real),
                 amplitude=float(np.copysign(abs(value), value.real)),
                 angle=_degrees(complex(value)),
             )
-            for name, value in zip(modes.channels, shape, strict=True)
+            for value in shape
         )
         for shape in scaled_shapes(modes.shapes).T
     )
 
 
 def recording_chart(
-    record: Signal, channel: int, unit: str, stretches: Sequence[tuple[Second, Second]], used: int | None
+    record: Signal, channel: int, title: str, unit: str, stretches: Sequence[tuple[Second, Second]], used: int | None
 ) -> Chart:
     """Return a channel of a whole recording, with the decays found in it shaded and numbered."""
     across, up = Scale(low=record.start, high=record.start + record.duration), _around(record.values[channel])
@@ -211,8 +208,8 @@ def recording_chart(
         for i, (start, stop) in enumerate(stretches)
     ]
     return Chart(
-        title=printable(record.channels[channel]),
-        described=f"The recording of {printable(record.channels[channel])} with {len(stretches)} decays",
+        title=title,
+        described=f"The recording with {len(stretches)} decays",
         x_label="time [s]",
         y_label=f"[{label}]",
         x_ticks=across.ticks(),

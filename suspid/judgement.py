@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from suspid.files import printable
-from suspid.identification import REASONS
+from suspid.identification import REASONS, late_start
 from suspid.signals import as_signal
 from suspid.units import Ratio
 
@@ -29,7 +29,7 @@ SAID = {
     "sound": "Trustworthy: every check that the record allows agrees.",
     "care": "Usable with care: read the remarks below first.",
     "doubtful": "Not to be relied on as it stands: see the remarks below.",
-    "none": "There is nothing here to design with: see below why.",
+    "none": "No free decay of a mode could be told in this record.",
 }
 
 
@@ -49,6 +49,8 @@ class Judgement:
         What speaks for the modes.
     doubts : tuple of str
         What speaks against them, or why there are none.
+    notes : tuple of str
+        What else there is to know.
     """
 
     headline: str
@@ -56,6 +58,7 @@ class Judgement:
     said: str
     support: tuple[str, ...]
     doubts: tuple[str, ...]
+    notes: tuple[str, ...] = ()
 
 
 def judge(
@@ -103,7 +106,8 @@ def judge(
             trust="none",
             said=SAID["none"],
             support=(),
-            doubts=(*_why_none(identification), *beside),
+            doubts=(*_why_none(identification), *beside, *_late(identification)),
+            notes=tuple(_motions(identification)),
         )
     grave, mild, support = [], list[str](), [*_explained(identification)]
     best = float(np.max(identification.explained))
@@ -119,14 +123,21 @@ def judge(
         (grave if heavy else mild).extend(against)
     if best >= LEAST_EXPLAINED:
         mild += _unexplained(identification)
-    mild += _motions(identification)
+    notes = [*_blind(identification), *_motions(identification)]
     if reconstruction is not None:
         for_it, against = _springs(reconstruction)
         support, mild = support + for_it, mild + against
+    if np.any(identification.loudness > 1):
+        mild += _late(identification)
     doubts = (*grave, *beside, *mild)
     trust: Trust = "doubtful" if grave else "care" if doubts else "sound"
     return Judgement(
-        headline=f"{_many(count, 'mode')} found", trust=trust, said=SAID[trust], support=tuple(support), doubts=doubts
+        headline=f"{_many(count, 'mode')} found",
+        trust=trust,
+        said=SAID[trust],
+        support=tuple(support),
+        doubts=doubts,
+        notes=tuple(notes),
     )
 
 
@@ -150,9 +161,22 @@ def _why_none(identification: Identification) -> list[str]:
     return ["Nothing in the record decays like a mode and stands above its noise."]
 
 
+def _late(identification: Identification) -> list[str]:
+    signal = as_signal(identification.response)
+    late = late_start(signal)
+    if late is None:
+        return []
+    return [
+        f"The largest motion comes {late - signal.start:.3g} s after the start: if the decay begins there, cut the "
+        f"record to it, from {late:.6g} s on."
+    ]
+
+
 def _explained(identification: Identification) -> list[str]:
     share = identification.explained
     low, high = _percent(float(np.min(share))), _percent(float(np.max(share)))
+    if float(np.min(share)) < LEAST_EXPLAINED:
+        return [f"The fitted decay explains {high} of the energy of the best channel."]
     if len(share) == 1 or low == high:
         return [f"The fitted decay explains {low} of the energy of {'the' if len(share) == 1 else 'every'} channel."]
     return [f"The fitted decay explains {low} to {high} of the energy of the channels."]
@@ -184,18 +208,22 @@ def _halves(identification: Identification, level: Ratio) -> Checked:
         for k, value in enumerate(apart, 1)
         if value > APART
     ]
-    pairs = np.array(identification.modes.kinds) == "pair"
-    blind = [str(k) for k in np.flatnonzero(~known & pairs) + 1]
-    if blind:
-        against.append(
-            f"Mode {_listed(blind)} could not be cross-checked: one half of the decay alone does not hold "
-            f"{'it' if len(blind) == 1 else 'them'}."
-        )
     if not np.any(known) or np.nanmax(apart) > APART:
         return [], against, False
-    which = "every mode" if np.all(known) else "the others" if blind else "every oscillating mode"
+    which = "every mode" if np.all(known) else f"mode {_listed([str(k) for k in np.flatnonzero(known) + 1])}"
     said = f"Early and late decay agree on {which}, to {np.nanmax(apart):.1f} standard deviations at most."
     return [said], against, False
+
+
+def _blind(identification: Identification) -> list[str]:
+    pairs = np.array(identification.modes.kinds) == "pair"
+    blind = [str(k) for k in np.flatnonzero(~np.isfinite(identification.halves) & pairs) + 1]
+    if not blind:
+        return []
+    return [
+        f"Mode {_listed(blind)} could not be cross-checked between early and late decay: one part alone does not hold "
+        f"{'it' if len(blind) == 1 else 'them'}."
+    ]
 
 
 def _loudness(identification: Identification, level: Ratio) -> Checked:

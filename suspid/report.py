@@ -26,18 +26,19 @@ from suspid.files import printable
 from suspid.judgement import as_sentence
 from suspid.report_json import (
     Decay,
-    Source,
     judgement_of,
     remarks_of,
     units_of,
     used_decay,
     versions,
 )
+from suspid.report_json import Source as Source
 from suspid.report_json import report_to_dict as report_to_dict
 from suspid.report_json import source_of as source_of
 from suspid.report_rows import channel_rows, mode_rows, parameter_rows, pole_rows
 from suspid.signals import as_signal
-from suspid.thinning import drawable, is_whole
+from suspid.thinning import drawable as drawable
+from suspid.thinning import is_whole
 from suspid.units import Ratio
 
 if TYPE_CHECKING:
@@ -51,6 +52,7 @@ MOST_RIDGES = 8
 MOST_POLES = 20
 MOST_OVERVIEWS = 3
 MOST_CARDS = 6
+MOST_LETTERS = 40
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -64,11 +66,11 @@ class FitPart:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ShapePart:
-    """The shape of one mode."""
+    """The shape of one mode: a bar for each channel."""
 
     number: int
     frequency: str
-    bars: tuple[ShapeBar, ...]
+    bars: tuple[tuple[str, ShapeBar], ...]
 
 
 def report(
@@ -153,7 +155,7 @@ def report(
         decibels=f"{DECIBELS:g}",
         fits=[
             FitPart(
-                name=_shown(name),
+                name=_short(name),
                 explained=f"{100 * found.explained[k]:.2f} %",
                 charts=fit_charts(found, k, _shown(units[k])),
             )
@@ -162,7 +164,7 @@ def report(
         hidden_channels=max(0, len(signal.channels) - MOST_CHANNELS),
         shapes=_shapes(found),
         skeletons=[skeleton_charts(ridge) for ridge in found.ridges[:MOST_RIDGES]],
-        names=[_shown(name) for name in signal.channels],
+        names=[_short(name) for name in signal.channels],
         cleaned=cleaned,
         decays=decays,
         remarks=remarks_of(decays),
@@ -185,6 +187,12 @@ def report(
 def _shown(text: object) -> str:
     """Return a text on one line, with nothing in it that a reader does not see; the template escapes it."""
     return printable(" ".join(str(text).split()))
+
+
+def _short(name: str) -> str:
+    """Return a name for a figure; the table of channels has the whole."""
+    shown = _shown(name)
+    return shown if len(shown) <= MOST_LETTERS else f"{shown[: MOST_LETTERS - 1]}…"
 
 
 def _record_facts(found: Identification) -> dict[str, str]:
@@ -223,8 +231,9 @@ def _view(found: Identification) -> dict[str, str | bool]:
 def _shapes(found: Identification) -> list[ShapePart]:
     if len(found.modes.channels) < 2:
         return []
+    names = [_short(name) for name in found.modes.channels]
     return [
-        ShapePart(number=k, frequency=f"{wn / (2 * np.pi):.4g} Hz", bars=bars)
+        ShapePart(number=k, frequency=f"{wn / (2 * np.pi):.4g} Hz", bars=tuple(zip(names, bars, strict=True)))
         for k, (wn, bars) in enumerate(zip(found.modes.wn.tolist(), shape_bars(found.modes), strict=True), 1)
     ]
 
@@ -239,7 +248,10 @@ def _overviews(
     units = dict(zip(whole.channels, cleaned.units, strict=True))
     stretches = [(decay.start, decay.stop) for decay in decays]
     shown = [name for name in names if name in units][:MOST_OVERVIEWS]
-    return [recording_chart(whole, whole.channels.index(name), _shown(units[name]), stretches, used) for name in shown]
+    return [
+        recording_chart(whole, whole.channels.index(name), _short(name), _shown(units[name]), stretches, used)
+        for name in shown
+    ]
 
 
 def _chi_square(found: Reconstruction) -> str:

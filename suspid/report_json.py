@@ -162,6 +162,7 @@ def report_to_dict(
             "said": judgement.said,
             "support": list(judgement.support),
             "doubts": list(judgement.doubts),
+            "notes": list(judgement.notes),
         },
         "quality": [
             {

@@ -148,8 +148,8 @@ def channel_rows(identification: Identification, units: Sequence[str]) -> list[C
             name=printable(name),
             unit=printable(unit) or NOTHING,
             explained=signed(f"{100 * share:.2f}"),
-            noise=f"{std:.3g}".replace("e-", "e−"),
-            whiteness=signed(f"{white:+.2f}"),
+            noise=signed(f"{std:#.3g}"),
+            whiteness=signed(f"{round(white, 2) + 0.0:+.2f}"),
         )
         for name, unit, share, std, white in zip(
             as_signal(identification.response).channels,

@@ -1,0 +1,538 @@
+"""A report says what was found, no more and no less, whatever the file calls its channels."""
+
+from __future__ import annotations
+
+import json
+import re
+import zlib
+from base64 import b64decode
+from dataclasses import dataclass, replace
+from html.parser import HTMLParser
+from pathlib import Path
+
+import control
+import numpy as np
+import pytest
+from jsonschema import Draft202012Validator
+
+from suspid import (
+    Identification,
+    InputError,
+    Reconstruction,
+    add_noise,
+    eigenmodes,
+    free_decay,
+    identify,
+    quarter_car,
+    reconstruct,
+)
+from suspid.charts import HEIGHT, WIDTH, Chart, Scale, decades, image, labelled, line, palette
+from suspid.cleaning import Cleaned, Finding
+from suspid.figures import fit_charts, scalogram_chart
+from suspid.judgement import judge
+from suspid.modal_json import read_modes
+from suspid.report import report
+from suspid.report_json import Source, report_schema, report_to_dict, source_of
+from suspid.report_rows import quantity
+from suspid.signals import as_response, as_signal
+from suspid.thinning import MOST_SAMPLES, drawable, is_whole
+from suspid.units import RealArray
+from validation import cars
+
+HOSTILE = (
+    "<script>alert(1)</script>",
+    '"><img src=x onerror=alert(1)>',
+    "$\\frac{",
+    "'-->]]>&lt;{{ 7 * 7 }}",
+    "\x1b[2J\x00\u202eq",
+    "",
+    "a" * 400,
+)
+SOURCE = Source(
+    file="decay <b>.csv",
+    sha256="ab" * 32,
+    size=1_234_567,
+    command="suspid report 'decay <b>.csv' -o report.html",
+    created="2026-01-02 03:04 UTC",
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Stretch:
+    """A decay as a recording has it."""
+
+    start: float
+    stop: float
+    kind: str | None = None
+    cycles: float = 5.0
+    doubts: tuple[str, ...] = ()
+
+
+class Page(HTMLParser):
+    """The tags of a page, the values of their attributes, and its text by table cell."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__(convert_charrefs=True)
+        self.tags: list[str] = []
+        self.attributes: list[tuple[str, str, str]] = []
+        self.said: list[str] = []
+        self.cells: list[str] = []
+        self.open = False
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append(tag)
+        self.attributes += [(tag, name, value or "") for name, value in attrs]
+        if tag in ("td", "th"):
+            self.cells.append("")
+            self.open = True
+
+    def handle_endtag(self, tag: str) -> None:
+        self.open = self.open and tag not in ("td", "th")
+
+    def handle_data(self, data: str) -> None:
+        self.said.append(data)
+        if self.open:
+            self.cells[-1] += data
+
+    @property
+    def text(self) -> str:
+        return "".join(self.said)
+
+
+def paper_record(*, snr_db: float = 20.0, duration: float = 10.0, seed: int = 1) -> control.TimeResponseData:
+    decay = free_decay(cars.PAPER, np.arange(0, duration, 0.005), initial_state={"v_tire": 1.0})
+    return add_noise(decay, snr_db=snr_db, rng=np.random.default_rng(seed))
+
+
+def renamed(record: control.TimeResponseData, names: tuple[str, ...]) -> control.TimeResponseData:
+    """Return a record of as many channels as names, each a mixture of those given."""
+    signal = as_signal(record)
+    mixture = np.random.default_rng(7).normal(size=(len(names), len(signal.values)))
+    noise = 1e-5 * np.random.default_rng(8).normal(size=(len(names), signal.values.shape[1]))
+    return as_response(signal.timepts, mixture @ signal.values + noise, names)
+
+
+def still(*, channels: int = 2) -> control.TimeResponseData:
+    return as_response(
+        np.arange(1500) / 100, np.random.default_rng(2).normal(size=(channels, 1500)), list("xyzuvw")[:channels]
+    )
+
+
+@pytest.fixture(scope="module")
+def found() -> Identification:
+    return identify(paper_record(), candidates=[4.0, 8.0, 16.0])
+
+
+@pytest.fixture(scope="module")
+def hostile() -> Identification:
+    return identify(renamed(paper_record(snr_db=40.0), HOSTILE), candidates=[4.0, 16.0])
+
+
+@pytest.fixture(scope="module")
+def springs(found: Identification) -> Reconstruction:
+    return reconstruct(found.modes, cars.PAPER)
+
+
+@pytest.fixture(scope="module")
+def nothing() -> Identification:
+    return identify(still(), candidates=[4.0])
+
+
+@pytest.fixture(scope="module")
+def long() -> Identification:
+    t = np.arange(1_000_000) / 1000
+    decay = np.exp(-0.05 * t) * np.cos(2 * np.pi * 3 * t) + 0.01 * np.random.default_rng(0).normal(size=t.size)
+    decay[654_321] = 0.9
+    return identify(as_response(t, decay[None], ["y"]))
+
+
+def finding(*, channel: str = "seat", text: str = "a gap of 3 samples, filled", repaired: bool = True) -> Finding:
+    return Finding(kind="missing", channel=channel, start=1.0, stop=1.5, samples=3, text=text, repaired=repaired)
+
+
+def points(path: str) -> RealArray:
+    """Return the corners of a path of one piece."""
+    start, steps = re.fullmatch(r"M(-?\d+ -?\d+)l(.*)", path).groups()  # type: ignore[union-attr]
+    numbers = np.array([*start.split(), *steps.split()], float).reshape(-1, 2)
+    return np.cumsum(numbers, axis=0)
+
+
+class TestVerdict:
+    def test_a_clean_decay_is_trusted(self, found: Identification) -> None:
+        verdict = judge(found)
+        assert (verdict.headline, verdict.trust, verdict.doubts) == ("3 modes found", "sound", ())
+
+    def test_noise_holds_no_mode_and_the_page_says_why(self, nothing: Identification) -> None:
+        verdict = judge(nothing)
+        assert (verdict.headline, verdict.trust) == ("No mode found", "none")
+        assert "stands above its noise" in Page(report(nothing)).text
+
+    def test_a_decay_drowned_in_noise_is_doubtful(self) -> None:
+        # At -6 dB four fifths of the energy are noise.
+        verdict = judge(identify(paper_record(snr_db=-6.0, duration=20.0), candidates=[4.0]))
+        assert verdict.trust == "doubtful"
+        assert any("most of what moves" in text for text in verdict.doubts)
+
+    def test_a_spring_that_is_not_linear_is_a_remark(self) -> None:
+        t = np.arange(0, 10, 0.005)
+        amplitude = np.exp(-0.3 * t)
+        # The frequency falls by two parts in a hundred as the amplitude does.
+        phase = 2 * np.pi * 4 * np.cumsum(1 + 0.02 * amplitude**2) * 0.005
+        noise = 1e-3 * np.random.default_rng(0).normal(size=t.size)
+        verdict = judge(identify(as_response(t, (amplitude * np.cos(phase) + noise)[None], ["y"]), modes=1))
+        assert verdict.trust == "care"
+        assert any("disagree" in text for text in verdict.doubts)
+
+    def test_a_tone_is_told(self) -> None:
+        signal = as_signal(paper_record(snr_db=40.0))
+        hum = 0.002 * np.sin(2 * np.pi * 50 * signal.timepts)
+        verdict = judge(identify(as_response(signal.timepts, signal.values + hum, signal.channels)))
+        assert any("1 steady tone (50 Hz)" in text for text in verdict.notes)
+
+    def test_doubts_about_the_decay_and_the_recording_count(self, found: Identification) -> None:
+        verdict = judge(found, decay_doubts=("still driven",), unrepaired=2)
+        assert verdict.trust == "care"
+        assert verdict.doubts[0] == "Still driven."
+        assert verdict.doubts[1].startswith("2 defects of the recording were seen and left alone")
+
+    def test_twins_are_a_remark(self, found: Identification, springs: Reconstruction) -> None:
+        twins = replace(springs, alternatives=(cars.PAPER,), distances=(1.0,), told_apart=("",))
+        assert any("1 other set of springs" in text for text in judge(found, reconstruction=twins).doubts)
+
+    def test_a_car_that_does_not_explain_the_modes_is_a_remark(
+        self, found: Identification, springs: Reconstruction
+    ) -> None:
+        verdict = judge(found, reconstruction=replace(springs, explains=False))
+        assert any("does not explain" in text for text in verdict.doubts)
+
+
+class TestRounding:
+    @pytest.mark.parametrize("seed", range(40))
+    def test_value_and_interval_are_rounded_together(self, seed: int) -> None:
+        rng = np.random.default_rng(seed)
+        reach = float(10 ** rng.uniform(-8, 4))
+        value = float(reach * 10 ** rng.uniform(0, 5) * rng.choice([-1, 1]))
+        shown = quantity(value, reach)
+        written = float(shown.value.replace("−", "-"))
+        # Two digits of the interval are to within 5 in 100 of the least, 10; the value is to half of its last digit.
+        assert float(shown.reach) == pytest.approx(reach, rel=0.05)
+        unit = 10.0 ** np.floor(np.log10(float(shown.reach)) - 1 + 1e-9)
+        assert abs(written - value) <= 0.5 * unit * (1 + 1e-6) + 1e-12 * abs(value)
+        decimals = [len(text.partition(".")[2]) for text in (shown.value, shown.reach)]
+        assert decimals[0] == decimals[1]
+
+    def test_without_an_interval_there_is_none(self) -> None:
+        assert quantity(1.0, None).reach == ""
+        assert quantity(1.0, float("nan")).reach == ""
+
+    def test_the_page_shows_the_intervals_of_the_modes(self, found: Identification) -> None:
+        cells = Page(report(found)).cells
+        ends = found.modes.interval(0.95)
+        for k, wn in enumerate(found.modes.wn):
+            for value, reach in (
+                (wn / (2 * np.pi), (ends.wn[k, 1] - wn) / (2 * np.pi)),
+                (wn, ends.wn[k, 1] - wn),
+                (found.modes.zeta[k], ends.zeta[k, 1] - found.modes.zeta[k]),
+            ):
+                shown = quantity(float(value), float(reach))
+                assert any(
+                    cells[i].strip() == shown.value and cells[i + 1].strip() == f"± {shown.reach}"
+                    for i in range(len(cells) - 1)
+                )
+
+    def test_every_spring_has_its_interval(self, found: Identification, springs: Reconstruction) -> None:
+        text = " ".join(Page(report(found, reconstruction=springs)).cells)
+        for name, (low, high) in springs.interval(0.95).items():
+            numbers = re.search(rf"{re.escape(name)} (\S+) ± (\S+) (?:N/m|N s/m) (\S+) (\S+)", text)
+            assert numbers, name
+            value, reach, lower, upper = (float(part.replace("−", "-")) for part in numbers.groups())
+            # Each is rounded by half of the interval's second digit: a twentieth of it at most.
+            assert (lower, upper) == pytest.approx((low, high), abs=0.06 * reach)
+            assert value == pytest.approx((low + high) / 2, abs=0.06 * reach) or low == 0
+
+
+class TestNames:
+    def test_whatever_the_file_holds_stays_text(self, hostile: Identification) -> None:
+        cleaned = Cleaned(
+            record=hostile.response,
+            units=tuple(f"<u>{i}" for i in range(len(HOSTILE))),
+            findings=(finding(channel=HOSTILE[0], text=HOSTILE[1]),),
+        )
+        decays = (Stretch(start=0.0, stop=9.0, kind=HOSTILE[0], doubts=(HOSTILE[1],)),)
+        text = report(hostile, source=SOURCE, cleaned=cleaned, decays=decays, warnings=[HOSTILE[0]], title=HOSTILE[1])
+        page = Page(text)
+        assert "script" not in page.tags
+        assert not {"b", "u"} & {tag for tag, _, value in page.attributes if value} - {"b"}
+        assert not [name for _, name, _ in page.attributes if name.startswith("on")]
+        assert {value[:22] for tag, name, value in page.attributes if (tag, name) == ("img", "src")} == {
+            "data:image/png;base64,"
+        }
+        for name in HOSTILE[:4]:
+            assert name in page.text
+        assert r"\x1b[2J\x00\u202eq" in page.text
+        assert "\x1b" not in text
+        assert "\u202e" not in text
+        assert "49" not in page.text.split("{{ 7")[1][:20]
+
+    def test_the_whole_of_a_long_name_stands_in_the_table(self, hostile: Identification) -> None:
+        assert HOSTILE[-1] in [cell.strip() for cell in Page(report(hostile)).cells]
+
+
+class TestSelfContained:
+    def test_nothing_is_fetched(self, found: Identification) -> None:
+        text = report(found, source=SOURCE)
+        page = Page(text)
+        assert not {"script", "link", "iframe", "object", "embed"} & set(page.tags) - {"link"}
+        for tag, name, value in page.attributes:
+            if name in ("src", "href", "srcset", "data", "action", "poster"):
+                assert value.startswith(("data:", "#")), (tag, name, value[:40])
+        assert "@import" not in text
+        assert "url(" not in text
+        (policy,) = [v for tag, n, v in page.attributes if tag == "meta" and n == "content" and "default-src" in v]
+        assert policy.startswith("default-src 'none';")
+
+    def test_the_same_input_gives_the_same_bytes(self, found: Identification) -> None:
+        again = identify(paper_record(), candidates=[4.0, 8.0, 16.0])
+        assert report(found, source=SOURCE) == report(again, source=SOURCE)
+
+    def test_it_says_where_it_comes_from(self, found: Identification, tmp_path: Path) -> None:
+        path = tmp_path / "decay.csv"
+        path.write_bytes(b"abc")
+        source = source_of(path, command="suspid report decay.csv", created="2026-01-01")
+        # The example of FIPS 180-2.
+        assert source.sha256 == "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"
+        text = Page(report(found, source=source)).text
+        for said in (source.sha256, "decay.csv", "3 bytes", source.command, source.created, f"numpy {np.__version__}"):
+            assert said in text
+
+    def test_an_unreadable_file_is_refused(self, tmp_path: Path) -> None:
+        with pytest.raises(InputError, match="cannot be read"):
+            source_of(tmp_path / "none.csv", command="", created="")
+
+
+class TestWhatIsThere:
+    def test_all_that_was_given_is_shown(self, found: Identification, springs: Reconstruction) -> None:
+        whole = paper_record(duration=12.0)
+        cleaned = Cleaned(record=whole, units=("m", "mm", ""), findings=(finding(), finding(repaired=False)))
+        decays = (Stretch(start=3.0, stop=5.0, doubts=("only 1.5 cycles",)), Stretch(start=0.0, stop=10.0))
+        text = Page(report(found, cleaned=cleaned, decays=decays, reconstruction=springs)).text
+        for said in (
+            "a gap of 3 samples, filled",
+            "1 defect of the recording was seen and left alone",
+            "Stretch 2 of 2 was used",
+            "only 1.5 cycles",
+            "Chi-square",
+            "tire.stiffness",
+            "[10⁻³ m]",
+        ):
+            assert said in text
+
+    def test_a_cut_by_hand_is_none_of_the_decays(self, found: Identification) -> None:
+        assert "is none of these stretches" in Page(report(found, decays=(Stretch(start=4.0, stop=5.0),))).text
+
+    def test_twins_stand_beside(self, found: Identification, springs: Reconstruction) -> None:
+        twin = cars.PAPER.with_parameters(stiffness={"tire": 123456.0})
+        both = replace(springs, alternatives=(twin,), distances=(2.5,), told_apart=("75 kg on the seat",))
+        text = Page(report(found, reconstruction=both)).text
+        for said in ("twin 1", "1.2346e+05", "chi-square 2.5; told apart by 75 kg on the seat"):
+            assert said in text
+
+    def test_the_ridge_method(self) -> None:
+        found = identify(paper_record(), method="ridge", candidates=[8.0])
+        text = Page(report(found)).text
+        assert "ridges of the wavelet transform" in text
+        assert len(found.modes) == 3
+
+    def test_real_poles(self) -> None:
+        car = quarter_car(
+            chassis_mass=400, tire_mass=40, chassis_stiffness=20e3, tire_stiffness=200e3, chassis_damping=12e3
+        )
+        assert "real" in eigenmodes(car).kinds
+        record = free_decay(car, np.arange(0, 3, 0.002), initial_state={"z_chassis": 0.1})
+        found = identify(add_noise(record, snr_db=60, rng=np.random.default_rng(0)), candidates=[1.0, 2.0])
+        assert "real" in found.modes.kinds
+        assert "overdamped: one real pole" in Page(report(found)).text
+
+    @pytest.mark.parametrize("count", [1, 12, 30])
+    def test_any_number_of_channels(self, count: int) -> None:
+        names = tuple(f"channel {k}" for k in range(count))
+        found = identify(renamed(paper_record(duration=4.0), names), candidates=[4.0])
+        text = Page(report(found)).text
+        assert ("Mode shapes" in text) == (count > 1)
+        for name in names:
+            assert name in text
+        assert len(report(found).encode()) < 2e6
+
+
+class TestLongRecords:
+    def test_the_page_stays_small(self, long: Identification) -> None:
+        assert len(report(long).encode()) < 2e6
+
+    def test_no_peak_gets_lost(self, long: Identification) -> None:
+        chart = fit_charts(long, 0, "m")[0]
+        (record,) = [curve for curve in chart.curves if curve.style == "record"]
+        at = points(record.path)
+        spike = at[np.abs(at[:, 0] - 0.654321 * WIDTH) <= 1, 1]
+        # The axis reaches from the least to the largest sample with 6 % to spare on both sides.
+        values = as_signal(long.response).values[0]
+        margin = 0.06 * np.ptp(values)
+        share = (0.9 - values.min() + margin) / (np.ptp(values) + 2 * margin)
+        assert np.min(np.abs(spike - (1 - share) * HEIGHT)) <= 0.5 + 1e-6
+
+    def test_the_view_keeps_the_modes(self, long: Identification) -> None:
+        view = drawable(long)
+        assert view.steps.signal.values.size <= MOST_SAMPLES
+        assert not is_whole(view)
+        (ridge,) = view.ridges
+        # The ridge is the mode: to five of its own standard deviations, as of any record.
+        (fit,) = view.lines
+        assert abs(fit.pole - long.modes.poles[0]) < 5 * np.sqrt(2 * fit.variance)
+        assert ridge.window.stop > 20
+        assert drawable(view) is view
+
+    def test_a_short_record_keeps_its_own(self, found: Identification) -> None:
+        assert drawable(found) is found
+
+
+class TestCharts:
+    def test_a_line_is_where_its_samples_are(self) -> None:
+        x, y = np.linspace(2, 4, 300), np.sin(np.linspace(0, 20, 300))
+        at = points(line(x, y, Scale(low=2, high=4), Scale(low=-1.5, high=1.5), "s").path)
+        # Each corner is rounded to half a unit.
+        assert np.allclose(at[:, 0], (x - 2) / 2 * WIDTH, rtol=0, atol=0.5)
+        assert np.allclose(at[:, 1], (1.5 - y) / 3 * HEIGHT, rtol=0, atol=0.5)
+
+    def test_a_line_breaks_where_there_is_nothing(self) -> None:
+        y = np.array([0.0, 1.0, np.nan, 1.0, 0.0])
+        path = line(np.arange(5.0), y, Scale(low=0, high=4), Scale(low=0, high=1), "s").path
+        assert path.count("M") == 2
+
+    @pytest.mark.parametrize("seed", range(30))
+    @pytest.mark.parametrize("log", [False, True])
+    def test_ticks_are_few_round_and_in_place(self, seed: int, log: bool) -> None:
+        rng = np.random.default_rng(seed)
+        low = float(10 ** rng.uniform(-6, 6))
+        scale = Scale(low=low, high=low * float(10 ** rng.uniform(0.1, 4)), log=log)
+        values = scale.round_values(6)
+        assert 1 <= len(values) <= 6
+        for tick, value in zip(scale.ticks(), values, strict=True):
+            assert 0 <= tick.at <= 1
+            assert float(tick.text.replace("−", "-")) == pytest.approx(value, rel=1e-9)
+        for text in (tick.text for tick in labelled(scale, "m")[1]):
+            assert len(text) <= 7
+
+    def test_decades(self) -> None:
+        assert [tick.text for tick in decades(Scale(low=1e-3, high=10.0, log=True))] == [
+            "10⁻³",
+            "10⁻²",
+            "10⁻¹",
+            "10⁰",
+            "10¹",
+        ]
+
+    def test_a_picture_holds_its_numbers_in_both_palettes(self) -> None:
+        numbers = np.arange(12, dtype=np.uint8).reshape(3, 4)
+        both = image(numbers, palette(["#000000", "#ffffff"], 16), palette(["#ffffff", "#000000"], 16))
+        for uri, turned in ((both.light, False), (both.dark, True)):
+            content = b64decode(uri.partition(",")[2])
+            raw = zlib.decompress(content[content.index(b"IDAT") + 4 : content.index(b"IEND") - 8])
+            # Each row begins with the number of its filter, none.
+            assert np.array_equal(np.frombuffer(raw, np.uint8).reshape(3, 5)[:, 1:], numbers)
+            colours = content[content.index(b"PLTE") + 4 :][: 3 * 16]
+            assert colours[:3] == (b"\xff\xff\xff" if turned else b"\x00\x00\x00")
+
+    def test_the_scalogram_is_loudest_at_the_mode(self) -> None:
+        t = np.arange(0, 20, 0.01)
+        found = identify(as_response(t, (np.exp(-0.1 * t) * np.cos(2 * np.pi * 5 * t))[None], ["y"]), modes=1)
+        chart = scalogram_chart(found)
+        (mark,) = chart.marks
+        ridge = points(next(curve.path for curve in chart.curves if curve.style == "ridge"))
+        # The picture's row, from above, of the largest level stands where the mode and the ridge do.
+        assert chart.image is not None
+        content = b64decode(chart.image.light.partition(",")[2])
+        columns, rows = np.frombuffer(content[16:24], ">u4")
+        raw = zlib.decompress(content[content.index(b"IDAT") + 4 : content.index(b"IEND") - 8])
+        levels = np.frombuffer(raw, np.uint8).reshape(rows, columns + 1)[:, 1:]
+        loudest = float(np.mean(np.flatnonzero(levels.max(axis=1) == levels.max())))
+        # A row and a half: the largest level spans the rows of its shade.
+        assert (loudest + 0.5) / rows == pytest.approx(1 - mark.at, abs=1.5 / rows)
+        assert ridge[0, 1] / HEIGHT == pytest.approx(1 - mark.at, abs=0.002)
+
+
+class TestJson:
+    def everything(self, found: Identification, springs: Reconstruction | None) -> dict[str, object]:
+        cleaned = Cleaned(record=found.response, units=("",) * 7, findings=(finding(),))
+        few = replace(cleaned, units=("m",) * len(as_signal(found.response).channels))
+        return report_to_dict(
+            found,
+            source=SOURCE,
+            cleaned=few,
+            decays=(Stretch(start=0.0, stop=1.0, cycles=float("nan"), doubts=("short",)),),
+            reconstruction=springs,
+            warnings=["a warning"],
+        )
+
+    def test_it_obeys_its_schema(
+        self, found: Identification, hostile: Identification, nothing: Identification, springs: Reconstruction
+    ) -> None:
+        schema = report_schema()
+        Draft202012Validator.check_schema(schema)
+        validator = Draft202012Validator(schema)
+        twin = replace(springs, alternatives=(cars.PAPER,), distances=(0.5,), told_apart=("x",))
+        for content in (
+            self.everything(found, twin),
+            self.everything(hostile, None),
+            report_to_dict(nothing),
+            report_to_dict(identify(paper_record(), method="ridge", candidates=[8.0])),
+        ):
+            validator.validate(content)
+            json.dumps(content, allow_nan=False)
+
+    def test_what_it_does_not_know_is_refused(self, found: Identification) -> None:
+        validator = Draft202012Validator(report_schema())
+        content = report_to_dict(found)
+        assert not validator.is_valid(content | {"more": 1})
+        assert not validator.is_valid({key: value for key, value in content.items() if key != "verdict"})
+
+    def test_every_field_is_described(self) -> None:
+        def walk(node: object, where: str) -> None:
+            if isinstance(node, dict):
+                if "type" in node or "const" in node or "enum" in node:
+                    assert node.get("description"), where
+                if "properties" in node:
+                    assert node.get("additionalProperties") is False, where
+                for key, value in node.items():
+                    if key == "properties":
+                        for name, child in value.items():
+                            walk(child, f"{where}.{name}")
+                    elif key in ("items", "additionalProperties"):
+                        walk(value, f"{where}[]")
+
+        walk(report_schema(), "report")
+
+    def test_it_is_read_as_modes(self, found: Identification, tmp_path: Path) -> None:
+        path = tmp_path / "report.json"
+        path.write_text(json.dumps(report_to_dict(found)), encoding="utf-8")
+        back = read_modes(path)
+        assert np.array_equal(back.poles, found.modes.poles)
+        assert back.covariance is not None
+        assert found.modes.covariance is not None
+        assert np.array_equal(back.covariance, found.modes.covariance)
+
+    def test_the_page_and_the_json_say_the_same(self, found: Identification, springs: Reconstruction) -> None:
+        content = report_to_dict(found, reconstruction=springs)
+        text = Page(report(found, reconstruction=springs)).text
+        verdict = content["verdict"]
+        assert isinstance(verdict, dict)
+        for said in (verdict["headline"], verdict["said"], *verdict["support"], *verdict["doubts"]):
+            assert said in text
+
+
+class TestDescriptions:
+    def test_every_chart_has_axes_with_units(self, found: Identification) -> None:
+        charts: list[Chart] = [scalogram_chart(found), *fit_charts(found, 0, "m")]
+        for chart in charts:
+            assert chart.x_label == "time [s]"
+            assert re.search(r"\[.+\]", chart.y_label)
+            assert chart.described

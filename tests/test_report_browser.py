@@ -1,0 +1,250 @@
+"""The page in a real browser: it shows, asks nobody, prints, fits a phone, and can be read in the dark."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from playwright.sync_api import Browser, Page, sync_playwright
+
+from suspid import add_noise, free_decay, identify, reconstruct
+from suspid.cleaning import Cleaned, Finding
+from suspid.report import Source, report
+from suspid.signals import as_response, as_signal
+from validation import cars
+
+CHROMIUM = shutil.which("chromium") or "/usr/bin/chromium"
+FLAGS = [
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--no-first-run",
+]
+pytestmark = pytest.mark.skipif(not Path(CHROMIUM).exists(), reason="there is no chromium here")
+
+NAMES = (
+    "<script>alert(1)</script>",
+    '"><img src=x onerror="document.title=\'broken\'">',
+    "$\\frac{",
+    "</svg></style><style>*{display:none}</style>",
+    "W" * 300,
+    "https://example.com/x.png",
+)
+# Of the Web Content Accessibility Guidelines, for text of ordinary size.
+CONTRAST = 4.5
+TEXTS = """() => {
+  const seen = [];
+  const paint = (text) => { const n = text.match(/[\\d.]+/g).map(Number); return n.length < 4 ? [...n, 1] : n; };
+  const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+  while (walker.nextNode()) {
+    const node = walker.currentNode, element = node.parentElement;
+    if (!node.textContent.trim() || getComputedStyle(element).visibility === 'hidden') continue;
+    let behind = element, back = [0, 0, 0, 0];
+    while (behind && back[3] === 0) {
+      back = paint(getComputedStyle(behind).backgroundColor); behind = behind.parentElement;
+    }
+    seen.push([node.textContent.trim().slice(0, 40), paint(getComputedStyle(element).color), back]);
+  }
+  return seen;
+}"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Stretch:
+    start: float
+    stop: float
+    kind: str | None = "step"
+    cycles: float = 5.0
+    doubts: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Shown:
+    """A page as a browser shows it, with what it complained of and asked for."""
+
+    page: Page
+    complaints: list[str] = field(default_factory=list)
+    requests: list[str] = field(default_factory=list)
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    with sync_playwright() as playwright:
+        chromium = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+        yield chromium
+        chromium.close()
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A page with every part, of a record with hostile names."""
+    decay = free_decay(cars.PAPER, np.arange(0, 6, 0.005), initial_state={"v_tire": 1.0})
+    signal = as_signal(add_noise(decay, snr_db=30.0, rng=np.random.default_rng(3)))
+    mixture = np.concatenate([np.eye(3), np.eye(3)[::-1]]) @ signal.values
+    mixture += 1e-5 * np.random.default_rng(4).normal(size=mixture.shape)
+    found = identify(as_response(signal.timepts, mixture, NAMES), candidates=[4.0, 16.0])
+    plain = identify(as_response(signal.timepts, signal.values, signal.channels), candidates=[4.0])
+    finding = Finding(kind=NAMES[0], channel=NAMES[1], start=0.0, stop=1.0, samples=3, text=NAMES[3], repaired=True)
+    text = report(
+        found,
+        source=Source(file=NAMES[1], sha256="ab" * 32, size=12, command=NAMES[0] * 9, created="2026-01-02"),
+        cleaned=Cleaned(record=found.response, units=NAMES, findings=(finding,)),
+        decays=(Stretch(start=0.0, stop=6.0), Stretch(start=2.0, stop=2.5, doubts=(NAMES[0], NAMES[4]))),
+        reconstruction=reconstruct(plain.modes, cars.PAPER),
+        warnings=NAMES,
+    )
+    path = tmp_path_factory.mktemp("report") / "report.html"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def shown(browser: Browser, file: Path, *, width: int, scheme: Literal["light", "dark"] = "light") -> Shown:
+    """Open the page; the request for it is the first."""
+    result = Shown(browser.new_page(viewport={"width": width, "height": 800}, color_scheme=scheme))
+    result.page.on("console", lambda message: result.complaints.append(message.text))
+    result.page.on("pageerror", lambda error: result.complaints.append(str(error)))
+    result.page.on("dialog", lambda dialog: result.complaints.append(dialog.message))
+    result.page.on("request", lambda request: result.requests.append(request.url))
+    result.page.goto(file.as_uri(), wait_until="load")
+    return result
+
+
+@pytest.fixture(scope="module")
+def desktop(browser: Browser, file: Path) -> Iterator[Shown]:
+    result = shown(browser, file, width=1280)
+    yield result
+    result.page.close()
+
+
+class TestDesktop:
+    def test_it_shows_without_a_complaint(self, desktop: Shown) -> None:
+        assert desktop.page.title().startswith("3 modes found")
+        assert desktop.page.locator("h2", has_text="3 modes found").is_visible()
+        assert desktop.complaints == []
+
+    def test_no_request_leaves_the_page(self, desktop: Shown, file: Path) -> None:
+        assert desktop.requests[0] == file.as_uri()
+        assert all(url.startswith("data:") for url in desktop.requests[1:])
+
+    def test_a_request_would_be_refused(self, browser: Browser, file: Path) -> None:
+        broken = file.with_name("broken.html")
+        text = file.read_text(encoding="utf-8").replace("<main>", '<main><img src="https://example.invalid/x.png">')
+        broken.write_text(text, encoding="utf-8")
+        refused = shown(browser, broken, width=800)
+        assert any("Content Security Policy" in complaint for complaint in refused.complaints)
+        refused.page.close()
+
+    def test_names_stay_text(self, desktop: Shown) -> None:
+        page, text = desktop.page, desktop.page.inner_text("body")
+        for name in NAMES:
+            assert name in text
+        assert page.locator("script").count() == 0
+        assert page.locator("[onerror]").count() == 0
+        assert page.locator("style").count() == 1
+
+    def test_every_picture_is_drawn(self, desktop: Shown) -> None:
+        sizes = desktop.page.evaluate("[...document.images].map(i => [i.naturalWidth, i.complete])")
+        assert sizes
+        assert all(width > 100 and complete for width, complete in sizes)
+        boxes = desktop.page.evaluate(
+            "[...document.querySelectorAll('.plot path:not(.grid)')].map(p => p.getBBox()).map(b => b.width + b.height)"
+        )
+        assert len(boxes) > 30
+        assert all(size > 0 for size in boxes)
+
+    @pytest.mark.parametrize("width", [360, 1280])
+    def test_tick_texts_do_not_overlap(self, browser: Browser, file: Path, width: int) -> None:
+        result = shown(browser, file, width=width)
+        overlaps = result.page.evaluate(
+            """() => [...document.querySelectorAll('.x-ticks, .y-ticks, .right-ticks')].flatMap(axis => {
+              const b = [...axis.querySelectorAll('.tick')].map(t => t.getBoundingClientRect());
+              return b.slice(1).map((r, i) => [b[i], r]).filter(([p, q]) =>
+                p.width && q.left < p.right && p.left < q.right && q.top < p.bottom - 1 && p.top < q.bottom - 1);
+            }).length"""
+        )
+        assert overlaps == 0
+        result.page.close()
+
+
+class TestPhone:
+    @pytest.mark.parametrize("width", [360, 390, 768])
+    def test_nothing_is_wider_than_the_screen(self, browser: Browser, file: Path, width: int) -> None:
+        result = shown(browser, file, width=width)
+        assert result.page.evaluate("document.documentElement.scrollWidth") == width
+        # Tables may be wider: each scrolls in its own box.
+        spill = result.page.evaluate(
+            """() => [...document.querySelectorAll('main *, header *, footer *')]
+              .filter(e => !e.closest('.wide') && !e.closest('svg') && e.getBoundingClientRect().right > innerWidth + 1)
+              .map(e => e.className + e.textContent.slice(0, 30))"""
+        )
+        assert spill == []
+        result.page.close()
+
+    def test_small_type_is_not_too_small(self, browser: Browser, file: Path) -> None:
+        result = shown(browser, file, width=360)
+        sizes = result.page.evaluate(
+            "[...document.querySelectorAll('.tick, .x-label, td, th, p, li, figcaption, .keys span')]"
+            ".map(e => parseFloat(getComputedStyle(e).fontSize))"
+        )
+        assert min(sizes) >= 12
+        result.page.close()
+
+
+class TestColours:
+    @pytest.mark.parametrize("scheme", ["light", "dark"])
+    def test_text_stands_out(self, browser: Browser, file: Path, scheme: Literal["light", "dark"]) -> None:
+        result = shown(browser, file, width=1280, scheme=scheme)
+        texts = result.page.evaluate(TEXTS)
+        assert len(texts) > 100
+        page = np.array(
+            result.page.evaluate("getComputedStyle(document.body).backgroundColor.match(/\\d+/g).map(Number)")
+        )
+        assert (luminance(page) < 0.1) == (scheme == "dark")
+        for said, colour, back in texts:
+            light, dark = sorted((luminance(np.array(colour[:3])), luminance(np.array(back[:3]))), reverse=True)
+            assert (light + 0.05) / (dark + 0.05) >= CONTRAST, (said, colour, back)
+        result.page.close()
+
+    @pytest.mark.parametrize("scheme", ["light", "dark"])
+    def test_one_picture_is_seen(self, browser: Browser, file: Path, scheme: Literal["light", "dark"]) -> None:
+        result = shown(browser, file, width=800, scheme=scheme)
+        for kind in ("light", "dark"):
+            assert result.page.locator(f".plot .on-{kind}").first.is_visible() == (kind == scheme)
+        result.page.close()
+
+
+class TestPaper:
+    def test_it_prints(self, browser: Browser, file: Path) -> None:
+        result = shown(browser, file, width=1280, scheme="dark")
+        content = result.page.pdf(prefer_css_page_size=True)
+        assert content.startswith(b"%PDF")
+        # Counted in the page tree: some 2 pages for each of three parts, none of them left blank by a loop of breaks.
+        count = max(int(number) for number in re.findall(rb"/Count (\d+)", content))
+        assert 3 <= count <= 14
+        boxes = re.findall(rb"/MediaBox ?\[0 0 ([\d.]+) ([\d.]+)\]", content)
+        # A4 in points.
+        assert {(round(float(width)), round(float(height))) for width, height in boxes} == {(595, 842)}
+        result.page.close()
+
+    def test_paper_is_white(self, browser: Browser, file: Path) -> None:
+        result = shown(browser, file, width=800, scheme="dark")
+        result.page.emulate_media(media="print", color_scheme="dark")
+        assert result.page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(255, 255, 255)"
+        assert result.page.locator(".plot .on-light").first.is_visible()
+        result.page.close()
+
+
+def luminance(colour: NDArray[np.int_]) -> float:
+    """Return the relative luminance that WCAG 2 defines, of a colour of 0 to 255."""
+    share = np.asarray(colour, float) / 255
+    linear = np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4)
+    return float(linear @ [0.2126, 0.7152, 0.0722])
