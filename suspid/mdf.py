@@ -14,7 +14,7 @@ from suspid.errors import RecordError
 from suspid.files import printable, read_bytes
 from suspid.foreign import sheltered, unique_names
 from suspid.mdf_blocks import check_blocks
-from suspid.mdf_channels import FRAMES, Place, frame_groups, frame_ids, listed_ids, opened, places_of
+from suspid.mdf_channels import FRAMES, Place, check_records, frame_groups, frame_ids, listed_ids, opened, places_of
 from suspid.tables import Clock, Table
 from suspid.units import RealArray
 from suspid.values import frozen_real
@@ -51,10 +51,12 @@ def read_mdf(path: Path, *, dbc: Path | None = None) -> Table:
         CAN frames alone, the error lists their ids.
     """
     content = read_bytes(path, error=RecordError)
-    check_blocks(content)
+    records = check_blocks(content)
     if dbc is not None:
         _check_database(dbc)
-    return sheltered(lambda: _table(content, path.suffix, dbc), extra="mdf", library="asammdf", suffix=path.suffix)
+    return sheltered(
+        lambda: _table(content, records, path.suffix, dbc), extra="mdf", library="asammdf", suffix=path.suffix
+    )
 
 
 def _check_database(dbc: Path) -> None:
@@ -63,8 +65,9 @@ def _check_database(dbc: Path) -> None:
     read_bytes(dbc, error=RecordError)
 
 
-def _table(content: bytes, suffix: str, dbc: Path | None) -> Table:
+def _table(content: bytes, records: int, suffix: str, dbc: Path | None) -> Table:
     with opened(content) as file:
+        check_records(file, records)
         places = places_of(file)
         frames = frame_groups(file)
         ids = frame_ids(file, frames)
@@ -89,7 +92,9 @@ def _table(content: bytes, suffix: str, dbc: Path | None) -> Table:
     def columns(wanted: Sequence[str]) -> list[RealArray]:
         asked = {name: by_name[name] for name in wanted if name in stored}
         read = sheltered(lambda: _values(content, asked, stamps), extra="mdf", library="asammdf", suffix=suffix)
-        return [read[name] if name in stored else _marked(*decoded.samples[signals[name]]) for name in wanted]
+        return [
+            read[name] if name in stored else _marked(*decoded.samples[signals[name]], signals[name]) for name in wanted
+        ]
 
     def stamps_of(group: int, name: str) -> RealArray:
         if group not in stamps:
@@ -121,19 +126,23 @@ def _values(content: bytes, asked: Mapping[str, Place], stamps: dict[int, RealAr
         return read
     with opened(content) as file:
         for name, place in asked.items():
-            samples, invalid = file.get(group=place.group, index=place.index, samples_only=True)
-            if samples.dtype.kind not in "iufb" or samples.shape != (place.size,):
-                raise RecordError(
-                    f"is damaged: channel {name!r} holds {samples.dtype} x {samples.shape}, not {place.size} samples"
-                )
-            read[name] = _marked(samples, invalid)
+            # Otherwise it leaves out the samples that are invalid.
+            samples, invalid = file.get(
+                group=place.group, index=place.index, samples_only=True, ignore_invalidation_bits=True
+            )
+            read[name] = _marked(samples, invalid, place)
             if place.timed and place.group not in stamps:
                 stamps[place.group] = frozen_real(file.get_master(place.group))
+                if stamps[place.group].size != place.size:
+                    raise RecordError(f"is damaged: group {place.group_name!r} holds {stamps[place.group].size} stamps")
     return read
 
 
-def _marked(samples: Any, invalid: Any) -> RealArray:
+def _marked(samples: Any, invalid: Any, place: Place) -> RealArray:
     """Return samples with those that the file marks as invalid as NaN."""
+    if samples.dtype.kind not in "iufb" or samples.shape != (place.size,):
+        found = f"{samples.dtype} x {samples.shape}"
+        raise RecordError(f"is damaged: channel {place.name!r} holds {found}, not {place.size} numbers")
     values = np.array(samples, np.float64)
     if invalid is not None:
         values[np.asarray(invalid, bool)] = np.nan
@@ -154,7 +163,7 @@ def _decoded(file: Any, dbc: Path, ids: Sequence[tuple[int, int]]) -> _Decoded:
     try:
         places = places_of(out)
         samples = {
-            place: out.get(group=place.group, index=place.index, samples_only=True)
+            place: out.get(group=place.group, index=place.index, samples_only=True, ignore_invalidation_bits=True)
             for place in places
             if not place.reason
         }

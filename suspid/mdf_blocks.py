@@ -7,6 +7,7 @@ lies beyond the end of a file that was cut off for empty.
 from __future__ import annotations
 
 import struct
+import zlib
 from collections import defaultdict
 from dataclasses import dataclass, field
 
@@ -29,6 +30,8 @@ FOLLOWED = {
 LISTS = (b"##DL", b"##LD")
 DATA = (b"##DT", b"##DV", b"##DI", b"##SD", b"##RD")
 ZIPPED = b"##DZ"
+# Least bytes after the links.
+LEAST = {b"##CG": 32, b"##CN": 24, b"##DG": 1, ZIPPED: 24}
 PARTS = (b"##CN", b"##CA")
 # A composition may be described otherwise, and what a channel points to be a group or an attachment.
 ONLY_TO = {(b"##CN", 1): PARTS, (b"##CA", 0): PARTS, (b"##CN", 5): (*DATA, *LISTS, ZIPPED, b"##HL")}
@@ -39,21 +42,30 @@ OLD: dict[bytes, tuple[int, tuple[tuple[int, bytes], ...]]] = {
     b"CG": (26, ((0, b"CG"), (1, b"CN"))),
     b"CN": (218, ((0, b"CN"),)),
 }
-VARIABLE_LENGTH = 1
-# Deflate makes nothing smaller than by this factor.
-DEFLATE = 1032
+VARIABLE_LENGTH, INVALID = 1, 2
+VIRTUAL = (3, 6)
+PIECE = 1 << 20
 
 
 @dataclass(slots=True)
 class _Sizes:
-    """Bytes of samples by data group: what its channel groups state, and what its data blocks hold."""
+    """What blocks state and hold, by the address of the group."""
 
+    # Bytes of samples by data group: those that its channel groups state, and those in its data blocks.
     stated: defaultdict[int, int] = field(default_factory=lambda: defaultdict(int))
     held: defaultdict[int, int] = field(default_factory=lambda: defaultdict(int))
+    # Bytes of samples and of invalidation bits in a record, by channel group.
+    records: dict[int, tuple[int, int]] = field(default_factory=dict)
+    cycles: int = 0
 
 
-def check_blocks(content: bytes) -> None:
+def check_blocks(content: bytes) -> int:
     """Refuse a file whose blocks are linked in a circle, lie beyond its end or hold less than they state.
+
+    Returns
+    -------
+    int
+        How many records all groups state; 0 if the file was not finished, so that it need not state them.
 
     Raises
     ------
@@ -65,31 +77,35 @@ def check_blocks(content: bytes) -> None:
     if len(content) < HEAD + HEADER:
         raise RecordError("is cut off: it ends in its head")
     sizes = _check_old(content) if content[HEAD : HEAD + 2] == b"HD" else _check_new(content)
-    # What was not finished does not state how much there is; asammdf counts it.
-    for group, stated in sizes.stated.items() if content[:3] == b"MDF" else ():
+    if content[:3] != b"MDF":
+        return 0
+    for group, stated in sizes.stated.items():
         if stated > sizes.held[group]:
             raise RecordError(
                 f"is damaged or cut off: the data group at byte {group} states {stated} bytes of samples and holds "
                 f"{sizes.held[group]}"
             )
+    return sizes.cycles
 
 
 def _check_new(content: bytes) -> _Sizes:
     """Check a file of version 4."""
     sizes, seen, shared = _Sizes(), set[int](), set[int]()
+    # A block belongs to the group at the address beside it: channels to their channel group, others to the data group.
     ahead = [(HEAD, 0)]
     while ahead:
         address, group = ahead.pop()
         kind, links = _block(content, address)
         _refuse_again(address, seen)
         group = address if kind == b"##DG" else group
-        _count(content, address, kind, len(links), group, sizes)
+        _measure(content, address, kind, len(links), group, sizes)
         followed = range(len(links)) if kind in LISTS else FOLLOWED.get(kind, ())
         for place, target in enumerate(links):
             only_to = ONLY_TO.get((kind, place))
             if target and place in followed and (only_to is None or content[target : target + 4] in only_to):
                 # The samples of a channel are its own, not those of the group.
-                ahead.append((target, 0 if (kind, place) == (b"##CN", 5) else group))
+                own = {(b"##CN", 5): 0, (b"##CG", 1): address}.get((kind, place), group)
+                ahead.append((target, own))
             elif target:
                 shared.add(target)
     done = set(seen)
@@ -113,33 +129,56 @@ def _block(content: bytes, address: int) -> tuple[bytes, tuple[int, ...]]:
     kind, _, size, count = struct.unpack_from("<4sIQQ", content, address)
     # A last data block that was not finished states no size.
     size = max(size, HEADER) if kind in DATA and content[:3] == b"UnF" else size
-    if kind[:2] != b"##" or size < HEADER or count > (size - HEADER) // 8:
-        raise RecordError(f"is damaged: there is no block at byte {address}")
+    if kind[:2] != b"##" or count > (size - HEADER) // 8 or size - HEADER - 8 * count < LEAST.get(kind, 0):
+        raise RecordError(f"is damaged: there is no whole block at byte {address}")
     if address + size > len(content):
         raise RecordError(f"is cut off: it ends in the block {kind[2:].decode('latin1')!r} at byte {address}")
     return kind, struct.unpack_from(f"<{count}Q", content, address + HEADER)
 
 
-def _count(content: bytes, address: int, kind: bytes, links: int, group: int, sizes: _Sizes) -> None:
-    """Add what a channel group states, or what a data block holds, to the bytes of its data group."""
-    body = address + HEADER + 8 * links
-    size = struct.unpack_from("<Q", content, address + 8)[0]
-    least = {b"##CG": 32, ZIPPED: 24, b"##DG": 1}.get(kind, 0)
-    if body + least > address + max(size, HEADER):
-        raise RecordError(f"is damaged: the block at byte {address} is too short")
+def _measure(content: bytes, address: int, kind: bytes, links: int, group: int, sizes: _Sizes) -> None:
+    """Note what a channel group states and a data block holds, and refuse channels that stick out of the record."""
+    body, size = address + HEADER + 8 * links, struct.unpack_from("<Q", content, address + 8)[0]
     if kind == b"##CG":
-        _, cycles, flags, _, _, samples, invalidation = struct.unpack_from("<QQHHIII", content, body)
+        _, cycles, flags, _, _, samples, invalid = struct.unpack_from("<QQHHIII", content, body)
+        sizes.records[address] = (0, 0) if flags & VARIABLE_LENGTH else (samples, invalid)
         if not flags & VARIABLE_LENGTH:
-            first_link = struct.unpack_from("<Q", content, group + 16)[0]
-            record_id = content[group + HEADER + 8 * first_link]
-            sizes.stated[group] += cycles * (samples + invalidation + record_id)
+            record_id = content[group + HEADER + 8 * struct.unpack_from("<Q", content, group + 16)[0]]
+            sizes.stated[group] += cycles * (samples + invalid + record_id)
+            sizes.cycles += cycles
+    elif kind == b"##CN":
+        what, _, _, shift, start, bits, flags, mark = struct.unpack_from("<4B4I", content, body)
+        samples, invalid = sizes.records.get(group, (0, 0))
+        _check_fits(address, 8 * start + shift + bits if what not in VIRTUAL else 0, samples)
+        _check_fits(address, mark + 1 if flags & INVALID or (flags and invalid) else 0, invalid)
     elif kind == ZIPPED:
-        whole, zipped = struct.unpack_from("<QQ", content, body + 8)
-        if zipped > size or whole > DEFLATE * (zipped + 64):
-            raise RecordError(f"is damaged: the block at byte {address} states {zipped} bytes that make {whole}")
+        method, whole, zipped = struct.unpack_from("<2xB5xQQ", content, body)
+        if zipped > size - (body - address) - LEAST[ZIPPED]:
+            raise RecordError(f"is damaged: the block at byte {address} states {zipped} compressed bytes")
+        if method < 2 and _inflated(content[body + LEAST[ZIPPED] :][:zipped], whole) != whole:
+            raise RecordError(f"is damaged: the block at byte {address} does not hold {whole} bytes")
         sizes.held[group] += whole
     elif kind in DATA:
-        sizes.held[group] += size - HEADER
+        sizes.held[group] += max(0, size - HEADER)
+
+
+def _check_fits(address: int, bits: int, record: int) -> None:
+    if bits > 8 * record:
+        raise RecordError(f"is damaged: the channel at byte {address} ends at bit {bits} of a record of {record} bytes")
+
+
+def _inflated(zipped: bytes, most: int) -> int:
+    """Return how many bytes compressed ones make, or how many more than ``most`` were made before giving up."""
+    inflater, size = zlib.decompressobj(), 0
+    try:
+        while not inflater.eof and size <= most:
+            piece = inflater.decompress(zipped, PIECE)
+            zipped, size = inflater.unconsumed_tail, size + len(piece)
+            if not piece and not zipped:
+                break
+    except zlib.error as refusal:
+        raise RecordError(f"is damaged: its samples cannot be decompressed: {refusal}") from None
+    return size
 
 
 def _check_old(content: bytes) -> _Sizes:
@@ -161,5 +200,13 @@ def _check_old(content: bytes) -> _Sizes:
         elif kind == b"CG":
             samples, cycles = struct.unpack_from(f"{order}HI", content, address + 20)
             sizes.stated[group] += cycles * (samples + struct.unpack_from(f"{order}H", content, group + 22)[0])
-        ahead += [(links[place], group, target) for place, target in OLD[kind][1] if links[place]]
+            sizes.records[address] = (samples, 0)
+            sizes.cycles += cycles
+        elif kind == b"CN":
+            start, bits = struct.unpack_from(f"{order}HH", content, address + 186)
+            more = struct.unpack_from(f"{order}H", content, address + 226)[0] if size >= 228 else 0
+            _check_fits(address, start + bits + 8 * more, sizes.records[group][0])
+        for place, target in OLD[kind][1]:
+            if links[place]:
+                ahead.append((links[place], address if (kind, target) == (b"CG", b"CN") else group, target))
     return sizes

@@ -13,6 +13,8 @@ import numpy as np
 from suspid.errors import RecordError
 from suspid.files import printable
 
+VARIABLE_LENGTH = 1
+ALL_INVALID = 1
 BUS_EVENT, PLAIN_BUS_EVENT, REMOTE_MASTER = 1 << 1, 1 << 2, 1 << 3
 FRAMES = "CAN_DataFrame"
 ID_BITS = 29
@@ -101,15 +103,24 @@ def _why_not(group: Any, index: int, master: Any, new: bool) -> str:
         return "is empty"
     if sync != TIME:
         return f"is sampled over {SYNCHRONOUS[sync] if sync < len(SYNCHRONOUS) else sync}, not over time"
+    if new and channel.flags & ALL_INVALID:
+        return "is marked as invalid throughout"
     if group.channel_dependencies[index]:
         return "is an array or a structure"
-    if channel.data_type not in NUMBERS[new]:
+    if channel.data_type not in NUMBERS[new] or (new and channel.channel_type in (1, 5, 7)):
         return "is text or bytes"
     if kind in TO_WORDS[new]:
         return "holds numbers that stand for words"
     if BY_FORMULA[new] in (kind, _conversion(master)):
         return "is scaled by a formula; formulas from files are not evaluated"
     return ""
+
+
+def check_records(file: Any, stated: int) -> None:
+    """Refuse a file in whose groups fewer records were found than they state."""
+    found = sum(_size(group) for group in file.groups if not getattr(group.channel_group, "flags", 0) & VARIABLE_LENGTH)
+    if found < stated:
+        raise RecordError(f"is damaged: {found} of {stated} records were found")
 
 
 def frame_groups(file: Any) -> list[int]:
@@ -121,8 +132,9 @@ def frame_ids(file: Any, frames: Sequence[int]) -> list[tuple[int, int]]:
     """Return bus and id of all CAN frames, each pair once."""
     found: set[tuple[int, int]] = set()
     for k in frames:
-        if any(_conversion(channel) == BY_FORMULA[True] for channel in file.groups[k].channels):
-            raise RecordError("scales its CAN frames by a formula; formulas from files are not evaluated")
+        channels = file.groups[k].channels
+        if any(_conversion(channel) == BY_FORMULA[True] or channel.flags & ALL_INVALID for channel in channels):
+            raise RecordError("marks its CAN frames as invalid, or scales them by a formula, which is not evaluated")
         buses, ids = (
             np.asarray(file.get(f"{FRAMES}.{name}", group=k, samples_only=True)[0]).astype(np.int64)
             for name in ("BusChannel", "ID")
