@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, fields, replace
 from functools import wraps
@@ -17,6 +17,7 @@ from suspid.errors import InputError, RecordError
 from suspid.files import printable
 from suspid.identification import late_start
 from suspid.signals import as_response, as_signal, cut
+from suspid.tables import bare_name
 from suspid.values import nearest_names
 
 if TYPE_CHECKING:
@@ -163,9 +164,8 @@ def read_cleaned(file: Path, options: ReadOptions) -> tuple[Cleaned, list[str]]:
 
 
 def _without(recording: Recording, names: Sequence[str]) -> Recording:
-    for name in names:
-        _ = recording[name]
-    return replace(recording, channels=tuple(c for c in recording.channels if c.name not in names))
+    dropped = {channel_named(name, recording.names) for name in names}
+    return replace(recording, channels=tuple(c for c in recording.channels if c.name not in dropped))
 
 
 def _as_wanted(cleaned: Cleaned, options: ReadOptions, said: list[str]) -> Cleaned:
@@ -173,11 +173,13 @@ def _as_wanted(cleaned: Cleaned, options: ReadOptions, said: list[str]) -> Clean
     from suspid.sensors import scaled, vertical
 
     if options.scales:
-        cleaned = replace(cleaned, record=scaled(cleaned.record, pairs(options.scales, "--scale", float)))
+        factors = _by_channel(pairs(options.scales, "--scale", float), cleaned)
+        cleaned = replace(cleaned, record=scaled(cleaned.record, factors))
     if options.si:
         cleaned = _in_si(cleaned, said)
     if options.vertical is not None:
-        axes = tuple(name.strip() for name in options.vertical.split(","))
+        known = as_signal(cleaned.record).channels
+        axes = tuple(channel_named(name.strip(), known) for name in options.vertical.split(","))
         up, found = vertical(cleaned.record, axes)
         said += str(found).split("\n")
         signal = as_signal(cleaned.record)
@@ -192,11 +194,9 @@ def _as_wanted(cleaned: Cleaned, options: ReadOptions, said: list[str]) -> Clean
             ),
             units=(cleaned.units[signal.channels.index(axes[0])], *(cleaned.units[k] for k in kept)),
         )
-    renames = pairs(options.renames, "--rename", str)
+    renames = _by_channel(pairs(options.renames, "--rename", str), cleaned)
     if renames:
         signal = as_signal(cleaned.record)
-        for name in renames:
-            _known(name, signal.channels)
         names = [renames.get(name, name) for name in signal.channels]
         if len(set(names)) < len(names):
             raise InputError(f"--rename leaves two channels of one name: {', '.join(map(repr, names))}")
@@ -224,9 +224,14 @@ def _in_si(cleaned: Cleaned, said: list[str]) -> Cleaned:
     return replace(cleaned, record=scaled(cleaned.record, factors), units=tuple(units))
 
 
-def _known(name: str, channels: Sequence[str]) -> None:
-    if name not in channels:
-        raise RecordError(f"there is no channel {name!r}.{nearest_names(name, channels)}")
+def channel_named(name: str, channels: Sequence[str]) -> str:
+    """Return the channel of that name, or the one of that name without its unit; refuse with the nearest ones."""
+    if name in channels:
+        return name
+    short = [channel for channel in channels if bare_name(channel) == name]
+    if len(short) != 1:
+        raise RecordError(f"there is no channel {name!r}.{nearest_names(name, [*channels, *map(bare_name, channels)])}")
+    return short[0]
 
 
 Value = TypeVar("Value", str, float)
@@ -247,6 +252,12 @@ def pairs(given: Sequence[str], option: str, kind: Callable[[str], Value]) -> di
     return found
 
 
+def _by_channel(values: Mapping[str, Value], cleaned: Cleaned) -> dict[str, Value]:
+    """Return values by the full names of the channels."""
+    channels = as_signal(cleaned.record).channels
+    return {channel_named(name, channels): value for name, value in values.items()}
+
+
 def stretch_of(record: control.TimeResponseData, start: float | None, stop: float | None, which: str) -> Stretch:
     """Return the part of a record that is taken for a decay."""
     from suspid.decays import find_decays
@@ -258,10 +269,11 @@ def stretch_of(record: control.TimeResponseData, start: float | None, stop: floa
     if which == "whole" or (which == "auto" and late_start(as_signal(record)) is None):
         return Stretch(record=record, decays=(), used=(), said=())
     decays = find_decays(record)
-    if not decays:
-        if which != "auto":
-            raise RecordError(f"no free decay was found. {' '.join(decays.remarks)}")
-        said = f"no free decay was found, so the whole record is used. {' '.join(decays.remarks)}"
+    if not decays and which != "auto":
+        raise RecordError(f"no free decay was found. {' '.join(decays.remarks)}")
+    if which == "auto" and (not decays or decays[0].doubts):
+        why = "no free decay was found" if not decays else f"no decay is beyond doubt (the best: {decays[0]})"
+        said = f"{why}, so the whole record is used. {' '.join(decays.remarks)}".rstrip()
         return Stretch(record=record, decays=decays, used=(), said=(said,))
     if which == "all":
         return Stretch(record=record, decays=decays, used=tuple(decays), said=())
@@ -272,6 +284,16 @@ def stretch_of(record: control.TimeResponseData, start: float | None, stop: floa
     others = f"; {len(decays) - 1} more: see --decay" if len(decays) > 1 else ""
     said = f"the decay from {best.start:.6g} to {best.stop:.6g} s is used{others}"
     doubts = tuple(f"this decay: {doubt}" for doubt in best.doubts)
-    return Stretch(
-        record=cut(record, start=best.start, stop=best.stop), decays=decays, used=(best,), said=(said, *doubts)
-    )
+    part, still = _moving(cut(record, start=best.start, stop=best.stop))
+    return Stretch(record=part, decays=decays, used=(best,), said=(said, *doubts, *still))
+
+
+def _moving(record: control.TimeResponseData) -> tuple[control.TimeResponseData, list[str]]:
+    """Return the record without channels that stand still in it, and what was left out."""
+    signal = as_signal(record)
+    moving = np.ptp(signal.values, axis=1) > 0
+    if moving.all() or not moving.any():
+        return record, []
+    kept = [name for name, moves in zip(signal.channels, moving, strict=True) if moves]
+    said = [f"channel {n!r} is constant in this decay; left out" for n in signal.channels if n not in kept]
+    return as_response(signal.timepts, signal.values[moving], kept, title=str(record.title or "")), said
