@@ -18,7 +18,7 @@ from suspid.gaps import MOST_FILLED, fill, runs
 from suspid.placing import Placed, place, resample
 from suspid.recordings import RawChannel, Recording
 from suspid.signals import as_response, as_signal
-from suspid.suspects import inspect
+from suspid.suspects import inspect, possible
 from suspid.units import Hertz, RealArray, Second
 
 if TYPE_CHECKING:
@@ -158,7 +158,8 @@ def _alive(channels: list[RawChannel], *, by_name: bool) -> tuple[list[RawChanne
     kept: list[RawChannel] = []
     findings: list[Finding] = []
     for channel in channels:
-        some = channel.values[np.isfinite(channel.values)]
+        some = possible(channel.values)
+        some = some[np.isfinite(some)]
         why = ""
         if some.size < max(2, FEWEST * channel.values.size):
             why = f"has {some.size} numbers in {channel.values.size} samples"
@@ -210,7 +211,7 @@ def _placed(group: list[RawChannel], fs: Hertz | None) -> Placed:
             f"fs says {fs:g} Hz, the file {stated:g} Hz for channel {group[0].name!r}; correct one of them"
         )
     values = np.array([channel.values for channel in group], float)
-    clock = read_clock(group[0].timepts, values, rate=stated if fs is None else fs)
+    clock = read_clock(group[0].timepts, possible(values), rate=stated if fs is None else fs)
     rows = values if np.array_equal(clock.rows, np.arange(values.shape[1])) else values[:, clock.rows]
     inspected = [inspect(channel.name, clock.stamps, row) for channel, row in zip(group, rows, strict=True)]
     found = [finding for channel in inspected for finding in channel.findings]

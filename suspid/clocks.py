@@ -25,12 +25,16 @@ HOLE = 1.5
 OFF = 0.5
 # Rows that may be dropped, put in order or stamped anew, as a share of all, and how far out of order they may be.
 FEW, FAR = 0.01, 8
+# No stamp is later than this, no step shorter [s].
+LATEST, SHORTEST = 1e15, 1e-12
 # Rows that may share a stamp for being rounded.
 COARSE = 20
 # Standard errors by which samples must follow their stamps better than a grid before the stamps are believed.
 SIGNIFICANT = 4.0
 # Steps between samples above which nothing is interpolated, and how much of the time such holes may take.
 WIDE, HOLLOW = 2.5, 0.2
+# How many times the rows that are there a grid may hold.
+MOST_ROWS = 20
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -114,11 +118,11 @@ def read_clock(stamps: RealArray, values: RealArray, *, rate: Hertz | None = Non
 
 def _stamped(stamps: RealArray) -> tuple[Indices, tuple[Finding, ...]]:
     """Return the rows whose stamp is a number."""
-    rows = np.flatnonzero(np.isfinite(stamps))
+    rows = np.flatnonzero(np.abs(stamps) < LATEST)
     lost = stamps.size - rows.size
     if rows.size < 2 or lost > max(1, 0.1 * stamps.size):
         raise RecordError(
-            f"{lost} of {stamps.size} time stamps are not finite; mend the column of time, or give fs alone"
+            f"{lost} of {stamps.size} time stamps are no times; mend the column of time, or give fs alone"
         )
     if not lost:
         return rows, ()
@@ -180,7 +184,9 @@ def _ordered(stamps: RealArray, values: RealArray, rows: Indices) -> tuple[RealA
         text = f"{same.size} rows stand twice, stamp and samples alike; one of each was dropped"
         findings.append(found("repeated rows", times[same], same.size, text))
         rows, times = np.delete(rows, same), np.delete(times, same)
-    if times.size > 2 and np.all(np.diff(times) > 0):
+    if times.size < 3:
+        raise RecordError(f"only {times.size} rows with different time stamps are left; a record needs more")
+    if np.all(np.diff(times) > 0):
         return times, rows, tuple(findings)
     order = np.argsort(times, kind="stable")
     moved = np.flatnonzero(order != np.arange(order.size))
@@ -240,8 +246,9 @@ def _gridded(
     times: RealArray, values: RealArray, rows: Indices, rate: Hertz | None, findings: tuple[Finding, ...]
 ) -> Clock:
     """Return the clock of increasing stamps, of which some may be missing or that may be irregular."""
-    if times.size < 3:
-        raise RecordError(f"only {times.size} rows with different time stamps are left; a record needs more")
+    usual = float(np.median(np.diff(times)))
+    if not 0 < times[-1] - times[0] <= MOST_ROWS * times.size * usual or usual < SHORTEST:
+        raise RecordError(_hollow(np.diff(times), WIDE * usual))
     places, start, step = _regular(times)
     span = float(times[-1] - times[0])
     if rate is not None:
@@ -269,6 +276,8 @@ def _gridded(
             )
     if kind == "irregular stamps":
         return _irregular(times, rows, rate, findings, text)
+    if places[-1] >= MOST_ROWS * times.size:
+        raise RecordError(_hollow(np.diff(times), WIDE * usual))
     timepts = np.asarray(start + step * np.arange(places[-1] + 1))
     findings += (found(kind, times, times.size, text),) if kind else ()
     lost = int(timepts.size - places.size)
@@ -289,6 +298,8 @@ def _regular(times: RealArray) -> tuple[Indices, Second, Second]:
         if abs(better - step) <= 1e-12 * step:
             break
         step = better
+    if step < SHORTEST:
+        raise RecordError(_hollow(steps, HOLE * step))
     jumps = np.where(steps <= HOLE * step + 0.5 * rounding, 1, np.maximum(2, np.round(steps / step))).astype(np.intp)
     places = np.concatenate([[0], np.cumsum(jumps)])
     for _ in range(4):
@@ -354,13 +365,16 @@ def rounded_line(index: Indices, stamps: RealArray) -> tuple[Second, Second, Sec
         ends.append(inside)
     step = (ends[0] + ends[1]) / 2
     off = stamps - step * index
-    return float(np.max(off) + np.min(off)) / 2, step, (ends[1] - ends[0]) / np.sqrt(12)
+    start = float(np.max(off) + np.min(off)) / 2
+    if np.max(np.abs(off - off[0])) <= 0.505 * quantum:
+        start = float(off[0])
+    return start, step, (ends[1] - ends[0]) / np.sqrt(12)
 
 
 def _exact(steps: RealArray) -> bool:
     """Return whether all steps are whole multiples of one, nearly always one of it: nothing but rows is missing."""
     usual = float(np.median(steps))
-    if usual <= 0:
+    if usual <= 0 or np.mean(steps == 0) > FEW:
         return False
     ratio = steps / usual
     return bool(np.all(np.abs(ratio - np.round(ratio)) < JITTER) and np.mean(steps <= HOLE * usual) > 0.9)
@@ -377,11 +391,11 @@ def _jitter(times: RealArray, values: RealArray, places: Indices, step: Second, 
     """Return whether stamps that stray by less than half a step are wrong or the samples irregular, and why."""
     by_stamps = neighbours_miss(times / step, values, places)
     by_grid = neighbours_miss(places.astype(float), values, places)
-    level = np.nanmean(by_stamps + by_grid, axis=1, keepdims=True)
-    better = (
-        np.nanmean((by_grid - by_stamps) / np.where(level > 0, level, np.nan), axis=0) if level.size else np.zeros(0)
-    )
-    better = better[np.isfinite(better)]
+    # In each channel the misses are counted in their own size; where a sample is missing, nothing is counted.
+    known = np.isfinite(by_stamps)
+    size = _mean(by_stamps + by_grid, known, axis=1)[:, None]
+    apart = np.where(known & (size > 0), by_grid - by_stamps, 0.0) / np.where(size > 0, size, 1.0)
+    better = apart.sum(axis=0)[np.any(known, axis=0)] if apart.size else np.zeros(1)
     spread = float(np.std(better))
     # Neighbouring predictions share samples, so that about a third of them are independent.
     evidence = float(np.mean(better)) / spread * np.sqrt(better.size / 3) if spread > 0 else 0.0
@@ -393,13 +407,21 @@ def _jitter(times: RealArray, values: RealArray, places: Indices, step: Second, 
             f"{stray}, and the samples follow the stamps more smoothly ({evidence:.0f} std errors)",
         )
     says = f"more smoothly ({-evidence:.0f} std errors)" if evidence < -SIGNIFICANT else "as smoothly"
-    speed = np.sqrt(np.nanmean(np.diff(values, axis=1) ** 2, axis=1)) / step * sigma
-    size = np.nanstd(values, axis=1)
-    share = float(np.nanmax(np.where(size > 0, speed / np.where(size > 0, size, 1), 0.0)))
+    pace = np.diff(values, axis=1)
+    speed = np.sqrt(_mean(pace**2, np.isfinite(pace), axis=1)) / step * sigma
+    there = np.isfinite(values)
+    about = values - _mean(values, there, axis=1)[:, None]
+    motion = np.sqrt(_mean(about**2, there, axis=1))
+    share = float(np.max(speed / np.where(motion > 0, motion, np.inf)))
     return "jittering stamps", (
         f"{stray}, and the samples follow the grid {says}: a regular clock stamped late was assumed; no sample was "
         f"changed (if the stamps were right, that would err by {100 * share:.2g} % of the motion, rms, noise included)"
     )
+
+
+def _mean(values: RealArray, known: NDArray[np.bool_], *, axis: int) -> RealArray:
+    """Return the mean of what is known; 0 where nothing is."""
+    return np.asarray(np.where(known, values, 0.0).sum(axis=axis) / np.maximum(known.sum(axis=axis), 1))
 
 
 def neighbours_miss(times: RealArray, values: RealArray, places: Indices) -> RealArray:
@@ -424,13 +446,8 @@ def _irregular(times: RealArray, rows: Indices, rate: Hertz | None, findings: tu
     steps = np.diff(times)
     usual = float(np.median(steps))
     step = float(np.mean(steps[steps <= WIDE * usual])) if rate is None else 1 / rate
-    hollow = float(np.sum(steps[steps > WIDE * step]) / (times[-1] - times[0]))
-    if hollow > HOLLOW:
-        raise RecordError(
-            f"the time stamps are too irregular for a uniform record: half of the steps are below {usual:.3g} s, but "
-            f"{100 * hollow:.2g} % of the time lies in steps above {WIDE * step:.3g} s; record at a constant rate, or "
-            f"cut out a stretch without such holes"
-        )
+    if np.sum(steps[steps > WIDE * step]) > HOLLOW * (times[-1] - times[0]):
+        raise RecordError(_hollow(steps, WIDE * step))
     count = int(np.floor((times[-1] - times[0]) / step * (1 + 1e-12))) + 1
     said = found(
         "irregular stamps",
@@ -440,6 +457,17 @@ def _irregular(times: RealArray, rows: Indices, rate: Hertz | None, findings: tu
     )
     timepts = np.asarray(times[0] + step * np.arange(count))
     return Clock(timepts=timepts, rows=rows, stamps=times, places=None, findings=(*findings, said))
+
+
+def _hollow(steps: RealArray, wide: Second) -> str:
+    share = 100 * float(np.sum(steps[steps > wide])) / max(float(np.sum(steps)), SHORTEST)
+    longest = int(np.argmax(steps))
+    return (
+        f"the time stamps are too irregular for a uniform record: half of the steps are below "
+        f"{np.median(steps):.3g} s, but {share:.2g} % of the time lies in steps above {wide:.3g} s, the longest "
+        f"{steps[longest]:.3g} s after row {longest + 1}; record at a constant rate, or take a stretch without such "
+        f"holes (start, stop)"
+    )
 
 
 def resolution(stamps: RealArray) -> Second:

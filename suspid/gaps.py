@@ -80,12 +80,14 @@ def fill(name: str, times: RealArray, values: RealArray) -> Filled:
     '1e-04'
     """
     missing = np.isnan(values)
+    if np.sum(~missing) < 4:
+        return Filled(values=values, findings=())
     first, after = runs(missing)
     inner = (first >= 1) & (after <= values.size - 1)
     first, after = first[inner], after[inner]
     if not first.size:
         return Filled(values=values, findings=())
-    motion = float(np.nanstd(values))
+    motion = float(np.std(values[~missing]))
     better = values.copy()
     errors: list[float] = []
     where: list[RealArray] = []

@@ -11,6 +11,9 @@ from suspid.clocks import WIDE, Clock
 from suspid.findings import Finding
 from suspid.units import Hertz, Ratio, RealArray, Second
 
+# Samples that follow the one before by less than this share of the usual step say nothing more.
+CLOSE = 0.3
+
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Placed:
@@ -55,11 +58,15 @@ def place(clock: Clock, names: Sequence[str], values: RealArray, findings: Seque
     if clock.places is None:
         spread = [interpolate(clock.timepts, clock.stamps, row, widest=WIDE * clock.step) for row in values]
         error = max(halving_error(clock.stamps, row) for row in values)
-        limit = faithful_below(np.diff(clock.stamps))
+        steps = np.diff(clock.stamps)
+        close = int(np.sum(steps < CLOSE * np.median(steps)))
+        limit = faithful_below(steps)
         text = (
             f"{said[-1].text}; it errs by less than 1 % below {limit:.2g} Hz, and by less than {100 * error:.2g} % of "
         )
-        said[-1] = replace(said[-1], text=f"{text}the motion, rms, all frequencies and noise included")
+        text += "the motion, rms, all frequencies and noise included"
+        text += f"; {close} rows on the heels of others were not used" if close else ""
+        said[-1] = replace(said[-1], text=text)
         placed = np.array(spread)
     elif clock.places.size == clock.timepts.size:
         placed = values
@@ -95,7 +102,9 @@ def interpolate(wanted: RealArray, times: RealArray, values: RealArray, *, wides
     spread = np.full(wanted.size, np.nan)
     if np.sum(known) < 4:
         return spread
-    t, y = times[known], values[known]
+    t, y = _apart(times[known], values[known])
+    if t.size < 4:
+        return spread
     slack = 1e-9 * min(widest, float(t[-1] - t[0]))
     inside = (wanted >= t[0] - slack) & (wanted <= t[-1] + slack)
     spread[inside] = CubicSpline(t, y)(wanted[inside])
@@ -104,6 +113,15 @@ def interpolate(wanted: RealArray, times: RealArray, values: RealArray, *, wides
     wide &= np.abs(wanted - t[behind - 1]) > slack
     spread[wide] = np.nan
     return spread
+
+
+def _apart(times: RealArray, values: RealArray) -> tuple[RealArray, RealArray]:
+    """Leave out samples that follow the one before too closely: their noise would become slope."""
+    steps = np.diff(times)
+    if not steps.size:
+        return times, values
+    keep = np.concatenate([[True], steps >= CLOSE * np.median(steps)])
+    return times[keep], values[keep]
 
 
 def faithful_below(steps: RealArray) -> Hertz:
@@ -126,8 +144,8 @@ def halving_error(times: RealArray, values: RealArray) -> Ratio:
     The spline through all of them errs by less; noise is included, since the record cannot tell.
     """
     known = np.isfinite(values)
-    t, y = times[known], values[known]
-    motion = float(np.std(y)) if y.size else 0.0
+    t, y = _apart(times[known], values[known])
+    motion = float(np.std(y)) if y.size > 1 else 0.0
     if t.size < 9 or motion == 0:
         return float("nan")
     between = interpolate(t[1:-1:2], t[::2], y[::2], widest=np.inf)

@@ -19,6 +19,8 @@ MARKS = (-9999.0, 9999.0, -999.0, 999.0, -99999.0, 99999.0, -999999.0, 999999.0)
 FULL_SCALE = tuple(
     float(sign * 2**bits + shift) for bits in (15, 16, 23, 24, 31, 32) for sign in (-1, 1) for shift in (-1, 0, 1)
 )
+# No quantity in SI units is as large as this.
+IMPOSSIBLE = 1e30
 # How far beyond the range of all other samples a value lies that cannot be motion: any value, and one that is a mark.
 BEYOND, MARK_BEYOND = 3.0, 0.25
 # A channel of fewer levels than this is a switch or a counter: a far value is one of its states.
@@ -68,8 +70,12 @@ def inspect(name: str, times: RealArray, values: RealArray) -> Inspected:
     >>> print(inspect("seat", t, values).findings[0])
     sentinel, channel 'seat' at 0.4 s: 1 sample at -9999, far from all others (...); taken as missing
     """
-    values = np.where(np.isfinite(values), values, np.nan)
     findings: list[Finding] = []
+    huge = np.flatnonzero(np.abs(values) >= IMPOSSIBLE)
+    if huge.size:
+        text = f"{huge.size} samples are infinite or above {IMPOSSIBLE:g}; taken as missing"
+        findings.append(_finding("sentinel", name, times[huge], huge.size, text, repaired=True))
+    values = possible(values)
     values = _without_sentinels(name, times, values, findings)
     some = np.isfinite(values)
     if np.sum(some) < 8:
@@ -79,6 +85,12 @@ def inspect(name: str, times: RealArray, values: RealArray) -> Inspected:
     some = np.isfinite(values)
     findings += _level(name, times[some], values[some])
     return Inspected(values=frozen_real(values), findings=tuple(findings))
+
+
+def possible(values: RealArray) -> RealArray:
+    """Return the samples with NaN for what no sensor gives: infinities and the hugest numbers."""
+    good = np.abs(values) < IMPOSSIBLE
+    return values if np.all(good) else np.where(good, values, np.nan)
 
 
 def clipped_run(samples: RealArray, *, largest: bool) -> tuple[int, int] | None:
@@ -134,8 +146,6 @@ def _sentinel(some: RealArray) -> float | None:
         low, high = (float(np.min(others)), float(np.max(others))) if others.size else (limit, limit)
         beyond = min(abs(limit - low), abs(limit - high))
         spread = high - low
-        if abs(limit) >= 1e30:
-            return limit
         marked = limit in MARKS or limit in FULL_SCALE
         if others.size < 8 or spread == 0 or beyond <= (MARK_BEYOND if marked else BEYOND) * spread:
             continue
@@ -230,8 +240,9 @@ def _level(name: str, times: RealArray, samples: RealArray) -> list[Finding]:
     if spread > 0 and samples.size >= 8 * BLOCKS:
         blocks = np.array([np.median(block) for block in np.array_split(samples, BLOCKS)])
         x = np.linspace(-0.5, 0.5, samples.size)
-        slope = float(np.sum(x * (samples - np.mean(samples))) / np.sum(x**2))
-        explained = slope**2 * float(np.mean(x**2)) / float(np.var(samples))
+        about = (samples - np.mean(samples)) / spread
+        slope = spread * float(np.sum(x * about) / np.sum(x**2))
+        explained = (slope / spread) ** 2 * float(np.mean(x**2) / np.mean(about**2))
         if explained > DRIFTING and np.sum(np.sign(np.diff(blocks)) == np.sign(slope)) >= ONE_WAY:
             text = f"it drifts by {slope:.3g} over the record, more than it moves otherwise; left as it is"
             findings.append(_finding("drift", name, times[[0, -1]], samples.size, text, repaired=False))
