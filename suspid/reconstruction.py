@@ -9,15 +9,16 @@ import numpy as np
 
 from suspid.alternatives import farness, told_apart
 from suspid.equations import pole_distances as pole_distances
-from suspid.errors import InputError
+from suspid.errors import InputError, ReconstructionError
 from suspid.modes import ModalSet
 from suspid.observations import ModalTest, modal_tests
-from suspid.problem import NEAR_MISS, candidates, posed
+from suspid.problem import NEAR_MISS, Problem, candidates, posed
+from suspid.suspects import suspects
 from suspid.suspension import Suspension
 from suspid.units import Kilogram, NewtonPerMetre, NewtonSecondPerMetre, Ratio, RealArray
 from suspid.unknowns import QUANTITIES, Bounds, parameter_names, parameter_vector
 from suspid.values import FrozenMapping, frozen_real, rounded, spread, text_table
-from suspid.verdicts import check_fit, check_seen, goodness, parameter_covariance, pole_errors, remarks
+from suspid.verdicts import check_fit, check_seen, goodness, misfit, parameter_covariance, pole_errors, remarks
 
 TOLERANCE = 0.02  # of a pole's modulus
 ROUNDED = 1e-9  # of a pole's modulus: nearer, modes without covariance are met
@@ -63,7 +64,9 @@ class Reconstruction:
         Degrees of freedom: equations less unknowns.
     explains : bool
         Whether the topology explains the modes: chi-square is not improbably large. If it is, the standard
-        deviations are widened by its root over `freedom`, and are a guess.
+        deviations are widened by its root over `freedom`, and are a guess; `status` names the gains and masses that
+        would explain the modes, or where the misfit sits. Without a covariance: whether the root mean square of what
+        the fit leaves of the poles, relative, and of a tenth of the shapes is within the tolerance.
     """
 
     suspension: Suspension
@@ -222,7 +225,11 @@ def reconstruct(
     one convex program on poles and shapes, which has one answer; worst pole off by ...
     """
     tests = modal_tests(modes, suspension)
-    problem, notes = posed(tests, suspension, fixed, bounds, ties, nominal_std, free_masses, tolerance)
+
+    def pose(tests: Sequence[ModalTest], suspension: Suspension) -> tuple[Problem, list[str]]:
+        return posed(tests, suspension, fixed, bounds, ties, nominal_std, free_masses, tolerance)
+
+    problem, notes = pose(tests, suspension)
     points, costs = candidates(problem, search=search)
     accepted = [i for i, cost in enumerate(costs) if cost <= problem.allowed(min(costs))]
     # The data come first: nearness to the nominal car decides only between cars that they hold equally likely.
@@ -232,7 +239,14 @@ def reconstruct(
     car = problem.unknowns.suspension(best)
     notes += check_seen(problem, best, car)
     accuracy = TOLERANCE if tolerance is None else tolerance
-    residual, mac = check_fit(problem, tests, car, accuracy)
+    nearest = int(np.argmin(costs))
+    try:
+        residual, mac = check_fit(problem, tests, car, accuracy)
+    except ReconstructionError as error:
+        causes = suspects(tests, suspension, lambda t, s: pose(t, s)[0], points[nearest]) if problem.weighted else []
+        if not causes:
+            raise
+        raise ReconstructionError("; ".join([str(error), *causes]), best=car) from None
     if mac is not None and not problem.exact(best):
         notes.append(f"least MAC of the shapes {mac:.4f}")
     notes += remarks(problem, best, cost)
@@ -249,16 +263,22 @@ def reconstruct(
                 f"another suspension comes within {min(missed):.1e} of these modes: "
                 f"give their uncertainty, or tolerance=…, to have it judged"
             )
-    chi_square, freedom, explains = goodness(problem, best, cost)
-    nearest = int(np.argmin(costs))
+    chi_square, freedom, explains = goodness(problem, best, cost, accuracy)
     if nearest != accepted[0]:
-        _, _, explains = goodness(problem, points[nearest], costs[nearest])
+        _, _, explains = goodness(problem, points[nearest], costs[nearest], accuracy)
     if chi_square is not None:
         notes.append(f"chi-square {chi_square if chi_square > 1e-6 else 0:.3g} at {freedom} degrees of freedom")
     elif freedom > 0 and residual > ROUNDED:
-        notes.append("the modes state no uncertainty: how well they are met is not judged")
+        left = misfit(problem, best)
+        notes.append(f"the modes are met to {left:.1e} rms (shapes to ten times that)")
     if not explains:
-        notes.append("this topology does not explain these modes: standard deviations are widened for it")
+        notes.append(
+            f"this topology does not explain these modes: more is left than {accuracy:.1%}"
+            if chi_square is None
+            else "this topology does not explain these modes: standard deviations are widened for it"
+        )
+        if chi_square is not None:
+            notes += suspects(tests, suspension, lambda t, s: pose(t, s)[0], points[nearest])
     widening = 1.0 if explains or chi_square is None else float(np.sqrt(chi_square / max(freedom, 1)))
     covariance = parameter_covariance(problem, best, widening)
     named = dict.fromkeys(parameter_names(suspension), 0.0)

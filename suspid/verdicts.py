@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from suspid.modes import eigenmodes
 from suspid.observations import ModalTest
 from suspid.problem import Problem
 from suspid.programs import STATIONARY, slope_left
+from suspid.suspects import likely
 from suspid.suspension import Suspension
 from suspid.units import Ratio, RealArray
 from suspid.unknowns import LEAST, Unknowns
@@ -20,7 +22,6 @@ from suspid.values import frozen_real
 LEAST_MAC = 0.8  # below it a shape is another mode's
 TAKES_PART = 0.01  # of a combination: below it a parameter is not named
 LOST = 1e-2  # share of the squared residual that a step at an optimum cannot take
-UNLIKELY = 1e-3  # probability of a chi-square below which the topology does not explain the modes
 
 
 def check_seen(problem: Problem, x: RealArray, car: Suspension) -> list[str]:
@@ -186,17 +187,31 @@ def remarks(problem: Problem, x: RealArray, cost: float) -> list[str]:
     return notes
 
 
-def goodness(problem: Problem, x: RealArray, cost: float) -> tuple[float | None, int, bool]:
-    """Return chi-square, its degrees of freedom, and whether it is not improbably large."""
-    from scipy.special import chdtrc
+def goodness(problem: Problem, x: RealArray, cost: float, tolerance: Ratio) -> tuple[float | None, int, bool]:
+    """Return chi-square, its degrees of freedom, and whether it is not improbably large.
 
+    Without a covariance there is no chi-square; the modes are then explained if what is left is within the tolerance.
+    """
     u = problem.unknowns
     freedom = problem.rows - len(u)
     if not problem.weighted:
-        return None, freedom, True
+        return None, freedom, misfit(problem, x) <= tolerance
     # A bound that acts leaves one unknown less to follow the noise.
     stuck = int(np.sum((x <= u.lower * (1 + 1e-9)) | (x >= u.upper * (1 - 1e-9))))
-    return cost**2, freedom, not freedom + stuck or bool(chdtrc(freedom + stuck, cost**2) >= UNLIKELY)
+    return cost**2, freedom, likely(cost**2, freedom + stuck)
+
+
+def misfit(problem: Problem, x: RealArray) -> Ratio:
+    """Return how wrong unweighted modes must be, root mean square, for x to have them: shapes ten times that [1].
+
+    What the fit takes up is made up for; 0 where there are no more equations than unknowns.
+    """
+    told = int(np.sum(problem.unknowns.has_prior))
+    freedom = problem.rows - told - len(x)
+    if freedom <= 0:
+        return 0.0
+    plain = replace(problem, unknowns=replace(problem.unknowns, prior_std=np.full(len(x), np.inf)))
+    return float(np.linalg.norm(plain.deciding(x)[0]) / np.sqrt(freedom))
 
 
 def parameter_covariance(problem: Problem, x: RealArray, widening: float) -> RealArray | None:

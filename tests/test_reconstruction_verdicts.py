@@ -1,0 +1,206 @@
+"""What is said of data that do not fit, of what only the nominal car tells, and of springs that are not there."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+
+from suspid import ModalSet, ReconstructionError, Strut, Suspension, eigenmodes, statespace
+from suspid.observations import ModalTest
+from suspid.reconstruction import reconstruct
+from suspid.units import RealArray
+from validation.cars import HATCHBACK, PAPER, SALOON
+from validation.springs import nominal
+
+SPREAD = 1e-3  # of shapes; poles are known ten times better
+
+
+def measured(modes: ModalSet, seed: int, *, gains: Sequence[float] = (1.0, 1.0, 1.0)) -> ModalSet:
+    """Return the modes with noise, then through channels of these gains."""
+    assert modes.shapes is not None
+    rng, n = np.random.default_rng(seed), len(modes)
+    std = np.concatenate([np.repeat(np.abs(modes.poles) * SPREAD / 10, 2), np.full(2 * modes.shapes.size, SPREAD)])
+    noise = std * rng.standard_normal(len(std))
+    shapes = modes.shapes + (noise[2 * n :: 2] + 1j * noise[2 * n + 1 :: 2]).reshape(n, -1).T
+    scale = np.concatenate([np.ones(2 * n), np.tile(np.repeat(gains, 2), n)])
+    return ModalSet(
+        poles=modes.poles + noise[0 : 2 * n : 2] + 1j * noise[1 : 2 * n : 2],
+        shapes=shapes * np.asarray(gains)[:, None],
+        channels=modes.channels,
+        covariance=np.diag((std * scale) ** 2),
+    )
+
+
+def with_sky(car: Suspension, stiffness: float, damping: float) -> Suspension:
+    sky = Strut(name="sky", stiffness=stiffness, damping=damping, arms={"seat": 1, "sky": -1})
+    return Suspension(masses=car.masses, struts=[*car.struts, sky])
+
+
+def said(modes: ModalSet, car: Suspension) -> str:
+    """Return what is said, be it of an answer or of a refusal."""
+    try:
+        answer = reconstruct(modes, car)
+    except ReconstructionError as error:
+        return str(error)
+    assert not answer.explains, answer
+    return answer.status
+
+
+class TestCauses:
+    @pytest.mark.parametrize("channel", range(3), ids=["seat", "chassis", "tire"])
+    @pytest.mark.parametrize("gain", [0.95, 1.05, 1.3])
+    def test_a_gain_that_is_off_is_named_with_its_value(self, channel: int, gain: float) -> None:
+        gains = [1.0, 1.0, 1.0]
+        gains[channel] = gain
+        text = said(measured(eigenmodes(PAPER), channel, gains=gains), nominal(PAPER))
+        name, _, number = text.partition("explained by channel ")[2].partition(" reading ")
+        assert name == PAPER.coordinates[channel], text
+        # Components of 0.3 to 1, known to 1e-3, that tell six unknowns beside the gain.
+        assert float(number.split()[0]) == pytest.approx(gain, rel=0.01), text
+
+    @pytest.mark.parametrize("name", PAPER.coordinates)
+    @pytest.mark.parametrize("share", [0.97, 1.03])
+    def test_a_mass_that_is_off_is_named_with_its_value(self, name: str, share: float) -> None:
+        wrong = nominal(PAPER).with_parameters(masses={name: PAPER.masses[name] * share})
+        text = said(measured(eigenmodes(PAPER), 5), wrong)
+        assert f"the mass of {name} being" in text, text
+        found = text.partition(f"the mass of {name} being ")[2]
+        error = float(found.split("%")[0]) * (1 if "larger" in found.split("than")[0] else -1)
+        assert error == pytest.approx(100 * (1 / share - 1), abs=1.0), "shapes of 1e-3 and the other unknowns"
+
+    def test_a_gain_that_throws_a_pole_off_is_named_in_the_refusal(self) -> None:
+        """Shapes that claim to be exact pull a light car's pole beyond the tolerance."""
+        gains = [1.05, 1.0, 1.0]
+        modes = measured(eigenmodes(HATCHBACK), 1, gains=gains)
+        vague = np.diag(np.concatenate([np.full(6, 1e6), np.ones(18)]))
+        assert modes.covariance is not None
+        modes = ModalSet(
+            poles=modes.poles, shapes=modes.shapes, channels=modes.channels, covariance=modes.covariance @ vague
+        )
+        text = said(modes, nominal(HATCHBACK))
+        assert "channel seat reading 1.0" in text, text
+
+    def test_one_mode_that_does_not_belong(self) -> None:
+        modes = measured(eigenmodes(PAPER), 2)
+        assert modes.shapes is not None
+        shapes = modes.shapes.copy()
+        shapes[:, 1] *= [1.0, 1.1, 0.9]
+        wrong = ModalSet(poles=modes.poles, shapes=shapes, channels=modes.channels, covariance=modes.covariance)
+        assert "most of it comes from mode 2: without" in said(wrong, nominal(PAPER))
+
+    def test_in_one_of_two_tests(self) -> None:
+        heavier = PAPER.with_parameters(masses={"seat": PAPER.masses["seat"] + 75.0})
+        tests = [
+            ModalTest(modes=measured(eigenmodes(PAPER), 3)),
+            ModalTest(modes=measured(eigenmodes(heavier), 4), added_masses={"seat": 75.0}),
+        ]
+        assert reconstruct(tests, nominal(PAPER)).explains
+        off = nominal(PAPER).with_parameters(masses={"chassis": 1.05 * PAPER.masses["chassis"]})
+        answer = reconstruct(tests, off)
+        assert not answer.explains
+        assert "the mass of chassis being 4.8% smaller" in answer.status, answer.status
+
+    def test_right_cars_are_not_suspected(self) -> None:
+        for seed in range(30):
+            answer = reconstruct(measured(eigenmodes(SALOON), 100 + seed), nominal(SALOON))
+            assert answer.explains, "one of 1000 is refused by chance"
+            assert "would be explained" not in answer.status
+
+
+class TestWithoutCovariance:
+    def with_gain(self, gain: float) -> ModalSet:
+        modes = eigenmodes(PAPER)
+        assert modes.shapes is not None
+        return ModalSet(poles=modes.poles, shapes=modes.shapes * np.array([[1], [gain], [1]]), channels=modes.channels)
+
+    def test_a_gain_of_two_is_not_explained(self) -> None:
+        """The poles are met and the shapes are alike, and still more is left than anyone would accept."""
+        answer = reconstruct(self.with_gain(2.0), nominal(PAPER), tolerance=0.03)
+        assert reconstruct(self.with_gain(1.02), nominal(PAPER), tolerance=0.03).explains
+        assert not answer.explains
+        assert "does not explain these modes: more is left than 3.0%" in answer.status
+        assert answer.chi_square is None
+
+    def test_the_tolerance_decides(self) -> None:
+        answer = reconstruct(self.with_gain(1.1), nominal(PAPER))
+        assert answer.explains
+        assert "the modes are met to 3." in answer.status, answer.status
+        assert not reconstruct(self.with_gain(1.1), nominal(PAPER), tolerance=1e-3).explains
+
+    def test_a_sign_that_is_swapped_is_refused(self) -> None:
+        with pytest.raises(ReconstructionError, match="MAC"):
+            reconstruct(self.with_gain(-1.0), nominal(PAPER), tolerance=0.05)
+
+    @pytest.mark.parametrize("digits", [2, 3, 4])
+    def test_printed_digits_are_no_misfit(self, digits: int) -> None:
+        for car in (PAPER, HATCHBACK, SALOON):
+            modes = eigenmodes(car)
+            assert modes.shapes is not None
+            unit = modes.shapes / np.abs(modes.shapes).max(axis=0)
+
+            def short(values: RealArray, digits: int = digits) -> RealArray:
+                return np.array([float(f"{v:.{digits - 1}e}") for v in values.ravel()]).reshape(values.shape)
+
+            printed = ModalSet.from_wn_zeta(
+                short(modes.wn),
+                short(modes.zeta),
+                shapes=np.round(unit.real, digits) + 1j * np.round(unit.imag, digits),
+                channels=modes.channels,
+            )
+            answer = reconstruct(printed, nominal(car))
+            assert answer.explains
+            assert "are met to" in answer.status
+
+    def test_no_more_equations_than_unknowns_judge_nothing(self) -> None:
+        answer = reconstruct(ModalSet(poles=eigenmodes(HATCHBACK).poles), nominal(HATCHBACK))
+        assert answer.explains
+        assert answer.freedom == 0
+        assert "rms" not in answer.status
+
+
+class TestWhatTheNominalValuesTell:
+    def parallel(self) -> Suspension:
+        helper = Strut(name="helper", stiffness=5e4, damping=50, arms=PAPER.struts[0].arms)
+        return Suspension(masses=PAPER.masses, struts=[*PAPER.struts, helper])
+
+    @pytest.mark.parametrize("noisy", [False, True])
+    def test_a_split_that_they_alone_decide(self, noisy: bool) -> None:
+        car = self.parallel()
+        modes = measured(eigenmodes(car), 6) if noisy else eigenmodes(car)
+        answer = reconstruct(modes, car, nominal_std=0.3)
+        assert "are told apart by the nominal values alone" in answer.status
+        before = answer.status.split(" are told apart")[0].split("; ")[-1]
+        assert before == "seat.stiffness, helper.stiffness, seat.damping and helper.damping"
+
+    def test_nothing_is_said_where_the_modes_tell(self) -> None:
+        answer = reconstruct(measured(eigenmodes(PAPER), 7), nominal(PAPER), nominal_std=0.3)
+        assert "nominal values alone" not in answer.status
+
+
+class TestSpringsThatAreNotThere:
+    @pytest.mark.parametrize("weighted", [False, True])
+    def test_it_ends_on_its_bound_and_is_said_to(self, weighted: bool) -> None:
+        """The modes of three struts, and a topology of four: not unseen, but none is wanted."""
+        modes = measured(eigenmodes(PAPER), 12)
+        if not weighted:
+            modes = ModalSet(poles=modes.poles, shapes=modes.shapes, channels=modes.channels)
+        answer = reconstruct(modes, with_sky(PAPER, 2e4, 30.0))
+        k = answer.suspension.struts[3].stiffness
+        if k < 1.0:
+            assert "next to nothing is left of sky.stiffness" in answer.status
+        assert k < 5e-3 * 2e5, "shapes of 1e-3"
+        for strut, true in zip(answer.suspension.struts, PAPER.struts, strict=False):
+            assert strut.stiffness == pytest.approx(true.stiffness, rel=0.02)
+
+    def test_exact_modes(self) -> None:
+        answer = reconstruct(eigenmodes(PAPER), with_sky(PAPER, 2e4, 30.0))
+        assert answer.suspension.struts[3].stiffness == pytest.approx(0.02), "a millionth of nominal"
+        assert "next to nothing is left of sky.stiffness" in answer.status
+        assert answer.suspension.struts[2].stiffness == pytest.approx(800e3, rel=1e-5)
+
+    def test_a_mode_of_a_sensor_that_sees_two_of_three(self) -> None:
+        modes = eigenmodes(statespace(PAPER, outputs=["seat", "tire"]))
+        answer = reconstruct(modes, with_sky(PAPER, 2e4, 30.0))
+        assert answer.suspension.struts[3].stiffness < 1e-4 * 2e5
