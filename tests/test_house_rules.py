@@ -47,6 +47,7 @@ LAYERS = [
     ["polynomials"],
     ["observations", "alternatives"],
     ["problem"],
+    ["suspects"],
     ["verdicts"],
     ["reconstruction"],
     ["comparison"],
