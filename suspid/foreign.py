@@ -6,6 +6,7 @@ import contextlib
 import gc
 import io
 import logging
+import sys
 import warnings
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
@@ -58,13 +59,13 @@ def sheltered(read: Callable[[], T], *, extra: str, library: str, suffix: str, d
             message = f"is damaged: {type(refusal).__name__}{f': {words}' if words else ''}"
         # What the failed reader holds open goes here, while nobody is told of it: the error that is
         # raised below has no context, in which the reader's frames would live on.
-        gc.collect(1)
+        gc.collect()
     raise RecordError(message)
 
 
 @contextlib.contextmanager
 def _silence() -> Iterator[None]:
-    logged = logging.root.manager.disable
+    logged, unraisable = logging.root.manager.disable, sys.unraisablehook
     with (
         warnings.catch_warnings(),
         contextlib.redirect_stdout(io.StringIO()),
@@ -72,9 +73,12 @@ def _silence() -> Iterator[None]:
     ):
         warnings.simplefilter("ignore")
         logging.disable(logging.CRITICAL)
+        # Where a reader failed half-way, so may its destructor.
+        sys.unraisablehook = lambda _: None
         try:
             yield
         finally:
+            sys.unraisablehook = unraisable
             logging.disable(logged)
 
 

@@ -18,6 +18,7 @@ ALL_INVALID = 1
 BUS_EVENT, PLAIN_BUS_EVENT, REMOTE_MASTER = 1 << 1, 1 << 2, 1 << 3
 FRAMES = "CAN_DataFrame"
 ID_BITS = 29
+VARIABLE, LONGEST_FRAME = 1, 64
 TIME, SYNCHRONOUS = 1, ("", "time", "angle", "distance", "index")
 # By generation of the format: types of data that are numbers, conversions to words, and by formulas.
 NUMBERS = {True: range(6), False: (0, 1, 2, 3, 9, 10, 11, 12, 13, 14, 15, 16)}
@@ -135,6 +136,7 @@ def frame_ids(file: Any, frames: Sequence[int]) -> list[tuple[int, int]]:
         channels = file.groups[k].channels
         if any(_conversion(channel) == BY_FORMULA[True] or channel.flags & ALL_INVALID for channel in channels):
             raise RecordError("marks its CAN frames as invalid, or scales them by a formula, which is not evaluated")
+        _check_payloads(file, k)
         buses, ids = (
             np.asarray(file.get(f"{FRAMES}.{name}", group=k, samples_only=True)[0]).astype(np.int64)
             for name in ("BusChannel", "ID")
@@ -142,6 +144,24 @@ def frame_ids(file: Any, frames: Sequence[int]) -> list[tuple[int, int]]:
         pairs = np.unique((buses << ID_BITS) | (ids & ((1 << ID_BITS) - 1)))
         found |= {(int(pair) >> ID_BITS, int(pair) & ((1 << ID_BITS) - 1)) for pair in pairs}
     return sorted(found)
+
+
+def _check_payloads(file: Any, group: int) -> None:
+    """Refuse frames whose bytes do not stand where they should: asammdf would look for them anywhere in memory."""
+    for i, channel in enumerate(file.groups[group].channels):
+        if channel.channel_type == VARIABLE:
+            channel.channel_type = 0
+            places = file.get(group=group, index=i, raw=True, samples_only=True, ignore_invalidation_bits=True)[0]
+            channel.channel_type = VARIABLE
+            places = np.frombuffer(places.tobytes(), "<u8")
+            payloads = np.frombuffer(file._mdf._load_signal_data(group=file.groups[group], index=i), np.uint8)
+            if places.size != _size(file.groups[group]) or np.any(places[1:] < places[:-1]):
+                raise RecordError("is damaged: its CAN frames are out of order")
+            if places.size and int(places[-1]) + 4 > payloads.size:
+                raise RecordError("is damaged: the bytes of its CAN frames lie beyond their end")
+            sizes = sum(payloads[places + np.uint64(k)].astype(np.int64) << (8 * k) for k in range(4))
+            if np.any(sizes > LONGEST_FRAME):
+                raise RecordError(f"is damaged: a CAN frame has {np.max(sizes)} bytes; there may be {LONGEST_FRAME}")
 
 
 def _conversion(channel: Any) -> int | None:
