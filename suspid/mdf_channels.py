@@ -45,8 +45,9 @@ def opened(content: bytes) -> Iterator[Any]:
     """Give an open file of asammdf's, and close it with whatever it made for itself."""
     from asammdf import MDF
 
-    # The names of buses stand in attachments, which are left alone.
-    file = MDF(io.BytesIO(content), process_bus_logging=False)  # type: ignore[call-arg]  # its types leave it out
+    # Attachments are left alone, and arrays not split into as many channels as they say.
+    options: dict[str, Any] = {"process_bus_logging": False, "add_array_components": False}
+    file = MDF(io.BytesIO(content), **options)
     try:
         yield file
     finally:
