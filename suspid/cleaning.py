@@ -15,10 +15,10 @@ from suspid.errors import RecordError
 from suspid.files import printable
 from suspid.findings import Finding as Finding
 from suspid.gaps import MOST_FILLED, fill, runs
+from suspid.inspection import inspect, possible
 from suspid.placing import Placed, place, resample
 from suspid.recordings import RawChannel, Recording
 from suspid.signals import as_response, as_signal
-from suspid.suspects import inspect, possible
 from suspid.units import Hertz, RealArray, Second
 
 if TYPE_CHECKING:

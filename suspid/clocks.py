@@ -396,7 +396,7 @@ def _jitter(times: RealArray, values: RealArray, places: Indices, step: Second, 
     size = _mean(by_stamps + by_grid, known, axis=1)[:, None]
     apart = np.where(known & (size > 0), by_grid - by_stamps, 0.0) / np.where(size > 0, size, 1.0)
     better = apart.sum(axis=0)[np.any(known, axis=0)] if apart.size else np.zeros(1)
-    spread = float(np.std(better))
+    spread = float(np.std(better)) if better.size else 0.0
     # Neighbouring predictions share samples, so that about a third of them are independent.
     evidence = float(np.mean(better)) / spread * np.sqrt(better.size / 3) if spread > 0 else 0.0
     sigma = float(np.sqrt(np.mean(off**2)))

@@ -33,7 +33,7 @@ LAYERS = [
         "programs",
     ],
     ["findings", "conversions"],
-    ["clocks", "gaps", "suspects"],
+    ["clocks", "gaps", "inspection"],
     ["placing"],
     ["delimited", "timing", "cleaning", "sensors"],
     ["simulation", "records", "cars", "denoising", "scalogram"],
