@@ -25,6 +25,8 @@ PIECE = 1 << 22
 HEAD_LINES, HEAD_BYTES = 1000, 1 << 18
 LONGEST_LINE = 1 << 20
 MOST_FOOTER = 20
+# A piece with more rows that are not of plain numbers is read cell by cell.
+MOST_PARTS = 2000
 CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f\x7f]")
 # What a row of numbers may begin with; lines that begin with anything else are looked at one by one.
 PLAIN = np.isin(np.arange(256), np.frombuffer(b"0123456789+-.", np.uint8))
@@ -290,15 +292,46 @@ def _numbers(lines: Sequence[int], rows: Sequence[str], use: Sequence[int], layo
     # A point beside decimal commas is a thousand, and is refused below.
     if not dialect.comma or ("." not in whole and delimiter != ","):
         plain = whole.replace(",", ".").split("\n") if dialect.comma else rows
+        parts: list[RealArray] = []
+        start = 0
+        while start < len(rows) and len(parts) < MOST_PARTS:
+            stop = _first_odd(plain[start:], delimiter, use, parts)
+            if stop is None:
+                return np.concatenate(parts, axis=1)
+            odd = slice(start + stop, start + stop + 1)
+            parts.append(_cell_by_cell(lines[odd], rows[odd], use, layout))
+            start = odd.stop
+        if start == len(rows):
+            return np.concatenate(parts, axis=1)
+        lines, rows = lines[start:], rows[start:]
+        return np.concatenate([*parts, _cell_by_cell(lines, rows, use, layout)], axis=1)
+    return _cell_by_cell(lines, rows, use, layout)
+
+
+def _first_odd(rows: Sequence[str], delimiter: str | None, use: Sequence[int], parts: list[RealArray]) -> int | None:
+    """Add the numbers of the rows up to the first that is not of plain numbers, and return its index, if any."""
+    odd: int | None = None
+    stop = len(rows)
+    for _ in range(2):
         try:
-            values = np.loadtxt(plain, delimiter=delimiter, comments=None, quotechar='"', usecols=use, ndmin=2)
-        except ValueError:
-            pass
+            values = np.loadtxt(rows[:stop], delimiter=delimiter, comments=None, quotechar='"', usecols=use, ndmin=2)
+        except ValueError as refusal:
+            found = re.search(r"at row (\d+)", str(refusal))
+            # Where it stands is told by the parser, by some releases counted from one.
+            odd = stop = max(int(found[1]) - 1, 0) if found else 0
         else:
-            if len(values) == len(rows):
-                return values.T
+            if len(values) == stop:
+                parts.append(values.T)
+                return odd
+            odd = stop = 0
+        if not stop:
+            break
+    return 0
+
+
+def _cell_by_cell(lines: Sequence[int], rows: Sequence[str], use: Sequence[int], layout: Layout) -> RealArray:
     names = {layout.names[k]: k for k in use}
-    return np.array([_row(line, row, names, dialect) for line, row in zip(lines, rows, strict=True)]).T
+    return np.array([_row(line, row, names, layout.dialect) for line, row in zip(lines, rows, strict=True)]).T
 
 
 def _row(line: int, row: str, names: Mapping[str, int], dialect: Dialect) -> list[float]:

@@ -129,9 +129,11 @@ def find_layout(head: Sequence[str], sample: Sequence[str]) -> Layout:
     names = [name or f"column {k + 1}" for k, name in enumerate(cells)]
     if trailing and not cells[-1]:
         names[-1] = ""
-    twice = next((name for name in names if names.count(name) > 1), None)
-    if twice is not None:
-        raise RecordError(f"the header names {names.count(twice)} columns {twice!r}; names must differ")
+    left_out = _above(head, [k for k in range(first) if k not in (names_at, units_at) and head[k].strip()])
+    for k, name in enumerate(names):
+        if name in names[:k]:
+            names[k] = next(new for n in itertools.count(2) if (new := f"{name} ({n})") not in names)
+            left_out[f"name of column {k + 1}"] = f"stands twice, {name!r}; the column is called {names[k]!r}"
     stated = (
         []
         if units_at is None
@@ -147,7 +149,7 @@ def find_layout(head: Sequence[str], sample: Sequence[str]) -> Layout:
         kinds=dict(zip(names, columns, strict=True)),
         first=first,
         rates=_rates([head[k] for k in others]),
-        left_out=_above(head, others),
+        left_out=left_out,
     )
 
 

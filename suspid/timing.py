@@ -58,7 +58,10 @@ def as_recording(
         if name == time or chosen.count(name) > 1:
             raise RecordError(f"column {name!r} is asked for twice")
     stamps = _shared_stamps(table, [name for name in chosen if name not in clocks], time, rate)
-    by_clock = {id(clock): _stamps(clock, table.sizes[name], fs) for name, clock in clocks.items() if name in chosen}
+    by_clock: dict[int, RealArray] = {}
+    for name in chosen:
+        if name in clocks and id(clocks[name]) not in by_clock:
+            by_clock[id(clocks[name])] = _stamps(clocks[name], table.sizes[name], fs)
     raw = []
     for name, values in zip(chosen, table.columns(chosen), strict=True):
         clock = clocks.get(name)

@@ -192,7 +192,7 @@ class TestTimeColumn:
             record = read_record(path, fs=1280)
         assert record.time.tolist() == exact.tolist()
         raw = read_recording(path, fs=1280)["x"]
-        assert raw.timepts.tolist() == np.round(exact, 4).tolist()
+        assert raw.timepts.tolist() == [float(f"{t:.4f}") for t in exact]
         assert raw.rate == 1280
 
     @pytest.mark.parametrize("fs", [499.0, 501.0, 500.1, 1000.0, 1e-9, 1e300])
@@ -297,7 +297,6 @@ REFUSED: list[tuple[str, str | bytes, dict[str, Any], str]] = [
     ("r.csv", "t,seat\n0,1\n1\n2,3\n", {}, "line 3 has 1 cells, the rows above have 2"),
     ("r.csv", "t,seat\n0,1\n1,2\nt,seat\n0,1\n1,2\n", {}, "line 4 holds no number: 't,seat'"),
     ("r.csv", 't,seat\n0,1\n1,"2,3\n', {}, "line 3"),
-    ("r.csv", "t,t\n0,1\n1,2\n", {}, "names 2 columns 't'"),
     ("r.csv", "t,time\n0,1\n1,7\n2,3\n", {}, "'t', 'time' all read like a time"),
     ("r.csv", "0,up\n1,2\n", {"fs": 1}, "line 1 is neither a header nor data: cell 2 is 'up'"),
     ("r.csv", "t\n0\n1\n", {}, "no channel as long as time"),
