@@ -1,0 +1,277 @@
+"""Text files: each dialect gives the same numbers, whatever stands around them is told, and nothing is guessed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from suspid import RecordError
+from suspid.delimited import read_delimited
+from suspid.dialects import UNIT
+from suspid.recordings import Recording
+from suspid.records import read_recording
+from suspid.tables import bracketed_unit, stated_rate
+from suspid.timing import SAME_RATE
+
+DATA = Path(__file__).resolve().parents[2] / "shared" / "data"
+FUZZ = settings(max_examples=200, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+
+TIME = [0.0, 0.5, 1.0, 1.5]
+SEAT = [1.5, -2.25, 0.125, 4.0]
+PLAIN = "t,seat\n0,1.5\n0.5,-2.25\n1,0.125\n1.5,4\n"
+COMMA = PLAIN.replace(",", ";").replace(".", ",")
+# What writes so, the text, the unit of the seat, and what must be told.
+DIALECTS: dict[str, tuple[str | bytes, str, tuple[str, ...]]] = {
+    "comma": (PLAIN, "", ()),
+    "semicolon": (PLAIN.replace(",", ";"), "", ()),
+    "tab": (PLAIN.replace(",", "\t"), "", ()),
+    "blanks": (PLAIN.replace(",", "    "), "", ()),
+    "one blank": (PLAIN.replace(",", " "), "", ()),
+    "columns of blanks": ("  t      seat\n 0.0     1.5\n 0.5   -2.25\n 1.0   0.125\n 1.5    4.00\n", "", ()),
+    "decimal comma, semicolon": (COMMA, "", ()),
+    "decimal comma, tab": (COMMA.replace(";", "\t"), "", ()),
+    "decimal comma, blanks": (COMMA.replace(";", "   "), "", ()),
+    "decimal comma, quoted": ('"t","seat"\n"0,0","1,5"\n"0,5","-2,25"\n"1,0","0,125"\n"1,5","4,0"\n', "", ()),
+    "quoted": ('"t","seat"\n"0","1.5"\n"0.5","-2.25"\n"1","0.125"\n"1.5","4"\n', "", ()),
+    "delimiters at the end": (PLAIN.replace("\n", ",\n"), "", ()),
+    "delimiters at the end of rows": (PLAIN.replace("\n", ",\n").replace("seat,", "seat"), "", ()),
+    "delimiter at the end of the header": (PLAIN.replace("seat", "seat,"), "", ()),
+    "UTF-8 with a mark": (b"\xef\xbb\xbf" + PLAIN.encode(), "", ()),
+    "UTF-16": (PLAIN.encode("utf-16"), "", ("encoding",)),
+    "UTF-16, big end first": (b"\xfe\xff" + PLAIN.encode("utf-16-be"), "", ("encoding",)),
+    "Windows-1252": (PLAIN.replace("seat", "seat [µm]").encode("cp1252"), "µm", ("encoding",)),
+    "brackets": (PLAIN.replace("seat", "seat [mm]"), "mm", ()),
+    "parentheses": (PLAIN.replace("t,seat", '"Time (s)","Seat (m/s^2)"'), "m/s^2", ()),
+    "a unit as part of the name": (PLAIN.replace("seat", "a_seat_m/s2"), "", ()),
+    "row of units": (PLAIN.replace("seat\n", "seat\ns,m/s²\n"), "m/s²", ()),
+    "row of units in brackets": (PLAIN.replace("seat\n", "seat\n[s],[mm]\n"), "mm", ()),
+    "banner": (f"Logger 3000\nSerial: 12345\nOperator, A. N. Other\n\n{PLAIN}", "", ("line 1", "line 2", "line 3")),
+    "comments": ("# made by hand\n" + PLAIN.replace("1,0.125", "% bump\n1,0.125"), "", ("line 1", "line 5")),
+    "header as a comment": ("# " + PLAIN, "", ()),
+    "many lines above": ("note\n" * 30 + PLAIN, "", ("lines 1 to 30",)),
+    "two rows of names": ("group,first\n" + PLAIN, "", ("line 1",)),
+    "footer": (PLAIN + "End of data\nSamples: 4\n\n", "", ("line 6", "line 7")),
+    "blank lines": (PLAIN.replace("\n", "\n\n") + "\n \n", "", ("line 4",)),
+    "cut short": (PLAIN + "2", "", ("line 6",)),
+    "rows counted": (",t,seat\n0,0,1.5\n1,0.5,-2.25\n2,1,0.125\n3,1.5,4\n", "", ("column 1",)),
+    "remarks": ("t,seat,note\n0,1.5,go\n0.5,-2.25,\n1,0.125,\n1.5,4,end\n", "", ("note",)),
+    "milliseconds": ("millis,seat\n0,1.5\n500,-2.25\n1000,0.125\n1500,4\n", "", ()),
+    "Fortran": ("t seat\n0.0D0 1.5D0\n5.0D-1 -2.25D+00\n1.0D0 1.25d-01\n0.15D1 4D0\n", "", ()),
+    "ISO 8601": (
+        "Timestamp,seat\n2024-05-03T23:59:59.250Z,1.5\n2024-05-03T23:59:59.750Z,-2.25\n"
+        "2024-05-04T00:00:00.250Z,0.125\n2024-05-04T00:00:00.750Z,4\n",
+        "",
+        ("Timestamp",),
+    ),
+    "German date": (
+        "Datum/Zeit;seat\n03.05.2024 12:34:56,123;1,5\n03.05.2024 12:34:56,623;-2,25\n"
+        "03.05.2024 12:34:57,123;0,125\n03.05.2024 12:34:57,623;4\n",
+        "",
+        ("Datum/Zeit",),
+    ),
+    "date and time apart, over midnight": (
+        "Date,Time,seat\n03.05.2024,23:59:59.250,1.5\n03.05.2024,23:59:59.750,-2.25\n"
+        "04.05.2024,00:00:00.250,0.125\n04.05.2024,00:00:00.750,4\n",
+        "",
+        ("Date", "Time"),
+    ),
+    "months first": (
+        "time,seat\n5/13/2024 11:59:59 PM,1.5\n5/13/2024 11:59:59.5 PM,-2.25\n"
+        "5/14/2024 12:00:00 AM,0.125\n5/14/2024 12:00:00.5 AM,4\n",
+        "",
+        ("time",),
+    ),
+    "Arduino": (
+        "12:34:56.250 -> 1.5\n12:34:56.750 -> -2.25\n12:34:57.250 -> 0.125\n12:34:57.750 -> 4\n",
+        "",
+        ("column 1",),
+    ),
+    "phyphox": (
+        '"Time (s)","Acceleration x (m/s^2)"\n0.0E0,1.500000000E0\n5.0E-1,-2.250000000E0\n1.0E0,1.25E-1\n1.5E0,4.0E0\n',
+        "m/s^2",
+        (),
+    ),
+    "Sensor Logger": (
+        "time,seconds_elapsed,seat\n1714732496000000000,0.0,1.5\n1714732496500000000,0.5,-2.25\n"
+        "1714732497000000000,1.0,0.125\n1714732497500000000,1.5,4\n",
+        "",
+        ("time",),
+    ),
+    "LabVIEW": (
+        "LabVIEW Measurement\t\nSeparator\tTab\n***End_of_Header***\t\nX_Value\tseat\tComment\n"
+        + PLAIN.split("\n", 1)[1].replace(",", "\t"),
+        "",
+        ("line 1", "line 2", "line 3"),
+    ),
+}
+
+
+def read(folder: Path, content: str | bytes, **options: object) -> Recording:
+    path = folder / "r.csv"
+    path.write_bytes(content.encode() if isinstance(content, str) else content)
+    return read_recording(path, **options)  # type: ignore[arg-type]  # whatever the test gives
+
+
+class TestEveryDialectSaysTheSame:
+    @pytest.mark.parametrize("name", DIALECTS)
+    def test_numbers_unit_and_what_is_told(self, tmp_path: Path, name: str) -> None:
+        content, unit, told = DIALECTS[name]
+        recording = read(tmp_path, content)
+        (seat,) = recording.channels
+        assert seat.values.tolist() == SEAT
+        assert seat.timepts.tolist() == TIME
+        assert seat.unit == unit
+        assert tuple(what for what, _ in recording.left_out) == told
+
+    @FUZZ
+    @given(
+        rows=st.lists(st.tuples(*[st.floats(allow_infinity=False)] * 3), min_size=2, max_size=8),
+        delimiter=st.sampled_from(["\t", ";", ",", "  "]),
+        comma=st.booleans(),
+        missing=st.sampled_from(["nan", "-nan", "NaN", "#N/A", "---", "-1.#IND"]),
+        units=st.booleans(),
+        end=st.sampled_from(["\n", "\r\n", "\r"]),
+    )
+    def test_any_numbers(
+        self,
+        tmp_path: Path,
+        rows: list[tuple[float, ...]],
+        delimiter: str,
+        comma: bool,
+        missing: str,
+        units: bool,
+        end: str,
+    ) -> None:
+        cells = [[missing if value != value else repr(value) for value in row] for row in rows]
+        if comma and delimiter == ",":
+            return  # no file: what parts the cells cannot be told from what stands before decimals
+        lines = [[cell.replace(".", ",") if comma and cell != missing else cell for cell in row] for row in cells]
+        head = [["x", "y", "z"], *([["m", "m/s", "g"]] if units else [])]
+        if all(value != value for row in rows for value in row):
+            return  # no row of numbers
+        recording = read(tmp_path, end.join(delimiter.join(line) for line in [*head, *lines]), fs=10)
+        assert recording.names == ("x", "y", "z")
+        np.testing.assert_array_equal([channel.values for channel in recording.channels], np.array(rows).T)
+
+    @pytest.mark.skipif(not DATA.exists(), reason="no shared data")
+    @pytest.mark.parametrize("name", ["release", "step50mm", "chirp"])
+    def test_a_simulated_car_as_numpy_reads_it(self, name: str) -> None:
+        path = DATA / "rizoit_seat3dof_sim" / f"{name}.csv"
+        recording = read_recording(path)
+        expected = np.loadtxt(path, delimiter=",", skiprows=1)
+        assert recording.names == ("z_seat_m", "z_body_m", "z_wheel_m", "a_seat", "a_body", "a_wheel", "z_road_m")
+        assert np.array_equal(np.array([channel.values for channel in recording.channels]).T, expected[:, 1:])
+        assert np.array_equal(recording.channels[0].timepts, expected[:, 0])
+
+
+class TestMissingCells:
+    @pytest.mark.parametrize("cell", ["", "nan", "-nan", "NaN", "#N/A", "---", "N/A", "null", "1.#QNAN", "-nan(ind)"])
+    def test_are_not_a_number(self, tmp_path: Path, cell: str) -> None:
+        seat = read(tmp_path, f"t,seat,tire\n0,1,2\n1,{cell},3\n2,3,4\n")["seat"]
+        assert np.array_equal(seat.values, [1, np.nan, 3], equal_nan=True)
+
+    def test_a_piece_with_many_is_read_as_one_with_none(self, tmp_path: Path) -> None:
+        rng = np.random.default_rng(7)
+        values = rng.standard_normal((30_000, 3))
+        values[rng.random(values.shape) < 0.01] = np.nan
+        rows = "\n".join(",".join("" if v != v else repr(v) for v in row) for row in values.tolist())
+        recording = read(tmp_path, f"a,b,c\n{rows}\n", fs=10)
+        assert np.array_equal(np.array([c.values for c in recording.channels]).T, values, equal_nan=True)
+
+
+class TestOneNumberOrTwo:
+    """A comma between digits is never guessed at."""
+
+    def test_as_many_names_as_cells(self, tmp_path: Path) -> None:
+        assert read(tmp_path, "t,x\n1,234\n2,235\n")["x"].values.tolist() == [234, 235]
+
+    def test_one_name(self, tmp_path: Path) -> None:
+        assert read(tmp_path, "x\n1,234\n2,235\n", fs=1)["x"].values.tolist() == [1.234, 2.235]
+
+    def test_a_zero_behind_the_comma(self, tmp_path: Path) -> None:
+        assert read(tmp_path, "1,034\n2,235\n", fs=1).channels[0].values.tolist() == [1.034, 2.235]
+
+    def test_a_sign_or_a_point_behind_the_comma(self, tmp_path: Path) -> None:
+        assert len(read(tmp_path, "1,-234\n2,235\n", fs=1).channels) == 2
+        assert len(read(tmp_path, "1,2.5\n2,235\n", fs=1).channels) == 2
+
+    def test_neither(self, tmp_path: Path) -> None:
+        with pytest.raises(RecordError, match="may be one number or two.*header"):
+            read(tmp_path, "1,234\n2,235\n", fs=1)
+
+
+class TestHeader:
+    @pytest.mark.parametrize(
+        ("line", "rate"),
+        [("Sample rate: 500 Hz", 500), ("fs=500", 500), ("dt;0.002", 500), ("Sampling interval (ms): 2", 500)],
+    )
+    def test_states_the_rate(self, tmp_path: Path, line: str, rate: float) -> None:
+        channel = read(tmp_path, f"{line}\nseat\n1.5\n2.5\n4.5\n").channels[0]
+        assert channel.rate == pytest.approx(rate, rel=SAME_RATE)
+        assert channel.timepts[2] == pytest.approx(2 / rate, rel=1e-15)  # one division
+
+    def test_a_rate_with_a_mark_between_thousands_is_not_read(self, tmp_path: Path) -> None:
+        assert read(tmp_path, "Sample rate: 1,000 Hz\nt,seat\n0,1.5\n1,2.5\n")["seat"].rate is None
+
+    def test_names_that_stand_twice_are_numbered_and_told(self, tmp_path: Path) -> None:
+        recording = read(tmp_path, "t,acc,acc\n0,1,2\n1,2,3\n")
+        assert recording.names == ("acc", "acc (2)")
+        assert recording.left_out == (("name of column 3", "stands twice, 'acc'; the column is called 'acc (2)'"),)
+
+    def test_a_name_without_its_unit_is_enough(self, tmp_path: Path) -> None:
+        assert read(tmp_path, "t,seat [mm]\n0,1\n1,2\n").names == ("seat [mm]",)
+        assert read(tmp_path, "t,seat [mm]\n0,1\n1,2\n", channels="seat").names == ("seat [mm]",)
+
+    @pytest.mark.parametrize(
+        "unit", ["mm", "m/s^2", "m/s²", "m/s2", "kN", "µm/m", "°", "rad/s", "-", "%", "N·s/m", "g"]
+    )
+    def test_units_are_known_as_such(self, unit: str) -> None:
+        assert UNIT.fullmatch(unit)
+        assert bracketed_unit(f"a seat [{unit}]") == unit
+
+    @pytest.mark.parametrize("name", ["seat", "acc1", "body z", "left_m", "Channel 3"])
+    def test_names_are_no_units(self, name: str) -> None:
+        assert not UNIT.fullmatch(name)
+
+    def test_a_number_in_brackets_is_no_unit(self) -> None:
+        assert bracketed_unit("data[1]") == ""
+
+    def test_steps_and_rates_are_each_others_inverse(self) -> None:
+        assert stated_rate("dt [ms]", 2.0) == stated_rate("Sample_Rate", 0.5, "kHz") == 500
+
+
+class TestAnyText:
+    """Whatever stands in a text, it gives a table or a `RecordError`."""
+
+    @FUZZ
+    @given(
+        lines=st.lists(
+            st.one_of(
+                st.sampled_from(
+                    ["t,seat", "0,1", "1;2,5", "s;mm", "# note", "", "1 2", "12:34:56.7,1", "fs: 10", '"a","b"']
+                ),
+                st.text("0123456789.,;:\t\"'-+ enaifxt_#µ[]()\u2028\x85", max_size=12),
+            ),
+            max_size=12,
+        ),
+        end=st.sampled_from(["\n", "\r\n", "\r", "\n\n"]),
+        encoding=st.sampled_from(["utf-8", "utf-16", "utf-8-sig", "cp1252"]),
+    )
+    def test_lines_of_all_kinds(self, tmp_path: Path, lines: list[str], end: str, encoding: str) -> None:
+        path = tmp_path / "r.txt"
+        path.write_bytes(end.join(lines).encode(encoding, errors="replace"))
+        columns: list[int] = []
+        try:
+            table = read_delimited(path)
+            columns = [column.size for column in table.columns(list(table.sizes))]
+            columns += [clock.stamps().size for clock in table.clocks.values() if clock.stamps is not None]
+        except RecordError as error:
+            message = str(error)
+        else:
+            message = ""
+            assert set(columns) <= set(table.sizes.values())
+        assert message.isprintable()
