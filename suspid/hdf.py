@@ -57,11 +57,12 @@ def _content(content: bytes) -> Group:
     return _group(h5py.File(io.BytesIO(content), "r"), 0, itertools.count())
 
 
-def _group(group: h5py.Group, depth: int, count: Iterator[int]) -> Group:
+def _group(group: h5py.Group, depth: int, count: Iterator[int], around: frozenset[int] = frozenset()) -> Group:
     """Return what a group holds by its names."""
     import h5py
 
     found: dict[str, Value] = {}
+    around |= {h5py.h5o.get_info(group.id).addr}
     for name in group:
         link = group.get(name, getlink=True)
         if name in INTERNAL:
@@ -71,14 +72,14 @@ def _group(group: h5py.Group, depth: int, count: Iterator[int]) -> Group:
         elif isinstance(link, h5py.SoftLink) and group.get(name) is None:
             found[name] = "is a link to nothing"
         else:
-            found[name] = _value(group[name], depth + 1, count)
+            found[name] = _value(group[name], depth + 1, count, around)
     for name, number in _numbers(group).items():
         if stated_rate(name, number) is not None:
             found.setdefault(name, _single(number))
     return found
 
 
-def _value(thing: object, depth: int, count: Iterator[int]) -> Value:
+def _value(thing: object, depth: int, count: Iterator[int], around: frozenset[int]) -> Value:
     """Return what a group or data set holds, or why that is of no use."""
     import h5py
 
@@ -89,13 +90,15 @@ def _value(thing: object, depth: int, count: Iterator[int]) -> Value:
     if isinstance(thing, h5py.Group):
         if "MATLAB_sparse" in thing.attrs:
             return "is a sparse matrix"
-        return _structures(thing, depth, count) or _group(thing, depth, count)
+        if h5py.h5o.get_info(thing.id).addr in around:
+            return "is a link to a group around it"
+        return _structures(thing, depth, count, around) or _group(thing, depth, count, around)
     if not isinstance(thing, h5py.Dataset):
         return "holds no numbers"
     return _dataset(thing)
 
 
-def _structures(group: h5py.Group, depth: int, count: Iterator[int]) -> Group | None:
+def _structures(group: h5py.Group, depth: int, count: Iterator[int], around: frozenset[int]) -> Group | None:
     """Return the elements of an array of structures, which MATLAB keeps field by field as references."""
     import h5py
 
@@ -108,7 +111,7 @@ def _structures(group: h5py.Group, depth: int, count: Iterator[int]) -> Group | 
         raise RecordError(f"holds more than {MOST_VARIABLES} variables; save the channels of one record")
     return {
         f"[{k + 1}]": {
-            name: _value(group.file[refs[k]], depth + 1, count) if refs[k] else "is empty"
+            name: _value(group.file[refs[k]], depth + 1, count, around) if refs[k] else "is empty"
             for name, refs in referred.items()
         }
         for k in range(length)

@@ -1,0 +1,301 @@
+"""MATLAB files of both kinds and plain HDF5: structures become names, and damage becomes one line."""
+
+from __future__ import annotations
+
+import io
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+from scipy.io import loadmat, savemat
+
+from suspid import RecordError
+from suspid.recordings import Recording
+from suspid.records import read_recording
+
+h5py = pytest.importorskip("h5py")
+
+DATA = Path(__file__).resolve().parents[2] / "shared" / "data"
+FUZZ = settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+T = np.arange(5) / 10
+X = np.array([1.0, -0.5, 0.25, -0.125, 0.0625])
+
+
+def of_structures(fields: dict[str, list[Any]]) -> NDArray[np.void]:
+    """Return an array of structures as savemat takes it."""
+    size = len(next(iter(fields.values())))
+    array = np.empty((1, size), dtype=[(name, "O") for name in fields])
+    for name, values in fields.items():
+        for k, value in enumerate(values):
+            array[name][0, k] = value
+    return array
+
+
+def written_v5(path: Path, variables: dict[str, Any]) -> None:
+    savemat(path, variables)
+
+
+def written_v73(path: Path, variables: dict[str, Any]) -> None:
+    """Write as MATLAB v7.3 does: transposed, structures as groups, their arrays as references, below a page of head."""
+    with h5py.File(path, "w", userblock_size=512) as file:
+        refs = file.create_group("#refs#")
+
+        def put(group: Any, name: str, value: Any) -> None:
+            if isinstance(value, dict):
+                inner = group.create_group(name)
+                inner.attrs["MATLAB_class"] = np.bytes_("struct")
+                for key, item in value.items():
+                    put(inner, key, item)
+            elif isinstance(value, np.ndarray) and value.dtype.names:
+                inner = group.create_group(name)
+                for key in value.dtype.names:
+                    pointers = []
+                    for item in value[key].ravel():
+                        put(refs, f"r{len(refs)}", item)
+                        pointers.append([refs[f"r{len(refs) - 1}"].ref])
+                    inner.create_dataset(key, data=np.array(pointers, dtype=h5py.ref_dtype))
+            elif isinstance(value, str):
+                data = group.create_dataset(name, data=np.array([[ord(c)] for c in value], np.uint16))
+                data.attrs["MATLAB_class"] = np.bytes_("char")
+            else:
+                data = group.create_dataset(name, data=np.atleast_2d(value).T)
+                data.attrs["MATLAB_class"] = np.bytes_("double")
+
+        for name, value in variables.items():
+            put(file, name, value)
+    content = path.read_bytes()
+    path.write_bytes(b"MATLAB 7.3 MAT-file".ljust(124) + b"\0\2IM" + content[128:])
+
+
+WRITERS = {"v5": written_v5, "v7.3": written_v73}
+# Variables, and the channels that they hold: values, last stamp, rate.
+LAYOUTS: dict[str, tuple[dict[str, Any], dict[str, tuple[list[float], float, float | None]]]] = {
+    "vectors and time": ({"t": T, "seat": X}, {"seat": (X.tolist(), 0.4, None)}),
+    "a rate": ({"Fs": 10.0, "seat": X}, {"seat": (X.tolist(), 0.4, 10)}),
+    "a structure with a rate": (
+        {"run1": {"seat": X, "Fs": 10.0, "note": "bump"}},
+        {"run1.seat": (X.tolist(), 0.4, 10)},
+    ),
+    "a structure with a step": ({"run1": {"seat": X, "dt": 0.1}}, {"run1.seat": (X.tolist(), 0.4, 10)}),
+    "structures within": (
+        {"data": {"a": {"seat": X, "t": T}, "b": {"seat": X[:3]}, "Fs": 20.0}},
+        {"data.a.seat": (X.tolist(), 0.4, None), "data.b.seat": (X[:3].tolist(), 0.1, 20)},
+    ),
+    "an array of structures": (
+        {"run": of_structures({"seat": [X, X[:3]], "Fs": [10.0, 20.0]})},
+        {"run[1].seat": (X.tolist(), 0.4, 10), "run[2].seat": (X[:3].tolist(), 0.1, 20)},
+    ),
+    "a matrix beside time": (
+        {"t": T, "y": np.column_stack([X, 2 * X])},
+        {"y[1]": (X.tolist(), 0.4, None), "y[2]": ((2 * X).tolist(), 0.4, None)},
+    ),
+    "a matrix on its side": (
+        {"Fs": 10.0, "y": np.vstack([X, 2 * X])},
+        {"y[1]": (X.tolist(), 0.4, 10), "y[2]": ((2 * X).tolist(), 0.4, 10)},
+    ),
+    "Simulink's structure with time": (
+        {"out": {"time": T, "signals": {"values": np.column_stack([X, 3 * X]), "dimensions": 2.0, "label": "z"}}},
+        {"out.z[1]": (X.tolist(), 0.4, None), "out.z[2]": ((3 * X).tolist(), 0.4, None)},
+    ),
+    "Simulink's signals": (
+        {"out": {"time": T, "signals": of_structures({"values": [X, 3 * X], "label": ["seat", "body"]})}},
+        {"out.seat": (X.tolist(), 0.4, None), "out.body": ((3 * X).tolist(), 0.4, None)},
+    ),
+}
+
+
+def plain(folder: Path, fill: Callable[[Any], object]) -> Recording:
+    with h5py.File(folder / "r.h5", "w") as file:
+        fill(file)
+    return read_recording(folder / "r.h5")
+
+
+@pytest.mark.parametrize("version", WRITERS)
+class TestBothVersionsSayTheSame:
+    @pytest.mark.parametrize("name", LAYOUTS)
+    def test_channels_with_their_times(self, tmp_path: Path, version: str, name: str) -> None:
+        variables, expected = LAYOUTS[name]
+        WRITERS[version](tmp_path / "r.mat", variables)
+        recording = read_recording(tmp_path / "r.mat")
+        assert set(recording.names) == set(expected)
+        for channel in recording.channels:
+            values, last, rate = expected[channel.name]
+            assert channel.values.tolist() == values
+            assert channel.timepts[-1] == pytest.approx(last, rel=1e-15)  # one division
+            assert channel.rate == (None if rate is None else pytest.approx(rate, rel=1e-15))
+
+    def test_what_is_no_channel_is_told(self, tmp_path: Path, version: str) -> None:
+        WRITERS[version](tmp_path / "r.mat", {"run": {"t": T, "x": X, "note": "bump"}, "E": np.eye(3), "f": X[:2]})
+        told = dict(read_recording(tmp_path / "r.mat").left_out)
+        assert told["run.t"] == "is the time of its group"
+        assert told["run.note"] == "is text"
+        assert "matrix of 3 x 3" in told["E"]
+        assert "has no clock" in told["f"]
+
+    def test_time_of_a_structure_can_be_named(self, tmp_path: Path, version: str) -> None:
+        WRITERS[version](tmp_path / "r.mat", {"a": {"t": T, "x": X}, "b": {"t": T + 1, "y": X}})
+        recording = read_recording(tmp_path / "r.mat", time="b.t")
+        assert recording.names == ("b.y",)
+        assert recording.channels[0].timepts[0] == 1
+
+    def test_a_column_of_a_matrix_can_be_time(self, tmp_path: Path, version: str) -> None:
+        WRITERS[version](tmp_path / "r.mat", {"data": np.column_stack([T, X])})
+        with pytest.raises(RecordError, match=r"'data\[1\]' increases as a time does"):
+            read_recording(tmp_path / "r.mat")
+        recording = read_recording(tmp_path / "r.mat", time="data[1]")
+        assert recording.channels[0].timepts.tolist() == T.tolist()
+
+
+class TestOwnReaderAgainstScipy:
+    @pytest.mark.parametrize("dtype", ["f8", "f4", "i1", "u1", "i2", "u2", "i4", "u4", "i8", "u8"])
+    @pytest.mark.parametrize("compressed", [False, True])
+    def test_numbers_of_every_type(self, tmp_path: Path, dtype: str, compressed: bool) -> None:
+        values = np.arange(60).reshape(2, 30).astype(dtype)
+        savemat(tmp_path / "r.mat", {"y": values}, do_compression=compressed)
+        found = [channel.values for channel in read_recording(tmp_path / "r.mat", fs=1).channels]
+        assert np.array_equal(found, loadmat(tmp_path / "r.mat")["y"])
+
+    @pytest.mark.skipif(not DATA.exists(), reason="no shared data")
+    def test_a_measured_record(self) -> None:
+        path = DATA / "vibtest_inout_mat" / "case1.mat"
+        expected = loadmat(path)
+        recording = read_recording(path)
+        assert recording.names == ("Time_chan_1", "Time_chan_2")
+        for channel in recording.channels:
+            assert np.array_equal(channel.values, expected[channel.name].ravel())
+            assert np.array_equal(channel.timepts, expected["Time_domain"].ravel())
+            assert channel.rate == 1280
+
+
+class TestObjects:
+    def test_a_cell_a_sparse_matrix_and_complex_numbers_are_told(self, tmp_path: Path) -> None:
+        from scipy.sparse import eye
+
+        content = {"x": X, "t": T, "c": np.array(["a", 1], object), "s": eye(3).tocsc(), "z": 1j * X}
+        savemat(tmp_path / "r.mat", content)
+        told = dict(read_recording(tmp_path / "r.mat").left_out)
+        assert told == {"c": "is a cell array", "s": "is a sparse matrix", "z": "is complex; a record is real"}
+
+    def test_a_timeseries_has_a_way_out(self, tmp_path: Path) -> None:
+        def fill(file: Any) -> None:
+            file["ts"] = np.zeros((1, 6), np.uint32)
+            file["ts"].attrs["MATLAB_class"] = np.bytes_("timeseries")
+            file["ts"].attrs["MATLAB_object_decode"] = np.int32(3)
+
+        with pytest.raises(RecordError, match=r"object of class 'timeseries'; save .* ts\.Time and ts\.Data"):
+            plain(tmp_path, fill)
+
+
+class TestPlainHdf5:
+    def test_attributes_state_unit_and_rate(self, tmp_path: Path) -> None:
+        def fill(file: Any) -> None:
+            run = file.create_group("run")
+            run["seat"] = X
+            run["seat"].attrs["units"] = "mm"
+            run.attrs["sample_rate"] = 10.0
+            file["body"] = X
+            file["body"].attrs["dt"] = 0.05
+
+        recording = plain(tmp_path, fill)
+        assert (recording["run.seat"].unit, recording["run.seat"].rate) == ("mm", 10)
+        assert recording["body"].rate == 20
+
+    def test_columns_of_a_table(self, tmp_path: Path) -> None:
+        table = np.array(list(zip(T, X, strict=True)), dtype=[("time", "f8"), ("acc", "f8")])
+        (channel,) = plain(tmp_path, lambda file: file.create_dataset("tab", data=table)).channels
+        assert channel.name == "tab.acc"
+        assert channel.timepts.tolist() == T.tolist()
+        assert channel.values.tolist() == X.tolist()
+
+    def test_other_files_are_not_opened(self, tmp_path: Path) -> None:
+        with h5py.File(tmp_path / "secret.h5", "w") as other:
+            other["x"] = X
+
+        def fill(file: Any) -> None:
+            file["here"] = X
+            file["Fs"] = 10.0
+            file["link"] = h5py.ExternalLink(str(tmp_path / "secret.h5"), "/x")
+            file["nothing"] = h5py.SoftLink("/nowhere")
+            file.create_dataset("outside", (5,), "f8", external=[(str(tmp_path / "raw.bin"), 0, 40)])
+            layout = h5py.VirtualLayout(shape=(5,), dtype="f8")
+            layout[:] = h5py.VirtualSource(str(tmp_path / "secret.h5"), "x", shape=(5,))
+            file.create_virtual_dataset("virtual", layout)
+
+        recording = plain(tmp_path, fill)
+        told = dict(recording.left_out)
+        assert recording.names == ("here",)
+        assert "not followed" in told["link"]
+        assert told["nothing"] == "is a link to nothing"
+        assert "other files" in told["outside"]
+        assert "other files" in told["virtual"]
+
+    def test_a_group_within_itself_ends(self, tmp_path: Path) -> None:
+        def fill(file: Any) -> None:
+            file["x"] = X
+            file["Fs"] = 10.0
+            file.create_group("g")["again"] = file["/"]
+
+        recording = plain(tmp_path, fill)
+        assert recording.names == ("x",)
+        assert dict(recording.left_out)["g.again"] == "is a link to a group around it"
+
+    def test_a_size_that_nothing_fills_is_told(self, tmp_path: Path) -> None:
+        def fill(file: Any) -> None:
+            file["x"] = X
+            file["Fs"] = 10.0
+            file.create_dataset("huge", (1 << 40,), "f8", chunks=(1024,))
+
+        assert "nothing that fills it" in dict(plain(tmp_path, fill).left_out)["huge"]
+
+
+class TestAnyDamage:
+    """Whatever is damaged, it gives a recording or a `RecordError`, and the process goes on."""
+
+    @FUZZ
+    @given(data=st.data(), compressed=st.booleans())
+    def test_structures_of_v5(self, tmp_path: Path, data: st.DataObject, compressed: bool) -> None:
+        stream = io.BytesIO()
+        content = {
+            "run": {"t": T, "x": X, "in": {"y": X, "s": "text"}},
+            "r": of_structures({"z": [X, X], "n": [1.0, "b"]}),
+        }
+        savemat(stream, content, do_compression=compressed)  # type: ignore[arg-type]  # the stubs know paths only
+        self.recording_or_refusal(tmp_path / "r.mat", stream.getvalue(), data)
+
+    @settings(FUZZ, max_examples=60)
+    @given(data=st.data())
+    def test_v73(self, tmp_path: Path, data: st.DataObject) -> None:
+        sound = tmp_path / "s.mat"
+        if not sound.exists():
+            written_v73(sound, LAYOUTS["an array of structures"][0] | LAYOUTS["a structure with a rate"][0])
+        self.recording_or_refusal(tmp_path / "r.mat", sound.read_bytes(), data)
+
+    @staticmethod
+    def recording_or_refusal(path: Path, content: bytes, data: st.DataObject) -> None:
+        damaged = bytearray(content)
+        for _ in range(data.draw(st.integers(1, 4))):
+            damaged[data.draw(st.integers(0, len(damaged) - 1))] = data.draw(st.integers(0, 255))
+        path.write_bytes(damaged[: data.draw(st.integers(len(damaged) // 2, len(damaged)))])
+        try:
+            channels, message = read_recording(path, fs=100.0).channels, ""
+        except RecordError as error:
+            channels, message = (), str(error)
+        assert message.isprintable()
+        assert all(channel.values.size == channel.timepts.size for channel in channels)
+
+
+def test_a_missing_library_is_named_with_the_line_that_brings_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with h5py.File(tmp_path / "r.h5", "w") as file:
+        file["x"] = X
+    monkeypatch.setitem(__import__("sys").modules, "h5py", None)
+    with pytest.raises(RecordError, match=r"r\.h5: .*pip install 'suspid\[hdf\]'"):
+        read_recording(tmp_path / "r.h5")
+    assert os.listdir(tmp_path) == ["r.h5"]
