@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from suspid.cells import COMMA_NUMBER, kind_of, number, seconds
-from suspid.dialects import COMMENTS, Dialect, Layout, find_layout, parted_by, shortened
+from suspid.dialects import Dialect, Layout, find_layout, parted_by, shortened
 from suspid.errors import RecordError
 from suspid.files import read_bytes
 from suspid.tables import Clock, Table, is_time
@@ -237,7 +237,7 @@ def _suspects(piece: bytes, layout: Layout) -> np.ndarray[tuple[int], np.dtype[n
 
 
 def _is_row(text: str, layout: Layout) -> bool:
-    if text.lstrip().startswith(COMMENTS):
+    if layout.dialect.is_comment(text):
         return False
     cells = layout.dialect.cells(text)
     kinds = [kind_of(cell, comma=layout.dialect.comma) for cell in cells]
@@ -249,7 +249,7 @@ def _is_row(text: str, layout: Layout) -> bool:
 
 def _why(text: str, layout: Layout, line: int, last: int) -> str:
     """Return why a line is left out; refuse one that cannot be."""
-    if text.lstrip().startswith(COMMENTS):
+    if layout.dialect.is_comment(text):
         return f"is a comment: {shortened(text)}"
     cells = layout.dialect.cells(text)
     width = len(layout.names)

@@ -69,6 +69,10 @@ class Dialect:
             parts = line.split() if self.delimiter == " " else line.split(self.delimiter)
         return [part.strip() for part in parts]
 
+    def is_comment(self, line: str) -> bool:
+        """Whether a line is a comment; ``#N/A`` in its first cell makes none."""
+        return line.lstrip().startswith(COMMENTS) and kind_of(self.cells(line)[0], comma=self.comma) != "missing"
+
     def kinds(self, line: str) -> list[Kind]:
         """Return what the cells of a line hold."""
         return [kind_of(cell, comma=self.comma) for cell in self.cells(line)]
@@ -325,7 +329,7 @@ def _are_units(line: str, dialect: Dialect) -> bool:
 
 def _refuse_misfit(line: str, number: int, dialect: Dialect, columns: Sequence[Kind]) -> None:
     """Refuse a line above the data that is meant to name them, or to be one of them, but does not fit."""
-    if line.lstrip().startswith(COMMENTS) or dialect.delimiter == " ":
+    if dialect.is_comment(line) or dialect.delimiter == " ":
         return
     cells, kinds = dialect.cells(line), dialect.kinds(line)
     if len(cells) == len(columns) and "number" in kinds:

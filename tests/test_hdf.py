@@ -268,7 +268,7 @@ class TestAnyDamage:
         savemat(stream, content, do_compression=compressed)  # type: ignore[arg-type]  # the stubs know paths only
         self.recording_or_refusal(tmp_path / "r.mat", stream.getvalue(), data)
 
-    @settings(FUZZ, max_examples=60)
+    @settings(FUZZ, max_examples=40)
     @given(data=st.data())
     def test_v73(self, tmp_path: Path, data: st.DataObject) -> None:
         sound = tmp_path / "s.mat"
