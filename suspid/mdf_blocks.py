@@ -1,7 +1,7 @@
 """Blocks of MDF files, checked before asammdf follows them.
 
-Its reader trusts every link and every size: it goes round in circles where blocks do, and takes what
-lies beyond the end of a file that was cut off for empty.
+Its reader trusts every link and size: it goes round in circles, reads beyond its memory, and takes what lies
+beyond the end of a file for empty.
 """
 
 from __future__ import annotations
@@ -16,21 +16,14 @@ from suspid.errors import RecordError
 HEAD, HEADER = 64, 24
 # Which links lead on, by the kind of block; each such block is led to once. Other links lead to text and
 # descriptions, which may be shared.
-FOLLOWED = {
-    b"##HD": (0, 1, 3, 4),
-    b"##DG": (0, 1, 2),
-    b"##CG": (0, 1),
-    b"##CN": (0, 1, 5),
-    b"##CA": (0,),
-    b"##FH": (0,),
-    b"##AT": (0,),
-    b"##EV": (0,),
-    b"##HL": (0,),
-}
+FOLLOWED: dict[bytes, tuple[int, ...]] = dict.fromkeys((b"##CA", b"##FH", b"##AT", b"##EV", b"##HL"), (0,))
+FOLLOWED |= {b"##HD": (0, 1, 3, 4), b"##DG": (0, 1, 2), b"##CG": (0, 1), b"##CN": (0, 1, 5)}
 LISTS = (b"##DL", b"##LD")
 DATA = (b"##DT", b"##DV", b"##DI", b"##SD", b"##RD")
 ZIPPED = b"##DZ"
-# Least bytes after the links.
+# Fewest and most links, and least bytes after them.
+LINKS = {b"##HD": (6, 6), b"##DG": (4, 4), b"##CG": (6, 7), b"##CN": (8, 99), b"##HL": (1, 1), ZIPPED: (0, 0)}
+LINKS |= {b"##FH": (2, 2), b"##AT": (4, 4), b"##EV": (5, 1 << 32), **dict.fromkeys((b"##CA", *LISTS), (1, 1 << 32))}
 LEAST = {b"##CG": 32, b"##CN": 24, b"##DG": 1, ZIPPED: 24}
 PARTS = (b"##CN", b"##CA")
 # A composition may be described otherwise, and what a channel points to be a group or an attachment.
@@ -42,8 +35,7 @@ OLD: dict[bytes, tuple[int, tuple[tuple[int, bytes], ...]]] = {
     b"CG": (26, ((0, b"CG"), (1, b"CN"))),
     b"CN": (218, ((0, b"CN"),)),
 }
-VARIABLE_LENGTH, INVALID = 1, 2
-VIRTUAL = (3, 6)
+VARIABLE_LENGTH, REMOTE_MASTER, INVALID, VIRTUAL = 1, 8, 2, (3, 6)
 PIECE = 1 << 20
 
 
@@ -51,10 +43,9 @@ PIECE = 1 << 20
 class _Sizes:
     """What blocks state and hold, by the address of the group."""
 
-    # Bytes of samples by data group: those that its channel groups state, and those in its data blocks.
+    # Bytes by data group, and those of samples and of invalidation bits in a record by channel group.
     stated: defaultdict[int, int] = field(default_factory=lambda: defaultdict(int))
     held: defaultdict[int, int] = field(default_factory=lambda: defaultdict(int))
-    # Bytes of samples and of invalidation bits in a record, by channel group.
     records: dict[int, tuple[int, int]] = field(default_factory=dict)
     cycles: int = 0
 
@@ -80,11 +71,8 @@ def check_blocks(content: bytes) -> int:
     if content[:3] != b"MDF":
         return 0
     for group, stated in sizes.stated.items():
-        if stated > sizes.held[group]:
-            raise RecordError(
-                f"is damaged or cut off: the data group at byte {group} states {stated} bytes of samples and holds "
-                f"{sizes.held[group]}"
-            )
+        if stated > (held := sizes.held[group]):
+            raise RecordError(f"is cut off or damaged: group {group} states {stated} bytes of samples and holds {held}")
     return sizes.cycles
 
 
@@ -104,8 +92,7 @@ def _check_new(content: bytes) -> _Sizes:
             only_to = ONLY_TO.get((kind, place))
             if target and place in followed and (only_to is None or content[target : target + 4] in only_to):
                 # The samples of a channel are its own, not those of the group.
-                own = {(b"##CN", 5): 0, (b"##CG", 1): address}.get((kind, place), group)
-                ahead.append((target, own))
+                ahead.append((target, {(b"##CN", 5): 0, (b"##CG", 1): address}.get((kind, place), group)))
             elif target:
                 shared.add(target)
     done = set(seen)
@@ -129,7 +116,8 @@ def _block(content: bytes, address: int) -> tuple[bytes, tuple[int, ...]]:
     kind, _, size, count = struct.unpack_from("<4sIQQ", content, address)
     # A last data block that was not finished states no size.
     size = max(size, HEADER) if kind in DATA and content[:3] == b"UnF" else size
-    if kind[:2] != b"##" or count > (size - HEADER) // 8 or size - HEADER - 8 * count < LEAST.get(kind, 0):
+    fewest, most = LINKS.get(kind, (0, 1 << 32))
+    if kind[:2] != b"##" or not fewest <= count <= most or size < HEADER + 8 * count + LEAST.get(kind, 0):
         raise RecordError(f"is damaged: there is no whole block at byte {address}")
     if address + size > len(content):
         raise RecordError(f"is cut off: it ends in the block {kind[2:].decode('latin1')!r} at byte {address}")
@@ -141,6 +129,8 @@ def _measure(content: bytes, address: int, kind: bytes, links: int, group: int, 
     body, size = address + HEADER + 8 * links, struct.unpack_from("<Q", content, address + 8)[0]
     if kind == b"##CG":
         _, cycles, flags, _, _, samples, invalid = struct.unpack_from("<QQHHIII", content, body)
+        if (links == 7) != bool(flags & REMOTE_MASTER):
+            raise RecordError(f"is damaged: the channel group at byte {address} has {links} links")
         sizes.records[address] = (0, 0) if flags & VARIABLE_LENGTH else (samples, invalid)
         if not flags & VARIABLE_LENGTH:
             record_id = content[group + HEADER + 8 * struct.unpack_from("<Q", content, group + 16)[0]]
@@ -169,13 +159,11 @@ def _check_fits(address: int, bits: int, record: int) -> None:
 
 def _inflated(zipped: bytes, most: int) -> int:
     """Return how many bytes compressed ones make, or how many more than ``most`` were made before giving up."""
-    inflater, size = zlib.decompressobj(), 0
+    inflater, piece, size = zlib.decompressobj(), b"", 0
     try:
-        while not inflater.eof and size <= most:
+        while (zipped or piece) and not inflater.eof and size <= most:
             piece = inflater.decompress(zipped, PIECE)
             zipped, size = inflater.unconsumed_tail, size + len(piece)
-            if not piece and not zipped:
-                break
     except zlib.error as refusal:
         raise RecordError(f"is damaged: its samples cannot be decompressed: {refusal}") from None
     return size

@@ -18,7 +18,8 @@ ALL_INVALID = 1
 BUS_EVENT, PLAIN_BUS_EVENT, REMOTE_MASTER = 1 << 1, 1 << 2, 1 << 3
 FRAMES = "CAN_DataFrame"
 ID_BITS = 29
-VARIABLE, LONGEST_FRAME = 1, 64
+# That of CAN XL.
+VARIABLE, LONGEST_FRAME = 1, 2048
 TIME, SYNCHRONOUS = 1, ("", "time", "angle", "distance", "index")
 # By generation of the format: types of data that are numbers, conversions to words, and by formulas.
 NUMBERS = {True: range(6), False: (0, 1, 2, 3, 9, 10, 11, 12, 13, 14, 15, 16)}

@@ -28,7 +28,7 @@ UNITS = ("unit_string", "NI_UnitDescription", "unit", "Unit")
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class _Entry:
-    """What the head of a file says of one channel."""
+    """What the head of a file says of one channel; it began at whole seconds and 2^-64 s."""
 
     group: str
     channel: str
@@ -37,7 +37,6 @@ class _Entry:
     unit: str
     offset: Second
     step: Second | None
-    # Whole seconds, and 2^-64 s.
     began: tuple[int, int] | None
     is_stamp: bool
 
@@ -58,16 +57,13 @@ def read_tdms(path: Path) -> Table:
     _check_segments(content)
 
     def columns(wanted: Sequence[str]) -> list[RealArray]:
-        return sheltered(
-            lambda: _values(content, {names.index(name): by_name[name] for name in wanted}),
-            extra="tdms",
-            library="nptdms",
-            suffix=path.suffix,
-        )
+        asked = {places[name]: by_name[name] for name in wanted}
+        return sheltered(lambda: _values(content, asked), extra="tdms", library="nptdms", suffix=path.suffix)
 
     entries = sheltered(lambda: _entries(content), extra="tdms", library="nptdms", suffix=path.suffix)
     names = unique_names([(entry.group, entry.channel) for entry in entries])
     by_name = dict(zip(names, entries, strict=True))
+    places = {name: k for k, name in enumerate(names)}
     unusable = {name: entry.reason for name, entry in by_name.items() if entry.reason}
     usable = {name: entry for name, entry in by_name.items() if not entry.reason}
     if not usable:
@@ -78,12 +74,10 @@ def read_tdms(path: Path) -> Table:
     shared: dict[tuple[object, ...], Clock] = {}
     for name, entry in usable.items():
         if entry.step is not None:
-            start = entry.offset + (_seconds(entry.began, earliest) if entry.began else 0.0)
-            clock = Clock(name=entry.group, start=start, rate=1 / entry.step)
-            clocks[name] = shared.setdefault((start, entry.step), clock)
-            continue
-        time = _time_of(name, usable)
-        if time is not None:
+            whole, part = np.subtract(entry.began or earliest, earliest, dtype=object)
+            clock = Clock(name=entry.group, start=entry.offset + float(whole + part / 2**64), rate=1 / entry.step)
+            clocks[name] = shared.setdefault((clock.start, entry.step), clock)
+        elif (time := _time_of(name, usable)) is not None:
             clock = Clock(name=time, stamps=partial(_stamps, columns, time, _per_second(usable[time])))
             clocks[name] = shared.setdefault((time,), clock)
     return Table(
@@ -97,7 +91,7 @@ def read_tdms(path: Path) -> Table:
 
 
 def _stamps(columns: Callable[[Sequence[str]], list[RealArray]], time: str, per_second: float) -> RealArray:
-    return frozen_real(columns([time])[0] / per_second)
+    return columns([time])[0] / per_second
 
 
 def _check_segments(content: bytes) -> None:
@@ -183,10 +177,6 @@ def _time_of(name: str, usable: dict[str, _Entry]) -> str | None:
 def _per_second(entry: _Entry) -> float:
     """Return how many units of a channel of time make a second; 0 if that is not known."""
     return 1.0 if entry.is_stamp else PER_SECOND.get(entry.unit.lower() or split_unit(entry.channel)[1] or "s", 0.0)
-
-
-def _seconds(stamp: tuple[int, int], origin: tuple[int, int]) -> Second:
-    return (stamp[0] - origin[0]) + (stamp[1] - origin[1]) / 2.0**64
 
 
 def _values(content: bytes, wanted: Mapping[int, _Entry]) -> list[RealArray]:
