@@ -29,8 +29,8 @@ FEW, FAR = 0.01, 8
 LATEST, SHORTEST = 1e15, 1e-12
 # Rows that may share a stamp for being rounded.
 COARSE = 20
-# Standard errors by which samples must follow their stamps better than a grid before the stamps are believed.
-SIGNIFICANT = 4.0
+# Samples that follow irregular stamps at least this far, and by so many standard deviations, were taken at them.
+FOLLOWED, SIGNIFICANT = 0.3, 4.0
 # Steps between samples above which nothing is interpolated, and how much of the time such holes may take.
 WIDE, HOLLOW = 2.5, 0.2
 # How many times the rows that are there a grid may hold.
@@ -257,8 +257,8 @@ def _gridded(
         places = np.concatenate([[0], np.cumsum(np.maximum(1, np.round(np.diff(times) * rate)))]).astype(np.intp)
         step = 1 / rate
         start = float(np.median(times - step * places))
-    off = np.abs(times - (start + step * places))
-    rounding, worst = resolution(times), float(np.max(off))
+    off = times - (start + step * places)
+    rounding, worst = resolution(times), float(np.max(np.abs(off)))
     kind, text = "", ""
     if worst > JITTER * step:
         line = rounded_line(places, times) if rate is None else None
@@ -268,7 +268,7 @@ def _gridded(
         elif rate is not None and worst <= 0.5 * rounding + DRIFT * span and worst <= OFF * step:
             kind, text = "rounded stamps", f"the stamps are rounded; they were put on the grid of {rate:.9g} Hz"
         elif worst <= OFF * step:
-            kind, text = _jitter(times, values, places, step, off)
+            kind, text = _jitter(values, places, step, off)
         else:
             kind = "irregular stamps"
             text = (
@@ -309,6 +309,11 @@ def _regular(times: RealArray) -> tuple[Indices, Second, Second]:
         if np.array_equal(again, places):
             break
         places = again.astype(np.intp)
+    # Jitter makes long steps too; rows are missing only if that puts the stamps nearer to a grid.
+    plain = np.arange(times.size)
+    begin, even, _ = _line(plain, times)
+    if even > 0 and np.sum((times - begin - even * plain) ** 2) <= np.sum((times - start - step * places) ** 2):
+        return plain, begin, even
     return places, start, step
 
 
@@ -387,35 +392,23 @@ def _rounded_text(stamps: RealArray, step: Second, std: Second) -> str:
     )
 
 
-def _jitter(times: RealArray, values: RealArray, places: Indices, step: Second, off: RealArray) -> tuple[str, str]:
+def _jitter(values: RealArray, places: Indices, step: Second, off: RealArray) -> tuple[str, str]:
     """Return whether stamps that stray by less than half a step are wrong or the samples irregular, and why."""
-    by_stamps = neighbours_miss(times / step, values, places)
-    by_grid = neighbours_miss(places.astype(float), values, places)
-    # In each channel the misses are counted in their own size; where a sample is missing, nothing is counted.
-    known = np.isfinite(by_stamps)
-    size = _mean(by_stamps + by_grid, known, axis=1)[:, None]
-    apart = np.where(known & (size > 0), by_grid - by_stamps, 0.0) / np.where(size > 0, size, 1.0)
-    better = apart.sum(axis=0)[np.any(known, axis=0)] if apart.size else np.zeros(1)
-    spread = float(np.std(better)) if better.size else 0.0
-    # Neighbouring predictions share samples, so that about a third of them are independent.
-    evidence = float(np.mean(better)) / spread * np.sqrt(better.size / 3) if spread > 0 else 0.0
+    share, std = share_followed(values, off / step, places)
     sigma = float(np.sqrt(np.mean(off**2)))
-    stray = f"they stray by {sigma:.2g} s rms and {np.max(off):.2g} s at most from a grid of {1 / step:.7g} Hz"
-    if evidence > SIGNIFICANT:
-        return (
-            "irregular stamps",
-            f"{stray}, and the samples follow the stamps more smoothly ({evidence:.0f} std errors)",
-        )
-    says = f"more smoothly ({-evidence:.0f} std errors)" if evidence < -SIGNIFICANT else "as smoothly"
+    stray = f"they stray by {sigma:.2g} s rms and {np.max(np.abs(off)):.2g} s at most from a grid of {1 / step:.7g} Hz"
+    if share > max(SIGNIFICANT * std, FOLLOWED):
+        return "irregular stamps", f"{stray}, and the samples follow them (by {share:.2f} ± {std:.2g} of the way)"
     pace = np.diff(values, axis=1)
     speed = np.sqrt(_mean(pace**2, np.isfinite(pace), axis=1)) / step * sigma
     there = np.isfinite(values)
     about = values - _mean(values, there, axis=1)[:, None]
     motion = np.sqrt(_mean(about**2, there, axis=1))
-    share = float(np.max(speed / np.where(motion > 0, motion, np.inf)))
+    error = float(np.max(speed / np.where(motion > 0, motion, np.inf)))
     return "jittering stamps", (
-        f"{stray}, and the samples follow the grid {says}: a regular clock stamped late was assumed; no sample was "
-        f"changed (if the stamps were right, that would err by {100 * share:.2g} % of the motion, rms, noise included)"
+        f"{stray}; the samples do not follow them ({share:.2f} ± {std:.2g} of the way), or are too rough to tell: "
+        f"a regular clock with late stamps was assumed and no sample was changed (were the stamps right, that would err by "
+        f"{100 * error:.2g} % of the motion, rms, noise included)"
     )
 
 
@@ -424,22 +417,39 @@ def _mean(values: RealArray, known: NDArray[np.bool_], *, axis: int) -> RealArra
     return np.asarray(np.where(known, values, 0.0).sum(axis=axis) / np.maximum(known.sum(axis=axis), 1))
 
 
-def neighbours_miss(times: RealArray, values: RealArray, places: Indices) -> RealArray:
-    """Return by how much a cubic through two neighbours on each side misses each sample, squared (channel, sample).
+def share_followed(values: RealArray, off: RealArray, places: Indices) -> tuple[float, float]:
+    """Return how far the samples follow the stamps off the grid, 0 not at all and 1 all the way, and its std.
 
-    Where a row is missing among the five, no figure is given.
+    The cubic through two neighbours on each side misses a sample of a smooth motion by its slope times
+    how far its time lies off those of its neighbours: the regression on that is the share. In noise it tends
+    to zero.
+
+    Parameters
+    ----------
+    values : ndarray (channel, row)
+        The samples.
+    off : ndarray (row,)
+        Stamps less their places in the grid [steps].
+    places : ndarray (row,)
+        Places in the grid; only where five follow each other is anything counted.
     """
     whole = np.flatnonzero(places[4:] - places[:-4] == 4)
-    whole = whole[:: max(1, whole.size // 100_000)]
-    around = [0, 1, 3, 4]
-    predicted = np.zeros((len(values), whole.size))
-    for i in around:
-        weight = np.ones(whole.size)
-        for j in around:
-            if j != i:
-                weight *= (times[whole + 2] - times[whole + j]) / (times[whole + i] - times[whole + j])
-        predicted += weight * values[:, whole + i]
-    return np.asarray((values[:, whole + 2] - predicted) ** 2)
+    whole = whole[:: max(1, whole.size // 200_000)]
+    before, last, now, after, second = (values[:, whole + k] for k in range(5))
+    missed = now - (4 * (last + after) - before - second) / 6
+    slope = (8 * (after - last) - (second - before)) / 12
+    lead = off[whole + 2] - (4 * (off[whole + 1] + off[whole + 3]) - off[whole] - off[whole + 4]) / 6
+    known = np.isfinite(missed)
+    size = np.sqrt(_mean(missed**2, known, axis=1))[:, None]
+    usable = known & (size > 0)
+    missed = np.where(usable, missed, 0.0) / np.where(size > 0, size, 1.0)
+    expected = np.where(usable, slope * lead, 0.0) / np.where(size > 0, size, 1.0)
+    power = float(np.sum(expected**2))
+    if not power > 0:
+        return 0.0, np.inf
+    share = float(np.sum(missed * expected)) / power
+    # Neighbouring misses share samples, which counts twice at most.
+    return share, float(np.sqrt(2 * np.sum((expected * (missed - share * expected)) ** 2))) / power
 
 
 def _irregular(times: RealArray, rows: Indices, rate: Hertz | None, findings: tuple[Finding, ...], text: str) -> Clock:

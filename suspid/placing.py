@@ -83,7 +83,7 @@ def resample(part: Placed, onto: Placed) -> tuple[Placed, Ratio]:
     rows = [interpolate(onto.timepts, part.timepts, row, widest=WIDE * part.step) for row in part.values]
     error = max(halving_error(part.timepts, row) for row in part.values)
     inside = (onto.timepts >= part.timepts[0]) & (onto.timepts <= part.timepts[-1])
-    grid = onto.timepts[inside] if np.sum(inside) > 1 else onto.timepts[:2]
+    grid = onto.timepts[inside] if np.any(inside) else part.timepts
     return replace(part, timepts=grid, step=onto.step, values=np.array(rows)), error
 
 

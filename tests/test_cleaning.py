@@ -1,0 +1,375 @@
+"""Cleaning: what is clean stays as it is, what is spoiled in a known way comes back, and all of it is said."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from suspid import Suspension, add_noise, free_decay, identify
+from suspid.cleaning import Cleaned, clean
+from suspid.errors import RecordError
+from suspid.modes import ModalSet
+from suspid.placing import faithful_below, interpolate
+from suspid.recordings import RawChannel, Recording
+from suspid.signals import as_response, as_signal
+from suspid.units import RealArray
+from validation.cars import HATCHBACK, PAPER, SALOON, VAN, random_car
+
+DATA = Path(__file__).resolve().parents[2] / "shared" / "data"
+
+
+def channel(name: str, times: RealArray, values: RealArray, *, unit: str = "m") -> RawChannel:
+    return RawChannel(name=name, unit=unit, timepts=times, values=values, rate=None)
+
+
+def recording(times: RealArray, *rows: RealArray) -> Recording:
+    return Recording(title="bump", channels=tuple(channel(f"c{k}", times, row) for k, row in enumerate(rows)))
+
+
+def kinds(cleaned: Cleaned) -> list[str]:
+    return [finding.kind for finding in cleaned.findings]
+
+
+def decay(times: RealArray, *, frequency: float = 3.0, noise: float = 0.0, seed: int = 0) -> RealArray:
+    rough = noise * np.random.default_rng(seed).standard_normal(times.size)
+    return np.asarray(np.exp(-0.4 * times) * np.cos(2 * np.pi * frequency * times) + rough)
+
+
+T = np.arange(2000) / 200
+
+
+class TestNoFalseAlarm:
+    def test_decays_as_converters_write_them(self) -> None:
+        rng, alarms = np.random.default_rng(7), []
+        for k in range(200):
+            car: Suspension = [PAPER, HATCHBACK, SALOON, VAN, random_car(rng)][k % 5]
+            rate = float(rng.choice([100, 125, 200, 256, 500, 1000, 2000]))
+            times = np.arange(0, rng.choice([2, 5, 10]), 1 / rate)
+            states: list[dict[str, float]] = [
+                {"v_tire": 1.0},
+                {"z_chassis": 0.02},
+                {"v_chassis": 0.3},
+                {"v_seat": -1.0},
+            ]
+            record = free_decay(car, times, initial_state=states[rng.integers(4)])
+            if rng.random() < 0.6:
+                record = add_noise(record, snr_db=float(rng.choice([10, 20, 40, 60])), rng=rng)
+            values = np.array(record.y)
+            values = np.concatenate([np.zeros((len(values), int(rng.choice([0, 0, 20, int(rate)])))), values], axis=1)
+            full = np.max(np.abs(values), axis=1, keepdims=True) * rng.uniform(1.05, 4)
+            step = full / 2 ** (int(rng.choice([12, 16, 24])) - 1)
+            values = np.round(values / step) * step
+            stamps = np.arange(values.shape[1]) / rate
+            cleaned = clean(recording(stamps, *values))
+            alarms += [f"{k}: {finding}" for finding in cleaned.findings]
+            assert np.asarray(cleaned.record.y).tobytes() == values.tobytes()
+            assert np.asarray(cleaned.record.time).tobytes() == stamps.tobytes()
+        assert not alarms
+
+    @pytest.mark.parametrize(
+        "values",
+        [
+            np.where(T > 4, 1.0, 0.0),  # a trigger
+            np.floor(T),  # a counter
+            np.exp(-20 * T) * np.cos(60 * T) * np.where(T > 0, 1, 30),  # a blow in the first sample
+            np.round(decay(T) * 50) / 50,  # coarse steps
+        ],
+    )
+    def test_what_is_odd_but_true_stays(self, values: RealArray) -> None:
+        cleaned = clean(recording(T, values, decay(T)))
+        assert "sentinel" not in kinds(cleaned)
+        assert "dropout" not in kinds(cleaned)
+        assert "clipped" not in kinds(cleaned)
+        assert cleaned.record.y.tobytes() == np.array([values, decay(T)]).tobytes()
+
+
+class TestImpossibleSamples:
+    @pytest.mark.parametrize("value", [-64.0, -9999.0, 1e30, np.inf, -np.inf, 32767.0, -32768.0, 9999.0])
+    @pytest.mark.parametrize("places", [(700,), (300, 900, 1400)])
+    def test_are_found_and_bridged(self, value: float, places: tuple[int, ...]) -> None:
+        clean_values = decay(T, noise=1e-3)
+        values = clean_values.copy()
+        values[list(places)] = value
+        cleaned = clean(recording(T, values))
+        assert kinds(cleaned) == ["sentinel", "missing"]
+        assert [finding.samples for finding in cleaned.findings] == [len(places)] * 2
+        assert all(finding.repaired for finding in cleaned.findings)
+        others = np.delete(np.arange(T.size), places)
+        assert cleaned.record.y[0, others].tobytes() == clean_values[others].tobytes()
+        # A cubic over a gap of 10 ms in 3 Hz errs by noise: five of its standard deviations.
+        assert np.max(np.abs(cleaned.record.y[0] - clean_values)) < 5 * 1.4e-3
+
+    def test_zeros_in_a_signal_that_stays_far_from_zero(self) -> None:
+        values = 9.81 + 0.1 * decay(T, noise=1e-2)
+        values[800:803] = 0.0
+        cleaned = clean(recording(T, values))
+        assert "sentinel" in kinds(cleaned) or "dropout" in kinds(cleaned)
+        assert np.min(cleaned.record.y) > 9.6
+
+
+class TestGaps:
+    @pytest.mark.parametrize("length", [1, 2, 3, 5])
+    def test_the_error_stated_is_that_made(self, length: int) -> None:
+        true = decay(T, noise=0.01, seed=4)
+        values = true.copy()
+        for first in range(100, 1900, 60):
+            values[first : first + length] = np.nan
+        cleaned = clean(recording(T, values))
+        made = np.sqrt(np.mean((cleaned.record.y[0] - true)[np.isnan(values)] ** 2))
+        stated = float(cleaned.findings[0].text.split("error of ")[1].split(" rms")[0])
+        # 30 gaps: the rms of 30 normal numbers lies within 0.6 to 1.5 of the truth; two figures are printed.
+        assert 0.6 < made / stated < 1.5
+
+    def test_a_sinusoid_bears_a_sixth_of_its_period_but_not_a_half(self) -> None:
+        values = np.sin(2 * np.pi * 5 * T)  # 40 samples a period
+        values[500:506] = np.nan
+        cleaned = clean(recording(T, values))
+        assert kinds(cleaned) == ["missing"]
+        values[500:520] = np.nan
+        with pytest.raises(RecordError, match="too long to fill"):
+            clean(recording(T, values))
+
+    def test_long_ones_at_the_ends_are_cut_off(self) -> None:
+        values, other = decay(T), decay(T, frequency=5)
+        values[:150], other[1900:] = np.nan, np.nan
+        cleaned = clean(recording(T, values, other))
+        assert kinds(cleaned) == ["cut"]
+        assert cleaned.record.time.tolist() == T[150:1900].tolist()
+        assert cleaned.record.y[0].tolist() == decay(T)[150:1900].tolist()
+
+    def test_a_long_one_within_is_refused_with_the_stretch_to_take(self) -> None:
+        values = decay(T)
+        values[600:700] = np.nan
+        with pytest.raises(RecordError, match=r"start=3.5, stop=9.995"):
+            clean(recording(T, values))
+        assert not clean(recording(T, values), start=3.5, stop=9.995).findings
+
+    def test_missing_rows_come_back(self) -> None:
+        true = decay(T)
+        kept = np.sort(np.random.default_rng(0).choice(np.arange(1, 1999), 1980, replace=False))
+        cleaned = clean(recording(T[kept], true[kept]))
+        assert kinds(cleaned) == ["missing rows", "missing"]
+        # 3/128 (w h)^4 of a cubic through four points a step of 10 ms apart: 3e-5; where two are lost together, 16 times.
+        assert cleaned.record.y[0] == pytest.approx(true[kept[0] : kept[-1] + 1], abs=8e-4)
+
+    def test_a_channel_with_too_many_is_refused(self) -> None:
+        values = decay(T)
+        values[1:-1:5] = np.nan
+        with pytest.raises(RecordError, match="20 % of its samples"):
+            clean(recording(T, values))
+
+
+class TestReportedAndLeft:
+    def test_clipping(self) -> None:
+        cleaned = clean(recording(T, np.clip(decay(T), -0.6, 0.6)))
+        assert set(kinds(cleaned)) == {"clipped"}
+        assert cleaned.record.y.tobytes() == np.clip(decay(T), -0.6, 0.6).tobytes()
+        assert not any(finding.repaired for finding in cleaned.findings)
+
+    def test_offset(self) -> None:
+        cleaned = clean(recording(T, 9.81 + decay(T)))
+        assert kinds(cleaned) == ["offset"]
+        assert "9.81" in cleaned.findings[0].text
+
+    def test_drift(self) -> None:
+        cleaned = clean(recording(T, 0.5 * T + 0.1 * decay(T)))
+        assert "drift" in kinds(cleaned)
+
+    def test_held_samples(self) -> None:
+        cleaned = clean(recording(T, np.repeat(decay(T)[::4], 4)))
+        assert kinds(cleaned) == ["held samples"]
+        assert "4 samples" in cleaned.findings[0].text
+
+    def test_a_frozen_stretch_is_struck_out_if_short(self) -> None:
+        values = decay(T, noise=1e-3)
+        values[320:328] = values[319]
+        cleaned = clean(recording(T, values))
+        assert kinds(cleaned)[0] == "dropout"
+
+    def test_the_table_says_all(self) -> None:
+        values = 9.81 + decay(T)
+        values[700] = -9999.0
+        text = str(clean(recording(T, values)))
+        for word in ("sentinel", "missing", "offset", "c0", "3.5", "yes", "no"):
+            assert word in text
+        assert str(clean(recording(T, decay(T)))) == "nothing was found and nothing was changed"
+
+
+class TestDeadChannels:
+    @pytest.mark.parametrize("values", [np.zeros(2000), np.full(2000, 4.2), np.full(2000, np.nan)])
+    def test_are_left_out_but_refused_by_name(self, values: RealArray) -> None:
+        cleaned = clean(recording(T, decay(T), values))
+        assert cleaned.record.output_labels == ["c0"]
+        assert [(f.kind, f.channel) for f in cleaned.findings] == [("dead channel", "c1")]
+        with pytest.raises(RecordError, match="'c1' .* leave it out"):
+            clean(recording(T, decay(T), values), channels=["c0", "c1"])
+        with pytest.raises(RecordError, match="no channel moves"):
+            clean(recording(T, values))
+
+
+class TestSeveralClocks:
+    def test_a_slower_one_is_left_out_unless_asked_for(self) -> None:
+        slow = np.arange(11.0)
+        both = Recording(title="car", channels=(channel("a", T, decay(T)), channel("speed", slow, slow**2)))
+        cleaned = clean(both)
+        assert cleaned.record.output_labels == ["a"]
+        assert kinds(cleaned) == ["slower clock"]
+        assert cleaned.record.y[0].tolist() == decay(T).tolist()
+        asked = clean(both, channels=["a", "speed"])
+        # A cubic spline is exact for a square.
+        assert asked.record.y[1] == pytest.approx(asked.record.time**2, abs=1e-9)
+        assert not clean(both, channels=["speed"]).findings
+
+    def test_one_rate_at_another_phase_is_shifted(self) -> None:
+        later = T + 0.0017
+        cleaned = clean(Recording(title="car", channels=(channel("a", T, decay(T)), channel("b", later, decay(later)))))
+        assert "shifted clock" in kinds(cleaned)
+        assert "cut" in kinds(cleaned)
+        # Away from the edges a cubic spline errs by 5/384 (w h)^4 = 1e-6 of the amplitude.
+        assert cleaned.record.y[1, 5:-5] == pytest.approx(cleaned.record.y[0, 5:-5], abs=1e-6)
+
+    def test_no_common_time_is_refused(self) -> None:
+        with pytest.raises(RecordError, match="share no time"):
+            clean(Recording(title="x", channels=(channel("a", T, decay(T)), channel("b", T + 50, decay(T)))))
+
+
+class TestIrregularSampling:
+    def test_comes_back_to_within_the_law_of_splines(self) -> None:
+        rng = np.random.default_rng(3)
+        moved = np.sort(T + rng.uniform(-1.5e-3, 1.5e-3, T.size))
+        cleaned = clean(recording(moved, decay(moved)))
+        assert kinds(cleaned) == ["irregular stamps"]
+        # 5/384 (2 pi 3 Hz 8 ms)^4 = 7e-6, away from the edges.
+        assert cleaned.record.y[0, 5:-5] == pytest.approx(decay(cleaned.record.time)[5:-5], abs=1e-5)
+
+    def test_faithful_below_is_where_a_spline_errs_by_one_percent_at_most(self) -> None:
+        limit = faithful_below(np.full(100, 0.01))
+        knots = np.arange(400) / 100
+        fine = np.arange(5000, 35000) / 1e4
+        for frequency, factor in ((limit, 1.0), (0.5 * limit, 1 / 16)):
+            wave = interpolate(fine, knots, np.sin(2 * np.pi * frequency * knots), widest=1.0)
+            assert np.max(np.abs(wave - np.sin(2 * np.pi * frequency * fine))) <= 0.01 * factor
+
+
+def modes_of(times: RealArray, values: RealArray) -> ModalSet:
+    cleaned = clean(recording(times, *values))
+    return identify(cleaned.record, modes=3).modes
+
+
+class TestWhatRepairsCost:
+    """Modes of a spoiled and repaired record lie within one standard deviation of those of the unspoiled one."""
+
+    @pytest.mark.parametrize("spoil", ["rounded", "missing rows", "not a number", "sentinels", "late", "irregular"])
+    def test_less_than_one_standard_deviation(self, spoil: str) -> None:
+        rng = np.random.default_rng(11)
+        rate, count = 333.0, 2664
+        times = np.arange(count) / rate
+        moved = times + rng.uniform(-3e-4, 3e-4, count)
+        record = add_noise(free_decay(PAPER, times, initial_state={"v_tire": 1.0}), snr_db=20.0, rng=rng)
+        whole, stamps = np.array(record.y), times.copy()
+        values = whole.copy()
+        holes = np.sort(rng.choice(np.arange(10, count - 10), count // 100, replace=False))
+        if spoil == "rounded":
+            stamps = np.round(times, 3)
+        elif spoil == "missing rows":
+            stamps, values = np.delete(np.round(times, 3), holes), np.delete(values, holes, axis=1)
+        elif spoil == "not a number":
+            values[:, holes] = np.nan
+        elif spoil == "sentinels":
+            values[1, holes] = -9999.0
+        elif spoil == "late":
+            stamps = moved
+        else:
+            exact = free_decay(PAPER, moved - moved[0], initial_state={"v_tire": 1.0})
+            values = np.array(exact.y) + (whole - np.array(free_decay(PAPER, times, initial_state={"v_tire": 1.0}).y))
+            stamps = moved
+        truth = identify(as_response(times, whole, ["c0", "c1", "c2"]), modes=3).modes
+        found = modes_of(stamps, values)
+        assert found.wn_std is not None
+        assert found.zeta_std is not None
+        assert np.max(np.abs(found.wn - truth.wn) / found.wn_std) < 1
+        assert np.max(np.abs(found.zeta - truth.zeta) / found.zeta_std) < 1
+
+
+class TestInput:
+    def test_unknown_channels_are_named(self) -> None:
+        with pytest.raises(RecordError, match="there is no channel 'c7'"):
+            clean(recording(T, decay(T)), channels=["c7"])
+
+    @pytest.mark.parametrize("fs", [0.0, -1.0, np.nan, np.inf])
+    def test_rates_that_are_none(self, fs: float) -> None:
+        with pytest.raises(RecordError, match="fs"):
+            clean(recording(T, decay(T)), fs=fs)
+
+    def test_order_and_units_follow_the_request(self) -> None:
+        both = Recording(title="x", channels=(channel("a", T, decay(T)), channel("b", T, 2 * decay(T), unit="g")))
+        cleaned = clean(both, channels=["b", "a"])
+        assert (cleaned.record.output_labels, cleaned.units) == (["b", "a"], ("g", "m"))
+
+    def test_anything_becomes_a_record_or_an_error(self) -> None:
+        rng = np.random.default_rng(5)
+        for _ in range(300):
+            count = int(rng.choice([0, 1, 2, 3, 5, 10, 50, 300]))
+            times = rng.choice([0, 1e3, 1.6e9]) + np.arange(count) / 10 ** rng.uniform(-1, 5)
+            values = np.sin(np.arange(count) * rng.uniform(0, 3)) + rng.choice([0, 1e-3, 1]) * rng.standard_normal(
+                count
+            )
+            for _ in range(rng.integers(0, 4) if count > 1 else 0):
+                k = int(rng.integers(count))
+                spoiled = int(rng.integers(8))
+                if spoiled == 0:
+                    times = np.round(times, int(rng.integers(0, 6)))
+                elif spoiled == 1:
+                    times = rng.permutation(times)
+                elif spoiled == 2:
+                    times[k] = rng.choice([np.nan, 0, 1e30, -1e300, np.inf, 5e-324])
+                elif spoiled == 3:
+                    values[k] = rng.choice([np.nan, np.inf, -9999, 1e30, 1.7e308, -1.7e308])
+                elif spoiled == 4:
+                    values[k:] = np.nan
+                elif spoiled == 5:
+                    values = np.where(rng.random(count) < 10 ** rng.uniform(-3, 0), np.nan, values)
+                elif spoiled == 6:
+                    times = np.concatenate([times[k:], times[:k]])
+                else:
+                    values = np.clip(values, -0.5, 0.5)
+            try:
+                cleaned = clean(recording(times, values))
+            except RecordError:
+                continue
+            as_signal(cleaned.record)
+            assert str(cleaned)
+
+
+class TestCarOnTheRoad:
+    """The recorded car: sensors at about 101 Hz with jitter, invalid samples of -64, speed at 1 Hz."""
+
+    @pytest.mark.skipif(not (DATA / "css_canedge_car_mf4").is_dir(), reason="the shared data are not here")
+    def test_as_an_engineer_would_have_it(self) -> None:
+        asammdf = pytest.importorskip("asammdf")
+        folder = DATA / "css_canedge_car_mf4"
+        with pytest.MonkeyPatch.context():
+            import warnings
+
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                raw = asammdf.MDF(folder / "00000164_00000001-60FE3F04.MF4")
+                decoded = raw.extract_bus_logging(database_files={"CAN": [(folder / "canmod-gps.dbc", 0)]})
+                names = ["AccelerationX", "AccelerationY", "AccelerationZ", "Speed"]
+                signals = [decoded.get(name) for name in names]
+        found = clean(
+            Recording(
+                title="car",
+                channels=tuple(
+                    channel(n, s.timestamps, s.samples.astype(float)) for n, s in zip(names, signals, strict=True)
+                ),
+            )
+        )
+        assert found.record.output_labels == names[:3]
+        assert sorted(set(kinds(found))) == ["irregular stamps", "sentinel", "slower clock"]
+        assert [f.samples for f in found.findings if f.kind == "sentinel"] == [1, 1, 1]
+        assert np.median(found.record.y[0]) == pytest.approx(9.6, abs=0.1)
+        assert np.min(found.record.y[0]) > 0
+        assert 1 / (found.record.time[1] - found.record.time[0]) == pytest.approx(101.3, abs=0.1)
