@@ -44,12 +44,13 @@ class Curve:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Band:
-    """A shaded stretch of the horizontal axis, from and to in shares of it, perhaps with a text above."""
+    """A shaded stretch of the horizontal axis, from and to in shares of it, perhaps with a text in a row from above."""
 
     start: float
     stop: float
     style: str
     text: str = ""
+    row: int = 0
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

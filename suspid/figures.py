@@ -26,6 +26,8 @@ SHADES = 64
 DECIBELS = 60.0
 COLUMNS = 640
 CYCLES = 6.0
+# Numbers of decays stand in so many rows, each as wide as this share of the plot at most, on a phone.
+TEXT_ROWS, TEXT_ROOM = 4, 0.08
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -198,14 +200,16 @@ def recording_chart(
     """Return a channel of a whole recording, with the decays found in it shaded and numbered."""
     across, up = Scale(low=record.start, high=record.start + record.duration), _around(record.values[channel])
     label, ticks = labelled(up, unit or "unit")
+    starts = across.share([start for start, _ in stretches])
+    stops = across.share([stop for _, stop in stretches])
+    rows, free = np.zeros(len(starts), int), [-1.0] * TEXT_ROWS
+    for i in np.argsort(starts, kind="stable"):
+        # The first row where the text before it ends; the last, where there is none.
+        rows[i] = next((row for row, end in enumerate(free) if end <= starts[i]), TEXT_ROWS - 1)
+        free[rows[i]] = starts[i] + TEXT_ROOM
     bands = [
-        Band(
-            start=float(across.share([start])[0]),
-            stop=float(across.share([stop])[0]),
-            style="used" if i == used else "decay",
-            text=str(i + 1),
-        )
-        for i, (start, stop) in enumerate(stretches)
+        Band(start=start, stop=stop, style="used" if i == used else "decay", text=str(i + 1), row=row)
+        for i, (start, stop, row) in enumerate(zip(starts.tolist(), stops.tolist(), rows.tolist(), strict=True))
     ]
     return Chart(
         title=title,
@@ -215,7 +219,7 @@ def recording_chart(
         x_ticks=across.ticks(),
         y_ticks=ticks,
         curves=(line(record.timepts, record.values[channel], across, up, "fit", pieces=2 * COLUMNS),),
-        bands=tuple(bands),
+        bands=tuple(sorted(bands, key=lambda band: band.style == "used")),
     )
 
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.charts import HEIGHT, WIDTH, Chart
+from suspid.checks import as_sentence
 from suspid.figures import (
     DECIBELS,
     ShapeBar,
@@ -23,7 +24,6 @@ from suspid.figures import (
     skeleton_charts,
 )
 from suspid.files import printable
-from suspid.judgement import as_sentence
 from suspid.report_json import (
     Decay,
     judgement_of,
@@ -35,7 +35,7 @@ from suspid.report_json import (
 from suspid.report_json import Source as Source
 from suspid.report_json import report_to_dict as report_to_dict
 from suspid.report_json import source_of as source_of
-from suspid.report_rows import channel_rows, mode_rows, parameter_rows, pole_rows
+from suspid.report_rows import channel_rows, mode_rows, parameter_rows, pole_rows, repeat_rows
 from suspid.signals import as_signal
 from suspid.thinning import drawable as drawable
 from suspid.thinning import is_whole
@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from suspid.cleaning import Cleaned
     from suspid.identification import Identification
     from suspid.reconstruction import Reconstruction
+    from suspid.repeats import Repeats
 
 # What a page shows at most; the JSON has all.
 MOST_CHANNELS = 24
@@ -79,6 +80,7 @@ def report(
     source: Source | None = None,
     cleaned: Cleaned | None = None,
     decays: Sequence[Decay] = (),
+    repeats: Repeats | None = None,
     reconstruction: Reconstruction | None = None,
     level: Ratio = 0.95,
     warnings: Sequence[str] = (),
@@ -96,6 +98,8 @@ def report(
         The whole recording and what was done to it. Its units are those of the figures.
     decays : sequence of Decay, optional
         The stretches that were found or given; the record should begin with one of them.
+    repeats : Repeats, optional
+        The decays identified one by one and jointly.
     reconstruction : Reconstruction, optional
         Springs and dampers from these modes.
     level : float
@@ -144,7 +148,9 @@ def report(
         source=source,
         size="" if source is None else _in_bytes(source.size),
         record=_record_facts(found),
-        verdict=judgement_of(found, cleaned=cleaned, decays=decays, reconstruction=reconstruction, level=level),
+        verdict=judgement_of(
+            found, cleaned=cleaned, decays=decays, repeats=repeats, reconstruction=reconstruction, level=level
+        ),
         cards=_cards(found),
         level=f"{100 * level:g} %",
         method=found.method,
@@ -172,6 +178,7 @@ def report(
         overviews=_overviews(found, cleaned, decays, used),
         poles=pole_rows(found)[:MOST_POLES],
         hidden_poles=max(0, len(found.considered) - MOST_POLES),
+        repeats=None if repeats is None else repeat_rows(repeats, level),
         reconstruction=reconstruction,
         parameters=[] if reconstruction is None else parameter_rows(reconstruction, level),
         chi_square="" if reconstruction is None else _chi_square(reconstruction),

@@ -22,7 +22,7 @@ from suspid.car_json import reconstruction_to_dict
 from suspid.errors import InputError
 from suspid.files import printable
 from suspid.judgement import Judgement, judge
-from suspid.modal_json import identification_to_dict, to_json
+from suspid.modal_json import identification_to_dict, modes_to_dict, to_json
 from suspid.signals import as_signal
 from suspid.thinning import drawable, is_whole
 from suspid.units import Ratio, Second
@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from suspid.cleaning import Cleaned
     from suspid.identification import Identification
     from suspid.reconstruction import Reconstruction
+    from suspid.repeats import Repeats
 
 FORMAT = "suspid report 1"
 PACKAGES = ("suspid", "numpy", "scipy", "control", "PyWavelets", "cvxpy")
@@ -128,6 +129,7 @@ def report_to_dict(
     source: Source | None = None,
     cleaned: Cleaned | None = None,
     decays: Sequence[Decay] = (),
+    repeats: Repeats | None = None,
     reconstruction: Reconstruction | None = None,
     level: Ratio = 0.95,
     warnings: Sequence[str] = (),
@@ -150,7 +152,9 @@ def report_to_dict(
     ends = modes.interval(level) if modes.covariance is not None else None
     used = used_decay(shown.response, decays)
     turn = 2 * np.pi
-    judgement = judgement_of(shown, cleaned=cleaned, decays=decays, reconstruction=reconstruction, level=level)
+    judgement = judgement_of(
+        shown, cleaned=cleaned, decays=decays, repeats=repeats, reconstruction=reconstruction, level=level
+    )
     halves, collinearity = shown.halves, shown.collinearity
     content = identification_to_dict(shown, file=source.file if source else "", warnings=warnings)
     content |= {
@@ -216,6 +220,7 @@ def report_to_dict(
             for i, decay in enumerate(decays)
         ],
         "decay_remarks": list(remarks_of(decays)),
+        "repeats": None if repeats is None else _repeats_to_dict(repeats),
         "reconstruction": None if reconstruction is None else reconstruction_to_dict(reconstruction, level=level),
         "source": None
         if source is None
@@ -230,6 +235,31 @@ def report_to_dict(
     }
     plain: dict[str, object] = json.loads(to_json(content))
     return plain
+
+
+def _repeats_to_dict(repeats: Repeats) -> dict[str, object]:
+    return {
+        **modes_to_dict(repeats.modes),
+        "agreement": [
+            {
+                "chi_square": agreement.chi_square,
+                "freedom": agreement.freedom,
+                "probability": agreement.probability,
+                "widening": agreement.widening,
+            }
+            for agreement in repeats.consistency
+        ],
+        "each": [
+            {
+                "start_s": start,
+                "stop_s": stop,
+                "frequency_hz": (found.modes.wn / (2 * np.pi)).tolist(),
+                "wn_rad_per_s": found.modes.wn.tolist(),
+                "zeta": found.modes.zeta.tolist(),
+            }
+            for (start, stop), found in zip(repeats.spans, repeats.each, strict=True)
+        ],
+    }
 
 
 def report_schema() -> dict[str, object]:
@@ -252,6 +282,7 @@ def judgement_of(
     *,
     cleaned: Cleaned | None,
     decays: Sequence[Decay],
+    repeats: Repeats | None,
     reconstruction: Reconstruction | None,
     level: Ratio,
 ) -> Judgement:
@@ -261,6 +292,7 @@ def judgement_of(
         identification,
         decay_doubts=() if used is None else decays[used].doubts,
         unrepaired=0 if cleaned is None else sum(not finding.repaired for finding in cleaned.findings),
+        repeats=repeats,
         reconstruction=reconstruction,
         level=level,
     )

@@ -15,7 +15,9 @@ from suspid.units import Ratio
 
 if TYPE_CHECKING:
     from suspid.identification import Identification
+    from suspid.modes import ModalSet
     from suspid.reconstruction import Reconstruction
+    from suspid.repeats import Repeats
 
 NOTHING = "–"
 
@@ -77,6 +79,26 @@ class ParameterRow:
     twins: tuple[str, ...]
 
 
+@dataclass(frozen=True, kw_only=True, slots=True)
+class JointRow:
+    """A mode of several decays: as in `ModeRow`, and whether the decays agree on it."""
+
+    frequency: Quantity
+    wn: Quantity
+    zeta: Quantity
+    chi_square: str
+    freedom: str
+    chance: str
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class RepeatRows:
+    """The modes of all decays jointly, and those of each: its span [s], frequencies [Hz] and damping ratios [1]."""
+
+    joint: tuple[JointRow, ...]
+    single: tuple[tuple[str, str, str], ...]
+
+
 def quantity(value: float, reach: float | None, *, digits: int = 6) -> Quantity:
     """Return a value rounded to the second digit of its interval; without one, to so many significant digits.
 
@@ -117,21 +139,17 @@ def mode_rows(identification: Identification, level: Ratio) -> list[ModeRow]:
     modes, halves = identification.modes, identification.halves
     if not len(modes):
         return []
-    ends = modes.interval(level) if modes.covariance is not None else None
     notes = {"pair": "", "real": "overdamped: one real pole", "rigid": "rigid body: pole at zero"}
     collinearity = identification.collinearity if modes.shapes is not None else np.full(len(modes), np.nan)
     rows = []
-    for k, (wn, zeta, kind) in enumerate(zip(modes.wn.tolist(), modes.zeta.tolist(), modes.kinds, strict=True)):
-        reach = None if ends is None else float(ends.wn[k, 1] - wn)
-        reach_zeta = None if ends is None or kind != "pair" else float(ends.zeta[k, 1] - zeta)
-        turn = 2 * np.pi
+    for k, (kind, (frequency, wn, zeta)) in enumerate(zip(modes.kinds, _quantities(modes, level), strict=True)):
         judged = identification.method != "ridge"
         rows.append(
             ModeRow(
                 number=k + 1,
-                frequency=quantity(wn / turn, None if reach is None else reach / turn),
-                wn=quantity(wn, reach),
-                zeta=quantity(zeta, reach_zeta, digits=4),
+                frequency=frequency,
+                wn=wn,
+                zeta=zeta,
                 note=notes[kind],
                 halves=_or_nothing(float(halves[k]), "{:.1f}"),
                 loudness=f"{identification.loudness[k]:.3g}" if judged else NOTHING,
@@ -139,6 +157,42 @@ def mode_rows(identification: Identification, level: Ratio) -> list[ModeRow]:
             )
         )
     return rows
+
+
+def _quantities(modes: ModalSet, level: Ratio) -> list[tuple[Quantity, Quantity, Quantity]]:
+    """Return frequency [Hz], angular frequency [rad/s] and damping ratio [1] of each mode."""
+    ends = modes.interval(level) if modes.covariance is not None else None
+    turn, rows = 2 * np.pi, []
+    for k, (wn, zeta, kind) in enumerate(zip(modes.wn.tolist(), modes.zeta.tolist(), modes.kinds, strict=True)):
+        reach = None if ends is None else float(ends.wn[k, 1] - wn)
+        reach_zeta = None if ends is None or kind != "pair" else float(ends.zeta[k, 1] - zeta)
+        hertz = quantity(wn / turn, None if reach is None else reach / turn)
+        rows.append((hertz, quantity(wn, reach), quantity(zeta, reach_zeta, digits=4)))
+    return rows
+
+
+def repeat_rows(repeats: Repeats, level: Ratio) -> RepeatRows:
+    """Return the rows of the modes of several decays."""
+    joint = tuple(
+        JointRow(
+            frequency=frequency,
+            wn=wn,
+            zeta=zeta,
+            chi_square=f"{agreement.chi_square:.1f}",
+            freedom=f"{agreement.freedom}",
+            chance=_or_nothing(agreement.probability, "{:.2g}"),
+        )
+        for (frequency, wn, zeta), agreement in zip(_quantities(repeats.modes, level), repeats.consistency, strict=True)
+    )
+    single = tuple(
+        (
+            signed(f"{start:.6g} … {stop:.6g}"),
+            ", ".join(f"{wn / (2 * np.pi):.4g}" for wn in found.modes.wn) or NOTHING,
+            signed(", ".join(f"{zeta:.3g}" for zeta in found.modes.zeta)) or NOTHING,
+        )
+        for (start, stop), found in zip(repeats.spans, repeats.each, strict=True)
+    )
+    return RepeatRows(joint=joint, single=single)
 
 
 def channel_rows(identification: Identification, units: Sequence[str]) -> list[ChannelRow]:

@@ -31,6 +31,7 @@ from suspid.cleaning import Cleaned, Finding
 from suspid.figures import fit_charts, scalogram_chart
 from suspid.judgement import judge
 from suspid.modal_json import read_modes
+from suspid.repeats import identify_repeats
 from suspid.report import report
 from suspid.report_json import Source, report_schema, report_to_dict, source_of
 from suspid.report_rows import quantity
@@ -189,6 +190,29 @@ class TestVerdict:
         hum = 0.002 * np.sin(2 * np.pi * 50 * signal.timepts)
         verdict = judge(identify(as_response(signal.timepts, signal.values + hum, signal.channels)))
         assert any("1 steady tone (50 Hz)" in text for text in verdict.notes)
+
+    def test_many_poles_in_few_samples_are_doubtful(self) -> None:
+        # Heavily damped modes in 36 samples: no half holds one alone.
+        car = quarter_car(
+            chassis_mass=400, tire_mass=40, chassis_stiffness=20e3, tire_stiffness=200e3, chassis_damping=1500
+        )
+        record = free_decay(car, np.arange(36) / 60, initial_state={"v_tire": 1.0})
+        verdict = judge(identify(add_noise(record, snr_db=30, rng=np.random.default_rng(1)), candidates=[1.0]))
+        assert verdict.trust == "doubtful"
+        assert any(text.startswith("The record has 36 samples for") for text in verdict.doubts)
+
+    def test_repeats_that_agree_speak_for_it(self, found: Identification) -> None:
+        once, again = (as_signal(paper_record(duration=6.0, seed=seed)) for seed in (1, 2))
+        values = np.asarray(np.concatenate([once.values, again.values], axis=1), np.float64)
+        both = as_response(np.arange(values.shape[1], dtype=np.float64) * once.step, values, once.channels)
+        repeats = identify_repeats(both, [(0.0, 5.9), (6.0, 11.9)])
+        assert any("2 decays agree" in text for text in judge(found, repeats=repeats).support)
+        text = Page(report(found, repeats=repeats)).text
+        assert "6 … 11.9" in text
+        content = report_to_dict(found, repeats=repeats)
+        Draft202012Validator(report_schema()).validate(content)
+        apart = replace(repeats, consistency=tuple(replace(a, widening=2.0) for a in repeats.consistency))
+        assert any("disagree on joint mode" in text for text in judge(found, repeats=apart).doubts)
 
     def test_doubts_about_the_decay_and_the_recording_count(self, found: Identification) -> None:
         verdict = judge(found, decay_doubts=("still driven",), unrepaired=2)
