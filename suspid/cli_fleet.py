@@ -31,6 +31,8 @@ FILE = click.Path(path_type=Path)
 @click.option("--channel", "channels", metavar="NAME", multiple=True, help="Channel to use; repeat. [all]")
 @click.option("--time", "time", metavar="NAME", help="Column of time, if it is not named like one.")
 @click.option("--fs", type=Positive("Hz"), metavar="HZ", help="Sampling rate of all records.")
+@click.option("--from", "start", type=float, metavar="SECONDS", help="Time at which every decay begins.")
+@click.option("--to", "stop", type=float, metavar="SECONDS", help="Last time to use.")
 @click.option("--modes", type=click.IntRange(min=1), metavar="N", help="How many modes to find. [all that stand out]")
 @click.option("--method", type=click.Choice(get_args(Method)), default="likelihood", show_default=True)
 @click.option("--band", type=Positive("Hz"), nargs=2, metavar="LOW HIGH", help="Frequencies to look at [Hz].")
@@ -50,6 +52,8 @@ def fleet_command(
     channels: tuple[str, ...],
     time: str | None,
     fs: float | None,
+    start: float | None,
+    stop: float | None,
     modes: int | None,
     method: Method,
     band: tuple[float, float] | None,
@@ -93,6 +97,8 @@ def fleet_command(
             channels=channels or None,
             time=time,
             fs=fs,
+            start=start,
+            stop=stop,
             modes=modes,
             method=method,
             band=(2 * math.pi * band[0], 2 * math.pi * band[1]) if band else None,

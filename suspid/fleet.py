@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import filecmp
-import json
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
@@ -15,10 +12,11 @@ from suspid.cars import car_to_toml
 from suspid.errors import InputError, ReconstructionError
 from suspid.files import printable
 from suspid.fleet_engine import dask_engine, finished, local_engine
-from suspid.fleet_manifest import FORMAT, check_same, durable_write, read_manifest, require_fleet
-from suspid.fleet_parts import TABLES, part_counts, part_names, part_numbers, read_table, write_part
-from suspid.fleet_records import LIST, Entry, Listing, Records, in_chunks, listing, read_list, write_list
-from suspid.fleet_rows import Job, samples_hash
+from suspid.fleet_folder import begun, check_part, only_others, own, taken, write_manifest
+from suspid.fleet_manifest import FORMAT, require_fleet
+from suspid.fleet_parts import part_counts, part_numbers, read_table, write_part
+from suspid.fleet_records import Entry, Records, in_chunks, listing
+from suspid.fleet_rows import Job
 from suspid.identification import Method
 from suspid.modes import eigenmodes
 from suspid.reconstruction import reconstruct
@@ -95,9 +93,13 @@ def identify_many(
     time: str | None = None,
     fs: Hertz | None = None,
     dbc: str | os.PathLike[str] | None = None,
+    start: Second | None = None,
+    stop: Second | None = None,
     modes: int | None = None,
     method: Method = "likelihood",
     band: tuple[RadianPerSecond, RadianPerSecond] | None = None,
+    bandwidth: float | None = None,
+    candidates: Iterable[float] = range(1, 51),
     fixed: Sequence[str] = (),
     bounds: Bounds | None = None,
     ties: Sequence[Sequence[str]] = (),
@@ -134,7 +136,9 @@ def identify_many(
         Known masses and nominal struts: springs and dampers are then reconstructed from each record's modes.
     channels, time, fs, dbc
         As in `read_record`, for every file.
-    modes, method, band
+    start, stop : float, optional
+        As in `cut`: first and last time to use of every record [s].
+    modes, method, band, bandwidth, candidates
         As in `identify`.
     fixed, bounds, ties, nominal_std, free_masses, tolerance, search
         As in `reconstruct`.
@@ -192,9 +196,13 @@ def identify_many(
         time=time,
         fs=fs,
         dbc=None if dbc is None else os.path.abspath(dbc),
+        start=start,
+        stop=stop,
         modes=modes,
         method=method,
         band=None if band is None else (float(band[0]), float(band[1])),
+        bandwidth=bandwidth,
+        candidates=tuple(float(n) for n in candidates),
         car=None if car is None else car_to_toml(car),
         fixed=tuple(fixed),
         bounds=tuple((name, low, high) for name, (low, high) in (bounds or {}).items()),
@@ -211,9 +219,9 @@ def identify_many(
     folder = Path(output)
     source = listing(records, output=folder)
     engine = local_engine(workers) if scheduler is None else dask_engine(scheduler)
-    with _own(folder), engine as hands:
-        manifest = _begun(folder, {"format": FORMAT, **job.settings(), "chunk": chunk, "records": source.source})
-        entries, total, notes = _entries(folder, source)
+    with own(folder), engine as hands:
+        manifest = begun(folder, {"format": FORMAT, **job.settings(), "chunk": chunk, "records": source.source})
+        entries, total, notes = taken(folder, source)
         counts = {"records": 0, "failed": 0, "kept": 0, "parts": 0}
 
         def to_do() -> Iterator[tuple[int, tuple[Entry, ...]]]:
@@ -223,7 +231,7 @@ def identify_many(
                 if there is None:
                     yield number, some
                     continue
-                _check_part(folder, number, some, listed=source.listed)
+                check_part(folder, number, some, listed=source.listed)
                 tally(*there, kept=there[0])
 
         def tally(done: int, failed: int, *, kept: int = 0) -> None:
@@ -243,9 +251,9 @@ def identify_many(
                 f"fewer came than when the run began; give the same ones, or another folder for the results"
             )
         if total is not None and not total:
-            raise InputError(f"there is no record in what was given{_said(source)}")
+            raise InputError(f"there is no record in what was given{only_others(source)}")
         kept = counts.pop("kept")
-        _write_manifest(folder, {**manifest, "complete": counts})
+        write_manifest(folder, {**manifest, "complete": counts})
     if hands.note:
         notes = (*notes, hands.note)
     return FleetRun(output=folder, records=counts["records"], failed=counts["failed"], kept=kept, notes=notes)
@@ -283,95 +291,3 @@ def _check_settings(job: Job, car: Suspension | None) -> None:
     except ReconstructionError:
         # A record's modes may determine what these do not.
         return
-
-
-@contextmanager
-def _own(folder: Path) -> Iterator[None]:
-    """Make the folder and hold it for this run alone."""
-    name = printable(str(folder))
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        strangers = [p.name for p in folder.iterdir() if not p.name.startswith(".")]
-        if strangers and "manifest.json" not in strangers:
-            raise InputError(
-                f"{name}: holds {printable(strangers[0])!r}, which is no result of a fleet; give a new folder"
-            )
-        for table in TABLES:
-            (folder / table).mkdir(exist_ok=True)
-    except OSError as refusal:
-        raise InputError(f"{name}: cannot be used for results: {refusal.strerror or refusal}") from None
-    try:
-        import fcntl
-    except ImportError:
-        # Windows: then nobody watches.
-        yield
-        return
-    handle = os.open(folder, os.O_RDONLY)
-    try:
-        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError:
-        os.close(handle)
-        raise InputError(
-            f"{name}: another run is writing its results there; wait for it, or give another folder"
-        ) from None
-    try:
-        yield
-    finally:
-        os.close(handle)
-
-
-def _begun(folder: Path, manifest: Mapping[str, object]) -> Mapping[str, object]:
-    """Write the manifest of a new run, or check that of one to go on with; return it."""
-    if (folder / "manifest.json").exists():
-        check_same(folder, read_manifest(folder), manifest)
-    else:
-        _write_manifest(folder, manifest)
-    return manifest
-
-
-def _write_manifest(folder: Path, manifest: Mapping[str, object]) -> None:
-    durable_write(folder / "manifest.json", (json.dumps(manifest, indent=1) + "\n").encode())
-
-
-def _entries(folder: Path, source: Listing) -> tuple[Iterator[Entry], int | None, tuple[str, ...]]:
-    """Return the records, their number if it is known, and what to say of them; files from the list kept."""
-    if not source.listed:
-        return iter(source.entries), None, ()
-    notes = []
-    kept, now = folder / LIST, folder / f".{LIST}.now"
-    if kept.exists():
-        count = write_list(now, source.entries)
-        total = sum(1 for _ in read_list(kept))
-        if not filecmp.cmp(now, kept, shallow=False):
-            notes.append(
-                f"the files have changed since the run began: {total} records then, {count} now; the results are of "
-                f"those of then; for the others give another folder"
-            )
-        now.unlink()
-    else:
-        total = write_list(kept, source.entries)
-    if source.left_out:
-        kinds = ", ".join(f"{count} {suffix}" for suffix, count in sorted(source.left_out.items()))
-        notes.append(f"left out, as files of no kind that is a record: {kinds}")
-    return read_list(kept), total, tuple(notes)
-
-
-def _said(source: Listing) -> str:
-    kinds = ", ".join(f"{count} {suffix}" for suffix, count in sorted(source.left_out.items()))
-    return f": only {printable(kinds)}" if kinds else ""
-
-
-def _check_part(folder: Path, number: int, chunk: Sequence[Entry], *, listed: bool) -> None:
-    """Refuse to go on with a stream whose records are not those that made a part."""
-    if listed:
-        return
-    there = part_names(folder, number)
-    names = {name for name, _ in there}
-    for entry in chunk:
-        known = entry.samples is None or (entry.name, samples_hash(entry)) in there
-        if entry.name not in names or not known:
-            raise InputError(
-                f"record {printable(entry.name)!r} is not the one that stands in part {number} of "
-                f"{printable(str(folder))}: the records do not come as they did when the run began; give the same "
-                f"ones in the same order, or another folder for the results"
-            )

@@ -24,7 +24,7 @@ from suspid.identification import Identification, Method, identify
 from suspid.observations import ModalTest
 from suspid.reconstruction import reconstruct
 from suspid.records import read_record
-from suspid.signals import as_response, as_signal
+from suspid.signals import as_response, as_signal, cut
 from suspid.units import Hertz, RadianPerSecond, Ratio, Second
 
 if TYPE_CHECKING:
@@ -45,9 +45,13 @@ class Job:
     time: str | None = None
     fs: Hertz | None = None
     dbc: str | None = None
+    start: Second | None = None
+    stop: Second | None = None
     modes: int | None = None
     method: Method = "likelihood"
     band: tuple[RadianPerSecond, RadianPerSecond] | None = None
+    bandwidth: float | None = None
+    candidates: tuple[float, ...] = ()
     car: str | None = None
     fixed: tuple[str, ...] = ()
     bounds: tuple[tuple[str, float | None, float | None], ...] = ()
@@ -81,10 +85,19 @@ def record_rows(job: Job, entry: Entry, seen: dict[str, str]) -> Rows:
     step = "read"
     try:
         response, findings = _read(job, entry, seen)
+        if job.start is not None or job.stop is not None:
+            response = cut(response, start=job.start, stop=job.stop)
         step = "identify"
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            found = identify(response, modes=job.modes, method=job.method, band=job.band)
+            found = identify(
+                response,
+                modes=job.modes,
+                method=job.method,
+                band=job.band,
+                bandwidth=job.bandwidth,
+                candidates=job.candidates,
+            )
             modes = _mode_rows(job, entry, seen["sha256"], found, findings)
     except Exception as error:
         return failure(entry, seen.get("sha256"), job, step, type(error).__name__, _reason(error, seen))

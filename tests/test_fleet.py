@@ -5,9 +5,12 @@ from __future__ import annotations
 import json
 import math
 import os
+import stat
 import threading
 import time
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +19,9 @@ import pytest
 from fleets import CAR, content, make_fleet, write_decay
 
 from suspid import InputError, eigenmodes, free_decay, identify, read_record
+from suspid.errors import RecordWarning
 from suspid.fleet import FleetRun, identify_many
+from suspid.fleet_engine import Engine
 from suspid.fleet_parts import read_table
 
 COUNT, CHUNK = 14, 4
@@ -52,6 +57,18 @@ def fleet(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def run(fleet: Path, tmp_path_factory: pytest.TempPathFactory) -> FleetRun:
     return identify_many(fleet, output=tmp_path_factory.mktemp("out"), car=CAR, workers=1, chunk=CHUNK)
+
+
+@contextmanager
+def own_process(workers: int | None) -> Iterator[Engine]:
+    """Do the work in this process: what is tested is what becomes of it."""
+    assert workers is None
+    yield Engine(
+        start=lambda: ThreadPoolExecutor(1),
+        stop=lambda pool, give_up: pool.shutdown(wait=True, cancel_futures=give_up),
+        workers=lambda: 1,
+        alive=lambda: True,
+    )
 
 
 def rows(run: FleetRun, table: str) -> list[dict[str, Any]]:
@@ -137,6 +154,41 @@ class TestSameBytes:
             identify_many(stream(2), output=tmp_path / "whole", workers=1, chunk=2)
 
 
+class TestKilledAtEveryMoment:
+    """The process ends in the middle of the k-th write, for every k; the work itself is done in this process."""
+
+    def test_the_same_in_the_end(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+        class KilledError(BaseException):
+            pass
+
+        writes = [0, 0]  # so far, and which one is the last
+
+        def fsync(handle: int) -> None:
+            writes[0] += 1
+            if writes[0] == writes[1]:
+                if stat.S_ISREG(os.fstat(handle).st_mode):
+                    os.ftruncate(handle, 10)
+                raise KilledError
+
+        make_fleet(tmp_path / "in", 3)
+        (tmp_path / "in" / "bad.csv").write_text("")
+        monkeypatch.setattr("suspid.fleet.local_engine", own_process)
+        whole = content(identify_many(tmp_path / "in", output=tmp_path / "whole", chunk=2).output)
+        monkeypatch.setattr(os, "fsync", fsync)
+        for last in range(1, 40):
+            writes[:] = 0, last
+            try:
+                identify_many(tmp_path / "in", output=tmp_path / str(last), chunk=2)
+            except KilledError:
+                writes[:] = 0, 0
+                identify_many(tmp_path / "in", output=tmp_path / str(last), chunk=2)
+                assert content(tmp_path / str(last)) == whole
+            else:
+                break
+        # Manifest, list, two parts and the failures of one, manifest: most of them with their folder.
+        assert last > 10
+
+
 class TestDamagedFiles:
     def damage(self, folder: Path) -> dict[str, str]:
         """Damage twenty files in ten ways; return the words that each one's reason must hold."""
@@ -198,6 +250,22 @@ class TestDamagedFiles:
         assert failures["memory.csv"] == ("read", "there was not enough memory for this record")
         assert failures["sleeps in C.csv"][0] == failures["sleeps in python.csv"][0] == "time"
         assert len(failures) == 5
+
+
+class TestFindings:
+    def test_what_was_repaired_stands_in_the_row(self, tmp_path: Path) -> None:
+        make_fleet(tmp_path / "in", 2)
+        lines = (tmp_path / "in" / "run000.csv").read_text().splitlines()
+        lines[40] = lines[40].partition(",")[0] + ",nan,nan"
+        (tmp_path / "in" / "run000.csv").write_text("\n".join(lines) + "\n")
+        with pytest.warns(RecordWarning) as said:
+            read_record(tmp_path / "in" / "run000.csv")
+        run = identify_many(tmp_path / "in", output=tmp_path / "out", workers=1)
+        findings = {row["record"]: row["findings"] for row in rows(run, "modes")}
+        assert findings["north/run001.csv"] == ""
+        for one in said:
+            assert str(one.message).removeprefix(f"{tmp_path / 'in' / 'run000.csv'}: ") in findings["run000.csv"]
+        assert str(tmp_path) not in findings["run000.csv"]
 
 
 class TestWhatIsRefused:
