@@ -103,7 +103,7 @@ def observe(test: ModalTest, suspension: Suspension) -> tuple[Observed, list[str
     if total > 2 * n:
         raise InputError(
             f"the modes hold {total} poles (a pair counts twice), but {n} masses have {2 * n}; "
-            f"leave out modes that are not the suspension's"
+            f"leave out modes that are not the suspension's, or identify no more than {n} (modes={n})"
         )
     moving = modes.poles != 0
     poles = modes.poles[moving]

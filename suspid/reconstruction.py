@@ -177,7 +177,7 @@ def reconstruct(
         Groups of parameters that are equal, such as ``("left.stiffness", "right.stiffness")``.
     nominal_std : float, or mapping of str to float, optional
         Standard deviation of the nominal parameters, relative [1]: they then count as measured values. A number
-        holds for all that are not 0.
+        holds for all that are not 0. A mass named here, as in ``{"tire.mass": 0.005}``, is unknown but for that.
     free_masses : sequence of str
         Masses that are unknown too, by coordinate; only known masses (others, or added ones) can give them a scale.
     tolerance : float, optional
@@ -209,7 +209,8 @@ def reconstruct(
     -----
     From w and zeta alone several suspensions may have the same modes; of those that the data hold equally likely
     the one nearest to the nominal values is returned, the others are ``alternatives``. Shapes, a parameter held, or
-    a test with an added mass decide. All intervals hold for the masses as given: an error of theirs is not in them.
+    a test with an added mass decide. All intervals hold for the masses as given; ``nominal_std`` of the masses puts
+    their error into them. If all masses are wrong by one factor, all k and c are too, and no modes can tell.
 
     Examples
     --------

@@ -155,7 +155,13 @@ def unknowns_of(
         If a name is unknown, wishes contradict each other, or nothing is left to find.
     """
     every, p = parameter_names(car), parameter_vector(car)
-    held = _held(car, every, fixed, free_masses)
+    named = nominal_std if isinstance(nominal_std, Mapping) else {}
+    free = [free_masses] if isinstance(free_masses, str) else list(free_masses)
+    # A mass that is known to a standard deviation is an unknown with a measured value.
+    held = _held(car, every, fixed, [*free, *(name for name in named if name in every[2 * len(car.struts) :])])
+    for name in named:
+        if _index(every, name, "nominal_std") in held:
+            raise InputError(f"nominal_std: {name!r} is held, so it needs no spread; leave out one of the two")
     group = list(range(len(every)))
     for tie in ties:
         members = [_index(every, name, "ties") for name in ([tie] if isinstance(tie, str) else tie)]

@@ -40,12 +40,7 @@ def check_seen(problem: Problem, x: RealArray, car: Suspension) -> list[str]:
     if u.has_prior.any():
         alone = problem.unseen(slope, x)
         if len(alone):
-            names = involved(alone, u)
-            notes.append(
-                f"{' and '.join([', '.join(names[:-1]), names[-1]] if len(names) > 1 else names)} "
-                f"{'are told apart' if len(names) > 1 else 'is known'} by the nominal values alone: "
-                f"the modes do not see {_in_words(alone, x, u)}"
-            )
+            notes.append(_known_from_nominal(involved(alone, u), _in_words(alone, x, u)))
         slope = np.concatenate([slope, np.linalg.norm(slope) * u.prior(x)[1] * u.prior_std[u.has_prior][:, None]])
     blind = problem.unseen(slope, x)
     if len(blind):
@@ -57,6 +52,18 @@ def check_seen(problem: Problem, x: RealArray, car: Suspension) -> list[str]:
             best=car,
         )
     return notes
+
+
+def _known_from_nominal(names: Sequence[str], words: str) -> str:
+    """Return, in words, what the modes do not see and the nominal values alone tell."""
+    if any(name.endswith(".mass") for name in names):
+        return "how heavy, stiff and damped the car is as a whole is known from the nominal values alone"
+    if len(names) < 2:
+        return f"{names[0]} is known from the nominal values alone"
+    return (
+        f"{', '.join(names[:-1])} and {names[-1]} are told apart by the nominal values alone: "
+        f"the modes do not see {words}"
+    )
 
 
 def involved(blind: RealArray, unknowns: Unknowns) -> list[str]:
