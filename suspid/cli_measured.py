@@ -137,8 +137,8 @@ def report_command(
         draft = outputs.enter_context(replacing(output))
         json_draft = outputs.enter_context(replacing(json_file)) if json_file else None
         step()
-        source = source_of(file, command=_command_line(), created=created)
         cleaned, notes = read_cleaned(file, read)
+        source = source_of(file, command=_command_line(), created=created)
         step()
         stretch = stretch_of(cleaned.record, start, stop, which)
         step()

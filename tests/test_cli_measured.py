@@ -1,0 +1,270 @@
+"""From files as they come to modes and reports, on the command line; and every way in which a file can be wrong."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+
+from suspid import Suspension, add_noise, eigenmodes, free_decay, quarter_car, statespace
+from suspid.cars import write_car
+from suspid.cli import main
+from suspid.records import READERS, write_record
+from suspid.signals import as_response, as_signal
+
+ROOT = Path(__file__).resolve().parents[1]
+DATA = ROOT.parent / "shared" / "data"
+RECORD = ROOT / "examples" / "quarter_car.csv"
+RATE = 100.0
+
+
+def run(*arguments: object) -> Result:
+    return CliRunner().invoke(main, [str(argument) for argument in arguments])
+
+
+@pytest.fixture(scope="module")
+def car() -> Suspension:
+    return quarter_car(
+        chassis_mass=320, tire_mass=38, chassis_stiffness=18e3, tire_stiffness=190e3, chassis_damping=1300
+    )
+
+
+def acceleration(car: Suspension, seconds: float, starts: tuple[float, ...]) -> tuple[np.ndarray, np.ndarray]:
+    """Return times and the chassis' acceleration, released at each start from 35 mm down."""
+    times = np.arange(round(seconds * RATE)) / RATE
+    system = statespace(car, outputs=["chassis_acceleration"])
+    values = np.zeros(times.size)
+    for start in starts:
+        after = times >= start - 1e-9
+        released = free_decay(system, np.arange(after.sum()) / RATE, initial_state={"z_chassis": -0.035})
+        values[after] += np.ravel(released.y)
+    return times, values
+
+
+def modes_in(path: Path) -> list[dict[str, float]]:
+    modes: list[dict[str, float]] = json.loads(path.read_text(encoding="utf-8"))["modes"]
+    return modes
+
+
+def holds(car: Suspension, modes: list[dict[str, float]], which: tuple[int, ...]) -> None:
+    """Check that each mode lies within five standard deviations of the car's."""
+    truth = eigenmodes(car)
+    assert len(modes) == len(which)
+    for mode, k in zip(modes, which, strict=True):
+        assert abs(mode["wn_rad_per_s"] - truth.wn[k]) < 5 * mode["wn_std_rad_per_s"]
+        assert abs(mode["zeta"] - truth.zeta[k]) < 5 * mode["zeta_std"]
+
+
+class TestFilesAsTheyCome:
+    def test_a_dirty_file(self, car: Suspension, tmp_path: Path) -> None:
+        """Banner, units in brackets, rounded stamps, a missing cell, a sentinel: told, mended, and within intervals."""
+        times = np.arange(600) / 240.0
+        system = statespace(car, outputs=["chassis", "tire"])
+        clean = free_decay(system, times, initial_state={"v_tire": 1.0})
+        noisy = as_signal(add_noise(clean, snr_db=40, rng=np.random.default_rng(3))).values * 1e3
+        lines = ["Logger 7.2;serial 00412", "", "time [s];chassis [mm];tire [mm]"]
+        rows = [[f"{t:.3f}", f"{a:.5f}", f"{b:.5f}"] for t, a, b in zip(times, *noisy, strict=True)]
+        rows[200][1], rows[300][2] = "", "-9999"
+        path = tmp_path / "dirty.csv"
+        path.write_text("\n".join([*lines, *(";".join(row).replace(".", ",") for row in rows)]) + "\n")
+        result = run("identify", path, "--json", tmp_path / "m.json")
+        assert result.exit_code == 0, result.output
+        holds(car, modes_in(tmp_path / "m.json"), (0, 1))
+        for said in ("rounded stamps", "missing", "sentinel", "Logger"):
+            assert said in result.stderr, result.stderr
+
+    def test_a_phone_on_a_pushed_car(self, car: Suspension, tmp_path: Path) -> None:
+        """Tilted by 12 degrees, gravity in it, stamps to a millisecond, half a minute before the first release."""
+        times, motion = acceleration(car, 70.0, (31.2, 52.7))
+        rng = np.random.default_rng(4)
+        up = np.array([np.sin(0.21), 0.0, np.cos(0.21)])
+        three = up[:, None] * (9.81 + motion) + 0.015 * rng.standard_normal((3, times.size))
+        stamps = np.round(times + rng.normal(0, 2e-4, times.size), 3)
+        path = tmp_path / "phone.csv"
+        header = '"Time (s)","Acceleration x (m/s^2)","Acceleration y (m/s^2)","Acceleration z (m/s^2)"\n'
+        rows = (f"{t:.3f},{x:.6E},{y:.6E},{z:.6E}\n" for t, x, y, z in zip(stamps, *three, strict=True))
+        path.write_text(header + "".join(rows))
+        page, modes = tmp_path / "r.html", tmp_path / "r.json"
+        axes = "Acceleration x,Acceleration y,Acceleration z"
+        result = run("report", path, "-o", page, "--json", modes, "--vertical", axes, "--date", "2026-01-01")
+        assert result.exit_code == 0, result.output
+        assert "largest motion" in result.stderr
+        content = json.loads(modes.read_text(encoding="utf-8"))
+        assert content["channels"] == ["vertical"]
+        assert any(decay["used"] for decay in content["decays"])
+        body = min(content["modes"], key=lambda mode: mode["wn_rad_per_s"])
+        truth = eigenmodes(car)
+        assert abs(body["wn_rad_per_s"] - truth.wn[0]) < 5 * body["wn_std_rad_per_s"]
+        assert abs(body["zeta"] - truth.zeta[0]) < 5 * body["zeta_std"]
+        assert "suspid report" in page.read_text(encoding="utf-8")
+
+    def test_a_car_gives_springs(self, car: Suspension, tmp_path: Path) -> None:
+        times = np.arange(800) / 200.0
+        clean = free_decay(statespace(car, outputs=["chassis", "tire"]), times, initial_state={"v_tire": 1.0})
+        record = add_noise(clean, snr_db=40, rng=np.random.default_rng(5))
+        signal = as_signal(record)
+        write_record(as_response(times, 1e3 * signal.values, ["z_c", "z_t"]), tmp_path / "r.parquet")
+        write_car(car, tmp_path / "car.toml")
+        wanted = ["--rename", "z_c=chassis", "--rename", "z_t=tire", "--scale", "z_c=0.001", "--scale", "z_t=0.001"]
+        result = run("report", tmp_path / "r.parquet", "-o", tmp_path / "r.html", "--car", tmp_path / "car.toml",
+                     "--json", tmp_path / "r.json", *wanted)  # fmt: skip
+        assert result.exit_code == 0, result.output
+        found = json.loads((tmp_path / "r.json").read_text())["reconstruction"]
+        assert found is not None
+        assert "Springs and dampers" in (tmp_path / "r.html").read_text(encoding="utf-8")
+
+    def test_two_names_cannot_be_one(self) -> None:
+        result = run("identify", RECORD, "--rename", "seat=tire")
+        assert result.exit_code == 1
+        assert "two channels of one name" in result.stderr
+
+    def test_a_channel_can_be_left_out(self) -> None:
+        result = run("identify", RECORD, "--without", "seat")
+        assert "2 channels: chassis, tire" in result.stdout
+        refused = run("identify", RECORD, "--without", "saet")
+        assert refused.exit_code == 1
+        assert "'seat'" in refused.stderr
+
+
+class TestChannels:
+    def test_names_units_rates_lengths_and_gaps(self, tmp_path: Path) -> None:
+        path = tmp_path / "r.csv"
+        path.write_text("t [ms];seat [mm];note\n0;1;a\n10;2;b\n30;3;c\n40;4;d\n")
+        result = run("channels", path)
+        assert result.exit_code == 0, result.output
+        row = next(line.split() for line in result.stdout.splitlines() if "seat" in line)
+        assert row == ["seat", "[mm]", "mm", "100", "4", "0.04", "1"]
+        assert "note" in result.stdout
+
+
+def nothing(path: Path) -> None:
+    assert not path.exists()
+
+
+def folder(path: Path) -> None:
+    path.mkdir()
+
+
+def unreadable(path: Path) -> None:
+    path.write_text("t,a\n0,1\n1,2\n")
+    path.chmod(0)
+    if os.access(path, os.R_OK):
+        pytest.skip("this user may read everything")
+
+
+def written(content: bytes) -> Callable[[Path], None]:
+    def write(path: Path) -> None:
+        path.write_bytes(content)
+
+    return write
+
+
+def rows(*lines: str, count: int = 200) -> Callable[[Path], None]:
+    """Write a header and, for every sample k, the line with k / 100 for ``{t}`` and a decay for ``{y}``."""
+
+    def write(path: Path) -> None:
+        values = np.exp(-np.arange(count) / 60) * np.cos(np.arange(count) / 3)
+        body = [lines[1].format(t=k / 100, y=round(float(y), 9), back=(count - k) / 100) for k, y in enumerate(values)]
+        path.write_text("\n".join([lines[0], *body]) + "\n")
+
+    return write
+
+
+RUBBISH = bytes(np.random.default_rng(1).integers(0, 256, 4096, dtype=np.uint8))
+BAD: dict[str, tuple[str, Callable[[Path], None], list[object], str]] = {
+    "empty": ("r.csv", written(b""), [], "is empty"),
+    "one line": ("r.csv", written(b"t,seat\n"), [], "line"),
+    "constant": ("r.csv", rows("t,seat", "{t},3.5"), [], "constant"),
+    "all not a number": ("r.csv", rows("t,seat", "{t},nan"), [], "seat"),
+    "time backwards": ("r.csv", rows("t,seat", "{back},{y}"), [], "time"),
+    "time stands still": ("r.csv", rows("t,seat", "1.0,{y}"), [], "stamps"),
+    "unknown channel": ("r.csv", rows("t,seat,tire", "{t},{y},{y}"), ["--channel", "saet"], "'seat'"),
+    "no rate": ("r.csv", rows("seat,tire", "{y},{y}"), [], "rate"),
+    "another rate": ("r.csv", rows("t,seat", "{t},{y}"), ["--fs", "500"], "500"),
+    "folder": ("r.csv", folder, [], "folder"),
+    "unreadable": ("r.csv", unreadable, [], "cannot be read"),
+    "not there": ("r.csv", nothing, [], "no such file"),
+    "unknown type": ("r.xyz", written(b"t,seat\n0,1\n1,2\n"), [], "known"),
+    "no text": ("r.csv", written(b"t,seat\n\x00\x01\x02\n" * 20), [], "text"),
+    **{f"rubbish{suffix}": (f"r{suffix}", written(RUBBISH), [], "r") for suffix in READERS},
+    **{f"empty{suffix}": (f"r{suffix}", written(b""), [], "is empty") for suffix in READERS},
+    **{f"text as{suffix}": (f"r{suffix}", written(b"t,seat\n0,1\n1,2\n" * 40), [], "r") for suffix in READERS
+       if suffix not in (".csv", ".txt", ".tsv", ".dat")},
+}  # fmt: skip
+
+
+class TestBadInput:
+    @pytest.mark.parametrize("name", BAD)
+    def test_one_clear_line_and_nothing_written(self, name: str, tmp_path: Path) -> None:
+        file, make, options, said = BAD[name]
+        path = tmp_path / "in" / file
+        path.parent.mkdir()
+        make(path)
+        out = tmp_path / "out"
+        out.mkdir()
+        for command in (["identify", path], ["report", path, "-o", out / "r.html", "--json", out / "r.json"]):
+            result = run(*command, *options)
+            errors = [line for line in result.stderr.splitlines() if not line.startswith("suspid: warning: ")]
+            assert result.exit_code == 1, result.output
+            assert len(errors) == 1, errors
+            assert errors[0].startswith("suspid: error: ")
+            assert said in errors[0]
+            assert "Traceback" not in result.output
+            assert not list(out.iterdir())
+
+    def test_a_rate_of_zero(self) -> None:
+        result = run("identify", RECORD, "--fs", "0")
+        assert result.exit_code == 2
+        assert "positive" in result.stderr
+
+    def test_an_output_that_cannot_be_written(self, tmp_path: Path) -> None:
+        result = run("report", RECORD, "-o", tmp_path / "no folder" / "r.html")
+        assert result.exit_code == 1
+        assert "cannot be written" in result.stderr
+
+    def test_an_output_of_another_kind(self, tmp_path: Path) -> None:
+        result = run("report", RECORD, "-o", tmp_path / "r.docx")
+        assert result.exit_code == 1
+        assert ".html" in result.stderr
+
+    def test_the_input_is_never_overwritten(self) -> None:
+        assert run("report", RECORD, "-o", "r.html", "--json", RECORD).exit_code == 2
+
+
+@pytest.mark.skipif(not DATA.is_dir(), reason="needs records made by others")
+class TestRecordsOfOthers:
+    def test_a_measured_ring_down(self, tmp_path: Path) -> None:
+        path = DATA / "vibtest_inout_mat" / "case1.mat"
+        assert run("identify", path, "--json", tmp_path / "m.json").exit_code == 0
+        modes = modes_in(tmp_path / "m.json")
+        # Five established methods say 212.08 to 212.12 Hz and 8.5e-4 to 9.3e-4.
+        assert modes[0]["frequency_hz"] == pytest.approx(212.10, abs=0.02)
+        assert modes[0]["zeta"] == pytest.approx(8.9e-4, abs=4e-5)
+        assert modes[1]["frequency_hz"] == pytest.approx(579.0, abs=0.1)
+
+    def test_a_simulated_seat(self, tmp_path: Path) -> None:
+        path = DATA / "rizoit_seat3dof_sim" / "release.csv"
+        assert run("identify", path, "--json", tmp_path / "m.json").exit_code == 0
+        found = [mode["frequency_hz"] for mode in modes_in(tmp_path / "m.json")]
+        assert found == pytest.approx([1.2521928521, 2.6343486141, 9.5142367929], rel=1e-4)
+
+    def test_a_car_at_rest_has_no_mode(self) -> None:
+        data = DATA / "css_canedge_car_mf4"
+        path = next(data.glob("stationary*.MF4"))
+        axes = [f"Acceleration{axis}" for axis in "XYZ"]
+        result = run("identify", path, "--dbc", data / "canmod-gps.dbc", *(x for a in axes for x in ("--channel", a)))
+        assert result.exit_code == 0, result.output
+        assert "no mode" in result.stdout
+
+    def test_a_running_machine_has_a_line_and_it_is_no_mode(self, tmp_path: Path) -> None:
+        path = next((DATA / "pyuff_uff58_mps").glob("MPSTD*.uff"))
+        result = run("identify", path, "--json", tmp_path / "m.json", "--from", 0, "--to", 8)
+        assert result.exit_code == 0, result.output
+        assert "tone" in result.stdout
+        if "no mode" not in result.stdout:
+            assert all(abs(mode["frequency_hz"] - 181.74) > 1.0 for mode in modes_in(tmp_path / "m.json"))
