@@ -407,8 +407,8 @@ def _jitter(values: RealArray, places: Indices, step: Second, off: RealArray) ->
     error = float(np.max(speed / np.where(motion > 0, motion, np.inf)))
     return "jittering stamps", (
         f"{stray}; the samples do not follow them ({share:.2f} ± {std:.2g} of the way), or are too rough to tell: "
-        f"a regular clock with late stamps was assumed and no sample was changed (were the stamps right, that would err by "
-        f"{100 * error:.2g} % of the motion, rms, noise included)"
+        f"a regular clock with late stamps was assumed and no sample was changed (were the stamps right, it would err "
+        f"by {100 * error:.2g} % of the motion, rms, noise included)"
     )
 
 

@@ -205,14 +205,18 @@ def vertical(
     principal = directions[:, -1]
     towards = float(mean @ principal) if unit else float(principal[np.argmax(np.abs(principal))])
     principal = principal * (1.0 if towards >= 0 else -1.0)
-    spread = _std_deg(principal @ motion, motion, principal)
+    # An eigenvector turns by what is shared with the others over how far their eigenvalues lie below.
+    below = float(shares[-1] - np.mean(shares[:2])) * values.shape[1]
+    spread = _std_deg(principal @ motion, motion, principal, power=below) if below > 0 else 90.0
     used = by or ("gravity" if unit else "motion")
     up = mean / length if used == "gravity" else principal
     found = Vertical(
         axes=names,
         by=used,
         up=frozen_real(up),
-        std_deg=_std_deg(np.full(values.shape[1], length), motion, up) if used == "gravity" else spread,
+        std_deg=_std_deg(np.full(values.shape[1], length), motion, up, power=length**2 * values.shape[1])
+        if used == "gravity"
+        else spread,
         gravity=length,
         gravity_unit=unit,
         principal=frozen_real(principal),
@@ -236,16 +240,18 @@ def _three(signal: Signal, axes: Sequence[str] | None) -> tuple[RealArray, tuple
     return signal.values[[signal.channels.index(name) for name in names]], names
 
 
-def _std_deg(along: RealArray, motion: RealArray, axis: RealArray) -> float:
-    """Return the std of the direction of ``sum(along * motion)``, per plane through it [deg].
+def _std_deg(along: RealArray, motion: RealArray, axis: RealArray, *, power: float) -> float:
+    """Return the std of the direction of ``sum(along * motion) / power``, per plane through it [deg].
 
-    The samples of a block may be correlated; the sums over blocks count as independent.
+    The samples of a block may be correlated; the sums over blocks of equal weight count as independent.
     """
     across = motion - np.outer(axis, axis @ motion)
-    products = along * across
-    sums = np.array([part.sum(axis=1) for part in np.array_split(products, BLOCKS, axis=1)])
-    variance = float(np.sum(sums**2)) / 2
-    return float(np.degrees(np.sqrt(variance) / np.sum(along**2)))
+    weight = np.cumsum(along**2)
+    edges = np.searchsorted(weight, weight[-1] * np.arange(1, BLOCKS) / BLOCKS)
+    sums = np.array([part.sum(axis=1) for part in np.split(along * across, edges, axis=1)])
+    # One direction was taken from the sums themselves.
+    variance = float(np.sum(sums**2)) / 2 * BLOCKS / (BLOCKS - 1)
+    return float(np.degrees(np.sqrt(variance) / power))
 
 
 def _angle(one: RealArray, other: RealArray) -> float:

@@ -151,7 +151,7 @@ class TestGaps:
         kept = np.sort(np.random.default_rng(0).choice(np.arange(1, 1999), 1980, replace=False))
         cleaned = clean(recording(T[kept], true[kept]))
         assert kinds(cleaned) == ["missing rows", "missing"]
-        # 3/128 (w h)^4 of a cubic through four points a step of 10 ms apart: 3e-5; where two are lost together, 16 times.
+        # 3/128 (w h)^4 of a cubic through four points 10 ms apart: 3e-5; where two rows are lost together, 16 times.
         assert cleaned.record.y[0] == pytest.approx(true[kept[0] : kept[-1] + 1], abs=8e-4)
 
     def test_a_channel_with_too_many_is_refused(self) -> None:
