@@ -6,7 +6,6 @@ where a piece holds plain numbers, cell by cell where it does not.
 
 from __future__ import annotations
 
-import codecs
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -15,9 +14,11 @@ from pathlib import Path
 import numpy as np
 
 from suspid.cells import COMMA_NUMBER, kind_of, number, seconds
-from suspid.dialects import Dialect, Layout, find_layout, parted_by, shortened
+from suspid.dialects import Dialect, parted_by, shortened
+from suspid.encodings import decoded
 from suspid.errors import RecordError
 from suspid.files import read_bytes
+from suspid.layouts import Layout, find_layout
 from suspid.tables import Clock, Table, is_time
 from suspid.units import RealArray
 
@@ -27,7 +28,6 @@ LONGEST_LINE = 1 << 20
 MOST_FOOTER = 20
 # A piece with more rows that are not of plain numbers is read cell by cell.
 MOST_PARTS = 2000
-CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f\x7f]")
 # What a row of numbers may begin with; lines that begin with anything else are looked at one by one.
 PLAIN = np.isin(np.arange(256), np.frombuffer(b"0123456789+-.", np.uint8))
 
@@ -96,7 +96,7 @@ def read_delimited(path: Path) -> Table:
     RecordError
         If the file is not text, holds no rows of numbers, or a line in their midst is no row.
     """
-    text, left_out = _decoded(read_bytes(path, error=RecordError))
+    text, left_out = decoded(read_bytes(path, error=RecordError))
     head = text[:HEAD_BYTES].split(b"\n", HEAD_LINES)
     if len(text) > HEAD_BYTES or len(head) > HEAD_LINES:
         head.pop()
@@ -133,41 +133,6 @@ def _counter(layout: Layout, top: Sequence[str]) -> list[str]:
         return []
     rows = [layout.dialect.cells(line)[0] for line in top[layout.first :] if line.strip()]
     return ["column 1"] if any(rows == [str(k + start) for k in range(len(rows))] for start in (0, 1)) else []
-
-
-def _decoded(content: bytes) -> tuple[bytes, dict[str, str]]:
-    """Return a text as UTF-8 with newlines, and in which other encoding it was read."""
-    told: dict[str, str] = {}
-    if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
-        try:
-            content = content.decode("utf-16").encode()
-        except UnicodeError as refusal:
-            raise RecordError(f"is not UTF-16 text, as its first bytes say: {refusal.__class__.__name__}") from None
-        told["encoding"] = "is UTF-16, as the first bytes of the file say"
-    content = content.removeprefix(codecs.BOM_UTF8)
-    if not content.isascii():
-        try:
-            content.decode()
-        except UnicodeDecodeError as refusal:
-            found = f"byte 0x{content[refusal.start]:02x} on line {content.count(bytes([10]), 0, refusal.start) + 1}"
-            try:
-                content = content.decode("cp1252").encode()
-            except UnicodeDecodeError:
-                raise RecordError(f"is neither UTF-8 nor Windows-1252 text: {found}; save it as UTF-8") from None
-            told["encoding"] = f"is not UTF-8 ({found}); read as Windows-1252"
-    content = content.rstrip(b"\x1a")
-    control = CONTROL.search(content)
-    if control:
-        what = "zero bytes" if control[0] == b"\0" else f"the control byte 0x{control[0][0]:02x}"
-        line = content.count(b"\n", 0, control.start()) + 1
-        raise RecordError(f"is not text: it holds {what} (line {line}); if it is UTF-16, save it as UTF-8")
-    if b"\r" in content:
-        content = content.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
-    # The serial monitor of Arduino parts its stamps from the text so.
-    if re.match(rb"\d\d:\d\d:\d\d\.\d+ -> ", content):
-        start = content[:HEAD_BYTES]
-        content = content.replace(b" -> ", next((d for d in (b"\t", b";", b",") if d in start), b"\t"))
-    return content if content.endswith(b"\n") else content + b"\n", told
 
 
 def _pieces(body: bytes) -> Iterator[bytes]:

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from suspid import RecordError
 from suspid.delimited import read_delimited
-from suspid.dialects import UNIT
+from suspid.layouts import UNIT
 from suspid.recordings import Recording
 from suspid.records import read_recording
 from suspid.tables import bracketed_unit, stated_rate

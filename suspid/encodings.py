@@ -1,0 +1,57 @@
+"""Encodings: the bytes of a text file as UTF-8 with newlines."""
+
+from __future__ import annotations
+
+import codecs
+import re
+
+from suspid.errors import RecordError
+
+HEAD = 1 << 16
+CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f\x7f]")
+
+
+def decoded(content: bytes) -> tuple[bytes, dict[str, str]]:
+    r"""Return a text as UTF-8 with newlines, and in which other encoding it was read.
+
+    Raises
+    ------
+    RecordError
+        If it is no text, or in an encoding that is not known.
+
+    Examples
+    --------
+    >>> decoded("seat [°]\r\n".encode("cp1252"))[1]
+    {'encoding': 'is not UTF-8 (byte 0xb0 on line 1); read as Windows-1252'}
+    """
+    told: dict[str, str] = {}
+    if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        try:
+            content = content.decode("utf-16").encode()
+        except UnicodeError as refusal:
+            raise RecordError(f"is not UTF-16 text, as its first bytes say: {refusal.__class__.__name__}") from None
+        told["encoding"] = "is UTF-16, as the first bytes of the file say"
+    content = content.removeprefix(codecs.BOM_UTF8)
+    if not content.isascii():
+        try:
+            content.decode()
+        except UnicodeDecodeError as refusal:
+            found = f"byte 0x{content[refusal.start]:02x} on line {content.count(bytes([10]), 0, refusal.start) + 1}"
+            try:
+                content = content.decode("cp1252").encode()
+            except UnicodeDecodeError:
+                raise RecordError(f"is neither UTF-8 nor Windows-1252 text: {found}; save it as UTF-8") from None
+            told["encoding"] = f"is not UTF-8 ({found}); read as Windows-1252"
+    content = content.rstrip(b"\x1a")
+    control = CONTROL.search(content)
+    if control:
+        what = "zero bytes" if control[0] == b"\0" else f"the control byte 0x{control[0][0]:02x}"
+        line = content.count(b"\n", 0, control.start()) + 1
+        raise RecordError(f"is not text: it holds {what} (line {line}); if it is UTF-16, save it as UTF-8")
+    if b"\r" in content:
+        content = content.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+    # The serial monitor of Arduino parts its stamps from the text so.
+    if re.match(rb"\d\d:\d\d:\d\d\.\d+ -> ", content):
+        start = content[:HEAD]
+        content = content.replace(b" -> ", next((d for d in (b"\t", b";", b",") if d in start), b"\t"))
+    return content if content.endswith(b"\n") else content + b"\n", told
