@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from suspid.units import Second
+import numpy as np
+
+from suspid.units import RealArray, Second
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -39,3 +41,16 @@ class Finding:
         of = f", channel {self.channel!r}" if self.channel else ""
         where = f" from {self.start:.6g} to {self.stop:.6g} s" if self.stop > self.start else f" at {self.start:.6g} s"
         return f"{self.kind}{of}{where}: {self.text}"
+
+
+def of_time(kind: str, where: RealArray, samples: int, text: str, *, repaired: bool = True) -> Finding:
+    """Return a finding of time."""
+    return Finding(
+        kind=kind,
+        channel="",
+        start=float(np.min(where)),
+        stop=float(np.max(where)),
+        samples=samples,
+        text=text,
+        repaired=repaired,
+    )
