@@ -45,15 +45,18 @@ def as_recording(
         raise RecordError(f"{fs=} Hz must be positive and finite")
     names = [table.full_name(name, what="channel") for name in channels or ()]
     clocks = {name: table.clocks[name] for name in table.sizes if name in table.clocks}
-    if time in {clock.name for clock in clocks.values()} - set(table.sizes):
+    by_name = time in {clock.name for clock in clocks.values()} - set(table.sizes)
+    if by_name:
         clocks, time = {name: clock for name, clock in clocks.items() if clock.name == time}, None
     elif time is not None:
         clocks, time = {}, table.full_name(time, what="time column")
     passed_over: dict[str, str] = {}
-    if time is None and not (names and all(name in clocks for name in names)):
+    if time is None and not by_name and not (names and all(name in clocks for name in names)):
         time, passed_over = _time_column(table, names, clocks, fs)
     rate = _rate(table, fs)
-    chosen = names or _all_channels(table, time, {*clocks, *passed_over}, clocks, rate)
+    chosen = (
+        names or (list(clocks) if by_name else []) or _all_channels(table, time, {*clocks, *passed_over}, clocks, rate)
+    )
     for name in chosen:
         if name == time or chosen.count(name) > 1:
             raise RecordError(f"column {name!r} is asked for twice")

@@ -1,0 +1,114 @@
+"""Recordings: each channel on its own clock, as the file states it."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+
+from suspid import RecordError
+from suspid.recordings import RawChannel
+from suspid.tables import Clock, Table
+from suspid.timing import as_recording
+from suspid.units import RealArray
+
+COLUMNS = {
+    "t": np.arange(4) / 4,
+    "seat": np.array([1.0, 2.0, 4.0, 8.0]),
+    "speed": np.array([3.0, 5.0]),
+    "gps": np.array([7.0, 8.0, 9.0]),
+}
+FAST = Clock(name="fast", start=10.0, rate=4.0)
+SLOW = Clock(name="slow", stamps=lambda: np.array([10.0, 10.9]))
+
+
+def table(clocks: dict[str, Clock] | None = None, *, names: Sequence[str] = tuple(COLUMNS), **rates: float) -> Table:
+    def columns(wanted: Sequence[str]) -> list[RealArray]:
+        return [COLUMNS[name] for name in wanted]
+
+    sizes = {name: COLUMNS[name].size for name in names}
+    return Table(sizes=sizes, columns=columns, unusable={"note": "is text"}, rates=rates, clocks=clocks or {})
+
+
+def channel(timepts: Sequence[float], values: Sequence[float], rate: float | None = None) -> RawChannel:
+    return RawChannel(name="x", unit="", timepts=np.array(timepts), values=np.array(values), rate=rate)
+
+
+class TestClocks:
+    def test_channels_of_one_clock_share_one_array(self) -> None:
+        recording = as_recording(table({"seat": FAST, "t": FAST, "speed": SLOW}, names=["seat", "t", "speed"]))
+        assert recording["seat"].timepts is recording["t"].timepts
+        assert recording["seat"].timepts.tolist() == [10.0, 10.25, 10.5, 10.75]
+        assert recording["speed"].timepts.tolist() == [10.0, 10.9]
+        assert (recording["seat"].rate, recording["speed"].rate) == (4.0, None)
+
+    def test_stamps_are_read_once_for_all_channels(self) -> None:
+        asked: list[int] = []
+
+        def stamps() -> RealArray:
+            asked.append(1)
+            return np.arange(4.0)
+
+        clock = Clock(name="group", stamps=stamps)
+        as_recording(table({"seat": clock, "t": clock}, names=["seat", "t"]))
+        assert len(asked) == 1
+
+    def test_without_a_clock_time_is_the_column_of_that_name(self) -> None:
+        recording = as_recording(table({"speed": SLOW}))
+        assert recording.names == ("seat", "speed")
+        assert recording["seat"].timepts.tolist() == COLUMNS["t"].tolist()
+        assert dict(recording.left_out)["gps"] == "has 3 samples, time 't' has 4"
+
+    def test_time_that_is_named_rules_out_other_clocks(self) -> None:
+        recording = as_recording(table({"seat": FAST, "speed": SLOW}), channels=["seat"], time="t")
+        assert recording["seat"].timepts.tolist() == COLUMNS["t"].tolist()
+        assert as_recording(table({"seat": FAST, "speed": SLOW}), time="slow").names == ("speed",)
+
+    def test_a_rate_at_odds_with_that_of_a_clock_is_refused(self) -> None:
+        with pytest.raises(RecordError, match="'fs' says 5 Hz, 'fast' in the file 4 Hz"):
+            as_recording(table({"seat": FAST}), channels=["seat"], fs=5.0)
+
+    def test_stamps_that_are_too_few_are_refused(self) -> None:
+        with pytest.raises(RecordError, match="clock 'slow' has 2 stamps for 4 samples"):
+            as_recording(table({"seat": SLOW}), channels=["seat"])
+
+    def test_a_rate_in_the_file_is_that_of_columns_without_a_clock(self) -> None:
+        recording = as_recording(table({"speed": SLOW}, names=["seat", "speed"], Fs=8.0))
+        assert recording["seat"].timepts.tolist() == [0.0, 0.125, 0.25, 0.375]
+        assert recording["speed"].rate is None
+
+
+class TestNothingIsChanged:
+    def test_samples_and_stamps_are_read_only(self) -> None:
+        raw = as_recording(table(), channels=["seat"])["seat"]
+        assert not raw.timepts.flags.writeable
+        with pytest.raises(dataclasses.FrozenInstanceError):
+            raw.rate = 1.0  # type: ignore[misc]  # that is the point
+
+    def test_what_is_no_channel_is_told_with_all_the_rest(self) -> None:
+        assert ("note", "is text") in as_recording(table()).left_out
+        assert "left out" in str(as_recording(table()))
+
+
+class TestWhatAChannelSaysOfItself:
+    def test_rate_of_the_median_step(self) -> None:
+        assert channel([0, 0.5, 1, 5, 5.5], [0] * 5).mean_rate == 2
+
+    def test_a_stated_rate_comes_first(self) -> None:
+        assert channel([0, 0.5, 1], [0] * 3, rate=7.0).mean_rate == 7
+
+    def test_gaps_are_holes_in_time_and_runs_of_nan(self) -> None:
+        nan = float("nan")
+        assert channel([0, 0.5, 1, 5, 5.5, 6], [nan, nan, 1, 2, nan, 3]).gaps == 3
+
+    @pytest.mark.parametrize("timepts", [[], [1.0], [float("nan")] * 3, [2.0, 2.0]])
+    def test_no_clock_to_speak_of(self, timepts: list[float]) -> None:
+        raw = channel(timepts, [0.0] * len(timepts))
+        assert np.isnan(raw.mean_rate)
+        assert raw.gaps == 0
+
+    def test_an_unknown_name_gets_the_nearest(self) -> None:
+        with pytest.raises(RecordError, match="no channel 'seet'. Did you mean 'seat'"):
+            as_recording(table())["seet"]
