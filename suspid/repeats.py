@@ -160,7 +160,7 @@ def identify_repeats(
     >>> record = as_response(np.arange(800) / 100, np.hstack([decay, 0.5 * decay]) + noise, ["chassis", "tire"])
     >>> found = identify_repeats(record, [(0, 3.99), (4, 7.99)])
     >>> (found.modes.wn / (2 * np.pi)).round(2)
-    array([ 1.05, 11.76])
+    array([ 1.08, 11.68])
     """
     spans = tuple((d.start, d.stop) if isinstance(d, Decay) else (float(d[0]), float(d[1])) for d in decays)
     if not spans:

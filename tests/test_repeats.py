@@ -1,0 +1,142 @@
+"""Repeats identified jointly: at the bound of all together, in agreement, or said to disagree."""
+
+from itertools import pairwise
+
+import control
+import numpy as np
+import pytest
+from bounds import modal_bound
+from numpy.typing import NDArray
+
+from suspid import IdentificationError, InputError, RecordError, Suspension, eigenmodes, free_decay, identify
+from suspid.repeats import identify_repeats
+from suspid.signals import as_response
+from validation import cars
+
+Real = NDArray[np.float64]
+MASSES = ("seat", "chassis", "tire")
+FS = 250.0
+LENGTHS = (1000, 1500, 800)
+STATES = ({"v_tire": 1.0}, {"v_tire": -0.5, "v_chassis": 0.3}, {"v_tire": 0.8, "z_seat": 0.01})
+
+
+def spans(lengths: tuple[int, ...] = LENGTHS) -> list[tuple[float, float]]:
+    edges = np.cumsum((0, *lengths)) / FS
+    return [(float(a), float(b) - 1 / FS) for a, b in pairwise(edges)]
+
+
+def decays(car: Suspension = cars.PAPER, lengths: tuple[int, ...] = LENGTHS) -> list[Real]:
+    return [
+        np.asarray(free_decay(car, np.arange(n) / FS, initial_state=x).y) for n, x in zip(lengths, STATES, strict=False)
+    ]
+
+
+def record(parts: list[Real], *, std: float, seed: int) -> control.TimeResponseData:
+    values = np.hstack(parts)
+    values = values + std * np.random.default_rng(seed).standard_normal(values.shape)
+    return as_response(np.arange(values.shape[1]) / FS, values, MASSES)
+
+
+class TestExact:
+    """Without noise the joint modes are those of the model, shapes included."""
+
+    def test_modes_and_shapes(self) -> None:
+        found = identify_repeats(record(decays(), std=0.0, seed=0), spans()).modes
+        truth = eigenmodes(cars.PAPER)
+        # Rounding of the records, magnified by the closeness of the poles.
+        np.testing.assert_allclose(found.poles, truth.poles, rtol=1e-6)
+        assert found.shapes is not None
+        assert truth.shapes is not None
+        np.testing.assert_allclose(found.shapes, truth.shapes, atol=1e-6)
+
+
+class TestBound:
+    """The joint information is the sum of the informations of the repeats, whatever their lengths."""
+
+    def test_standard_deviations_are_the_joint_bound(self) -> None:
+        """With equal lengths the repeats are further channels of one record, which the bound knows."""
+        lengths, std, truth = (1000, 1000, 1000), 2e-4, eigenmodes(cars.PAPER)
+        clean = decays(lengths=lengths)
+        wn_std, zeta_std = modal_bound(truth.wn, truth.zeta, np.vstack(clean), np.arange(1000) / FS, np.full(9, std))
+        found = identify_repeats(record(clean, std=std, seed=1), spans(lengths)).modes
+        assert found.wn_std is not None
+        assert found.zeta_std is not None
+        # The level of the noise is estimated from 1000 samples in each channel, and the offset is free too.
+        np.testing.assert_allclose(found.wn_std, wn_std, rtol=0.1)
+        np.testing.assert_allclose(found.zeta_std, zeta_std, rtol=0.1)
+
+    def test_errors_are_those_of_the_bound(self) -> None:
+        std, truth = 3e-4, eigenmodes(cars.PAPER)
+        clean, scores = decays(), []
+        for seed in range(12):
+            found = identify_repeats(record(clean, std=std, seed=seed), spans()).modes
+            assert len(found) == 3
+            assert found.wn_std is not None
+            assert found.zeta_std is not None
+            scores.append(np.r_[(found.wn - truth.wn) / found.wn_std, (found.zeta - truth.zeta) / found.zeta_std])
+        # 72 squares of about unit variance: their mean lies within 0.6 and 1.5 but for one time in a thousand.
+        assert 0.6 < float(np.mean(np.square(scores))) < 1.5
+
+    def test_shapes_keep_their_intervals(self) -> None:
+        truth, clean, scores = eigenmodes(cars.PAPER), decays(), []
+        assert truth.shapes is not None
+        for seed in range(12):
+            found = identify_repeats(record(clean, std=3e-4, seed=seed), spans()).modes
+            assert found.shapes is not None
+            assert found.covariance is not None
+            strongest = np.argmax(np.abs(found.shapes), axis=0)
+            apart = (found.shapes - truth.shapes / truth.shapes[strongest, [0, 1, 2]]).T.ravel()
+            std = np.sqrt(np.diag(found.covariance)[6:])
+            parts = np.stack([apart.real, apart.imag], axis=1).ravel()
+            scores.append((parts[std > 0] / std[std > 0]) ** 2)
+        # 144 squares, correlated in pairs.
+        assert 0.6 < float(np.mean(scores)) < 1.5
+
+    def test_one_decay_alone_is_identify(self) -> None:
+        noisy = record(decays()[:1], std=3e-4, seed=1)
+        found, alone = identify_repeats(noisy, spans()[:1]).modes, identify(noisy).modes
+        np.testing.assert_allclose(found.poles, alone.poles, rtol=1e-6)
+        assert found.covariance is not None
+        assert alone.covariance is not None
+        size = np.sqrt(np.outer(np.diag(alone.covariance), np.diag(alone.covariance)))
+        size[size == 0] = 1.0
+        np.testing.assert_allclose(found.covariance / size, alone.covariance / size, atol=1e-3)
+
+
+class TestAgreement:
+    def test_linear_repeats_agree(self) -> None:
+        """The chi-square has the mean of its degrees of freedom, two for each repeat but one."""
+        values = []
+        for seed in range(12):
+            found = identify_repeats(record(decays(), std=1e-4, seed=seed), spans())
+            assert [agreement.freedom for agreement in found.consistency] == [4, 4, 4]
+            values += [agreement.chi_square for agreement in found.consistency]
+        # The mean of 36 chi-squares of four degrees: standard deviation sqrt(8 / 36).
+        assert abs(np.mean(values) - 4) < 3.3 * np.sqrt(8 / 36)
+
+    def test_a_damper_that_changes_is_said(self) -> None:
+        stiffer = cars.PAPER.with_parameters(damping={"seat": 360.0})
+        parts = [decays()[0], decays(stiffer)[1], decays()[2]]
+        found = identify_repeats(record(parts, std=1e-4, seed=1), spans())
+        assert max(agreement.widening for agreement in found.consistency) > 1
+        assert "disagree" in str(found)
+        plain = identify_repeats(record(decays(), std=1e-4, seed=1), spans()).modes
+        worst = int(np.argmax([agreement.widening for agreement in found.consistency]))
+        assert found.modes.zeta_std is not None
+        assert plain.zeta_std is not None
+        assert found.modes.zeta_std[worst] > 1.5 * plain.zeta_std[worst]
+
+
+class TestRefusals:
+    def test_no_decay(self) -> None:
+        with pytest.raises(InputError, match="no decay is given"):
+            identify_repeats(record(decays(), std=1e-4, seed=1), [])
+
+    def test_more_modes_than_there_are(self) -> None:
+        with pytest.raises(IdentificationError, match="3 could be found") as caught:
+            identify_repeats(record(decays(), std=1e-4, seed=1), spans(), modes=5)
+        assert caught.value.found is not None
+
+    def test_a_stretch_outside_is_named(self) -> None:
+        with pytest.raises(RecordError, match="the decay 90"):
+            identify_repeats(record(decays(), std=1e-4, seed=1), [(90.0, 95.0)])
