@@ -29,16 +29,19 @@ from suspid.fleet_vehicles import read_vehicles, vehicles_from_names
 from suspid.units import RealArray
 
 
-def results(folder: Path, f: RealArray, zeta: RealArray, *, names: Sequence[str], std: float = 0.01) -> Path:
+def results(
+    folder: Path, f: RealArray, zeta: RealArray, *, names: Sequence[str], std: RealArray | float = 0.01
+) -> Path:
     """Write results as a run leaves them: one row per record and mode, (record, mode) arrays."""
     for table in COLUMNS:
         (folder / table).mkdir(parents=True)
     (folder / "manifest.json").write_text(json.dumps({"format": FORMAT, "environment": environment()}))
+    share = np.broadcast_to(std, len(names))
     blank = dict.fromkeys(COLUMNS["modes"])
     modes = [
         blank
         | {"record": name, "mode": k + 1, "f_hz": f[r, k], "zeta": zeta[r, k]}
-        | {"wn_std_rad_per_s": 2 * np.pi * std * f[r, k], "zeta_std": std * zeta[r, k]}
+        | {"wn_std_rad_per_s": 2 * np.pi * share[r] * f[r, k], "zeta_std": share[r] * zeta[r, k]}
         for r, name in enumerate(names)
         for k in range(f.shape[1])
         if np.isfinite(f[r, k])
@@ -104,7 +107,8 @@ class TestDistributionsAndOutliers:
         zeta[7] = 0.3
         summary = fleet_summary(results(tmp_path / "a", np.full((60, 1), 2.0), zeta, names=names, std=0.01))
         assert [(one.record, one.quantity) for one in summary.outliers] == [("r07", "mode 1 zeta")]
-        vague = fleet_summary(results(tmp_path / "b", np.full((60, 1), 2.0), zeta, names=names, std=0.25))
+        unsure = np.where(np.arange(60) == 7, 0.25, 0.01)
+        vague = fleet_summary(results(tmp_path / "b", np.full((60, 1), 2.0), zeta, names=names, std=unsure))
         assert not vague.outliers
 
 
