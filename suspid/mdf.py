@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
@@ -30,7 +31,7 @@ class _Decoded:
     unknown: tuple[tuple[int, int], ...] = ()
 
 
-def read_mdf(path: Path, *, dbc: Path | None = None) -> Table:
+def read_mdf(path: Path, *, dbc: str | os.PathLike[str] | None = None) -> Table:
     """Return the table of an MDF file: a column for each channel of numbers, with the clock of its group.
 
     A name that two groups have becomes ``group/name``. Samples that the file marks as invalid are NaN.
@@ -41,7 +42,7 @@ def read_mdf(path: Path, *, dbc: Path | None = None) -> Table:
     ----------
     path : path
         The file, of version 2, 3 or 4; all of it is read into memory.
-    dbc : path, optional
+    dbc : str or path, optional
         CAN database (``.dbc``) that tells what the frames hold.
 
     Raises
@@ -52,10 +53,11 @@ def read_mdf(path: Path, *, dbc: Path | None = None) -> Table:
     """
     content = read_bytes(path, error=RecordError)
     records = check_blocks(content)
-    if dbc is not None:
-        _check_database(dbc)
+    database = None if dbc is None else Path(dbc)
+    if database is not None:
+        _check_database(database)
     return sheltered(
-        lambda: _table(content, records, path.suffix, dbc), extra="mdf", library="asammdf", suffix=path.suffix
+        lambda: _table(content, records, path.suffix, database), extra="mdf", library="asammdf", suffix=path.suffix
     )
 
 

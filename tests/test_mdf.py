@@ -192,7 +192,7 @@ class TestCanFrames:
             read_mdf(put(tmp_path, can(self.IDS, self.PAYLOADS)), dbc=tmp_path / "a.yaml")
 
     def test_a_database_for_no_frames_is_said(self, tmp_path: Path, dbc: Path) -> None:
-        table = read_mdf(put(tmp_path, mdf([signal("x", T)])), dbc=dbc)
+        table = read_mdf(put(tmp_path, mdf([signal("x", T)])), dbc=str(dbc))
         assert table.unusable == {"body.dbc": "has nothing to decode: there are no raw CAN frames"}
 
 
