@@ -38,6 +38,8 @@ AFTERWARDS = 0.5
 # A band rings where it passes the threshold so many of its periods after the onset, early and late.
 RINGS = (1.5, 4.0)
 MOST_POINTS = 2**17
+# A sensor that changes so often between values that it holds is quantised.
+FEWEST_CHANGES = 8
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -124,14 +126,14 @@ def envelopes(signal: Signal) -> Envelopes:
     at = (np.arange(points) + 0.5) * (count / points) - 0.5
     levels = np.full((len(centres), points), -np.inf)
     trend = np.linspace(-1.0, 1.0, count)
-    for samples, finest in zip(signal.values, resolution(signal.values), strict=True):
+    for samples, least in zip(signal.values, finest(signal.values), strict=True):
         about = samples - samples.mean()
         about = about - trend * (float(about @ trend) / float(trend @ trend))
         spectrum = rfft(np.concatenate([about, about[::-1]]))
         for band, centre in enumerate(centres):
             power, white = _band_power(spectrum, 2 * count * centre * signal.step, 2 * count)
             quiet = np.quantile(power[: len(power) // 2 + 1], QUANTILE) / QUIET
-            floor = max(quiet, DYNAMIC * float(np.max(power)), white * finest**2, 1e-300)
+            floor = max(quiet, DYNAMIC * float(np.max(power)), white * least**2, 1e-300)
             here = np.interp((at + 0.5) * (len(power) / (2 * count)), np.arange(len(power)), power)
             np.maximum(levels[band], 10 * np.log10(np.maximum(here / floor, 1e-9)), out=levels[band])
     for band, centre in enumerate(centres):
@@ -146,6 +148,23 @@ def envelopes(signal: Signal) -> Envelopes:
         levels=frozen_real(levels),
         threshold=float(10 * np.log10(MARGIN * np.log(chances))),
     )
+
+
+def finest(values: RealArray) -> RealArray:
+    """Return the standard deviation that rounding and quantisation leave in each channel.
+
+    A quantised sensor that was resampled between its stamps no longer shows its steps, except where it stands still:
+    the least distance of the values that it holds and comes back to is its step.
+    """
+    out = resolution(values)
+    for channel, samples in enumerate(values):
+        held = samples[1:][np.diff(samples) == 0]
+        if np.sum(np.diff(held) != 0) < FEWEST_CHANGES:
+            continue
+        gaps = np.diff(np.unique(held))
+        gaps = gaps[gaps > 1e-6 * np.max(np.abs(samples - np.median(samples)))]
+        out[channel] = max(out[channel], float(np.min(gaps)) / np.sqrt(12)) if gaps.size else out[channel]
+    return out
 
 
 def _centres(signal: Signal) -> RealArray:

@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from suspid.bursts import Burst, Envelopes, envelopes, find_bursts
+from suspid.bursts import Burst, Envelopes, envelopes, find_bursts, finest
 from suspid.errors import RecordError
 from suspid.identification import FEWEST_SAMPLES
-from suspid.identification import _resolution as resolution
 from suspid.signals import Signal, as_signal
-from suspid.trials import Trial, block_size, quiet_variance, tried
+from suspid.trials import Trial, background_loudness, block_size, quiet_variance, tried
 from suspid.units import Decibel, RealArray, Second
 from suspid.values import frozen_real, text_table
 
@@ -36,10 +35,14 @@ MOST_BURSTS = 16
 MOST_IN_ALL = 2000
 # More poles than these are no decay of a few modes; modes that explain less than this of the motion are not its cause.
 MOST_POLES, EXPLAINED = 10, 0.5
+# What grows beside a decay has less than this share of its energy.
+GROWN = 0.1
 # A decay whose rate is known no better than to this is none.
 LEAST_KNOWN = 0.1
 # What casts doubt: fewer cycles, and more of the motion left as something that is no white noise.
 FEW_CYCLES, DRIVEN = 2.0, 0.03
+# A background so many times louder than white noise at a mode shakes the mode.
+LOUD = 4.0
 # So many samples on end at the largest or smallest value of a channel, reached by a jump, are clipped.
 CLIPPED = 3
 # The place of rest moves if by more than this share of the motion, together if by the same to this.
@@ -173,12 +176,12 @@ def find_decays(response: control.TimeResponseData, *, given: Sequence[tuple[Sec
     """
     signal = as_signal(response, least=FEWEST_SAMPLES)
     found = envelopes(signal)
-    finest = resolution(signal.values)
+    rounding = finest(signal.values)
     remarks: list[str] = []
     decays: list[Decay] = []
     if given is not None:
         for first, last in given:
-            decays += _judged(signal, found, finest, _given(signal, found, first, last), remarks, moved=False)
+            decays += _judged(signal, found, rounding, _given(signal, found, first, last), remarks, moved=False)
         return _ranked(decays, remarks)
     bursts = find_bursts(found)
     if not bursts:
@@ -194,7 +197,7 @@ def find_decays(response: control.TimeResponseData, *, given: Sequence[tuple[Sec
             f"give the stretches, for the others."
         )
     for burst in sorted(strongest, key=lambda burst: burst.onset):
-        decays += _judged(signal, found, finest, burst, remarks, moved=True)
+        decays += _judged(signal, found, rounding, burst, remarks, moved=True)
     return _ranked(decays, remarks)
 
 
@@ -227,7 +230,7 @@ def _given(signal: Signal, found: Envelopes, first: Second, last: Second) -> Bur
 
 
 def _judged(
-    signal: Signal, found: Envelopes, finest: RealArray, burst: Burst, remarks: list[str], *, moved: bool
+    signal: Signal, found: Envelopes, rounding: RealArray, burst: Burst, remarks: list[str], *, moved: bool
 ) -> list[Decay]:
     """Return the decay after a burst in a list, or an empty one and a remark on why there is none."""
     where = f"t = {burst.onset:.6g} s stands {burst.level:.0f} dB above the background, but"
@@ -245,7 +248,7 @@ def _judged(
     size = min(block_size(signal.step, burst.top), max(1, (last - first) // 64))
     begin, trial = first, None
     if moving.size:
-        least = quiet_variance(part.values, size=size, length=last - first, finest=finest[moving])
+        least = quiet_variance(part.values, size=size, length=last - first, finest=rounding[moving])
         if moved:
             begin, trial = _start(part, least, burst, first, last, size, clipped)
         if trial is not None or not moved:
@@ -275,7 +278,10 @@ def _judged(
             strength=float(10 * np.log10(max(energy, 1e-30) * max(cycles, 1e-3) ** 2)),
             wn=frozen_real(np.abs(theta[order])),
             zeta=frozen_real(-theta[order].real / np.abs(theta[order])),
-            doubts=_doubts(part, trial, burst, cycles, begin, clipped[begin:last]),
+            doubts=(
+                *_doubts(part, trial, burst, cycles, begin, clipped[begin:last]),
+                *_loud(part, trial, size=size, length=last - begin),
+            ),
         )
     ]
 
@@ -348,6 +354,9 @@ def _refused(trial: Trial) -> str | None:
     early = max(1, trial.motion.shape[1] // 3)
     motion = np.sum(trial.motion[:, :early] ** 2, axis=1)
     share = motion / (motion + np.sum(trial.residual[:, :early] ** 2, axis=1) + 1e-300)
+    grown = np.sum(trial.growing**2, axis=1) / np.maximum(np.sum(trial.motion**2, axis=1), 1e-300)
+    if grown[np.argmax(share)] > GROWN:
+        return f"part of the motion grows, with {100 * grown[np.argmax(share)]:.0f} % of the energy: it is driven on"
     left = float(trial.left[np.argmax(share)])
     if left > EXPLAINED:
         return f"{100 * left:.0f} % of the motion is left over by modes that decay: it is driven on"
@@ -396,6 +405,19 @@ def _doubts(
     if burst.cut:
         doubts.append("cut off by what comes next, before it has sunk into the background")
     return tuple(doubts)
+
+
+def _loud(signal: Signal, trial: Trial, *, size: int, length: int) -> tuple[str, ...]:
+    """Return the doubt that the background shakes the modes all the time, or nothing."""
+    loud = background_loudness(signal.values, trial, size=size, length=length)
+    worst = int(np.argmax(loud))
+    if loud[worst] < LOUD:
+        return ()
+    frequency = trial.selection.fit.poles.pairs[trial.modes[worst]].imag / (2 * np.pi * trial.step)
+    return (
+        f"the background near {frequency:.3g} Hz is {10 * np.log10(loud[worst]):.0f} dB louder than white noise: it "
+        f"shakes the decay too, and intervals that rest on white noise are too narrow",
+    )
 
 
 def _kind(signal: Signal, trial: Trial, first: int, begin: int) -> Kind | None:

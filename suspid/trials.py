@@ -39,6 +39,8 @@ class Trial:
         The poles, per block.
     motion : ndarray (channel, block)
         What the modes among them explain.
+    growing : ndarray (channel, block)
+        What poles explain that grow.
     residual : ndarray (channel, block)
         What nothing explains.
     noise_std : ndarray (channel,)
@@ -48,6 +50,7 @@ class Trial:
     step: Second
     selection: Selection
     motion: RealArray
+    growing: RealArray
     residual: RealArray
     noise_std: RealArray
 
@@ -144,6 +147,28 @@ def quiet_variance(values: RealArray, *, size: int, length: int, finest: RealArr
     return np.asarray(np.maximum(least, QUIET_SHARE * quiet))
 
 
+def background_loudness(values: RealArray, trial: Trial, *, size: int, length: int) -> RealArray:
+    """Return how loud the recording's background is at each mode, over white noise like the fit's, (mode,).
+
+    The power at the frequency of the mode (Hann window) in stretches as long as the decay, median over the recording,
+    in the channel where the mode is strongest; 1 where it cannot be told.
+    """
+    blocks = trial.residual.shape[1]
+    stretches = values.shape[1] // (max(length // size, blocks) * size)
+    if stretches < FEWEST_STRETCHES:
+        return np.ones(len(trial.modes))
+    means = values[:, : stretches * blocks * size].reshape(len(values), stretches, blocks, size).mean(axis=3)
+    window = np.hanning(blocks)
+    fit, rows = trial.selection.fit, trial.modes
+    turns = np.exp(-1j * np.arange(blocks)[:, None] * fit.poles.pairs[rows].imag) * window[:, None]
+    # Without the part of the window that a constant would leak.
+    power = np.abs((means - means.mean(axis=2, keepdims=True)) @ turns) ** 2
+    white = trial.noise_std[:, None] ** 2 * float(window @ window)
+    loud = np.median(power, axis=1) / np.log(2) / white
+    strongest = np.argmax(np.abs(fit.amplitudes[rows]).T / trial.noise_std[:, None], axis=0)
+    return np.asarray(loud[strongest, np.arange(len(rows))])
+
+
 def tried(values: RealArray, *, step: Second, size: int, least: RealArray, most: int = MOST_BLOCKS) -> Trial | None:
     """Return the fit to a stretch, or None if it is too short or does not move.
 
@@ -174,15 +199,21 @@ def tried(values: RealArray, *, step: Second, size: int, least: RealArray, most:
     fit = selection.fit
     pairs = len(fit.poles.pairs)
     residual = about - synthesize(fit.poles.exponents, fit.amplitudes, count)
-    rows = [i for i, verdict in enumerate(selection.verdicts) if verdict == "mode"]
-    both = [*[i for i in rows if i < pairs], *[pairs + i for i in rows]]
-    motion = synthesize(fit.poles.exponents[both], fit.amplitudes[both], count) if both else np.zeros_like(about)
+
+    def part(wanted: str) -> RealArray:
+        rows = [i for i, verdict in enumerate(selection.verdicts) if verdict == wanted]
+        both = [*[i for i in rows if i < pairs], *[pairs + i for i in rows]]
+        if not both:
+            return np.zeros_like(about)
+        return synthesize(fit.poles.exponents[both], fit.amplitudes[both], count)
+
     power = np.sum(residual**2, axis=1) / max(count - len(fit.poles) - fit.poles.free / len(about), 1.0)
     floor = np.maximum(least, 1e-28 * np.sum(about**2, axis=1) / count)
     return Trial(
         step=step * size,
         selection=selection,
-        motion=motion,
+        motion=part("mode"),
+        growing=part("growing"),
         residual=residual,
         noise_std=np.sqrt(np.maximum(power, floor)),
     )

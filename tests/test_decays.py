@@ -1,0 +1,202 @@
+"""Finding decays: laws of what is none, exact starts of those that are, and records made by others."""
+
+from pathlib import Path
+
+import control
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from suspid import RecordError, eigenmodes, free_decay
+from suspid.decays import Decays, find_decays
+from suspid.signals import as_response
+from validation import cars
+
+DATA = Path(__file__).resolve().parents[2] / "shared" / "data"
+Real = NDArray[np.float64]
+# Natural frequencies of the hatchback [rad/s].
+EXACT = eigenmodes(cars.HATCHBACK).wn
+MASSES = ("seat", "chassis", "tire")
+
+
+def noise(seed: int, channels: int = 2, samples: int = 12000) -> Real:
+    return np.random.default_rng(seed).standard_normal((channels, samples))
+
+
+def response(values: Real, fs: float = 200.0) -> control.TimeResponseData:
+    return as_response(np.arange(values.shape[1]) / fs, values, [f"y{i}" for i in range(len(values))])
+
+
+def released(
+    starts: tuple[float, ...], *, seconds: float = 60.0, fs: float = 200.0, std: float = 2e-5, seed: int = 1
+) -> control.TimeResponseData:
+    """A car that is set moving at given times, exact, in white noise."""
+    count = round(seconds * fs)
+    values = std * noise(seed, 3, count)
+    for start in starts:
+        first = round(start * fs)
+        values[:, first:] += free_decay(
+            cars.HATCHBACK, np.arange(count - first) / fs, initial_state={"v_tire": 2.0, "v_chassis": 0.5}
+        ).y
+    return as_response(np.arange(count) / fs, values, MASSES)
+
+
+class TestNothingDecays:
+    """What is stationary has no decay, and the remarks say what was seen."""
+
+    @pytest.mark.parametrize("seed", range(5))
+    def test_white_noise(self, seed: int) -> None:
+        decays = find_decays(response(noise(seed)))
+        assert decays == ()
+        assert "Nothing stands out" in str(decays)
+
+    @pytest.mark.parametrize("seed", range(5))
+    def test_a_random_walk_and_its_rate_through_a_resonance(self, seed: int) -> None:
+        from scipy.signal import lfilter
+
+        pole = np.exp((-0.3 + 1j) * 2 * np.pi * 1.5 / 200)
+        rolling = lfilter([1.0], [1.0, -2 * pole.real, abs(pole) ** 2], noise(seed), axis=1)
+        assert find_decays(response(rolling)) == ()
+        assert find_decays(response(np.cumsum(noise(seed), axis=1))) == ()
+
+    def test_a_steady_tone(self) -> None:
+        tone = np.sin(2 * np.pi * 21.3 * np.arange(12000) / 200)
+        assert find_decays(response(tone + 0.1 * noise(1))) == ()
+
+    def test_a_quantised_sensor_at_rest(self) -> None:
+        assert find_decays(response(0.125 * np.round(0.3 * noise(1)))) == ()
+
+    def test_a_burst_of_noise_is_refused_with_a_reason(self) -> None:
+        values = noise(1)
+        values[:, 4000:6000] *= 40
+        decays = find_decays(response(values))
+        assert not [decay for decay in decays if not decay.doubts]
+        assert decays.remarks
+
+
+class TestStart:
+    """A decay that begins at a known sample begins there, to within a few samples of it, or later by a little."""
+
+    @pytest.mark.parametrize("seed", range(4))
+    def test_three_releases(self, seed: int) -> None:
+        starts = (11.0, 27.3, 44.1)
+        decays = find_decays(released(starts, seed=seed))
+        assert [decay.rank for decay in decays] == [1, 2, 3]
+        found = sorted(decay.start for decay in decays)
+        # Within the noise the first samples may be missed, and samples before it in which nothing moves may be kept.
+        np.testing.assert_allclose(found, starts, atol=0.05)
+        for decay in decays:
+            assert decay.level > 20
+            # The body bounce at 1.1 Hz, the seat, the wheel: each to a fifth, from seconds of data.
+            nearest = np.min(np.abs(decay.wn[:, None] / EXACT - 1), axis=0)
+            assert np.all(nearest < 0.2)
+
+    def test_forcing_is_left_out(self) -> None:
+        """A bump of 80 ms over the road: the decay starts at its end, not at its crest."""
+        from validation.decays import Case, recording
+
+        _, record, ends = recording(Case(quantity="acceleration", rolling=0.0, snr_db=60.0), seed=3)
+        decays = find_decays(record)
+        assert len(decays) == len(ends) == 4
+        late = np.array(sorted(decay.start for decay in decays)) - np.array(ends)
+        # Sampled at 250 Hz; at 60 dB a forced sample is not consistent with noise.
+        assert np.all(late > -0.02)
+        assert np.all(late < 0.08)
+
+    def test_a_given_stretch_is_not_moved(self) -> None:
+        (decay,) = find_decays(released((11.0,)), given=[(11.5, 14.0)])
+        assert (decay.start, decay.stop) == (11.5, 14.0)
+
+    def test_a_given_stretch_must_lie_within(self) -> None:
+        with pytest.raises(RecordError, match="not within the record"):
+            find_decays(released((11.0,)), given=[(50.0, 70.0)])
+
+
+class TestDoubts:
+    def test_the_record_begins_with_it(self) -> None:
+        (decay,) = find_decays(released((0.0,)))
+        assert decay.start < 0.05
+        assert any("begins with it" in doubt for doubt in decay.doubts)
+
+    def test_clipped(self) -> None:
+        record = released((11.0,))
+        values = np.array(record.y)
+        limit = 0.3 * np.max(np.abs(values[2]))
+        values[2] = np.clip(values[2], -limit, limit)
+        decays = find_decays(as_response(np.asarray(record.time), values, MASSES))
+        # Either it starts after the clipped samples, or says that there are some.
+        for decay in decays:
+            inside = (record.time >= decay.start) & (record.time <= decay.stop)
+            clipped = np.sum(np.abs(values[2, inside]) == limit) >= 3
+            assert not clipped or any("clipped" in doubt for doubt in decay.doubts)
+
+    def test_cut_off_by_the_next(self) -> None:
+        decays = find_decays(released((11.0, 12.0)))
+        first = min(decays, key=lambda decay: decay.start)
+        assert first.stop < 12.0
+        assert any("cut off" in doubt for doubt in first.doubts)
+
+    def test_few_cycles_are_said(self) -> None:
+        values = 1e-3 * noise(1, 1, 8000)
+        time = np.arange(4000) / 200
+        values[0, 4000:] += np.exp(-0.75 * 2 * np.pi * 1.5 * time) * np.cos(2 * np.pi * 1.0 * time)
+        decays = find_decays(response(values))
+        assert all(any("cycles are few" in doubt for doubt in decay.doubts) for decay in decays)
+
+
+class TestResult:
+    def test_decays_are_a_tuple_that_survives_pickling(self) -> None:
+        import pickle
+
+        decays = find_decays(released((11.0,)))
+        again = pickle.loads(pickle.dumps(decays))
+        assert isinstance(again, Decays)
+        assert [d.start for d in again] == [d.start for d in decays]
+        assert again.remarks == decays.remarks
+        assert "cycles" in str(decays[0])
+
+    def test_scale_and_sign_of_the_channels_do_not_matter(self) -> None:
+        record = released((11.0, 30.0))
+        scaled = as_response(
+            np.asarray(record.time), np.asarray(record.y) * np.array([[1e3], [-2.0], [1e-6]]) + 5.0, MASSES
+        )
+        one, other = find_decays(record), find_decays(scaled)
+        assert [d.start for d in one] == [d.start for d in other]
+
+
+@pytest.mark.skipif(not DATA.is_dir(), reason="the data of others are not there")
+class TestRecordsOfOthers:
+    def simulated(self, name: str) -> control.TimeResponseData:
+        path = DATA / "rizoit_seat3dof_sim" / f"{name}.csv"
+        names = path.read_text().splitlines()[0].split(",")[1:]
+        table = np.loadtxt(path, delimiter=",", skiprows=1)
+        return as_response(table[:, 0], table[:, 1:].T, names)
+
+    def test_a_road_step(self) -> None:
+        (decay,) = find_decays(self.simulated("step50mm"))
+        assert decay.start == pytest.approx(1.0, abs=0.0015)
+        assert decay.kind == "step"
+        np.testing.assert_allclose(decay.wn / (2 * np.pi), [1.2522, 2.6343, 9.5142], rtol=1e-3)
+        assert decay.doubts == ()
+
+    def test_a_release_from_its_first_sample(self) -> None:
+        record = self.simulated("release")
+        (decay,) = find_decays(as_response(np.asarray(record.time), np.asarray(record.y)[:6], record.output_labels[:6]))
+        assert decay.start == 0.0
+        np.testing.assert_allclose(decay.wn / (2 * np.pi), [1.2522, 2.6343, 9.5142], rtol=1e-3)
+
+    def test_a_measured_ring_down(self) -> None:
+        from scipy.io import loadmat
+
+        values = loadmat(DATA / "vibtest_inout_mat" / "case1.mat")["Time_chan_2"].reshape(1, -1).astype(float)
+        (decay,) = find_decays(response(values, fs=1280.0))
+        assert decay.start < 0.2
+        assert np.min(np.abs(decay.wn / (2 * np.pi) - 212.1)) < 0.5
+        assert decay.doubts
+
+    def test_a_running_machine(self) -> None:
+        pyuff = pytest.importorskip("pyuff")
+        path = next((DATA / "pyuff_uff58_mps").glob("MPSTD*.uff"))
+        file = pyuff.UFF(str(path))
+        values = np.array([file.read_sets(i)["data"] for i in range(4)], float)
+        assert find_decays(response(values, fs=3200.0)) == ()
