@@ -232,7 +232,7 @@ def _regular(times: RealArray) -> tuple[Indices, Second, Second]:
 def _tracked(times: RealArray) -> tuple[Indices, Second, Second] | None:
     """Return places, start and step of the grid that is followed from the first rows on, or None if it is lost.
 
-    The step that twice as many rows need is known from the rows before well enough to count on.
+    The step is known from the rows so far well enough to count a quarter further.
     """
     count, step = min(16, times.size), float(np.median(np.diff(times)))
     start = float(np.median(times[:count] - step * np.arange(count)))
@@ -251,7 +251,7 @@ def _tracked(times: RealArray) -> tuple[Indices, Second, Second] | None:
             # Stamps at random lie 0.29 steps off.
             lost = np.mean((times - start - step * places) ** 2) > (0.2 * step) ** 2
             return None if lost else (places - places[0], start + step * places[0], step)
-        count = min(2 * count, times.size)
+        count = min(count + count // 4, times.size)
 
 
 def _rounded_text(stamps: RealArray, step: Second, std: Second) -> str:

@@ -157,6 +157,16 @@ class TestJitter:
         assert kinds(clock) == ["jittering stamps"]
         assert "too rough to tell" in clock.findings[0].text
 
+    @pytest.mark.parametrize("seed", range(10))
+    def test_rows_missing_among_jittering_stamps_are_counted(self, seed: int) -> None:
+        rng = np.random.default_rng(seed)
+        kept = np.delete(np.arange(3000), [50, 51, 1000, 2222])
+        stamps = np.round(kept / 100 + rng.normal(0, 1.3e-3, kept.size), 3)
+        clock = read_clock(stamps, wave(kept / 100, rng)[None])
+        assert kinds(clock) == ["jittering stamps", "missing rows"]
+        assert clock.places is not None
+        assert clock.places.tolist() == kept.tolist()
+
     def test_event_driven_stamps_are_refused(self) -> None:
         stamps = np.cumsum(np.random.default_rng(2).exponential(0.01, 2000))
         with pytest.raises(RecordError, match="too irregular"):
