@@ -60,13 +60,22 @@ def as_recording(
     for name in chosen:
         if name == time or chosen.count(name) > 1:
             raise RecordError(f"column {name!r} is asked for twice")
-    stamps = _shared_stamps(table, [name for name in chosen if name not in clocks], time, rate)
+    followers = [name for name in chosen if name not in clocks]
+    _check_followers(table, followers, time, rate)
+    follow_time = [time] if time is not None and followers else []
+    # All at once: a text file is read but once.
+    columns = dict(zip([*follow_time, *chosen], table.columns([*follow_time, *chosen]), strict=True))
+    if time is not None and followers:
+        stamps = _in_seconds(table, time, columns[time])
+    else:
+        stamps = np.arange(table.sizes[followers[0]]) / (rate or 1.0) if followers else np.empty(0)
+    stamps.flags.writeable = False
     by_clock: dict[int, RealArray] = {}
     for name in chosen:
         if name in clocks and id(clocks[name]) not in by_clock:
             by_clock[id(clocks[name])] = _stamps(clocks[name], table.sizes[name], fs)
     raw = []
-    for name, values in zip(chosen, table.columns(chosen), strict=True):
+    for name in chosen:
         clock = clocks.get(name)
         own = rate if clock is None else clock.rate
         raw.append(
@@ -74,37 +83,33 @@ def as_recording(
                 name=name,
                 unit=table.units.get(name, ""),
                 timepts=stamps if clock is None else by_clock[id(clock)],
-                values=values,
+                values=columns[name],
                 rate=fs if own is None else own,
             )
         )
     left_out = dict(table.unusable)
-    if time is not None and stamps.size and not _unit(table, time) and _epoch_unit(table.columns([time])[0]) != "s":
-        since = _epoch_unit(table.columns([time])[0])
-        left_out[f"unit of {time!r}"] = f"is not stated; stamps of that size are {since} since 1970"
+    if time is not None and followers and not _unit(table, time) and _epoch_unit(columns[time]) != "s":
+        left_out[f"unit of {time!r}"] = (
+            f"is not stated; stamps of that size are {_epoch_unit(columns[time])} since 1970"
+        )
     for name in [] if channels else [name for name in table.sizes if name not in chosen and name != time]:
         left_out[name] = passed_over.get(name) or _why_left_out(table, name, time)
     return Recording(title=table.title or title, channels=tuple(raw), left_out=tuple(left_out.items()))
 
 
-def _shared_stamps(table: Table, names: Sequence[str], time: str | None, rate: Hertz | None) -> RealArray:
-    """Return the stamps of the channels without a clock of their own [s]."""
-    if not names:
-        return np.empty(0)
-    if time is None and rate is None:
+def _check_followers(table: Table, names: Sequence[str], time: str | None, rate: Hertz | None) -> None:
+    """Refuse channels without a clock of their own where nothing tells their time, or it is not as long."""
+    if names and time is None and rate is None:
         raise RecordError(
             f"no column is named like a time: {', '.join(map(repr, table.sizes))}; name one (time), or give the "
             f"sampling rate (fs){_increasing(table)}"
         )
-    reference = names[0] if time is None else time
     for name in names:
+        reference = names[0] if time is None else time
         if table.sizes[name] != table.sizes[reference]:
             raise RecordError(
                 f"channel {name!r} has {table.sizes[name]} samples, {reference!r} has {table.sizes[reference]}"
             )
-    stamps = np.arange(table.sizes[reference]) / (rate or 1.0) if time is None else _seconds(table, time)
-    stamps.flags.writeable = False
-    return stamps
 
 
 def _stamps(clock: Clock, size: int, fs: Hertz | None) -> RealArray:
@@ -142,7 +147,7 @@ def _time_column(
     passed_over = {}
     # Telephones write the time of day and that since the start.
     while len(candidates) > 1 and _same_time(table, candidates[0], candidates[1]):
-        starts = [abs(_seconds(table, name)[0]) for name in candidates[:2]]
+        starts = [abs(_in_seconds(table, name, table.columns([name])[0])[0]) for name in candidates[:2]]
         worse = candidates.pop(0 if starts[0] > starts[1] else 1)
         passed_over[worse] = f"tells the same time as {candidates[0]!r}"
     if len(candidates) > 1:
@@ -155,7 +160,7 @@ def _same_time(table: Table, one: str, other: str) -> bool:
     """Whether two columns of time run alike but for their start."""
     if table.sizes[one] != table.sizes[other]:
         return False
-    first, second = _seconds(table, one), _seconds(table, other)
+    first, second = (_in_seconds(table, name, table.columns([name])[0]) for name in (one, other))
     with np.errstate(invalid="ignore"):
         apart = np.abs((first - first[:1]) - (second - second[:1]))
         step = np.median(np.abs(np.diff(second)))
@@ -204,9 +209,8 @@ def _unit(table: Table, time: str) -> str:
     return table.units.get(time, "").strip().lower() or split_unit(time)[1]
 
 
-def _seconds(table: Table, time: str) -> RealArray:
-    """Return a column of time [s]."""
-    stamps = table.columns([time])[0]
+def _in_seconds(table: Table, time: str, stamps: RealArray) -> RealArray:
+    """Return the numbers of a column of time in seconds."""
     unit = _unit(table, time) or _epoch_unit(stamps)
     if unit not in PER_SECOND:
         raise RecordError(f"the unit of time in {time!r} is not known; known: s, ms, us, ns, min; or give fs alone")
