@@ -20,7 +20,8 @@ QUARTER_CAR = 6  # unknowns
 ROUNDS = 4  # of starts at most
 OFTEN = 3  # times that every minimum is met, before the search ends
 STEPS = 40
-STRAGGLERS = 0.1  # of the starts: so few are not waited for
+LONGEST = 1.5  # step, in the logarithm of springs and masses and in dampers themselves
+STRAGGLERS = 0.2  # of the starts: so few are not waited for
 MET = 1e-13  # squared distance from the poles at which a start has arrived
 LITTLE = 1e-3  # share of the squared distance that a step takes where a start rests
 DECADES = 1.5  # springs and masses from a thirtieth to thirty times nominal: rare minima lie far out
@@ -49,17 +50,20 @@ def even_starts(unknowns: Unknowns, count: int) -> RealArray:
 def spectral_minima(tests: Sequence[Observed], unknowns: Unknowns, *, reach: Ratio) -> list[RealArray]:
     """Return distinct minima of the distance from the poles, nearest first, from starts spread around nominal.
 
-    The nominal values are the first start. More are added until every minimum was met several times: then few are
-    left that were never met. Minima further from the poles than ``reach`` are left out, but for the nearest.
+    The nominal values are the first start. More are added until every minimum was met several times, or no new one
+    came: then few are left that were never met. Minima further from the poles than ``reach`` are left out, but for
+    the nearest.
     """
     equations = polynomial_equations(tests, unknowns)
     count = len(unknowns) * (STARTS_PER_UNKNOWN if len(unknowns) <= QUARTER_CAR else MORE_STARTS)
     starts = np.vstack([unknowns.nominal, even_starts(unknowns, ROUNDS * count)])
     points, costs = descend_together(equations, starts[:count], unknowns)
     minima, met = gathered(points, costs, unknowns, reach)
+    before = 0
     for first in range(count, ROUNDS * count, count):
-        if min(met) >= OFTEN:
+        if min(met) >= OFTEN or len(minima) == before:
             break
+        before = len(minima)
         more, their_costs = descend_together(equations, starts[first : first + count], unknowns)
         points, costs = np.vstack([points, more]), np.append(costs, their_costs)
         minima, met = gathered(points, costs, unknowns, reach)
@@ -110,7 +114,7 @@ def descend_together(equations: Equations, x: RealArray, unknowns: Unknowns) -> 
         largest = diagonal.max(axis=1, keepdims=True)
         # What has no slope at all must not make the matrix singular.
         normal[:, own, own] += damping[:, None] * np.maximum(diagonal, 1e-6 * largest) + stuck + (largest <= 0)
-        step = np.maximum(np.minimum(np.linalg.solve(normal, -gradient[..., None])[..., 0], 1.0), -1.0)
+        step = np.maximum(np.minimum(np.linalg.solve(normal, -gradient[..., None])[..., 0], LONGEST), -LONGEST)
         trial = x + step
         trial[:, positive] = x[:, positive] * np.exp(step[:, positive])
         trial = np.minimum(np.maximum(trial, lower), upper)

@@ -21,7 +21,7 @@ PULL = 0.01  # to the nominal values, beside relative errors of poles that are t
 STARTS = 24  # where the poles alone are too few to search by them
 POLISHED = 12  # of the minima that the search finds
 BLIND = 1e-8  # of the largest singular value: what the data do not see
-NEGLIGIBLE = 1e-10  # of chi-square: no step is worth so little
+NEGLIGIBLE = 1e-8  # of chi-square: no step is worth so little
 UNLIKELY_TWIN = 1e-4  # probability of the rise of chi-square from the best suspension to another
 VAGUE = 0.05  # standard deviation of a shape's component above which shapes may not choose one suspension
 NEAR_MISS = 5e-3  # relative distance from exact poles at which another suspension is mentioned
@@ -192,8 +192,9 @@ def posed(
     if tests[0].modes.covariance is not None and weighed + known < len(unknowns):
         notes.append("not weighted: the covariance covers the poles alone, which are too few")
         seen = [unweighted(one) for one in seen]
-    rounded = any(printed(test.modes) for test in tests)
-    known_to = tolerance if tolerance is not None else PRINTED if rounded else 0.0
+    known_to = tolerance or 0.0
+    if tolerance is None and seen[0].whiten is None and any(printed(test.modes) for test in tests):
+        known_to = PRINTED
     problem = Problem(tests=tuple(seen), unknowns=unknowns, known_to=known_to)
     for i, one in enumerate(seen):
         meeting = pole_distances(one.poles, all_poles(one.poles)) < 1e-4

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import os
+import time
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from suspid import Suspension, add_noise, free_decay, identify
+from suspid import Suspension, add_noise, eigenmodes, free_decay, identify, quarter_car
 from suspid.modes import ModalSet
 from suspid.reconstruction import Reconstruction, reconstruct
 from suspid.suspension import state_matrix
@@ -22,6 +24,11 @@ SEEDS = 100
 TIMES: RealArray = np.arange(0, 10, 0.002)
 START = {"v_tire": 1.0}
 OFF = (0.7, 1.3)  # of the nominal car, in turn
+TWO_MASSES = quarter_car(
+    chassis_mass=400, tire_mass=40, chassis_stiffness=20e3, tire_stiffness=200e3, chassis_damping=1500, tire_damping=30
+)
+TIMED = {"two masses": TWO_MASSES, "hatchback, with a seat": HATCHBACK, "paper": PAPER}
+REPEATS = 1000
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -146,6 +153,64 @@ def study(car: Suspension, *, seeds: int = SEEDS, snr_db: float = SNR_DB) -> Stu
     )
 
 
+def with_noise(modes: ModalSet, rng: np.random.Generator, *, spread: float) -> ModalSet:
+    """Return the modes with noise and its covariance: shapes known to the spread, poles ten times better."""
+    assert modes.shapes is not None
+    n = len(modes)
+    std = np.concatenate([np.repeat(np.abs(modes.poles) * spread / 10, 2), np.full(2 * modes.shapes.size, spread)])
+    noise = std * rng.standard_normal(len(std))
+    return ModalSet(
+        poles=modes.poles + noise[0 : 2 * n : 2] + 1j * noise[1 : 2 * n : 2],
+        shapes=modes.shapes + (noise[2 * n :: 2] + 1j * noise[2 * n + 1 :: 2]).reshape(n, -1).T,
+        channels=modes.channels,
+        covariance=np.diag(std**2),
+    )
+
+
+def frequencies_alone(modes: ModalSet, rng: np.random.Generator) -> ModalSet:
+    """Return w with noise of 1e-4 and zeta with noise of 1e-2, and these standard deviations."""
+    wn = modes.wn * (1 + 1e-4 * rng.standard_normal(len(modes)))
+    zeta = modes.zeta * (1 + 1e-2 * rng.standard_normal(len(modes)))
+    return ModalSet.from_wn_zeta(wn, zeta, wn_std=1e-4 * modes.wn, zeta_std=1e-2 * modes.zeta)
+
+
+DATA: Mapping[str, Callable[[ModalSet, np.random.Generator], ModalSet]] = {
+    "exact, all shapes": lambda modes, rng: modes,  # noqa: ARG005
+    "shapes known to 0.1 %": lambda modes, rng: with_noise(modes, rng, spread=1e-3),
+    "shapes known to 3 %": lambda modes, rng: with_noise(modes, rng, spread=3e-2),
+    "exact poles alone, with search": lambda modes, rng: ModalSet(poles=modes.poles),  # noqa: ARG005
+    "w and zeta known to 1e-4 and 1e-2, with search": frequencies_alone,
+}
+
+
+def times(car: Suspension, data: str, *, repeats: int = REPEATS) -> RealArray:
+    """Return the processor time of each of many reconstructions [s], after one that compiles what is kept."""
+    exact, off, rng = eigenmodes(car), nominal(car), np.random.default_rng(0)
+    spent = []
+    for _ in range(repeats + 1):
+        modes = DATA[data](exact, rng)
+        start = time.process_time()
+        reconstruct(modes, off)
+        spent.append(time.process_time() - start)
+    return np.array(spent[1:])
+
+
+def times_table(*, repeats: int = REPEATS) -> str:
+    """Return the table of times, in ms and in eigenvalue problems of the car in the same run."""
+    columns: dict[str, list[str]] = {"car": [], "data": [], "mean [ms]": [], "p99 [ms]": [], "mean / eigenmodes": []}
+    for name, car in TIMED.items():
+        start = time.process_time()
+        for _ in range(repeats):
+            eigenmodes(car)
+        unit = (time.process_time() - start) / repeats
+        for data in DATA:
+            spent = times(car, data, repeats=repeats)
+            row = (name, data, f"{1e3 * spent.mean():.1f}", f"{1e3 * np.quantile(spent, 0.99):.1f}")
+            for column, cell in zip(columns.values(), (*row, f"{spent.mean() / unit:.0f}"), strict=True):
+                column.append(cell)
+    return text_table(columns)
+
+
 def report() -> str:
     """Return the tables of all cars."""
     parts = [
@@ -168,6 +233,11 @@ def report() -> str:
             f"## {name}\n\n```\n{text_table(columns)}\n```\n\n"
             f"Chi-square accepts the topology in {found.explained:.0%} of the draws."
         )
+    parts.append(
+        f"## Time\n\nProcessor time of one `reconstruct` out of {REPEATS} in one process; BLAS threads: "
+        f"{os.environ.get('OMP_NUM_THREADS', 'as many as the machine has')}. Milliseconds are this machine's; the last "
+        f"column is the ratio to `eigenmodes` of the same car, in the same run.\n\n```\n{times_table()}\n```"
+    )
     return "\n\n".join(parts) + "\n"
 
 
