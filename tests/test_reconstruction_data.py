@@ -274,6 +274,48 @@ class TestTwins:
                 assert min(apart) < 1e-4, solution.x * p
         assert met > 5
 
+    @pytest.mark.parametrize("seed", [1, 5, 25])
+    def test_every_half_car_is_found(self, seed: int) -> None:
+        """Random half cars with four to eight passive ones of the same poles, against SciPy's root finder."""
+        from scipy.optimize import root
+
+        rng = np.random.default_rng(5000 + seed)
+        car = half_car(
+            chassis_mass=rng.uniform(500, 900), pitch_inertia=rng.uniform(700, 1600),
+            front_tire_mass=rng.uniform(30, 60), rear_tire_mass=rng.uniform(30, 60),
+            cg_to_front=rng.uniform(1, 1.5), cg_to_rear=rng.uniform(1, 1.7),
+            front_stiffness=rng.uniform(15e3, 35e3), rear_stiffness=rng.uniform(15e3, 35e3),
+            front_tire_stiffness=rng.uniform(140e3, 250e3), rear_tire_stiffness=rng.uniform(140e3, 250e3),
+            front_damping=rng.uniform(800, 2500), rear_damping=rng.uniform(800, 2500),
+            front_tire_damping=rng.choice([0.0, rng.uniform(10, 100)]),
+            rear_tire_damping=rng.choice([0.0, rng.uniform(10, 100)]),
+        )  # fmt: skip
+        poles = eigenmodes(car).poles
+        answer = reconstruct(ModalSet(poles=poles), nominal(car))
+        listed = [parameter_vector(c)[:8] for c in (answer.suspension, *answer.alternatives)]
+        for other in answer.alternatives:
+            np.testing.assert_allclose(eigenmodes(other).poles, poles, rtol=1e-7, err_msg="it has the poles")
+        assert len(listed) >= 4, "as thousands of other starts found"
+        arms, masses, p = car.arms(car.coordinates), np.diag(car.M), parameter_vector(car)[:8]
+        size = np.concatenate([p[:4], np.repeat(np.max(p[4:]), 4)])
+        target = np.poly(np.concatenate([poles, poles.conj()])).real[1:]
+
+        def off(x: RealArray) -> RealArray:
+            q = np.concatenate([p[:4] * np.exp(x[:4]), size[4:] * x[4:]])
+            C, K = (arms.T * part @ arms / masses[:, None] for part in (q[4:], q[:4]))
+            state = np.block([[np.zeros((4, 4)), np.eye(4)], [-K, -C]])
+            return np.asarray(np.poly(np.linalg.eigvals(state)).real[1:] / target - 1)
+
+        met = 0
+        for _ in range(40):
+            start = np.concatenate([rng.uniform(-1, 1, 4), rng.uniform(0, 1, 4)])
+            solution = root(off, start, tol=1e-10)
+            found = np.concatenate([p[:4] * np.exp(np.clip(solution.x[:4], -50, 50)), size[4:] * solution.x[4:]])
+            if solution.success and np.max(np.abs(off(solution.x))) < 1e-8 and np.all(found >= 0):
+                met += 1
+                assert min(np.max(np.abs(found - q) / size) for q in listed) < 1e-3, found
+        assert met > 3
+
     def test_the_search_is_reproducible(self) -> None:
         modes = self.known(eigenmodes(HATCHBACK))
         first, second = (reconstruct(modes, nominal(HATCHBACK)) for _ in range(2))
