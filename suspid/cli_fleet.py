@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from suspid.fleet import Progress
 
 FILE = click.Path(path_type=Path)
+# What shells say of a program that Ctrl-C ended.
+INTERRUPTED = 130
 
 
 @click.command("fleet")
@@ -69,7 +71,7 @@ def fleet_command(
     RESULTS, it shows how modes and parameters are distributed, which records stand out and, with --table or
     --vehicle-from, whose dampers change over time.
 
-    Ends with 1 if not one record could be identified.
+    Ends with 1 if not one record could be identified, with 130 if it was stopped by Ctrl-C.
     """
     from suspid.cars import read_car
     from suspid.fleet import CHUNK, identify_many
@@ -88,7 +90,7 @@ def fleet_command(
         raise click.UsageError("Give --workers or --scheduler, not both.")
     if band and not band[0] < band[1]:
         raise click.BadParameter(f"{band[0]:g} Hz is not below {band[1]:g} Hz.", param_hint="'--band'")
-    with said_warnings() as said, progress_bar() as progress:
+    with said_warnings() as said, goes_on(), progress_bar() as progress:
         run = identify_many(
             folder,
             output=output,
@@ -115,6 +117,16 @@ def fleet_command(
     if not found.distributions:
         click.echo("suspid: error: not one record could be identified", err=True)
         click.get_current_context().exit(1)
+
+
+@contextmanager
+def goes_on() -> Iterator[None]:
+    """Say, where the user stops the run, that nothing of it is lost."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        click.echo("suspid: stopped; what is done is kept, and the same command goes on from there", err=True)
+        click.get_current_context().exit(INTERRUPTED)
 
 
 @contextmanager

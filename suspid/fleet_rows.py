@@ -22,6 +22,7 @@ from suspid.fleet_parts import Row, Rows
 from suspid.fleet_records import Entry
 from suspid.identification import Identification, Method, identify
 from suspid.observations import ModalTest
+from suspid.programs import compiled
 from suspid.reconstruction import reconstruct
 from suspid.records import read_record
 from suspid.signals import as_response, as_signal, cut
@@ -214,6 +215,8 @@ def _mode_rows(job: Job, entry: Entry, digest: str, found: Identification, findi
 
 def _spring_rows(job: Job, entry: Entry, digest: str, found: Identification) -> tuple[Row, ...]:
     assert job.car is not None
+    # A solver keeps what it met before; the bytes of a record's rows must not depend on the records before it.
+    compiled.cache_clear()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         nominal_std = dict(job.nominal_std) if isinstance(job.nominal_std, tuple) else job.nominal_std

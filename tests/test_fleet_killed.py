@@ -122,6 +122,22 @@ class TestKilledOnThisMachine:
         assert (run.records, run.failed, run.kept) == (COUNT, 0, CHUNK * done)
         assert content(tmp_path) == expected
 
+    def test_stopped_by_hand(self, fleet: Path, expected: dict[str, bytes], tmp_path: Path) -> None:
+        command = [sys.executable, "-c", "from suspid.cli_fleet import fleet_command; fleet_command()", str(fleet)]
+        command += ["-o", str(tmp_path), "--car", str(fleet.parent / "car.toml"), "--chunk", str(CHUNK)]
+        # Ctrl-C goes to everybody in the foreground: client and workers alike.
+        process = subprocess.Popen(command, stderr=subprocess.PIPE, start_new_session=True)
+        half_way(tmp_path)
+        os.killpg(process.pid, signal.SIGINT)
+        _, said = process.communicate(timeout=LONG_ENOUGH)
+        assert process.returncode == 130
+        assert said.decode().splitlines() == [
+            "suspid: stopped; what is done is kept, and the same command goes on from there"
+        ]
+        assert 4 <= parts(tmp_path) < COUNT // CHUNK, "it was not stopped half way"
+        identify_many(fleet, output=tmp_path, car=CAR, workers=2, chunk=CHUNK)
+        assert content(tmp_path) == expected
+
     def test_again_and_again(self, fleet: Path, expected: dict[str, bytes], tmp_path: Path) -> None:
         for more in range(1, 3):
             process = start(fleet, tmp_path)
