@@ -25,6 +25,8 @@ APART = 3.0
 UNKNOWN_ZETA, ROUGH_ZETA, ROUGH_WN = 1.0, 0.25, 0.05
 # Fewer samples for each unknown of a channel than this: the fit follows whatever moves.
 SAMPLES_EACH = 8
+# What falls by less than e to this over the record, and makes as many cycles, is steady.
+STEADY, MANY_CYCLES = 1.0, 10.0
 # Below this the channels of a mode are far from moving in phase or antiphase.
 CIRCLING = 0.5
 
@@ -45,7 +47,15 @@ def why_none(identification: Identification) -> list[str]:
             f"Something moves ({percent(best)} of the best channel can be followed), but it is no free decay: "
             f"see what was considered and rejected."
         ]
-    return ["Nothing in the record decays like a mode and stands above its noise."]
+    said = ["Nothing in the record decays like a mode and stands above its noise."]
+    signal = as_signal(identification.response)
+    strongest = considered[0].pole if considered else 0j
+    if abs(strongest.real) * signal.duration < STEADY and strongest.imag * signal.duration > 2 * np.pi * MANY_CYCLES:
+        said.append(
+            f"What stands out most, at {strongest.imag / (2 * np.pi):.4g} Hz, does not decay: a steady line of "
+            f"something that turns or hums, no mode."
+        )
+    return said
 
 
 def late_motion(identification: Identification) -> list[str]:
@@ -190,7 +200,7 @@ def steady_tones(identification: Identification) -> list[str]:
         return []
     hertz = [f"{abs(c.pole) / (2 * np.pi):.4g}" for c in tones[:4]] + ["…"] * (len(tones) > 4)
     return [
-        f"{many(len(tones), 'steady tone')} ({', '.join(hertz)} Hz) stood beside the decay and "
+        f"{many(len(tones), 'steady tone')} ({', '.join(hertz)} Hz) "
         f"{'was' if len(tones) == 1 else 'were'} taken out with the fit; what is explained contains "
         f"{'it' if len(tones) == 1 else 'them'}."
     ]

@@ -22,9 +22,9 @@ PIECES = 2000
 # Of a record of more samples than this, all channels together, the wavelet's view is made of its decay alone.
 MOST_SAMPLES = 40_000
 FEWEST = 1024
-# The slowest mode has then fallen to e^-8, and the fastest still has eight samples a cycle.
+# The slowest mode has then fallen to e^-8, and the fastest still has four samples a cycle.
 LENGTH_OF_DECAY = 8.0
-SAMPLES_A_CYCLE = 8.0
+SAMPLES_A_CYCLE = 4.0
 # An eighth of an octave less in the bandwidth changes no picture.
 FEW_BANDWIDTHS = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0, 48.0)
 
@@ -87,7 +87,9 @@ def drawable(identification: Identification) -> Identification:
     if channels * count <= MOST_SAMPLES or identification.method == "ridge":
         return identification
     most = max(MOST_SAMPLES // channels, FEWEST)
-    poles = np.array([*identification.modes.poles, *(c.pole for c in identification.considered if c.removed)])
+    # Where there is no mode, what was taken for none is of interest.
+    beside = [c.pole for c in identification.considered if c.removed or not len(identification.modes)]
+    poles = np.array([*identification.modes.poles, *beside])
     decays = -identification.modes.poles.real[identification.modes.poles.imag > 0] * signal.step
     slowest = float(np.min(decays[decays > 0], initial=np.inf))
     kept = count if not np.isfinite(slowest) else int(np.clip(LENGTH_OF_DECAY / slowest, FEWEST, count))

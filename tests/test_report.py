@@ -191,6 +191,26 @@ class TestVerdict:
         verdict = judge(identify(as_response(signal.timepts, signal.values + hum, signal.channels)))
         assert any("1 steady tone (50 Hz)" in text for text in verdict.notes)
 
+    def test_a_line_that_comes_and_goes_is_no_mode(self) -> None:
+        # A shaft whose speed wanders: a line, but not one steady tone that could be taken out.
+        rng = np.random.default_rng(5)
+        t = np.arange(6000) / 1000
+        phase = 2 * np.pi * 181.7 * t + np.cumsum(rng.normal(size=t.size)) * 0.1
+        amplitude = 1 + 0.5 * np.convolve(rng.normal(size=t.size), np.ones(300) / 20, mode="same")
+        noise = 0.3 * rng.normal(size=t.size)
+        found = identify(as_response(t, (amplitude * np.cos(phase) + noise)[None], ["y"]), candidates=[4.0])
+        verdict = judge(found)
+        assert verdict.trust in ("none", "doubtful")
+        text = Page(report(found)).text
+        assert "181" in text
+
+    def test_an_offset_left_alone_is_harmless(self, found: Identification) -> None:
+        offset = replace(finding(repaired=False), kind="offset")
+        cleaned = Cleaned(record=found.response, units=("m",) * 3, findings=(offset,))
+        verdict = report_to_dict(found, cleaned=cleaned)["verdict"]
+        assert isinstance(verdict, dict)
+        assert verdict["trust"] == "sound"
+
     def test_many_poles_in_few_samples_are_doubtful(self) -> None:
         # Heavily damped modes in 36 samples: no half holds one alone.
         car = quarter_car(
@@ -245,6 +265,10 @@ class TestRounding:
         assert abs(written - value) <= 0.5 * unit * (1 + 1e-6) + 1e-12 * abs(value)
         decimals = [len(text.partition(".")[2]) for text in (shown.value, shown.reach)]
         assert decimals[0] == decimals[1]
+
+    @pytest.mark.parametrize(("reach", "said"), [(0.0996, "0.10"), (0.0994, "0.099"), (9.96, "10"), (349.6, "350")])
+    def test_an_interval_has_two_digits(self, reach: float, said: str) -> None:
+        assert quantity(1.0, reach).reach == said
 
     def test_without_an_interval_there_is_none(self) -> None:
         assert quantity(1.0, None).reach == ""
