@@ -53,6 +53,7 @@ LAYERS = [
     ["selection"],
     ["identification"],
     ["bursts", "trials", "shared"],
+    ["doubts"],
     ["decays"],
     ["repeats"],
     ["equations"],
