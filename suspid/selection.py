@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from suspid.exponentials import Blocks, blocks_of, cross_sums, project, synthesize
-from suspid.likelihood import NEGLIGIBLE, DecayFit, Poles, evaluate, maximize, pole_covariance, reweighed
+from suspid.likelihood import DecayFit, Poles, evaluate, maximize, pole_covariance, reweighed
 from suspid.units import ComplexArray, RealArray
 from suspid.values import frozen_real
 
@@ -19,8 +19,9 @@ from suspid.values import frozen_real
 DECAY_FACTOR = 4.0
 # A decaying exponential counts as gone after so many e-foldings, and is as wide as the Fourier bins of so many.
 GONE, WIDE = 9.0, 3.0
-# While poles are still to come, the others need not be fitted better than to this share of their standard deviations.
-ROUGH = 0.05
+# While poles are still to come, the others need not be fitted better than to this share of their standard deviations,
+# and not by more steps: a pole that is there comes near in fewer.
+ROUGH, ROUGH_STEPS = 0.05, 20
 # Grid points whose gain is computed exactly, beyond those beside poles already fitted.
 LOCAL_MAXIMA = 48
 # So many points beside each pole already fitted, from one end of its surroundings to the other.
@@ -154,12 +155,13 @@ def select(
         if better is None:
             break
         held, seen = _straightened(state, better, STILL, rejected), None if again else seen
-    held = state.fitted(held.fit) or held
+    held = state.polished(held)
     straight = _straightened(state, _single(state, held), CREEPING, rejected)
-    held = _unbent(state, held if straight is held else state.fitted(straight.fit) or straight)
+    held = _unbent(state, held if straight is held else state.polished(straight))
     held, gains = _thinned(state, held, rejected)
-    held, extra = _paired(state, held)
-    if len(extra):
+    once = _single(state, state.polished(held))
+    held, extra = _paired(state, once)
+    if len(extra) or len(gains) != len(state.prices(held.poles)):
         gains, _ = state.worths(held)
     # Sums of squares from the residual itself: by subtraction they carry the rounding of the whole energy.
     fit = reweighed(held.fit, blocks, floor, held.squares)
@@ -190,8 +192,16 @@ class _State:
     def fitted(self, start: Poles | DecayFit, *, rough: bool = False) -> _Held | None:
         # Sums of squares by subtraction carry the rounding of the whole energy.
         floor = np.maximum(self.floor, 1e-15 * self.blocks.energy / self.blocks.count)
-        fit = maximize(self.blocks, start, floor, negligible=ROUGH**2 if rough else NEGLIGIBLE)
+        if rough:
+            fit = maximize(self.blocks, start, floor, steps=ROUGH_STEPS, negligible=ROUGH**2)
+        else:
+            fit = maximize(self.blocks, start, floor)
         return None if fit is None else _Held(state=self, fit=fit)
+
+    def polished(self, held: _Held) -> _Held:
+        """Return the fit at its best: itself, if it is there already."""
+        better = self.fitted(held.fit)
+        return held if better is None or better.fit is held.fit else better
 
     def worths(self, held: _Held, *, refit: bool = True) -> tuple[RealArray, RealArray]:
         """Return what leaving each pole out costs: in twice the log likelihood, and in energy over noise variance.
@@ -213,7 +223,7 @@ class _State:
         gains = count * np.log1p(np.maximum(more, 0.0)).sum(axis=1)
         if refit:
             for index in np.flatnonzero(gains < 3 * self.prices(held.poles)):
-                refitted = self.fitted(held.poles.without(int(index)))
+                refitted = self.fitted(held.poles.without(int(index)), rough=True)
                 gains[index] = gains[index] if refitted is None else refitted.loss - held.loss
         return gains, energies
 
@@ -434,7 +444,7 @@ def _thinned(state: _State, held: _Held, rejected: list[tuple[Candidate, str]]) 
         # Poles far apart when they were added may have come together since: of two the lesser goes.
         index = int(np.argmin(np.where(held.splits, 0.0, worth) + 1e-9 * worth / np.max(worth)))
         worth[held.splits] = 0.0
-        shorter = state.fitted(held.poles.without(index)) if worth[index] < 1 else None
+        shorter = state.fitted(held.poles.without(index), rough=True) if worth[index] < 1 else None
         if shorter is None:
             return held, gains
         reason = "split of another mode" if held.splits[index] else "not needed beside the others"
