@@ -21,7 +21,7 @@ from validation import cars
 RECORDS, GROWTH, ON_DASK = 2000, (100, 1000, 10_000), 1000
 SAMPLES, RATE, SNR_DB = 2000, 500.0, 20.0
 # So many records are made; where more are asked for, their files have several names.
-MADE = 2000
+MADE = 1000
 THREADS = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
 
 # Every run is a process of its own, from its start to its end: imports count, and memory is its own.
