@@ -81,7 +81,7 @@ def identify_command(
         figure_draft = outputs.enter_context(replacing(_checked_picture(plot))) if plot else None
         json_draft = outputs.enter_context(replacing(json_file)) if json_file else None
         step()
-        cleaned, notes = read_cleaned(file, read)
+        cleaned, notes = read_cleaned(file, read, start=start, stop=stop)
         said += notes
         step()
         stretch = stretch_of(cleaned.record, start, stop, which)
@@ -137,7 +137,7 @@ def report_command(
         draft = outputs.enter_context(replacing(output))
         json_draft = outputs.enter_context(replacing(json_file)) if json_file else None
         step()
-        cleaned, notes = read_cleaned(file, read)
+        cleaned, notes = read_cleaned(file, read, start=start, stop=stop)
         source = source_of(file, command=_command_line(), created=created)
         step()
         stretch = stretch_of(cleaned.record, start, stop, which)

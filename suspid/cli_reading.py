@@ -142,8 +142,13 @@ def progress(*steps: str) -> Iterator[Callable[[], None]]:
         yield step
 
 
-def read_cleaned(file: Path, options: ReadOptions) -> tuple[Cleaned, list[str]]:
-    """Return the record of a file as the user wants it, and all that was left out, repaired or met, in sentences."""
+def read_cleaned(
+    file: Path, options: ReadOptions, *, start: float | None = None, stop: float | None = None
+) -> tuple[Cleaned, list[str]]:
+    """Return the record of a file as the user wants it, and all that was left out, repaired or met, in sentences.
+
+    What lies before the start or after the stop [s] is not looked at.
+    """
     from suspid.cleaning import clean
     from suspid.records import read_recording
 
@@ -156,7 +161,7 @@ def read_cleaned(file: Path, options: ReadOptions) -> tuple[Cleaned, list[str]]:
         said.append(f"left out: {more} more things in the file, which `suspid channels` lists")
     recording = _without(recording, options.without)
     try:
-        cleaned = clean(recording, channels=options.channels or None, fs=options.fs)
+        cleaned = clean(recording, channels=options.channels or None, fs=options.fs, start=start, stop=stop)
     except RecordError as error:
         raise RecordError(f"{printable(str(file))}: {error}") from None
     said += [str(finding) for finding in cleaned.findings]
