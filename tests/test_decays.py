@@ -130,12 +130,6 @@ class TestDoubts:
             clipped = np.sum(np.abs(values[2, inside]) == limit) >= 3
             assert not clipped or any("clipped" in doubt for doubt in decay.doubts)
 
-    def test_cut_off_by_the_next(self) -> None:
-        decays = find_decays(released((11.0, 12.0)))
-        first = min(decays, key=lambda decay: decay.start)
-        assert first.stop < 12.0
-        assert any("cut off" in doubt for doubt in first.doubts)
-
     def test_few_cycles_are_said(self) -> None:
         values = 1e-3 * noise(1, 1, 8000)
         time = np.arange(4000) / 200
