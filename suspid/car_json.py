@@ -18,9 +18,9 @@ An object with
 from __future__ import annotations
 
 from suspid.reconstruction import Reconstruction
+from suspid.springs.unknowns import parameter_names, parameter_vector
 from suspid.suspension import Suspension
 from suspid.units import Ratio
-from suspid.unknowns import parameter_names, parameter_vector
 
 FORMAT = "suspid car 1"
 UNITS = {"stiffness": "N/m", "damping": "N s/m", "mass": "kg"}

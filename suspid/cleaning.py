@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 from tabulate import tabulate
 
-from suspid.clocks import read_clock
 from suspid.errors import RecordError
 from suspid.files import printable
-from suspid.findings import Finding as Finding
-from suspid.gaps import MOST_FILLED, fill, runs
-from suspid.inspection import inspect, possible
-from suspid.placing import Placed, place, resample
+from suspid.mending.clocks import read_clock
+from suspid.mending.findings import Finding as Finding
+from suspid.mending.gaps import MOST_FILLED, fill, runs
+from suspid.mending.inspection import inspect, possible
+from suspid.mending.placing import Placed, place, resample
 from suspid.recordings import RawChannel, Recording
 from suspid.signals import as_response, as_signal
 from suspid.units import Hertz, RealArray, Second

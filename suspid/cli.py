@@ -14,9 +14,10 @@ from typing import TYPE_CHECKING
 import click
 import numpy as np
 
-from suspid.cli_measured import channels_command, identify_command, record_in_words, report_command
-from suspid.cli_reading import FILE
-from suspid.cli_support import (
+from suspid.commands.fleet import fleet_command
+from suspid.commands.measured import channels_command, identify_command, record_in_words, report_command
+from suspid.commands.reading import FILE
+from suspid.commands.support import (
     Commands,
     Positive,
     added_masses,
@@ -46,6 +47,7 @@ def main() -> None:
 main.add_command(channels_command)
 main.add_command(identify_command)
 main.add_command(report_command)
+main.add_command(fleet_command)
 
 
 @main.command("reconstruct")
@@ -96,8 +98,8 @@ def reconstruct_command(
     from suspid.car_json import reconstruction_to_dict
     from suspid.cars import car_to_toml, read_car
     from suspid.modal_json import read_modes, to_json
-    from suspid.observations import ModalTest
     from suspid.reconstruction import reconstruct
+    from suspid.springs.observations import ModalTest
 
     if len({path.resolve() for path in modes}) < len(modes):
         raise click.UsageError("One of the MODES is named twice: every test counts once.")

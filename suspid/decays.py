@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from suspid.bursts import Burst, Envelopes, envelopes, find_bursts, finest
-from suspid.doubts import Kind, clipped_samples, doubts_of, doubts_of_background, drowned, kind_of, refused
 from suspid.errors import RecordError
+from suspid.events.bursts import Burst, Envelopes, envelopes, find_bursts, finest
+from suspid.events.doubts import Kind, clipped_samples, doubts_of, doubts_of_background, drowned, kind_of, refused
+from suspid.events.trials import Trial, block_size, quiet_variance, tried
 from suspid.identification import FEWEST_SAMPLES
 from suspid.signals import Signal, as_signal
-from suspid.trials import Trial, block_size, quiet_variance, tried
 from suspid.units import Decibel, RealArray, Second
 from suspid.values import frozen_real, text_table
 

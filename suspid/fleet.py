@@ -11,18 +11,18 @@ from typing import TYPE_CHECKING, TypeAlias
 from suspid.cars import car_to_toml
 from suspid.errors import InputError, ReconstructionError
 from suspid.files import printable
-from suspid.fleet_engine import dask_engine, finished, local_engine
-from suspid.fleet_folder import begun, check_part, only_others, own, taken, write_manifest
-from suspid.fleet_manifest import FORMAT, require_fleet
-from suspid.fleet_parts import part_counts, part_numbers, read_table, write_part
-from suspid.fleet_records import Entry, Records, in_chunks, listing
-from suspid.fleet_rows import Job
+from suspid.fleets.engine import dask_engine, finished, local_engine
+from suspid.fleets.folder import begun, check_part, only_others, own, taken, write_manifest
+from suspid.fleets.manifest import FORMAT, require_fleet
+from suspid.fleets.parts import part_counts, part_numbers, read_table, write_part
+from suspid.fleets.records import Entry, Records, in_chunks, listing
+from suspid.fleets.rows import Job
 from suspid.identification import Method
 from suspid.modes import eigenmodes
 from suspid.reconstruction import reconstruct
+from suspid.springs.unknowns import Bounds
 from suspid.suspension import Suspension
 from suspid.units import Hertz, Kilogram, RadianPerSecond, Ratio, Second
-from suspid.unknowns import Bounds
 
 if TYPE_CHECKING:
     import pyarrow as pa

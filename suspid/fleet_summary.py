@@ -12,11 +12,11 @@ import numpy as np
 
 from suspid.cars import car_from_toml
 from suspid.files import printable
-from suspid.fleet_families import OTHERS, families_by_density, families_of_car
-from suspid.fleet_manifest import read_manifest
-from suspid.fleet_parts import part_counts, part_numbers, read_table
-from suspid.fleet_trends import Trend, adjusted, trends_of
-from suspid.fleet_vehicles import read_vehicles, vehicles_from_names
+from suspid.fleets.families import OTHERS, families_by_density, families_of_car
+from suspid.fleets.manifest import read_manifest
+from suspid.fleets.parts import part_counts, part_numbers, read_table
+from suspid.fleets.trends import Trend, adjusted, trends_of
+from suspid.fleets.vehicles import read_vehicles, vehicles_from_names
 from suspid.modes import eigenmodes
 from suspid.units import RealArray
 from suspid.values import text_table

@@ -421,7 +421,7 @@ def _by_likelihood(
 ) -> Identification:
     low, high = band or (0.0, np.pi / signal.step)
     selection = select(
-        centred, floor=_resolution(signal.values) ** 2, modes=steps.count, band=(low * signal.step, high * signal.step)
+        centred, floor=resolution(signal.values) ** 2, modes=steps.count, band=(low * signal.step, high * signal.step)
     )
     fit = selection.fit
     left = selection.residual
@@ -526,7 +526,7 @@ def _no_modes(signal: Signal) -> ModalSet:
     return ModalSet(poles=np.zeros(0, complex), shapes=shapes, channels=signal.channels)
 
 
-def _resolution(values: RealArray) -> RealArray:
+def resolution(values: RealArray) -> RealArray:
     """Return the standard deviation that rounding and quantisation leave in each channel."""
     peak = np.max(np.abs(values), axis=1)
     single = np.all(values == values.astype(np.float32), axis=1)

@@ -17,10 +17,10 @@ from numpy.typing import ArrayLike, NDArray
 from suspid.errors import InputError
 from suspid.files import printable
 from suspid.modes import modal_table, scaled_shapes
+from suspid.page.thinning import PIECES as PIECES
+from suspid.page.thinning import extremes, pooled, power_weights, row_edges
 from suspid.ridges import ABOVE_NOISE, Ridge, fit_skeleton
 from suspid.signals import as_signal
-from suspid.thinning import PIECES as PIECES
-from suspid.thinning import extremes, pooled, power_weights, row_edges
 from suspid.units import RealArray, Second
 from suspid.values import nearest_names
 

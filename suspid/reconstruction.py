@@ -7,18 +7,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from suspid.alternatives import farness, told_apart
-from suspid.equations import pole_distances as pole_distances
 from suspid.errors import InputError, ReconstructionError
 from suspid.modes import ModalSet
-from suspid.observations import ModalTest, modal_tests
-from suspid.problem import NEAR_MISS, Problem, candidates, posed
-from suspid.suspects import suspects
+from suspid.springs.alternatives import farness, told_apart
+from suspid.springs.equations import pole_distances as pole_distances
+from suspid.springs.observations import ModalTest, modal_tests
+from suspid.springs.problem import NEAR_MISS, Problem, candidates, posed
+from suspid.springs.suspects import suspects
+from suspid.springs.unknowns import QUANTITIES, Bounds, parameter_names, parameter_vector
+from suspid.springs.verdicts import check_fit, check_seen, goodness, misfit, parameter_covariance, pole_errors, remarks
 from suspid.suspension import Suspension
 from suspid.units import Kilogram, NewtonPerMetre, NewtonSecondPerMetre, Ratio, RealArray
-from suspid.unknowns import QUANTITIES, Bounds, parameter_names, parameter_vector
 from suspid.values import FrozenMapping, frozen_real, rounded, spread, text_table
-from suspid.verdicts import check_fit, check_seen, goodness, misfit, parameter_covariance, pole_errors, remarks
 
 TOLERANCE = 0.02  # of a pole's modulus
 ROUNDED = 1e-9  # of a pole's modulus: nearer, modes without covariance are met

@@ -13,14 +13,14 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 
 from suspid.cleaning import clean
-from suspid.delimited import read_delimited
 from suspid.errors import RecordError, RecordWarning
 from suspid.files import printable, replacing
-from suspid.matlab import read_matlab
+from suspid.formats.delimited import read_delimited
+from suspid.formats.matlab import read_matlab
+from suspid.formats.tables import Table, is_time
+from suspid.formats.timing import as_recording
 from suspid.recordings import Recording
 from suspid.signals import as_signal
-from suspid.tables import Table, is_time
-from suspid.timing import as_recording
 from suspid.units import Hertz
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ def _module_reader(module: str) -> Reader:
     """Return ``read_<module>`` of a module of the library that is imported with the first file of its kind."""
 
     def read(path: Path) -> Table:
-        table: Table = getattr(importlib.import_module(f"suspid.{module}"), f"read_{module}")(path)
+        table: Table = getattr(importlib.import_module(f"suspid.formats.{module}"), f"read_{module}")(path)
         return table
 
     return read
@@ -244,7 +244,7 @@ def write_record(
     number = repr if digits is None else f"{{:.{digits}g}}".format
     timepts = np.asarray(response.time, float)
     if parquet:
-        write: Callable[..., None] = importlib.import_module("suspid.parquet").write_parquet
+        write: Callable[..., None] = importlib.import_module("suspid.formats.parquet").write_parquet
         given = tuple(units or [""] * len(signal.channels))
         title = str(getattr(response, "title", None) or "")
         with replacing(path) as draft:
@@ -278,7 +278,7 @@ def _reader(path: Path, dbc: str | os.PathLike[str] | None) -> Reader:
     if dbc is not None and not mdf:
         raise RecordError("dbc decodes CAN frames; only MDF files hold them: leave it out")
     if mdf and dbc is not None:
-        return lambda file: importlib.import_module("suspid.mdf").read_mdf(file, dbc=dbc)
+        return lambda file: importlib.import_module("suspid.formats.mdf").read_mdf(file, dbc=dbc)
     return READERS[".mdf"] if mdf else READERS.get(suffix, read_delimited)
 
 

@@ -11,13 +11,12 @@ from numpy.typing import NDArray
 
 from suspid.decays import Decay
 from suspid.errors import IdentificationError, InputError, RecordError
+from suspid.events.shared import Shared, shared_covariance
 from suspid.exponentials import Blocks, blocks_of
-from suspid.identification import FEWEST_SAMPLES, Identification, identify
-from suspid.identification import _resolution as resolution
+from suspid.identification import FEWEST_SAMPLES, Identification, identify, resolution
 from suspid.likelihood import DecayFit, Poles, evaluate, likelihood_loss, maximize
 from suspid.modes import ModalSet
 from suspid.selection import Selection, select
-from suspid.shared import Shared, shared_covariance
 from suspid.signals import as_signal, cut
 from suspid.units import RadianPerSecond, RealArray, Second
 from suspid.values import frozen_real, text_table

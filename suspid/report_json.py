@@ -1,4 +1,4 @@
-"""A report as JSON: everything that the page of `suspid.report` shows, as numbers.
+"""A report as JSON: everything that the page of `suspid.reporting` shows, as numbers.
 
 The file is that of `suspid.modal_json` with more beside it, so that ``suspid reconstruct`` reads it as it stands.
 Every field, with its unit, is described in ``suspid/schemas/report.schema.json`` (JSON Schema, draft 2020-12), which
@@ -21,10 +21,10 @@ import numpy as np
 from suspid.car_json import reconstruction_to_dict
 from suspid.errors import InputError
 from suspid.files import printable
-from suspid.judgement import Judgement, judge
 from suspid.modal_json import identification_to_dict, modes_to_dict, to_json
+from suspid.page.judgement import Judgement, judge
+from suspid.page.thinning import drawable, is_whole
 from suspid.signals import as_signal
-from suspid.thinning import drawable, is_whole
 from suspid.units import Ratio, Second
 
 if TYPE_CHECKING:

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from suspid.conversions import STANDARD_GRAVITY
-from suspid.conversions import to_si as to_si
 from suspid.errors import InputError, RecordError
 from suspid.files import printable
+from suspid.mending.conversions import STANDARD_GRAVITY
+from suspid.mending.conversions import to_si as to_si
 from suspid.signals import Signal, as_response, as_signal
 from suspid.units import Ratio, RealArray
 from suspid.values import frozen_real, nearest_names

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from suspid.clocks import Clock, read_clock
 from suspid.errors import RecordError
-from suspid.stamps import resolution, rounded_line
+from suspid.mending.clocks import Clock, read_clock
+from suspid.mending.stamps import resolution, rounded_line
 from suspid.units import RealArray
 
 

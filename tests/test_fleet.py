@@ -21,8 +21,8 @@ from fleets import CAR, content, make_fleet, write_decay
 from suspid import InputError, eigenmodes, free_decay, identify, read_record
 from suspid.errors import RecordWarning
 from suspid.fleet import FleetRun, identify_many
-from suspid.fleet_engine import Engine
-from suspid.fleet_parts import read_table
+from suspid.fleets.engine import Engine
+from suspid.fleets.parts import read_table
 
 COUNT, CHUNK = 14, 4
 KILLERS = """

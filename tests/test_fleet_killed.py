@@ -123,7 +123,7 @@ class TestKilledOnThisMachine:
         assert content(tmp_path) == expected
 
     def test_stopped_by_hand(self, fleet: Path, expected: dict[str, bytes], tmp_path: Path) -> None:
-        command = [sys.executable, "-c", "from suspid.cli_fleet import fleet_command; fleet_command()", str(fleet)]
+        command = [sys.executable, "-c", "from suspid.commands.fleet import fleet_command; fleet_command()", str(fleet)]
         command += ["-o", str(tmp_path), "--car", str(fleet.parent / "car.toml"), "--chunk", str(CHUNK)]
         # Ctrl-C goes to everybody in the foreground: client and workers alike.
         process = subprocess.Popen(command, stderr=subprocess.PIPE, start_new_session=True)
@@ -198,6 +198,6 @@ class TestDask:
         assert content(tmp_path) == expected
 
     def test_nobody_answers(self, fleet: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-        monkeypatch.setattr("suspid.fleet_engine.FIRST_WORKER", 0.5)
+        monkeypatch.setattr("suspid.fleets.engine.FIRST_WORKER", 0.5)
         with pytest.raises(InputError, match="no Dask scheduler answers"):
             identify_many(fleet, output=tmp_path, scheduler="tcp://127.0.0.1:9")

@@ -5,7 +5,7 @@ import warnings
 import pytest
 
 from suspid.errors import RecordError
-from suspid.foreign import sheltered, unique_names
+from suspid.formats.foreign import sheltered, unique_names
 
 
 class Broken:

@@ -9,7 +9,11 @@ import pytest
 import suspid
 
 LIBRARY = Path(suspid.__file__).parent
-MODULES = {path.stem: ast.parse(path.read_text(encoding="utf-8")) for path in sorted(LIBRARY.glob("*.py"))}
+MODULES = {
+    ".".join(path.relative_to(LIBRARY).with_suffix("").parts): ast.parse(path.read_text(encoding="utf-8"))
+    for path in sorted(LIBRARY.rglob("*.py"))
+    if path.parent == LIBRARY or path.stem != "__init__"
+}
 
 # Imports point from a later line to an earlier one; modules of one line may import each other's elders only.
 LAYERS = [
@@ -17,71 +21,71 @@ LAYERS = [
     ["values", "files"],
     [
         "suspension",
-        "tables",
-        "cells",
-        "encodings",
+        "formats.tables",
+        "formats.cells",
+        "formats.encodings",
         "recordings",
         "exponentials",
-        "foreign",
-        "mdf_blocks",
-        "mdf_channels",
+        "formats.foreign",
+        "formats.mdf_blocks",
+        "formats.mdf_channels",
     ],
-    ["variables", "dialects"],
+    ["formats.variables", "formats.dialects"],
     [
         "modes",
         "signals",
-        "layouts",
-        "matlab",
-        "hdf",
-        "uff",
-        "tdms",
-        "mdf",
-        "wav",
-        "parquet",
+        "formats.layouts",
+        "formats.matlab",
+        "formats.hdf",
+        "formats.uff",
+        "formats.tdms",
+        "formats.mdf",
+        "formats.wav",
+        "formats.parquet",
         "presets",
-        "unknowns",
-        "programs",
+        "springs.unknowns",
+        "springs.programs",
     ],
-    ["findings", "conversions"],
-    ["stamps", "gaps", "inspection"],
-    ["ordering"],
-    ["clocks"],
-    ["placing"],
-    ["delimited", "timing", "cleaning", "sensors"],
+    ["mending.findings", "mending.conversions"],
+    ["mending.stamps", "mending.gaps", "mending.inspection"],
+    ["mending.ordering"],
+    ["mending.clocks"],
+    ["mending.placing"],
+    ["formats.delimited", "formats.timing", "cleaning", "sensors"],
     ["simulation", "records", "cars", "denoising", "scalogram"],
     ["ridges", "likelihood"],
     ["selection"],
     ["identification"],
-    ["bursts", "trials", "shared"],
-    ["doubts"],
+    ["events.bursts", "events.trials", "events.shared"],
+    ["events.doubts"],
     ["decays"],
     ["repeats"],
-    ["equations"],
-    ["polynomials"],
-    ["observations", "alternatives"],
-    ["problem"],
-    ["suspects"],
-    ["verdicts"],
+    ["springs.equations"],
+    ["springs.polynomials"],
+    ["springs.observations", "springs.alternatives"],
+    ["springs.problem"],
+    ["springs.suspects"],
+    ["springs.verdicts"],
     ["reconstruction"],
     ["comparison"],
     ["modal_json", "car_json"],
-    ["checks"],
-    ["thinning", "judgement", "report_rows"],
-    ["plots", "charts"],
-    ["report_json", "figures"],
-    ["report"],
-    ["fleet_manifest", "fleet_records"],
-    ["fleet_parts"],
-    ["fleet_rows"],
-    ["fleet_work", "fleet_folder"],
-    ["fleet_engine"],
+    ["page.checks"],
+    ["page.thinning", "page.judgement", "page.rows"],
+    ["plots", "page.charts"],
+    ["report_json", "page.figures"],
+    ["reporting"],
+    ["fleets.manifest", "fleets.records"],
+    ["fleets.parts"],
+    ["fleets.rows"],
+    ["fleets.work", "fleets.folder"],
+    ["fleets.engine"],
     ["fleet"],
-    ["fleet_families", "fleet_trends", "fleet_vehicles"],
+    ["fleets.families", "fleets.trends", "fleets.vehicles"],
     ["fleet_summary"],
-    ["cli_support"],
-    ["cli_reading"],
-    ["cli_measured"],
-    ["cli_fleet"],
+    ["commands.support"],
+    ["commands.reading"],
+    ["commands.measured"],
+    ["commands.fleet"],
     ["cli"],
     ["__init__", "__main__"],
 ]
@@ -117,7 +121,7 @@ class TestModules:
         assert name in LEVEL, f"suspid/{name}.py has no place in LAYERS of {Path(__file__).name}: give it one"
         for imported in imports(MODULES[name]):
             if imported.startswith("suspid."):
-                other = imported.split(".")[1]
+                other = imported.removeprefix("suspid.")
                 assert other in LEVEL, f"suspid/{name}.py imports suspid.{other}, which has no place in LAYERS"
                 assert LEVEL[other] < LEVEL[name], f"suspid/{name}.py must not import suspid.{other}: it is no elder"
 
@@ -126,7 +130,7 @@ class TestModules:
         assert not calls, f"suspid/{name}.py prints in line {calls[0].lineno}"
 
     def test_matplotlib_is_imported_by_plots_alone(self, name: str) -> None:
-        if name not in {"plots", "figures", "cli_measured"}:
+        if name not in {"plots", "commands.measured"}:
             assert not [i for i in imports(MODULES[name]) if i.split(".")[0] == "matplotlib"]
 
     def test_no_method_rebinds_self(self, name: str) -> None:

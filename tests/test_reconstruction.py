@@ -503,7 +503,7 @@ class TestProgram:
         """The sharpened optimum is that of SciPy's active-set method, at any size of the data."""
         from scipy.optimize import lsq_linear
 
-        from suspid.programs import convex_program
+        from suspid.springs.programs import convex_program
 
         rng = np.random.default_rng(6)
         for size in (1e-9, 1e-5, 1.0, 1e5):
@@ -515,7 +515,7 @@ class TestProgram:
             )
 
     def test_it_is_compiled_once(self) -> None:
-        from suspid.programs import compiled
+        from suspid.springs.programs import compiled
 
         car = two_mass_car(chassis_damping=1500.0, tire_damping=30.0)
         reconstruct(eigenmodes(car), car)

@@ -24,14 +24,14 @@ from suspid import (
     read_record,
     statespace,
 )
-from suspid.equations import linear, sensitivities, spectral
-from suspid.observations import ModalTest, observe
 from suspid.presets import full_car, half_car
-from suspid.programs import slope_left
 from suspid.reconstruction import Reconstruction, reconstruct
 from suspid.signals import as_response, as_signal
+from suspid.springs.equations import linear, sensitivities, spectral
+from suspid.springs.observations import ModalTest, observe
+from suspid.springs.programs import slope_left
+from suspid.springs.unknowns import parameter_names, parameter_vector
 from suspid.units import RealArray
-from suspid.unknowns import parameter_names, parameter_vector
 from validation.cars import HATCHBACK, PAPER, SALOON
 from validation.springs import START, TIMES, nominal, physical_bound, study
 from validation.table2 import CASES, Case
@@ -503,8 +503,8 @@ class TestCertainty:
 
     def test_the_optimum_is_one(self) -> None:
         """No first-order step between the bounds gains anything."""
-        from suspid.observations import modal_tests
-        from suspid.problem import candidates, posed
+        from suspid.springs.observations import modal_tests
+        from suspid.springs.problem import candidates, posed
 
         record = add_noise(free_decay(SALOON, TIMES, initial_state=START), snr_db=20, rng=np.random.default_rng(3))
         modes = identify(record, modes=3).modes

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from suspid import InputError, ModalSet, ReconstructionError, Strut, Suspension, eigenmodes, statespace
-from suspid.observations import ModalTest
 from suspid.reconstruction import reconstruct
+from suspid.springs.observations import ModalTest
+from suspid.springs.unknowns import parameter_names, parameter_vector
 from suspid.units import RealArray
-from suspid.unknowns import parameter_names, parameter_vector
 from validation.cars import HATCHBACK, PAPER, SALOON
 from validation.springs import nominal
 

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from suspid import RecordError
+from suspid.formats.tables import Clock, Table
+from suspid.formats.timing import as_recording
 from suspid.recordings import RawChannel
-from suspid.tables import Clock, Table
-from suspid.timing import as_recording
 from suspid.units import RealArray
 
 COLUMNS = {

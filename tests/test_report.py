@@ -26,17 +26,17 @@ from suspid import (
     quarter_car,
     reconstruct,
 )
-from suspid.charts import HEIGHT, WIDTH, Chart, Scale, decades, image, labelled, line, palette
 from suspid.cleaning import Cleaned, Finding
-from suspid.figures import fit_charts, scalogram_chart
-from suspid.judgement import judge
 from suspid.modal_json import read_modes
+from suspid.page.charts import HEIGHT, WIDTH, Chart, Scale, decades, image, labelled, line, palette
+from suspid.page.figures import fit_charts, scalogram_chart
+from suspid.page.judgement import judge
+from suspid.page.rows import quantity
+from suspid.page.thinning import MOST_SAMPLES, drawable, is_whole
 from suspid.repeats import identify_repeats
-from suspid.report import report
 from suspid.report_json import Source, report_schema, report_to_dict, source_of
-from suspid.report_rows import quantity
+from suspid.reporting import report
 from suspid.signals import as_response, as_signal
-from suspid.thinning import MOST_SAMPLES, drawable, is_whole
 from suspid.units import RealArray
 from validation import cars
 

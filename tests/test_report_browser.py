@@ -16,7 +16,7 @@ from playwright.sync_api import Browser, Page, sync_playwright
 
 from suspid import add_noise, free_decay, identify, reconstruct
 from suspid.cleaning import Cleaned, Finding
-from suspid.report import Source, report
+from suspid.reporting import Source, report
 from suspid.signals import as_response, as_signal
 from validation import cars
 

@@ -10,12 +10,12 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from suspid import RecordError
-from suspid.delimited import read_delimited
-from suspid.layouts import UNIT
+from suspid.formats.delimited import read_delimited
+from suspid.formats.layouts import UNIT
+from suspid.formats.tables import bracketed_unit, stated_rate
+from suspid.formats.timing import SAME_RATE
 from suspid.recordings import Recording
 from suspid.records import read_recording
-from suspid.tables import bracketed_unit, stated_rate
-from suspid.timing import SAME_RATE
 
 DATA = Path(__file__).resolve().parents[2] / "shared" / "data"
 FUZZ = settings(max_examples=200, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])

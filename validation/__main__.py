@@ -9,7 +9,7 @@ import os
 from pathlib import Path
 
 # In order; each module has report(), and pictures(folder) if it draws any.
-REPORTS = ("paper", "accuracy", "springs", "peers", "speed", "denoising", "transform", "free_decay")
+REPORTS = ("paper", "accuracy", "springs", "peers", "speed", "denoising", "transform", "free_decay", "decays", "fleet")
 FOLDER = Path(__file__).parent / "report"
 
 

@@ -12,9 +12,9 @@ import numpy as np
 from suspid import Suspension, add_noise, eigenmodes, free_decay, identify, quarter_car
 from suspid.modes import ModalSet
 from suspid.reconstruction import Reconstruction, reconstruct
+from suspid.springs.unknowns import parameter_names, parameter_vector
 from suspid.suspension import state_matrix
 from suspid.units import RealArray
-from suspid.unknowns import parameter_names, parameter_vector
 from suspid.values import frozen_real, text_table
 from validation.cars import HATCHBACK, PAPER, SALOON
 

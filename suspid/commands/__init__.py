@@ -1,0 +1,1 @@
+"""The commands of ``suspid``, by what they start from."""

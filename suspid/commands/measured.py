@@ -1,0 +1,250 @@
+"""The commands that start from a measured record: what is in a file, its modes, and the report on them."""
+
+from __future__ import annotations
+
+import inspect
+import math
+import shlex
+from contextlib import ExitStack
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, get_args
+
+import click
+
+from suspid.commands.reading import FILE, STRETCH, ReadOptions, progress, read_cleaned, reading, stretch_of
+from suspid.commands.support import ARGUMENTS, Positive, check_apart, said_warnings, say
+from suspid.errors import InputError
+from suspid.files import printable, replacing
+from suspid.identification import Identification, Method, identify
+from suspid.signals import as_signal
+
+if TYPE_CHECKING:
+    import control
+
+    from suspid.reconstruction import Reconstruction
+
+METHOD = inspect.signature(identify).parameters["method"].default
+# Below this share of a channel's energy, the modes are hardly those of the record.
+LEAST_EXPLAINED = 0.5
+
+SETTINGS = (
+    click.option(
+        "--modes", type=click.IntRange(min=1), metavar="N", help="How many modes to find. [all that stand out]"
+    ),
+    click.option(
+        "--method", type=click.Choice(get_args(Method)), default=METHOD, show_default=True, help="How to find."
+    ),
+    click.option(
+        "--band", type=Positive("Hz"), nargs=2, metavar="LOW HIGH", help="Lowest and highest frequency to look at [Hz]."
+    ),
+)
+
+
+@click.command("channels")
+@click.argument("file", type=FILE)
+@click.option("--time", "time", metavar="NAME", help="Column of time, if it is not named like one.")
+@click.option("--fs", type=Positive("Hz"), metavar="HZ", help="Sampling rate, if the file does not tell it.")
+@click.option("--dbc", type=FILE, metavar="FILE", help="Database that decodes the CAN frames of an MDF file.")
+def channels_command(file: Path, time: str | None, fs: float | None, dbc: Path | None) -> None:
+    """List the channels in FILE: names, units, rates, lengths, gaps, and what else it holds."""
+    from suspid.records import read_recording
+
+    with said_warnings():
+        recording = read_recording(file, time=time, fs=fs, dbc=dbc)
+    say(str(recording))
+
+
+@click.command("identify")
+@click.argument("file", type=FILE)
+@reading(*STRETCH, *SETTINGS)
+@click.option("--plot", type=FILE, metavar="FILE", help="Write pictures of the identification (.png, .svg, .pdf).")
+@click.option("--json", "json_file", type=FILE, metavar="FILE", help="Write modes, uncertainty and settings as JSON.")
+def identify_command(
+    file: Path,
+    read: ReadOptions,
+    modes: int | None,
+    method: Method,
+    band: tuple[float, float] | None,
+    start: float | None,
+    stop: float | None,
+    which: str,
+    plot: Path | None,
+    json_file: Path | None,
+) -> None:
+    """Find the modes in the record FILE, of any format that `suspid channels` reads."""
+    from suspid.modal_json import identification_to_dict, to_json
+
+    rad_band = _rad_band(band)
+    check_apart([file], [plot, json_file])
+    with ExitStack() as outputs, said_warnings() as said, progress("reading", "finding decays", "identifying") as step:
+        figure_draft = outputs.enter_context(replacing(_checked_picture(plot))) if plot else None
+        json_draft = outputs.enter_context(replacing(json_file)) if json_file else None
+        step()
+        cleaned, notes = read_cleaned(file, read, start=start, stop=stop)
+        said += notes
+        step()
+        stretch = stretch_of(cleaned.record, start, stop, which)
+        said += stretch.said
+        step()
+        identification = identify(stretch.record, modes=modes, method=method, band=rad_band)
+        said += doubts(identification)
+        if json_draft:
+            content = identification_to_dict(identification, file=str(file), warnings=said)
+            json_draft.write_text(to_json(content), encoding="utf-8")
+        if figure_draft:
+            _draw(identification, figure_draft)
+    say(f"{printable(str(file))}: {record_in_words(stretch.record)}\n\n{identification}")
+
+
+@click.command("report")
+@click.argument("file", type=FILE)
+@click.option("-o", "--output", type=FILE, metavar="FILE", required=True, help="The page to write (.html).")
+@reading(*STRETCH, *SETTINGS)
+@click.option("--car", type=FILE, metavar="CAR", help="Masses and nominal struts (.toml): springs and dampers as well.")
+@click.option("--level", type=click.FloatRange(0, 1, min_open=True, max_open=True), default=0.95, show_default=True,
+              help="Probability of the intervals.")  # fmt: skip
+@click.option("--json", "json_file", type=FILE, metavar="FILE", help="Write all that the page shows as JSON.")
+@click.option("--title", metavar="TEXT", help="Heading of the page. [name of the file]")
+@click.option("--date", metavar="TEXT", help="Date on the page. [now]")
+def report_command(
+    file: Path,
+    output: Path,
+    read: ReadOptions,
+    modes: int | None,
+    method: Method,
+    band: tuple[float, float] | None,
+    start: float | None,
+    stop: float | None,
+    which: str,
+    car: Path | None,
+    level: float,
+    json_file: Path | None,
+    title: str | None,
+    date: str | None,
+) -> None:
+    """Write a page on the modes in FILE: one HTML file to print or to send, with all that the result rests on."""
+    from suspid.modal_json import to_json
+    from suspid.reporting import report, report_to_dict, source_of
+
+    rad_band = _rad_band(band)
+    if output.suffix.lower() not in (".html", ".htm"):
+        raise InputError(f"{printable(str(output))}: reports are written as .html; choose such a name")
+    check_apart([file, *([car] if car else [])], [output, json_file])
+    created = date or datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC")
+    steps = ("reading", "finding decays", "identifying", "reconstructing", "drawing")
+    with ExitStack() as outputs, said_warnings() as said, progress(*steps) as step:
+        draft = outputs.enter_context(replacing(output))
+        json_draft = outputs.enter_context(replacing(json_file)) if json_file else None
+        step()
+        cleaned, notes = read_cleaned(file, read, start=start, stop=stop)
+        source = source_of(file, command=_command_line(), created=created)
+        step()
+        stretch = stretch_of(cleaned.record, start, stop, which)
+        step()
+        identification = identify(stretch.record, modes=modes, method=method, band=rad_band)
+        step()
+        found, why = _springs(identification, car)
+        step()
+        # What was cleaned and which decay was taken has its own place on the page.
+        warnings = [*why, *(note for note in notes if note.startswith("left out: "))]
+        page = report(
+            identification,
+            source=source,
+            cleaned=cleaned,
+            decays=stretch.decays,
+            reconstruction=found,
+            level=level,
+            warnings=warnings,
+            title=title,
+        )
+        draft.write_text(page, encoding="utf-8")
+        if json_draft:
+            content = report_to_dict(
+                identification,
+                source=source,
+                cleaned=cleaned,
+                decays=stretch.decays,
+                reconstruction=found,
+                level=level,
+                warnings=warnings,
+            )
+            json_draft.write_text(to_json(content), encoding="utf-8")
+        said += [*notes, *stretch.said, *why, *doubts(identification)]
+    say(f"{printable(str(output))}: {_modes_in_words(identification)} in {printable(str(file))}")
+
+
+def _springs(identification: Identification, car: Path | None) -> tuple[Reconstruction | None, list[str]]:
+    """Return springs and dampers, or why there are none."""
+    from suspid.cars import read_car
+    from suspid.errors import InputError, ReconstructionError
+    from suspid.reconstruction import reconstruct
+
+    if car is None:
+        return None, []
+    suspension = read_car(car)
+    try:
+        return reconstruct(identification.modes, suspension), []
+    except (ReconstructionError, InputError) as error:
+        return None, [f"springs and dampers were not found: {error}"]
+
+
+def _command_line() -> str:
+    arguments = click.get_current_context().meta.get(ARGUMENTS, [])
+    return shlex.join(["suspid", *arguments])
+
+
+def _rad_band(band: tuple[float, float] | None) -> tuple[float, float] | None:
+    if band and not band[0] < band[1]:
+        raise click.BadParameter(f"{band[0]:g} Hz is not below {band[1]:g} Hz.", param_hint="'--band'")
+    return (2 * math.pi * band[0], 2 * math.pi * band[1]) if band else None
+
+
+def doubts(identification: Identification) -> list[str]:
+    """Return what makes the modes hardly those of the record."""
+    channels = as_signal(identification.residual).channels
+    unexplained = [
+        f"the modes explain only {100 * share:.0f} % of channel {name!r}"
+        for name, share in zip(channels, identification.explained, strict=True)
+        if share < LEAST_EXPLAINED
+    ]
+    modes = identification.modes
+    growing = [f"mode {k} ({wn:.4g} rad/s) grows" for k, wn in enumerate(modes.wn, 1) if modes.poles[k - 1].real > 0]
+    return unexplained + growing
+
+
+def _modes_in_words(identification: Identification) -> str:
+    count = len(identification.modes)
+    return "no mode" if not count else f"{count} mode{'s' * (count > 1)}"
+
+
+def record_in_words(record: control.TimeResponseData) -> str:
+    """Return length, rate, start and channels of a record in one line."""
+    signal = as_signal(record)
+    names = ", ".join(signal.channels[:6]) + (", …" if len(signal.channels) > 6 else "")
+    return (
+        f"{signal.values.shape[1]} samples at {1 / signal.step:.6g} Hz from t = {signal.start:.6g} s, "
+        f"{len(signal.channels)} channel{'s' * (len(signal.channels) > 1)}: {names}"
+    )
+
+
+def _checked_picture(path: Path) -> Path:
+    """Return the path, if its suffix is a kind of picture."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    known = sorted(FigureCanvasAgg.filetypes)
+    if path.suffix[1:].lower() not in known:
+        raise InputError(
+            f"{printable(str(path))}: pictures of type {path.suffix!r} are not known; known: {', '.join(known)}"
+        )
+    return path
+
+
+def _draw(identification: Identification, draft: Path) -> None:
+    from matplotlib.figure import Figure
+
+    from suspid.plots import PAGE, plot_identification
+
+    figure = Figure(figsize=PAGE, layout="constrained")
+    plot_identification(identification, figure)
+    figure.savefig(draft, format=draft.suffix[1:].lower(), dpi=120)

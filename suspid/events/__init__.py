@@ -1,0 +1,1 @@
+"""What finding decays and joining repeats is made of."""

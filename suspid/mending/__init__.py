@@ -1,0 +1,1 @@
+"""What cleaning is made of: clocks, gaps, samples that cannot be, units."""
