@@ -600,6 +600,8 @@ def _worth_a_look(scaled: NDArray[np.float32], known: ComplexArray) -> tuple[Com
     The first are real, one of each decay rate. The others are the largest of the local maxima along the
     frequencies at each decay rate, and points beside what is known already.
     """
+    from scipy.fft import rfft
+
     count = scaled.shape[1]
     layout = _layout(count)
     decay, per_bin = np.array([p[0] for p in layout]), 2 * np.pi / np.array([p[2] for p in layout])
@@ -612,7 +614,7 @@ def _worth_a_look(scaled: NDArray[np.float32], known: ComplexArray) -> tuple[Com
     theta, heights = [-decay + 0j], [np.full(len(layout), np.inf)]
     inner: list[ComplexArray] = [np.empty((len(scaled), len(layout)), complex)]
     for k, (rate, used, length, norm) in enumerate(layout):
-        spectrum = np.fft.rfft(scaled[:, :used] * _decay(rate, used), n=length, axis=1)
+        spectrum = rfft(scaled[:, :used] * _decay(rate, used), n=length, axis=1)
         gain = (spectrum.real**2 + spectrum.imag**2).sum(axis=0)
         peaks = np.flatnonzero((gain[1:-1] >= gain[:-2]) & (gain[1:-1] >= gain[2:])) + 1
         if len(peaks) > LOCAL_MAXIMA:
