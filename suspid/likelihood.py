@@ -7,6 +7,7 @@ steps with the noise variances concentrated out. All inner products come from `s
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -221,6 +222,8 @@ def maximize(
     negligible : float
         Steps worth less than this, in squared standard deviations, end the search.
     """
+    from scipy.linalg.lapack import dposv
+
     fit = start if isinstance(start, DecayFit) else evaluate(blocks, start, floor)
     if fit is None or not fit.poles.free:
         return fit
@@ -228,12 +231,16 @@ def maximize(
     rounding = 1e-13 * blocks.count
     for _ in range(steps):
         diagonal = fit.information.diagonal()
-        if not (np.isfinite(fit.information).all() and diagonal.min() > 0):
+        if not (math.isfinite(fit.information.sum()) and diagonal.min() > 0):
             return fit
         scale = np.sqrt(np.maximum(diagonal, 1e-12 * diagonal.max()))
         unit = fit.information / (scale[:, None] * scale)
         for _ in range(12):
-            step = np.linalg.solve(unit + damping * _unit_matrix(len(unit)), fit.gradient / scale) / scale
+            _, step, failed = dposv(unit + damping * _unit_matrix(len(unit)), fit.gradient / scale)
+            # An information without damping may be indefinite, by rounding.
+            if failed:
+                step = np.linalg.solve(unit + damping * _unit_matrix(len(unit)), fit.gradient / scale)
+            step = step / scale
             worth = float(step @ fit.gradient)
             if worth < negligible:
                 return fit
@@ -259,14 +266,13 @@ def _bounded(poles: Poles, step: RealArray, count: int) -> Poles:
     share = float((np.abs(step) / reach).max())
     moved = poles.moved(step / max(1.0, share))
     highest = GROWTH / count
-    re = np.minimum(np.maximum(moved.pairs.real, -FASTEST), highest)
-    slowest = np.maximum(1e-3 / count, SLOWEST * np.abs(re))
-    im = np.minimum(np.maximum(np.abs(moved.pairs.imag), slowest), np.pi)
-    return Poles(
-        pairs=re + 1j * im if pairs else moved.pairs,
-        reals=np.minimum(np.maximum(moved.reals, -FASTEST), highest),
-        nuisances=poles.nuisances,
-    )
+    kept = moved.pairs
+    if pairs:
+        re = np.minimum(np.maximum(kept.real, -FASTEST), highest)
+        slowest = np.maximum(1e-3 / count, SLOWEST * np.abs(re))
+        kept = re + 1j * np.minimum(np.maximum(np.abs(kept.imag), slowest), np.pi)
+    reals = np.minimum(np.maximum(moved.reals, -FASTEST), highest) if len(moved.reals) else moved.reals
+    return Poles(pairs=kept, reals=reals, nuisances=poles.nuisances)
 
 
 @lru_cache(maxsize=64)
