@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, get_args
 
 import click
 
-from suspid.commands.reading import FILE, STRETCH, ReadOptions, progress, read_cleaned, reading, stretch_of
+from suspid.commands.reading import FILE, STRETCH, ReadOptions, Stretch, progress, read_cleaned, reading, stretch_of
 from suspid.commands.support import ARGUMENTS, Positive, check_apart, said_warnings, say
 from suspid.errors import InputError
 from suspid.files import printable, replacing
@@ -22,7 +22,9 @@ from suspid.signals import as_signal
 if TYPE_CHECKING:
     import control
 
+    from suspid.modes import ModalSet
     from suspid.reconstruction import Reconstruction
+    from suspid.repeats import Repeats
 
 METHOD = inspect.signature(identify).parameters["method"].default
 # Below this share of a channel's energy, the modes are hardly those of the record.
@@ -73,7 +75,7 @@ def identify_command(
     json_file: Path | None,
 ) -> None:
     """Find the modes in the record FILE, of any format that `suspid channels` reads."""
-    from suspid.modal_json import identification_to_dict, to_json
+    from suspid.modal_json import identification_to_dict, modes_to_dict, to_json
 
     rad_band = _rad_band(band)
     check_apart([file], [plot, json_file])
@@ -87,14 +89,15 @@ def identify_command(
         stretch = stretch_of(cleaned.record, start, stop, which)
         said += stretch.said
         step()
-        identification = identify(stretch.record, modes=modes, method=method, band=rad_band)
+        identification, repeats = _identified(cleaned.record, stretch, modes, method, rad_band)
         said += doubts(identification)
         if json_draft:
             content = identification_to_dict(identification, file=str(file), warnings=said)
+            content |= {} if repeats is None else modes_to_dict(repeats.modes)
             json_draft.write_text(to_json(content), encoding="utf-8")
         if figure_draft:
             _draw(identification, figure_draft)
-    say(f"{printable(str(file))}: {record_in_words(stretch.record)}\n\n{identification}")
+    say(f"{printable(str(file))}: {record_in_words(stretch.record)}\n\n{repeats or identification}")
 
 
 @click.command("report")
@@ -125,7 +128,7 @@ def report_command(
 ) -> None:
     """Write a page on the modes in FILE: one HTML file to print or to send, with all that the result rests on."""
     from suspid.modal_json import to_json
-    from suspid.reporting import report, report_to_dict, source_of
+    from suspid.reporting import drawable, report, report_to_dict, source_of
 
     rad_band = _rad_band(band)
     if output.suffix.lower() not in (".html", ".htm"):
@@ -142,9 +145,10 @@ def report_command(
         step()
         stretch = stretch_of(cleaned.record, start, stop, which)
         step()
-        identification = identify(stretch.record, modes=modes, method=method, band=rad_band)
+        identification, repeats = _identified(cleaned.record, stretch, modes, method, rad_band)
+        identification = drawable(identification)
         step()
-        found, why = _springs(identification, car)
+        found, why = _springs(identification.modes if repeats is None else repeats.modes, car)
         step()
         # What was cleaned and which decay was taken has its own place on the page.
         warnings = [*why, *(note for note in notes if note.startswith("left out: "))]
@@ -153,6 +157,7 @@ def report_command(
             source=source,
             cleaned=cleaned,
             decays=stretch.decays,
+            repeats=repeats,
             reconstruction=found,
             level=level,
             warnings=warnings,
@@ -165,16 +170,36 @@ def report_command(
                 source=source,
                 cleaned=cleaned,
                 decays=stretch.decays,
+                repeats=repeats,
                 reconstruction=found,
                 level=level,
                 warnings=warnings,
             )
             json_draft.write_text(to_json(content), encoding="utf-8")
         said += [*notes, *stretch.said, *why, *doubts(identification)]
-    say(f"{printable(str(output))}: {_modes_in_words(identification)} in {printable(str(file))}")
+    modes_found = identification.modes if repeats is None else repeats.modes
+    say(f"{printable(str(output))}: {_modes_in_words(modes_found)} in {printable(str(file))}")
 
 
-def _springs(identification: Identification, car: Path | None) -> tuple[Reconstruction | None, list[str]]:
+def _identified(
+    record: control.TimeResponseData,
+    stretch: Stretch,
+    modes: int | None,
+    method: Method,
+    band: tuple[float, float] | None,
+) -> tuple[Identification, Repeats | None]:
+    """Return the identification of the decay and, where several are used, that of all jointly."""
+    from suspid.repeats import identify_repeats
+
+    if len(stretch.used) < 2:
+        return identify(stretch.record, modes=modes, method=method, band=band), None
+    if method != "likelihood":
+        raise click.UsageError(f"--decay all joins decays by their likelihood; --method {method} takes one at a time.")
+    repeats = identify_repeats(record, stretch.used, modes=modes, band=band)
+    return repeats.each[0], repeats
+
+
+def _springs(modes: ModalSet, car: Path | None) -> tuple[Reconstruction | None, list[str]]:
     """Return springs and dampers, or why there are none."""
     from suspid.cars import read_car
     from suspid.errors import InputError, ReconstructionError
@@ -184,7 +209,7 @@ def _springs(identification: Identification, car: Path | None) -> tuple[Reconstr
         return None, []
     suspension = read_car(car)
     try:
-        return reconstruct(identification.modes, suspension), []
+        return reconstruct(modes, suspension), []
     except (ReconstructionError, InputError) as error:
         return None, [f"springs and dampers were not found: {error}"]
 
@@ -213,8 +238,8 @@ def doubts(identification: Identification) -> list[str]:
     return unexplained + growing
 
 
-def _modes_in_words(identification: Identification) -> str:
-    count = len(identification.modes)
+def _modes_in_words(modes: ModalSet) -> str:
+    count = len(modes)
     return "no mode" if not count else f"{count} mode{'s' * (count > 1)}"
 
 

@@ -281,7 +281,12 @@ def stretch_of(record: control.TimeResponseData, start: float | None, stop: floa
         said = f"{why}, so the whole record is used. {' '.join(decays.remarks)}".rstrip()
         return Stretch(record=record, decays=decays, used=(), said=(said,))
     if which == "all":
-        return Stretch(record=record, decays=decays, used=tuple(decays), said=())
+        sure = tuple(decay for decay in decays if not decay.doubts) or tuple(decays)
+        said = f"{len(sure)} decays are used, from {', '.join(f'{decay.start:.6g}' for decay in sure)} s"
+        part = cut(record, start=sure[0].start, stop=sure[0].stop)
+        doubtful = len(decays) - len(sure)
+        more = (f"{doubtful} more carry doubts and are left out",) if doubtful else ()
+        return Stretch(record=part, decays=decays, used=sure, said=(said, *more))
     rank = 1 if which == "auto" else int(which)
     if rank > len(decays):
         raise RecordError(f"there is no decay of rank {rank}; found: {'; '.join(map(str, decays))}")
