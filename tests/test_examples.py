@@ -70,3 +70,15 @@ class TestWhatTheyShow:
             # Three standard deviations of a mean of ten: what noise alone does less than once in 300 runs.
             assert abs(second_mode[snr, "raw"]) < 3 * scatter[snr, "raw"] / 10**0.5
             assert second_mode[snr, "denoised"] > 3 * scatter[snr, "denoised"] / 10**0.5
+
+    def test_a_worn_damper_is_seen(self, tmp_path: Path) -> None:
+        pytest.importorskip("pyarrow")
+        assert "chassis.damping falls" in run("fleet.py", tmp_path)
+
+    def test_three_drops_are_found_and_agree(self, tmp_path: Path) -> None:
+        said = run("long_recording.py", tmp_path, "page.html")
+        starts = sorted(float(line.split()[1]) for line in said.splitlines()[2:5])
+        # Where the car was dropped, within a tenth of a second: forcing there is none.
+        assert starts == pytest.approx([6.0, 15.0, 25.0], abs=0.1)
+        assert "disagree" not in said
+        assert (tmp_path / "page.html").read_text(encoding="utf-8").startswith("<!doctype html>")
