@@ -29,6 +29,7 @@ MOST_FOOTER = 20
 # A piece with more rows that are not of plain numbers is read cell by cell.
 MOST_PARTS = 2000
 # What a row of numbers may begin with; lines that begin with anything else are looked at one by one.
+NUMERALS = b"0123456789+-.eE "
 PLAIN = np.isin(np.arange(256), np.frombuffer(b"0123456789+-.", np.uint8))
 
 
@@ -108,7 +109,9 @@ def read_delimited(path: Path) -> Table:
     top = [line.decode() for line in head]
     layout = find_layout(top, [line for line in (*top, *(row.decode() for row in middle)) if line.strip()])
     offset = sum(len(line) + 1 for line in head[: layout.first])
-    rows, odd = _rows(text[offset:], layout)
+    body = text[offset:]
+    del text
+    rows, odd = _rows(body, layout)
     left_out |= {**layout.left_out, **odd}
     names = [name for name in layout.names if name]
     counter = _counter(layout, top)
@@ -152,8 +155,9 @@ def _rows(body: bytes, layout: Layout) -> tuple[Rows, dict[str, str]]:
     line = first
     for piece in _pieces(body):
         count = piece.count(b"\n")
-        rows = piece.split(b"\n")
-        for k in _suspects(piece, layout).tolist():
+        suspects = [] if _is_plain(piece, count, layout) else _suspects(piece, layout).tolist()
+        rows = piece.split(b"\n") if suspects else []
+        for k in suspects:
             text = rows[k].decode()
             if not text.strip():
                 blank.append(line + k)
@@ -174,6 +178,21 @@ def _rows(body: bytes, layout: Layout) -> tuple[Rows, dict[str, str]]:
     return Rows(
         body=body, first=first, layout=layout, skipped=frozenset(skipped), size=line - first - len(skipped)
     ), told
+
+
+def _is_plain(piece: bytes, count: int, layout: Layout) -> bool:
+    """Whether all lines are surely rows: without the characters of numbers, only the delimiters of each are left."""
+    delimiter, width = layout.dialect.delimiter, len(layout.names)
+    if delimiter == " " or width == 1:
+        return False
+    mark = delimiter.encode()
+    # An exponent has digits behind it; letters alone are words.
+    if any(word in piece for letter in (b"e", b"E") for word in (letter + mark, letter + b"\n")):
+        return False
+    if not layout.names[-1] and piece.count(mark + b"\n") < count:
+        return False
+    left = piece.translate(None, NUMERALS + b"," if layout.dialect.comma and mark != b"," else NUMERALS)
+    return left == (mark * (width - 1) + b"\n") * count
 
 
 def _suspects(piece: bytes, layout: Layout) -> np.ndarray[tuple[int], np.dtype[np.intp]]:

@@ -19,6 +19,8 @@ from suspid.formats.cells import Kind, kind_of
 
 # Digits with what may part them, in a cell that is no number.
 NUMERIC = re.compile(r"[+-]?[\d.,][\d.,;\t '+\-eE]*")
+# How a line looks, whatever its numbers are.
+ONES, MANY_ONES = str.maketrans("023456789", "111111111"), re.compile("1{6,}")
 COMMENTS = ("#", "%", "//")
 DELIMITERS = {"\t": "tabs", ";": "semicolons", ",": "commas", " ": "blanks"}
 
@@ -77,16 +79,37 @@ def parted_by(dialect: Dialect) -> str:
     return f" (separated by {DELIMITERS[dialect.delimiter]})"
 
 
+def shapes(lines: Sequence[str]) -> Counter[str]:
+    """Return how many of the lines look alike, by one that stands for them.
+
+    Every digit is written as 1, and more than five in a row as five: no cell changes its kind by that, and the
+    thousand rows of a record are some dozen shapes.
+
+    Examples
+    --------
+    >>> shapes(["0.002,-3", "0.004,-5", "0.123456789,12"])
+    Counter({'1.111,-1': 2, '1.11111,11': 1})
+    """
+    return Counter(MANY_ONES.sub("11111", "\n".join(lines).translate(ONES)).split("\n"))
+
+
 def find_dialect(head: Sequence[str], sample: Sequence[str]) -> tuple[Dialect, int]:
     """Return the dialect in which most of the lines are rows of numbers, and the width of these."""
     scored = []
+    counted = shapes(sample)
     for delimiter in DELIMITERS:
         for comma in (False, True):
             dialect = Dialect(delimiter=delimiter, comma=comma)
-            rows = [kinds for kinds in map(dialect.kinds, sample) if "number" in kinds]
-            if rows:
-                width = Counter(map(len, rows)).most_common(1)[0][0]
-                scored.append((_score(dialect, sample, width), width, dialect))
+            parted = {shape: dialect.cells(shape) for shape in counted}
+            kinds = {shape: [kind_of(cell, comma=comma) for cell in cells] for shape, cells in parted.items()}
+            widths = Counter[int]()
+            for shape, found in kinds.items():
+                if "number" in found:
+                    widths[len(found)] += counted[shape]
+            if widths:
+                width = widths.most_common(1)[0][0]
+                score = sum(n * _score(parted[shape], kinds[shape], width) for shape, n in counted.items())
+                scored.append((score, width, dialect))
     if not scored:
         raise RecordError("holds no row of numbers; a record needs at least 2 samples, one a line")
     best = max(score for score, _, _ in scored)
@@ -95,23 +118,20 @@ def find_dialect(head: Sequence[str], sample: Sequence[str]) -> tuple[Dialect, i
     width, dialect = max(ties, key=lambda tie: (tie[0], not tie[1].comma))
     # A line cut short is a row of decimal commas too: rows of commas need not be all.
     two = next(((w, d) for score, w, d in scored if d == COMMAS and score > 1 - 1e-9 and 2 * score >= best), None)
-    if two is not None and not [row for row in sample if "text" in (kinds := COMMAS.kinds(row)) and "number" in kinds]:
+    if two is not None and not [s for s in counted if "text" in (found := COMMAS.kinds(s)) and "number" in found]:
         width, dialect = _one_number_or_two(head, sample, two, ties)
     return dialect, width
 
 
-def _score(dialect: Dialect, sample: Sequence[str], width: int) -> float:
-    """Return how many of the lines are rows of that width, each by the share of its cells that are no words."""
-    score = 0.0
-    for line in sample:
-        cells = dialect.cells(line)
-        kinds = [kind_of(cell, comma=dialect.comma) for cell in cells]
-        if "number" in kinds and len(kinds) == width:
-            texts = [cell for cell, kind in zip(cells, kinds, strict=True) if kind == "text"]
-            # A stronger delimiter between digits says that this one is none.
-            if not any(NUMERIC.fullmatch(text) and re.search(r"[;\t]", text) for text in texts):
-                score += 1 - len(texts) / width
-    return score
+def _score(cells: Sequence[str], kinds: Sequence[Kind], width: int) -> float:
+    """Return 1 for a row of that width, less the share of its cells that are words, and 0 for what is no row."""
+    if "number" not in kinds or len(kinds) != width:
+        return 0.0
+    texts = [cell for cell, kind in zip(cells, kinds, strict=True) if kind == "text"]
+    # A stronger delimiter between digits says that this one is none.
+    if any(NUMERIC.fullmatch(text) and re.search(r"[;\t]", text) for text in texts):
+        return 0.0
+    return 1 - len(texts) / width
 
 
 def _one_number_or_two(

@@ -8,7 +8,9 @@ import re
 from suspid.errors import RecordError
 
 HEAD = 1 << 16
+PIECE = 1 << 22
 CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f\x7f]")
+NO_CONTROL = bytes(code for code in range(256) if not CONTROL.match(bytes([code])))
 
 
 def decoded(content: bytes) -> tuple[bytes, dict[str, str]]:
@@ -43,7 +45,10 @@ def decoded(content: bytes) -> tuple[bytes, dict[str, str]]:
                 raise RecordError(f"is neither UTF-8 nor Windows-1252 text: {found}; save it as UTF-8") from None
             told["encoding"] = f"is not UTF-8 ({found}); read as Windows-1252"
     content = content.rstrip(b"\x1a")
-    control = CONTROL.search(content)
+    # Deleting what is allowed is ten times faster than looking for what is not.
+    starts = range(0, len(content), PIECE)
+    odd = next((k for k in starts if content[k : k + PIECE].translate(None, NO_CONTROL)), None)
+    control = None if odd is None else CONTROL.search(content, odd)
     if control:
         what = "zero bytes" if control[0] == b"\0" else f"the control byte 0x{control[0][0]:02x}"
         line = content.count(b"\n", 0, control.start()) + 1

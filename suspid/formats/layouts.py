@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from suspid.errors import RecordError
 from suspid.formats.cells import Kind, kind_of
-from suspid.formats.dialects import COMMENTS, DELIMITERS, NUMERIC, Dialect, find_dialect, parted_by, shortened
+from suspid.formats.dialects import COMMENTS, DELIMITERS, NUMERIC, Dialect, find_dialect, parted_by, shapes, shortened
 from suspid.formats.tables import bracketed_unit, is_time, stated_rate
 from suspid.units import Hertz
 
@@ -70,9 +70,12 @@ def find_layout(head: Sequence[str], sample: Sequence[str]) -> Layout:
         If no line holds numbers, the header does not fit the rows, or two dialects fit.
     """
     dialect, width = find_dialect(head, sample)
-    rows = [line for line in sample if len(kinds := dialect.kinds(line)) == width and "number" in kinds]
-    columns = [_column_kind(column) for column in zip(*map(dialect.kinds, rows), strict=True)]
-    _refuse_parted_thousands(dialect, rows, columns)
+    counted = shapes(sample)
+    found = {shape: dialect.kinds(shape) for shape in counted}
+    rows = {shape: kinds for shape, kinds in found.items() if len(kinds) == width and "number" in kinds}
+    columns = [_column_kind(column, [counted[s] for s in rows]) for column in zip(*rows.values(), strict=True)]
+    if "text" in columns:
+        _refuse_parted_thousands(dialect, [line for line in sample if len(dialect.cells(line)) == width], columns)
     first = next((k for k, line in enumerate(head) if _is_data(dialect.kinds(line), columns)), None)
     if first is None:
         raise RecordError(f"{len(head)} lines of header, and no row of numbers below them")
@@ -116,9 +119,12 @@ def _above(head: Sequence[str], others: Sequence[int]) -> dict[str, str]:
     }
 
 
-def _column_kind(kinds: Sequence[Kind]) -> Kind:
-    """Return what most cells of a column hold."""
-    counts = Counter(kind for kind in kinds if kind != "missing")
+def _column_kind(kinds: Sequence[Kind], often: Sequence[int]) -> Kind:
+    """Return what most cells of a column hold, each of which stands so often."""
+    counts = Counter[Kind]()
+    for kind, number in zip(kinds, often, strict=True):
+        if kind != "missing":
+            counts[kind] += number
     if not counts:
         return "missing"
     # One odd cell among as many numbers is a fault to be named, not a column of text.
@@ -127,8 +133,9 @@ def _column_kind(kinds: Sequence[Kind]) -> Kind:
 
 def _refuse_parted_thousands(dialect: Dialect, rows: Sequence[str], columns: Sequence[Kind]) -> None:
     """Refuse a column whose cells are made of digits and are still no numbers."""
+    samples = [cells for row in rows if "number" in dialect.kinds(row) for cells in [dialect.cells(row)]]
     for k in [k for k, kind in enumerate(columns) if kind == "text"]:
-        cells = [cell for cell in (dialect.cells(row)[k] for row in rows) if cell]
+        cells = [row[k] for row in samples if row[k]]
         odd = [cell for cell in cells if NUMERIC.fullmatch(cell)]
         if 2 * len(odd) > len(cells):
             raise RecordError(
