@@ -20,6 +20,7 @@ from suspid.mending.placing import Placed, place, resample
 from suspid.recordings import RawChannel, Recording
 from suspid.signals import as_response, as_signal
 from suspid.units import Hertz, RealArray, Second
+from suspid.values import frozen_real
 
 if TYPE_CHECKING:
     import control
@@ -130,8 +131,9 @@ def clean(
     findings += further
     timepts, table, further = _whole(kept)
     findings += further
+    findings += _stilled(timepts, table, by_name=by_name)
     order = [name for name in names if name in table]
-    response = as_response(timepts, np.array([table[name] for name in order]), order, title=recording.title)
+    response = as_response(timepts, np.array([table.pop(name) for name in order]), order, title=recording.title)
     as_signal(response)
     units = {channel.name: channel.unit for channel in chosen}
     return Cleaned(record=response, units=tuple(units[name] for name in order), findings=tuple(findings))
@@ -159,33 +161,51 @@ def _alive(channels: list[RawChannel], *, by_name: bool) -> tuple[list[RawChanne
     findings: list[Finding] = []
     for channel in channels:
         some = possible(channel.values)
-        some = some[np.isfinite(some)]
-        why = ""
+        some = some if some is channel.values else some[np.isfinite(some)]
         if some.size < max(2, FEWEST * channel.values.size):
             why = f"has {some.size} numbers in {channel.values.size} samples"
-        elif not np.any(np.abs(some - np.mean(some)) > 1e-12 * np.max(np.abs(some))):
+        elif _is_constant(some):
             why = f"is constant at {some[0]:g}"
-        if not why:
+        else:
             kept.append(channel)
             continue
-        if by_name:
-            raise RecordError(f"channel {channel.name!r} {why}: there is no motion in it; leave it out")
         finite = channel.timepts[np.isfinite(channel.timepts)]
-        span = (float(np.min(finite)), float(np.max(finite))) if finite.size else (0.0, 0.0)
-        findings.append(
-            Finding(
-                kind="dead channel",
-                channel=channel.name,
-                start=span[0],
-                stop=span[1],
-                samples=channel.values.size,
-                text=f"it {why}; left out",
-                repaired=True,
-            )
-        )
+        findings.append(_dead(channel.name, finite, channel.values.size, why, by_name=by_name))
     if not kept:
-        raise RecordError(f"no channel moves: {'; '.join(f'{f.channel!r} {f.text[3:-10]}' for f in findings)}")
+        raise RecordError(_nothing_moves(findings))
     return kept, findings
+
+
+def _stilled(times: RealArray, table: dict[str, RealArray], *, by_name: bool) -> list[Finding]:
+    """Take out the channels of which nothing that moves was left by the repairs."""
+    still = [name for name, values in table.items() if _is_constant(values)]
+    findings = []
+    for name in still:
+        why = f"is constant at {table.pop(name)[0]:g} where it can be used"
+        findings.append(_dead(name, times, times.size, why, by_name=by_name))
+    if not table:
+        raise RecordError(_nothing_moves(findings))
+    return findings
+
+
+def _is_constant(some: RealArray) -> bool:
+    low, high, middle = float(np.min(some)), float(np.max(some)), float(np.mean(some))
+    return not max(high - middle, middle - low) > 1e-12 * max(abs(low), abs(high))
+
+
+def _dead(name: str, times: RealArray, samples: int, why: str, *, by_name: bool) -> Finding:
+    """Return the finding of a channel that is left out, or refuse it if it was asked for."""
+    if by_name:
+        raise RecordError(f"channel {name!r} {why}: there is no motion in it; leave it out")
+    start, stop = (float(np.min(times)), float(np.max(times))) if times.size else (0.0, 0.0)
+    text = f"it {why}; left out"
+    return Finding(
+        kind="dead channel", channel=name, start=start, stop=stop, samples=samples, text=text, repaired=True
+    )
+
+
+def _nothing_moves(dead: Sequence[Finding]) -> str:
+    return f"no channel moves: {'; '.join(f'{f.channel!r} {f.text[3:-10]}' for f in dead)}"
 
 
 def _by_clock(channels: list[RawChannel]) -> list[list[RawChannel]]:
@@ -210,12 +230,15 @@ def _placed(group: list[RawChannel], fs: Hertz | None) -> Placed:
         raise RecordError(
             f"fs says {fs:g} Hz, the file {stated:g} Hz for channel {group[0].name!r}; correct one of them"
         )
-    values = np.array([channel.values for channel in group], float)
+    values = frozen_real([channel.values for channel in group])
     clock = read_clock(group[0].timepts, possible(values), rate=stated if fs is None else fs)
-    rows = values if np.array_equal(clock.rows, np.arange(values.shape[1])) else values[:, clock.rows]
+    table = values if np.array_equal(clock.rows, np.arange(values.shape[1])) else values[:, clock.rows]
+    rows = list(table)
     inspected = [inspect(channel.name, clock.stamps, row) for channel, row in zip(group, rows, strict=True)]
+    if any(channel.values is not row for channel, row in zip(inspected, rows, strict=True)):
+        table = np.array([channel.values for channel in inspected])
     found = [finding for channel in inspected for finding in channel.findings]
-    return place(clock, [channel.name for channel in group], np.array([channel.values for channel in inspected]), found)
+    return place(clock, [channel.name for channel in group], table, found)
 
 
 def _one_clock(placed: list[Placed], *, by_name: bool) -> tuple[Placed, list[Finding]]:
@@ -262,8 +285,9 @@ def _one_clock(placed: list[Placed], *, by_name: bool) -> tuple[Placed, list[Fin
             f"the channels share no time: {', '.join(map(repr, lead.names))} run from {lead.timepts[0]:g} to "
             f"{lead.timepts[-1]:g} s; ask for channels that were recorded together"
         )
-    cut = lead.timepts.size - int(np.sum(inside))
-    if cut:
+    if np.all(inside) and len(together) == 1:
+        return lead, findings
+    if not np.all(inside):
         findings.append(_cut(lead.timepts, inside, "not all channels were recorded there"))
     return replace(
         lead,

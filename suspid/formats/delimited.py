@@ -28,8 +28,9 @@ LONGEST_LINE = 1 << 20
 MOST_FOOTER = 20
 # A piece with more rows that are not of plain numbers is read cell by cell.
 MOST_PARTS = 2000
-# What a row of numbers may begin with; lines that begin with anything else are looked at one by one.
+# What numbers are written with.
 NUMERALS = b"0123456789+-.eE "
+# What a row of numbers may begin with; lines that begin with anything else are looked at one by one.
 PLAIN = np.isin(np.arange(256), np.frombuffer(b"0123456789+-.", np.uint8))
 
 
@@ -186,9 +187,10 @@ def _is_plain(piece: bytes, count: int, layout: Layout) -> bool:
     if delimiter == " " or width == 1:
         return False
     mark = delimiter.encode()
-    # An exponent has digits behind it; letters alone are words.
-    if any(word in piece for letter in (b"e", b"E") for word in (letter + mark, letter + b"\n")):
-        return False
+    for letter in (b"e", b"E"):
+        # An exponent has digits behind it; letters alone are words.
+        if letter in piece and (letter + mark in piece or letter + b"\n" in piece):
+            return False
     if not layout.names[-1] and piece.count(mark + b"\n") < count:
         return False
     left = piece.translate(None, NUMERALS + b"," if layout.dialect.comma and mark != b"," else NUMERALS)

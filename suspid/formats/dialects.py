@@ -10,7 +10,7 @@ import csv
 import itertools
 import re
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from suspid.errors import RecordError
@@ -93,10 +93,12 @@ def shapes(lines: Sequence[str]) -> Counter[str]:
     return Counter(MANY_ONES.sub("11111", "\n".join(lines).translate(ONES)).split("\n"))
 
 
-def find_dialect(head: Sequence[str], sample: Sequence[str]) -> tuple[Dialect, int]:
-    """Return the dialect in which most of the lines are rows of numbers, and the width of these."""
+def find_dialect(head: Sequence[str], sample: Sequence[str], counted: Mapping[str, int]) -> tuple[Dialect, int]:
+    """Return the dialect in which most of the lines of a sample are rows of numbers, and the width of these.
+
+    The shapes of the lines are those that `shapes` counted.
+    """
     scored = []
-    counted = shapes(sample)
     for delimiter in DELIMITERS:
         for comma in (False, True):
             dialect = Dialect(delimiter=delimiter, comma=comma)

@@ -69,8 +69,8 @@ def find_layout(head: Sequence[str], sample: Sequence[str]) -> Layout:
     RecordError
         If no line holds numbers, the header does not fit the rows, or two dialects fit.
     """
-    dialect, width = find_dialect(head, sample)
     counted = shapes(sample)
+    dialect, width = find_dialect(head, sample, counted)
     found = {shape: dialect.kinds(shape) for shape in counted}
     rows = {shape: kinds for shape, kinds in found.items() if len(kinds) == width and "number" in kinds}
     columns = [_column_kind(column, [counted[s] for s in rows]) for column in zip(*rows.values(), strict=True)]

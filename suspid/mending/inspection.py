@@ -71,26 +71,32 @@ def inspect(name: str, times: RealArray, values: RealArray) -> Inspected:
     sentinel, channel 'seat' at 0.4 s: 1 sample at -9999, far from all others (...); taken as missing
     """
     findings: list[Finding] = []
-    huge = np.flatnonzero(np.abs(values) >= IMPOSSIBLE)
+    whole = possible(values)
+    huge = np.flatnonzero(np.abs(values) >= IMPOSSIBLE) if whole is not values else np.empty(0, np.intp)
     if huge.size:
         text = f"{huge.size} samples are infinite or above {IMPOSSIBLE:g}; taken as missing"
         findings.append(_finding("sentinel", name, times[huge], huge.size, text, repaired=True))
-    values = possible(values)
-    values = _without_sentinels(name, times, values, findings)
-    some = np.isfinite(values)
-    if np.sum(some) < 8:
-        return Inspected(values=frozen_real(values), findings=tuple(findings))
-    findings += _clipping(name, times[some], values[some])
-    values = _without_frozen(name, times, values, findings)
-    some = np.isfinite(values)
-    findings += _level(name, times[some], values[some])
-    return Inspected(values=frozen_real(values), findings=tuple(findings))
+    mended = _without_sentinels(name, times, whole, findings)
+    if np.sum(~np.isnan(mended)) >= 8:
+        findings += _clipping(name, *_known(times, mended))
+        mended = _without_frozen(name, times, mended, findings)
+        findings += _level(name, *_known(times, mended))
+    kept = mended is values and not values.flags.writeable
+    return Inspected(values=values if kept else frozen_real(mended), findings=tuple(findings))
 
 
 def possible(values: RealArray) -> RealArray:
     """Return the samples with NaN for what no sensor gives: infinities and the hugest numbers."""
-    good = np.abs(values) < IMPOSSIBLE
-    return values if np.all(good) else np.where(good, values, np.nan)
+    # Of samples among which one is missing the largest is NaN.
+    if values.size and np.min(values) > -IMPOSSIBLE and np.max(values) < IMPOSSIBLE:
+        return values
+    return np.where(np.abs(values) < IMPOSSIBLE, values, np.nan)
+
+
+def _known(times: RealArray, values: RealArray) -> tuple[RealArray, RealArray]:
+    """Return stamps and samples without those that are missing."""
+    missing = np.isnan(values)
+    return (times[~missing], values[~missing]) if np.any(missing) else (times, values)
 
 
 def clipped_run(samples: RealArray, *, largest: bool) -> tuple[int, int] | None:
@@ -121,7 +127,7 @@ def clipped_run(samples: RealArray, *, largest: bool) -> tuple[int, int] | None:
 
 def _without_sentinels(name: str, times: RealArray, values: RealArray, findings: list[Finding]) -> RealArray:
     for _ in range(6):
-        some = values[np.isfinite(values)]
+        some = _known(times, values)[1]
         if some.size < 8:
             break
         limit = _sentinel(some)
@@ -180,10 +186,12 @@ def _clipping(name: str, times: RealArray, samples: RealArray) -> list[Finding]:
 
 def _without_frozen(name: str, times: RealArray, values: RealArray, findings: list[Finding]) -> RealArray:
     """Strike out short runs of one value that are entered and left by a jump; report longer ones."""
-    good = np.flatnonzero(np.isfinite(values))
-    samples = values[good]
-    change = np.flatnonzero(np.diff(samples) != 0) + 1
-    if change.size < 8:
+    whole = not np.any(np.isnan(values))
+    good = np.arange(values.size) if whole else np.flatnonzero(~np.isnan(values))
+    samples = values if whole else values[good]
+    change = np.flatnonzero(samples[1:] != samples[:-1]) + 1
+    # A run is made of samples that equal the one before.
+    if change.size < 8 or samples.size - 1 - change.size < FROZEN - 1:
         return values
     starts, stops = np.concatenate([[0], change]), np.concatenate([change, [samples.size]])
     lengths = stops - starts
@@ -236,20 +244,23 @@ def _level(name: str, times: RealArray, samples: RealArray) -> list[Finding]:
     """Report an offset that is larger than all motion, and a drift that is."""
     findings: list[Finding] = []
     spread = float(np.ptp(samples))
-    middle = float(np.median(samples))
     if spread > 0 and samples.size >= 8 * BLOCKS:
-        blocks = np.array([np.median(block) for block in np.array_split(samples, BLOCKS)])
         x = np.linspace(-0.5, 0.5, samples.size)
         about = (samples - np.mean(samples)) / spread
         slope = spread * float(np.sum(x * about) / np.sum(x**2))
         explained = (slope / spread) ** 2 * float(np.mean(x**2) / np.mean(about**2))
-        if explained > DRIFTING and np.sum(np.sign(np.diff(blocks)) == np.sign(slope)) >= ONE_WAY:
+        if explained > DRIFTING and _goes_one_way(samples, slope):
             text = f"it drifts by {slope:.3g} over the record, more than it moves otherwise; left as it is"
             findings.append(_finding("drift", name, times[[0, -1]], samples.size, text, repaired=False))
-    if np.min(samples) * np.max(samples) > 0 and abs(middle) > spread > 0:
+    if np.min(samples) * np.max(samples) > 0 and abs(middle := float(np.median(samples))) > spread > 0:
         text = f"it moves about {middle:.4g}, by {spread:.3g} from end to end; left as it is"
         findings.append(_finding("offset", name, times[[0, -1]], samples.size, text, repaired=False))
     return findings
+
+
+def _goes_one_way(samples: RealArray, slope: float) -> bool:
+    blocks = np.array([np.median(block) for block in np.array_split(samples, BLOCKS)])
+    return bool(np.sum(np.sign(np.diff(blocks)) == np.sign(slope)) >= ONE_WAY)
 
 
 def _finding(kind: str, name: str, where: RealArray, samples: int, text: str, *, repaired: bool) -> Finding:
