@@ -2,17 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from suspid.errors import RecordError
 from suspid.events.bursts import Burst, Envelopes, envelopes, find_bursts, finest
-from suspid.events.doubts import Kind, clipped_samples, doubts_of, doubts_of_background, drowned, kind_of, refused
-from suspid.events.trials import Trial, block_size, quiet_variance, tried
+from suspid.events.doubts import (
+    Kind,
+    clipped_samples,
+    doubts_of,
+    doubts_of_background,
+    doubts_of_company,
+    drowned,
+    fits,
+    kind_of,
+    refused,
+)
+from suspid.events.starts import searched, verified
+from suspid.events.trials import block_size, quiet_variance, tried
 from suspid.identification import FEWEST_SAMPLES
 from suspid.signals import Signal, as_signal
 from suspid.units import Decibel, RealArray, Second
@@ -21,18 +31,10 @@ from suspid.values import frozen_real, text_table
 if TYPE_CHECKING:
     import control
 
-# Starts that are tried lie by this factor further from the onset, up to this share of the stretch; then the interval
-# between the last that fails and the first that holds is halved so often.
-LATER, LATEST, HALVINGS = 1.4, 0.4, 2
-# A start holds if the next ones need no fewer poles: those that absorb the forcing are gone then.
-NEXT = 2
-# If none holds, later ones are tried for so many periods of the band that knows the onset after the one that leaves
-# least.
-PATIENCE = 4
-# A start that leaves less than this share of the motion may be the end of the search.
-FITTING = 0.5
 # The strongest bursts, so many, are looked at.
 MOST_BURSTS = 16
+# After so many on end that are no decays beyond doubt the others, weaker still, are left alone.
+MOST_IN_VAIN = 8
 # Once the start is known, so many blocks of the stretch are looked at.
 MOST_IN_ALL = 2000
 
@@ -174,15 +176,21 @@ def find_decays(response: control.TimeResponseData, *, given: Sequence[tuple[Sec
             f"Nothing stands out: the level is highest at t = {found.timepts[at]:.6g} s, {found.level[at]:.1f} dB "
             f"above the background, and steady noise reaches {found.threshold:.1f} dB."
         )
-    strongest = sorted(bursts, key=lambda burst: -burst.level)[:MOST_BURSTS]
-    if len(bursts) > len(strongest):
-        remarks.append(
-            f"{len(bursts)} stretches stand out; the {MOST_BURSTS} strongest were looked at. Cut the recording, or "
-            f"give the stretches, for the others."
+    looked, vain = 0, 0
+    for burst in sorted(bursts, key=lambda burst: -burst.level)[:MOST_BURSTS]:
+        here = _judged(signal, found, rounding, burst, remarks, moved=True)
+        decays += here
+        looked, vain = looked + 1, 0 if any(not decay.doubts for decay in here) else vain + 1
+        if vain == MOST_IN_VAIN:
+            break
+    if len(bursts) > looked:
+        remarks.insert(
+            0,
+            f"{len(bursts)} stretches stand out; the {looked} strongest were looked at. Cut the recording, or give "
+            f"the stretches, for the others.",
         )
-    for burst in sorted(strongest, key=lambda burst: burst.onset):
-        decays += _judged(signal, found, rounding, burst, remarks, moved=True)
-    return _ranked(decays, remarks)
+    company = doubts_of_company(looked - len(decays), looked)
+    return _ranked([replace(decay, doubts=(*decay.doubts, *company)) for decay in decays], remarks)
 
 
 def _ranked(decays: list[Decay], remarks: list[str]) -> Decays:
@@ -230,14 +238,20 @@ def _judged(
     )
     clipped = clipped_samples(part.values)
     size = min(block_size(signal.step, burst.top), max(1, (last - first) // 64))
-    begin, trial = first, None
+    begin, trial, driven, objection = first, None, False, None
     if moving.size:
         least = quiet_variance(part.values, size=size, length=last - first, finest=rounding[moving])
         if moved:
-            begin, trial = _start(part, least, burst, first, last, size, clipped)
+            begin, trial, driven = searched(part, least, burst, first, last, size, clipped)
+        # What carries doubts anyway is not worth the time.
+        if moved and trial is not None and fits(trial) and refused(trial) is None:
+            begin, objection = verified(part, trial, begin, last, size, moved=True)
         if trial is not None or not moved:
             whole = tried(part.values[:, begin:last], step=signal.step, size=size, least=least, most=MOST_IN_ALL)
             trial = whole or trial
+    if driven:
+        remarks.append(f"{where} it goes on in a way that no decay follows: it is driven on.")
+        return []
     if trial is None:
         remarks.append(f"{where} it is too short, or goes on too briefly, to be a decay.")
         return []
@@ -245,6 +259,8 @@ def _judged(
     if reason:
         remarks.append(f"{where} {reason}.")
         return []
+    if not moved and fits(trial):
+        _, objection = verified(part, trial, begin, last, size, moved=False)
     theta = trial.selection.fit.poles.pairs[trial.modes] / trial.step
     order = np.argsort(np.abs(theta))
     strong = trial.strengths >= 0.01 * np.max(trial.strengths)
@@ -265,60 +281,7 @@ def _judged(
             doubts=(
                 *doubts_of(part, trial, burst, cycles, begin, clipped[begin:last]),
                 *doubts_of_background(part, trial, size=size, length=last - begin),
+                *([objection] if objection else []),
             ),
         )
     ]
-
-
-def _start(
-    signal: Signal, least: RealArray, burst: Burst, first: int, last: int, size: int, clipped: NDArray[np.bool_]
-) -> tuple[int, Trial | None]:
-    """Return the first sample from which the stretch decays freely, and the fit from there on."""
-    known: dict[int, Trial | None] = {}
-
-    def at(index: int) -> Trial | None:
-        if index not in known:
-            known[index] = tried(signal.values[:, index:last], step=signal.step, size=size, least=least)
-        return known[index]
-
-    early = np.flatnonzero(clipped[first : first + (last - first) // 4])
-    begin = first + (int(early[-1]) + 1 if early.size else 0)
-    pace = max(1.0, 0.25 * burst.width / signal.step)
-    delays = [0.0, pace]
-    while delays[-1] * LATER < LATEST * (last - begin):
-        delays.append(delays[-1] * LATER)
-    places = list(dict.fromkeys(begin + round(delay) for delay in delays))
-    shares: list[tuple[float, int]] = []
-    for number, place in enumerate(places):
-        trial = at(place)
-        if trial is None:
-            break
-        if not len(trial.modes):
-            continue
-        after = [at(later) for later in places[number + 1 : number + 1 + NEXT]]
-        if trial.excess <= 1 and all(later is None or later.poles >= trial.poles for later in after):
-            return _earlier(at, places[number - 1] if number else place, place)
-        shares.append((trial.early, place))
-        fewest = min(shares)
-        if fewest[0] < FITTING and place - fewest[1] > PATIENCE * burst.width / signal.step:
-            break
-    if not shares:
-        return begin, at(begin)
-    # Where no start holds, the first from which about as little is left as from any other.
-    place = next(place for share, place in shares if share <= 1.5 * min(shares)[0])
-    return place, at(place)
-
-
-def _earlier(at: Callable[[int], Trial | None], low: int, high: int) -> tuple[int, Trial | None]:
-    """Return an earlier start that holds too, between one that does not and one that does, by halving."""
-    found = at(high)
-    for _ in range(HALVINGS):
-        middle = (low + high) // 2
-        trial = at(middle) if middle not in (low, high) else None
-        if found is None or trial is None:
-            break
-        if trial.excess <= 1 and len(trial.modes) and trial.poles <= found.poles:
-            high, found = middle, trial
-        else:
-            low = middle
-    return high, found

@@ -23,6 +23,10 @@ GROWN = 0.1
 LEAST_KNOWN = 0.1
 # What casts doubt: fewer cycles, and more of the motion left as something that is no white noise.
 FEW_CYCLES, DRIVEN = 2.0, 0.03
+# Modes that carry this share of the energy count; each wants so many samples of the band that rings.
+STRONG, FEW_SAMPLES = 0.01, 40
+# If so many stretches of a recording and more than half of all are refused, the others are in bad company.
+MANY_REFUSED = 4
 # A background so many times louder than white noise at a mode shakes the mode.
 LOUD = 4.0
 # So many samples on end at the largest or smallest value of a channel, reached by a jump, are clipped.
@@ -60,6 +64,11 @@ def refused(trial: Trial) -> str | None:
     return None
 
 
+def fits(trial: Trial) -> bool:
+    """Return whether a trial leaves neither more at its beginning than chance does nor motion that is no noise."""
+    return trial.excess <= 1 and float(np.max(trial.left)) <= DRIVEN
+
+
 def drowned(trial: Trial, found: Envelopes, start: Second) -> str | None:
     """Return why the modes of a stretch are no news: none stands out of the background of its own band."""
     highest = -np.inf
@@ -80,6 +89,16 @@ def doubts_of(
     doubts = []
     if cycles < FEW_CYCLES:
         doubts.append(f"{cycles:.1f} cycles are few")
+    strong = trial.strengths >= STRONG * np.max(trial.strengths)
+    count = trial.residual.shape[1]
+    slowest = float(np.min(trial.selection.fit.poles.pairs[trial.modes][strong].imag))
+    if slowest * count < 2 * np.pi * FEW_CYCLES:
+        doubts.append(
+            f"too short for its mode at {slowest / (2 * np.pi * trial.step):.3g} Hz, "
+            f"which makes {slowest * count / (2 * np.pi):.1f} cycles in it"
+        )
+    if count < FEW_SAMPLES * len(trial.modes):
+        doubts.append(f"{count} samples, at the rate of what rings, are few for {len(trial.modes)} modes")
     if trial.excess > 1:
         doubts.append(
             f"its first part is off by {100 * trial.early:.2g} % of the motion from any decay: "
@@ -101,6 +120,16 @@ def doubts_of(
     if burst.cut:
         doubts.append("cut off by what comes next, before it has sunk into the background")
     return tuple(doubts)
+
+
+def doubts_of_company(refusals: int, looked: int) -> tuple[str, ...]:
+    """Return the doubt that a recording in which most of what stands out is no decay was driven all the time."""
+    if refusals < MANY_REFUSED or refusals <= 0.5 * looked:
+        return ()
+    return (
+        f"{refusals} of {looked} stretches that stand out are no free decays: the recording may be driven all along, "
+        f"and this one look like a decay by chance",
+    )
 
 
 def doubts_of_background(signal: Signal, trial: Trial, *, size: int, length: int) -> tuple[str, ...]:
