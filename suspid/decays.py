@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -35,6 +36,9 @@ if TYPE_CHECKING:
 MOST_BURSTS = 16
 # After so many on end that are no decays beyond doubt the others, weaker still, are left alone.
 MOST_IN_VAIN = 8
+# Bands that rise again more often than so within a burst are no sign of further decays. Between two rises must lie so
+# many periods of the highest band that stands out.
+MOST_AGAIN, LEAST_PERIODS = 3, 8.0
 # Once the start is known, so many blocks of the stretch are looked at.
 MOST_IN_ALL = 2000
 
@@ -178,7 +182,7 @@ def find_decays(response: control.TimeResponseData, *, given: Sequence[tuple[Sec
         )
     looked, vain = 0, 0
     for burst in sorted(bursts, key=lambda burst: -burst.level)[:MOST_BURSTS]:
-        here = _judged(signal, found, rounding, burst, remarks, moved=True)
+        here = _apart(signal, found, rounding, burst, remarks)
         decays += here
         looked, vain = looked + 1, 0 if any(not decay.doubts for decay in here) else vain + 1
         if vain == MOST_IN_VAIN:
@@ -219,6 +223,30 @@ def _given(signal: Signal, found: Envelopes, first: Second, last: Second) -> Bur
         width=signal.step,
         cut=False,
     )
+
+
+def _apart(signal: Signal, found: Envelopes, rounding: RealArray, burst: Burst, remarks: list[str]) -> list[Decay]:
+    """Return the decays after a burst: the second begins where a band rises again, if no decay lasts through that."""
+    said: list[str] = []
+    out = _judged(signal, found, rounding, burst, said, moved=True)
+    if not burst.again or len(burst.again) > MOST_AGAIN or (out and out[0].start < burst.again[0]):
+        remarks += said
+        return out
+    for onset in reversed(burst.again):
+        later = _judged(signal, found, rounding, replace(burst, onset=onset), [], moved=True)
+        if later:
+            out = later if not out or later[0].start < out[0].start else out
+            break
+    if not out:
+        remarks += said
+        return []
+    edges = [burst.onset, *(onset for onset in burst.again if onset <= out[0].start)]
+    for onset, stop in pairwise(edges):
+        if stop - onset > LEAST_PERIODS * burst.width:
+            out += _judged(
+                signal, found, rounding, replace(burst, onset=onset, stop=stop, cut=True), remarks, moved=True
+            )
+    return out
 
 
 def _judged(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -58,6 +59,8 @@ class Burst:
         How far the onset may be off: one period of the highest band that stands out [s].
     cut : bool
         Whether the next burst begins before this one is over.
+    again : tuple of float
+        When a band of it rises again, while others have not yet sunk [s].
     """
 
     onset: Second
@@ -67,6 +70,7 @@ class Burst:
     top: Hertz
     width: Second
     cut: bool
+    again: tuple[Second, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -211,9 +215,30 @@ def find_bursts(found: Envelopes) -> tuple[Burst, ...]:
                 top=_ringing(found, onset, band),
                 width=float(1 / found.centres[band]),
                 cut=bool(following <= end),
+                again=_again(found, onset, max(min(last, following - 1), onset)),
             )
         )
     return tuple(out)
+
+
+def _again(found: Envelopes, begin: int, stop: int) -> tuple[Second, ...]:
+    """Return when a band rises again within a burst [s]; the highest band that does knows best."""
+    from scipy.signal import find_peaks
+
+    step = float(found.timepts[1] - found.timepts[0])
+    out = list[int]()
+    for centre, levels in zip(found.centres, found.levels[:, begin : stop + 1], strict=True):
+        apart = 2 / (centre * step)
+        if len(levels) < 2 * apart:
+            break
+        tops = find_peaks(np.r_[UNSEEN, levels, UNSEEN], height=found.threshold, prominence=RISE)[0] - 1
+        for before, top in pairwise(tops):
+            least = before + int(np.argmin(levels[before : top + 1]))
+            low = np.flatnonzero(levels[least:top] < 0.5 * (levels[least] + levels[top]))
+            onset = least + (int(low[-1]) if low.size else 0)
+            if onset > apart and all(abs(onset - other) > apart for other in out):
+                out.append(int(onset))
+    return tuple(float(found.timepts[begin + onset]) for onset in sorted(out))
 
 
 def _onset(found: Envelopes, since: int, peak: int) -> tuple[int, int]:
