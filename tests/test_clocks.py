@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+
 import numpy as np
 import pytest
 
@@ -191,3 +193,21 @@ class TestTheRateStated:
         assert clock.places is not None
         assert clock.places.tolist() == kept.tolist()
         assert 1 / clock.step == pytest.approx(333, rel=1e-12)
+
+
+class TestAnyStamps:
+    def test_a_clock_or_an_error_and_no_warning(self) -> None:
+        odd = [0.0, 1.0, 2.0, 0.5, 1e39, -1e39, np.nan, np.inf, 1e15, -1e14, 1e-320]
+        for seed in range(300):
+            rng = np.random.default_rng(seed)
+            size = int(rng.integers(2, 30))
+            stamps = (
+                np.cumsum(10.0 ** rng.uniform(-13, 15, size)),
+                np.sort(10.0 ** rng.uniform(-13, 15, size)),
+                np.cumsum(rng.choice([1e-12, 1e-11, 1.0, 1e12, 1e-300, 1e14], size)),
+                rng.choice(odd, size),
+            )[seed % 4]
+            rate = (None, 1.0, 1e12, 1e-12, 1e300, 1e-300)[seed % 6]
+            with contextlib.suppress(RecordError):
+                clock = read_clock(stamps, rng.standard_normal((2, size)), rate=rate)
+                assert np.all(np.diff(clock.timepts) > 0)

@@ -286,5 +286,5 @@ class TestDamage:
     def test_a_missing_library(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         path = put(tmp_path, dataset([1.0, 2]))
         monkeypatch.setitem(sys.modules, "pyuff", None)
-        with pytest.raises(RecordError, match=r"^reading .uff needs pyuff: pip install 'suspid\[uff\]'$"):
+        with pytest.raises(RecordError, match=r"^reading .uff needs pyuff: pip install 'pyuff[<>=.,\d]+'$"):
             read_uff(path)

@@ -9,9 +9,10 @@ from pathlib import Path
 
 from suspid.errors import InputError
 from suspid.files import printable, read_text
+from suspid.formats.foreign import install_line
 
 FORMAT = "suspid fleet 1"
-INSTALL = "pip install 'suspid[fleet]'"
+INSTALL = install_line("fleet")
 
 
 def environment() -> dict[str, str]:

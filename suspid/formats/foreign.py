@@ -6,10 +6,12 @@ import contextlib
 import gc
 import io
 import logging
+import re
 import sys
 import warnings
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
+from importlib.metadata import requires
 from typing import TypeVar
 
 from suspid.errors import RecordError
@@ -51,7 +53,7 @@ def sheltered(read: Callable[[], T], *, extra: str, library: str, suffix: str, d
             raise
         except ModuleNotFoundError as refusal:
             missing = refusal.name or library
-            message = f"{doing} {suffix} needs {missing}: pip install 'suspid[{extra}]'"
+            message = f"{doing} {suffix} needs {missing}: {install_line(extra)}"
         # A damaged file is met with errors of every kind, MemoryError and RecursionError among them.
         except Exception as refusal:
             words = printable(" ".join(str(refusal).split()))
@@ -61,6 +63,20 @@ def sheltered(read: Callable[[], T], *, extra: str, library: str, suffix: str, d
         # raised below has no context, in which the reader's frames would live on.
         gc.collect()
     raise RecordError(message)
+
+
+def install_line(extra: str) -> str:
+    """Return the line that installs what an extra of suspid brings, wherever suspid itself came from.
+
+    Examples
+    --------
+    >>> install_line("uff")
+    "pip install 'pyuff>=2.4'"
+    """
+    marker = re.compile(rf"""extra\s*==\s*['"]{re.escape(extra)}['"]""")
+    stated = [text.partition(";") for text in requires("suspid") or ()]
+    wanted = [requirement.strip() for requirement, _, condition in stated if marker.search(condition)]
+    return " ".join(["pip install", *(f"'{requirement}'" for requirement in wanted)])
 
 
 @contextlib.contextmanager

@@ -8,7 +8,7 @@ import numpy as np
 
 from suspid.errors import RecordError
 from suspid.mending.findings import Finding, of_time
-from suspid.mending.ordering import ordered, stamped
+from suspid.mending.ordering import LATEST, ordered, stamped
 from suspid.mending.stamps import (
     FEW,
     HOLE,
@@ -32,6 +32,8 @@ APART = 0.02
 OFF = 0.5
 # No step is shorter [s].
 SHORTEST = 1e-12
+# No hole has more rows, so that they can be counted.
+LONGEST_HOLE = float(1 << 31)
 # Samples that follow irregular stamps at least this far, and by so many standard deviations, were taken at them.
 FOLLOWED, SIGNIFICANT = 0.3, 4.0
 # Steps between samples above which nothing is interpolated, and how much of the time such holes may take.
@@ -101,6 +103,8 @@ def read_clock(stamps: RealArray, values: RealArray, *, rate: Hertz | None = Non
     >>> f"{1 / clock.step:.2f} Hz", clock.findings[0].kind
     ('333.00 Hz', 'rounded stamps')
     """
+    if rate is not None and not 1 / LATEST < rate < 1 / SHORTEST:
+        raise RecordError(f"{rate:g} Hz is no sampling rate; correct it in the file, or give fs")
     rows, findings = stamped(stamps)
     whole = _plain(stamps[rows], rate)
     if whole is not None:
@@ -219,12 +223,15 @@ def _regular(times: RealArray) -> tuple[Indices, Second, Second]:
         step = better
     if step < SHORTEST:
         raise RecordError(_hollow(steps, HOLE * step))
-    jumps = np.where(steps <= HOLE * step + 0.5 * rounding, 1, np.maximum(2, np.round(steps / step))).astype(np.intp)
+    holes = np.clip(np.round(steps / step), 2, LONGEST_HOLE)
+    jumps = np.where(steps <= HOLE * step + 0.5 * rounding, 1, holes).astype(np.intp)
     places = np.concatenate([[0], np.cumsum(jumps)])
     for _ in range(4):
         start, step, _ = line(places, times)
         # A hole is counted anew with the better step: a long one holds many.
-        again = np.concatenate([[0], np.cumsum(np.where(jumps > 1, np.maximum(1, np.round(steps / step)), 1))])
+        again = np.concatenate(
+            [[0], np.cumsum(np.where(jumps > 1, np.clip(np.round(steps / step), 1, LONGEST_HOLE), 1))]
+        )
         if np.array_equal(again, places):
             break
         places = again.astype(np.intp)

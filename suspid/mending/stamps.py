@@ -101,7 +101,8 @@ def rounded_line(index: Indices, stamps: RealArray) -> tuple[Second, Second, Sec
         return float(np.max(off) - np.min(off)) - 1.01 * quantum - 8 * float(np.spacing(np.max(np.abs(stamps))))
 
     low, high = step - 2 * quantum / span, step + 2 * quantum / span
-    while high - low > 1e-3 * quantum / span:
+    # Golden sections to a thousandth of the interval; where doubles are coarser than that, it would never be reached.
+    for _ in range(18):
         left, right = low + 0.382 * (high - low), low + 0.618 * (high - low)
         low, high = (low, right) if width(left) < width(right) else (left, high)
     best = (low + high) / 2
