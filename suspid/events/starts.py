@@ -12,7 +12,7 @@ from suspid.events.bursts import Burst
 from suspid.events.doubts import refused
 from suspid.events.sketches import clearly_driven
 from suspid.events.trials import FEWEST_BLOCKS, Trial, tried
-from suspid.identification import Identification, identify
+from suspid.identification import REASONS, Identification, identify
 from suspid.signals import Signal, as_response
 from suspid.units import RealArray
 
@@ -30,6 +30,7 @@ PATIENCE = 4
 FITTING = 0.5
 # A start is verified, or one of those so many quarters of a block later.
 QUARTERS = (0, 1, 2, 3, 4, 6, 9, 14, 20)
+BRIEF = REASONS["a few samples"]
 # Modes that carry at least this share of the energy are found again: as near as this share of their frequency and so
 # many of their own standard deviations, beside a residual at most so many times as loud as white noise.
 STRONG, NEAR, SURE, LOUDEST = 0.05, 0.05, 5.0, 4.0
@@ -144,6 +145,7 @@ def verified(signal: Signal, trial: Trial, begin: int, last: int, size: int, *, 
         Whether later starts may be tried.
     """
     said: str | None = None
+    usable: int | None = None
     places = [begin + round(quarter * max(1.0, size / 4)) for quarter in QUARTERS] if moved else [begin]
     for place in places:
         if place - begin > LATEST * (last - begin):
@@ -155,10 +157,12 @@ def verified(signal: Signal, trial: Trial, begin: int, last: int, size: int, *, 
             objection: str | None = f"it cannot be identified: {error}"
         else:
             objection = _objection(trial, found)
-        if objection is None:
-            return place, None
+            # What is gone within a few samples stands for samples of what came before.
+            if objection is None and not any(c.removed and c.reason == BRIEF for c in found.considered):
+                return place, None
+            usable = place if objection is None and usable is None else usable
         said = said or objection
-    return begin, said
+    return (begin, said) if usable is None else (usable, None)
 
 
 def _objection(trial: Trial, found: Identification) -> str | None:
