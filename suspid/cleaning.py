@@ -199,9 +199,7 @@ def _dead(name: str, times: RealArray, samples: int, why: str, *, by_name: bool)
         raise RecordError(f"channel {name!r} {why}: there is no motion in it; leave it out")
     start, stop = (float(np.min(times)), float(np.max(times))) if times.size else (0.0, 0.0)
     text = f"it {why}; left out"
-    return Finding(
-        kind="dead channel", channel=name, start=start, stop=stop, samples=samples, text=text, repaired=True
-    )
+    return Finding(kind="dead channel", channel=name, start=start, stop=stop, samples=samples, text=text, repaired=True)
 
 
 def _nothing_moves(dead: Sequence[Finding]) -> str:

@@ -12,6 +12,7 @@ import numpy as np
 from suspid.errors import IdentificationError, InputError, RecordError
 from suspid.exponentials import blocks_of
 from suspid.likelihood import Poles, joint_covariance, maximize
+from suspid.mending.inspection import clipped_run
 from suspid.modes import ModalSet
 from suspid.ridges import Ridge, SkeletonFit, find_ridges, fit_ridges, fit_skeleton, sample_noise
 from suspid.scalogram import BandwidthSearch, Scalogram, best_bandwidth, cwt
@@ -33,8 +34,6 @@ SHORTER = (1.0, 0.5, 0.25, 0.125)
 # Ridges are found on a scalogram of this precision; their skeletons are then transformed anew, to rounding.
 TO_LOOK_AT = 1e-6
 FEWEST_SAMPLES = 32
-# So many samples on end at the largest value, left by a jump, are clipped.
-CLIPPED = 3
 # How many of the poles that are no modes the table shows.
 MOST_SHOWN = 6
 # No sensor resolves less than this share of a channel's peak: what is smaller is rounding and is not modelled.
@@ -564,21 +563,12 @@ def _rounded_to(some: RealArray, digits: int) -> bool:
 def _check_clipping(signal: Signal) -> None:
     """Refuse a channel that stays at its largest or smallest value while it is moving fast."""
     for name, samples in zip(signal.channels, signal.values, strict=True):
-        for limit, word in ((samples.max(), "largest"), (samples.min(), "smallest")):
-            at = np.flatnonzero(samples == limit)
-            if len(at) < CLIPPED:
-                continue
-            starts = np.flatnonzero(np.diff(at, prepend=-9) > 1)
-            lengths = np.diff(np.append(starts, len(at)))
-            longest = int(np.argmax(lengths))
-            first, count = int(at[starts[longest]]), int(lengths[longest])
-            if count < CLIPPED or count > 0.5 * len(samples):
-                continue
-            # A slow crest in coarse steps stays too, but comes and goes by single steps.
-            outside = [samples[k] for k in (first - 1, first + count) if 0 <= k < len(samples)]
-            steps = np.abs(np.diff(samples))
-            if max(abs(limit - value) for value in outside) > 3 * np.min(steps[steps > 0]) + 1e-3 * np.ptp(samples):
-                time = signal.timepts
+        for largest, word in ((True, "largest"), (False, "smallest")):
+            run = clipped_run(samples, largest=largest)
+            if run is not None:
+                first, count = run
+                limit, time = samples[first], signal.timepts
+                at = np.flatnonzero(samples == limit)
                 raise RecordError(
                     f"channel {name!r} is clipped: {len(at)} samples are at its {word} value {limit:g}, {count} of "
                     f"them on end from t = {time[first]:g} s; start the record after t = {time[at[-1]]:g} s, "

@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 from suspid.events.bursts import Burst, Envelopes
 from suspid.events.trials import Trial, background_loudness
 from suspid.identification import FEWEST_SAMPLES
+from suspid.mending.gaps import runs
+from suspid.mending.inspection import CLIPPED, clipped_run
 from suspid.signals import Signal
 from suspid.units import Decibel, RealArray, Second
 
@@ -29,8 +31,6 @@ STRONG, FEW_SAMPLES = 0.01, 40
 MANY_REFUSED = 4
 # A background so many times louder than white noise at a mode shakes the mode.
 LOUD = 4.0
-# So many samples on end at the largest or smallest value of a channel, reached by a jump, are clipped.
-CLIPPED = 3
 # The place of rest moves if by more than this share of the motion, together if by the same to this.
 SHIFTED, ALIKE = 0.15, 0.1
 # What comes before is taken over this long [s], at most; a spike stands so many times above what follows.
@@ -170,19 +170,12 @@ def kind_of(signal: Signal, trial: Trial, first: int, begin: int) -> Kind | None
 
 
 def clipped_samples(values: RealArray) -> NDArray[np.bool_]:
-    """Return which samples lie in a run at the largest or smallest value of a channel, (sample,)."""
+    """Return which samples lie in a run at the largest or smallest value of a channel that clips there, (sample,)."""
     out = np.zeros(values.shape[1], bool)
     for samples in values:
-        span = float(np.ptp(samples))
-        for limit in (samples.max(), samples.min()):
-            at = np.flatnonzero(samples == limit)
-            begins = np.flatnonzero(np.diff(at, prepend=-9) > 1)
-            for begin, length in zip(begins, np.diff(np.append(begins, len(at))), strict=True):
-                low, high = int(at[begin]), int(at[begin]) + int(length)
-                if length < CLIPPED or length > 0.5 * len(samples):
-                    continue
-                outside = [samples[k] for k in (low - 1, high) if 0 <= k < len(samples)]
-                # A slow crest in coarse steps stays too, but comes and goes by single steps.
-                if max(abs(limit - value) for value in outside) > 1e-3 * span:
-                    out[low:high] = True
+        for largest in (True, False):
+            run = clipped_run(samples, largest=largest)
+            if run is not None:
+                for first, after in zip(*runs(samples == samples[run[0]]), strict=True):
+                    out[first:after] |= after - first >= CLIPPED
     return out
