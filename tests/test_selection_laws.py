@@ -1,0 +1,258 @@
+"""What selection says, against least squares written out, the Cramér-Rao bound of one mode, and the definitions."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.signal import lfilter
+
+from suspid import identify
+from suspid.exponentials import blocks_of
+from suspid.likelihood import Poles, evaluate, maximize
+from suspid.selection import Selection, candidates, noise_colour, price, select
+from suspid.signals import as_response, as_signal
+from tests.bounds import modal_bound
+
+Complex = NDArray[np.complex128]
+Real = NDArray[np.float64]
+
+COUNT = 3000
+K = np.arange(COUNT)
+MODES: Complex = np.array([-0.004 + 0.08j, -0.008 + 0.3j])
+
+
+def decays(poles: Complex, amplitudes: Complex, count: int = COUNT) -> Real:
+    """Samples (channel, sample) from amplitudes (channel, pole)."""
+    return np.asarray((amplitudes @ np.exp(poles[:, None] * np.arange(count))).real, float)
+
+
+def white(seed: int, std: float, channels: int = 1, count: int = COUNT) -> Real:
+    return std * np.random.default_rng(seed).standard_normal((channels, count))
+
+
+def selected(values: Real) -> Selection:
+    centred = values - values.mean(axis=1, keepdims=True)
+    return select(centred, floor=1e-22 * np.max(np.abs(centred), axis=1) ** 2)
+
+
+def columns(exponents: Complex | Real, count: int = COUNT) -> Real:
+    """Real and imaginary parts of exponentials, (sample, column)."""
+    powers = np.exp(np.asarray(exponents, complex)[:, None] * np.arange(count))
+    parts = np.vstack([powers.real, powers.imag[np.abs(exponents.imag) > 0]])
+    return np.asarray(parts.T, float)
+
+
+def left_over(values: Real, exponents: Complex | Real) -> Real:
+    """Sums of squares (channel,) that least squares leaves; exponents of pairs stand once."""
+    q, _ = np.linalg.qr(columns(exponents, values.shape[1]))
+    return np.asarray(np.sum((values - (values @ q) @ q.T) ** 2, axis=1))
+
+
+def with_offset(poles: Poles) -> Complex:
+    return np.concatenate([poles.pairs, poles.reals, poles.nuisances])
+
+
+class TestVerdictsOfOneMotion:
+    """One motion of amplitude 1 whose decay over the record is known to so many standard deviations.
+
+    A slow decay exp(-D k / n) cos(...) in white noise s is known to sd(D) = s sqrt(24 / n) for D << 1 (Cramér-Rao of
+    one exponential); at D = 0.35 the bound is a sixth higher.
+    """
+
+    @pytest.mark.parametrize(
+        ("decay", "sds", "verdict"),
+        [
+            (0.15, 6.5, "tone"),
+            (0.35, 6.5, "mode"),
+            (0.15, 25.0, "mode"),
+            (0.8, 2.2, "tone"),
+            (-0.15, 10.0, "growing"),
+        ],
+    )
+    def test_is_a_tone_where_its_decay_is_little_and_not_sure(self, decay: float, sds: float, verdict: str) -> None:
+        slope = columns(np.array([-decay / COUNT + 0.2j]))
+        # The bound itself: what the derivative by D has beside cosine and sine.
+        by_decay = slope[:, 0] * K / COUNT
+        q, _ = np.linalg.qr(slope)
+        std = abs(decay) * float(np.linalg.norm(by_decay - q @ (q.T @ by_decay))) / sds
+        for seed in range(3):
+            found = selected(slope[:, :1].T + white(seed, std))
+            # The estimate of the decay scatters by one of its standard deviations: so do the verdicts' figures.
+            assert found.verdicts == (verdict,), (seed, found.verdicts, found.fit.poles)
+
+
+class TestVerdictsBesideModes:
+    AMPLITUDES: Complex = np.array([[1.0 - 0.4j, -0.5 + 0.3j], [0.6j, 0.9 + 0.1j]])
+
+    @pytest.mark.parametrize(
+        ("pole", "verdict"),
+        [
+            (-4.5 / COUNT, "mode"),
+            ((-3.0 + 4.7j) / COUNT, "under a cycle"),
+            ((-3.0 + 8.0j) / COUNT, "mode"),
+            (-0.01 + 0.99j * np.pi, "outside the band"),
+            (-0.01 + 0.96j * np.pi, "mode"),
+            (-0.4 + 0.9j, "mode"),
+            (-0.6 + 0.9j, "a few samples"),
+        ],
+    )
+    def test_one_more_motion(self, pole: complex, verdict: str) -> None:
+        poles = np.append(MODES, pole)
+        amplitudes = np.column_stack([self.AMPLITUDES, [1.0, -0.6]])
+        found = selected(decays(poles, amplitudes) + white(1, 1e-3, 2))
+        every = np.concatenate([found.fit.poles.pairs, found.fit.poles.reals])
+        assert len(every) == 3
+        assert found.verdicts[int(np.argmin(np.abs(every - pole)))] == verdict
+        assert found.verdicts.count("mode") == 2 + (verdict == "mode")
+
+    @pytest.mark.parametrize(
+        "drift",
+        [lambda x: x, lambda x: x**2, lambda x: 1 - 3 * (x - 0.4) ** 2],
+        ids=["straight", "bent", "there and back"],
+    )
+    @pytest.mark.parametrize("std", [1e-3, 2e-2])
+    def test_a_drift_is_no_mode_and_leaves_the_noise(self, drift: Callable[[Real], Real], std: float) -> None:
+        values = decays(MODES, self.AMPLITUDES) + white(2, std, 2) + drift(K / COUNT)
+        found = selected(values)
+        assert found.verdicts.count("mode") == 2
+        if std > 0.01:
+            assert found.verdicts == ("mode", "mode")
+            # Slope, bend and offset are nuisances.
+            assert len(found.fit.poles.nuisances) == 3
+        # Some 20 parameters of 6000 samples do not show.
+        np.testing.assert_allclose(np.std(found.residual, axis=1), std, rtol=0.04)
+
+    @pytest.mark.parametrize("seed", [11, 12, 19])
+    def test_a_pair_that_hardly_swings_is_a_pair_where_the_record_tells(self, seed: int) -> None:
+        # The real pole nearest to it leaves a chi-square some 40 greater, for three parameters less.
+        pole = -0.02 + 0.008j
+        amplitudes = np.column_stack([self.AMPLITUDES, [1.0, -0.6]])
+        values = decays(np.append(MODES, pole), amplitudes) + white(seed, 0.03, 2)
+        centred = values - values.mean(axis=1, keepdims=True)
+        rates = -np.geomspace(0.01, 0.05, 60)
+        known = np.append(MODES, 0.0)
+        losses = [COUNT * np.sum(np.log(left_over(centred, np.append(known, rate)))) for rate in rates]
+        gain = min(losses) - COUNT * np.sum(np.log(left_over(centred, np.append(known, pole))))
+        assert 15 < gain < 60
+        found = selected(values)
+        assert found.verdicts == ("mode",) * 3
+        assert np.min(np.abs(found.fit.poles.pairs - pole)) < 0.003
+
+    def test_without_drift_there_is_one_constant(self) -> None:
+        found = selected(decays(MODES, self.AMPLITUDES) + white(3, 1e-3, 2) + 5.0)
+        assert len(found.fit.poles.nuisances) == 1
+
+
+class TestGains:
+    def test_of_strong_poles_are_what_leaving_out_costs_at_fixed_others(self) -> None:
+        # Heavy damping: the exponential is far from orthogonal to its conjugate.
+        poles: Complex = np.array([-0.02 + 0.02j, -0.03 + 0.15j])
+        values = decays(poles, np.array([[1.0 + 0.8j, 0.7], [-0.6, 0.5 - 0.9j]])) + white(4, 0.02, 2)
+        centred = values - values.mean(axis=1, keepdims=True)
+        found = selected(values)
+        pairs = found.fit.poles.pairs
+        assert len(pairs) == 2
+        assert not len(found.fit.poles.reals)
+        full = left_over(centred, with_offset(found.fit.poles))
+        for which in range(2):
+            less = left_over(centred, with_offset(found.fit.poles.without(which)))
+            assert found.gains[which] > 3 * price(2, 2 * COUNT)
+            assert found.gains[which] == pytest.approx(COUNT * np.sum(np.log(less / full)), rel=1e-6)
+
+    def test_of_weak_poles_let_the_others_follow(self) -> None:
+        # The strong neighbour takes over a part of the weak mode, once its pole may move.
+        poles: Complex = np.array([-0.004 + 0.1j, -0.004 + 0.105j])
+        values = decays(poles, np.array([[0.3, 0.045], [0.24, -0.0585]])) + white(5, 0.05, 2)
+        centred = values - values.mean(axis=1, keepdims=True)
+        found = selected(values)
+        assert len(found.fit.poles.pairs) == 2
+        weak = int(np.argmin(found.gains))
+        assert found.gains[weak] < 3 * price(2, 2 * COUNT)
+        short = found.fit.poles.without(weak)
+        full = COUNT * np.sum(np.log(left_over(centred, with_offset(found.fit.poles))))
+        # By Nelder and Mead on the sum of squares itself, from where the search left the pole.
+        from scipy.optimize import minimize
+
+        def loss(x: Real) -> float:
+            moved = Poles(
+                pairs=short.pairs + np.array([x[0] + 1j * x[1]]) * 1e-3, reals=short.reals, nuisances=short.nuisances
+            )
+            return float(COUNT * np.sum(np.log(left_over(centred, with_offset(moved)))) - full)
+
+        best = minimize(
+            loss,
+            np.zeros(2),
+            method="Nelder-Mead",
+            options={"initial_simplex": np.array([[0.0, 0.0], [0.1, 0.0], [0.0, 0.1]]), "fatol": 1e-3},
+        )
+        assert loss(np.zeros(2)) > 1.05 * best.fun
+        assert found.gains[weak] == pytest.approx(best.fun, rel=5e-3)
+
+    def test_of_candidates_are_those_of_least_squares(self) -> None:
+        # Slow and heavy: here the conjugate and what is fitted already decide what a candidate gains.
+        poles: Complex = np.array([-0.01 + 0.006j, -0.02 + 0.03j])
+        values = decays(poles, np.array([[1.0 + 0.8j, 0.7], [-0.6, 0.5 - 0.9j]])) + white(6, 0.01, 2)
+        blocks = blocks_of(values)
+        fit = evaluate(blocks, Poles(pairs=poles[1:], reals=np.zeros(0), nuisances=np.zeros(1)), np.full(2, 1e-12))
+        assert fit is not None
+        known = with_offset(fit.poles)
+        q, _ = np.linalg.qr(columns(known))
+        residual = values - (values @ q) @ q.T
+        variance = np.mean(residual**2, axis=1)
+        found = candidates(fit, residual, variance)
+        assert len(found) >= 3
+        assert {one.real for one in found[:4]} == {True, False}
+        for one in found:
+            with_it = left_over(values, np.append(known, one.theta))
+            assert one.gain == pytest.approx(-COUNT * np.sum(np.log(with_it / COUNT / variance)), rel=1e-3, abs=0.01)
+
+
+class TestColour:
+    @pytest.mark.parametrize("memory", [0.5, 0.9, -0.7])
+    def test_density_of_a_noise_with_memory(self, memory: float) -> None:
+        # x_k = a x_(k-1) + e_k: density over variance (1 - a^2) / |1 - a exp(-j omega)|^2.
+        count = 200_000
+        noise = lfilter([1.0], [1.0, -memory], white(7, 1.0, 2, count), axis=1)
+        omega = np.array([0.02, 0.3, 1.0, 2.0, 3.0])
+        expected = (1 - memory**2) / np.abs(1 - memory * np.exp(-1j * omega)) ** 2
+        np.testing.assert_allclose(noise_colour(noise, omega), np.tile(expected, (2, 1)), rtol=0.08)
+
+    @pytest.mark.parametrize("memory", [0.6, 0.9])
+    def test_loudness_is_the_density_of_the_noise_at_the_mode(self, memory: float) -> None:
+        noise = lfilter([1.0], [1.0, -memory], white(8, 0.02, 2, 2 * COUNT), axis=1)[:, COUNT:]
+        amplitudes: Complex = np.array([[1.0, 0.6], [0.7, -1.0]])
+        found = selected(decays(MODES, amplitudes) + noise)
+        expected = (1 - memory**2) / np.abs(1 - memory * np.exp(-1j * MODES.imag)) ** 2
+        kept = [int(np.argmin(np.abs(found.fit.poles.pairs - pole))) for pole in MODES]
+        np.testing.assert_allclose(found.loudness[kept], expected, rtol=0.5)
+
+    def test_a_bent_decay_widens_by_the_louder_of_halves_and_residual(self) -> None:
+        # A frequency that rises by 1 % within the decay: no exponential is right, and both halves know theirs well.
+        k = np.arange(2000)
+        values = (np.exp(-0.003 * k) * np.cos(0.2 * k + 1.2e-6 * k**2))[None] + white(9, 2e-3, 1, 2000)
+        t = k / 100.0
+        found = identify(as_response(t, values, ["y"]))
+        assert len(found.modes) == 1
+        assert found.loudness[0] > 2.5
+        assert found.halves[0] > 2
+        std = found.modes.wn_std
+        assert std is not None
+        fitted = as_signal(found.fitted).values
+        bound, _ = modal_bound(found.modes.wn, found.modes.zeta, fitted - values.mean(), t, found.noise_std)
+        assert (std[0] / bound[0]) ** 2 == pytest.approx(max(found.loudness[0], found.halves[0] ** 2), rel=0.05)
+
+
+class TestLikelihood:
+    def test_a_fit_ends_at_the_greatest_likelihood(self) -> None:
+        # Started off by some standard deviations it comes to within a hundredth of one of where it ends from the truth.
+        amplitudes: Complex = np.array([[1.0, 0.6], [0.7, -1.0]])
+        values = decays(MODES, amplitudes) + white(10, 0.05, 2)
+        blocks, floor = blocks_of(values), np.full(2, 1e-12)
+        ends = []
+        for off in (1.0, 1.02):
+            fit = maximize(blocks, Poles(pairs=MODES * off, reals=np.zeros(0), nuisances=np.zeros(1)), floor)
+            assert fit is not None
+            ends.append(fit)
+        apart = (ends[1].poles.pairs - ends[0].poles.pairs).view(float)
+        assert float(apart @ ends[0].information @ apart) < 1e-4
