@@ -17,6 +17,7 @@ from suspid.errors import RecordError, RecordWarning
 from suspid.files import printable, replacing
 from suspid.formats.delimited import read_delimited
 from suspid.formats.matlab import read_matlab
+from suspid.formats.signatures import HDF5, signature
 from suspid.formats.tables import Table, is_time
 from suspid.formats.timing import as_recording
 from suspid.recordings import Recording
@@ -28,7 +29,6 @@ if TYPE_CHECKING:
 
 # What of a file was lost, and not merely passed over.
 DAMAGE = ("is cut short", "is not UTF-8")
-HDF5 = b"\x89HDF\r\n\x1a\n"
 
 Reader: TypeAlias = Callable[[Path], Table]
 
@@ -44,14 +44,14 @@ def _module_reader(module: str) -> Reader:
 
 
 READERS: dict[str, Reader] = {
-    **dict.fromkeys((".csv", ".txt", ".tsv", ".dat"), read_delimited),
+    **dict.fromkeys((".csv", ".txt", ".tsv", ".dat", ".log", ".asc"), read_delimited),
     ".mat": read_matlab,
     **dict.fromkeys((".h5", ".hdf5"), _module_reader("hdf")),
     **dict.fromkeys((".parquet", ".pq"), _module_reader("parquet")),
-    **dict.fromkeys((".uff", ".unv"), _module_reader("uff")),
+    **dict.fromkeys((".uff", ".unv", ".uf", ".58"), _module_reader("uff")),
     ".tdms": _module_reader("tdms"),
     **dict.fromkeys((".mf4", ".mdf"), _module_reader("mdf")),
-    ".wav": _module_reader("wav"),
+    **dict.fromkeys((".wav", ".wave"), _module_reader("wav")),
 }
 WRITTEN = (".csv", ".parquet", ".pq")
 
@@ -105,6 +105,9 @@ def read_recording(
     except RecordError as error:
         name = printable(str(path))
         message = str(error) if str(error).startswith(f"{name}: ") else f"{name}: {error}"
+        known, looks = signature(path)
+        if known and _reader(path, None) is not READERS[known]:
+            message += f"; it looks like {looks}: name it {known}"
         raise RecordError(message) from None
 
 
@@ -121,13 +124,14 @@ def read_record(
     Its channels are read by `read_recording` and made sound by `suspid.cleaning.clean`; whatever was repaired,
     left out or merely met is told as a `RecordWarning`.
 
-    Text (``.csv``, ``.txt``, ``.tsv``, ``.dat``): one sample a line, in UTF-8, UTF-16 or Windows-1252. What parts the
-    cells, the sign before decimals, header, units, and lines that are no samples are found out; without a header the
-    columns are named ``column 1``, ``column 2`` …. MATLAB (``.mat``) and HDF5 (``.h5``, ``.hdf5``): every real
-    vector, and every column of a matrix, is a column, those of a structure by dotted names; a number named like
-    ``Fs`` or ``dt`` is the rate. Further: Parquet (``.parquet``, ``.pq``), universal files (``.uff``, ``.unv``),
-    TDMS (``.tdms``), ASAM MDF (``.mf4``, ``.mdf``, ``.dat``), and ``.wav``; what some of them need is named where it
-    is missing.
+    Text (``.csv``, ``.txt``, ``.tsv``, ``.dat``, ``.log``, ``.asc``): a sample a line, in UTF-8, UTF-16 or
+    Windows-1252. What parts the cells, the sign before decimals, header, units, and lines that are no samples are
+    found out; without a header the columns are named ``column 1``, ``column 2`` …. MATLAB (``.mat``) and HDF5
+    (``.h5``, ``.hdf5``): every real vector, and every column of a matrix, is a column, those of a structure by
+    dotted names; a number named like ``Fs`` or ``dt`` is the rate. Further: Parquet (``.parquet``, ``.pq``),
+    universal files (``.uff``, ``.unv``, ``.uf``, ``.58``), TDMS (``.tdms``), ASAM MDF (``.mf4``, ``.mdf``,
+    ``.dat``), and WAV (``.wav``, ``.wave``); what some of them need is named where it is missing. A file of another
+    name is read if its first bytes say what it is.
 
     Parameters
     ----------
@@ -268,9 +272,14 @@ def check_record_name(path: str | os.PathLike[str]) -> None:
 def _reader(path: Path, dbc: str | os.PathLike[str] | None) -> Reader:
     suffix = path.suffix.lower()
     if suffix not in READERS and not path.is_dir():
-        raise RecordError(
-            f"records of type {path.suffix!r} are not known; known: {', '.join(READERS)}; save it as one of them"
-        )
+        known, looks = signature(path)
+        if not known:
+            raise RecordError(
+                f"records of type {path.suffix!r} are not known; known: {', '.join(READERS)}; save it as one of them"
+                f"{f'; it looks like {looks}' if looks else ''}"
+            )
+        # The marks of binary files leave no doubt.
+        suffix = known
     # MATLAB v7.3 writes HDF5, below a page with its own head.
     if suffix == ".mat" and (_holds(path, HDF5, 0) or _holds(path, HDF5, 512)):
         return READERS[".h5"]

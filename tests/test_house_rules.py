@@ -24,6 +24,7 @@ LAYERS = [
         "formats.tables",
         "formats.cells",
         "formats.encodings",
+        "formats.signatures",
         "recordings",
         "exponentials",
         "formats.foreign",

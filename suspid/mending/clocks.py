@@ -104,7 +104,7 @@ def read_clock(stamps: RealArray, values: RealArray, *, rate: Hertz | None = Non
     ('333.00 Hz', 'rounded stamps')
     """
     if rate is not None and not 1 / LATEST < rate < 1 / SHORTEST:
-        raise RecordError(f"{rate:g} Hz is no sampling rate; correct it in the file, or give fs")
+        raise RecordError(f"fs = {rate:g} Hz and the column of time disagree: no clock runs so")
     rows, findings = stamped(stamps)
     whole = _plain(stamps[rows], rate)
     if whole is not None:
