@@ -27,9 +27,9 @@ from suspid.fleets.parts import read_table
 COUNT, CHUNK = 14, 4
 KILLERS = """
 import ctypes, os, signal, time
-import suspid.records
+import suspid.fleets.rows
 
-genuine = suspid.records.read_record
+genuine = suspid.fleets.rows.read_record
 
 
 def read_record(path, **settings):
@@ -45,7 +45,7 @@ def read_record(path, **settings):
     return genuine(path, **settings)
 
 
-suspid.records.read_record = read_record
+suspid.fleets.rows.read_record = read_record
 """
 
 
