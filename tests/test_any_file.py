@@ -46,7 +46,11 @@ def true_file(suffix: str, folder: Path) -> bytes:
             abscissa_spacing=1, abscissa_min=0.0, abscissa_inc=0.01, num_pts=64, ord_data_type=4,
             abscissa_spec_data_type=17, orddenom_spec_data_type=0,
         )  # fmt: skip
-        uff.UFF(str(path)).write_sets(data, mode="overwrite")
+        with warnings.catch_warnings():
+            # The writer leaves files open.
+            warnings.simplefilter("ignore")
+            uff.UFF(str(path)).write_sets(data, mode="add")
+            gc.collect()
     elif suffix == ".tdms":
         tdms = pytest.importorskip("nptdms")
         with tdms.TdmsWriter(str(path)) as writer:
