@@ -130,9 +130,10 @@ def find_decays(response: control.TimeResponseData, *, given: Sequence[tuple[Sec
 
     Each channel is split into octave bands; where one stands further above its background than noise does, something
     happened there. From the onset on, later and later starts are tried: the first from which damped exponentials
-    explain all but noise, with no more poles than from the next starts on, is where the forcing has ended. `identify` must
-    find the same modes from there, or from a little later; else that is a doubt. Steady noise, steady tones and rolling on a road give no decay. What stands out and does not decay freely is left out,
-    and `Decays.remarks` says why; what is usable with care carries its doubts.
+    explain all but noise, with no more poles than from the next starts on, is where the forcing has ended. `identify`
+    must find the same modes from there, or from a little later; else that is a doubt. Steady noise, steady tones and
+    rolling on a road give no decay. What stands out and does not decay freely is left out, and `Decays.remarks` says
+    why; what is usable with care carries its doubts.
 
     Parameters
     ----------

@@ -27,7 +27,7 @@ MASSES = ("seat", "chassis", "tire")
 RATE: Hertz = 250.0
 DURATION: Second = 180.0
 # Recordings of each kind, and seeds none of which served to develop the method.
-RECORDINGS = 8
+RECORDINGS = 5
 FIRST_SEED = 910_000
 # Repeats beside their bound: seeds, samples of each decay.
 SEEDS = 100
