@@ -104,7 +104,10 @@ def read_clock(stamps: RealArray, values: RealArray, *, rate: Hertz | None = Non
     ('333.00 Hz', 'rounded stamps')
     """
     if rate is not None and not 1 / LATEST < rate < 1 / SHORTEST:
-        raise RecordError(f"fs = {rate:g} Hz and the column of time disagree: no clock runs so")
+        raise RecordError(
+            f"fs = {rate:g} Hz and the {stamps.size} stamps of the column of time disagree: they run at "
+            f"{(stamps.size - 1) / max(SHORTEST, abs(float(stamps[-1]) - float(stamps[0]))):.9g} Hz"
+        )
     rows, findings = stamped(stamps)
     whole = _plain(stamps[rows], rate)
     if whole is not None:
