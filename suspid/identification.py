@@ -36,6 +36,8 @@ TO_LOOK_AT = 1e-6
 FEWEST_SAMPLES = 32
 # How many of the poles that are no modes the table shows.
 MOST_SHOWN = 6
+# Channels whose residuals are correlated by more than this, and by so many standard deviations of chance, share noise.
+SHARED, SHARED_SURE = 0.2, 6.0
 # No sensor resolves less than this share of a channel's peak: what is smaller is rounding and is not modelled.
 FINEST = 1e-11
 # To so many significant digits at most samples are taken to be rounded.
@@ -289,6 +291,8 @@ class Identification:
                 f"Beside mode {', '.join(loud)} the residual is louder than white noise: the noise is coloured, or the "
                 f"decay is not quite linear or not alone; the intervals are widened for it."
             )
+        if len(self.modes) and shared_noise(as_signal(self.residual).values) > 1:
+            parts.append(_shared_in_words(as_signal(self.residual)))
         late = late_start(as_signal(self.response))
         if late is not None and (loud or not len(self.modes)):
             parts.append(
@@ -455,8 +459,8 @@ def _modes_of(selection: Selection, signal: Signal, centred: RealArray) -> tuple
     if not kept.size:
         return _no_modes(signal), frozen_real([])
     noise = np.sqrt(fit.squares / centred.shape[1])
-    widening = selection.loudness[kept].copy()
-    for k in np.flatnonzero(widening[: len(pairs)] > 1):
+    widening = selection.loudness[kept] * shared_noise(selection.residual)
+    for k in np.flatnonzero(selection.loudness[kept][: len(pairs)] > 1):
         widening[k] = np.nanmax([widening[k], _disagreement(centred, fit.poles, int(pairs[k]), noise) ** 2])
     shapes, covariance = joint_covariance(fit, pairs, reals, centred.shape[1], widening)
     exponents = np.concatenate([fit.poles.pairs[pairs], fit.poles.reals[reals]])
@@ -469,6 +473,39 @@ def _modes_of(selection: Selection, signal: Signal, centred: RealArray) -> tuple
         covariance=covariance * np.outer(per_second, per_second),
     )
     return modes, frozen_real(selection.loudness[kept][np.argsort(np.abs(exponents), kind="stable")])
+
+
+def shared_noise(residual: RealArray) -> float:
+    """Return the factor by which noise that channels share widens variances: 1 where they share none.
+
+    The fit takes the noise of each channel for its own. If their correlation matrix is R, no variance is larger than
+    that of independent noise times the largest eigenvalue of R: twice for a channel that stands there twice.
+
+    Parameters
+    ----------
+    residual : ndarray (channel, sample)
+        What the fit leaves.
+
+    Examples
+    --------
+    >>> noise = np.random.default_rng(1).standard_normal((2, 1000))
+    >>> shared_noise(noise), round(shared_noise(noise[[0, 0]]), 6)
+    (1.0, 2.0)
+    """
+    together = noise_correlation(residual)
+    apart = together[~np.eye(len(together), dtype=bool)]
+    if not np.any(np.abs(apart) > max(SHARED, SHARED_SURE / np.sqrt(residual.shape[1]))):
+        return 1.0
+    return float(np.linalg.eigvalsh(together)[-1])
+
+
+def noise_correlation(residual: RealArray) -> RealArray:
+    """Return the correlation of the residuals of the channels with each other, (channel, channel)."""
+    norm = np.sqrt(np.einsum("ck,ck->c", residual, residual))
+    unit = residual / np.where(norm > 0, norm, 1.0)[:, None]
+    together = unit @ unit.T
+    np.fill_diagonal(together, 1.0)
+    return np.asarray(together)
 
 
 def _disagreement(values: RealArray, poles: Poles, which: int, noise_std: RealArray) -> float:
@@ -495,6 +532,16 @@ def _disagreement(values: RealArray, poles: Poles, which: int, noise_std: RealAr
         variance.append(spread)
     apart = found[0] - found[1]
     return float(np.sqrt(np.mean(np.array([apart.real, apart.imag]) ** 2 / (variance[0] + variance[1]))))
+
+
+def _shared_in_words(residual: Signal) -> str:
+    together = np.abs(noise_correlation(residual.values) - np.eye(len(residual.channels)))
+    one, other = np.unravel_index(int(np.argmax(together)), together.shape)
+    return (
+        f"Channels {residual.channels[int(one)]!r} and {residual.channels[int(other)]!r} share noise (the residuals' "
+        f"correlation is {together[one, other]:.2f}): they are not two witnesses, and the intervals are widened "
+        f"for it. Leave out a channel that is computed from others."
+    )
 
 
 def late_start(signal: Signal) -> float | None:

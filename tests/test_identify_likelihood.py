@@ -331,3 +331,25 @@ class TestColouredNoise:
             inside += list((bounds.zeta[:, 0] < truth.zeta) & (truth.zeta < bounds.zeta[:, 1]))
         # 90 values at 95 %: fewer than 79 inside has a chance below 1e-3. Without widening it is about 70.
         assert sum(inside) >= 79
+
+
+class TestSharedNoise:
+    """A channel that stands there twice says nothing more than once."""
+
+    def test_a_copy_narrows_no_interval(self) -> None:
+        time, values = record(cars.HATCHBACK, channels=("seat", "chassis"))
+        rough = noisy(values, 5, 30.0)
+        once = found(time, rough).modes
+        copied = found(time, np.vstack([rough, 2.5 * rough[1]]))
+        assert "share noise" in str(copied)
+        assert once.wn_std is not None
+        assert copied.modes.wn_std is not None
+        # The bound is that of the largest eigenvalue: never narrower, wider by the square root of two at most.
+        ratio = copied.modes.wn_std / once.wn_std
+        assert np.all(ratio > 0.999)
+        assert np.all(ratio < 1.001 * np.sqrt(2))
+
+    def test_channels_of_their_own_noise_are_left_alone(self) -> None:
+        time, values = record(cars.HATCHBACK, channels=("seat", "chassis", "tire"))
+        for seed in range(20):
+            assert "share noise" not in str(found(time, noisy(values, seed, 20.0)))

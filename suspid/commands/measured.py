@@ -76,6 +76,7 @@ def identify_command(
 ) -> None:
     """Find the modes in the record FILE, of any format that `suspid channels` reads."""
     from suspid.modal_json import identification_to_dict, modes_to_dict, to_json
+    from suspid.report_json import judgement_of
 
     rad_band = _rad_band(band)
     check_apart([file], [plot, json_file])
@@ -97,7 +98,12 @@ def identify_command(
             json_draft.write_text(to_json(content), encoding="utf-8")
         if figure_draft:
             _draw(identification, figure_draft)
-    say(f"{printable(str(file))}: {record_in_words(stretch.record)}\n\n{repeats or identification}")
+        verdict = judgement_of(
+            identification, cleaned=cleaned, decays=stretch.decays, repeats=repeats, reconstruction=None, level=0.95
+        )
+    lines = [f"Verdict: {verdict.headline}. {verdict.said}", *(f"- {doubt}" for doubt in verdict.doubts)]
+    found = repeats or identification
+    say("\n\n".join([f"{printable(str(file))}: {record_in_words(stretch.record)}", str(found), "\n".join(lines)]))
 
 
 @click.command("report")
@@ -151,7 +157,7 @@ def report_command(
         found, why = _springs(identification.modes if repeats is None else repeats.modes, car)
         step()
         # What was cleaned and which decay was taken has its own place on the page.
-        warnings = [*why, *(note for note in notes if note.startswith("left out: "))]
+        warnings = [*why, *(note for note in notes if note.startswith("in the file: "))]
         page = report(
             identification,
             source=source,
@@ -246,9 +252,11 @@ def _modes_in_words(modes: ModalSet) -> str:
 def record_in_words(record: control.TimeResponseData) -> str:
     """Return length, rate, start and channels of a record in one line."""
     signal = as_signal(record)
+    # What is rounding beside a sampling step is nought.
+    start = signal.start if abs(signal.start) > 1e-9 * signal.step else 0.0
     names = ", ".join(signal.channels[:6]) + (", …" if len(signal.channels) > 6 else "")
     return (
-        f"{signal.values.shape[1]} samples at {1 / signal.step:.6g} Hz from t = {signal.start:.6g} s, "
+        f"{signal.values.shape[1]} samples at {1 / signal.step:.6g} Hz from t = {start:.6g} s, "
         f"{len(signal.channels)} channel{'s' * (len(signal.channels) > 1)}: {names}"
     )
 

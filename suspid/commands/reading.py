@@ -32,6 +32,8 @@ FILE = click.Path(path_type=Path)
 PATIENCE = 1.0
 # So many things that a file holds and that are no channels are said; the rest is counted.
 MOST_LEFT_OUT = 3
+# So many stretches that are no decay are explained.
+MOST_REMARKS = 2
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
@@ -155,10 +157,10 @@ def read_cleaned(
     recording = read_recording(
         file, channels=options.channels or None, time=options.time, fs=options.fs, dbc=options.dbc
     )
-    said = [f"left out: {name!r} {why}" for name, why in recording.left_out[:MOST_LEFT_OUT]]
+    said = [f"in the file: {name!r} {why}" for name, why in recording.left_out[:MOST_LEFT_OUT]]
     if len(recording.left_out) > MOST_LEFT_OUT:
         more = len(recording.left_out) - MOST_LEFT_OUT
-        said.append(f"left out: {more} more things in the file, which `suspid channels` lists")
+        said.append(f"in the file: {more} more things that are no channels, which `suspid channels` lists")
     recording = _without(recording, options.without)
     try:
         cleaned = clean(recording, channels=options.channels or None, fs=options.fs, start=start, stop=stop)
@@ -274,11 +276,14 @@ def stretch_of(record: control.TimeResponseData, start: float | None, stop: floa
     if which == "whole" or (which == "auto" and late_start(as_signal(record)) is None):
         return Stretch(record=record, decays=(), used=(), said=())
     decays = find_decays(record)
+    remarks = " ".join(decays.remarks[:MOST_REMARKS])
+    if len(decays.remarks) > MOST_REMARKS:
+        remarks += f" … and {len(decays.remarks) - MOST_REMARKS} more such."
     if not decays and which != "auto":
-        raise RecordError(f"no free decay was found. {' '.join(decays.remarks)}")
+        raise RecordError(f"no free decay was found. {remarks}")
     if which == "auto" and (not decays or decays[0].doubts):
         why = "no free decay was found" if not decays else f"no decay is beyond doubt (the best: {decays[0]})"
-        said = f"{why}, so the whole record is used. {' '.join(decays.remarks)}".rstrip()
+        said = f"{why}, so the whole record is used. {remarks}".rstrip()
         return Stretch(record=record, decays=decays, used=(), said=(said,))
     if which == "all":
         sure = tuple(decay for decay in decays if not decay.doubts) or tuple(decays)
