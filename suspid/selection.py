@@ -49,14 +49,15 @@ WORTHWHILE = 20.0
 # Where beside a pole that is looked at, in linewidths.
 BESIDE = np.array([-8.0, -6.0, -4.0, -2.0, 2.0, 4.0, 6.0, 8.0])
 # Poles nearer to each other than so many decay rates (the geometric mean of theirs) are one mode, not quite linear;
-# if they move alike in all channels (by this assurance criterion), so are poles as near as the third figure.
-DISTINCT, ALIKE, DISTINCT_ALIKE = 0.25, 0.9, 2.0
+# if they move alike in all channels (by this assurance criterion), so are poles as near as the third figure, unless
+# their natural frequencies are further apart than by the fourth: what is not quite linear bends a frequency by less.
+DISTINCT, ALIKE, DISTINCT_ALIKE, ANOTHER = 0.25, 0.9, 2.0, 1.35
 # A pole that decays less than this over the record, known no better than this many standard deviations, is a tone.
 TONE_DECAY, TONE_SURE = 0.25, 10.0
 
-# A real pole is exchanged for a pair where that gains this much per parameter; it is a mode only if the pair gains less
-# than the second figure and the pole itself so much that a pair would show.
-PAIR_GAIN, PAIR_EXCLUDED, REAL_SURE = 3.5, 4.0, 150.0
+# A real pole is exchanged for a pair where that gains this much per parameter; it is a mode only if the pair gains no
+# more than chance and so many of its standard deviations, and the pole itself so much that a pair would show.
+PAIR_GAIN, PAIR_EXCLUDED, REAL_SURE = 3.5, 1.0, 150.0
 
 # Poles below these exponents over the record creep: the first always, the second once all else is fitted. Exponentials
 # of the last three together are an offset, a slope and a bend, to within some 1e-4 of a drift.
@@ -166,8 +167,11 @@ def select(
     # Sums of squares from the residual itself: by subtraction they carry the rounding of the whole energy.
     fit = reweighed(held.fit, blocks, floor, held.squares)
     verdicts = list(state.verdicts(fit))
+    # By chance a pair gains a chi-square of as many degrees of freedom as it has parameters more.
+    freedom = 1 + blocks.channels
+    excluded = freedom + PAIR_EXCLUDED * np.sqrt(2 * freedom)
     for index, more in enumerate(extra, start=len(fit.poles.pairs)):
-        if verdicts[index] == "mode" and (more > PAIR_EXCLUDED or gains[index] < REAL_SURE):
+        if verdicts[index] == "mode" and (more > excluded or gains[index] < REAL_SURE):
             verdicts[index] = "real or pair"
     kept = [index for index in np.argsort(-gains) if verdicts[index] == "mode"]
     for index in kept[modes:] if modes is not None else []:
@@ -296,6 +300,8 @@ class _Held:
         shapes = fit.amplitudes[rows] / np.sqrt(fit.squares + 1e-300)
         shapes = shapes / (np.sqrt(np.sum(np.abs(shapes) ** 2, axis=1, keepdims=True)) + 1e-300)
         alike = np.abs(shapes @ shapes.conj().T) ** 2 > ALIKE
+        wn = np.log(np.abs(every) + 1e-300)
+        alike &= np.abs(wn[:, None] - wn) < np.log(ANOTHER)
         return np.asarray(np.any(_apart(every) < np.where(alike, DISTINCT_ALIKE, DISTINCT), axis=1))
 
     @cached_property
