@@ -19,6 +19,7 @@ from suspid.units import Ratio, RealArray
 
 PULL = 0.01  # to the nominal values, beside relative errors of poles that are too few
 STARTS = 24  # where the poles alone are too few to search by them
+RETRIES = 12  # where a single answer is not reached from the nominal car
 POLISHED = 12  # of the minima that the search finds
 BLIND = 1e-8  # of the largest singular value: what the data do not see
 NEGLIGIBLE = 1e-8  # of chi-square: no step is worth so little
@@ -212,13 +213,22 @@ def candidates(problem: Problem, *, search: bool) -> tuple[list[RealArray], list
     unknowns = problem.unknowns
     points: list[RealArray] = []
     costs: list[float] = []
+    failures: list[ReconstructionError] = []
 
     def add(x: RealArray) -> None:
         x = unknowns.settled(x)
         points.append(x)
         costs.append(float(np.linalg.norm(problem.deciding(x)[0])))
 
+    def attempt(x: RealArray, *, by_poles: bool = False) -> None:
+        try:
+            add(problem.descend(problem.descend(x, by_poles=True) if by_poles else x))
+        except ReconstructionError as error:
+            failures.append(error)
+
     def told() -> tuple[list[RealArray], list[float]]:
+        if not points:
+            raise failures[0]
         kept = distinct(points, costs, unknowns)
         return [points[i] for i in kept], [costs[i] for i in kept]
 
@@ -228,21 +238,30 @@ def candidates(problem: Problem, *, search: bool) -> tuple[list[RealArray], list
         rows, target = np.vstack([slope, pull / DATA_AGAINST_PRIOR]), -np.append(residual, prior / DATA_AGAINST_PRIOR)
         start = bounded_least_squares(rows, target, unknowns.lower, np.minimum(unknowns.upper, 1e9))
         exact = problem.exact(start)
-        add(start if exact else problem.descend(start))
-        if problem.unique and (exact or costs[0] <= problem.enough):
+        if exact:
+            add(start)
+        else:
+            attempt(start)
+        if problem.unique and costs and (exact or costs[0] <= problem.enough):
             return points, costs
     nominal = unknowns.nominal
     if not (search and problem.enough_poles) or problem.unique:
-        add(problem.descend(problem.descend(nominal, by_poles=True)))
-        if problem.unique or (not search and costs[-1] <= problem.enough):
+        attempt(nominal, by_poles=True)
+        if problem.unique and search:
+            # One answer, but the way to it from a rough start may end in a hollow: none is blamed on the car unasked.
+            for x in (nominal, *even_starts(unknowns, RETRIES)):
+                if costs and min(costs) <= problem.enough:
+                    break
+                attempt(x, by_poles=x is not nominal)
+        if problem.unique or (not search and costs and costs[-1] <= problem.enough):
             return told()
     if problem.enough_poles:
         for x in spectral_minima(problem.tests, unknowns, reach=problem.reach)[:POLISHED]:
-            add(problem.descend(x))
+            attempt(x)
         if min(costs) > problem.enough:
-            add(problem.descend(problem.descend(nominal, by_poles=True)))
+            attempt(nominal, by_poles=True)
         return told()
-    add(problem.descend(nominal))
+    attempt(nominal)
     for x in even_starts(unknowns, STARTS):
-        add(problem.descend(problem.descend(x, by_poles=True)))
+        attempt(x, by_poles=True)
     return told()

@@ -127,8 +127,8 @@ def check_fit(
         if np.any(error > allowed):
             worst = int(np.argmax(error / allowed))
             raise ReconstructionError(
-                f"no suspension of this topology and these masses with k > 0 and c >= 0 has these modes: in the "
-                f"nearest one the pole of mode {worst + 1}{where} is off by {error[worst]:.2%} of its modulus "
+                f"no suspension of this topology and these masses with k > 0 and c >= 0 was found to have these modes: "
+                f"in the nearest one the pole of mode {worst + 1}{where} is off by {error[worst]:.2%} of its modulus "
                 f"({allowed[worst]:.2%} allowed); check the masses, names and gains of the channels, and what is held",
                 best=car,
             )
