@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from bounds import modal_bound
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
@@ -12,7 +13,6 @@ from suspid.exponentials import blocks_of
 from suspid.likelihood import Poles, evaluate, maximize
 from suspid.selection import Selection, candidates, noise_colour, price, select
 from suspid.signals import as_response, as_signal
-from tests.bounds import modal_bound
 
 Complex = NDArray[np.complex128]
 Real = NDArray[np.float64]
