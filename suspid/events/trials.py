@@ -25,6 +25,8 @@ NEGLIGIBLE = 1e-4
 QUIET_SHARE, QUIET_QUANTILE, FEWEST_STRETCHES = 0.5, 0.25, 4
 # A residual is coloured beyond so many standard deviations of its correlation over one sample.
 COLOURED = 5.0
+# The background is what this share of the stretches of a recording stay below.
+CALM = 0.2
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -150,8 +152,8 @@ def quiet_variance(values: RealArray, *, size: int, length: int, finest: RealArr
 def background_loudness(values: RealArray, trial: Trial, *, size: int, length: int) -> RealArray:
     """Return how loud the recording's background is at each mode, over white noise like the fit's, (mode,).
 
-    The power at the frequency of the mode (Hann window) in stretches as long as the decay, median over the recording,
-    in the channel where the mode is strongest; 1 where it cannot be told.
+    The power at the frequency of the mode (Hann window) in stretches as long as the decay, a low quantile over the
+    recording, in the channel where the mode is strongest; 1 where it cannot be told.
     """
     blocks = trial.residual.shape[1]
     stretches = values.shape[1] // (max(length // size, blocks) * size)
@@ -164,7 +166,8 @@ def background_loudness(values: RealArray, trial: Trial, *, size: int, length: i
     # Without the part of the window that a constant would leak.
     power = np.abs((means - means.mean(axis=2, keepdims=True)) @ turns) ** 2
     white = trial.noise_std[:, None] ** 2 * float(window @ window)
-    loud = np.median(power, axis=1) / np.log(2) / white
+    # The quiet part of it: where decays fill half of a recording, the median is theirs. Power of noise is exponential.
+    loud = np.quantile(power, CALM, axis=1) / -np.log1p(-CALM) / white
     strongest = np.argmax(np.abs(fit.amplitudes[rows]).T / trial.noise_std[:, None], axis=0)
     return np.asarray(loud[strongest, np.arange(len(rows))])
 
