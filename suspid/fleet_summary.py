@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -30,6 +31,8 @@ QUANTILES = (0.025, 0.25, 0.75, 0.975)
 # So many values of a healthy fleet, of one quantity, are called outliers by chance.
 FALSE_OUTLIERS = 0.05
 MOST_SHOWN = 20
+# What the summary reads of the failures, and how much of a reason it shows [characters].
+FAILURE, WIDTH = ["record", "step", "error", "reason"], 100
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -95,6 +98,8 @@ class FleetSummary:
         How many records there are, and how many of them have a row among the failures.
     failures : mapping of str to int
         How many failed by step and kind of error.
+    such_as : mapping of str to str
+        The first record of each kind of failure, and its reason.
     distributions : tuple of Distribution
         Of frequency and damping of each family of modes, and of each parameter.
     outliers : tuple of Outlier
@@ -113,6 +118,7 @@ class FleetSummary:
     records: int
     failed: int
     failures: Mapping[str, int]
+    such_as: Mapping[str, str]
     distributions: tuple[Distribution, ...]
     outliers: tuple[Outlier, ...]
     trends: tuple[Trend, ...]
@@ -127,7 +133,12 @@ class FleetSummary:
         ]
         if self.failures:
             rows = sorted(self.failures.items(), key=lambda row: (-row[1], row[0]))
-            parts.append(text_table({"failed at": [k for k, _ in rows], "records": [str(n) for _, n in rows]}))
+            columns = {
+                "failed at": [kind for kind, _ in rows],
+                "records": [str(count) for _, count in rows],
+                "such as": [self.such_as[kind] for kind, _ in rows],
+            }
+            parts.append(text_table(columns) + "\nEvery one, with its reason, stands in the table of failures.")
         if self.distributions:
             parts.append(_distribution_table(self.distributions))
         if self.others:
@@ -195,9 +206,12 @@ def fleet_summary(
     manifest = read_manifest(place)
     counts = [c for c in (part_counts(place, number) for number in part_numbers(place, "modes")) if c is not None]
     failures: dict[str, int] = {}
-    failed = read_table(place, "failures", columns=["step", "error"]).to_pydict()
-    for step, error in zip(failed["step"], failed["error"], strict=True):
-        failures[f"{step}: {error}"] = failures.get(f"{step}: {error}", 0) + 1
+    failed = read_table(place, "failures", columns=FAILURE).to_pydict()
+    such_as: dict[str, str] = {}
+    for record, step, error, reason in zip(*(failed[name] for name in FAILURE), strict=True):
+        kind = f"{step}: {error}"
+        failures[kind] = failures.get(kind, 0) + 1
+        such_as.setdefault(kind, textwrap.shorten(f"{record}: {reason}", WIDTH, placeholder=" …"))
     names, record, columns = _modes(place)
     vehicles = read_vehicles(table) if table is not None else {}
     if pattern is not None:
@@ -221,6 +235,7 @@ def fleet_summary(
         records=sum(done for done, _ in counts),
         failed=sum(bad for _, bad in counts),
         failures=failures,
+        such_as=such_as,
         distributions=tuple(distributions),
         outliers=tuple(sorted(outliers, key=lambda one: (-abs(one.z), one.record, one.quantity))),
         trends=adjusted(trends),

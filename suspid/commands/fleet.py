@@ -33,6 +33,7 @@ INTERRUPTED = 130
 @click.option("--channel", "channels", metavar="NAME", multiple=True, help="Channel to use; repeat. [all]")
 @click.option("--time", "time", metavar="NAME", help="Column of time, if it is not named like one.")
 @click.option("--fs", type=Positive("Hz"), metavar="HZ", help="Sampling rate of all records.")
+@click.option("--dbc", type=FILE, metavar="FILE", help="Database that decodes the CAN frames of MDF files.")
 @click.option("--from", "start", type=float, metavar="SECONDS", help="Time at which every decay begins.")
 @click.option("--to", "stop", type=float, metavar="SECONDS", help="Last time to use.")
 @click.option("--modes", type=click.IntRange(min=1), metavar="N", help="How many modes to find. [all that stand out]")
@@ -54,6 +55,7 @@ def fleet_command(
     channels: tuple[str, ...],
     time: str | None,
     fs: float | None,
+    dbc: Path | None,
     start: float | None,
     stop: float | None,
     modes: int | None,
@@ -99,6 +101,7 @@ def fleet_command(
             channels=channels or None,
             time=time,
             fs=fs,
+            dbc=dbc,
             start=start,
             stop=stop,
             modes=modes,
