@@ -173,7 +173,7 @@ def _usable_shapes(
             selections.append(output_weights(suspension, channel))
         except InputError:
             known = "a coordinate, its velocity or acceleration, or the travel of a strut"
-            return *nothing, [f"shapes not used: channel {channel!r} is not {known}"]
+            return *nothing, [f"shapes not used: channel {channel!r} is not {known}; rename it to use them"]
     twice = [c for c in channels if channels.count(c) > 1]
     if twice:
         return *nothing, [f"shapes not used: channel {twice[0]!r} is not one coordinate"]
