@@ -38,7 +38,7 @@ UNITS: dict[str, tuple[float, str]] = {
 # Other ways of writing them, replaced in this order.
 SPELLINGS = (
     ("²", "2"), ("⁻", "-"), ("^", ""), ("**", ""), ("µ", "u"), ("μ", "u"), ("·", ""), ("*", ""), (" ", ""),
-    ("/sec", "/s"), ("/s/s", "/s2"), ("s-2", "/s2"), ("s-1", "/s"),
+    ("/sec", "/s"), ("/s/s", "/s2"), ("s-2", "/s2"), ("s-1", "/s"), ("//", "/"),
 )  # fmt: skip
 
 
@@ -65,19 +65,8 @@ def to_si(values: ArrayLike, unit: str) -> tuple[RealArray, str]:
     ((array(9.80665), 'm/s2'), (array(0.00025), 'strain'))
     """
     plain = unit.strip().strip("[]()").strip()
-    for old, new in (
-        ("²", "2"),
-        ("^", ""),
-        ("**", ""),
-        ("µ", "u"),
-        ("μ", "u"),
-        ("·", ""),
-        (" ", ""),
-        ("s-2", "/s2"),
-        ("//", "/"),
-    ):
+    for old, new in SPELLINGS:
         plain = plain.replace(old, new)
-    plain = plain.replace("/sec", "/s").replace("/s/s", "/s2")
     # kN and kn (knot), N and n: the only units that differ in case alone.
     key = "kn_force" if plain == "kN" else plain if plain in UNITS else plain.lower()
     if key not in UNITS:
