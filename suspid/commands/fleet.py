@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -11,7 +10,7 @@ from typing import TYPE_CHECKING, get_args
 
 import click
 
-from suspid.commands.support import Positive, said_warnings, say
+from suspid.commands.support import Positive, angular_band, said_warnings, say
 from suspid.identification import Method
 
 if TYPE_CHECKING:
@@ -90,8 +89,7 @@ def fleet_command(
         raise click.UsageError("Missing option '-o': the folder of the results.")
     if workers is not None and scheduler is not None:
         raise click.UsageError("Give --workers or --scheduler, not both.")
-    if band and not band[0] < band[1]:
-        raise click.BadParameter(f"{band[0]:g} Hz is not below {band[1]:g} Hz.", param_hint="'--band'")
+    angular = angular_band(band)
     with said_warnings() as said, goes_on(), progress_bar() as progress:
         run = identify_many(
             folder,
@@ -106,7 +104,7 @@ def fleet_command(
             stop=stop,
             modes=modes,
             method=method,
-            band=(2 * math.pi * band[0], 2 * math.pi * band[1]) if band else None,
+            band=angular,
             halves=halves,
             time_limit=time_limit,
             chunk=CHUNK if chunk is None else chunk,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import inspect
-import math
 import shlex
 from contextlib import ExitStack
 from datetime import UTC, datetime
@@ -13,10 +12,11 @@ from typing import TYPE_CHECKING, get_args
 import click
 
 from suspid.commands.reading import FILE, STRETCH, ReadOptions, Stretch, progress, read_cleaned, reading, stretch_of
-from suspid.commands.support import ARGUMENTS, Positive, check_apart, said_warnings, say
+from suspid.commands.support import ARGUMENTS, Positive, angular_band, check_apart, said_warnings, say
 from suspid.errors import InputError
 from suspid.files import printable, replacing
 from suspid.identification import Identification, Method, identify
+from suspid.page.checks import LEAST_EXPLAINED
 from suspid.signals import as_signal
 
 if TYPE_CHECKING:
@@ -27,8 +27,6 @@ if TYPE_CHECKING:
     from suspid.repeats import Repeats
 
 METHOD = inspect.signature(identify).parameters["method"].default
-# Below this share of a channel's energy, the modes are hardly those of the record.
-LEAST_EXPLAINED = 0.5
 
 SETTINGS = (
     click.option(
@@ -78,7 +76,7 @@ def identify_command(
     from suspid.modal_json import identification_to_dict, modes_to_dict, to_json
     from suspid.report_json import judgement_of
 
-    rad_band = _rad_band(band)
+    rad_band = angular_band(band)
     check_apart([file], [plot, json_file])
     with ExitStack() as outputs, said_warnings() as said, progress("reading", "finding decays", "identifying") as step:
         figure_draft = outputs.enter_context(replacing(_checked_picture(plot))) if plot else None
@@ -136,7 +134,7 @@ def report_command(
     from suspid.modal_json import to_json
     from suspid.reporting import drawable, report, report_to_dict, source_of
 
-    rad_band = _rad_band(band)
+    rad_band = angular_band(band)
     if output.suffix.lower() not in (".html", ".htm"):
         raise InputError(f"{printable(str(output))}: reports are written as .html; choose such a name")
     check_apart([file, *([car] if car else [])], [output, json_file])
@@ -223,12 +221,6 @@ def _springs(modes: ModalSet, car: Path | None) -> tuple[Reconstruction | None, 
 def _command_line() -> str:
     arguments = click.get_current_context().meta.get(ARGUMENTS, [])
     return shlex.join(["suspid", *arguments])
-
-
-def _rad_band(band: tuple[float, float] | None) -> tuple[float, float] | None:
-    if band and not band[0] < band[1]:
-        raise click.BadParameter(f"{band[0]:g} Hz is not below {band[1]:g} Hz.", param_hint="'--band'")
-    return (2 * math.pi * band[0], 2 * math.pi * band[1]) if band else None
 
 
 def doubts(identification: Identification) -> list[str]:

@@ -27,8 +27,6 @@ BEYOND, MARK_BEYOND = 3.0, 0.25
 FEWEST_LEVELS = 3
 # So many equal samples on end, entered and left by a jump, are a dropout.
 FROZEN = 4
-# Runs of equal samples that fill this share of a channel: it is written more often than it is measured.
-HELD = 0.5
 # Share of the line in a channel's variance, of ten blocks how many must go its way, for a drift.
 DRIFTING, BLOCKS, ONE_WAY = 0.6, 10, 8
 
