@@ -10,8 +10,7 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from suspid import identify, read_record
-from suspid.plots import PAGE, plot_identification
+from suspid import identify, plot_identification, read_record
 
 given = sys.argv[1:]
 path = Path(given[0]) if given else Path(__file__).with_name("quarter_car.csv")
@@ -30,6 +29,6 @@ print(
     f"\nat least {100 * worst:.1f} % of every channel is explained" + ("" if worst > 0.9 else ": look at the picture")
 )
 
-page = plot_identification(identification, Figure(figsize=PAGE))
+page = plot_identification(identification, Figure(figsize=(8.27, 11.69)))
 page.savefig(picture, dpi=120)
 print(f"drawn to {picture}")

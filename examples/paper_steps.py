@@ -10,8 +10,17 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from suspid import best_bandwidth, cwt, find_ridges, fit_ridges, free_decay, quarter_car
-from suspid.plots import plot_entropy, plot_scalogram, plot_skeletons
+from suspid import (
+    best_bandwidth,
+    cwt,
+    find_ridges,
+    fit_ridges,
+    free_decay,
+    plot_entropy,
+    plot_scalogram,
+    plot_skeletons,
+    quarter_car,
+)
 
 masses = {"seat_mass": 200, "chassis_mass": 200, "tire_mass": 200}
 springs = {"seat_stiffness": 200e3, "chassis_stiffness": 400e3, "tire_stiffness": 800e3}

@@ -12,11 +12,8 @@
 
 from importlib.metadata import version
 
-from suspid.cars import read_car, write_car
-from suspid.cleaning import Cleaned, clean
-from suspid.comparison import Comparison, compare
+from suspid.cleaning import Cleaned, Finding, Vertical, clean, read_record, scaled, to_si, vertical
 from suspid.decays import Decay, Decays, find_decays
-from suspid.denoising import denoise
 from suspid.errors import (
     IdentificationError,
     InputError,
@@ -25,26 +22,53 @@ from suspid.errors import (
     RecordWarning,
     SuspidError,
 )
-from suspid.fleet import FleetRun, identify_many
-from suspid.fleet_summary import FleetSummary, fleet_summary
-from suspid.identification import Considered, FourSteps, Identification, identify
-from suspid.mending.conversions import to_si
-from suspid.mending.findings import Finding
-from suspid.modes import Interval, ModalSet, eigenmodes
-from suspid.presets import full_car, half_car, quarter_car
-from suspid.reconstruction import Reconstruction, reconstruct
+from suspid.fleet import FleetRun, FleetSummary, fleet_summary, identify_many
+from suspid.identification import Considered, FourSteps, Identification, Repeats, identify, identify_repeats
+from suspid.io import read_recording, write_record
+from suspid.model import (
+    Comparison,
+    Interval,
+    ModalSet,
+    Strut,
+    Suspension,
+    compare,
+    eigenmodes,
+    full_car,
+    half_car,
+    quarter_car,
+    read_car,
+    statespace,
+    write_car,
+)
+from suspid.reconstruction import ModalTest, Reconstruction, reconstruct
 from suspid.recordings import RawChannel, Recording
-from suspid.records import read_record, read_recording, write_record
-from suspid.repeats import Repeats, identify_repeats
-from suspid.report_json import Source, report_to_dict, source_of
-from suspid.reporting import report
-from suspid.ridges import Ridge, SkeletonFit, Window, find_ridges, fit_ridges
-from suspid.scalogram import BandwidthSearch, Morlet, Scalogram, best_bandwidth, cwt
-from suspid.sensors import Vertical, scaled, vertical
+from suspid.reporting import (
+    Source,
+    plot_entropy,
+    plot_fit,
+    plot_identification,
+    plot_scalogram,
+    plot_shapes,
+    plot_skeletons,
+    report,
+    report_to_dict,
+    source_of,
+)
 from suspid.signals import cut
 from suspid.simulation import add_noise, free_decay
-from suspid.springs.observations import ModalTest
-from suspid.suspension import Strut, Suspension, statespace
+from suspid.wavelets import (
+    BandwidthSearch,
+    Morlet,
+    Ridge,
+    Scalogram,
+    SkeletonFit,
+    Window,
+    best_bandwidth,
+    cwt,
+    denoise,
+    find_ridges,
+    fit_ridges,
+)
 
 __version__ = version("suspid")
 
@@ -67,6 +91,8 @@ __all__ = [  # noqa: RUF022 - grouped by step
     "reconstruct", "Reconstruction", "ModalTest", "compare", "Comparison",
     # a page for others, and many records
     "report", "report_to_dict", "Source", "source_of", "identify_many", "FleetRun", "fleet_summary", "FleetSummary",
+    # pictures of each step
+    "plot_scalogram", "plot_skeletons", "plot_entropy", "plot_fit", "plot_shapes", "plot_identification",
     # what goes wrong
     "SuspidError", "InputError", "RecordError", "RecordWarning", "IdentificationError", "ReconstructionError",
 ]

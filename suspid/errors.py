@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from suspid.modes import ModalSet
-    from suspid.suspension import Suspension
+    from suspid.model import ModalSet, Suspension
 
 
 class SuspidError(Exception):

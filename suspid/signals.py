@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
@@ -53,6 +53,20 @@ class Signal:
     def duration(self) -> Second:
         """Time from the first sample to one step after the last [s]."""
         return float(self.step * self.values.shape[1])
+
+
+class Stretch(Protocol):
+    """Anything with a first and a last time, such as a `suspid.Decay`."""
+
+    @property
+    def start(self) -> Second:
+        """First time [s]."""
+        ...
+
+    @property
+    def stop(self) -> Second:
+        """Last time [s]."""
+        ...
 
 
 def as_signal(response: control.TimeResponseData, *, least: int = 2) -> Signal:

@@ -18,7 +18,7 @@ from scipy.io import savemat, wavfile
 
 from suspid import read_record, write_record
 from suspid.errors import RecordWarning, SuspidError
-from suspid.records import READERS
+from suspid.io.formats import READERS
 from suspid.signals import as_response
 
 FUZZ = settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from suspid import Suspension, add_noise, free_decay, identify
-from suspid.cleaning import Cleaned, clean
+from suspid.cleaning.clean import Cleaned, clean
+from suspid.cleaning.placing import faithful_below, interpolate
 from suspid.errors import RecordError
-from suspid.mending.placing import faithful_below, interpolate
-from suspid.modes import ModalSet
+from suspid.model.modes import ModalSet
 from suspid.recordings import RawChannel, Recording
 from suspid.signals import as_response, as_signal
 from suspid.units import RealArray

@@ -13,9 +13,9 @@ import pytest
 from click.testing import CliRunner, Result
 
 from suspid import eigenmodes
-from suspid.cars import read_car
-from suspid.cli import main
-from suspid.records import read_record
+from suspid.cleaning.read_record import read_record
+from suspid.cli.main import main
+from suspid.model.car_files import read_car
 
 ROOT = Path(__file__).resolve().parents[1]
 DATA = ROOT.parent / "shared" / "data"

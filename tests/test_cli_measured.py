@@ -12,9 +12,10 @@ import pytest
 from click.testing import CliRunner, Result
 
 from suspid import Suspension, add_noise, eigenmodes, free_decay, quarter_car, statespace
-from suspid.cars import write_car
-from suspid.cli import main
-from suspid.records import READERS, write_record
+from suspid.cli.main import main
+from suspid.io.formats import READERS
+from suspid.io.write_record import write_record
+from suspid.model.car_files import write_car
 from suspid.signals import as_response, as_signal
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -7,9 +7,9 @@ import contextlib
 import numpy as np
 import pytest
 
+from suspid.cleaning.clocks import Clock, read_clock
+from suspid.cleaning.stamps import resolution, rounded_line
 from suspid.errors import RecordError
-from suspid.mending.clocks import Clock, read_clock
-from suspid.mending.stamps import resolution, rounded_line
 from suspid.units import RealArray
 
 

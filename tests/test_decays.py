@@ -8,7 +8,7 @@ import pytest
 from numpy.typing import NDArray
 
 from suspid import RecordError, eigenmodes, free_decay, identify, quarter_car, statespace
-from suspid.decays import Decays, find_decays
+from suspid.decays.find_decays import Decays, find_decays
 from suspid.signals import as_response, cut
 from validation import cars
 
@@ -267,7 +267,7 @@ class TestRecordsOfOthers:
     def test_a_drive_holds_nothing_beyond_doubt(self) -> None:
         """Twenty minutes of road, as others recorded it; nobody released anything."""
         pytest.importorskip("asammdf")
-        from suspid.commands.reading import ReadOptions, read_cleaned
+        from suspid.cli.reading import ReadOptions, read_cleaned
 
         folder = DATA / "css_canedge_car_mf4"
         options = ReadOptions(channels=("AccelerationX",), dbc=folder / "canmod-gps.dbc")

@@ -12,7 +12,9 @@ from hypothesis import strategies as st
 from scipy.special import erf
 
 from suspid import IdentificationError, InputError, ModalSet, RecordError, add_noise, free_decay
-from suspid.denoising import (
+from suspid.signals import as_response
+from suspid.units import RealArray
+from suspid.wavelets.denoise import (
     RuleName,
     ThresholdName,
     TransformName,
@@ -27,8 +29,6 @@ from suspid.denoising import (
     sure_threshold,
     universal_threshold,
 )
-from suspid.signals import as_response
-from suspid.units import RealArray
 from validation import cars
 from validation import denoising as denoising_report
 

@@ -43,7 +43,7 @@ class TestEveryExample:
     def test_uses_what_is_public(self, script: Path) -> None:
         imports = [line for line in script.read_text(encoding="utf-8").splitlines() if line.startswith("from suspid")]
         assert imports
-        assert {line.split()[1] for line in imports} <= {"suspid", "suspid.plots"}
+        assert {line.split()[1] for line in imports} <= {"suspid"}
 
 
 class TestWhatTheyShow:

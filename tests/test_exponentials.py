@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from suspid.exponentials import blocks_of, cross_sums, power_sums, synthesize
+from suspid.identification.exponentials import blocks_of, cross_sums, power_sums, synthesize
 
 Complex = NDArray[np.complex128]
 Real = NDArray[np.float64]

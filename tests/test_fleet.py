@@ -6,6 +6,7 @@ import json
 import math
 import os
 import stat
+import sys
 import threading
 import time
 from collections.abc import Iterator
@@ -20,16 +21,16 @@ from fleets import CAR, content, make_fleet, write_decay
 
 from suspid import InputError, eigenmodes, free_decay, identify, read_record
 from suspid.errors import RecordWarning
-from suspid.fleet import FleetRun, identify_many
-from suspid.fleets.engine import Engine
-from suspid.fleets.parts import read_table
+from suspid.fleet.engine import Engine
+from suspid.fleet.identify_many import FleetRun, identify_many
+from suspid.fleet.parts import read_table
 
 COUNT, CHUNK = 14, 4
 KILLERS = """
 import ctypes, os, signal, time
-import suspid.fleets.rows
+import suspid.fleet.rows
 
-genuine = suspid.fleets.rows.read_record
+genuine = suspid.fleet.rows.read_record
 
 
 def read_record(path, **settings):
@@ -45,7 +46,7 @@ def read_record(path, **settings):
     return genuine(path, **settings)
 
 
-suspid.fleets.rows.read_record = read_record
+suspid.fleet.rows.read_record = read_record
 """
 
 
@@ -172,7 +173,7 @@ class TestKilledAtEveryMoment:
 
         make_fleet(tmp_path / "in", 3)
         (tmp_path / "in" / "bad.csv").write_text("")
-        monkeypatch.setattr("suspid.fleet.local_engine", own_process)
+        monkeypatch.setattr(sys.modules["suspid.fleet.identify_many"], "local_engine", own_process)
         whole = content(identify_many(tmp_path / "in", output=tmp_path / "whole", chunk=2).output)
         monkeypatch.setattr(os, "fsync", fsync)
         for last in range(1, 40):

@@ -18,15 +18,14 @@ import pytest
 from fleets import CAR, content, make_fleet, parts
 
 from suspid import InputError, SuspidError, write_car
-from suspid.fleet import identify_many
+from suspid.fleet.identify_many import identify_many
 
 COUNT, CHUNK = 32, 2
 LONG_ENOUGH = 120.0
 psutil: Any = importlib.import_module("psutil")
 CLIENT = """
 import sys
-from suspid.cars import read_car
-from suspid.fleet import identify_many
+from suspid import identify_many, read_car
 
 folder, output, car, chunk, scheduler = sys.argv[1:]
 who = {"scheduler": scheduler} if scheduler else {"workers": 2}
@@ -123,7 +122,7 @@ class TestKilledOnThisMachine:
         assert content(tmp_path) == expected
 
     def test_stopped_by_hand(self, fleet: Path, expected: dict[str, bytes], tmp_path: Path) -> None:
-        command = [sys.executable, "-c", "from suspid.commands.fleet import fleet_command; fleet_command()", str(fleet)]
+        command = [sys.executable, "-c", "from suspid.cli.fleet import fleet_command; fleet_command()", str(fleet)]
         command += ["-o", str(tmp_path), "--car", str(fleet.parent / "car.toml"), "--chunk", str(CHUNK)]
         # Ctrl-C goes to everybody in the foreground: client and workers alike.
         process = subprocess.Popen(command, stderr=subprocess.PIPE, start_new_session=True)
@@ -198,6 +197,6 @@ class TestDask:
         assert content(tmp_path) == expected
 
     def test_nobody_answers(self, fleet: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-        monkeypatch.setattr("suspid.fleets.engine.FIRST_WORKER", 0.5)
+        monkeypatch.setattr("suspid.fleet.engine.FIRST_WORKER", 0.5)
         with pytest.raises(InputError, match="no Dask scheduler answers"):
             identify_many(fleet, output=tmp_path, scheduler="tcp://127.0.0.1:9")

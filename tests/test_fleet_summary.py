@@ -16,16 +16,16 @@ from click.testing import CliRunner, Result
 from fleets import CAR, make_fleet, write_decay
 
 from suspid import InputError, ModalSet, eigenmodes
-from suspid.cars import write_car
-from suspid.commands.fleet import fleet_command
-from suspid.commands.support import Commands
-from suspid.fleet import identify_many
-from suspid.fleet_summary import FleetSummary, fleet_summary
-from suspid.fleets.families import OTHERS, families_by_density, families_of_car
-from suspid.fleets.manifest import FORMAT, environment
-from suspid.fleets.parts import COLUMNS, Rows, as_part, write_part
-from suspid.fleets.trends import trends_of
-from suspid.fleets.vehicles import read_vehicles, vehicles_from_names
+from suspid.cli.fleet import fleet_command
+from suspid.cli.support import Commands
+from suspid.fleet.families import OTHERS, families_by_density, families_of_car
+from suspid.fleet.fleet_summary import FleetSummary, fleet_summary
+from suspid.fleet.identify_many import identify_many
+from suspid.fleet.manifest import FORMAT, environment
+from suspid.fleet.parts import COLUMNS, Rows, as_part, write_part
+from suspid.fleet.trends import trends_of
+from suspid.fleet.vehicles import read_vehicles, vehicles_from_names
+from suspid.model.car_files import write_car
 from suspid.units import RealArray
 
 
@@ -293,7 +293,7 @@ class TestCommand:
 
         ours, theirs = os.openpty()
         fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 120, 0, 0))
-        command = [sys.executable, "-c", "from suspid.commands.fleet import fleet_command; fleet_command()"]
+        command = [sys.executable, "-c", "from suspid.cli.fleet import fleet_command; fleet_command()"]
         command += [str(tmp_path / "in"), "-o", str(tmp_path / "out"), "--workers", "1", "--chunk", "1"]
         process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=theirs)
         os.close(theirs)

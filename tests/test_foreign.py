@@ -5,7 +5,7 @@ import warnings
 import pytest
 
 from suspid.errors import RecordError
-from suspid.formats.foreign import sheltered, unique_names
+from suspid.io.foreign import sheltered, unique_names
 
 
 class Broken:

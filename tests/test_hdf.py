@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from scipy.io import loadmat, savemat
 
 from suspid import RecordError
+from suspid.io.read_recording import read_recording
 from suspid.recordings import Recording
-from suspid.records import read_recording
 
 h5py = pytest.importorskip("h5py")
 

@@ -2,6 +2,8 @@ import ast
 import inspect
 import subprocess
 import sys
+from collections.abc import Callable
+from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -12,86 +14,13 @@ LIBRARY = Path(suspid.__file__).parent
 MODULES = {
     ".".join(path.relative_to(LIBRARY).with_suffix("").parts): ast.parse(path.read_text(encoding="utf-8"))
     for path in sorted(LIBRARY.rglob("*.py"))
-    if path.parent == LIBRARY or path.stem != "__init__"
 }
+PACKAGES = sorted(path.parent.name for path in LIBRARY.glob("*/__init__.py"))
 
-# Imports point from a later line to an earlier one; modules of one line may import each other's elders only.
-LAYERS = [
-    ["units", "errors"],
-    ["values", "files"],
-    [
-        "suspension",
-        "formats.tables",
-        "formats.cells",
-        "formats.encodings",
-        "formats.signatures",
-        "recordings",
-        "exponentials",
-        "formats.foreign",
-        "formats.mdf_blocks",
-        "formats.mdf_channels",
-    ],
-    ["formats.variables", "formats.dialects"],
-    [
-        "modes",
-        "signals",
-        "formats.layouts",
-        "formats.matlab",
-        "formats.hdf",
-        "formats.uff",
-        "formats.tdms",
-        "formats.mdf",
-        "formats.wav",
-        "formats.parquet",
-        "presets",
-        "springs.unknowns",
-        "springs.programs",
-    ],
-    ["mending.findings", "mending.conversions"],
-    ["mending.stamps", "mending.gaps", "mending.inspection"],
-    ["mending.ordering"],
-    ["mending.clocks"],
-    ["mending.placing"],
-    ["formats.delimited", "formats.timing", "cleaning", "sensors"],
-    ["simulation", "records", "cars", "denoising", "scalogram"],
-    ["ridges", "likelihood"],
-    ["selection"],
-    ["identification"],
-    ["events.bursts", "events.trials", "events.shared", "events.sketches"],
-    ["events.doubts"],
-    ["events.starts"],
-    ["decays"],
-    ["repeats"],
-    ["springs.equations"],
-    ["springs.polynomials"],
-    ["springs.observations", "springs.alternatives"],
-    ["springs.problem"],
-    ["springs.suspects"],
-    ["springs.verdicts"],
-    ["reconstruction"],
-    ["comparison"],
-    ["modal_json", "car_json"],
-    ["page.checks"],
-    ["page.thinning", "page.judgement", "page.rows"],
-    ["plots", "page.charts"],
-    ["report_json", "page.figures"],
-    ["reporting"],
-    ["fleets.manifest", "fleets.records"],
-    ["fleets.parts"],
-    ["fleets.rows"],
-    ["fleets.work", "fleets.folder"],
-    ["fleets.engine"],
-    ["fleet"],
-    ["fleets.families", "fleets.trends", "fleets.vehicles"],
-    ["fleet_summary"],
-    ["commands.support"],
-    ["commands.reading"],
-    ["commands.measured"],
-    ["commands.fleet"],
-    ["cli"],
-    ["__init__", "__main__"],
-]
-LEVEL = {name: level for level, names in enumerate(LAYERS) for name in names}
+
+def package_of(name: str) -> str:
+    """Return the package that a module belongs to; a module of the top level is its own."""
+    return name.split(".")[0]
 
 
 def type_only(tree: ast.Module) -> set[int]:
@@ -117,22 +46,57 @@ def imports(tree: ast.Module) -> list[str]:
     return names
 
 
+def arrows(of: Callable[[str], str]) -> dict[str, set[str]]:
+    """Return what each module, or each package, imports from the rest of the library."""
+    graph: dict[str, set[str]] = {}
+    for name, tree in MODULES.items():
+        if name in ("__init__", "__main__"):
+            continue
+        targets = {of(other.removeprefix("suspid.")) for other in imports(tree) if other.startswith("suspid.")}
+        graph.setdefault(of(name), set()).update(targets - {of(name)})
+    return graph
+
+
+class TestLayers:
+    def test_packages_import_in_one_direction(self) -> None:
+        assert list(TopologicalSorter(arrows(package_of)).static_order())
+
+    @pytest.mark.parametrize("package", PACKAGES)
+    def test_modules_of_a_package_import_in_one_direction(self, package: str) -> None:
+        inside = {n: {o for o in others if package_of(o) == package} for n, others in arrows(str).items()}
+        assert list(
+            TopologicalSorter({n: others for n, others in inside.items() if package_of(n) == package}).static_order()
+        )
+
+    @pytest.mark.parametrize("name", MODULES)
+    def test_other_packages_are_used_through_what_they_export(self, name: str) -> None:
+        for imported in imports(MODULES[name]):
+            package, _, module = imported.removeprefix("suspid.").partition(".")
+            if imported.startswith("suspid.") and package != package_of(name):
+                assert not module, f"suspid/{name}.py imports {imported}: import from suspid.{package} what it exports"
+
+    @pytest.mark.parametrize("package", PACKAGES)
+    def test_a_package_says_what_lives_there_and_what_it_exports(self, package: str) -> None:
+        tree = MODULES[f"{package}.__init__"]
+        text = ast.get_docstring(tree) or ""
+        assert 1 <= len(text.splitlines()) <= 12
+        names = {a.name for n in tree.body if isinstance(n, ast.ImportFrom) for a in n.names}
+        lists = [n for n in tree.body if isinstance(n, ast.Assign) and ast.unparse(n.targets[0]) == "__all__"]
+        assert names == set(ast.literal_eval(lists[0].value) if lists else ())
+
+    @pytest.mark.parametrize("package", PACKAGES)
+    def test_no_package_is_named_like_an_exported_function(self, package: str) -> None:
+        assert package not in suspid.__all__
+
+
 @pytest.mark.parametrize("name", MODULES)
 class TestModules:
-    def test_imports_point_one_way(self, name: str) -> None:
-        assert name in LEVEL, f"suspid/{name}.py has no place in LAYERS of {Path(__file__).name}: give it one"
-        for imported in imports(MODULES[name]):
-            if imported.startswith("suspid."):
-                other = imported.removeprefix("suspid.")
-                assert other in LEVEL, f"suspid/{name}.py imports suspid.{other}, which has no place in LAYERS"
-                assert LEVEL[other] < LEVEL[name], f"suspid/{name}.py must not import suspid.{other}: it is no elder"
-
     def test_nothing_is_printed(self, name: str) -> None:
         calls = [n for n in ast.walk(MODULES[name]) if isinstance(n, ast.Call) and ast.unparse(n.func) == "print"]
         assert not calls, f"suspid/{name}.py prints in line {calls[0].lineno}"
 
     def test_matplotlib_is_imported_by_plots_alone(self, name: str) -> None:
-        if name not in {"plots", "commands.measured"}:
+        if name not in {"reporting.plots", "cli.measured"}:
             assert not [i for i in imports(MODULES[name]) if i.split(".")[0] == "matplotlib"]
 
     def test_no_method_rebinds_self(self, name: str) -> None:

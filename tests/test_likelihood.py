@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from suspid.exponentials import blocks_of, synthesize
-from suspid.likelihood import DecayFit, Poles, evaluate, joint_covariance, likelihood_loss, maximize
+from suspid.identification.exponentials import blocks_of, synthesize
+from suspid.identification.likelihood import DecayFit, Poles, evaluate, joint_covariance, likelihood_loss, maximize
 
 Complex = NDArray[np.complex128]
 Real = NDArray[np.float64]

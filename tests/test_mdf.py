@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from suspid import SuspidError
 from suspid.errors import RecordError
-from suspid.formats.mdf import read_mdf
+from suspid.io.mdf.mdf import read_mdf
 
 FUZZ = settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 DATA = Path(__file__).resolve().parents[2] / "shared" / "data" / "css_canedge_car_mf4"

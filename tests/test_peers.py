@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from suspid import eigenmodes
-from suspid.scalogram import Morlet, transform
 from suspid.signals import as_response, as_signal
 from suspid.units import RealArray
+from suspid.wavelets.scalogram import Morlet, transform
 from validation import cars, speed
 from validation.peer_methods import METHODS, Method, slowed
 from validation.peer_skeletons import RATE, Estimates

@@ -26,7 +26,7 @@ from suspid import (
     free_decay,
     identify,
 )
-from suspid.plots import (
+from suspid.reporting.plots import (
     FULL_BAR,
     PAGE,
     PIECES,
@@ -37,9 +37,9 @@ from suspid.plots import (
     plot_shapes,
     plot_skeletons,
 )
-from suspid.ridges import ABOVE_NOISE, fit_skeleton
 from suspid.signals import as_response, as_signal
 from suspid.units import RealArray
+from suspid.wavelets.ridges import ABOVE_NOISE, fit_skeleton
 from validation import cars
 
 HOSTILE = ("$x^2$", "$\\undefined{$", "_hidden", "\x1b[2Jq\n", "座席", "a" * 500, "")

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from suspid import ModalSet, Suspension, eigenmodes
-from suspid.presets import full_car, half_car
-from suspid.springs.equations import spectral
-from suspid.springs.observations import ModalTest, modal_tests, observe
-from suspid.springs.polynomials import characteristic, principal_minors
-from suspid.springs.unknowns import Unknowns, unknowns_of
+from suspid.model.presets import full_car, half_car
+from suspid.reconstruction.equations import spectral
+from suspid.reconstruction.observations import ModalTest, modal_tests, observe
+from suspid.reconstruction.polynomials import characteristic, principal_minors
+from suspid.reconstruction.unknowns import Unknowns, unknowns_of
 from validation.cars import HATCHBACK, PAPER
 from validation.springs import nominal
 

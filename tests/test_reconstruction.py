@@ -12,7 +12,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from suspid import InputError, ModalSet, ReconstructionError, Strut, Suspension, eigenmodes, quarter_car
-from suspid.reconstruction import Reconstruction, pole_distances, reconstruct
+from suspid.model.modes import pole_distances
+from suspid.reconstruction.reconstruct import Reconstruction, reconstruct
 from suspid.units import RealArray
 
 CHANGES = (0.7, 1.3)
@@ -503,7 +504,7 @@ class TestProgram:
         """The sharpened optimum is that of SciPy's active-set method, at any size of the data."""
         from scipy.optimize import lsq_linear
 
-        from suspid.springs.programs import convex_program
+        from suspid.reconstruction.programs import convex_program
 
         rng = np.random.default_rng(6)
         for size in (1e-9, 1e-5, 1.0, 1e5):
@@ -515,7 +516,7 @@ class TestProgram:
             )
 
     def test_it_is_compiled_once(self) -> None:
-        from suspid.springs.programs import compiled
+        from suspid.reconstruction.programs import compiled
 
         car = two_mass_car(chassis_damping=1500.0, tire_damping=30.0)
         reconstruct(eigenmodes(car), car)

@@ -24,13 +24,13 @@ from suspid import (
     read_record,
     statespace,
 )
-from suspid.presets import full_car, half_car
-from suspid.reconstruction import Reconstruction, reconstruct
+from suspid.model.presets import full_car, half_car
+from suspid.reconstruction.equations import linear, sensitivities, spectral
+from suspid.reconstruction.observations import ModalTest, observe
+from suspid.reconstruction.programs import slope_left
+from suspid.reconstruction.reconstruct import Reconstruction, reconstruct
+from suspid.reconstruction.unknowns import parameter_names, parameter_vector
 from suspid.signals import as_response, as_signal
-from suspid.springs.equations import linear, sensitivities, spectral
-from suspid.springs.observations import ModalTest, observe
-from suspid.springs.programs import slope_left
-from suspid.springs.unknowns import parameter_names, parameter_vector
 from suspid.units import RealArray
 from validation.cars import HATCHBACK, PAPER, SALOON
 from validation.springs import START, TIMES, nominal, physical_bound, study
@@ -503,8 +503,8 @@ class TestCertainty:
 
     def test_the_optimum_is_one(self) -> None:
         """No first-order step between the bounds gains anything."""
-        from suspid.springs.observations import modal_tests
-        from suspid.springs.problem import candidates, posed
+        from suspid.reconstruction.observations import modal_tests
+        from suspid.reconstruction.problem import candidates, posed
 
         record = add_noise(free_decay(SALOON, TIMES, initial_state=START), snr_db=20, rng=np.random.default_rng(3))
         modes = identify(record, modes=3).modes

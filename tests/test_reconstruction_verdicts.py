@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from suspid import InputError, ModalSet, ReconstructionError, Strut, Suspension, eigenmodes, statespace
-from suspid.reconstruction import reconstruct
-from suspid.springs.observations import ModalTest
-from suspid.springs.unknowns import parameter_names, parameter_vector
+from suspid.reconstruction.observations import ModalTest
+from suspid.reconstruction.reconstruct import reconstruct
+from suspid.reconstruction.unknowns import parameter_names, parameter_vector
 from suspid.units import RealArray
 from validation.cars import HATCHBACK, PAPER, SALOON
 from validation.springs import nominal

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from suspid import RecordError
-from suspid.formats.tables import Clock, Table
-from suspid.formats.timing import as_recording
+from suspid.io.tables import Clock, Table
+from suspid.io.timing import as_recording
 from suspid.recordings import RawChannel
 from suspid.units import RealArray
 

@@ -16,8 +16,11 @@ from hypothesis import strategies as st
 from scipy.io import savemat
 
 from suspid import RecordError
+from suspid.cleaning.read_record import read_record
 from suspid.errors import RecordWarning
-from suspid.records import READERS, read_record, read_recording, write_record
+from suspid.io.formats import READERS
+from suspid.io.read_recording import read_recording
+from suspid.io.write_record import write_record
 from suspid.signals import as_response
 
 DATA = Path(__file__).resolve().parents[2] / "shared" / "data"

@@ -9,7 +9,7 @@ from bounds import modal_bound
 from numpy.typing import NDArray
 
 from suspid import IdentificationError, InputError, RecordError, Suspension, eigenmodes, free_decay, identify
-from suspid.repeats import identify_repeats
+from suspid.identification.identify_repeats import identify_repeats
 from suspid.signals import as_response
 from validation import cars
 

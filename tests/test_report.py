@@ -6,9 +6,10 @@ import json
 import re
 import zlib
 from base64 import b64decode
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
+from typing import Any
 
 import control
 import numpy as np
@@ -26,16 +27,17 @@ from suspid import (
     quarter_car,
     reconstruct,
 )
-from suspid.cleaning import Cleaned, Finding
-from suspid.modal_json import read_modes
-from suspid.page.charts import HEIGHT, WIDTH, Chart, Scale, decades, image, labelled, line, palette
-from suspid.page.figures import fit_charts, scalogram_chart
-from suspid.page.judgement import judge
-from suspid.page.rows import quantity
-from suspid.page.thinning import MOST_SAMPLES, drawable, is_whole
-from suspid.repeats import identify_repeats
-from suspid.report_json import Source, report_schema, report_to_dict, source_of
-from suspid.reporting import report
+from suspid.analysis.judgement import judge
+from suspid.cleaning.clean import Cleaned, Finding
+from suspid.decays.find_decays import Decay
+from suspid.identification.identify_repeats import identify_repeats
+from suspid.identification.modes_json import read_modes
+from suspid.reporting.charts import HEIGHT, WIDTH, Chart, Scale, decades, image, labelled, line, palette
+from suspid.reporting.figures import fit_charts, scalogram_chart
+from suspid.reporting.report import report
+from suspid.reporting.report_json import Source, report_schema, report_to_dict, source_of
+from suspid.reporting.rows import quantity
+from suspid.reporting.thinning import MOST_SAMPLES, drawable, is_whole
 from suspid.signals import as_response, as_signal
 from suspid.units import RealArray
 from validation import cars
@@ -58,15 +60,21 @@ SOURCE = Source(
 )
 
 
-@dataclass(frozen=True, kw_only=True)
-class Stretch:
-    """A decay as a recording has it."""
-
-    start: float
-    stop: float
-    kind: str | None = None
-    cycles: float = 5.0
-    doubts: tuple[str, ...] = ()
+def stretch(start: float, stop: float, *, kind: Any = None, cycles: float = 5.0, doubts: tuple[str, ...] = ()) -> Decay:
+    """Return a decay as a recording has it."""
+    wn, zeta = np.array([10.0]), np.array([0.1])
+    return Decay(
+        start=start,
+        stop=stop,
+        rank=1,
+        kind=kind,
+        level=40.0,
+        cycles=cycles,
+        strength=60.0,
+        wn=wn,
+        zeta=zeta,
+        doubts=doubts,
+    )
 
 
 class Page(HTMLParser):
@@ -308,7 +316,7 @@ class TestNames:
             units=tuple(f"<u>{i}" for i in range(len(HOSTILE))),
             findings=(finding(channel=HOSTILE[0], text=HOSTILE[1]),),
         )
-        decays = (Stretch(start=0.0, stop=9.0, kind=HOSTILE[0], doubts=(HOSTILE[1],)),)
+        decays = (stretch(0.0, 9.0, kind=HOSTILE[0], doubts=(HOSTILE[1],)),)
         text = report(hostile, source=SOURCE, cleaned=cleaned, decays=decays, warnings=[HOSTILE[0]], title=HOSTILE[1])
         page = Page(text)
         assert "script" not in page.tags
@@ -364,7 +372,7 @@ class TestWhatIsThere:
     def test_all_that_was_given_is_shown(self, found: Identification, springs: Reconstruction) -> None:
         whole = paper_record(duration=12.0)
         cleaned = Cleaned(record=whole, units=("m", "mm", ""), findings=(finding(), finding(repaired=False)))
-        decays = (Stretch(start=3.0, stop=5.0, doubts=("only 1.5 cycles",)), Stretch(start=0.0, stop=10.0))
+        decays = (stretch(3.0, 5.0, doubts=("only 1.5 cycles",)), stretch(0.0, 10.0))
         text = Page(report(found, cleaned=cleaned, decays=decays, reconstruction=springs)).text
         for said in (
             "a gap of 3 samples, filled",
@@ -378,7 +386,7 @@ class TestWhatIsThere:
             assert said in text
 
     def test_a_cut_by_hand_is_none_of_the_decays(self, found: Identification) -> None:
-        assert "is none of these stretches" in Page(report(found, decays=(Stretch(start=4.0, stop=5.0),))).text
+        assert "is none of these stretches" in Page(report(found, decays=(stretch(4.0, 5.0),))).text
 
     def test_twins_stand_beside(self, found: Identification, springs: Reconstruction) -> None:
         twin = cars.PAPER.with_parameters(stiffness={"tire": 123456.0})
@@ -517,7 +525,7 @@ class TestJson:
             found,
             source=SOURCE,
             cleaned=few,
-            decays=(Stretch(start=0.0, stop=1.0, cycles=float("nan"), doubts=("short",)),),
+            decays=(stretch(0.0, 1.0, cycles=float("nan"), doubts=("short",)),),
             reconstruction=springs,
             warnings=["a warning"],
         )

@@ -7,7 +7,7 @@ import shutil
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import pytest
@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 from playwright.sync_api import Browser, Page, sync_playwright
 
 from suspid import add_noise, free_decay, identify, reconstruct
-from suspid.cleaning import Cleaned, Finding
-from suspid.reporting import Source, report
+from suspid.cleaning.clean import Cleaned, Finding
+from suspid.decays.find_decays import Decay
+from suspid.reporting.report import Source, report
 from suspid.signals import as_response, as_signal
 from validation import cars
 
@@ -58,13 +59,23 @@ TEXTS = """() => {
 }"""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Stretch:
-    start: float
-    stop: float
-    kind: str | None = "step"
-    cycles: float = 5.0
-    doubts: tuple[str, ...] = ()
+def stretch(
+    start: float, stop: float, *, kind: Any = "step", cycles: float = 5.0, doubts: tuple[str, ...] = ()
+) -> Decay:
+    """Return a decay as a recording has it."""
+    wn, zeta = np.array([10.0]), np.array([0.1])
+    return Decay(
+        start=start,
+        stop=stop,
+        rank=1,
+        kind=kind,
+        level=40.0,
+        cycles=cycles,
+        strength=60.0,
+        wn=wn,
+        zeta=zeta,
+        doubts=doubts,
+    )
 
 
 @dataclass(frozen=True)
@@ -98,7 +109,7 @@ def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
         found,
         source=Source(file=NAMES[1], sha256="ab" * 32, size=12, command=NAMES[0] * 9, created="2026-01-02"),
         cleaned=Cleaned(record=found.response, units=NAMES, findings=(finding,)),
-        decays=(Stretch(start=0.0, stop=6.0), Stretch(start=2.0, stop=2.5, doubts=(NAMES[0], NAMES[4]))),
+        decays=(stretch(0.0, 6.0), stretch(2.0, 2.5, doubts=(NAMES[0], NAMES[4]))),
         reconstruction=reconstruct(plain.modes, cars.PAPER),
         warnings=NAMES,
     )

@@ -5,9 +5,9 @@ import pytest
 from numpy.typing import NDArray
 
 from suspid import IdentificationError, InputError, ModalSet, Ridge, Scalogram, Window, cwt, find_ridges, fit_ridges
-from suspid.ridges import fit_skeleton, sample_noise
-from suspid.scalogram import Morlet, Normalization
 from suspid.signals import Signal, as_response
+from suspid.wavelets.ridges import fit_skeleton, sample_noise
+from suspid.wavelets.scalogram import Morlet, Normalization
 
 TIME = np.arange(5000) / 500
 OMEGA = np.geomspace(5, 300, 150)

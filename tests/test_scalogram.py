@@ -10,8 +10,8 @@ from scipy.integrate import quad
 from scipy.special import erfc
 
 from suspid import InputError, Morlet, Scalogram, best_bandwidth, cwt
-from suspid.scalogram import Normalization
 from suspid.signals import as_response, as_signal
+from suspid.wavelets.scalogram import Normalization
 
 TWO_PI = 2 * np.pi
 # The spectrum is cut where it is 1e-13 of its peak: what is left out adds up over some hundred bins.

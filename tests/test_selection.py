@@ -5,7 +5,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
-from suspid.selection import Selection, price, select
+from suspid.identification.selection import Selection, price, select
 
 Complex = NDArray[np.complex128]
 Real = NDArray[np.float64]

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 from scipy.signal import lfilter
 
 from suspid import identify
-from suspid.exponentials import blocks_of
-from suspid.likelihood import Poles, evaluate, maximize
-from suspid.selection import Selection, candidates, noise_colour, price, select
+from suspid.identification.exponentials import blocks_of
+from suspid.identification.likelihood import Poles, evaluate, maximize
+from suspid.identification.selection import Selection, candidates, noise_colour, price, select
 from suspid.signals import as_response, as_signal
 
 Complex = NDArray[np.complex128]

@@ -10,12 +10,12 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from suspid import RecordError
-from suspid.formats.delimited import read_delimited
-from suspid.formats.layouts import UNIT
-from suspid.formats.tables import bracketed_unit, stated_rate
-from suspid.formats.timing import SAME_RATE
+from suspid.io.read_recording import read_recording
+from suspid.io.tables import bracketed_unit, stated_rate
+from suspid.io.text.delimited import read_delimited
+from suspid.io.text.layouts import UNIT
+from suspid.io.timing import SAME_RATE
 from suspid.recordings import Recording
-from suspid.records import read_recording
 
 DATA = Path(__file__).resolve().parents[2] / "shared" / "data"
 FUZZ = settings(max_examples=200, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])

@@ -14,7 +14,7 @@ from nptdms import ChannelObject, TdmsWriter
 
 from suspid import SuspidError
 from suspid.errors import RecordError
-from suspid.formats.tdms import read_tdms
+from suspid.io.tdms import read_tdms
 
 FUZZ = settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 RNG = np.random.default_rng(0)

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from suspid import SuspidError
 from suspid.errors import RecordError
-from suspid.formats.uff import read_uff
+from suspid.io.uff import read_uff
 from suspid.units import RealArray
 
 FUZZ = settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])

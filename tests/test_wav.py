@@ -11,7 +11,7 @@ from scipy.io import wavfile
 
 from suspid import SuspidError
 from suspid.errors import RecordError
-from suspid.formats.wav import read_wav
+from suspid.io.wav import read_wav
 
 FUZZ = settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 

@@ -12,9 +12,9 @@ import numpy as np
 from tabulate import tabulate
 
 from suspid import ModalSet, Suspension, eigenmodes, free_decay, statespace
-from suspid.decays import Decay, find_decays
+from suspid.decays.find_decays import Decay, find_decays
 from suspid.errors import SuspidError
-from suspid.repeats import identify_repeats
+from suspid.identification.identify_repeats import identify_repeats
 from suspid.signals import as_response
 from suspid.units import Decibel, Hertz, RealArray, Second
 from validation import cars

@@ -12,10 +12,10 @@ import numpy as np
 from tabulate import tabulate
 
 from suspid import ModalSet, SuspidError, add_noise, eigenmodes, free_decay
-from suspid.denoising import NoiseName, RuleName, ThresholdName, TransformName, denoise
 from suspid.signals import as_response, as_signal
 from suspid.units import Decibel, RealArray
 from suspid.values import frozen_real
+from suspid.wavelets.denoise import NoiseName, RuleName, ThresholdName, TransformName, denoise
 from validation import cars
 
 if TYPE_CHECKING:

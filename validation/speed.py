@@ -16,9 +16,9 @@ import numpy as np
 from tabulate import tabulate
 
 from suspid import Scalogram, eigenmodes, free_decay, identify, statespace
-from suspid.scalogram import CUT, ENTROPY_CUT, Morlet, transform
 from suspid.signals import Signal, as_response, as_signal
 from suspid.units import ComplexArray, Hertz, RealArray
+from suspid.wavelets.scalogram import CUT, ENTROPY_CUT, Morlet, transform
 from validation import cars
 from validation.peer_methods import mwdi
 from validation.peer_skeletons import RATE

@@ -10,10 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from suspid import Suspension, add_noise, eigenmodes, free_decay, identify, quarter_car
-from suspid.modes import ModalSet
-from suspid.reconstruction import Reconstruction, reconstruct
-from suspid.springs.unknowns import parameter_names, parameter_vector
-from suspid.suspension import state_matrix
+from suspid.model.modes import ModalSet
+from suspid.model.suspension import state_matrix
+from suspid.reconstruction.reconstruct import Reconstruction, reconstruct
+from suspid.reconstruction.unknowns import parameter_names, parameter_vector
 from suspid.units import RealArray
 from suspid.values import frozen_real, text_table
 from validation.cars import HATCHBACK, PAPER, SALOON

@@ -30,17 +30,17 @@ from suspid import (
     quarter_car,
     statespace,
 )
-from suspid.denoising import denoise
 from suspid.signals import as_response
 from suspid.units import Decibel, Hertz, RealArray, Second
 from suspid.values import frozen_real
+from suspid.wavelets.denoise import denoise
 from validation.bounds import Bound, cramer_rao, decay_amplitudes
 from validation.table2 import CASES, Case
 
 if TYPE_CHECKING:
     import control
 
-    from suspid.identification import Method
+    from suspid.identification.identify import Method
 
 RATE: Hertz = 500.0
 DURATION: Second = 10.0

@@ -1,0 +1,172 @@
+"""Gaps: runs of missing samples, filled where the record itself shows that it errs little."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from suspid.cleaning.findings import Finding
+from suspid.units import RealArray
+from suspid.values import frozen_real
+
+Flags: TypeAlias = NDArray[np.bool_]
+
+# The longest gap that is filled [samples].
+LONGEST = 20
+# The error of filling, as a share of the channel's motion, and how much larger than that of one sample it may be.
+TOLERATED, WORSE = 0.05, 1.5
+# Samples on each side of a gap over which its error is measured.
+NEARBY = 200
+# Share of a channel that may be filled.
+MOST_FILLED = 0.1
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Filled:
+    """A channel with its short gaps filled.
+
+    Parameters
+    ----------
+    values : ndarray (sample,)
+        NaN where a gap was left.
+    findings : tuple of Finding
+        What was filled, with the error of it.
+    """
+
+    values: RealArray
+    findings: tuple[Finding, ...]
+
+
+def runs(flags: Flags) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Return where runs of true begin and where they have ended.
+
+    Examples
+    --------
+    >>> first, after = runs(np.array([True, False, True, True]))
+    >>> first.tolist(), after.tolist()
+    ([0, 2], [1, 4])
+    """
+    edges = np.diff(np.concatenate([[0], flags.astype(np.int8), [0]]))
+    return np.flatnonzero(edges > 0), np.flatnonzero(edges < 0)
+
+
+def fill(name: str, times: RealArray, values: RealArray) -> Filled:
+    """Return a channel with its short gaps filled, and by how much that errs.
+
+    A gap is filled by the cubic through two samples on each side, or by the line through one on each,
+    whichever errs less. The error is measured: samples nearby are predicted in the same way from
+    theirs, as if they were missing. A gap of one sample is always filled; a longer one if the error
+    is below a twentieth of the channel's motion or little more than that of one sample (which is noise).
+    A sinusoid bears gaps of about a third of its period; what has no structure bears few samples.
+    Gaps at the ends are left.
+
+    Parameters
+    ----------
+    name : str
+        The channel.
+    times, values : ndarray (sample,)
+        Uniform times [s] and samples, NaN where missing.
+
+    Examples
+    --------
+    >>> t = np.arange(200) / 100
+    >>> values = np.sin(10 * t)
+    >>> values[50:53] = np.nan
+    >>> filled = fill("seat", t, values)
+    >>> f"{np.max(np.abs(filled.values - np.sin(10 * t))):.0e}"
+    '1e-04'
+    """
+    missing = np.isnan(values)
+    if np.sum(~missing) < 4:
+        return Filled(values=values, findings=())
+    first, after = runs(missing)
+    inner = (first >= 1) & (after <= values.size - 1)
+    first, after = first[inner], after[inner]
+    if not first.size:
+        return Filled(values=values, findings=())
+    motion = float(np.std(values[~missing]))
+    better = values.copy()
+    errors: list[float] = []
+    where: list[RealArray] = []
+    one = _errors(values, 1, first)
+    for length in np.unique(after - first):
+        if length > LONGEST:
+            continue
+        chosen = np.flatnonzero(after - first == length)
+        cubic, line = _errors(values, int(length), first[chosen])
+        single = np.min([error[chosen] for error in one], axis=0)
+        error = np.minimum(cubic, line)
+        allowed = (error <= TOLERATED * motion + WORSE * single) if length > 1 else np.ones(chosen.size, bool)
+        for k, by_line, err in zip(chosen[allowed], (line < cubic)[allowed], error[allowed], strict=True):
+            gap = slice(first[k], after[k])
+            better[gap] = _bridge(values, int(first[k]), int(after[k]), by_line=bool(by_line))
+            errors.append(float(err))
+            where.append(times[gap])
+    if not where:
+        return Filled(values=values, findings=())
+    at = np.concatenate(where)
+    rms = float(np.sqrt(np.mean(np.square(errors))))
+    share = f" ({100 * rms / motion:.2g} % of its rms motion)" if motion > 0 else ""
+    text = (
+        f"{at.size} samples are missing in {len(where)} gaps of up to {max(map(len, where))}; filled by interpolation, "
+        f"with an error of {rms:.2g} rms{share}"
+    )
+    finding = Finding(
+        kind="missing",
+        channel=name,
+        start=float(np.min(at)),
+        stop=float(np.max(at)),
+        samples=at.size,
+        text=text,
+        repaired=True,
+    )
+    return Filled(values=frozen_real(better), findings=(finding,))
+
+
+def _errors(values: RealArray, length: int, gaps: NDArray[np.intp]) -> tuple[RealArray, RealArray]:
+    """Return the rms errors of filling gaps of a length beside the given ones, by the cubic and by the line."""
+    count = values.size - length - 3
+    if count < 1:
+        return np.full(gaps.size, np.inf), np.full(gaps.size, np.inf)
+    pieces = [values[i : i + count] for i in (0, 1, length + 2, length + 3)]
+    cubic, line = np.zeros(count), np.zeros(count)
+    for inside in range(2, length + 2):
+        true = values[inside : inside + count]
+        weights = _lagrange(np.array([0.0, 1.0, length + 2.0, length + 3.0]), float(inside))
+        cubic += (true - sum(w * piece for w, piece in zip(weights, pieces, strict=True))) ** 2 / length
+        share = (inside - 1) / (length + 1)
+        line += (true - (1 - share) * pieces[1] - share * pieces[2]) ** 2 / length
+    known = np.isfinite(cubic)
+    if not np.any(known):
+        return np.full(gaps.size, np.inf), np.full(gaps.size, np.inf)
+    low, high = np.clip(gaps - NEARBY, 0, count), np.clip(gaps + NEARBY, 0, count)
+    number = np.concatenate([[0], np.cumsum(known)])
+    found = []
+    for squared in (cubic, line):
+        total = np.concatenate([[0.0], np.cumsum(np.where(known, squared, 0.0))])
+        places = number[high] - number[low]
+        mean = np.where(places > 10, (total[high] - total[low]) / np.maximum(places, 1), total[-1] / number[-1])
+        found.append(np.sqrt(np.maximum(mean, 0.0)))
+    return found[0], found[1]
+
+
+def _bridge(values: RealArray, first: int, after: int, *, by_line: bool) -> RealArray:
+    """Return the samples of one gap from the nearest known ones."""
+    before = [k for k in range(first - 1, max(-1, first - 4), -1) if np.isfinite(values[k])][:2]
+    behind = [k for k in range(after, min(values.size, after + 3)) if np.isfinite(values[k])][:2]
+    if by_line or len(before) < 2 or len(behind) < 2:
+        before, behind = before[:1], behind[:1]
+    known = np.array([*before[::-1], *behind])
+    return np.array([_lagrange(known - float(k), 0.0) @ values[known] for k in range(first, after)])
+
+
+def _lagrange(knots: RealArray, at: float) -> RealArray:
+    """Return the weights of the values at the knots in the polynomial through them."""
+    apart = knots[:, None] - knots[None, :]
+    np.fill_diagonal(apart, 1.0)
+    ahead = np.tile(at - knots, (knots.size, 1))
+    np.fill_diagonal(ahead, 1.0)
+    return np.asarray(np.prod(ahead, axis=1) / np.prod(apart, axis=1))

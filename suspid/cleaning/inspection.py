@@ -1,0 +1,266 @@
+"""Suspect samples: values that no sensor gives, and stretches in which a channel does not say what moves."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from suspid.cleaning.findings import Finding
+from suspid.units import RealArray
+from suspid.values import frozen_real
+
+# So many samples on end at the largest value, left by a jump, are clipped.
+CLIPPED = 3
+# Among so many samples on each side equal ones are counted: a run that these make likely is none.
+BESIDE, CHANCE = 20, 1e-3
+# Values that stand for no value in the files of loggers.
+MARKS = (-9999.0, 9999.0, -999.0, 999.0, -99999.0, 99999.0, -999999.0, 999999.0)
+FULL_SCALE = tuple(
+    float(sign * 2**bits + shift) for bits in (15, 16, 23, 24, 31, 32) for sign in (-1, 1) for shift in (-1, 0, 1)
+)
+# No quantity in SI units is as large as this.
+IMPOSSIBLE = 1e30
+# How far beyond the range of all other samples a value lies that cannot be motion: any value, and one that is a mark.
+BEYOND, MARK_BEYOND = 3.0, 0.25
+# A channel of fewer levels than this is a switch or a counter: a far value is one of its states.
+FEWEST_LEVELS = 3
+# So many equal samples on end, entered and left by a jump, are a dropout.
+FROZEN = 4
+# Share of the line in a channel's variance, of ten blocks how many must go its way, for a drift.
+DRIFTING, BLOCKS, ONE_WAY = 0.6, 10, 8
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Inspected:
+    """A channel with the samples that cannot be its own struck out.
+
+    Parameters
+    ----------
+    values : ndarray (sample,)
+        NaN where there was no number or an impossible one.
+    findings : tuple of Finding
+        What was met.
+    """
+
+    values: RealArray
+    findings: tuple[Finding, ...]
+
+
+def inspect(name: str, times: RealArray, values: RealArray) -> Inspected:
+    """Return a channel without impossible samples, and what was met in it.
+
+    Struck out are infinities, sentinels and short frozen stretches. Clipping, long frozen
+    stretches, offsets and drifts are only reported.
+
+    Parameters
+    ----------
+    name : str
+        The channel.
+    times, values : ndarray (sample,)
+        Increasing stamps [s] and samples.
+
+    Examples
+    --------
+    >>> t = np.arange(100) / 100
+    >>> values = np.sin(20 * t)
+    >>> values[40] = -9999.0
+    >>> print(inspect("seat", t, values).findings[0])
+    sentinel, channel 'seat' at 0.4 s: 1 sample at -9999, far from all others (...); taken as missing
+    """
+    findings: list[Finding] = []
+    whole = possible(values)
+    huge = np.flatnonzero(np.abs(values) >= IMPOSSIBLE) if whole is not values else np.empty(0, np.intp)
+    if huge.size:
+        text = f"{huge.size} samples are infinite or above {IMPOSSIBLE:g}; taken as missing"
+        findings.append(_finding("sentinel", name, times[huge], huge.size, text, repaired=True))
+    mended = _without_sentinels(name, times, whole, findings)
+    if np.sum(~np.isnan(mended)) >= 8:
+        findings += _clipping(name, *_known(times, mended))
+        mended = _without_frozen(name, times, mended, findings)
+        findings += _level(name, *_known(times, mended))
+    kept = mended is values and not values.flags.writeable
+    return Inspected(values=values if kept else frozen_real(mended), findings=tuple(findings))
+
+
+def possible(values: RealArray) -> RealArray:
+    """Return the samples with NaN for what no sensor gives: infinities and the hugest numbers."""
+    # Of samples among which one is missing the largest is NaN.
+    if values.size and np.min(values) > -IMPOSSIBLE and np.max(values) < IMPOSSIBLE:
+        return values
+    return np.where(np.abs(values) < IMPOSSIBLE, values, np.nan)
+
+
+def _known(times: RealArray, values: RealArray) -> tuple[RealArray, RealArray]:
+    """Return stamps and samples without those that are missing."""
+    missing = np.isnan(values)
+    return (times[~missing], values[~missing]) if np.any(missing) else (times, values)
+
+
+def clipped_run(samples: RealArray, *, largest: bool) -> tuple[int, int] | None:
+    """Return the first sample of the longest run at the largest or smallest value and its length, if it is clipped.
+
+    A slow crest in coarse steps stays at its value too, but comes and goes by single steps.
+    """
+    limit = np.max(samples) if largest else np.min(samples)
+    at = np.flatnonzero(samples == limit)
+    starts = np.flatnonzero(np.diff(at, prepend=-9) > 1)
+    lengths = np.diff(np.append(starts, len(at)))
+    longest = int(np.argmax(lengths))
+    first, count = int(at[starts[longest]]), int(lengths[longest])
+    after = first + count
+    if count < CLIPPED or count > 0.5 * len(samples):
+        return None
+    steps = np.abs(np.diff(samples))
+    # What begins with a jump and is left slowly was released from rest.
+    jump = abs(limit - samples[after] if after < len(samples) else limit - samples[first - 1])
+    if jump <= 3 * np.min(steps[steps > 0]) + 1e-3 * np.ptp(samples):
+        return None
+    # Noise of a few steps of the converter repeats a value by chance.
+    near = slice(max(0, first - BESIDE), after + BESIDE)
+    others = steps[near][samples[near][: steps[near].size] != limit]
+    chance = (np.sum(others == 0) + 1) / (others.size + 2)
+    return (first, count) if chance ** (count - 1) < CHANCE else None
+
+
+def _without_sentinels(name: str, times: RealArray, values: RealArray, findings: list[Finding]) -> RealArray:
+    for _ in range(6):
+        some = _known(times, values)[1]
+        if some.size < 8:
+            break
+        limit = _sentinel(some)
+        if limit is None:
+            break
+        at = np.flatnonzero(values == limit)
+        others = some[some != limit]
+        text = (
+            f"{at.size} sample{'s' if at.size > 1 else ''} at {limit:.6g}, far from all others ({np.min(others):.4g} "
+            f"to {np.max(others):.4g}); taken as missing"
+        )
+        findings.append(_finding("sentinel", name, times[at], at.size, text, repaired=True))
+        values = np.where(values == limit, np.nan, values)
+    return values
+
+
+def _sentinel(some: RealArray) -> float | None:
+    """Return the extreme value that cannot be motion, or None."""
+    for limit in (float(np.max(some)), float(np.min(some))):
+        others = some[some != limit]
+        count = some.size - others.size
+        low, high = (float(np.min(others)), float(np.max(others))) if others.size else (limit, limit)
+        beyond = min(abs(limit - low), abs(limit - high))
+        spread = high - low
+        marked = limit in MARKS or limit in FULL_SCALE
+        if others.size < 8 or spread == 0 or beyond <= (MARK_BEYOND if marked else BEYOND) * spread:
+            continue
+        at = np.flatnonzero(some == limit)
+        inside = at[(at > 0) & (at < some.size - 1)]
+        # The first sample of a blow, and what stands before one, are far from what follows, but are motion.
+        alone = inside.size > 0 and bool(np.all(np.diff(at) > 1) or limit == 0)
+        if (marked or alone) and count < 0.5 * some.size and _levels(others) >= FEWEST_LEVELS:
+            return limit
+    return None
+
+
+def _levels(samples: RealArray) -> int:
+    return int(np.unique(samples[:4096]).size)
+
+
+def _clipping(name: str, times: RealArray, samples: RealArray) -> list[Finding]:
+    findings = []
+    if np.ptp(samples) > 0:
+        for largest, word in ((True, "largest"), (False, "smallest")):
+            run = clipped_run(samples, largest=largest)
+            if run is not None and run[0] > 0 and run[0] + run[1] < samples.size:
+                at = np.flatnonzero(samples == samples[run[0]])
+                text = (
+                    f"{at.size} samples stand at its {word} value {samples[run[0]]:.6g}, {run[1]} of them on end from "
+                    f"{times[run[0]]:.6g} s: clipped; not repaired, cut the record after {times[at[-1]]:.6g} s or "
+                    f"leave the channel out"
+                )
+                findings.append(_finding("clipped", name, times[at], at.size, text, repaired=False))
+    return findings
+
+
+def _without_frozen(name: str, times: RealArray, values: RealArray, findings: list[Finding]) -> RealArray:
+    """Strike out short runs of one value that are entered and left by a jump; report longer ones."""
+    whole = not np.any(np.isnan(values))
+    good = np.arange(values.size) if whole else np.flatnonzero(~np.isnan(values))
+    samples = values if whole else values[good]
+    change = np.flatnonzero(samples[1:] != samples[:-1]) + 1
+    # A run is made of samples that equal the one before.
+    if change.size < 8 or samples.size - 1 - change.size < FROZEN - 1:
+        return values
+    starts, stops = np.concatenate([[0], change]), np.concatenate([change, [samples.size]])
+    lengths = stops - starts
+    steps = np.abs(np.diff(samples))
+    quantum = float(np.min(steps[steps > 0]))
+    usual = lengths[1:-1]
+    if usual.size and np.median(usual) >= 2 and np.mean(usual == np.median(usual)) > 0.9:
+        text = f"each value stands {np.median(usual):.0f} samples: it is written more often than it is measured"
+        findings.append(_finding("held samples", name, times[good], samples.size, text, repaired=False))
+        return values
+    inner = np.flatnonzero(lengths >= FROZEN)
+    inner = inner[(inner > 0) & (inner < lengths.size - 1)]
+    left, right = samples[starts[inner] - 1], samples[stops[inner] % samples.size]
+    entered, released = np.abs(samples[starts[inner]] - left), np.abs(right - samples[starts[inner]])
+    # A crest in coarse steps is left by single steps; a frozen value by what the motion did meanwhile.
+    far = 5 * quantum
+    inner, entered, released = inner[released > far], entered[released > far], released[released > far]
+    around = np.array([_pace(samples, int(starts[k]), int(stops[k])) for k in inner]).reshape(-1)
+    zero = (
+        (samples[starts[inner]] == 0)
+        & (entered > np.maximum(far, 4 * around))
+        & (released > np.maximum(far, 4 * around))
+    )
+    by_chance = samples.size * (0.27 * quantum / np.maximum(around, quantum)) ** (lengths[inner] - 1.0)
+    held = (released > np.maximum(far, 2 * around)) & (around > far) & (by_chance < CHANCE)
+    extreme = (samples[starts[inner]] == np.max(samples)) | (samples[starts[inner]] == np.min(samples))
+    bad = inner[zero | (held & ~extreme)]
+    if not bad.size:
+        return values
+    where = np.concatenate([good[starts[k] : stops[k]] for k in bad])
+    longest = int(np.max(lengths[bad]))
+    what = "zero" if np.all(samples[starts[bad]] == 0) else "one value"
+    text = (
+        f"{bad.size} stretches of exactly {what}, up to {longest} samples long, broken off by a jump; taken as missing"
+    )
+    findings.append(_finding("dropout", name, times[where], where.size, text, repaired=True))
+    cleared = values.copy()
+    cleared[where] = np.nan
+    return cleared
+
+
+def _pace(samples: RealArray, start: int, stop: int) -> float:
+    """Return the median step between samples beside a run."""
+    length = max(8, stop - start)
+    beside = np.concatenate([np.diff(samples[max(0, start - length) : start]), np.diff(samples[stop : stop + length])])
+    return float(np.median(np.abs(beside))) if beside.size else 0.0
+
+
+def _level(name: str, times: RealArray, samples: RealArray) -> list[Finding]:
+    """Report an offset that is larger than all motion, and a drift that is."""
+    findings: list[Finding] = []
+    spread = float(np.ptp(samples))
+    if spread > 0 and samples.size >= 8 * BLOCKS:
+        x = np.linspace(-0.5, 0.5, samples.size)
+        about = (samples - np.mean(samples)) / spread
+        slope = spread * float(np.sum(x * about) / np.sum(x**2))
+        explained = (slope / spread) ** 2 * float(np.mean(x**2) / np.mean(about**2))
+        if explained > DRIFTING and _goes_one_way(samples, slope):
+            text = f"it drifts by {slope:.3g} over the record, more than it moves otherwise; left as it is"
+            findings.append(_finding("drift", name, times[[0, -1]], samples.size, text, repaired=False))
+    if np.min(samples) * np.max(samples) > 0 and abs(middle := float(np.median(samples))) > spread > 0:
+        text = f"it moves about {middle:.4g}, by {spread:.3g} from end to end; left as it is"
+        findings.append(_finding("offset", name, times[[0, -1]], samples.size, text, repaired=False))
+    return findings
+
+
+def _goes_one_way(samples: RealArray, slope: float) -> bool:
+    blocks = np.array([np.median(block) for block in np.array_split(samples, BLOCKS)])
+    return bool(np.sum(np.sign(np.diff(blocks)) == np.sign(slope)) >= ONE_WAY)
+
+
+def _finding(kind: str, name: str, where: RealArray, samples: int, text: str, *, repaired: bool) -> Finding:
+    start, stop = float(np.min(where)), float(np.max(where))
+    return Finding(kind=kind, channel=name, start=start, stop=stop, samples=samples, text=text, repaired=repaired)

@@ -1,0 +1,99 @@
+"""Ordering: rows doubled, swapped or wrongly stamped, brought into one order of time."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from suspid.cleaning.findings import Finding, of_time
+from suspid.cleaning.stamps import FEW, Indices, line, resolution
+from suspid.errors import RecordError
+from suspid.units import RealArray
+
+# How far out of order a row may be.
+FAR = 8
+# No stamp is later than this [s].
+LATEST = 1e15
+
+
+def stamped(stamps: RealArray) -> tuple[Indices, tuple[Finding, ...]]:
+    """Return the rows whose stamp is a number."""
+    rows = np.flatnonzero(np.abs(stamps) < LATEST)
+    lost = stamps.size - rows.size
+    if rows.size < 2 or lost > max(1, 0.1 * stamps.size):
+        raise RecordError(
+            f"{lost} of {stamps.size} time stamps are no times; mend the column of time, or give fs alone"
+        )
+    if not lost:
+        return rows, ()
+    text = f"{lost} rows without a time stamp were dropped"
+    return rows, (of_time("no stamp", stamps[rows][[0, -1]], lost, text),)
+
+
+def ordered(stamps: RealArray, values: RealArray, rows: Indices) -> tuple[RealArray, Indices, tuple[Finding, ...]]:
+    """Return stamps that increase, and the rows they belong to."""
+    findings: list[Finding] = []
+    times = stamps[rows]
+    same = np.flatnonzero(np.diff(times) == 0) + 1
+    if same.size:
+        now, before = values[:, rows[same]], values[:, rows[same - 1]]
+        same = same[np.all((now == before) | (np.isnan(now) & np.isnan(before)), axis=0)]
+    if same.size:
+        text = f"{same.size} rows stand twice, stamp and samples alike; one of each was dropped"
+        findings.append(of_time("repeated rows", times[same], same.size, text))
+        rows, times = np.delete(rows, same), np.delete(times, same)
+    if times.size < 3:
+        raise RecordError(f"only {times.size} rows with different time stamps are left; a record needs more")
+    if np.all(np.diff(times) > 0):
+        return times, rows, tuple(findings)
+    order = np.argsort(times, kind="stable")
+    moved = np.flatnonzero(order != np.arange(order.size))
+    near = moved.size <= max(4, FEW * rows.size) and np.all(np.abs(order - np.arange(order.size)) <= FAR)
+    if moved.size and near and np.all(np.diff(times[order]) > 0.5 * np.median(np.diff(times))):
+        text = f"{moved.size} rows stand in the wrong order of time; they were sorted by their stamps"
+        findings.append(of_time("swapped rows", times[order][moved], moved.size, text))
+        return times[order], rows[order], tuple(findings)
+    mended = _wrongly_stamped(times)
+    if mended is not None:
+        wrong = np.flatnonzero(mended != times)
+        text = (
+            f"{wrong.size} stamps are out of line with all others, the first {times[wrong[0]]:g} s; their rows "
+            f"were taken to follow the rows before them"
+        )
+        findings.append(of_time("wrong stamps", mended[wrong], wrong.size, text))
+        return mended, rows, tuple(findings)
+    raise RecordError(_disordered(times))
+
+
+def _wrongly_stamped(times: RealArray) -> RealArray | None:
+    """Return the stamps with the few that are out of line replaced, or None if that does not explain them."""
+    index = np.arange(times.size)
+    start, step, _ = line(index, times)
+    if step <= 0:
+        return None
+    # The tolerance is below half a step: a row that is missing or too many shows in all that follow.
+    there = start + step * index
+    wrong = np.abs(times - there) > 0.3 * step + 0.5 * resolution(times)
+    if np.sum(wrong) > max(2, FEW * times.size):
+        return None
+    mended = np.where(wrong, there, times)
+    return mended if np.all(np.diff(mended) > 0) else None
+
+
+def _disordered(times: RealArray) -> str:
+    back = np.flatnonzero(np.diff(times) < 0)
+    if not back.size:
+        same = np.flatnonzero(np.diff(times) == 0)
+        return (
+            f"{same.size} stamps stand twice with different samples, the first is t = {times[same[0]]:g} s, and they "
+            f"are not merely rounded: which sample is right cannot be told; remove one of each, or give fs alone if "
+            f"the rows are regular"
+        )
+    edges = np.concatenate([[0], back + 1, [times.size]])
+    longest = int(np.argmax(np.diff(edges)))
+    first, last = edges[longest], edges[longest + 1] - 1
+    k = back[0]
+    return (
+        f"time runs backwards at {back.size} of {times.size} rows, the first after row {k + 1} (from {times[k]:g} s to "
+        f"{times[k + 1]:g} s): the clock restarted, or the file is several recordings; the longest that runs forwards "
+        f"is rows {first + 1} to {last + 1}, {times[first]:g} to {times[last]:g} s; keep one of them in the file"
+    )

@@ -1,0 +1,99 @@
+"""Read a file as a record: read, then cleaned."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from suspid.cleaning.clean import clean
+from suspid.errors import RecordError, RecordWarning
+from suspid.files import printable
+from suspid.io import read_recording
+from suspid.units import Hertz
+
+if TYPE_CHECKING:
+    import control
+
+# What of a file was lost, and not merely passed over.
+DAMAGE = ("is cut short", "is not UTF-8")
+
+
+def read_record(
+    path: str | os.PathLike[str],
+    *,
+    channels: Sequence[str] | str | None = None,
+    time: str | None = None,
+    fs: Hertz | None = None,
+    dbc: str | os.PathLike[str] | None = None,
+) -> control.TimeResponseData:
+    r"""Return the record that a file holds.
+
+    Its channels are read by `read_recording` and made sound by `suspid.cleaning.clean`; whatever was repaired,
+    left out or merely met is told as a `RecordWarning`.
+
+    Text (``.csv``, ``.txt``, ``.tsv``, ``.dat``, ``.log``, ``.asc``): a sample a line, in UTF-8, UTF-16 or
+    Windows-1252. What parts the cells, the sign before decimals, header, units, and lines that are no samples are
+    found out; without a header the columns are named ``column 1``, ``column 2`` …. MATLAB (``.mat``) and HDF5
+    (``.h5``, ``.hdf5``): every real vector, and every column of a matrix, is a column, those of a structure by
+    dotted names; a number named like ``Fs`` or ``dt`` is the rate. Further: Parquet (``.parquet``, ``.pq``),
+    universal files (``.uff``, ``.unv``, ``.uf``, ``.58``), TDMS (``.tdms``), ASAM MDF (``.mf4``, ``.mdf``,
+    ``.dat``), and WAV (``.wav``, ``.wave``); what some of them need is named where it is missing. A file of another
+    name is read if its first bytes say what it is.
+
+    Parameters
+    ----------
+    path : str or path
+        The file; its suffix says what it is.
+    channels : sequence of str, optional
+        Columns to take. Default: all but time that are as long as time.
+    time : str, optional
+        The column of time. Default: the one named like a time (``t``, ``time [s]``, ``t_ms``, …).
+        A unit in its name is obeyed: the response is in seconds.
+    fs : float, optional
+        Sampling rate [Hz]. Without a column of time, the record starts at 0. Beside one, the stamps must
+        agree with it to within their own rounding; the grid of ``fs`` then stands in for them.
+    dbc : str or path, optional
+        Database that decodes the raw CAN frames of an MDF file.
+
+    Returns
+    -------
+    control.TimeResponseData
+        Outputs (channel, sample), in the units of the file, on a uniform clock.
+
+    Raises
+    ------
+    RecordError
+        If the file cannot be read as what its suffix says, a column is not there or holds text, time is not
+        found or at odds with ``fs``, or what is wrong cannot be repaired safely. The message begins with the name
+        of the file.
+
+    Warns
+    -----
+    RecordWarning
+        For each thing that was repaired, left out, or met in the record.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = Path(folder, "bump.csv")
+    ...     _ = path.write_text("time [ms],seat,chassis\n0,0.0,1.0\n2,0.5,0.8\n4,0.4,0.6\n")
+    ...     record = read_record(path, channels=["chassis"])
+    >>> record.time
+    array([0.   , 0.002, 0.004])
+    >>> record.output_labels, record.y
+    (['chassis'], array([[1. , 0.8, 0.6]]))
+    """
+    recording = read_recording(path, channels=channels, time=time, fs=fs, dbc=dbc)
+    try:
+        cleaned = clean(recording, channels=None if channels is None else recording.names, fs=fs)
+    except RecordError as error:
+        raise RecordError(f"{printable(str(path))}: {error}") from None
+    damaged = [f"{what} {why}" for what, why in recording.left_out if why.startswith(DAMAGE)]
+    found = [f"{finding.channel or 'time'}: {finding.kind}: {finding.text}" for finding in cleaned.findings]
+    for text in (*damaged, *found):
+        warnings.warn(f"{printable(str(path))}: {printable(text)}", RecordWarning, stacklevel=2)
+    return cleaned.record

@@ -1,0 +1,259 @@
+"""Sensors: units, signs and scales, and the vertical in a tilted accelerometer."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from suspid.cleaning.conversions import STANDARD_GRAVITY
+from suspid.cleaning.conversions import to_si as to_si
+from suspid.errors import InputError, RecordError
+from suspid.files import printable
+from suspid.signals import Signal, as_response, as_signal
+from suspid.units import Ratio, RealArray
+from suspid.values import frozen_real, nearest_names
+
+if TYPE_CHECKING:
+    import control
+
+# What is measured at rest is gravity if it is that of the earth to within this share.
+GRAVITY = 0.15
+# Parts of the record over which the spread of a direction is counted.
+BLOCKS = 20
+# Gravity and the motion agree if they are no further apart than this, or than three standard deviations [deg].
+AGREE = 10.0
+
+
+def scaled(response: control.TimeResponseData, factors: Mapping[str, float]) -> control.TimeResponseData:
+    """Return a record with some channels multiplied: a sign, a sensitivity, a unit.
+
+    Parameters
+    ----------
+    response : control.TimeResponseData
+        The record.
+    factors : mapping of str to float
+        Factor by channel; the other channels stay as they are.
+
+    Raises
+    ------
+    InputError
+        If a channel is not there, or a factor is zero or not finite.
+
+    Examples
+    --------
+    >>> record = as_response(np.arange(3) / 10, np.array([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]), ["seat", "tire"])
+    >>> scaled(record, {"tire": -0.5}).y
+    array([[ 1. ,  2. ,  3. ],
+           [-2. , -2.5, -3. ]])
+    """
+    signal = as_signal(response)
+    for name, factor in factors.items():
+        if name not in signal.channels:
+            raise InputError(f"there is no channel {name!r}.{nearest_names(name, signal.channels)}")
+        if not np.isfinite(factor) or factor == 0:
+            raise InputError(f"the factor of channel {name!r}, {factor}, must be finite and not zero")
+    by = np.array([factors.get(name, 1.0) for name in signal.channels])
+    title = getattr(response, "title", None) or ""
+    return as_response(np.asarray(response.time), signal.values * by[:, None], signal.channels, title=title)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Vertical:
+    """Where up is in a sensor of three axes, and how well that is known.
+
+    Parameters
+    ----------
+    axes : tuple of str
+        The three channels.
+    by : {"gravity", "motion"}
+        What was taken as the vertical.
+    up : ndarray (axis,)
+        Unit vector along which the record was taken.
+    std_deg : float
+        Standard deviation of its direction, per plane [deg].
+    gravity : float
+        Length of the mean of the three channels, in their unit: of gravity where that is measured.
+    gravity_unit : str
+        "m/s2" or "g" where the length is that of gravity, else empty.
+    principal : ndarray (axis,)
+        Unit vector of the largest motion, pointing up where gravity tells.
+    principal_std_deg : float
+        Standard deviation of its direction, per plane [deg].
+    explained, principal_explained : float
+        Share of the variance of the motion along ``up`` and along ``principal``.
+    """
+
+    axes: tuple[str, ...]
+    by: Literal["gravity", "motion"]
+    up: RealArray
+    std_deg: float
+    gravity: float
+    gravity_unit: str
+    principal: RealArray
+    principal_std_deg: float
+    explained: Ratio
+    principal_explained: Ratio
+
+    @property
+    def nearest_axis(self) -> str:
+        """The channel that is nearest to the vertical."""
+        return self.axes[int(np.argmax(np.abs(self.up)))]
+
+    @property
+    def tilt_deg(self) -> float:
+        """Angle between the vertical and that axis [deg]."""
+        return _angle(self.up, np.eye(3)[int(np.argmax(np.abs(self.up)))])
+
+    @property
+    def apart_deg(self) -> float:
+        """Angle between the vertical and the axis of the largest motion [deg]."""
+        return _angle(self.up, self.principal)
+
+    @property
+    def agree(self) -> bool:
+        """Whether gravity and the motion point the same way, to 10 degrees or three standard deviations."""
+        return self.apart_deg <= max(AGREE, 3 * float(np.hypot(self.std_deg, self.principal_std_deg)))
+
+    def __str__(self) -> str:
+        parts = ", ".join(f"{u:+.4f} {printable(name)}" for u, name in zip(self.up, self.axes, strict=True))
+        lines = [
+            f"up: {parts}, by {self.by}; {self.tilt_deg:.2f} ± {self.std_deg:.2g} deg off "
+            f"{printable(self.nearest_axis)}; {100 * self.explained:.1f} % of the motion is along it"
+        ]
+        if self.gravity_unit:
+            lines.append(f"gravity: {self.gravity:.4g} {self.gravity_unit}, taken away")
+        else:
+            lines.append(
+                f"gravity: not measured (the mean of the three channels is {self.gravity:.4g}); up may be down"
+            )
+        lines.append(
+            f"largest motion: {100 * self.principal_explained:.1f} % along an axis {self.apart_deg:.2f} deg from up: "
+            f"{'they agree' if self.agree else 'they do not agree: the motion is not mainly vertical'}"
+        )
+        return "\n".join(lines)
+
+
+def vertical(
+    response: control.TimeResponseData,
+    axes: Sequence[str] | None = None,
+    *,
+    name: str = "vertical",
+    by: Literal["gravity", "motion"] | None = None,
+) -> tuple[control.TimeResponseData, Vertical]:
+    """Return the vertical motion that a tilted accelerometer of three axes has measured.
+
+    At rest an accelerometer shows gravity, pointing up. Where the mean of the three channels is as long as
+    gravity, in m/s2 or in g, its direction is the vertical, it is taken away, and up is positive. Else the
+    vertical is the axis of the largest motion (the first eigenvector of the covariance), positive where
+    its largest component is.
+
+    Parameters
+    ----------
+    response : control.TimeResponseData
+        The record.
+    axes : sequence of str, optional
+        Three channels at right angles, in one unit. Default: the channels, if they are three.
+    name : str
+        Name of the new channel.
+    by : {"gravity", "motion"}, optional
+        What to take as the vertical. Default: gravity where it is measured.
+
+    Returns
+    -------
+    control.TimeResponseData
+        One channel.
+    Vertical
+        Direction, tilt, what it explains, and how far gravity and motion agree.
+
+    Raises
+    ------
+    RecordError
+        If there are not three axes, nothing moves, or gravity is asked for but not measured.
+
+    Examples
+    --------
+    >>> t = np.arange(2000) / 200
+    >>> bounce = np.exp(-t) * np.sin(10 * t)
+    >>> tilt = np.radians(20)
+    >>> three = np.array([0 * t, np.sin(tilt) * (9.81 + bounce), np.cos(tilt) * (9.81 + bounce)])
+    >>> up, found = vertical(as_response(t, three, ["x", "y", "z"]))
+    >>> round(found.tilt_deg, 2), found.nearest_axis, found.gravity_unit, found.agree
+    (20.0, 'z', 'm/s2', True)
+    >>> bool(np.std(up.y[0] - bounce) < 1e-9)
+    True
+    """
+    signal = as_signal(response, least=2 * BLOCKS)
+    values, names = _three(signal, axes)
+    if by not in (None, "gravity", "motion"):
+        raise InputError(f"{by=} is unknown; it is 'gravity' or 'motion'")
+    mean = values.mean(axis=1)
+    motion = values - mean[:, None]
+    power = motion @ motion.T / values.shape[1]
+    if np.trace(power) <= 1e-24 * float(mean @ mean):
+        raise RecordError(f"nothing moves in {', '.join(map(repr, names))}")
+    shares, directions = np.linalg.eigh(power)
+    length = float(np.linalg.norm(mean))
+    unit = next((u for u, g in (("m/s2", STANDARD_GRAVITY), ("g", 1.0)) if abs(length / g - 1) <= GRAVITY), "")
+    if by == "gravity" and not unit:
+        raise RecordError(
+            f"gravity is not measured: the mean of {', '.join(map(repr, names))} is {length:.4g}, neither 9.81 (m/s2) "
+            f"nor 1 (g) to within {100 * GRAVITY:.0f} %; convert the unit, or take by='motion'"
+        )
+    principal = directions[:, -1]
+    towards = float(mean @ principal) if unit else float(principal[np.argmax(np.abs(principal))])
+    principal = principal * (1.0 if towards >= 0 else -1.0)
+    # An eigenvector turns by what is shared with the others over how far their eigenvalues lie below.
+    below = float(shares[-1] - np.mean(shares[:2])) * values.shape[1]
+    spread = _std_deg(principal @ motion, motion, principal, power=below) if below > 0 else 90.0
+    used = by or ("gravity" if unit else "motion")
+    up = mean / length if used == "gravity" else principal
+    found = Vertical(
+        axes=names,
+        by=used,
+        up=frozen_real(up),
+        std_deg=_std_deg(np.full(values.shape[1], length), motion, up, power=length**2 * values.shape[1])
+        if used == "gravity"
+        else spread,
+        gravity=length,
+        gravity_unit=unit,
+        principal=frozen_real(principal),
+        principal_std_deg=spread,
+        explained=float(up @ power @ up / np.trace(power)),
+        principal_explained=float(shares[-1] / np.sum(shares)),
+    )
+    along = up @ (motion if unit else values)
+    return as_response(
+        np.asarray(response.time), along[None], [name], title=getattr(response, "title", None) or ""
+    ), found
+
+
+def _three(signal: Signal, axes: Sequence[str] | None) -> tuple[RealArray, tuple[str, ...]]:
+    names = tuple(signal.channels if axes is None else axes)
+    for name in names:
+        if name not in signal.channels:
+            raise RecordError(f"there is no channel {name!r}.{nearest_names(name, signal.channels)}")
+    if len(names) != 3 or len(set(names)) != 3:
+        raise RecordError(f"an accelerometer of three axes is needed, not {len(names)} channels: name the three (axes)")
+    return signal.values[[signal.channels.index(name) for name in names]], names
+
+
+def _std_deg(along: RealArray, motion: RealArray, axis: RealArray, *, power: float) -> float:
+    """Return the std of the direction of ``sum(along * motion) / power``, per plane through it [deg].
+
+    The samples of a block may be correlated; the sums over blocks of equal weight count as independent.
+    """
+    across = motion - np.outer(axis, axis @ motion)
+    weight = np.cumsum(along**2)
+    edges = np.searchsorted(weight, weight[-1] * np.arange(1, BLOCKS) / BLOCKS)
+    sums = np.array([part.sum(axis=1) for part in np.split(along * across, edges, axis=1)])
+    # One direction was taken from the sums themselves.
+    variance = float(np.sum(sums**2)) / 2 * BLOCKS / (BLOCKS - 1)
+    return float(np.degrees(np.sqrt(variance) / power))
+
+
+def _angle(one: RealArray, other: RealArray) -> float:
+    """Return the angle between two axes [deg]."""
+    return float(np.degrees(np.arctan2(np.linalg.norm(np.cross(one, other)), abs(one @ other))))

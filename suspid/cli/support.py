@@ -1,0 +1,167 @@
+"""What the commands of ``suspid`` share: how they refuse, warn and print, and how their options are read."""
+
+from __future__ import annotations
+
+import io
+import math
+import sys
+import warnings
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import IO, TYPE_CHECKING, Any
+
+import click
+
+from suspid.errors import SuspidError
+from suspid.files import printable
+
+if TYPE_CHECKING:
+    from suspid.reconstruction import Reconstruction
+
+
+# Where the context keeps the arguments of the command.
+ARGUMENTS = "suspid.arguments"
+
+
+class Positive(click.ParamType[float]):
+    """A finite number above zero, in the unit that ``name`` says."""
+
+    def __init__(self, unit: str) -> None:
+        self.name = unit
+
+    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        """Return the number, or refuse it as a usage error."""
+        try:
+            number = float(str(value))
+        except ValueError:
+            self.fail(f"{value!r} is not a number.", param, ctx)
+        if not (number > 0 and math.isfinite(number)):
+            self.fail(f"{value} {self.name} must be positive and finite.", param, ctx)
+        return number
+
+
+class _Failure(click.ClickException):
+    """An error of suspid's, shown as one line."""
+
+    exit_code = 1
+
+    def show(self, file: IO[Any] | None = None) -> None:
+        line = " ".join(part.strip() for part in self.message.splitlines())
+        click.echo(f"suspid: error: {printable(line)}", file=file or sys.stderr)
+
+
+class Commands(click.Group):
+    """Commands whose `SuspidError` ends the program with one line instead of a traceback."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Keep the arguments, for reports that show the command they come from."""
+        ctx.meta[ARGUMENTS] = list(args)
+        return super().parse_args(ctx, args)
+
+    def invoke(self, ctx: click.Context) -> object:
+        """Run the command that was asked for."""
+        for stream in (sys.stdout, sys.stderr):
+            # A terminal that cannot show "±" gets its code, not a traceback.
+            if isinstance(stream, io.TextIOWrapper):
+                stream.reconfigure(errors="backslashreplace")
+        try:
+            return super().invoke(ctx)
+        except SuspidError as error:
+            raise _Failure(str(error)) from None
+
+
+def check_apart(inputs: list[Path], outputs: list[Path | None]) -> None:
+    """Refuse an output that is also an input or another output: nothing that is read is ever overwritten."""
+    taken = [path.resolve() for path in inputs]
+    for path in outputs:
+        if path is not None:
+            if path.resolve() in taken:
+                raise click.UsageError(f"{printable(str(path))} is named twice: as an output and for something else.")
+            taken.append(path.resolve())
+
+
+def say(text: str) -> None:
+    """Print text whose names may come from a file: nothing in it reaches the terminal as a command."""
+    click.echo("\n".join(printable(line) for line in text.split("\n")))
+
+
+@contextmanager
+def said_warnings() -> Iterator[list[str]]:
+    """Collect warnings of the library, and add one's own; at the end each is a line on stderr."""
+    said: list[str] = []
+
+    def add(message: Warning | str, *_: object, **__: object) -> None:
+        said.append(" ".join(str(message).split()))
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("default")
+        for category in (DeprecationWarning, PendingDeprecationWarning, FutureWarning, ResourceWarning):
+            warnings.simplefilter("ignore", category)
+        warnings.showwarning = add
+        yield said
+    for text in dict.fromkeys(said):
+        click.echo(f"suspid: warning: {printable(text)}", err=True)
+
+
+def angular_band(band: tuple[float, float] | None) -> tuple[float, float] | None:
+    """Return a band that was given in Hz in rad/s, or refuse it as a usage error."""
+    if band and not band[0] < band[1]:
+        raise click.BadParameter(f"{band[0]:g} Hz is not below {band[1]:g} Hz.", param_hint="'--band'")
+    return (2 * math.pi * band[0], 2 * math.pi * band[1]) if band else None
+
+
+def added_masses(given: Sequence[str], files: Sequence[Path]) -> list[dict[str, float]]:
+    """Return the masses [kg] added in the test of each file, from texts as ``FILE:NAME=KG``."""
+    tests: list[dict[str, float]] = [{} for _ in files]
+    for text in given:
+        left, equals, value = text.rpartition("=")
+        file, colon, name = left.rpartition(":")
+        try:
+            mass = float(value)
+        except ValueError:
+            equals = ""
+        if not equals or not name or not (colon or len(files) == 1):
+            raise click.BadParameter(f"{text!r}: write FILE:NAME=KG.", param_hint="'--added'")
+        if colon and Path(file) not in files:
+            known = ", ".join(str(path) for path in files)
+            raise click.BadParameter(f"{text!r}: {file!r} is none of the MODES, {known}.", param_hint="'--added'")
+        masses = tests[files.index(Path(file)) if colon else 0]
+        if name in masses:
+            raise click.BadParameter(f"{text!r}: {name!r} has a mass there already.", param_hint="'--added'")
+        masses[name] = mass
+    return tests
+
+
+def bounds_by_name(given: Sequence[tuple[str, float, float]]) -> dict[str, tuple[float, float]]:
+    """Return the bounds by parameter, each given once."""
+    bounds: dict[str, tuple[float, float]] = {}
+    for name, low, high in given:
+        if name in bounds:
+            raise click.BadParameter(f"{name!r} has bounds already.", param_hint="'--bound'")
+        bounds[name] = (low, high)
+    return bounds
+
+
+def equal_names(given: Sequence[str]) -> list[list[str]]:
+    """Return the names in each text as ``A=B``."""
+    groups = [[name.strip() for name in text.split("=")] for text in given]
+    for text, names in zip(given, groups, strict=True):
+        if len(names) < 2 or not all(names):
+            raise click.BadParameter(f"{text!r}: write A=B, two parameters or more.", param_hint="'--tie'")
+    return groups
+
+
+def interval_table(found: Reconstruction, level: float) -> str:
+    """Return the table of the lower and the upper end of every parameter, with units."""
+    from suspid.reconstruction import unit_of
+    from suspid.values import text_table
+
+    ends = found.interval(level)
+    return text_table(
+        {
+            f"{100 * level:g} % interval": [f"{name} [{unit_of(name)}]" for name in ends],
+            "lower": [f"{low:.7g}" for low, _ in ends.values()],
+            "upper": [f"{high:.7g}" for _, high in ends.values()],
+        }
+    )

@@ -1,1 +1,0 @@
-"""The commands of ``suspid``, by what they start from."""

@@ -1,1 +1,0 @@
-"""What finding decays and joining repeats is made of."""

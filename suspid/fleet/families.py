@@ -1,0 +1,132 @@
+"""Modes of many records in families: which mode of one record is which of another."""
+
+from __future__ import annotations
+
+import itertools
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from suspid.units import RealArray
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from suspid.model import ModalSet
+
+OTHERS = -1
+# The density of log frequency: its bandwidth and grid, and what makes a peak one of its own.
+BANDWIDTH = 0.08
+STEP = 0.01
+DEEP = 0.3
+# A family holds this share of the records at least, and three.
+LEAST_SHARE = 0.02
+# Nearness to a car's modes: how much a difference of damping counts beside one of frequency; what is further is none.
+DAMPING_COUNTS = 0.2
+BEYOND = 0.5
+
+
+def families_by_density(f: RealArray, zeta: RealArray, record: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return the family of each mode, numbered from 0 in order of frequency; `OTHERS` where there are too few.
+
+    A family is a peak of the density of log frequency. Where most records have two modes or more in one peak these
+    are told apart by damping or by frequency, whichever parts them better.
+
+    Parameters
+    ----------
+    f : ndarray (row,)
+        Natural frequencies, in any unit.
+    zeta : ndarray (row,)
+        Damping ratios [1].
+    record : ndarray (row,)
+        Number of the record of each row.
+
+    Examples
+    --------
+    >>> f = np.tile([1.0, 1.1, 10.0], 20) * np.repeat(np.linspace(0.97, 1.03, 20), 3)
+    >>> families_by_density(f, np.tile([0.3, 0.1, 0.2], 20), np.repeat(np.arange(20), 3))[:6]
+    array([1, 0, 2, 1, 0, 2])
+    """
+    label = np.full(len(f), OTHERS, dtype=np.int64)
+    usable = np.isfinite(f) & (f > 0)
+    if not np.any(usable):
+        return label
+    x = np.log(np.where(usable, f, 1.0))
+    edges = _valleys(x[usable])
+    peak = np.where(usable, np.searchsorted(edges, x), OTHERS)
+    records, count = len(np.unique(record)), 0
+    for k in range(len(edges) + 1):
+        here = np.flatnonzero(peak == k)
+        if len(np.unique(record[here])) < max(3, LEAST_SHARE * records):
+            continue
+        parts = _told_apart(x[here], np.log(np.maximum(np.abs(zeta[here]), 1e-4)), record[here])
+        label[here] = count + parts
+        count += int(np.max(parts)) + 1
+    return label
+
+
+def families_of_car(f: RealArray, zeta: RealArray, record: NDArray[np.int64], modes: ModalSet) -> NDArray[np.int64]:
+    """Return for each row the mode of the car, from 0, that it is; `OTHERS` where it is none of them.
+
+    Each mode of a record is given to the nearest mode of the car in log frequency and log damping, each of these
+    takes one mode of a record, the nearest.
+
+    Examples
+    --------
+    >>> from suspid import ModalSet
+    >>> car = ModalSet.from_wn_zeta([2 * np.pi, 20 * np.pi], [0.3, 0.2])
+    >>> families_of_car(np.array([1.1, 1.3, 9.0, 40.0]), np.full(4, 0.25), np.zeros(4, int), car)
+    array([ 0, -1,  1, -1])
+    """
+    centre = np.log(np.maximum(modes.wn, 1e-12) / (2 * np.pi))
+    damped = np.log(np.maximum(np.abs(modes.zeta), 1e-3))
+    x, y = np.log(np.maximum(f, 1e-12)), np.log(np.maximum(np.abs(zeta), 1e-3))
+    apart = np.abs(x[:, None] - centre)
+    far = np.hypot(apart, DAMPING_COUNTS * (y[:, None] - damped))
+    nearest = np.argmin(far, axis=1)
+    rows = np.arange(len(f))
+    label = np.where(apart[rows, nearest] < BEYOND, nearest, OTHERS)
+    # Of several rows of one record that are nearest to one mode, the nearest has it.
+    order = np.lexsort((far[rows, nearest], label, record))
+    same = (record[order][1:] == record[order][:-1]) & (label[order][1:] == label[order][:-1])
+    label[order[1:][same]] = OTHERS
+    return np.asarray(label, dtype=np.int64)
+
+
+def _valleys(x: RealArray) -> RealArray:
+    """Return the places where the density of x is least between peaks that stand apart."""
+    from scipy.ndimage import gaussian_filter1d
+    from scipy.signal import find_peaks
+
+    low, high = np.min(x) - 5 * BANDWIDTH, np.max(x) + 5 * BANDWIDTH
+    count, edges = np.histogram(x, bins=max(8, int(np.ceil((high - low) / STEP))), range=(low, high))
+    density = gaussian_filter1d(count.astype(float), BANDWIDTH / (edges[1] - edges[0]), mode="constant")
+    peaks, found = find_peaks(density, prominence=0)
+    peaks = peaks[found["prominences"] >= DEEP * density[peaks]]
+    valleys = [a + int(np.argmin(density[a:b])) for a, b in itertools.pairwise(peaks)]
+    return np.asarray(edges[valleys] + STEP / 2, float)
+
+
+def _told_apart(x: RealArray, y: RealArray, record: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return which of the modes that most records have here each row is, from 0."""
+    _, place, counts = np.unique(record, return_inverse=True, return_counts=True)
+    many = int(np.median(counts))
+    if many < 2:
+        return np.zeros(len(x), dtype=np.int64)
+    full = counts[place] == many
+    best: tuple[float, RealArray, RealArray] | None = None
+    for values in (x, y):
+        order = np.lexsort((values[full], place[full]))
+        ranked = values[full][order].reshape(-1, many)
+        middle = np.median(ranked, axis=0)
+        parted = float(np.min(np.diff(middle)) / (np.mean(np.abs(ranked - middle)) + 1e-12))
+        if best is None or parted > best[0]:
+            best = parted, values, middle
+    assert best is not None
+    _, values, middle = best
+    label = np.argmin(np.abs(values[:, None] - middle), axis=1)
+    # Within a record that has them all, rank is surer than nearness.
+    rows = np.flatnonzero(full)
+    order = rows[np.lexsort((values[full], place[full]))]
+    label[order] = np.tile(np.arange(many), len(order) // many)
+    return np.asarray(label, dtype=np.int64)

@@ -1,0 +1,115 @@
+"""The folder of a fleet's results: held by one run at a time, begun once, gone on with as it was begun."""
+
+from __future__ import annotations
+
+import filecmp
+import json
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+from suspid.errors import InputError
+from suspid.files import printable
+from suspid.fleet.manifest import check_same, durable_write, read_manifest
+from suspid.fleet.parts import TABLES, part_names
+from suspid.fleet.records import LIST, Entry, Listing, read_list, write_list
+from suspid.fleet.rows import samples_hash
+
+
+@contextmanager
+def own(folder: Path) -> Iterator[None]:
+    """Make the folder and hold it for this run alone."""
+    name = printable(str(folder))
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        strangers = [p.name for p in folder.iterdir() if not p.name.startswith(".")]
+        if strangers and "manifest.json" not in strangers:
+            raise InputError(
+                f"{name}: holds {printable(strangers[0])!r}, which is no result of a fleet; give a new folder"
+            )
+    except OSError as refusal:
+        raise InputError(f"{name}: cannot be used for results: {refusal.strerror or refusal}") from None
+    try:
+        import fcntl
+    except ImportError:
+        # Windows: then nobody watches.
+        yield
+        return
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        os.close(handle)
+        raise InputError(
+            f"{name}: another run is writing its results there; wait for it, or give another folder"
+        ) from None
+    except OSError:
+        # A file system without locks: then nobody watches either.
+        pass
+    try:
+        yield
+    finally:
+        os.close(handle)
+
+
+def begun(folder: Path, manifest: Mapping[str, object]) -> Mapping[str, object]:
+    """Write the manifest of a new run, or check that of one to go on with; return it."""
+    if (folder / "manifest.json").exists():
+        check_same(folder, read_manifest(folder), manifest)
+    else:
+        write_manifest(folder, manifest)
+    # The manifest comes first: a folder that holds anything and no manifest is not ours.
+    for table in TABLES:
+        (folder / table).mkdir(exist_ok=True)
+    return manifest
+
+
+def write_manifest(folder: Path, manifest: Mapping[str, object]) -> None:
+    """Write the manifest, complete or absent."""
+    durable_write(folder / "manifest.json", (json.dumps(manifest, indent=1) + "\n").encode())
+
+
+def taken(folder: Path, source: Listing) -> tuple[Iterator[Entry], int | None, tuple[str, ...]]:
+    """Return the records, their number if it is known, and what to say of them; files from the list kept."""
+    if not source.listed:
+        return iter(source.entries), None, ()
+    notes = []
+    kept, now = folder / LIST, folder / f".{LIST}.now"
+    if kept.exists():
+        count = write_list(now, source.entries)
+        total = sum(1 for _ in read_list(kept))
+        if not filecmp.cmp(now, kept, shallow=False):
+            notes.append(
+                f"the files have changed since the run began: {total} records then, {count} now; the results are of "
+                f"those of then; for the others give another folder"
+            )
+        now.unlink()
+    else:
+        total = write_list(kept, source.entries)
+    if source.left_out:
+        kinds = ", ".join(f"{count} {suffix}" for suffix, count in sorted(source.left_out.items()))
+        notes.append(f"left out, as files of no kind that is a record: {kinds}")
+    return read_list(kept), total, tuple(notes)
+
+
+def only_others(source: Listing) -> str:
+    """Return in words what else was met where no record was."""
+    kinds = ", ".join(f"{count} {suffix}" for suffix, count in sorted(source.left_out.items()))
+    return f": only {printable(kinds)}" if kinds else ""
+
+
+def check_part(folder: Path, number: int, chunk: Sequence[Entry], *, listed: bool) -> None:
+    """Refuse to go on with a stream whose records are not those that made a part."""
+    if listed:
+        return
+    there = part_names(folder, number)
+    names = {name for name, _ in there}
+    for entry in chunk:
+        known = entry.samples is None or (entry.name, samples_hash(entry)) in there
+        if entry.name not in names or not known:
+            raise InputError(
+                f"record {printable(entry.name)!r} is not the one that stands in part {number} of "
+                f"{printable(str(folder))}: the records do not come as they did when the run began; give the same "
+                f"ones in the same order, or another folder for the results"
+            )

@@ -1,0 +1,114 @@
+"""The manifest of a fleet's run: what was asked for, by which versions; and files that are complete or absent."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+from pathlib import Path
+
+from suspid.errors import InputError
+from suspid.files import printable, read_text
+from suspid.io import install_line
+
+FORMAT = "suspid fleet 1"
+INSTALL = install_line("fleet")
+
+
+def environment() -> dict[str, str]:
+    """Return the versions on which the bytes of the results depend."""
+    from importlib.metadata import version
+
+    return {name: version(name) for name in ("suspid", "numpy", "scipy", "cvxpy", "pyarrow")}
+
+
+def read_manifest(folder: Path) -> dict[str, object]:
+    """Return the manifest of a folder of results.
+
+    Raises
+    ------
+    InputError
+        If there is none, or it is not one.
+    """
+    path = folder / "manifest.json"
+    if not path.exists():
+        raise InputError(f"{printable(str(folder))}: holds no results of a fleet: there is no manifest.json in it")
+    try:
+        content = json.loads(read_text(path))
+    except ValueError as error:
+        raise InputError(f"{printable(str(path))}: is not a manifest: {printable(str(error))}") from None
+    if not isinstance(content, dict) or content.get("format") != FORMAT:
+        raise InputError(f"{printable(str(path))}: is not a manifest of {FORMAT!r}")
+    return content
+
+
+def check_same(folder: Path, begun: Mapping[str, object], asked: Mapping[str, object]) -> None:
+    """Refuse to go on with a run that was begun with other settings or by other versions.
+
+    Raises
+    ------
+    InputError
+        The message says what differs, then and now.
+    """
+    then = _flat("", {key: value for key, value in begun.items() if key != "complete"})
+    now = _flat("", json.loads(json.dumps(asked)))
+    different = [key for key in {**then, **now} if then.get(key) != now.get(key)]
+    if different:
+        shown = "; ".join(f"{key} was {then.get(key)!r:.80}, is {now.get(key)!r:.80}" for key in different[:4])
+        more = f"; and {len(different) - 4} more" if len(different) > 4 else ""
+        raise InputError(
+            f"{printable(str(folder))}: this run was begun otherwise: {printable(shown)}{more}; "
+            f"go on as it was begun, or give another folder for the results"
+        )
+
+
+def durable_write(path: Path, content: bytes) -> None:
+    """Write a file so that it is complete or absent, even if the power fails: write, sync, rename, sync.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
+    # One name for the draft: what a killed run leaves is overwritten by the next.
+    draft = path.with_name(f".{path.name}.draft")
+    try:
+        with draft.open("wb") as stream:
+            stream.write(content)
+            stream.flush()
+            os.fsync(stream.fileno())
+        draft.replace(path)
+        sync_folder(path.parent)
+    except OSError as refusal:
+        raise InputError(
+            f"{printable(str(path))}: cannot be written: {refusal.strerror or refusal}; what is written so far is "
+            f"complete, and the same command goes on from there"
+        ) from None
+
+
+def sync_folder(folder: Path) -> None:
+    """Make the names in a folder last; where folders cannot be opened (Windows) there is nothing to do."""
+    if hasattr(os, "O_DIRECTORY"):
+        handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)
+
+
+def require_fleet() -> None:
+    """Refuse with the line that installs what is missing."""
+    import importlib.util
+
+    missing = [name for name in ("pyarrow", "joblib", "fsspec") if importlib.util.find_spec(name) is None]
+    if missing:
+        raise InputError(f"fleets need {', '.join(missing)}: {INSTALL}")
+
+
+def _flat(prefix: str, content: object) -> dict[str, object]:
+    if not isinstance(content, dict):
+        return {prefix: content}
+    flat: dict[str, object] = {}
+    for key, value in content.items():
+        flat |= _flat(f"{prefix}.{key}" if prefix else str(key), value)
+    return flat

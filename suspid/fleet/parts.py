@@ -1,0 +1,249 @@
+"""The tables that a fleet's run leaves: Parquet parts that are complete or absent, and the manifest before them.
+
+A folder of results holds
+
+- ``manifest.json``: what the run was asked for and by which versions; written first;
+- ``records.jsonl``: the records of a folder, a glob or a list, one ``[path, name, bytes]`` a line;
+- ``modes/part-000000.parquet`` …: one row per record and mode;
+- ``springs/part-….parquet``: one row per record and parameter of the car, where a car was given;
+- ``failures/part-….parquet``: one row per record, step and reason, where something failed.
+
+Part number k of each table comes from the k-th chunk of records. The part of ``modes`` is written last (perhaps
+without rows): a chunk is done if that one is there. Nothing in these files depends on the clock or on who did the work.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+from suspid.fleet.manifest import durable_write, read_manifest, require_fleet
+
+if TYPE_CHECKING:
+    import pyarrow as pa
+
+TableName = Literal["modes", "springs", "failures"]
+# The last one makes a chunk complete.
+TABLES: tuple[TableName, ...] = ("failures", "springs", "modes")
+COUNTS = b"suspid counts"
+Row = Mapping[str, object]
+
+WHICH = {"record": "string", "sha256": "string", "suspid": "string"}
+COLUMNS: dict[TableName, dict[str, str]] = {
+    "modes": {
+        **WHICH,
+        "mode": "int32",
+        "modes": "int32",
+        "kind": "string",
+        "f_hz": "double",
+        "wn_rad_per_s": "double",
+        "wn_std_rad_per_s": "double",
+        "wn_low_rad_per_s": "double",
+        "wn_high_rad_per_s": "double",
+        "zeta": "double",
+        "zeta_std": "double",
+        "zeta_low": "double",
+        "zeta_high": "double",
+        "pole_real_rad_per_s": "double",
+        "pole_imag_rad_per_s": "double",
+        "collinearity": "double",
+        "loudness": "double",
+        "halves_apart": "double",
+        "explained_least": "double",
+        "samples": "int64",
+        "rate_hz": "double",
+        "channels": "list",
+        "explained": "numbers",
+        "noise_std": "numbers",
+        "shape_real": "numbers",
+        "shape_imag": "numbers",
+        "findings": "string",
+    },
+    "springs": {
+        **WHICH,
+        "parameter": "string",
+        "unit": "string",
+        "value": "double",
+        "std": "double",
+        "low": "double",
+        "high": "double",
+        "held": "bool",
+        "explains": "bool",
+        "chi_square": "double",
+        "freedom": "int32",
+        "residual": "double",
+        "alternatives": "int32",
+        "status": "string",
+    },
+    "failures": {**WHICH, "step": "string", "error": "string", "reason": "string"},
+}
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Rows:
+    """What some records gave: rows of each table, and how many records they are.
+
+    Parameters
+    ----------
+    modes, springs, failures : tuple of mappings
+        Rows, with the columns of `COLUMNS`.
+    records : int
+        How many records gave them.
+    failed : int
+        How many of these have a row among the failures.
+    """
+
+    modes: tuple[Row, ...] = ()
+    springs: tuple[Row, ...] = ()
+    failures: tuple[Row, ...] = ()
+    records: int = 1
+    failed: int = 0
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Part:
+    """One chunk's tables as the bytes of Parquet files; a table without rows is empty bytes, save ``modes``."""
+
+    modes: bytes
+    springs: bytes
+    failures: bytes
+    records: int
+    failed: int
+
+
+def joined(rows: Sequence[Rows]) -> Rows:
+    """Return the rows of several records as one, in order."""
+    return Rows(
+        modes=tuple(row for some in rows for row in some.modes),
+        springs=tuple(row for some in rows for row in some.springs),
+        failures=tuple(row for some in rows for row in some.failures),
+        records=sum(some.records for some in rows),
+        failed=sum(some.failed for some in rows),
+    )
+
+
+def as_part(rows: Rows) -> Part:
+    """Return the rows as the bytes of Parquet files: the same rows, the same bytes."""
+    counts = json.dumps({"records": rows.records, "failed": rows.failed}).encode()
+    return Part(
+        modes=_parquet("modes", rows.modes, counts),
+        springs=_parquet("springs", rows.springs, counts) if rows.springs else b"",
+        failures=_parquet("failures", rows.failures, counts) if rows.failures else b"",
+        records=rows.records,
+        failed=rows.failed,
+    )
+
+
+def write_part(folder: Path, number: int, part: Part) -> None:
+    """Write a chunk's tables, each under another name first; the modes last, which makes the chunk complete."""
+    for table in TABLES:
+        path, content = part_path(folder, table, number), getattr(part, table)
+        if content:
+            durable_write(path, content)
+        else:
+            # What a run that was killed here may have left: this one has no such rows.
+            path.unlink(missing_ok=True)
+
+
+def part_path(folder: Path, table: TableName, number: int) -> Path:
+    """Return the place of a part."""
+    return folder / table / f"part-{number:06d}.parquet"
+
+
+def part_counts(folder: Path, number: int) -> tuple[int, int] | None:
+    """Return how many records a chunk had and how many failed, or None if the chunk is not complete."""
+    import pyarrow as pa
+    from pyarrow import parquet
+
+    path = part_path(folder, "modes", number)
+    try:
+        counts = json.loads((parquet.read_metadata(path).metadata or {})[COUNTS])
+        return int(counts["records"]), int(counts["failed"])
+    except (OSError, KeyError, ValueError, pa.ArrowException):
+        return None
+
+
+def part_numbers(folder: Path, table: TableName) -> list[int]:
+    """Return the numbers of the parts of a table that are there, in order."""
+    names = (path.name for path in (folder / table).glob("part-*.parquet"))
+    return sorted(int(name[5:-8]) for name in names if name[5:-8].isdigit())
+
+
+def part_names(folder: Path, number: int) -> set[tuple[str, str | None]]:
+    """Return (record, sha256) of every record that has a row in a complete chunk."""
+    from pyarrow import parquet
+
+    found: set[tuple[str, str | None]] = set()
+    for table in ("modes", "failures"):
+        path = part_path(folder, table, number)
+        if path.exists():
+            columns = parquet.ParquetFile(path).read(columns=["record", "sha256"]).to_pydict()
+            found |= set(zip(columns["record"], columns["sha256"], strict=True))
+    return found
+
+
+def read_table(folder: str | os.PathLike[str], table: TableName, *, columns: Sequence[str] | None = None) -> pa.Table:
+    """Return a table of the results: all its parts in order, or some columns of them.
+
+    Raises
+    ------
+    InputError
+        If the folder holds no results.
+    """
+    require_fleet()
+    import pyarrow as pa
+
+    read_manifest(Path(folder))
+    parts = [part for _, part in table_parts(Path(folder), table, columns=columns)]
+    if parts:
+        return pa.concat_tables(parts)
+    return _schema(table).empty_table().select(list(columns or COLUMNS[table]))
+
+
+def table_parts(
+    folder: Path, table: TableName, *, columns: Sequence[str] | None = None
+) -> Iterator[tuple[int, pa.Table]]:
+    """Yield the number and the content of each part of a table."""
+    from pyarrow import parquet
+
+    for number in part_numbers(folder, table):
+        # Metadata differ from part to part; without them the tables join.
+        yield (
+            number,
+            parquet.ParquetFile(part_path(folder, table, number))
+            .read(columns=None if columns is None else list(columns))
+            .replace_schema_metadata(),
+        )
+
+
+def _parquet(table: TableName, rows: Sequence[Row], counts: bytes) -> bytes:
+    import pyarrow as pa
+    from pyarrow import parquet
+
+    schema = _schema(table)
+    arrays = [pa.array([row[name] for row in rows], type=schema.field(name).type) for name in schema.names]
+    content = pa.Table.from_arrays(arrays, schema=schema.with_metadata({COUNTS: counts}))
+    stream = io.BytesIO()
+    # Everything that decides the bytes is named here, not left to a default.
+    parquet.write_table(content, stream, compression="zstd", compression_level=3, version="2.6", row_group_size=1 << 20)
+    return stream.getvalue()
+
+
+def _schema(table: TableName) -> pa.Schema:
+    import pyarrow as pa
+
+    types = {
+        "string": pa.string(),
+        "int32": pa.int32(),
+        "int64": pa.int64(),
+        "double": pa.float64(),
+        "bool": pa.bool_(),
+        "list": pa.list_(pa.string()),
+        "numbers": pa.list_(pa.float64()),
+    }
+    return pa.schema([(name, types[kind]) for name, kind in COLUMNS[table].items()])

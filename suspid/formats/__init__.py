@@ -1,1 +1,0 @@
-"""Files into tables: one module a format."""

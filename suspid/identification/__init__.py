@@ -1,0 +1,44 @@
+"""From a record of a free decay to its modes.
+
+`identify` fits damped exponentials to all channels jointly (maximum likelihood; variable projection), choosing
+the number of poles by BIC, or runs the wavelet steps. `identify_repeats` fits several decays jointly. Below
+them: `exponentials` (sums over the record), `likelihood` (fit and covariance), `selection` (model order),
+`modes_json` (files).
+"""
+
+from suspid.identification.exponentials import synthesize
+from suspid.identification.identify import (
+    FEWEST_SAMPLES,
+    REASONS,
+    Considered,
+    FourSteps,
+    Identification,
+    Method,
+    identify,
+    late_start,
+    resolution,
+)
+from suspid.identification.identify_repeats import Repeats, identify_repeats
+from suspid.identification.modes_json import identification_to_dict, modes_to_dict, read_modes, to_json
+from suspid.identification.selection import Selection, select
+
+__all__ = [
+    "FEWEST_SAMPLES",
+    "REASONS",
+    "Considered",
+    "FourSteps",
+    "Identification",
+    "Method",
+    "Repeats",
+    "Selection",
+    "identification_to_dict",
+    "identify",
+    "identify_repeats",
+    "late_start",
+    "modes_to_dict",
+    "read_modes",
+    "resolution",
+    "select",
+    "synthesize",
+    "to_json",
+]

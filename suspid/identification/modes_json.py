@@ -1,0 +1,259 @@
+"""Modes as JSON: what ``suspid identify --json`` writes and ``suspid reconstruct`` reads.
+
+An object with
+
+- ``format``: ``"suspid modes 1"``;
+- ``modes``: a list, ascending in frequency, of objects with
+
+  - ``frequency_hz``, ``wn_rad_per_s``, ``zeta``: natural frequency twice, and damping ratio [1];
+  - ``wn_std_rad_per_s``, ``zeta_std``: standard deviations, or null for exact modes;
+  - ``pole_rad_per_s``: real and imaginary part;
+  - ``shape``: real and imaginary part at each channel, in the order of ``channels``, or null;
+
+- ``channels``: names of the channels of the shapes;
+- ``covariance``: joint covariance of (Re, Im of each pole [rad/s]; then, if it is that large, mode by mode and
+  channel by channel Re, Im of the shapes), or null.
+
+The command adds ``record`` (file, channels, samples, ``rate_hz``, ``start_s``), ``method``, ``noise_std`` and
+``explained`` by channel of the record, ``ridges`` with the window of each (``start_s``, ``stop_s``, ``ends_at``),
+``warnings``, and the version as ``suspid``.
+
+Written by hand, in JSON or TOML, ``modes`` alone will do, each with ``zeta`` and either ``wn_rad_per_s`` or
+``frequency_hz``, and with both standard deviations or neither.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import reprlib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from suspid.errors import InputError
+from suspid.files import printable, read_text
+from suspid.identification.identify import Identification
+from suspid.model import ModalSet, parsed_toml
+from suspid.signals import as_signal
+from suspid.values import nearest_names
+
+FORMAT = "suspid modes 1"
+MODE_KEYS = ("frequency_hz", "wn_rad_per_s", "zeta", "wn_std_rad_per_s", "zeta_std", "pole_rad_per_s", "shape")
+# A value written by hand beside a pole must mean the same pole.
+AGREEMENT = 1e-6
+
+
+def modes_to_dict(modes: ModalSet) -> dict[str, object]:
+    """Return the modes as plain lists and numbers, every bit kept.
+
+    Examples
+    --------
+    >>> modes_to_dict(ModalSet.from_wn_zeta([10.0], [0.6]))["modes"][0]["pole_rad_per_s"]
+    [-6.0, 8.0]
+    """
+    wn_std, zeta_std = modes.wn_std, modes.zeta_std
+    entries: list[dict[str, object]] = [
+        {
+            "frequency_hz": float(modes.wn[k] / (2 * np.pi)),
+            "wn_rad_per_s": float(modes.wn[k]),
+            "zeta": float(modes.zeta[k]),
+            "wn_std_rad_per_s": None if wn_std is None else float(wn_std[k]),
+            "zeta_std": None if zeta_std is None else float(zeta_std[k]),
+            "pole_rad_per_s": _pair(modes.poles[k]),
+            "shape": None if modes.shapes is None else [_pair(value) for value in modes.shapes[:, k]],
+        }
+        for k in range(len(modes))
+    ]
+    return {
+        "format": FORMAT,
+        "modes": entries,
+        "channels": list(modes.channels),
+        "covariance": None if modes.covariance is None else modes.covariance.tolist(),
+    }
+
+
+def identification_to_dict(identification: Identification, *, file: str, warnings: Sequence[str]) -> dict[str, object]:
+    """Return what `modes_from_dict` reads, with the record, the settings and the windows beside it."""
+    from importlib.metadata import version
+
+    signal = as_signal(identification.response)
+    return {
+        **modes_to_dict(identification.modes),
+        "record": {
+            "file": file,
+            "channels": list(signal.channels),
+            "samples": signal.values.shape[1],
+            "rate_hz": 1 / signal.step,
+            "start_s": signal.start,
+        },
+        "method": identification.method,
+        "noise_std": identification.noise_std.tolist(),
+        "explained": identification.explained.tolist(),
+        "ridges": [
+            {
+                "wn_rad_per_s": float(ridge.omega),
+                "bandwidth": float(ridge.wavelet.bandwidth),
+                "start_s": float(ridge.window.start),
+                "stop_s": float(ridge.window.stop),
+                "ends_at": ridge.window.reason,
+            }
+            for ridge in identification.ridges
+        ],
+        "warnings": list(warnings),
+        "suspid": version("suspid"),
+    }
+
+
+def to_json(content: Mapping[str, object]) -> str:
+    """Return the text of a file; numbers that are not finite, which JSON does not know, become null."""
+    return json.dumps(_null_if_not_finite(content), indent=1, allow_nan=False) + "\n"
+
+
+def modes_from_dict(content: Mapping[str, object]) -> ModalSet:
+    """Return the modes that were written by `modes_to_dict`, or by hand.
+
+    Raises
+    ------
+    InputError
+        If a key is missing or unknown, or a value is not what it should be.
+
+    Examples
+    --------
+    >>> modes_from_dict({"modes": [{"frequency_hz": 2.0, "zeta": 0.3}]}).zeta
+    array([0.3])
+    """
+    if content.get("format", FORMAT) != FORMAT:
+        raise InputError(f"format {reprlib.repr(content['format'])} is not known; known: {FORMAT!r}")
+    entries = content.get("modes")
+    if not isinstance(entries, list) or not entries:
+        raise InputError(f"there are no modes: a list of objects with {', '.join(MODE_KEYS[:3])} is needed")
+    modes = [_mode(f"mode {k}", entry) for k, entry in enumerate(entries, start=1)]
+    channels = content.get("channels") or ()
+    if not isinstance(channels, (list, tuple)) or not all(isinstance(name, str) for name in channels):
+        raise InputError(f"channels = {reprlib.repr(channels)} must be a list of names")
+    shapes = [shape for _, shape, _ in modes if shape is not None]
+    if len(shapes) not in (0, len(modes)) or len({len(shape) for shape in shapes}) > 1:
+        raise InputError("either every mode has a shape, all of one length, or none has")
+    stds = [std for _, _, std in modes if std is not None]
+    if len(stds) not in (0, len(modes)):
+        raise InputError("either every mode has standard deviations, or none has")
+    poles = np.array([pole for pole, _, _ in modes])
+    covariance = content.get("covariance")
+    if covariance is not None:
+        covariance = np.array(_numbers("covariance", covariance))
+    elif stds:
+        if np.any(poles.imag <= 0):
+            raise InputError("standard deviations of an overdamped mode can only be given as covariance")
+        wn = np.abs(poles)
+        exact = ModalSet.from_wn_zeta(wn, -poles.real / wn, wn_std=[s[0] for s in stds], zeta_std=[s[1] for s in stds])
+        # That set is in order of frequency, this one in order of the file.
+        back = np.argsort(np.argsort(wn, kind="stable"), kind="stable")
+        index = np.stack([2 * back, 2 * back + 1], axis=1).ravel()
+        covariance = None if exact.covariance is None else exact.covariance[np.ix_(index, index)]
+    return ModalSet(
+        poles=poles,
+        shapes=np.array(shapes).T if shapes else None,
+        channels=channels,
+        covariance=covariance,
+    )
+
+
+def read_modes(path: str | os.PathLike[str]) -> ModalSet:
+    """Return the modes in a JSON or TOML file; see the module for its form.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or is not such a description; the message begins with its name.
+    """
+    file = Path(path)
+    text = read_text(file)
+    try:
+        content = parsed_toml(text) if file.suffix.lower() == ".toml" else _parsed_json(text)
+        return modes_from_dict(content)
+    except InputError as error:
+        raise InputError(f"{printable(str(path))}: {error}") from None
+
+
+def _parsed_json(text: str) -> dict[str, object]:
+    try:
+        content = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"is not JSON: {printable(str(error))}") from None
+    if not isinstance(content, dict):
+        raise InputError("must hold a JSON object with the key 'modes'")
+    return content
+
+
+def _mode(where: str, entry: object) -> tuple[complex, list[complex] | None, tuple[float, float] | None]:
+    """Return pole, shape, and standard deviations of wn and zeta."""
+    if not isinstance(entry, dict):
+        raise InputError(f"{where} must be an object with {', '.join(MODE_KEYS[:3])}, not {reprlib.repr(entry)}")
+    for key in entry:
+        if key not in MODE_KEYS:
+            raise InputError(f"{where} has no use for {key!r}.{nearest_names(key, MODE_KEYS)}")
+    given = {key: _number(f"{where}: {key}", entry[key]) for key in MODE_KEYS[:5] if entry.get(key) is not None}
+    if entry.get("pole_rad_per_s") is not None:
+        pole = _complex(f"{where}: pole_rad_per_s", entry["pole_rad_per_s"])
+    else:
+        wn = given.get("wn_rad_per_s", given.get("frequency_hz", 0.0) * 2 * np.pi)
+        if "zeta" not in given or not ("wn_rad_per_s" in given or "frequency_hz" in given):
+            raise InputError(f"{where} needs zeta, and wn_rad_per_s or frequency_hz")
+        if wn <= 0 or not abs(given["zeta"]) < 1:
+            raise InputError(f"{where}: {wn = :g} rad/s must be positive, zeta = {given['zeta']:g} a ratio below 1")
+        pole = complex(ModalSet.from_wn_zeta([wn], [given["zeta"]]).poles[0])
+    alone = ModalSet(poles=np.array([pole]))
+    means = {"frequency_hz": alone.wn[0] / (2 * np.pi), "wn_rad_per_s": alone.wn[0], "zeta": alone.zeta[0]}
+    for key, meant in means.items():
+        if not math.isclose(given.get(key, meant), meant, rel_tol=AGREEMENT, abs_tol=AGREEMENT):
+            raise InputError(f"{where}: {key} = {given[key]:g} is at odds with the rest, which says {meant:.9g}")
+    stds = [given.get(key) for key in MODE_KEYS[3:5]]
+    if (stds[0] is None) != (stds[1] is None):
+        raise InputError(f"{where}: give both wn_std_rad_per_s and zeta_std, or neither")
+    shape = entry.get("shape")
+    if shape is not None and (not isinstance(shape, list) or not shape):
+        raise InputError(f"{where}: shape must be a list with real and imaginary part at each channel")
+    return (
+        pole,
+        None if shape is None else [_complex(f"{where}: shape", value) for value in shape],
+        None if stds[0] is None or stds[1] is None else (stds[0], stds[1]),
+    )
+
+
+def _pair(value: complex) -> list[float]:
+    return [float(value.real), float(value.imag)]
+
+
+def _number(what: str, value: object) -> float:
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise InputError(f"{what} = {reprlib.repr(value)} must be a number")
+    try:
+        number = float(value)
+    except OverflowError:
+        number = math.inf
+    if not math.isfinite(number):
+        raise InputError(f"{what} must be finite")
+    return number
+
+
+def _complex(what: str, value: object) -> complex:
+    if not isinstance(value, list) or len(value) != 2:
+        raise InputError(f"{what} = {reprlib.repr(value)} must be a real and an imaginary part")
+    return complex(_number(what, value[0]), _number(what, value[1]))
+
+
+def _numbers(what: str, rows: object) -> list[list[float]]:
+    if not isinstance(rows, list) or not all(isinstance(row, list) and len(row) == len(rows) for row in rows):
+        raise InputError(f"{what} must be a square list of lists of numbers")
+    return [[_number(what, value) for value in row] for row in rows]
+
+
+def _null_if_not_finite(content: object) -> object:
+    if isinstance(content, dict):
+        return {key: _null_if_not_finite(value) for key, value in content.items()}
+    if isinstance(content, list):
+        return [_null_if_not_finite(value) for value in content]
+    return None if isinstance(content, float) and not math.isfinite(content) else content

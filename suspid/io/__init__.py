@@ -1,0 +1,15 @@
+"""Files in and out.
+
+`read_recording` reads a file of any known format as a `suspid.Recording`: channels as stored, nothing repaired.
+`write_record` writes a record as CSV or Parquet. A format is one module with one function, ``read_<format>``,
+which returns a `Table`; `formats.READERS` maps file suffixes to it and `signatures` the first bytes. Text and
+MDF are folders of their own. Damaged files are refused before a library that could crash on them sees them.
+"""
+
+from suspid.io.foreign import install_line
+from suspid.io.formats import READERS
+from suspid.io.read_recording import read_recording
+from suspid.io.tables import bare_name
+from suspid.io.write_record import check_record_name, write_record
+
+__all__ = ["READERS", "bare_name", "check_record_name", "install_line", "read_recording", "write_record"]

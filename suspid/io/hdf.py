@@ -1,0 +1,194 @@
+"""HDF5 as tables: MATLAB v7.3, and files of other programs, with groups as MATLAB's structures."""
+
+from __future__ import annotations
+
+import io
+import itertools
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from suspid.errors import RecordError
+from suspid.files import printable, read_bytes
+from suspid.io.foreign import sheltered
+from suspid.io.tables import Table, stated_rate
+from suspid.io.variables import Group, Text, Value, Variable, as_table
+from suspid.units import Hertz
+
+if TYPE_CHECKING:
+    import h5py
+
+T = TypeVar("T")
+INTERNAL = ("#refs#", "#subsystem#")
+UNIT_NAMES = ("unit", "units", "Unit", "Units", "UNIT", "UNITS")
+# Deeper or more numerous groups are no records; a damaged file may seem to have them.
+DEEPEST = 16
+MOST_VARIABLES = 20_000
+# A data set of more bytes must not unpack to more than this many times what the file holds of it.
+LARGE, MOST_PACKED = 1 << 28, 2000
+NO_OBJECT = "save what it holds as vectors, such as ts.Time and ts.Data of a timeseries"
+
+
+def read_hdf(path: Path) -> Table:
+    """Return the table of an HDF5 file, that of MATLAB v7.3 among them: its real vectors, rates and times.
+
+    Groups become dotted names (``run1.seat``), arrays of structures are numbered (``run[2].seat``), matrices are
+    split into columns. Attributes named like units and rates are obeyed. Links to other files are not followed.
+
+    Raises
+    ------
+    RecordError
+        If h5py is not there, the file is damaged or of another kind, or holds no real vector.
+    """
+    content = read_bytes(path, error=RecordError)
+    return as_table(_sheltered(lambda: _content(content)))
+
+
+def _sheltered(read: Callable[[], T]) -> T:
+    return sheltered(read, extra="hdf", library="h5py", suffix=".h5")
+
+
+def _content(content: bytes) -> Group:
+    import h5py
+
+    return _group(h5py.File(io.BytesIO(content), "r"), 0, itertools.count())
+
+
+def _group(group: h5py.Group, depth: int, count: Iterator[int], around: frozenset[int] = frozenset()) -> Group:
+    """Return what a group holds by its names."""
+    import h5py
+
+    found: dict[str, Value] = {}
+    around |= {h5py.h5o.get_info(group.id).addr}
+    for name in group:
+        link = group.get(name, getlink=True)
+        if name in INTERNAL:
+            continue
+        if isinstance(link, h5py.ExternalLink):
+            found[name] = "is a link to another file, which is not followed"
+        elif isinstance(link, h5py.SoftLink) and group.get(name) is None:
+            found[name] = "is a link to nothing"
+        else:
+            found[name] = _value(group[name], depth + 1, count, around)
+    for name, number in _numbers(group).items():
+        if stated_rate(name, number) is not None:
+            found.setdefault(name, _single(number))
+    return found
+
+
+def _value(thing: object, depth: int, count: Iterator[int], around: frozenset[int]) -> Value:
+    """Return what a group or data set holds, or why that is of no use."""
+    import h5py
+
+    if next(count) > MOST_VARIABLES:
+        raise RecordError(f"holds more than {MOST_VARIABLES} variables; save the channels of one record")
+    if depth > DEEPEST:
+        return f"stands within {DEEPEST} groups or more"
+    if isinstance(thing, h5py.Group):
+        if "MATLAB_sparse" in thing.attrs:
+            return "is a sparse matrix"
+        if h5py.h5o.get_info(thing.id).addr in around:
+            return "is a link to a group around it"
+        return _structures(thing, depth, count, around) or _group(thing, depth, count, around)
+    if not isinstance(thing, h5py.Dataset):
+        return "holds no numbers"
+    return _dataset(thing)
+
+
+def _structures(group: h5py.Group, depth: int, count: Iterator[int], around: frozenset[int]) -> Group | None:
+    """Return the elements of an array of structures, which MATLAB keeps field by field as references."""
+    import h5py
+
+    fields = {name: group[name] for name in group if isinstance(group.get(name, getlink=True), h5py.HardLink)}
+    if not fields or not all(_refers(field) and "MATLAB_class" not in field.attrs for field in fields.values()):
+        return None
+    referred = {name: np.ravel(field[()]) for name, field in fields.items()}
+    length = min(map(len, referred.values()))
+    if next(count) + length * len(fields) > MOST_VARIABLES:
+        raise RecordError(f"holds more than {MOST_VARIABLES} variables; save the channels of one record")
+    return {
+        f"[{k + 1}]": {
+            name: _value(group.file[refs[k]], depth + 1, count, around) if refs[k] else "is empty"
+            for name, refs in referred.items()
+        }
+        for k in range(length)
+    }
+
+
+def _refers(thing: object) -> bool:
+    import h5py
+
+    return isinstance(thing, h5py.Dataset) and h5py.check_ref_dtype(thing.dtype) is h5py.Reference
+
+
+def _dataset(data: h5py.Dataset) -> Value:
+    """Return the numbers of a data set, to be read later, or why there are none."""
+    import h5py
+
+    kind = data.dtype.kind
+    of_class = data.attrs.get("MATLAB_class", b"")
+    of_class = of_class.decode("latin1") if isinstance(of_class, bytes) else str(of_class)
+    if "MATLAB_object_decode" in data.attrs:
+        return f"is an object of class {of_class!r}; {NO_OBJECT}"
+    if "MATLAB_empty" in data.attrs or (data.shape and not data.size):
+        return "is empty"
+    if of_class == "cell" or (kind == "O" and _refers(data)):
+        return "is a cell array" if of_class == "cell" else "holds references"
+    if of_class == "char" or h5py.check_string_dtype(data.dtype) is not None:
+        return Text(text=_letters(data))
+    names = data.dtype.names
+    if names and {name.lower() for name in names} <= {"real", "imag", "r", "i"}:
+        return "is complex; a record is real"
+    if data.external or data.is_virtual:
+        return "keeps its numbers in other files, which are not read"
+    if data.nbytes > LARGE and data.nbytes > MOST_PACKED * max(data.id.get_storage_size(), 1):
+        return f"has the size {data.shape}, but nothing that fills it"
+    if names and data.dtype.subdtype is None and all(data.dtype[name].kind in "iufb" for name in names):
+        return {name: _variable(data, name) for name in names}
+    return _variable(data, None) if kind in "iufb" else "is not numeric"
+
+
+def _variable(data: h5py.Dataset, field: str | None) -> Variable:
+    unit = next((_plain(data.attrs[name]) for name in UNIT_NAMES if field is None and name in data.attrs), "")
+    stated = {name: stated_rate(name, number) for name, number in _numbers(data).items()}
+    rates: Mapping[str, Hertz] = {name: rate for name, rate in stated.items() if rate is not None}
+
+    def read() -> NDArray[Any]:
+        return np.asarray(_sheltered(lambda: np.array(data[()] if field is None else data[field])))
+
+    return Variable(shape=tuple(data.shape), read=read, unit=unit, rates=rates)
+
+
+def _single(number: float) -> Variable:
+    return Variable(shape=(), read=lambda: np.array(number))
+
+
+def _numbers(thing: h5py.Group | h5py.Dataset) -> dict[str, float]:
+    """Return the attributes that hold one number."""
+    found = {}
+    for name in thing.attrs:
+        if stated_rate(name, 1.0) is not None:
+            value = np.asarray(thing.attrs[name])
+            if value.size == 1 and value.dtype.kind in "iuf":
+                found[name] = float(value.ravel()[0])
+    return found
+
+
+def _plain(value: object) -> str:
+    if isinstance(value, np.ndarray) and value.size == 1:
+        value = value.ravel()[0]
+    text = value.decode("utf-8", errors="replace") if isinstance(value, bytes) else value
+    return printable(str(text)).strip() if isinstance(text, str) else ""
+
+
+def _letters(data: h5py.Dataset) -> str:
+    """Return a short text, such as the label of a signal."""
+    if data.size > 1000:
+        return ""
+    content = data[()]
+    if isinstance(content, np.ndarray) and content.dtype.kind == "u":
+        return "".join(map(chr, content.ravel(order="F").tolist()))
+    return _plain(content)

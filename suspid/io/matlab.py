@@ -1,0 +1,231 @@
+"""MATLAB files up to v7 as tables, with structures as groups.
+
+scipy's reader trusts the types and sizes that a file states, and a damaged file ends the whole process there. So
+files of v5 to v7 are read here, where every size is checked before it is used; scipy reads v4 alone, which knows
+but matrices.
+"""
+
+from __future__ import annotations
+
+import io
+import math
+import struct
+import warnings
+import zlib
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from suspid.errors import RecordError
+from suspid.files import printable, read_bytes
+from suspid.io.tables import Table
+from suspid.io.variables import Group, Text, Value, Variable, as_table
+
+HEADER = 128
+MATRIX, COMPRESSED, UINT32, INT32, INT8, UTF8 = 14, 15, 6, 5, 1, 16
+# What one number is, by the code of its type.
+ITEMS = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8"}
+TEXTS = {2: "latin1", 4: "utf-16", 16: "utf-8", 17: "utf-16", 18: "utf-32"}
+NUMERIC_CLASSES = range(6, 16)
+CELL, STRUCT, OBJECT, CHAR, SPARSE = 1, 2, 3, 4, 5
+OTHER_CLASSES = {CELL: "a cell array", OBJECT: "an object", SPARSE: "a sparse matrix"}
+NO_OBJECT = "save what it holds as vectors, such as ts.Time and ts.Data of a timeseries"
+COMPLEX_FLAG = 0x08
+MOST_BYTES = 1 << 31
+# Deeper structures are no records; a damaged file may seem to have them.
+DEEPEST = 16
+
+
+def read_matlab(path: Path) -> Table:
+    """Return the table of a MATLAB file up to v7: its real vectors, and the rates and times it states.
+
+    Structures become dotted names (``run1.seat``), their arrays are numbered (``run[2].seat``), matrices are split
+    into columns.
+
+    Raises
+    ------
+    RecordError
+        If the file is of another kind, damaged, or holds no real vector.
+    """
+    content = read_bytes(path, error=RecordError)
+    try:
+        return as_table(_matrices(content) if _version(content) == 4 else _variables(content))
+    # Sizes that no memory holds are met where they are used.
+    except (zlib.error, struct.error, MemoryError, OverflowError, RecursionError) as refusal:
+        raise RecordError(f"is damaged: {type(refusal).__name__}: {printable(str(refusal))}") from None
+
+
+def _matrices(content: bytes) -> Group:
+    """Return the variables of a file of v4."""
+    from scipy.io import loadmat
+
+    try:
+        with warnings.catch_warnings():
+            # What scipy warns of, such as numbers it may have read wrongly or a name that stands twice, is no record.
+            warnings.simplefilter("error", UserWarning)
+            variables = loadmat(io.BytesIO(content))  # type: ignore[arg-type]  # the stubs know paths only
+    except KeyboardInterrupt:
+        raise
+    # The parsers meet a damaged file with errors of every kind, MemoryError among them.
+    except Exception as refusal:
+        raise RecordError(f"is damaged: {type(refusal).__name__}: {printable(str(refusal))}") from None
+    found: dict[str, Value] = {}
+    for name, value in variables.items():
+        if not isinstance(value, np.ndarray) or value.dtype.kind not in "iufb":
+            if not name.startswith("__"):
+                found[name] = "is not real numbers"
+            continue
+        found[name] = _variable(value)
+    return found
+
+
+def _version(content: bytes) -> int:
+    # A text stands at the head of v5, numbers at that of v4.
+    if 0 in content[:4]:
+        return 4
+    order = content[126:128]
+    if len(content) < HEADER or order not in (b"IM", b"MI"):
+        raise RecordError("is not a MATLAB file: its head is not that of one")
+    if content[125 if order == b"IM" else 124] == 2:
+        raise RecordError("is a damaged MATLAB v7.3 file: the HDF5 part is not there")
+    return 5
+
+
+def _variables(content: bytes) -> Group:
+    """Return the variables of a file of v5 to v7.
+
+    Raises
+    ------
+    RecordError
+        If one is damaged, or a name stands twice.
+    """
+    order = "<" if content[126:128] == b"IM" else ">"
+    found: dict[str, Value] = {}
+    position = HEADER
+    while position < len(content):
+        kind, body = _element(content, position, order)
+        position += 8 + len(body)
+        if kind == COMPRESSED:
+            inflater = zlib.decompressobj()
+            matrix = inflater.decompress(body, MOST_BYTES)
+            if inflater.unconsumed_tail:
+                raise RecordError(f"holds a variable of more than {MOST_BYTES >> 30} GiB")
+            kind, body = _element(matrix, 0, order)
+        if kind != MATRIX:
+            raise RecordError(f"is damaged: an element of type {kind} stands where a variable should")
+        name, value = _value(body, order, 0)
+        # What MATLAB keeps for its objects has no name.
+        if name in found and name:
+            raise RecordError(f"holds two variables named {name!r}")
+        found[name or f"without a name ({len(found) + 1})"] = value
+    return found
+
+
+def _value(body: bytes, order: str, depth: int) -> tuple[str, Value]:
+    """Return the name of a variable or field, and what it holds or why that is of no use."""
+    if not body:
+        return "", "is empty"
+    parts = _elements(body, order)
+    flags_kind, flags = next(parts, (0, b""))
+    if flags_kind != UINT32 or len(flags) != 8:
+        raise RecordError("is damaged: a variable lacks its flags")
+    word = struct.unpack(order + "I", flags[:4])[0]
+    class_code = word & 0xFF
+    # Objects of newer kinds have no size here.
+    if class_code > NUMERIC_CLASSES[-1]:
+        name_kind, name = next(parts, (0, b""))
+        text = name.decode("latin1") if name_kind in (INT8, UTF8) else ""
+        return text, f"is an object; {NO_OBJECT}"
+    (dims_kind, dims), (name_kind, name) = next(parts, (0, b"")), next(parts, (0, b""))
+    if dims_kind != INT32 or len(dims) % 4 or not 8 <= len(dims) <= 128 or name_kind not in (INT8, UTF8):
+        raise RecordError("is damaged: a variable lacks its size or its name")
+    text = name.decode("latin1")
+    shape = struct.unpack(f"{order}{len(dims) // 4}i", dims)
+    if min(shape) < 0:
+        raise RecordError(f"is damaged: variable {text!r} has the size {shape}")
+    if class_code == STRUCT:
+        return text, _structure(parts, shape, order, depth)
+    if class_code == CHAR:
+        kind, letters = next(parts, (0, b""))
+        return text, _text(kind, letters, order)
+    if class_code not in NUMERIC_CLASSES:
+        return text, f"is {OTHER_CLASSES.get(class_code, f'of class {class_code}')}"
+    return text, _array(text, parts, shape, order, complex_=bool(word >> 8 & COMPLEX_FLAG))
+
+
+def _array(
+    name: str, parts: Iterator[tuple[int, bytes]], shape: tuple[int, ...], order: str, *, complex_: bool
+) -> Variable | str:
+    kind, numbers = next(parts, (0, b""))
+    item = np.dtype(order + ITEMS.get(kind, "V1"))
+    if kind not in ITEMS or math.prod(shape) * item.itemsize != len(numbers):
+        raise RecordError(f"is damaged: variable {name!r} does not hold what its size {shape} says")
+    if complex_:
+        return "is complex; a record is real"
+    return _variable(np.frombuffer(numbers, item).reshape(shape, order="F"))
+
+
+def _variable(array: np.ndarray[tuple[int, ...], np.dtype[np.generic]]) -> Variable:
+    return Variable(shape=array.shape, read=lambda: array)
+
+
+def _text(kind: int, letters: bytes, order: str) -> Text:
+    encoding = TEXTS.get(kind, "latin1")
+    if encoding in ("utf-16", "utf-32"):
+        encoding += "-le" if order == "<" else "-be"
+    return Text(text=letters.decode(encoding, errors="replace"))
+
+
+def _structure(parts: Iterator[tuple[int, bytes]], shape: tuple[int, ...], order: str, depth: int) -> Value:
+    """Return the fields of a structure by their names, or the structures of an array of them by their numbers."""
+    if depth >= DEEPEST:
+        return f"is a structure within {DEEPEST} others"
+    (length_kind, length), (names_kind, names) = next(parts, (0, b"")), next(parts, (0, b""))
+    if length_kind != INT32 or len(length) != 4 or names_kind not in (INT8, UTF8):
+        raise RecordError("is damaged: a structure lacks the names of its fields")
+    width = struct.unpack(order + "i", length)[0]
+    if width <= 0 or len(names) % width:
+        raise RecordError("is damaged: the names of the fields of a structure have no length")
+    fields = [names[k : k + width].split(b"\0")[0].decode("latin1") for k in range(0, len(names), width)]
+    if len(set(fields)) < len(fields):
+        raise RecordError("is damaged: a structure has two fields of one name")
+    if not fields or not math.prod(shape):
+        return "is an empty structure"
+    found: list[dict[str, Value]] = []
+    for _ in range(math.prod(shape)):
+        one: dict[str, Value] = {}
+        for field in fields:
+            kind, body = next(parts, (0, b""))
+            if kind != MATRIX:
+                raise RecordError(f"is damaged: field {field!r} of a structure is not there")
+            one[field] = _value(body, order, depth + 1)[1]
+        found.append(one)
+    if len(found) == 1:
+        return found[0]
+    return {f"[{k + 1}]": one for k, one in enumerate(found)}
+
+
+def _elements(body: bytes, order: str) -> Iterator[tuple[int, bytes]]:
+    """Yield type and content of each part of a variable."""
+    position = 0
+    while position < len(body):
+        kind, content = _element(body, position, order)
+        small = struct.unpack_from(order + "I", body, position)[0] >> 16
+        position += 8 if small else 8 + -(-len(content) // 8) * 8
+        yield kind, content
+
+
+def _element(data: bytes, position: int, order: str) -> tuple[int, bytes]:
+    """Return type and content of the element at a position; up to four bytes may stand in the tag itself."""
+    if position + 8 > len(data):
+        raise RecordError("is damaged: it ends within a variable")
+    kind, size = struct.unpack_from(order + "II", data, position)
+    start = position + 8
+    if kind >> 16:
+        kind, size, start = kind & 0xFFFF, kind >> 16, position + 4
+        if size > 4:
+            raise RecordError("is damaged: a short element is too long")
+    if start + size > len(data):
+        raise RecordError("is damaged: it ends within a variable")
+    return kind, data[start : start + size]

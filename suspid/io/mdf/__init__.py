@@ -1,0 +1,1 @@
+"""ASAM MDF: blocks checked before asammdf may read them, channels, CAN frames."""

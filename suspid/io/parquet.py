@@ -1,0 +1,196 @@
+"""Parquet files: columns of numbers by name, written so that every bit comes back."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from suspid.errors import RecordError
+from suspid.files import printable, read_bytes
+from suspid.io.foreign import sheltered
+from suspid.io.tables import PER_SECOND, Clock, Table, is_time, split_unit
+from suspid.units import RealArray
+from suspid.values import frozen_real
+
+TIME = "time [s]"
+UNIT_KEYS = (b"unit", b"units", b"UNIT", b"Unit", b"Units")
+# A few bytes may stand for any number of equal samples; here is where belief ends.
+MOST_SAMPLES = 1 << 28
+
+
+def read_parquet(path: Path) -> Table:
+    """Return the table of a Parquet file: its columns of numbers, and of dates and durations as seconds.
+
+    Dates and times of day count from the first one there is. Where no column is named like a time, the only
+    one that holds dates, times or durations is the clock of the others. Units stand in the metadata of the
+    fields, under ``unit``.
+
+    Raises
+    ------
+    RecordError
+        If the file is of another kind, damaged, or holds no column of numbers.
+    """
+    content = read_bytes(path, error=RecordError)
+    if not (len(content) >= 12 and content[:4] == b"PAR1" == content[-4:]):
+        cut = content[:4] == b"PAR1"
+        raise RecordError("is cut off: its end is not that of a Parquet file" if cut else "is not a Parquet file")
+    return sheltered(lambda: _table(content, path.suffix), extra="parquet", library="pyarrow", suffix=path.suffix)
+
+
+def write_parquet(
+    path: Path,
+    timepts: RealArray,
+    values: RealArray,
+    channels: Sequence[str],
+    *,
+    units: Sequence[str] | None = None,
+    title: str = "",
+) -> None:
+    """Write a column ``time [s]``, then the channels, in double precision: every bit comes back.
+
+    Parameters
+    ----------
+    path : path
+        The file, which is overwritten.
+    timepts : ndarray (sample,)
+        Time of each sample [s].
+    values : ndarray (channel, sample)
+        The samples.
+    channels : sequence of str
+        Names that differ.
+    units : sequence of str, optional
+        Units by channel, empty where there is none; they stand in the metadata of the fields.
+    title : str
+        What the record is called.
+
+    Raises
+    ------
+    RecordError
+        If pyarrow is not there.
+    OSError
+        If the file cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = Path(folder, "bump.parquet")
+    ...     write_parquet(path, np.arange(3) / 10, np.array([[1.0, 0.5, 0.1]]), ["seat"], units=["m"], title="bump")
+    ...     table = read_parquet(path)
+    >>> table.sizes, table.columns(["seat"]), table.units, table.title
+    ({'time [s]': 3, 'seat': 3}, [array([1. , 0.5, 0.1])], {'time [s]': 's', 'seat': 'm'}, 'bump')
+    """
+    content = sheltered(
+        lambda: _written(timepts, values, channels, units or [""] * len(channels), title),
+        doing="writing",
+        extra="parquet",
+        library="pyarrow",
+        suffix=".parquet",
+    )
+    path.write_bytes(content)
+
+
+def _written(timepts: RealArray, values: RealArray, channels: Sequence[str], units: Sequence[str], title: str) -> bytes:
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    fields = [
+        pa.field(name, pa.float64(), nullable=False, metadata={"unit": unit} if unit else None)
+        for name, unit in zip([TIME, *channels], ["s", *units], strict=True)
+    ]
+    schema = pa.schema(fields, metadata={"title": title, "writer": "suspid"})
+    stream = io.BytesIO()
+    pq.write_table(pa.table([timepts, *values], schema=schema), stream, use_dictionary=False, write_page_checksum=True)
+    return stream.getvalue()
+
+
+def _table(content: bytes, suffix: str) -> Table:
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    file = pq.ParquetFile(io.BytesIO(content), page_checksum_verification=True)
+    schema, samples = file.schema_arrow, file.metadata.num_rows
+    if not 0 <= samples <= MOST_SAMPLES:
+        raise RecordError(f"states {samples} samples a column; at most {MOST_SAMPLES} are read")
+    twice = next((name for name in schema.names if schema.names.count(name) > 1), None)
+    if twice is not None:
+        raise RecordError(f"holds {schema.names.count(twice)} columns {twice!r}; names must differ")
+    types = {field.name: field.type for field in schema}
+    unusable = {name: why for name, kind in types.items() if (why := _why_not(kind, pa.types))}
+    usable = [name for name in types if name not in unusable]
+    if not usable or not samples:
+        listed = ", ".join(f"{printable(name)!r} {why}" for name, why in unusable.items())
+        raise RecordError(f"holds no sample: {listed or f'{len(types)} columns, {samples} samples'}")
+
+    def columns(wanted: Sequence[str]) -> list[RealArray]:
+        return sheltered(
+            lambda: [_numbers(name, types[name], _column(content, name, samples)) for name in wanted],
+            extra="parquet",
+            library="pyarrow",
+            suffix=suffix,
+        )
+
+    temporal = [name for name in usable if pa.types.is_temporal(types[name])]
+    clocks: dict[str, Clock] = {}
+    if len(temporal) == 1 and len(usable) > 1 and not any(is_time(name) for name in usable):
+        clock = Clock(name=temporal[0], stamps=lambda: columns(temporal)[0])
+        clocks = {name: clock for name in usable if name not in temporal}
+    units = {name: unit for name in usable if name not in temporal and (unit := _unit(schema.field(name).metadata))}
+    title = (schema.metadata or {}).get(b"title", b"").decode("utf-8", "replace")
+    sizes = dict.fromkeys(usable, samples)
+    return Table(
+        sizes=sizes, columns=columns, unusable=unusable, rates={}, units=units, clocks=clocks, title=printable(title)
+    )
+
+
+def _why_not(kind: Any, types: Any) -> str:
+    """Return why a type is no column of numbers, as a predicate; empty if it is one."""
+    if types.is_dictionary(kind) or types.is_string(kind) or types.is_large_string(kind):
+        return "is text"
+    if types.is_nested(kind):
+        return f"is nested ({printable(str(kind)[:60])})"
+    numeric = types.is_integer(kind) or types.is_floating(kind) or types.is_boolean(kind) or types.is_decimal(kind)
+    return (
+        ""
+        if numeric or (types.is_temporal(kind) and not types.is_interval(kind))
+        else f"is of type {printable(str(kind)[:60])}"
+    )
+
+
+def _unit(metadata: dict[bytes, bytes] | None) -> str:
+    found = next((metadata[key] for key in UNIT_KEYS if key in metadata), b"") if metadata else b""
+    return printable(found.decode("utf-8", "replace").strip())
+
+
+def _column(content: bytes, name: str, samples: int) -> Any:
+    """Return the cells of a column as pyarrow's chunks of them."""
+    import pyarrow.parquet as pq
+
+    file = pq.ParquetFile(io.BytesIO(content), page_checksum_verification=True)
+    # A name with a point in it may bring members of a struct along.
+    cells = file.read(columns=[name], use_threads=False).column(name)
+    if len(cells) != samples:
+        raise RecordError(f"is damaged: column {name!r} holds {len(cells)} samples, not {samples}")
+    return cells
+
+
+def _numbers(name: str, kind: Any, cells: Any) -> RealArray:
+    """Return cells as numbers, those of time in seconds, or in the unit that the name promises."""
+    import pyarrow as pa
+
+    if not pa.types.is_temporal(kind):
+        return frozen_real(cells.cast(pa.float64(), safe=False).to_numpy())
+    per_second = 1 / 86400 if pa.types.is_date32(kind) else PER_SECOND[getattr(kind, "unit", "ms")]
+    short = pa.types.is_date32(kind) or pa.types.is_time32(kind)
+    whole = cells.cast(pa.int32() if short else pa.int64()).cast(pa.int64())
+    missing = np.asarray(cells.is_null().to_numpy())
+    counts = whole.fill_null(0).to_numpy()
+    if not pa.types.is_duration(kind) and not missing.all():
+        # Seconds since 1970 in double precision would be rounded to a quarter of a microsecond.
+        counts = counts - counts[np.argmin(missing)]
+    promised = PER_SECOND[split_unit(name)[1] or "s"] if is_time(name) else 1.0
+    return frozen_real(np.where(missing, np.nan, counts / (per_second / promised)))

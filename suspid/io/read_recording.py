@@ -1,0 +1,70 @@
+"""Read a file as a recording."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+from suspid.errors import RecordError
+from suspid.files import printable
+from suspid.io.formats import READERS, reader_of
+from suspid.io.signatures import signature
+from suspid.io.timing import as_recording
+from suspid.recordings import Recording
+from suspid.units import Hertz
+
+
+def read_recording(
+    path: str | os.PathLike[str],
+    *,
+    channels: Sequence[str] | str | None = None,
+    time: str | None = None,
+    fs: Hertz | None = None,
+    dbc: str | os.PathLike[str] | None = None,
+) -> Recording:
+    r"""Return what a file holds, channel by channel, with nothing repaired and nothing refused that can be.
+
+    Parameters
+    ----------
+    path : str or path
+        The file; its suffix says what it is.
+    channels : sequence of str, optional
+        Columns to take, by their names or by these without the unit. Default: all but time that have a clock
+        or are as long as time.
+    time : str, optional
+        The column of time. Default: the clock of the channel, or the column named like a time (``t``,
+        ``time [s]``, ``t_ms``, …). A unit in its name, or stated by the file, is obeyed.
+    fs : float, optional
+        Sampling rate [Hz] of the channels; they start at 0 where nothing in the file tells their time.
+    dbc : str or path, optional
+        Database that decodes the raw CAN frames of an MDF file.
+
+    Raises
+    ------
+    RecordError
+        If the file cannot be read as what its suffix says, a column is not there or holds text, or nothing
+        tells the time. The message begins with the name of the file.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = Path(folder, "bump.csv")
+    ...     _ = path.write_text("time [ms],seat [mm]\n0,0.0\n2,nan\n5,0.4\n")
+    ...     recording = read_recording(path)
+    >>> recording["seat [mm]"].unit, recording["seat [mm]"].timepts, recording["seat [mm]"].values
+    ('mm', array([0.   , 0.002, 0.005]), array([0. , nan, 0.4]))
+    """
+    path = Path(path)
+    try:
+        table = reader_of(path, dbc)(path)
+        wanted = [channels] if isinstance(channels, str) else channels
+        return as_recording(table, channels=wanted, time=time, fs=fs, title=path.stem)
+    except RecordError as error:
+        name = printable(str(path))
+        message = str(error) if str(error).startswith(f"{name}: ") else f"{name}: {error}"
+        known, looks = signature(path)
+        if known and reader_of(path, None) is not READERS[known]:
+            message += f"; it looks like {looks}: name it {known}"
+        raise RecordError(message) from None

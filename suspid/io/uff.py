@@ -1,0 +1,188 @@
+"""Universal files: the time histories of data sets 58, ASCII and binary."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Collection, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from suspid.errors import RecordError
+from suspid.files import printable, read_bytes
+from suspid.io.foreign import sheltered
+from suspid.io.tables import PER_SECOND, Clock, Table
+from suspid.units import RealArray
+from suspid.values import frozen_real
+
+# A line that begins or ends a data set, as pyuff sees it.
+DELIMITER = re.compile(rb"    -1(?=[\r\n]|\Z| {74})")
+TIME, TIME_RESPONSE = 17, 1
+FUNCTIONS = {
+    2: "an auto spectrum",
+    3: "a cross spectrum",
+    4: "a frequency response",
+    5: "a transmissibility",
+    6: "a coherence",
+    7: "an auto correlation",
+    8: "a cross correlation",
+    9: "a power spectral density",
+    12: "a spectrum",
+}
+# A line of 80 characters of single precision.
+PADDING = 20
+DIRECTIONS = ("", "X", "Y", "Z", "RX", "RY", "RZ")
+# Units of length and force by the code of data set 164.
+SYSTEMS = {
+    1: ("m", "N"),
+    2: ("ft", "lbf"),
+    3: ("m", "kgf"),
+    4: ("ft", "pdl"),
+    5: ("mm", "mN"),
+    6: ("cm", "cN"),
+    7: ("in", "lbf"),
+    8: ("mm", "kgf"),
+    10: ("mm", "N"),
+}
+DISPLACEMENT, REACTION, VELOCITY, ACCELERATION, EXCITATION = 8, 9, 11, 12, 13
+
+
+def read_uff(path: Path) -> Table:
+    """Return the table of a universal file: a column for each real time history of its data sets 58.
+
+    A column is named by node and direction (``12+Z``), else by the label of its axis, else by its first
+    line of text; a name that comes again is followed by that text. Units are those of the label, else
+    they follow from data set 164.
+
+    Raises
+    ------
+    RecordError
+        If the file is of another kind, damaged or cut off, or holds no time history.
+    """
+    content = read_bytes(path, error=RecordError)
+    if re.match(rb"[\r\n]*    -1[\r\n ]", content) is None:
+        raise RecordError("is not a universal file: it does not begin with a line '    -1'")
+    if len(DELIMITER.findall(content)) % 2 or not content.rstrip(b"\0\x1a \r\n\t").endswith(b"    -1"):
+        raise RecordError("is cut off: its last data set does not end")
+    del content
+    numbered = sheltered(lambda: _data_sets(path), extra="uff", library="pyuff", suffix=path.suffix)
+    system = next((s["units_code"] for _, s in numbered if s["type"] == 164), None)
+    values: dict[str, RealArray] = {}
+    clocks: dict[str, Clock] = {}
+    units: dict[str, str] = {}
+    unusable: dict[str, str] = {}
+    for number, dataset in numbered:
+        if dataset["type"] != 58:
+            continue
+        name = _name(dataset, number, {*values, *unusable})
+        reason = _why_not(dataset)
+        if reason:
+            unusable[name] = reason
+            continue
+        samples = _samples(dataset, number)
+        clocks[name] = _clock(dataset, number, clocks, values)
+        values[name] = samples
+        units[name] = _label(dataset["ordinate_axis_units_lab"]) or _unit(dataset["ordinate_spec_data_type"], system)
+    if not values:
+        listed = ", ".join(f"{name!r} {why}" for name, why in unusable.items())
+        raise RecordError(f"holds no time history: {listed or 'no data set 58'}")
+
+    def columns(wanted: Sequence[str]) -> list[RealArray]:
+        return [values[name] for name in wanted]
+
+    return Table(
+        sizes={name: v.size for name, v in values.items()},
+        columns=columns,
+        unusable=unusable,
+        rates={},
+        units={name: unit for name, unit in units.items() if unit},
+        clocks=clocks,
+        title=next((t for _, s in numbered if s["type"] == 151 and (t := _label(s["model_name"]))), ""),
+    )
+
+
+def _data_sets(path: Path) -> list[tuple[int, dict[str, Any]]]:
+    """Return the data sets 58, 151 and 164, and the number of each in the file from 1."""
+    import pyuff
+
+    file = pyuff.UFF(str(path))
+    types = [int(kind) for kind in file.get_set_types()]
+    if not all(types):
+        raise RecordError(f"is damaged: data set {types.index(0) + 1} does not state its type")
+    return [(k + 1, file.read_sets(k)) for k, kind in enumerate(types) if kind in (58, 151, 164)]
+
+
+def _why_not(dataset: Mapping[str, Any]) -> str:
+    """Return why a data set is no time history, as a predicate; refuse one that is not whole."""
+    function, abscissa = dataset["func_type"], dataset["abscissa_spec_data_type"]
+    if dataset["ord_data_type"] in (5, 6):
+        return f"is complex ({FUNCTIONS.get(function, f'function {function}')}); a record is real"
+    if function in FUNCTIONS:
+        return f"is {FUNCTIONS[function]}, not a time history"
+    if abscissa != TIME and not (abscissa == 0 and function == TIME_RESPONSE):
+        return f"does not stand over time (abscissa of type {abscissa})"
+    unit = _label(dataset["abscissa_axis_units_lab"])
+    if unit and unit.lower() not in PER_SECOND:
+        return f"has its time in {unit!r}; known: s, ms, us, ns, min"
+    return "" if dataset["num_pts"] else "is empty"
+
+
+def _clock(
+    dataset: Mapping[str, Any], number: int, clocks: Mapping[str, Clock], values: Mapping[str, RealArray]
+) -> Clock:
+    """Return the clock of a data set, the one that it shares with an earlier one if there is such a one."""
+    per_second = PER_SECOND[_label(dataset["abscissa_axis_units_lab"]).lower() or "s"]
+    if dataset["abscissa_spacing"] == 0:
+        stamps = frozen_real(dataset["x"] / per_second)
+        for name, known in clocks.items():
+            if known.stamps is not None and values[name].size == stamps.size and np.array_equal(known.stamps(), stamps):
+                return known
+        return Clock(name=f"data set {number}", stamps=lambda: stamps)
+    start, step = dataset["abscissa_min"] / per_second, dataset["abscissa_inc"] / per_second
+    if not (math.isfinite(start) and math.isfinite(step) and step > 0):
+        raise RecordError(f"is damaged: data set {number} starts at {start:g} s and steps by {step:g} s")
+    for known in clocks.values():
+        if known.stamps is None and (known.start, known.rate) == (start, 1 / step):
+            return known
+    return Clock(name=f"data set {number}", start=start, rate=1 / step)
+
+
+def _samples(dataset: Mapping[str, Any], number: int) -> RealArray:
+    """Return the samples of a data set, which must be as many as it states; binary ones may be padded to a line."""
+    found, stated = len(dataset["data"]), dataset["num_pts"]
+    if not stated <= found <= stated + (PADDING if dataset["binary"] and dataset["abscissa_spacing"] else 0):
+        raise RecordError(f"is damaged: data set {number} states {stated} samples and holds {found}")
+    return frozen_real(dataset["data"][:stated])
+
+
+def _name(dataset: Mapping[str, Any], number: int, taken: Collection[str]) -> str:
+    node, direction, entity = dataset["rsp_node"], dataset["rsp_dir"], _label(dataset["rsp_ent_name"])
+    title = _label(dataset["id1"])
+    point = ""
+    if node or direction:
+        axis = DIRECTIONS[abs(direction)] if abs(direction) < len(DIRECTIONS) else str(direction)
+        point = f"{node}{'-' if direction < 0 else '+'}{axis}" if axis else str(node)
+    if entity and entity != point:
+        point = f"{entity} {point}".rstrip()
+    name = point or _label(dataset["ordinate_axis_lab"]) or title or f"data set {number}"
+    for candidate in (name, f"{name} ({title})" if title else name, f"{name} (data set {number})"):
+        if candidate not in taken:
+            return candidate
+    raise RecordError(f"holds two data sets named {name!r}")
+
+
+def _label(text: str) -> str:
+    """Return a label without its blanks; ``NONE`` stands for none."""
+    stripped = printable(text.strip())
+    return "" if stripped.upper() == "NONE" else stripped
+
+
+def _unit(kind: int, system: int | None) -> str:
+    """Return the unit of a quantity in the system of units that data set 164 states; empty if it is not known."""
+    if system not in SYSTEMS:
+        return ""
+    length, force = SYSTEMS[system]
+    known = {DISPLACEMENT: length, VELOCITY: f"{length}/s", ACCELERATION: f"{length}/s^2"}
+    return {**known, REACTION: force, EXCITATION: force}.get(kind, "")

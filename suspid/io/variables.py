@@ -1,0 +1,246 @@
+"""Variables: named numbers in nested groups, as MATLAB and HDF5 keep them, as the columns of a table."""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from suspid.errors import RecordError
+from suspid.io.tables import PER_SECOND, Clock, Table, is_time, split_unit, stated_rate
+from suspid.units import Hertz, RealArray
+from suspid.values import frozen_real
+
+# A matrix with more columns holds no channels but, say, a spectrogram.
+MOST_COLUMNS = 256
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Variable:
+    """A real array that is read when asked for.
+
+    Parameters
+    ----------
+    shape : tuple of int
+        Its shape.
+    read : callable
+        Returns it.
+    unit : str
+        Its unit, where the file states one.
+    rates : mapping of str to float
+        Sampling rates that the file states of it alone [Hz].
+    """
+
+    shape: tuple[int, ...]
+    read: Callable[[], NDArray[Any]]
+    unit: str = ""
+    rates: Mapping[str, Hertz] = field(default_factory=dict)
+
+    @property
+    def size(self) -> int:
+        """Number of numbers."""
+        return math.prod(self.shape)
+
+    @property
+    def is_vector(self) -> bool:
+        """Whether only one side is longer than one."""
+        return self.size > 1 and self.size == max(self.shape)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Text:
+    """A text, which may label a signal."""
+
+    text: str
+
+
+Value: TypeAlias = "Variable | Text | Group | str"
+# A group by the names of what it holds: arrays, texts, further groups, or why something is of no use.
+Group: TypeAlias = "Mapping[str, Value]"
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class _Found:
+    sizes: dict[str, int] = field(default_factory=dict)
+    readers: dict[str, Callable[[], RealArray]] = field(default_factory=dict)
+    unusable: dict[str, str] = field(default_factory=dict)
+    units: dict[str, str] = field(default_factory=dict)
+    clocks: dict[str, Clock] = field(default_factory=dict)
+
+
+def as_table(variables: Group, *, rates: Mapping[str, Hertz] | None = None) -> Table:
+    """Return every vector and every column of a matrix as a column of a table.
+
+    What stands in a group is named ``group.name``; the columns of a matrix are ``name[1]``, ``name[2]`` …, its
+    longer side being time. A vector of time, or a number that states the rate, holds for all in its group and
+    in the groups below it; a group ``time`` and ``signals.values`` is what Simulink writes.
+
+    Raises
+    ------
+    RecordError
+        If there is no real vector.
+
+    Examples
+    --------
+    >>> seat = Variable(shape=(3, 1), read=lambda: np.ones((3, 1)))
+    >>> table = as_table({"run1": {"seat": seat, "Fs": Variable(shape=(1, 1), read=lambda: np.array([[50.0]]))}})
+    >>> table.sizes, table.clocks["run1.seat"].rate
+    ({'run1.seat': 3}, 50.0)
+    """
+    found = _Found()
+    top = {**_stated(variables), **(rates or {})}
+    _collect(variables, "", None, found)
+    if not found.sizes:
+        listed = ", ".join(f"{name!r} {why}" for name, why in list(found.unusable.items())[:12])
+        raise RecordError(f"holds no real vector: {listed or 'nothing at all'}")
+
+    def columns(wanted: Sequence[str]) -> list[RealArray]:
+        return [found.readers[name]() for name in wanted]
+
+    return Table(
+        sizes=found.sizes, columns=columns, unusable=found.unusable, rates=top, units=found.units, clocks=found.clocks
+    )
+
+
+def joined(prefix: str, name: str) -> str:
+    """Return the name of what stands in a group; elements of an array of groups are named by their number alone.
+
+    Examples
+    --------
+    >>> joined("run", "seat"), joined("run", "[2]"), joined("", "run")
+    ('run.seat', 'run[2]', 'run')
+    """
+    return f"{prefix}{'' if not prefix or name.startswith('[') else '.'}{name}"
+
+
+def _collect(group: Group, prefix: str, above: Clock | None, found: _Found) -> None:
+    """Add what a group holds; ``above`` is the clock of the group that it stands in."""
+    clock = _clock(group, prefix, above) if prefix else None
+    time = _time(group)
+    for name, value in group.items():
+        full = joined(prefix, name)
+        if isinstance(value, str):
+            found.unusable[full] = value
+        elif isinstance(value, Text):
+            found.unusable[full] = "is text"
+        elif isinstance(value, Variable):
+            if prefix and value is time:
+                found.unusable[full] = "is the time of its group"
+            else:
+                _add(full, value, clock, time, found)
+        elif _signals(value):
+            _add_simulink(full, value, found)
+        else:
+            _collect(value, full, clock, found)
+
+
+def _clock(group: Group, prefix: str, above: Clock | None) -> Clock | None:
+    """Return the clock of a group: its own vector of time or rate, else that of the group around it."""
+    rates, time = _stated(group), _time(group)
+    if len(set(rates.values())) > 1:
+        listed = ", ".join(f"{name!r} {rate:g} Hz" for name, rate in rates.items())
+        raise RecordError(f"{prefix!r} states several sampling rates: {listed}; correct one of them")
+    rate = next(iter(rates.values()), None)
+    if time is None:
+        return above if rate is None else Clock(name=prefix, rate=rate)
+    name = next(name for name, value in group.items() if value is time)
+    return Clock(name=f"{prefix}.{name}", rate=rate, stamps=_stamps(name, time))
+
+
+def _stamps(name: str, time: Variable) -> Callable[[], RealArray]:
+    unit = time.unit.strip().lower() or split_unit(name)[1] or "s"
+    return lambda: frozen_real(np.ravel(time.read()) / PER_SECOND.get(unit, 1.0))
+
+
+def _time(group: Group) -> Variable | None:
+    """Return the vector of time of a group, if there is one and no other."""
+    vectors = {name: v for name, v in group.items() if isinstance(v, Variable) and v.is_vector and is_time(name)}
+    times = [v for v in vectors.values() if not v.unit or v.unit.strip().lower() in PER_SECOND]
+    return times[0] if len(times) == 1 else None
+
+
+def _stated(group: Group) -> dict[str, Hertz]:
+    rates: dict[str, Hertz] = {}
+    for name, value in group.items():
+        if isinstance(value, Variable) and value.size == 1 and stated_rate(name, 1.0, value.unit) is not None:
+            rate = stated_rate(name, float(np.ravel(value.read())[0]), value.unit)
+            if rate is not None:
+                rates[name] = rate
+    return rates
+
+
+def _add(name: str, value: Variable, clock: Clock | None, time: Variable | None, found: _Found) -> None:
+    """Add the columns of an array."""
+    shape = tuple(n for n in value.shape if n > 1)
+    if not value.size:
+        found.unusable[name] = "is empty"
+    elif not shape:
+        found.unusable[name] = "is a single number"
+    elif len(shape) > 2:
+        found.unusable[name] = f"is an array of {' x '.join(map(str, value.shape))}; save its columns as vectors"
+    elif len(shape) == 1:
+        _add_column(name, value, lambda: np.ravel(value.read()), value.size, clock, found)
+    else:
+        _add_matrix(name, value, shape, clock, time, found)
+
+
+def _add_matrix(
+    name: str, value: Variable, shape: Sequence[int], clock: Clock | None, time: Variable | None, found: _Found
+) -> None:
+    matching = [axis for axis in (0, 1) if time is not None and shape[axis] == time.size]
+    along = matching[0] if len(matching) == 1 else int(np.argmax(shape))
+    if (shape[0] == shape[1] and len(matching) != 1) or shape[1 - along] > MOST_COLUMNS:
+        found.unusable[name] = f"is a matrix of {' x '.join(map(str, value.shape))}; save its columns as vectors"
+        return
+    whole = functools.cache(lambda: np.reshape(value.read(), shape))
+    for k in range(shape[1 - along]):
+        read = lambda k=k: np.take(whole(), k, axis=1 - along)  # noqa: E731
+        _add_column(f"{name}[{k + 1}]", value, read, shape[along], clock, found)
+
+
+def _add_column(
+    name: str,
+    value: Variable,
+    read: Callable[[], NDArray[Any]],
+    size: int,
+    clock: Clock | None,
+    found: _Found,
+) -> None:
+    found.sizes[name] = size
+    found.readers[name] = lambda: frozen_real(read())
+    if value.unit:
+        found.units[name] = value.unit
+    own = next(iter(value.rates.values()), None)
+    if own is not None:
+        found.clocks[name] = Clock(name=name, rate=own)
+    elif clock is not None:
+        found.clocks[name] = clock
+
+
+def _signals(group: Group) -> dict[str, Group]:
+    """Return the signals of a structure with time, as Simulink writes it; none if it is not one."""
+    signals = group.get("signals")
+    if "time" not in group or not isinstance(signals, Mapping):
+        return {}
+    several = {f"signals{name}": one for name, one in signals.items() if name.startswith("[")} or {"signals": signals}
+    return {name: one for name, one in several.items() if isinstance(one, Mapping) and "values" in one}
+
+
+def _add_simulink(prefix: str, group: Group, found: _Found) -> None:
+    """Add the signals of a structure with time by their labels."""
+    time = group["time"]
+    vector = time if isinstance(time, Variable) and time.is_vector else None
+    clock = None if vector is None else Clock(name=f"{prefix}.time", stamps=_stamps("time", vector))
+    for name, signal in _signals(group).items():
+        label, values = signal.get("label"), signal["values"]
+        full = f"{prefix}.{label.text.strip() if isinstance(label, Text) and label.text.strip() else name}"
+        full = f"{prefix}.{name}" if full in found.sizes or f"{full}[1]" in found.sizes else full
+        if isinstance(values, Variable):
+            _add(full, values, clock, vector, found)
+        else:
+            found.unusable[full] = "holds no real values"

@@ -1,0 +1,109 @@
+"""WAV files: each sample as a fraction of full scale."""
+
+from __future__ import annotations
+
+import io
+import struct
+import warnings
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from suspid.errors import RecordError
+from suspid.files import read_bytes
+from suspid.io.foreign import sheltered
+from suspid.io.tables import Clock, Table
+from suspid.units import RealArray
+from suspid.values import frozen_real
+
+UNIT = "full scale"
+# The size that stands in a file whose writer did not know it, or that stands elsewhere.
+UNKNOWN = 0xFFFFFFFF
+
+
+def read_wav(path: Path) -> Table:
+    """Return the table of a WAV file (PCM of 8 to 64 bit, or floating point).
+
+    Columns are named ``channel 1``, ``channel 2`` …. Integers are divided by the largest that their type
+    could hold, so that full scale is 1; floating point stands as it is.
+
+    Raises
+    ------
+    RecordError
+        If the file is of another kind, cut off, compressed or otherwise not to be read.
+    """
+    content = read_bytes(path, error=RecordError)
+    _check_chunks(content)
+    rate, samples = sheltered(lambda: _read(content), extra="formats", library="scipy", suffix=path.suffix)
+    if not rate > 0:
+        raise RecordError(f"is damaged: it states a sampling rate of {rate} Hz")
+    if not samples.size:
+        raise RecordError("holds no sample")
+    names = [f"channel {k + 1}" for k in range(samples.shape[1])]
+    clock = Clock(name="wav", rate=float(rate))
+
+    def columns(wanted: Sequence[str]) -> list[RealArray]:
+        return [_fraction(samples[:, names.index(name)]) for name in wanted]
+
+    return Table(
+        sizes=dict.fromkeys(names, len(samples)),
+        columns=columns,
+        unusable={},
+        rates={},
+        units=dict.fromkeys(names, UNIT),
+        clocks=dict.fromkeys(names, clock),
+    )
+
+
+def _read(content: bytes) -> tuple[int, np.ndarray[Any, Any]]:
+    """Return the rate [Hz] and the samples (sample, channel) as integers or floating point."""
+    from scipy.io import wavfile
+
+    # Other warnings speak of chunks that hold no samples.
+    warnings.filterwarnings("error", message="Reached EOF|Incomplete")
+    rate, samples = wavfile.read(io.BytesIO(content))
+    return rate, samples if samples.ndim == 2 else samples[:, None]
+
+
+def _fraction(samples: np.ndarray[Any, Any]) -> RealArray:
+    """Return samples as fractions of full scale; scipy puts 24 bits into the upper ones of 32."""
+    if samples.dtype.kind == "f":
+        return frozen_real(samples)
+    middle = 128.0 if samples.dtype.kind == "u" else 0.0
+    return frozen_real((samples.astype(np.float64) - middle) / 2.0 ** (8 * samples.dtype.itemsize - 1))
+
+
+def _check_chunks(content: bytes) -> None:
+    """Refuse a file whose chunks do not end where it ends, before anyone trusts their sizes."""
+    order = ">" if content[:4] == b"RIFX" else "<"
+    if content[:4] not in (b"RIFF", b"RIFX", b"RF64") or content[8:12] != b"WAVE":
+        raise RecordError(f"is not a WAV file: it begins with {content[:12]!r}")
+    if content[:4] == b"RF64" and content[12:16] == b"ds64" and len(content) >= 36:
+        long_size = struct.unpack_from("<Q", content, 28)[0]
+    else:
+        long_size = UNKNOWN
+    position, seen = 12, list[bytes]()
+    # One byte may stand beyond the end: chunks are padded to an even size, the last not by everyone.
+    while position + 8 <= len(content):
+        name, size = content[position : position + 4], struct.unpack_from(f"{order}I", content, position + 4)[0]
+        size = long_size if name == b"data" and size == UNKNOWN else size
+        if not (name.isascii() and name.decode("ascii").isprintable()):
+            raise RecordError(f"is damaged: at byte {position} there should be a chunk, not {name!r}")
+        if name == b"data" and size == UNKNOWN:
+            raise RecordError("does not state how many samples it holds: it was not closed; convert it with sox")
+        if position + 8 + size > len(content):
+            raise RecordError(
+                f"is cut off: its chunk {name.decode('ascii')!r} should have {size} bytes, there are "
+                f"{len(content) - position - 8}"
+            )
+        seen.append(name)
+        position += 8 + size + size % 2
+    if position < len(content):
+        raise RecordError(f"is damaged: {len(content) - position} bytes follow its last chunk")
+    for name in (b"fmt ", b"data"):
+        if seen.count(name) != 1:
+            raise RecordError(
+                f"is damaged: it has {seen.count(name)} chunks {name.decode('ascii')!r}; there must be one"
+            )

@@ -1,1 +1,0 @@
-"""What cleaning is made of: clocks, gaps, samples that cannot be, units."""

@@ -1,0 +1,243 @@
+"""Car descriptions: a `Suspension` as a TOML file that a person writes.
+
+Masses [kg] by coordinate, struts with stiffness [N/m], damping [N s/m] and arms::
+
+    [masses]
+    chassis = 400.0
+    tire = 40.0
+
+    [[struts]]
+    name = "chassis"
+    stiffness = 20e3
+    damping = 1500.0
+    arms = { chassis = 1, tire = -1 }
+
+    [[struts]]
+    name = "tire"
+    stiffness = 200e3
+    damping = 0.0
+    arms = { tire = 1, road = -1 }
+
+or, in short, a table ``[quarter_car]``, ``[half_car]`` or ``[full_car]`` with the arguments of `quarter_car`,
+`half_car` or `full_car`; where the last takes a pair of values, write ``[left, right]``.
+"""
+
+from __future__ import annotations
+
+import inspect
+import json
+import os
+import re
+import reprlib
+import tomllib
+from collections.abc import Callable, Collection, Mapping
+from pathlib import Path
+from typing import NoReturn
+
+from suspid.errors import InputError
+from suspid.files import printable, read_text, replacing
+from suspid.model.presets import full_car, half_car, quarter_car
+from suspid.model.suspension import Strut, Suspension
+from suspid.values import nearest_names
+
+STRUT_KEYS = ("name", "stiffness", "damping", "arms")
+PRESETS: Mapping[str, Callable[..., Suspension]] = {
+    "quarter_car": quarter_car,
+    "half_car": half_car,
+    "full_car": full_car,
+}
+UNITS = {"mass": "kg", "inertia": "kg m2", "stiffness": "N/m", "damping": "N s/m"}  # by last word; all else is in m
+
+
+def read_car(path: str | os.PathLike[str]) -> Suspension:
+    """Return the suspension that a TOML file describes.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, is not TOML, or a table, key or value in it is wrong; the message
+        names the file, the table and the key.
+
+    Examples
+    --------
+    >>> read_car("examples/car.toml").coordinates
+    ('seat', 'chassis', 'tire')
+    """
+    text = read_text(Path(path))
+    try:
+        return car_from_toml(text)
+    except InputError as error:
+        raise InputError(f"{printable(str(path))}: {error}") from None
+
+
+def write_car(suspension: Suspension, path: str | os.PathLike[str]) -> None:
+    """Write a suspension as TOML; it is written under another name and renamed at the end.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = pathlib.Path(folder) / "car.toml"
+    ...     write_car(read_car("examples/car.toml"), path)
+    ...     read_car(path) == read_car("examples/car.toml")
+    True
+    """
+    with replacing(path) as draft:
+        draft.write_text(car_to_toml(suspension), encoding="utf-8")
+
+
+def car_from_toml(text: str) -> Suspension:
+    """Return the suspension that a text describes; see the module for its form.
+
+    Raises
+    ------
+    InputError
+        If the text is not TOML, or a table, key or value in it is wrong.
+
+    Examples
+    --------
+    >>> car = car_from_toml('''
+    ... [quarter_car]
+    ... chassis_mass = 400
+    ... tire_mass = 40
+    ... chassis_stiffness = 20e3
+    ... tire_stiffness = 200e3
+    ... chassis_damping = 1500
+    ... ''')
+    >>> car.masses
+    {'chassis': 400.0, 'tire': 40.0}
+    """
+    content = parsed_toml(text)
+    _check_keys("the file", content, ("masses", "struts", *PRESETS))
+    short = next((name for name in PRESETS if name in content), None)
+    if short:
+        if len(content) > 1:
+            others = ", ".join(f"[{name}]" for name in content if name != short)
+            raise InputError(f"[{short}] describes the whole car; leave {others} out, or [{short}]")
+        return _preset(short, _table(f"[{short}]", content[short]))
+    for key, form in (("masses", "[masses]"), ("struts", "[[struts]]")):
+        if key not in content:
+            shorts = ", ".join(f"[{name}]" for name in PRESETS)
+            raise InputError(
+                f"there is no {form}; describe the car with [masses] and [[struts]], or with one of {shorts}"
+            )
+    masses = {name: _number("[masses]", name, m, "kg") for name, m in _table("[masses]", content["masses"]).items()}
+    if not isinstance(content["struts"], list):
+        raise InputError("[struts] must be a list of tables; write [[struts]] before each strut")
+    struts = [_strut(f"[[struts]] number {k}", table) for k, table in enumerate(content["struts"], start=1)]
+    return Suspension(masses=masses, struts=struts)
+
+
+def car_to_toml(suspension: Suspension) -> str:
+    """Return the description of a suspension as TOML; `car_from_toml` brings every bit back.
+
+    Examples
+    --------
+    >>> strut = Strut(name="spring", stiffness=4e3, damping=10.0, arms={"mass": 1.0, "road": -1.0})
+    >>> print(car_to_toml(Suspension(masses={"mass": 10.0}, struts=[strut])))
+    [masses]  # kg
+    mass = 10.0
+    <BLANKLINE>
+    [[struts]]
+    name = "spring"
+    stiffness = 4000.0  # N/m
+    damping = 10.0  # N s/m
+    arms = { mass = 1.0, road = -1.0 }
+    <BLANKLINE>
+    """
+    lines = ["[masses]  # kg", *(f"{_key(name)} = {mass!r}" for name, mass in suspension.masses.items())]
+    for strut in suspension.struts:
+        arms = ", ".join(f"{_key(name)} = {arm!r}" for name, arm in strut.arms.items())
+        lines += [
+            "",
+            "[[struts]]",
+            f"name = {_quoted(strut.name)}",
+            f"stiffness = {strut.stiffness!r}  # N/m",
+            f"damping = {strut.damping!r}  # N s/m",
+            f"arms = {{ {arms} }}",
+        ]
+    return "\n".join([*lines, ""])
+
+
+def parsed_toml(text: str) -> dict[str, object]:
+    """Return the content of a TOML text; what is not TOML is an `InputError` with its line."""
+    try:
+        return tomllib.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"is not TOML: {printable(str(error))}") from None
+
+
+def _preset(preset: str, given: Mapping[str, object]) -> Suspension:
+    where, parameters = f"[{preset}]", inspect.signature(PRESETS[preset]).parameters
+    _check_keys(where, given, tuple(parameters))
+    for name, parameter in parameters.items():
+        if parameter.default is inspect.Parameter.empty and name not in given:
+            raise InputError(f"{where}: {name} is missing")
+    values: dict[str, object] = {}
+    for name, value in given.items():
+        unit = UNITS.get(name.rpartition("_")[2], "m")
+        if isinstance(value, list) and preset == "full_car":  # which knows where a pair may stand
+            values[name] = tuple(_number(where, name, side, unit) for side in value)
+        else:
+            values[name] = _number(where, name, value, unit)
+    try:
+        return PRESETS[preset](**values)
+    except InputError as error:
+        raise InputError(f"{where}: {error}") from None
+
+
+def _strut(where: str, given: object) -> Strut:
+    table = _table(where, given)
+    name = table.get("name")
+    if isinstance(name, str):
+        where = f"[[struts]] {name!r}"
+    _check_keys(where, table, STRUT_KEYS)
+    for key in STRUT_KEYS:
+        if key not in table:
+            raise InputError(f"{where}: {key} is missing")
+    if not isinstance(name, str):
+        raise InputError(f"{where}: name = {reprlib.repr(name)} must be text")
+    arms = _table(f"{where}: arms", table["arms"])
+    return Strut(
+        name=name,
+        stiffness=_number(where, "stiffness", table["stiffness"], "N/m"),
+        damping=_number(where, "damping", table["damping"], "N s/m"),
+        arms={coordinate: _number(f"{where}: arms", coordinate, arm, "1 or m") for coordinate, arm in arms.items()},
+    )
+
+
+def _table(where: str, value: object) -> dict[str, object]:
+    return value if isinstance(value, dict) else _refuse(f"{where} must be a table, not {reprlib.repr(value)}")
+
+
+def _number(where: str, key: str, value: object, unit: str) -> float:
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        _refuse(f"{where}: {key} = {reprlib.repr(value)} must be a number in {unit}")
+    try:
+        return float(value)
+    except OverflowError:
+        _refuse(f"{where}: {key} is too large for a number in {unit}")
+
+
+def _check_keys(where: str, given: Collection[str], known: Collection[str]) -> None:
+    for key in given:
+        if key not in known:
+            raise InputError(f"{where} has no use for {key!r}.{nearest_names(key, known)}")
+
+
+def _key(name: str) -> str:
+    return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else _quoted(name)
+
+
+def _quoted(text: str) -> str:
+    """Return a TOML basic string: JSON's, with DEL escaped as well."""
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
+def _refuse(message: str) -> NoReturn:
+    raise InputError(message)

@@ -1,0 +1,366 @@
+"""Modes: natural frequencies, damping ratios, poles and shapes, true or estimated."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from suspid.errors import InputError
+from suspid.model.suspension import Suspension, state_matrix
+from suspid.units import ComplexArray, RadianPerSecond, Ratio, RealArray
+from suspid.values import frozen_complex, frozen_real, rounded, spread, text_table
+
+if TYPE_CHECKING:
+    import control
+
+# A multiple pole at zero, as of a free mass, leaves rounding as its square root.
+RIGID = 3e-8
+
+# Share of the terms of a sum over the states below which their sum is rounding.
+UNSEEN = 1e-12
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Interval:
+    """Bounds of natural frequency and damping ratio: (mode, 2) arrays of lower and upper ends.
+
+    Parameters
+    ----------
+    level : float
+        Probability that the true value lies between the ends [1].
+    wn : ndarray (mode, 2)
+        Natural frequency [rad/s].
+    zeta : ndarray (mode, 2)
+        Damping ratio [1].
+    """
+
+    level: Ratio
+    wn: RealArray
+    zeta: RealArray
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class ModalSet:
+    """Modes in order of ascending natural frequency, exact or estimated.
+
+    One entry stands for a conjugate pair (the pole in the upper half plane), for one real
+    (overdamped) pole, or for one pole at zero (rigid-body motion); `kinds` says which.
+
+    Parameters
+    ----------
+    poles : ndarray (mode,)
+        Complex poles [rad/s]: ``-zeta wn + j wn sqrt(1 - zeta^2)``.
+    shapes : ndarray (channel, mode), optional
+        Complex mode shapes; any scale.
+    channels : sequence of str, optional
+        Names of the channels of the shapes.
+    covariance : ndarray, optional
+        Joint covariance of the real vector (Re, Im of each pole; then, mode by mode and channel by
+        channel, Re, Im of the shapes), or of its leading part, the poles alone. None for exact modes.
+
+    Raises
+    ------
+    InputError
+        If sizes disagree, a value is not finite, a pole lies below the real axis, or a variance is negative.
+
+    Examples
+    --------
+    >>> modes = ModalSet.from_wn_zeta([10.0, 70.0], [0.3, 0.2], wn_std=[0.1, 0.5], zeta_std=[0.01, 0.01])
+    >>> print(modes)
+      mode    f [Hz]    wn [rad/s]     ±    zeta [1]      ±
+    ------  --------  ------------  ----  ----------  -----
+         1     1.592         10.00  0.10       0.300  0.010
+         2    11.141         70.00  0.50       0.200  0.010
+    """
+
+    poles: ComplexArray
+    shapes: ComplexArray | None = None
+    channels: Sequence[str] = ()
+    covariance: RealArray | None = None
+
+    def __post_init__(self) -> None:
+        poles = frozen_complex(self.poles)
+        if poles.ndim != 1 or not np.all(np.isfinite(poles)):
+            raise InputError(f"poles must be a finite vector; got shape {poles.shape}: {poles}")
+        if np.any(poles.imag < 0):
+            raise InputError(
+                f"pole {poles[poles.imag < 0][0]:g} rad/s lies in the lower half plane; one entry stands for a "
+                f"conjugate pair: give the pole above the real axis, and the conjugate of its shape"
+            )
+        order = np.argsort(np.abs(poles), kind="stable")
+        channels = tuple(self.channels)
+        object.__setattr__(self, "poles", frozen_complex(poles[order]))
+        object.__setattr__(self, "channels", channels)
+        if self.shapes is not None:
+            shapes = frozen_complex(self.shapes)
+            if shapes.ndim != 2 or shapes.shape[1] != len(poles) or len(channels) not in (0, len(shapes)):
+                raise InputError(
+                    f"shapes must be (channel, mode): got {shapes.shape} for "
+                    f"{len(channels)} channels and {len(poles)} modes"
+                )
+            if not np.all(np.isfinite(shapes)):
+                raise InputError(f"{np.sum(~np.isfinite(shapes))} of {shapes.size} components of shapes are not finite")
+            if not channels:
+                object.__setattr__(self, "channels", tuple(f"channel {i + 1}" for i in range(len(shapes))))
+            object.__setattr__(self, "shapes", frozen_complex(shapes[:, order]))
+        if self.covariance is not None:
+            covariance = frozen_real(self.covariance)
+            sizes = {2 * len(poles), 2 * len(poles) * (1 + len(self.channels))}
+            if covariance.shape not in {(size, size) for size in sizes}:
+                raise InputError(f"covariance has shape {covariance.shape}; expected one of the sizes {sorted(sizes)}")
+            if not np.all(np.isfinite(covariance)) or np.any(np.diag(covariance) < 0):
+                raise InputError(
+                    f"covariance must be finite, with variances >= 0; its diagonal is {np.diag(covariance)}"
+                )
+            index = _covariance_order(order, len(covariance))
+            object.__setattr__(self, "covariance", frozen_real(covariance[np.ix_(index, index)]))
+
+    @classmethod
+    def from_wn_zeta(
+        cls,
+        wn: Sequence[RadianPerSecond] | RealArray,
+        zeta: Sequence[Ratio] | RealArray,
+        *,
+        wn_std: Sequence[RadianPerSecond] | RealArray | None = None,
+        zeta_std: Sequence[Ratio] | RealArray | None = None,
+        shapes: ComplexArray | RealArray | None = None,
+        channels: Sequence[str] = (),
+    ) -> ModalSet:
+        """Return modes that were published, or measured elsewhere.
+
+        Parameters
+        ----------
+        wn : array_like (mode,)
+            Natural frequencies [rad/s], positive.
+        zeta : array_like (mode,)
+            Damping ratios [1], below 1 (not percent; for overdamped motion give `poles`).
+        wn_std, zeta_std : array_like (mode,), optional
+            Standard deviations, both or neither.
+        shapes : array_like (channel, mode), optional
+            Mode shapes.
+        channels : sequence of str, optional
+            Names of the channels.
+
+        Examples
+        --------
+        >>> ModalSet.from_wn_zeta([10.0], [0.6]).poles
+        array([-6.+8.j])
+        """
+        wn, zeta = np.atleast_1d(np.asarray(wn, float)), np.atleast_1d(np.asarray(zeta, float))
+        if wn.shape != zeta.shape or wn.ndim != 1:
+            raise InputError(f"wn and zeta must be vectors of one length; got {wn.shape} and {zeta.shape}")
+        if not np.all(np.isfinite(wn) & (wn > 0)):
+            raise InputError(f"wn = {wn} rad/s: natural frequencies must be positive and finite")
+        if not np.all(np.abs(zeta) < 1):
+            raise InputError(f"zeta = {zeta}: damping ratios are ratios below 1, not percent")
+        covariance = None
+        if (wn_std is None) != (zeta_std is None):
+            raise InputError("give both wn_std and zeta_std, or neither")
+        poles = wn * (-zeta + 1j * np.sqrt(1 - zeta**2))
+        if wn_std is not None and zeta_std is not None:
+            spread = np.stack([np.asarray(wn_std, float), np.asarray(zeta_std, float)])
+            if spread.shape != (2, len(wn)) or not np.all(np.isfinite(spread) & (spread >= 0)):
+                raise InputError(f"wn_std and zeta_std must be {len(wn)} finite numbers >= 0 each; got {spread}")
+            covariance = np.zeros((2 * len(wn), 2 * len(wn)))
+            for i, pole in enumerate(poles):
+                to_wn_zeta = np.linalg.inv(_jacobian(pole))
+                block = slice(2 * i, 2 * i + 2)
+                covariance[block, block] = to_wn_zeta @ np.diag(spread[:, i] ** 2) @ to_wn_zeta.T
+        return cls(
+            poles=poles,
+            shapes=None if shapes is None else frozen_complex(shapes),
+            channels=channels,
+            covariance=covariance,
+        )
+
+    def __len__(self) -> int:
+        return len(self.poles)
+
+    @property
+    def wn(self) -> RealArray:
+        """Natural frequencies ``|pole|`` [rad/s], (mode,), ascending."""
+        return np.abs(self.poles)
+
+    @property
+    def zeta(self) -> RealArray:
+        """Damping ratios ``-Re(pole) / |pole|`` [1], (mode,); 1 for a stable real pole, 0 for a rigid-body pole."""
+        return -self.poles.real / np.where(self.wn > 0, self.wn, 1.0) + 0.0
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """``"pair"``, ``"real"`` (overdamped) or ``"rigid"`` (a pole at zero), by mode."""
+        return tuple("rigid" if p == 0 else "pair" if p.imag else "real" for p in self.poles)
+
+    @property
+    def wn_zeta_covariance(self) -> RealArray | None:
+        """Joint covariance of (wn, zeta of mode 1, wn, zeta of mode 2, …), (2 mode, 2 mode); None for exact modes."""
+        if self.covariance is None:
+            return None
+        n = 2 * len(self)
+        jacobian = np.zeros((n, n))
+        for i, pole in enumerate(self.poles):
+            jacobian[2 * i : 2 * i + 2, 2 * i : 2 * i + 2] = _jacobian(pole)
+        return np.asarray(jacobian @ self.covariance[:n, :n] @ jacobian.T)
+
+    @property
+    def wn_std(self) -> RealArray | None:
+        """Standard deviations of `wn` [rad/s], (mode,); None for exact modes."""
+        covariance = self.wn_zeta_covariance
+        return None if covariance is None else np.sqrt(np.diag(covariance)[0::2])
+
+    @property
+    def zeta_std(self) -> RealArray | None:
+        """Standard deviations of `zeta` [1], (mode,); None for exact modes."""
+        covariance = self.wn_zeta_covariance
+        return None if covariance is None else np.sqrt(np.diag(covariance)[1::2])
+
+    def interval(self, level: Ratio = 0.95) -> Interval:
+        """Return the bounds between which wn and zeta lie with probability ``level``.
+
+        Raises
+        ------
+        InputError
+            If the modes are exact, or the level is not between 0 and 1.
+
+        Examples
+        --------
+        >>> modes = ModalSet.from_wn_zeta([10.0], [0.3], wn_std=[0.1], zeta_std=[0.01])
+        >>> modes.interval(0.95).wn.round(3)
+        array([[ 9.804, 10.196]])
+        """
+        from scipy.special import ndtri
+
+        if not 0 < level < 1:
+            raise InputError(f"{level=} must lie between 0 and 1, such as 0.95")
+        if self.wn_std is None or self.zeta_std is None:
+            raise InputError("these modes carry no uncertainty: exact, or published without it")
+        reach = float(ndtri((1 + level) / 2)) * np.array([-1.0, 1.0])
+        return Interval(
+            level=level,
+            wn=frozen_real(self.wn[:, None] + reach * self.wn_std[:, None]),
+            zeta=frozen_real(self.zeta[:, None] + reach * self.zeta_std[:, None]),
+        )
+
+    def __str__(self) -> str:
+        return modal_table(self)
+
+
+def modal_table(modes: ModalSet) -> str:
+    """Return the table that ``str(modes)`` shows: one row per mode, with units."""
+    columns: dict[str, list[str]] = {
+        "mode": [str(i + 1) for i in range(len(modes))],
+        "f [Hz]": rounded(modes.wn / (2 * np.pi), modes.wn_std, 1 / (2 * np.pi)),
+        "wn [rad/s]": rounded(modes.wn, modes.wn_std),
+    }
+    if modes.wn_std is not None:
+        columns["±"] = [spread(s) for s in modes.wn_std]
+    columns["zeta [1]"] = rounded(modes.zeta, modes.zeta_std)
+    if modes.zeta_std is not None:
+        columns[" ±"] = [spread(s) for s in modes.zeta_std]
+    if set(modes.kinds) - {"pair"}:
+        said = {"pair": "", "real": "overdamped: one real pole", "rigid": "rigid body: pole at zero"}
+        columns["kind"] = [said[kind] for kind in modes.kinds]
+    return text_table(columns)
+
+
+def eigenmodes(system: control.StateSpace | Suspension) -> ModalSet:
+    """Return the exact modes of a model: its eigenvalues, and its eigenvectors seen at the outputs.
+
+    Parameters
+    ----------
+    system : control.StateSpace or Suspension
+        The model. A sampled system's poles are taken back to continuous time, ``log(z) / dt``.
+
+    Returns
+    -------
+    ModalSet
+        Shapes at the system's outputs, or at the suspension's coordinates (displacements), each
+        scaled so that its largest component is 1, or all zero where no output sees the mode. Real
+        poles and poles at zero are entries of their own, see `ModalSet.kinds`; the number of poles
+        is that of the states.
+
+    Raises
+    ------
+    InputError
+        If the system is neither of the two, or is sampled and has no sampling time or a pole at
+        z = 0 (a pure delay).
+
+    Examples
+    --------
+    >>> from suspid import quarter_car
+    >>> car = quarter_car(seat_mass=200, chassis_mass=200, tire_mass=200,
+    ...                   seat_stiffness=200e3, chassis_stiffness=400e3, tire_stiffness=800e3,
+    ...                   seat_damping=300, chassis_damping=200, tire_damping=100)
+    >>> eigenmodes(car).wn.round(4)
+    array([21.2737, 50.1386, 83.8549])
+    """
+    if isinstance(system, Suspension):
+        n = len(system.coordinates)
+        matrix, outputs, channels, dt = state_matrix(system), np.eye(n, 2 * n), system.coordinates, None
+    else:
+        if not hasattr(system, "A") or not hasattr(system, "output_labels"):
+            raise InputError(f"eigenmodes needs a control.StateSpace or a Suspension, not {type(system).__name__}")
+        matrix, outputs = np.asarray(system.A, float), np.asarray(system.C, float)
+        channels, dt = tuple(system.output_labels), system.dt
+    poles, vectors = np.linalg.eig(matrix)
+    poles, vectors = poles.astype(complex), vectors.astype(complex)
+    still = np.eye(len(matrix)) if dt else np.zeros_like(matrix)
+    if dt:
+        poles = _continuous(poles, dt)
+    if np.linalg.matrix_rank(matrix - still) < len(matrix):
+        poles = np.where(np.abs(poles) <= RIGID * np.max(np.abs(poles), initial=0.0), 0.0, poles)
+    shapes = outputs @ vectors
+    # What a mode leaves at the outputs by cancellation alone is rounding: it is not seen there.
+    shapes[np.abs(shapes) <= UNSEEN * (np.abs(outputs) @ np.abs(vectors))] = 0.0
+    upper = poles.imag >= 0
+    return ModalSet(poles=poles[upper], shapes=scaled_shapes(shapes[:, upper]), channels=channels)
+
+
+def scaled_shapes(shapes: ComplexArray) -> ComplexArray:
+    """Return the shapes (channel, mode) with the largest component of each made 1."""
+    if not len(shapes):
+        return shapes
+    largest = np.take_along_axis(shapes, np.argmax(np.abs(shapes), axis=0)[None, :], axis=0)
+    return np.asarray(shapes / np.where(largest == 0, 1.0, largest))
+
+
+def _continuous(poles: ComplexArray, dt: float | bool) -> ComplexArray:
+    if dt is True:
+        raise InputError("the system is sampled but its sampling time is unspecified (dt=True); give dt in seconds")
+    if np.any(poles == 0):
+        raise InputError(f"{np.sum(poles == 0)} poles at z = 0 are pure delays: they have no natural frequency")
+    return np.asarray(np.log(poles) / dt)
+
+
+def _jacobian(pole: complex) -> RealArray:
+    """Return d(wn, zeta) / d(Re, Im) at a pole."""
+    wn = abs(pole)
+    if wn == 0:
+        return np.zeros((2, 2))
+    re, im = pole.real, pole.imag
+    return np.array([[re / wn, im / wn], [-((im / wn) ** 2) / wn, (re / wn) * (im / wn) / wn]])
+
+
+def _covariance_order(order: NDArray[np.intp], size: int) -> list[int]:
+    """Return where each entry of the covariance goes when the modes are put in ``order``."""
+    per_mode = size // (2 * len(order)) - 1 if len(order) else 0
+    poles = [2 * m + part for m in order for part in (0, 1)]
+    shapes = [2 * len(order) + 2 * (m * per_mode + c) + part for m in order for c in range(per_mode) for part in (0, 1)]
+    return [int(i) for i in poles + shapes]
+
+
+def pole_distances(a: ComplexArray, b: ComplexArray) -> RealArray:
+    """Return ``|a - b| / max(|a|, |b|)`` of every pole of ``a`` from every pole of ``b``; 0 for two zeros.
+
+    Examples
+    --------
+    >>> pole_distances(np.array([4j, 10j]), np.array([5j])).round(3)
+    array([[0.2],
+           [0.5]])
+    """
+    larger = np.maximum(np.abs(a)[:, None], np.abs(b))
+    return np.asarray(np.abs(a[:, None] - b) / np.where(larger > 0, larger, 1.0))

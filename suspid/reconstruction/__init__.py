@@ -1,0 +1,24 @@
+"""From modes back to springs and dampers.
+
+`reconstruct` finds stiffness and damping from poles and shapes by convex programs, with the covariance carried
+through, and lists every other suspension that the same modes allow. Below it: `observations` (modes as data),
+`unknowns` (parameters and bounds), `equations` and `polynomials` (residuals), `programs` (solvers),
+`alternatives`, `suspects` and `verdicts`.
+"""
+
+from suspid.reconstruction.car_json import parameter_values, reconstruction_to_dict, unit_of
+from suspid.reconstruction.observations import ModalTest
+from suspid.reconstruction.programs import compiled
+from suspid.reconstruction.reconstruct import Reconstruction, reconstruct
+from suspid.reconstruction.unknowns import Bounds
+
+__all__ = [
+    "Bounds",
+    "ModalTest",
+    "Reconstruction",
+    "compiled",
+    "parameter_values",
+    "reconstruct",
+    "reconstruction_to_dict",
+    "unit_of",
+]

@@ -1,0 +1,229 @@
+"""Other suspensions with the same modes: where to look for them, and what would tell them apart."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from suspid.model import Suspension, eigenmodes, pole_distances
+from suspid.reconstruction.equations import Observed, partners, spectral
+from suspid.reconstruction.polynomials import characteristic
+from suspid.reconstruction.programs import Equations
+from suspid.reconstruction.unknowns import Unknowns
+from suspid.units import ComplexArray, Ratio, RealArray
+
+STARTS_PER_UNKNOWN, MORE_STARTS = 12, 48  # of a quarter car, and of what has more unknowns than it
+QUARTER_CAR = 6  # unknowns
+ROUNDS = 4  # of starts at most
+OFTEN = 3  # times that every minimum is met, before the search ends
+STEPS = 40
+LONGEST = 1.5  # step, in the logarithm of springs and masses and in dampers themselves
+STRAGGLERS = 0.2  # of the starts: so few are not waited for
+MET = 1e-13  # squared distance from the poles at which a start has arrived
+LITTLE = 1e-3  # share of the squared distance that a step takes where a start rests
+DECADES = 1.5  # springs and masses from a thirtieth to thirty times nominal: rare minima lie far out
+FARTHEST = 1e4  # times nominal, where the search turns back
+SAME = 1e-3  # relative difference of parameters below which two suspensions are one
+HARDLY_THERE = 1e-2  # of nominal: springs and masses below it differ only by shares of it
+ROUNDING = 1e-11  # costs below it are equal
+ADDED_SHARE = 0.3  # of a coordinate's mass, in the test that is proposed
+
+
+def even_starts(unknowns: Unknowns, count: int) -> RealArray:
+    """Return points that fill the surroundings of the nominal values evenly, the same ones each time, (start, unknown).
+
+    An additive recurrence by powers of the root of ``g^(d+1) = g + 1``: springs and masses within `DECADES` of nominal,
+    dampers from none to a strong one.
+    """
+    dimensions, golden = len(unknowns), 2.0
+    for _ in range(60):
+        golden = (1 + golden) ** (1 / (1 + dimensions))
+    around = np.arange(1, count + 1)[:, None] * golden ** -np.arange(1.0, dimensions + 1) % 1
+    nominal = np.where(unknowns.positive, unknowns.nominal, np.maximum(unknowns.nominal, 0.1))
+    spread = np.where(unknowns.positive, nominal * 10 ** (DECADES * (2 * around - 1)), 4 * around**2 * nominal)
+    return np.clip(spread, unknowns.lower, unknowns.upper)
+
+
+def spectral_minima(tests: Sequence[Observed], unknowns: Unknowns, *, reach: Ratio) -> list[RealArray]:
+    """Return distinct minima of the distance from the poles, nearest first, from starts spread around nominal.
+
+    The nominal values are the first start. More are added until every minimum was met several times, or no new one
+    came: then few are left that were never met. Minima further from the poles than ``reach`` are left out, but for
+    the nearest.
+    """
+    equations = polynomial_equations(tests, unknowns)
+    count = len(unknowns) * (STARTS_PER_UNKNOWN if len(unknowns) <= QUARTER_CAR else MORE_STARTS)
+    starts = np.vstack([unknowns.nominal, even_starts(unknowns, ROUNDS * count)])
+    points, costs = descend_together(equations, starts[:count], unknowns)
+    minima, met = gathered(points, costs, unknowns, reach)
+    before = 0
+    for first in range(count, ROUNDS * count, count):
+        if min(met) >= OFTEN or len(minima) == before:
+            break
+        before = len(minima)
+        more, their_costs = descend_together(equations, starts[first : first + count], unknowns)
+        points, costs = np.vstack([points, more]), np.append(costs, their_costs)
+        minima, met = gathered(points, costs, unknowns, reach)
+    return minima
+
+
+def polynomial_equations(tests: Sequence[Observed], unknowns: Unknowns) -> Equations:
+    """Return the residual of all tests' poles and its derivatives, of many points at once."""
+    arms, spread = unknowns.arms, unknowns.spread
+
+    def by_determinants(test: Observed) -> Equations:
+        def equations(x: RealArray) -> tuple[RealArray, RealArray]:
+            residual, slope = spectral(test, arms, unknowns.parameters(x))
+            return residual, slope @ spread
+
+        return equations
+
+    every = [characteristic(test, unknowns) or by_determinants(test) for test in tests]
+
+    def together(x: RealArray) -> tuple[RealArray, RealArray]:
+        parts = [one(x) for one in every]
+        return np.concatenate([r for r, _ in parts], axis=1), np.concatenate([s for _, s in parts], axis=1)
+
+    return every[0] if len(every) == 1 else together
+
+
+def descend_together(equations: Equations, x: RealArray, unknowns: Unknowns) -> tuple[RealArray, RealArray]:
+    """Return where many points end that move at once towards minima of the equations, and the costs there.
+
+    Damped Gauss-Newton steps, kept between bounds; a point rests as soon as a step brings it little, and the last few
+    are not waited for: what is near a minimum still has to be sharpened.
+    """
+    x, positive = x.copy(), unknowns.positive
+    lower, upper = unknowns.lower, np.minimum(unknowns.upper, FARTHEST)
+    own, count = np.arange(x.shape[1]), len(x)
+    residual, slope = equations(x)
+    cost, damping = np.sum(residual**2, axis=1), np.full(len(x), 1e-2)
+    ends: list[RealArray] = []
+    costs: list[RealArray] = []
+    for _ in range(STEPS):
+        scaled = slope * np.where(positive, x, 1.0)[:, None, :]
+        gradient = (residual[:, None, :] @ scaled)[:, 0]
+        stuck = ((x <= lower) & (gradient > 0)) | ((x >= upper) & (gradient < 0))
+        scaled[np.broadcast_to(stuck[:, None, :], scaled.shape)] = 0.0
+        gradient[stuck] = 0.0
+        normal = scaled.swapaxes(1, 2) @ scaled
+        diagonal = normal[:, own, own]
+        largest = diagonal.max(axis=1, keepdims=True)
+        # What has no slope at all must not make the matrix singular.
+        normal[:, own, own] += damping[:, None] * np.maximum(diagonal, 1e-6 * largest) + stuck + (largest <= 0)
+        step = np.maximum(np.minimum(np.linalg.solve(normal, -gradient[..., None])[..., 0], LONGEST), -LONGEST)
+        trial = x + step
+        trial[:, positive] = x[:, positive] * np.exp(step[:, positive])
+        trial = np.minimum(np.maximum(trial, lower), upper)
+        trial_residual, trial_slope = equations(trial)
+        trial_cost = (trial_residual * trial_residual).sum(axis=1)
+        better = trial_cost < cost
+        done = (cost < MET) | (better & (cost - trial_cost < LITTLE * cost)) | (damping > 1e8)
+        np.copyto(x, trial, where=better[:, None])
+        np.copyto(residual, trial_residual, where=better[:, None])
+        np.copyto(slope, trial_slope, where=better[:, None, None])
+        cost = np.where(better, trial_cost, cost)
+        damping *= np.where(better, 0.2, 4.0)
+        if done.any():
+            ends.append(x[done])
+            costs.append(cost[done])
+            x, residual, slope, cost, damping = (a[~done] for a in (x, residual, slope, cost, damping))
+            if len(x) <= STRAGGLERS * count:
+                return np.concatenate(ends), np.concatenate(costs)
+    return np.concatenate([*ends, x]), np.concatenate([*costs, cost])
+
+
+def gathered(
+    points: RealArray, costs: RealArray, unknowns: Unknowns, reach: Ratio
+) -> tuple[list[RealArray], list[int]]:
+    """Return the distinct points within reach, or the nearest, by ascending cost, and how often each was met."""
+    order = np.argsort(np.maximum(costs, ROUNDING**2), kind="stable")
+    left = points[order[costs[order] <= max(reach**2, float(np.min(costs)))]]
+    minima: list[RealArray] = []
+    met: list[int] = []
+    while len(left):
+        one = same(left[0], left, unknowns)
+        minima.append(left[0])
+        met.append(int(np.sum(one)))
+        left = left[~one]
+    return minima, met
+
+
+def distinct(points: Sequence[RealArray], costs: Sequence[float], unknowns: Unknowns) -> list[int]:
+    """Return which points are not the same as one of lower cost, by ascending cost; of equals the first."""
+    kept: list[int] = []
+    for i in np.argsort(np.maximum(costs, ROUNDING), kind="stable").tolist():
+        if not any(same(points[i], points[j], unknowns) for j in kept):
+            kept.append(i)
+    return kept
+
+
+def same(a: RealArray, b: RealArray, unknowns: Unknowns) -> NDArray[np.bool_]:
+    """Return whether two points (or one and each of many) are one suspension.
+
+    Springs and masses relative, dampers to the strongest.
+    """
+    larger = np.maximum(a, b)
+    springs = np.maximum(larger, HARDLY_THERE)
+    strongest = np.max(np.where(unknowns.positive, 0.0, larger), axis=-1, keepdims=True, initial=1e-3)
+    return np.asarray(np.all(np.abs(a - b) <= SAME * np.where(unknowns.positive, springs, strongest), axis=-1))
+
+
+def farness(x: RealArray, unknowns: Unknowns) -> float:
+    """Return how far x is from nominal: root mean square over the unknowns of ``2 |a - b| / (a + b)``, at most 2."""
+    total = x + unknowns.nominal
+    return float(np.sqrt(np.mean((2 * (x - unknowns.nominal) / np.where(total > 0, total, 1.0)) ** 2)))
+
+
+def told_apart(car: Suspension, other: Suspension, observed: Sequence[str]) -> str:
+    """Return, in words, the two sensors and the added mass that show the difference of two suspensions best.
+
+    Parameters
+    ----------
+    car, other : Suspension
+        Two suspensions of one topology.
+    observed : sequence of str
+        Coordinates whose ratio is known already; other pairs are proposed.
+    """
+    said = []
+    ours, theirs = eigenmodes(car), eigenmodes(other)
+    if ours.shapes is not None and theirs.shapes is not None and len(ours) == len(theirs):
+        partner = partners(ours.poles, theirs.poles)
+        a, b = ours.shapes, theirs.shapes[:, partner]
+        best = (0.0, 0, 0, 0)
+        for i, first in enumerate(car.coordinates):
+            for j in range(i + 1, len(car.coordinates)):
+                if first in observed and car.coordinates[j] in observed:
+                    continue
+                pair, twin = a[[i, j]], b[[i, j]]
+                across = np.abs(pair[0] * twin[1] - pair[1] * twin[0])
+                norms = np.linalg.norm(pair, axis=0) * np.linalg.norm(twin, axis=0)
+                visible = np.minimum(np.linalg.norm(pair, axis=0), np.linalg.norm(twin, axis=0))
+                angle = visible * across / np.where(norms > 0, norms, 1.0)
+                best = max(best, (float(np.max(angle)), i, j, int(np.argmax(angle))))
+        if best[0] > SAME:
+            names = car.coordinates[best[1]], car.coordinates[best[2]]
+            said.append(f"sensors at {names[0]} and {names[1]} (shape of mode {best[3] + 1} differs by {best[0]:.0%})")
+    # With a mass added to each coordinate in turn, (coordinate, pole).
+    ours_loaded, theirs_loaded = (_loaded_poles(c, ADDED_SHARE * np.diag(car.M)) for c in (car, other))
+    moved = [
+        float(np.max(np.min(pole_distances(a, b), axis=1))) for a, b in zip(ours_loaded, theirs_loaded, strict=True)
+    ]
+    most = int(np.argmax(moved))
+    if moved[most] > 0:
+        name = car.coordinates[most]
+        load = ADDED_SHARE * car.masses[name]
+        said.append(f"a test with {load:.2g} kg added to {name} (a pole differs by {moved[most]:.2%})")
+    return " or ".join(said)
+
+
+def _loaded_poles(car: Suspension, added: RealArray) -> ComplexArray:
+    """Return the poles with each mass added alone, (coordinate, pole)."""
+    n = len(added)
+    masses = np.diag(car.M) + np.diag(added)  # (coordinate loaded, coordinate)
+    A = np.zeros((n, 2 * n, 2 * n))
+    A[:, :n, n:] = np.eye(n)
+    A[:, n:, :n], A[:, n:, n:] = -car.K / masses[:, :, None], -car.C / masses[:, :, None]
+    return np.asarray(np.linalg.eigvals(A), complex)

@@ -1,0 +1,99 @@
+"""What was reconstructed as JSON: what ``suspid reconstruct --json`` writes.
+
+An object with
+
+- ``format``: ``"suspid car 1"``;
+- ``parameters``: those found, a list of objects with ``name`` (such as ``"tire.stiffness"``), ``value``, ``unit``
+  (N/m, N s/m or kg), ``std``, ``lower`` and ``upper``, the last two the ends of the interval of ``level``; all three
+  are null if the modes carry no covariance;
+- ``level``: probability of the intervals [1];
+- ``held``: the strut parameters held, a list of objects with ``name``, ``value`` and ``unit``;
+- ``covariance``: joint covariance of the parameters, in their order and units, or null;
+- ``chi_square`` (or null), ``freedom``, ``explains``, ``residual`` (worst pole, relative [1]), ``status``;
+- ``alternatives``: every other car that has the modes, a list of objects with ``parameters`` (value by name),
+  ``distance`` (chi-square if the modes carry a covariance, else the worst pole, relative [1]) and ``told_apart``;
+- ``suspid``: the version.
+"""
+
+from __future__ import annotations
+
+from suspid.model import Suspension
+from suspid.reconstruction.reconstruct import Reconstruction
+from suspid.reconstruction.unknowns import parameter_names, parameter_vector
+from suspid.units import Ratio
+
+FORMAT = "suspid car 1"
+UNITS = {"stiffness": "N/m", "damping": "N s/m", "mass": "kg"}
+
+
+def reconstruction_to_dict(found: Reconstruction, *, level: Ratio = 0.95) -> dict[str, object]:
+    """Return what was found as plain lists and numbers, every bit kept.
+
+    Raises
+    ------
+    InputError
+        If the level is not between 0 and 1.
+
+    Examples
+    --------
+    >>> from suspid import eigenmodes, quarter_car, reconstruct
+    >>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3,
+    ...                   tire_stiffness=200e3, chassis_damping=1500)
+    >>> reconstruction_to_dict(reconstruct(eigenmodes(car), car, fixed=["tire"]))["held"][0]
+    {'name': 'tire.stiffness', 'value': 200000.0, 'unit': 'N/m'}
+    """
+    from importlib.metadata import version
+
+    values = parameter_values(found.suspension)
+    stds: list[float | None] = [None] * len(found.parameters)
+    ends: dict[str, tuple[float, float]] = {}
+    if found.covariance is not None:
+        stds = [float(variance) ** 0.5 for variance in found.covariance.diagonal()]
+        ends = found.interval(level)
+    return {
+        "format": FORMAT,
+        "parameters": [
+            {
+                "name": name,
+                "value": values[name],
+                "unit": unit_of(name),
+                "std": std,
+                "lower": ends[name][0] if name in ends else None,
+                "upper": ends[name][1] if name in ends else None,
+            }
+            for name, std in zip(found.parameters, stds, strict=True)
+        ],
+        "level": level,
+        "held": [{"name": name, "value": values[name], "unit": unit_of(name)} for name in found.held],
+        "covariance": None if found.covariance is None else found.covariance.tolist(),
+        "chi_square": found.chi_square,
+        "freedom": found.freedom,
+        "explains": found.explains,
+        "residual": found.residual,
+        "status": found.status,
+        "alternatives": [
+            {
+                "parameters": {name: parameter_values(car)[name] for name in found.parameters},
+                "distance": distance,
+                "told_apart": apart,
+            }
+            for car, distance, apart in zip(found.alternatives, found.distances, found.told_apart, strict=True)
+        ],
+        "suspid": version("suspid"),
+    }
+
+
+def parameter_values(car: Suspension) -> dict[str, float]:
+    """Return every parameter by name, such as ``"tire.stiffness"``, in its unit."""
+    return dict(zip(parameter_names(car), parameter_vector(car).tolist(), strict=True))
+
+
+def unit_of(parameter: str) -> str:
+    """Return the unit of a parameter.
+
+    Examples
+    --------
+    >>> unit_of("tire.damping")
+    'N s/m'
+    """
+    return UNITS[parameter.rpartition(".")[2]]

@@ -1,0 +1,104 @@
+"""The characteristic polynomial as a sum over sets of struts: many suspensions at once, without a matrix in sight.
+
+By the theorem of Cauchy and Binet
+
+    det(lambda^2 M + lambda C + K) / det M = sum over sets S of struts of det(G_S) lambda^(2 (n - |S|)) prod_S f_i
+
+with the force ``f_i = k_i + lambda c_i`` of each strut per unit of elongation and the principal minors of
+``G = A M^-1 A^T``, where A holds the arms. It is linear in each strut; masses are known.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from suspid.reconstruction.equations import Observed
+from suspid.reconstruction.unknowns import Unknowns
+from suspid.units import ComplexArray, RealArray
+
+MOST_STRUTS = 9  # 512 sets: beyond it determinants are cheaper
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Characteristic:
+    """The polynomial of one test at its nodes, as a function of the unknowns.
+
+    Parameters
+    ----------
+    nodes : ndarray (node,)
+        Where it is taken [rad/s].
+    real : ndarray (node,)
+        Nodes whose imaginary part says nothing.
+    base, spread : ndarray (node, strut), (node, strut, unknown)
+        Force of each strut [N/m]: ``base + spread @ x``.
+    terms : ndarray (node, set, unknown + 1)
+        Times the products of the forces in each set: the derivatives by the unknowns, and the value.
+    target : ndarray (node,)
+        What the value should be.
+    """
+
+    real: NDArray[np.bool_]
+    base: ComplexArray
+    spread: ComplexArray
+    terms: ComplexArray
+    target: ComplexArray
+
+    def __call__(self, x: RealArray) -> tuple[RealArray, RealArray]:
+        """Return the residual (start, row) and its derivatives (start, row, unknown) at many points (start, unknown).
+
+        The same as `suspid.reconstruction.equations.spectral` gives, but for rounding.
+        """
+        forces = self.base[:, None, :] + x @ self.spread.swapaxes(1, 2)  # (node, start, strut)
+        products = np.ones((*forces.shape[:2], 1 << forces.shape[2]), complex)
+        for i in range(forces.shape[2]):
+            half = 1 << i
+            np.multiply(products[..., :half], forces[..., i, None], out=products[..., half : 2 * half])
+        both = products @ self.terms  # (node, start, unknown + 1)
+        both[..., -1] -= self.target[:, None]
+        rows = np.concatenate([both.real, both.imag[~self.real]]).swapaxes(0, 1)
+        return rows[..., -1], rows[..., :-1]
+
+
+def characteristic(test: Observed, unknowns: Unknowns) -> Characteristic | None:
+    """Return the polynomial of a test, or None if masses are unknown or the struts too many."""
+    car = unknowns.car
+    arms, struts = unknowns.arms, len(car.struts)
+    if struts > MOST_STRUTS or np.any(unknowns.spread[2 * struts :]):
+        return None
+    masses = unknowns.base[2 * struts :] + test.added
+    minors, sizes = principal_minors((arms / masses) @ arms.T), _sizes(struts)
+    left = np.maximum(len(masses) - sizes, 0)
+    # More struts than masses have no minor; rounding would give them one.
+    value = np.where(sizes <= len(masses), minors, 0.0) * test.nodes[:, None] ** (2 * left) / test.spacing[:, None]
+    base = unknowns.base[:struts] + test.nodes[:, None] * unknowns.base[struts : 2 * struts]
+    spread = (
+        unknowns.spread[:struts] + test.nodes[:, None, None] * unknowns.spread[struts : 2 * struts]
+    )  # (node, strut, unknown)
+    terms = np.zeros((len(test.nodes), len(minors), len(unknowns) + 1), complex)
+    every = np.arange(len(minors))
+    for i in range(struts):
+        without = every[every >> i & 1 == 0]
+        terms[:, without, :-1] += value[:, without + (1 << i), None] * spread[:, i, None, :]
+    terms[..., -1] = value
+    return Characteristic(real=test.real, base=base, spread=spread, terms=terms, target=test.target / test.spacing)
+
+
+def principal_minors(G: RealArray) -> RealArray:
+    """Return the determinants of all principal submatrices, by the set's binary number.
+
+    Examples
+    --------
+    >>> principal_minors(np.array([[2.0, 1.0], [1.0, 3.0]])).round(12)
+    array([1., 2., 3., 5.])
+    """
+    members = np.arange(1 << len(G))[:, None] >> np.arange(len(G)) & 1 == 1
+    both = members[:, :, None] & members[:, None, :]
+    return np.asarray(np.linalg.det(np.where(both, G, np.eye(len(G)) * ~members[:, None, :])))
+
+
+def _sizes(count: int) -> NDArray[np.intp]:
+    """Return how many members each set has."""
+    return np.array([number.bit_count() for number in range(1 << count)])

@@ -1,0 +1,243 @@
+"""What may be wrong where no suspension explains the modes: the gain of a channel, a mass, a channel, a mode.
+
+Each is tried as one more unknown. To first order, a direction d of the whitened residual z takes ``(d' z)^2 / d' d``
+off chi-square; d and z less what the parameters can follow. What promises most is then refitted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import TypeAlias
+
+import numpy as np
+
+from suspid.errors import SuspidError
+from suspid.model import ModalSet, Suspension
+from suspid.reconstruction.equations import Observed, sensitivities
+from suspid.reconstruction.observations import ModalTest
+from suspid.reconstruction.problem import Problem
+from suspid.units import ComplexArray, Ratio, RealArray
+
+UNLIKELY = 1e-3  # probability of a chi-square below which the topology does not explain the modes
+TRIED = 4  # single causes that are refitted
+REFITS = 3
+FARTHEST = 0.6  # error of a gain or a mass beyond which something else is likelier [1]
+MOST = 0.5  # share of chi-square that a channel or a mode takes along, to be named
+APART = 1e-3  # share of a direction that the parameters cannot follow, to be told from them
+
+Pose: TypeAlias = Callable[[Sequence[ModalTest], Suspension], Problem]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Cause:
+    """One thing that may be wrong: the gain of a channel, or the mass of a coordinate.
+
+    Parameters
+    ----------
+    name : str
+        Of the channel or the coordinate.
+    mass : bool
+        Whether it is a mass.
+    """
+
+    name: str
+    mass: bool
+
+
+def suspects(tests: Sequence[ModalTest], car: Suspension, pose: Pose, x: RealArray) -> list[str]:
+    """Return, in words, the single causes that would explain the modes; else where most of chi-square sits.
+
+    Parameters
+    ----------
+    tests : sequence of ModalTest
+        The tests; their modes carry a covariance.
+    car : Suspension
+        The nominal suspension.
+    pose : callable
+        From tests and nominal suspension to the problem.
+    x : ndarray (unknown,)
+        The optimum.
+    """
+    problem = pose(tests, car)
+    z, base = _unexplained(problem, x)
+    freedom = problem.rows - len(problem.unknowns)
+    gains = [
+        (-_gain(_direction(c, problem, tests, x), z, base)[0], i, c) for i, c in enumerate(_causes(problem, tests))
+    ]
+    explained = []
+    for _, i, cause in sorted(gains)[:TRIED]:
+        try:
+            error, left = _refitted(cause, tests, car, pose, x)
+        except (SuspidError, np.linalg.LinAlgError):
+            continue
+        if abs(error) <= FARTHEST and likely(left, freedom - 1):
+            what = (
+                f"the mass of {cause.name} being {abs(error):.1%} {'larger' if error > 0 else 'smaller'} than given"
+                if cause.mass
+                else f"channel {cause.name} reading {1 + error:.3f} times what it should"
+            )
+            explained.append((left, i, f"{what} (chi-square {left:.3g} at {freedom - 1})"))
+    if explained:
+        return ["it would be explained by " + ", or by ".join(text for _, _, text in sorted(explained))]
+    return _concentration(problem, tests, z, base)
+
+
+def likely(chi_square: float, freedom: int) -> bool:
+    """Return whether a chi-square is not improbably large."""
+    from scipy.special import chdtrc
+
+    return freedom <= 0 or bool(chdtrc(freedom, chi_square) >= UNLIKELY)
+
+
+def _causes(problem: Problem, tests: Sequence[ModalTest]) -> list[Cause]:
+    """Return the gains and the masses that are taken as known."""
+    channels = [
+        c
+        for test, seen in zip(tests, problem.tests, strict=True)
+        if seen.weighed_shapes is not None
+        for c in test.modes.channels
+    ]
+    unknown = {name for name in problem.unknowns.names if name.endswith(".mass")}
+    masses = [name for name in problem.unknowns.car.masses if f"{name}.mass" not in unknown]
+    return [*(Cause(name=c, mass=False) for c in dict.fromkeys(channels)), *(Cause(name=m, mass=True) for m in masses)]
+
+
+def _unexplained(problem: Problem, x: RealArray) -> tuple[RealArray, RealArray]:
+    """Return the whitened residual less what the parameters can follow, and a basis of the latter (row, …)."""
+    u = problem.unknowns
+    residual, slope = problem.deciding(x)
+    size = np.maximum(np.abs(x), 1e-3)
+    free = (x > u.lower + 1e-9 * size) & (x < u.upper - 1e-9 * size)
+    base, _ = np.linalg.qr(slope[:, free])
+    return residual - base @ (base.T @ residual), base
+
+
+def _gain(direction: RealArray, z: RealArray, base: RealArray) -> tuple[float, float]:
+    """Return what an unknown of this direction takes off chi-square, and its value."""
+    apart = direction - base @ (base.T @ direction)
+    square = float(apart @ apart)
+    if square <= APART**2 * float(direction @ direction):
+        return 0.0, 0.0
+    along = float(apart @ z)
+    return along**2 / square, along / square
+
+
+def _direction(cause: Cause, problem: Problem, tests: Sequence[ModalTest], x: RealArray) -> RealArray:
+    """Return the change of the whitened residual, of all tests, per relative error of a gain or a mass."""
+    u = problem.unknowns
+    parts = []
+    for test, seen in zip(tests, problem.tests, strict=True):
+        assert seen.whiten is not None
+        if cause.mass:
+            at = 2 * len(u.car.struts) + u.car.coordinates.index(cause.name)
+            parts.append(
+                -seen.whiten @ sensitivities(seen, u.arms, u.parameters(x))[1][:, at] * u.car.masses[cause.name]
+            )
+        else:
+            parts.append(_rows(seen, *_of_gain(seen, list(test.modes.channels), cause.name)))
+    return np.concatenate([*parts, np.zeros(problem.rows - sum(len(p) for p in parts))])
+
+
+def _of_gain(seen: Observed, channels: Sequence[str], name: str) -> tuple[ComplexArray, ComplexArray]:
+    """Return the changes of the errors of poles and shapes if a channel reads too much, per relative error."""
+    poles = np.zeros(len(seen.poles), complex)
+    if seen.weighed_shapes is None or name not in channels:
+        return poles, np.zeros((len(poles), 0), complex)
+    channel, ratios = channels.index(name), seen.weighed_shapes.T
+    reference = np.argmax(np.abs(ratios), axis=1)
+    change = np.zeros_like(ratios)
+    change[:, channel] = -ratios[:, channel]
+    return poles, np.where((reference == channel)[:, None], ratios, change)
+
+
+def _rows(seen: Observed, poles: ComplexArray, shapes: ComplexArray) -> RealArray:
+    """Return changes of the errors of the poles (mode,) and of the shapes (mode, channel) as whitened rows."""
+    assert seen.whiten is not None
+    parts = [poles.real, poles.imag[~seen.real]]
+    if seen.weighed_shapes is not None and shapes.size:
+        others = np.arange(shapes.shape[1]) != np.argmax(np.abs(seen.weighed_shapes), axis=0)[:, None]
+        flat, real = shapes[others], np.repeat(seen.real, shapes.shape[1] - 1)
+        parts += [flat.real, flat.imag[~real]]
+    rows = np.concatenate(parts)
+    return np.asarray(seen.whiten[:, : len(rows)] @ rows)
+
+
+def _refitted(
+    cause: Cause, tests: Sequence[ModalTest], car: Suspension, pose: Pose, x: RealArray
+) -> tuple[Ratio, float]:
+    """Return the relative error of a gain or a mass that explains the modes best, and the chi-square left."""
+    factor, left = 1.0, np.inf
+    for _ in range(REFITS):
+        corrected = [replace(t, modes=t.modes if cause.mass else _without_gain(t, cause.name, factor)) for t in tests]
+        heavier = car.with_parameters(masses={cause.name: car.masses[cause.name] * factor}) if cause.mass else car
+        problem = pose(corrected, heavier)
+        x = problem.descend(x)
+        z, base = _unexplained(problem, x)
+        taken, error = _gain(_direction(cause, problem, corrected, x), z, base)
+        left = float(z @ z) - taken
+        factor *= float(np.clip(1 + error, 0.5, 2.0))
+    return factor - 1, left
+
+
+def _without_gain(test: ModalTest, name: str, factor: float) -> ModalSet:
+    """Return the modes of a test with one channel divided by a factor, and its uncertainty with it."""
+    modes = test.modes
+    if name not in modes.channels or modes.shapes is None or modes.covariance is None:
+        return modes
+    scale = np.where(np.array(modes.channels) == name, 1 / factor, 1.0)
+    every = np.concatenate([np.ones(2 * len(modes)), np.tile(np.repeat(scale, 2), len(modes))])
+    every = every[: len(modes.covariance)]
+    return replace(modes, shapes=modes.shapes * scale[:, None], covariance=modes.covariance * np.outer(every, every))
+
+
+def _concentration(problem: Problem, tests: Sequence[ModalTest], z: RealArray, base: RealArray) -> list[str]:
+    """Return, in words, the channel or the mode without which least of chi-square is left, if that is little."""
+    total, freedom = float(z @ z), problem.rows - len(problem.unknowns)
+    found = []
+    for name, directions in _blocks(problem, tests):
+        apart = directions - base @ (base.T @ directions)
+        basis, sizes, _ = np.linalg.svd(apart, full_matrices=False)
+        basis = basis[:, sizes > 1e-6 * np.max(sizes, initial=1e-300)]
+        left, rest = total - float(np.sum((basis.T @ z) ** 2)), freedom - basis.shape[1]
+        if rest > 0 and left < (1 - MOST) * total:
+            found.append((left / rest, f"most of it comes from {name}: without, chi-square is {left:.3g} at {rest}"))
+    return [text for _, text in sorted(found)[:1]]
+
+
+def _blocks(problem: Problem, tests: Sequence[ModalTest]) -> Iterator[tuple[str, RealArray]]:
+    """Yield each channel and each mode with the directions in which it may be wrong, (row, direction)."""
+    before = 0
+    for number, (test, seen) in enumerate(zip(tests, problem.tests, strict=True), 1):
+        assert seen.whiten is not None
+        where = f" of test {number}" * (len(tests) > 1)
+        modes, count = len(seen.poles), len(seen.whiten)
+        ratios = seen.weighed_shapes.T if seen.weighed_shapes is not None else np.zeros((modes, 0), complex)
+        moving = np.flatnonzero(test.modes.poles != 0)
+
+        def whole(columns: list[RealArray], first: int = before) -> RealArray:
+            block = np.zeros((problem.rows, len(columns)))
+            block[first : first + len(columns[0])] = np.stack(columns, axis=1)
+            return block
+
+        nothing, none = np.zeros(modes, complex), np.zeros_like(ratios)
+        for m in range(modes):
+            columns = []
+            for unit in (1.0, 1.0j):
+                one = nothing.copy()
+                one[m] = unit
+                columns.append(_rows(seen, one, none))
+                for c in range(ratios.shape[1]):
+                    each = none.copy()
+                    each[m, c] = unit
+                    columns.append(_rows(seen, nothing, each))
+            yield f"mode {moving[m] + 1}{where}", whole(columns)
+        for name in test.modes.channels if ratios.size else ():
+            _, change = _of_gain(seen, list(test.modes.channels), name)
+            columns = []
+            for m in range(modes):
+                each = np.zeros_like(change)
+                each[m] = change[m]
+                columns += [_rows(seen, nothing, unit * each) for unit in (1.0, 1.0j)]
+            yield f"channel {name}{where}", whole(columns)
+        before += count

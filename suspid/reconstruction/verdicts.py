@@ -1,0 +1,231 @@
+"""What a suspension found is worth: whether the modes see it, whether it has them, and how sure it is."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from suspid.errors import ReconstructionError
+from suspid.model import Suspension, eigenmodes
+from suspid.reconstruction.equations import EXACT, Observed, all_poles, partners, sensitivities, spectral
+from suspid.reconstruction.observations import ModalTest
+from suspid.reconstruction.problem import Problem
+from suspid.reconstruction.programs import STATIONARY, slope_left
+from suspid.reconstruction.suspects import likely
+from suspid.reconstruction.unknowns import LEAST, Unknowns
+from suspid.units import Ratio, RealArray
+from suspid.values import frozen_real
+
+LEAST_MAC = 0.8  # below it a shape is another mode's
+TAKES_PART = 0.01  # of a combination: below it a parameter is not named
+LOST = 1e-2  # share of the squared residual that a step at an optimum cannot take
+
+
+def check_seen(problem: Problem, x: RealArray, car: Suspension) -> list[str]:
+    """Raise if some combination of the unknowns leaves the modes, and what else is known, as they are.
+
+    Returns what the nominal values alone tell apart, in words.
+    """
+    u = problem.unknowns
+    p = u.parameters(x)
+    if problem.exact(x):
+        slope = problem.linear[1]
+    else:
+        parts = [(spectral if t.shapes is None else sensitivities)(t, u.arms, p)[1] for t in problem.tests]
+        slope = np.concatenate(parts) @ u.spread
+    notes = []
+    if u.has_prior.any():
+        alone = problem.unseen(slope, x)
+        if len(alone):
+            notes.append(_known_from_nominal(involved(alone, u), _in_words(alone, x, u)))
+        slope = np.concatenate([slope, np.linalg.norm(slope) * u.prior(x)[1] * u.prior_std[u.has_prior][:, None]])
+    blind = problem.unseen(slope, x)
+    if len(blind):
+        unseen = involved(blind, u)
+        raise ReconstructionError(
+            f"the modes do not determine {', '.join(unseen)}: {len(blind)} of {len(x)} combinations of the parameters "
+            f"leave them as they are ({_in_words(blind, x, u)}); hold one with fixed=…, add modes, or add shapes at "
+            f"more coordinates",
+            best=car,
+        )
+    return notes
+
+
+def _known_from_nominal(names: Sequence[str], words: str) -> str:
+    """Return, in words, what the modes do not see and the nominal values alone tell."""
+    if any(name.endswith(".mass") for name in names):
+        return "how heavy, stiff and damped the car is as a whole is known from the nominal values alone"
+    if len(names) < 2:
+        return f"{names[0]} is known from the nominal values alone"
+    return (
+        f"{', '.join(names[:-1])} and {names[-1]} are told apart by the nominal values alone: "
+        f"the modes do not see {words}"
+    )
+
+
+def involved(blind: RealArray, unknowns: Unknowns) -> list[str]:
+    """Return the names of the unknowns that take part in directions, whatever their basis."""
+    weight = np.linalg.norm(blind, axis=0)
+    return [name for name, w in zip(unknowns.labels, weight, strict=True) if w > TAKES_PART]
+
+
+def _in_words(blind: RealArray, x: RealArray, unknowns: Unknowns) -> str:
+    """Return the combinations of parameters that are not seen, as changes that leave the modes as they are."""
+    size = unknowns.sizes(x) * unknowns.scale
+    moves = blind.copy()
+    # Gauss-Jordan elimination: each combination in as few parameters as can be.
+    for row in range(len(moves)):
+        pivot = int(np.argmax(np.abs(moves[row])))
+        moves[row] /= moves[row, pivot]
+        for other in set(range(len(moves))) - {row}:
+            moves[other] -= moves[other, pivot] * moves[row]
+    said = []
+    for move in moves:
+        change = move * size
+        first = int(np.argmax(np.abs(move)))
+        change = np.where(np.abs(move) > 1e-3, change / abs(change[first]), 0.0)
+        units = {"stiffness": "N/m", "damping": "N s/m", "mass": "kg"}
+        said.append(
+            ", ".join(
+                f"{name} {value:+.3g} {units[name.rpartition('.')[2]]}"
+                for name, value in zip(unknowns.labels, change, strict=True)
+                if value
+            )
+        )
+    return "; or ".join(said)
+
+
+def pole_errors(test: ModalTest, car: Suspension) -> RealArray:
+    """Return the relative distance of each pole of a test from the car's own eigenvalue."""
+    every = all_poles(eigenmodes(loaded(car, test)).poles)
+    size, given = np.abs(test.modes.poles), test.modes.poles
+    partner = partners(all_poles(given), every)[: len(given)]
+    return np.asarray(np.abs(every[partner] - given) / np.where(size > 0, size, np.max(size)))
+
+
+def loaded(car: Suspension, test: ModalTest) -> Suspension:
+    """Return the suspension with the masses that were added in a test."""
+    added = {name: car.masses[name] + mass for name, mass in test.added_masses.items() if mass}
+    return car.with_parameters(masses=added) if added else car
+
+
+def check_fit(
+    problem: Problem, tests: Sequence[ModalTest], car: Suspension, tolerance: Ratio
+) -> tuple[float, float | None]:
+    """Return the relative distance of the worst pole, from the car's own eigenvalues, and the least MAC."""
+    residual, least = 0.0, None
+    for i, (test, seen) in enumerate(zip(tests, problem.tests, strict=True)):
+        modes, error = test.modes, pole_errors(test, car)
+        where = f" of test {i + 1}" * (len(tests) > 1)
+        allowed = np.full(len(modes), tolerance)
+        if modes.covariance is not None:
+            std = np.sqrt(np.diag(modes.covariance)[: 2 * len(modes)].reshape(-1, 2).sum(axis=1))
+            allowed = np.maximum(allowed, 5 * std / np.where(modes.wn > 0, modes.wn, np.max(modes.wn)))
+        if np.any(error > allowed):
+            worst = int(np.argmax(error / allowed))
+            raise ReconstructionError(
+                f"no suspension of this topology and these masses with k > 0 and c >= 0 was found to have these modes: "
+                f"in the nearest one the pole of mode {worst + 1}{where} is off by {error[worst]:.2%} of its modulus "
+                f"({allowed[worst]:.2%} allowed); check the masses, names and gains of the channels, and what is held",
+                best=car,
+            )
+        residual = max(residual, float(np.max(error, initial=0.0)))
+        if seen.shapes is None:
+            continue
+        mac = shape_mac(seen, loaded(car, test))
+        if np.min(mac) < LEAST_MAC and (seen.whiten is None or seen.poles_alone):
+            raise ReconstructionError(
+                f"the nearest suspension has the poles, but not the shape of mode {int(np.argmin(mac)) + 1}{where}: "
+                f"MAC {np.min(mac):.2f} where {LEAST_MAC} is needed; check the names of the channels, or leave the "
+                f"shapes out",
+                best=car,
+            )
+        least = min(float(np.min(mac)), 1.0 if least is None else least)
+    return residual, least
+
+
+def shape_mac(seen: Observed, car: Suspension) -> RealArray:
+    """Return the modal assurance criterion of each shape with the car's own."""
+    assert seen.shapes is not None
+    found = eigenmodes(car)
+    assert found.shapes is not None
+    poles = all_poles(found.poles)
+    shapes = np.hstack([found.shapes, found.shapes[:, found.poles.imag != 0].conj()])
+    partner = partners(all_poles(seen.poles), poles)[: len(seen.poles)]
+    shown = (seen.weights @ shapes[:, partner]) * (poles[partner] / np.abs(seen.poles)) ** seen.orders[:, None]
+    powers = np.sum(np.abs(shown) ** 2, axis=0) * np.sum(np.abs(seen.shapes) ** 2, axis=0)
+    overlap = np.abs(np.sum(shown.conj() * seen.shapes, axis=0)) ** 2
+    return np.asarray(overlap / np.where(powers > 0, powers, 1.0))
+
+
+def remarks(problem: Problem, x: RealArray, cost: float) -> list[str]:
+    """Return what is to be said of an optimum: bounds that act, and how sharp it is; raise if it is none."""
+    u, notes = problem.unknowns, []
+    size = np.maximum(np.abs(x), 1e-9)
+    ends = [
+        label
+        for label, value, low, high, s in zip(u.labels, x, u.lower, u.upper, size, strict=True)
+        if value <= low + 1e-9 * s or value >= high - 1e-9 * s
+    ]
+    least = [name for name, value in zip(u.labels, x, strict=True) if name in ends and value <= 1.01 * LEAST]
+    least = [name for name in least if u.positive[u.labels.index(name)]]
+    if least:
+        notes.append(
+            f"next to nothing is left of {', '.join(least)}, which must be positive: these modes want none; "
+            f"check the topology, or hold it with fixed=…"
+        )
+    ends = [name for name in ends if name not in least]
+    if ends and cost > EXACT:
+        notes.append(f"held back by its bound: {', '.join(ends)}")
+    if cost > (0.1 if problem.weighted else EXACT):
+        left = slope_left(problem.deciding, x, u.lower, u.upper)
+        worth = left * cost**2 if problem.weighted else 1.0
+        if left > LOST and worth > 1.0:
+            raise ReconstructionError(
+                f"the search ended where a further step would still take {left:.1%} of the squared residual: that is "
+                f"no answer; start from a nearer nominal car, hold parameters with fixed=…, or add shapes",
+                best=u.suspension(x),
+            )
+        if left > STATIONARY and worth > 1e-3:
+            notes.append(f"no sharp optimum: a further step would take {left:.1e} of the squared residual")
+    return notes
+
+
+def goodness(problem: Problem, x: RealArray, cost: float, tolerance: Ratio) -> tuple[float | None, int, bool]:
+    """Return chi-square, its degrees of freedom, and whether it is not improbably large.
+
+    Without a covariance there is no chi-square; the modes are then explained if what is left is within the tolerance.
+    """
+    u = problem.unknowns
+    freedom = problem.rows - len(u)
+    if not problem.weighted:
+        return None, freedom, misfit(problem, x) <= tolerance
+    # A bound that acts leaves one unknown less to follow the noise.
+    stuck = int(np.sum((x <= u.lower * (1 + 1e-9)) | (x >= u.upper * (1 - 1e-9))))
+    return cost**2, freedom, likely(cost**2, freedom + stuck)
+
+
+def misfit(problem: Problem, x: RealArray) -> Ratio:
+    """Return how wrong unweighted modes must be, root mean square, for x to have them: shapes ten times that [1].
+
+    What the fit takes up is made up for; 0 where there are no more equations than unknowns.
+    """
+    told = int(np.sum(problem.unknowns.has_prior))
+    freedom = problem.rows - told - len(x)
+    if freedom <= 0:
+        return 0.0
+    plain = replace(problem, unknowns=replace(problem.unknowns, prior_std=np.full(len(x), np.inf)))
+    return float(np.linalg.norm(plain.deciding(x)[0]) / np.sqrt(freedom))
+
+
+def parameter_covariance(problem: Problem, x: RealArray, widening: float) -> RealArray | None:
+    """Return the joint covariance of the free parameters, to first order and as if there were no bounds."""
+    if not problem.weighted:
+        return None
+    u = problem.unknowns
+    _, slope = problem.deciding(x)
+    size = np.linalg.norm(slope, axis=0)
+    half = widening * (np.linalg.pinv(slope / size) / size[:, None] * u.scale[:, None])[u.column]
+    return frozen_real(half @ half.T)

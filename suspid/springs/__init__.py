@@ -1,1 +1,0 @@
-"""What reconstruction is made of: unknowns, observations, convex programs, searches, verdicts."""
