@@ -1,0 +1,12 @@
+"""What the library can say about a result: codes, and the words for each.
+
+A `Code` is a member of an enumeration with its sentence; a `Remark` is a code with its numbers, and ``str(remark)``
+is the sentence. A `Check` is a remark with its weight, a `Verdict` a level with its checks. Text, HTML and JSON take
+their words from here; code elsewhere compares codes and never reads a sentence. To say something new, add a member
+to the enumeration of its subject. Each subject is one module.
+"""
+
+from suspid.words.remarks import Code, Number, Remark, count, in_a_row
+from suspid.words.verdicts import Check, Level, Verdict
+
+__all__ = ["Check", "Code", "Level", "Number", "Remark", "Verdict", "count", "in_a_row"]

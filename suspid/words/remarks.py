@@ -1,0 +1,103 @@
+"""Codes with their words, and remarks: a code with its numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import Enum
+from types import MappingProxyType
+from typing import TypeAlias
+
+Number: TypeAlias = float | int | str | bool | tuple[float, ...] | tuple[int, ...] | tuple[str, ...] | None
+Words: TypeAlias = str | Callable[[Mapping[str, Number]], str]
+
+
+class Code(Enum):
+    """Something that can be said about a result; each member is defined as ``NAME = "value", words``.
+
+    The words are a template of `str.format_map`, or a function of the numbers where a template does not do. The value
+    is what JSON and tables hold; it never changes once published.
+
+    Examples
+    --------
+    >>> class Reason(Code):
+    ...     TONE = "tone", "steady tone at {hertz:.4g} Hz"
+    >>> Reason("tone") is Reason.TONE, Reason.TONE.words
+    (True, 'steady tone at {hertz:.4g} Hz')
+    """
+
+    words: Words
+
+    def __new__(cls, value: str, words: Words) -> Code:
+        """Make a member whose value is the code alone."""
+        member = object.__new__(cls)
+        member._value_ = value
+        member.words = words
+        return member
+
+    def __str__(self) -> str:
+        return str(self.value)
+
+
+@dataclass(frozen=True, slots=True)
+class Remark:
+    """One thing said about a result: a code with its numbers.
+
+    Parameters
+    ----------
+    code : Code
+        What is said.
+    numbers : mapping
+        Numbers and names that belong to it, in SI units. Names from files stand as they are: whoever shows them
+        escapes them.
+
+    Examples
+    --------
+    >>> class Reason(Code):
+    ...     TONE = "tone", "steady tone at {hertz:.4g} Hz"
+    >>> remark = Remark(Reason.TONE, {"hertz": 33.98712})
+    >>> str(remark), remark.to_dict()["code"]
+    ('steady tone at 33.99 Hz', 'tone')
+    """
+
+    code: Code
+    numbers: Mapping[str, Number] = field(default_factory=dict, hash=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "numbers", MappingProxyType(dict(self.numbers)))
+
+    def __str__(self) -> str:
+        words = self.code.words
+        return words.format_map(self.numbers) if isinstance(words, str) else words(self.numbers)
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Pickle without the read-only view."""
+        return Remark, (self.code, dict(self.numbers))
+
+    def to_dict(self) -> dict[str, object]:
+        """Return code, numbers and sentence, for JSON."""
+        numbers = {name: list(n) if isinstance(n, tuple) else n for name, n in self.numbers.items()}
+        return {"code": str(self.code), "numbers": numbers, "text": str(self)}
+
+
+def count(number: int, noun: str) -> str:
+    """Return a number with its noun.
+
+    Examples
+    --------
+    >>> count(1, "gap"), count(3, "gap")
+    ('1 gap', '3 gaps')
+    """
+    return f"{number} {noun}{'s' * (number != 1)}"
+
+
+def in_a_row(parts: Sequence[object]) -> str:
+    """Return names in a row, the last one after an "and".
+
+    Examples
+    --------
+    >>> in_a_row([1, 2, 3])
+    '1, 2 and 3'
+    """
+    names = [str(part) for part in parts]
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"

@@ -1,0 +1,105 @@
+"""Verdicts: a level, and the checks that it rests on."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from enum import IntEnum
+
+from suspid.words.remarks import Remark
+
+
+class Level(IntEnum):
+    """How far a result can be trusted, and what one check says of that; the least of all checks decides."""
+
+    NONE = 0
+    DOUBTFUL = 1
+    CARE = 2
+    NOTE = 3
+    SOUND = 4
+
+    @property
+    def label(self) -> str:
+        """The level in lower case, as JSON and tables have it."""
+        return self.name.lower()
+
+
+# What each level means, as a sentence.
+MEANING = {
+    Level.NONE: "There is no result to be trusted.",
+    Level.DOUBTFUL: "Do not use it without further evidence.",
+    Level.CARE: "Use it with care: see the doubts.",
+    Level.NOTE: "Every check that could be made was passed.",
+    Level.SOUND: "Every check that could be made was passed.",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Check:
+    """One check of a result.
+
+    Parameters
+    ----------
+    remark : Remark
+        What was checked, with its numbers.
+    level : Level
+        What it says: SOUND speaks for the result, NOTE is neutral, CARE and DOUBTFUL speak against it, NONE means that
+        there is no result.
+    """
+
+    remark: Remark
+    level: Level
+
+    def __str__(self) -> str:
+        return str(self.remark)
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """How far a result can be trusted.
+
+    Parameters
+    ----------
+    headline : Remark
+        What was found.
+    checks : tuple of Check
+        What speaks for it and against it.
+    """
+
+    headline: Remark
+    checks: tuple[Check, ...] = ()
+
+    @property
+    def level(self) -> Level:
+        """The least level of all checks; NOTE counts as SOUND."""
+        least = min((check.level for check in self.checks), default=Level.SOUND)
+        return Level.SOUND if least is Level.NOTE else least
+
+    @property
+    def support(self) -> tuple[Remark, ...]:
+        """What speaks for the result."""
+        return tuple(c.remark for c in self.checks if c.level is Level.SOUND)
+
+    @property
+    def doubts(self) -> tuple[Remark, ...]:
+        """What speaks against it, the gravest first."""
+        against = [c for c in self.checks if c.level < Level.NOTE]
+        return tuple(c.remark for c in sorted(against, key=lambda c: c.level))
+
+    @property
+    def notes(self) -> tuple[Remark, ...]:
+        """What is worth knowing and speaks neither way."""
+        return tuple(c.remark for c in self.checks if c.level is Level.NOTE)
+
+    def with_checks(self, checks: Iterable[Check]) -> Verdict:
+        """Return the verdict with further checks."""
+        return Verdict(self.headline, (*self.checks, *checks))
+
+    def __str__(self) -> str:
+        lines = [f"Verdict: {self.headline}: {self.level.label}. {MEANING[self.level]}"]
+        return "\n".join([*lines, *(f"- {doubt}" for doubt in self.doubts)])
+
+    def to_dict(self) -> dict[str, object]:
+        """Return level, headline and checks, for JSON."""
+        checks = [{**check.remark.to_dict(), "level": check.level.label} for check in self.checks]
+        return {"level": self.level.label, "headline": self.headline.to_dict(), "checks": checks}
