@@ -6,7 +6,23 @@ their words from here; code elsewhere compares codes and never reads a sentence.
 to the enumeration of its subject. Each subject is one module.
 """
 
+from suspid.words.analysis import Note, RecordCheck
+from suspid.words.identification import Headline, ModeCheck, Reason
 from suspid.words.remarks import Code, Number, Remark, count, in_a_row
 from suspid.words.verdicts import Check, Level, Verdict
 
-__all__ = ["Check", "Code", "Level", "Number", "Remark", "Verdict", "count", "in_a_row"]
+__all__ = [
+    "Check",
+    "Code",
+    "Headline",
+    "Level",
+    "ModeCheck",
+    "Note",
+    "Number",
+    "Reason",
+    "RecordCheck",
+    "Remark",
+    "Verdict",
+    "count",
+    "in_a_row",
+]

@@ -1,0 +1,174 @@
+"""What can be said of the modes of a record: why a pole is no mode, and the checks behind a verdict."""
+
+from __future__ import annotations
+
+from suspid.words.remarks import Code, Number, count, in_a_row
+
+
+def _percent(number: Number, digits: int = 4) -> str:
+    share = float(str(number))
+    return f"{100 * share:.{digits}g} %" if share < 0.99995 else "100.0 %"
+
+
+def _names(number: Number) -> str:
+    return in_a_row(number) if isinstance(number, tuple) else str(number)
+
+
+def _several(number: Number) -> bool:
+    return isinstance(number, tuple) and len(number) > 1
+
+
+class Reason(Code):
+    """Why a pole is not among the modes."""
+
+    TONE = "tone", "steady tone: it does not decay within the record"
+    DRIFT = "drift", "drift: it decays more slowly than the record lasts"
+    GROWING = "growing", "it grows"
+    UNDER_A_CYCLE = "under a cycle", "less than one cycle in the record"
+    A_FEW_SAMPLES = "a few samples", "decayed within a few samples"
+    OUTSIDE_THE_BAND = "outside the band", "outside the band"
+    BEYOND = "beyond", "weaker than the modes asked for"
+    REAL_OR_PAIR = "real or pair", "one real pole or a heavily damped pair: the record cannot tell"
+    SPLIT = (
+        "split",
+        lambda n: "part of another mode" + (f", {n['linewidths']:.2g} linewidths away" if "linewidths" in n else ""),
+    )
+    TOO_WEAK = "too weak", "not significant: gain {gain:.3g}, {needed:.3g} required"
+    NOT_SIGNIFICANT = (
+        "not significant",
+        "not significant: gain {times:.2g} × the BIC penalty, {needed:g} × required near this residual",
+    )
+    NOT_NEEDED = "not needed", "not needed beside the others"
+    BENT = "bent", "drift: removed with the offset, as a parabola"
+
+
+class ModeCheck(Code):
+    """Checks of an identification, for and against."""
+
+    NOT_IN_BAND = (
+        "not in band",
+        lambda n: f"No mode lies in the given band; {count(int(str(n['poles'])), 'pole')} outside it stood out.",
+    )
+    NO_FREE_DECAY = (
+        "no free decay",
+        lambda n: (
+            f"Something moves ({_percent(n['explained'])} of the best channel is explained), but it is not a free "
+            f"decay: see the rejected poles."
+        ),
+    )
+    NOTHING_DECAYS = "nothing decays", "Nothing in the record decays like a mode and stands above the noise."
+    STEADY_LINE = (
+        "steady line",
+        "The strongest pole, at {hertz:.4g} Hz, does not decay: a steady line of rotating parts or hum, not a mode.",
+    )
+    LATE_MOTION = (
+        "late motion",
+        "The largest motion comes {delay:.3g} s after the start. If the decay begins there, cut the record to start at "
+        "{time:.6g} s.",
+    )
+    EXPLAINED = (
+        "explained",
+        lambda n: (
+            f"The fit explains {_percent(n['least'])} to {_percent(n['most'])} of the energy of the channels."
+            if _percent(n["least"]) != _percent(n["most"])
+            else f"The fit explains {_percent(n['most'])} of the energy of "
+            f"{'every channel' if int(str(n['channels'])) > 1 else 'the channel'}."
+        ),
+    )
+    BEST_EXPLAINED = (
+        "best channel explained",
+        lambda n: f"The fit explains {_percent(n['most'])} of the energy of the best channel.",
+    )
+    HARDLY_EXPLAINED = (
+        "hardly explained",
+        lambda n: (
+            f"The fit explains only {_percent(n['most'])} of the best channel: most of its motion is not a free "
+            f"decay of these modes."
+        ),
+    )
+    CHANNELS_UNEXPLAINED = (
+        "channels unexplained",
+        lambda n: f"Little of some channels is explained: {n['channels']}. They carry noise or other motion.",
+    )
+    GROWING = "growing modes", lambda n: f"Mode {_names(n['modes'])} grows: this is not a free decay."
+    HALVES_AGREE = (
+        "halves agree",
+        lambda n: (
+            f"The first and second half of the decay agree on {n['which']} within {n['most']:.1f} standard deviations."
+        ),
+    )
+    HALVES_DISAGREE = (
+        "halves disagree",
+        "The first and second half of the decay disagree on mode {mode} by {apart:.2g} standard deviations: friction, "
+        "a nonlinear spring, or an excitation that still acts.",
+    )
+    NOT_CROSS_CHECKED = (
+        "not cross-checked",
+        lambda n: (
+            f"Mode {_names(n['modes'])} could not be checked against the halves of the decay: one half alone does not "
+            f"determine {'them' if _several(n['modes']) else 'it'}."
+        ),
+    )
+    FEW_SAMPLES = "few samples", "Too few samples ({samples}) for {unknowns} amplitudes in each channel."
+    OUT_OF_PHASE = (
+        "out of phase",
+        lambda n: (
+            f"The channels of mode {_names(n['modes'])} are neither in phase nor in antiphase: sensors of different "
+            f"kinds (acceleration beside rate), or not a mode of a structure."
+        ),
+    )
+    RESIDUAL_WHITE = "residual white", "The residual near the modes is no larger than white noise."
+    RESIDUAL_LOUD = (
+        "residual loud",
+        lambda n: (
+            f"The residual near mode {_names(n['modes'])} exceeds white noise: the noise is coloured, the decay is "
+            f"not quite linear, or something else moves. The intervals are widened."
+        ),
+    )
+    SHARED_NOISE = (
+        "shared noise",
+        "Channels {one!r} and {other!r} share noise (correlation of the residuals {correlation:.2f}): they are not "
+        "independent, and the intervals are widened. Leave out a channel that is computed from others.",
+    )
+    KNOWN = (
+        "precision",
+        lambda n: (
+            f"Frequencies are known to {_percent(n['wn'], 2)} or better, damping ratios to {_percent(n['zeta'], 2)} of "
+            f"their value ({100 * float(str(n['level'])):g} % intervals)."
+        ),
+    )
+    DAMPING_UNKNOWN = (
+        "damping unknown",
+        lambda n: f"The damping of mode {_names(n['modes'])} is not known: its interval reaches zero.",
+    )
+    KNOWN_ROUGHLY = (
+        "known roughly",
+        lambda n: (
+            f"Mode {n['mode']} is known only roughly: frequency to {_percent(n['wn'], 2)}, damping ratio to "
+            f"{_percent(n['zeta'], 2)} of its value."
+        ),
+    )
+    STEADY_TONES = (
+        "steady tones",
+        lambda n: (
+            f"{count(int(str(n['number'])), 'steady tone')} ({n['hertz']} Hz) "
+            f"{'was' if n['number'] == 1 else 'were'} removed with the fit; the explained share contains "
+            f"{'it' if n['number'] == 1 else 'them'}."
+        ),
+    )
+    REPEATS_AGREE = "repeats agree", "{decays} decays agree on the modes within their noise."
+    REPEATS_DISAGREE = (
+        "repeats disagree",
+        lambda n: (
+            f"The {n['decays']} decays disagree on joint mode {_names(n['modes'])} by more than their noise: frequency "
+            f"or damping depends on amplitude, or something changed between them. The intervals are widened."
+        ),
+    )
+    NO_COMMON_MODE = "no common mode", "No mode decays in all of the {decays} decays."
+
+
+class Headline(Code):
+    """What was found, in a few words."""
+
+    MODES = "modes", lambda n: f"{count(int(str(n['modes'])), 'mode')} found"
+    NO_MODE = "no mode", "no mode found"
