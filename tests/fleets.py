@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +16,28 @@ CAR = quarter_car(
 )
 
 
+LONGEST_TEST = 120.0
+
+
+@contextmanager
+def time_limit(seconds: float = LONGEST_TEST) -> Iterator[None]:
+    """Raise `TimeoutError` in a test that hangs, where the system has alarms."""
+
+    def ring(*_: object) -> None:
+        raise TimeoutError(f"the test took longer than {seconds:g} s")
+
+    if not hasattr(signal, "setitimer"):
+        yield
+        return
+    before = signal.signal(signal.SIGALRM, ring)
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+
+
 def write_decay(path: Path, seed: int, *, car: Suspension = CAR, samples: int = 300) -> None:
     """Write a record of a car at 100 Hz with noise of 30 dB; five digits, as a logger would."""
     rng = np.random.default_rng(seed)
@@ -21,7 +46,7 @@ def write_decay(path: Path, seed: int, *, car: Suspension = CAR, samples: int = 
 
 
 def make_fleet(folder: Path, count: int, *, samples: int = 300) -> Path:
-    """Write so many records into a folder, some of them below it."""
+    """Write records into a folder, some of them below it."""
     (folder / "north").mkdir(parents=True)
     for k in range(count):
         write_decay(folder / ("north" if k % 3 else ".") / f"run{k:03d}.csv", k, samples=samples)

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from fleets import CAR, content, make_fleet, write_decay
+from fleets import CAR, content, make_fleet, time_limit, write_decay
 
 from suspid import InputError, eigenmodes, free_decay, identify, read_record
 from suspid.errors import RecordWarning
@@ -48,6 +48,12 @@ def read_record(path, **settings):
 
 suspid.fleet.rows.read_record = read_record
 """
+
+
+@pytest.fixture(autouse=True)
+def limited() -> Iterator[None]:
+    with time_limit():
+        yield
 
 
 @pytest.fixture(scope="module")
@@ -300,7 +306,8 @@ class TestWhatIsRefused:
         assert begun.wait(30)
         with pytest.raises(InputError, match="another run is writing"):
             identify_many(fleet, output=tmp_path)
-        other.join()
+        other.join(30)
+        assert not other.is_alive()
 
     @pytest.mark.parametrize(
         ("settings", "message"),

@@ -11,17 +11,19 @@ import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import pytest
-from fleets import CAR, content, make_fleet, parts
+from fleets import CAR, content, make_fleet, parts, time_limit
 
 from suspid import InputError, SuspidError, write_car
 from suspid.fleet.identify_many import identify_many
 
 COUNT, CHUNK = 32, 2
-LONG_ENOUGH = 120.0
+# Every wait for another process ends after this time [s].
+LONG_ENOUGH = 60.0
 psutil: Any = importlib.import_module("psutil")
 CLIENT = """
 import sys
@@ -31,6 +33,12 @@ folder, output, car, chunk, scheduler = sys.argv[1:]
 who = {"scheduler": scheduler} if scheduler else {"workers": 2}
 identify_many(folder, output=output, car=read_car(car), chunk=int(chunk), **who)
 """
+
+
+@pytest.fixture(autouse=True)
+def limited() -> Iterator[None]:
+    with time_limit():
+        yield
 
 
 @pytest.fixture(scope="module")
@@ -72,9 +80,18 @@ def connected(address: str) -> Any:
     return connect(address, timeout=60, set_as_default=False)
 
 
+@dataclass(frozen=True)
+class Cluster:
+    """A Dask cluster of separate processes, as on several machines."""
+
+    address: str
+    scheduler: subprocess.Popen[bytes]
+    workers: tuple[subprocess.Popen[bytes], ...]
+
+
 @contextmanager
-def cluster(*, nanny: bool) -> Iterator[tuple[str, list[subprocess.Popen[bytes]]]]:
-    """Start a Dask scheduler and two workers, processes of their own as on two machines; give address and workers."""
+def cluster(*, nanny: bool) -> Iterator[Cluster]:
+    """Start a Dask scheduler and two workers."""
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
@@ -91,19 +108,19 @@ def cluster(*, nanny: bool) -> Iterator[tuple[str, list[subprocess.Popen[bytes]]
         return started[-1]
 
     try:
-        run(*dask, "--host", "127.0.0.1", "--port", str(port), "--no-dashboard", "--no-show")
+        scheduler = run(*dask, "--host", "127.0.0.1", "--port", str(port), "--no-dashboard", "--no-show")
         module = "distributed.cli.dask_worker"
         options = ["--nthreads", "1", "--no-dashboard", "--nanny" if nanny else "--no-nanny"]
-        workers = [run(sys.executable, "-m", module, address, *options) for _ in range(2)]
+        workers = tuple(run(sys.executable, "-m", module, address, *options) for _ in range(2))
         with connected(address) as client:
             client.wait_for_workers(2, timeout=60)
-        yield address, workers
+        yield Cluster(address, scheduler, workers)
     finally:
         for process in started:
             for child in psutil.Process(process.pid).children(recursive=True) if process.poll() is None else []:
                 child.kill()
             process.kill()
-            process.wait()
+            process.wait(timeout=LONG_ENOUGH)
 
 
 class TestKilledOnThisMachine:
@@ -112,7 +129,7 @@ class TestKilledOnThisMachine:
         half_way(tmp_path)
         workers = psutil.Process(process.pid).children(recursive=True)
         os.kill(process.pid, signal.SIGKILL)
-        assert process.wait() == -signal.SIGKILL
+        assert process.wait(timeout=LONG_ENOUGH) == -signal.SIGKILL
         done = parts(tmp_path)
         assert 4 <= done < COUNT // CHUNK, "it was not killed half way"
         # Whoever worked for it leaves: nobody is to work for a client that is no more.
@@ -142,7 +159,7 @@ class TestKilledOnThisMachine:
             process = start(fleet, tmp_path)
             until(lambda more=more: parts(tmp_path) >= more, "another part")
             os.kill(process.pid, signal.SIGKILL)
-            process.wait()
+            process.wait(timeout=LONG_ENOUGH)
         assert identify_many(fleet, output=tmp_path, workers=2, car=CAR, chunk=CHUNK).kept >= 2 * CHUNK
         assert content(tmp_path) == expected
 
@@ -159,39 +176,37 @@ class TestKilledOnThisMachine:
 
 class TestDask:
     def test_a_worker_is_killed(self, fleet: Path, expected: dict[str, bytes], tmp_path: Path) -> None:
-        with cluster(nanny=False) as (address, workers):
-            process = start(fleet, tmp_path, address)
+        with cluster(nanny=False) as dask:
+            process = start(fleet, tmp_path, dask.address)
             half_way(tmp_path)
-            os.kill(workers[0].pid, signal.SIGKILL)
+            dask.workers[0].kill()
             assert parts(tmp_path) < COUNT // CHUNK, "it was not killed half way"
             assert process.wait(timeout=LONG_ENOUGH) == 0
-            assert workers[1].poll() is None
+            assert dask.workers[1].poll() is None
         assert content(tmp_path) == expected
 
     def test_the_client_is_killed(self, fleet: Path, expected: dict[str, bytes], tmp_path: Path) -> None:
-        with cluster(nanny=True) as (address, _):
-            process = start(fleet, tmp_path, address)
+        with cluster(nanny=True) as dask:
+            process = start(fleet, tmp_path, dask.address)
             half_way(tmp_path)
             os.kill(process.pid, signal.SIGKILL)
-            process.wait()
+            process.wait(timeout=LONG_ENOUGH)
             done = parts(tmp_path)
             assert 4 <= done < COUNT // CHUNK, "it was not killed half way"
-            with connected(address) as client:
+            with connected(dask.address) as client:
                 run = identify_many(fleet, output=tmp_path, scheduler=client, car=CAR, chunk=CHUNK)
             assert (run.records, run.failed, run.kept) == (COUNT, 0, CHUNK * done)
         assert content(tmp_path) == expected
 
     def test_the_scheduler_is_killed(self, fleet: Path, expected: dict[str, bytes], tmp_path: Path) -> None:
-        with cluster(nanny=False) as (address, workers):
-            scheduler = next(c for c in psutil.Process().children() if "dask_scheduler" in " ".join(c.cmdline()))
+        with cluster(nanny=False) as dask:
 
             def kill(done: int, *_: object) -> None:
                 if done == 4 * CHUNK:
-                    scheduler.kill()
+                    dask.scheduler.kill()
 
             with pytest.raises(SuspidError, match="the cluster was lost; .* the same command goes on"):
-                identify_many(fleet, output=tmp_path, scheduler=address, car=CAR, chunk=CHUNK, progress=kill)
-            assert len(workers) == 2
+                identify_many(fleet, output=tmp_path, scheduler=dask.address, car=CAR, chunk=CHUNK, progress=kill)
         assert 4 <= parts(tmp_path) < COUNT // CHUNK
         identify_many(fleet, output=tmp_path, workers=2, car=CAR, chunk=CHUNK)
         assert content(tmp_path) == expected

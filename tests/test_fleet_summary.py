@@ -7,13 +7,13 @@ import os
 import struct
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
-from fleets import CAR, make_fleet, write_decay
+from fleets import CAR, make_fleet, time_limit, write_decay
 
 from suspid import InputError, ModalSet, eigenmodes
 from suspid.cli.fleet import fleet_command
@@ -27,6 +27,12 @@ from suspid.fleet.trends import trends_of
 from suspid.fleet.vehicles import read_vehicles, vehicles_from_names
 from suspid.model.car_files import write_car
 from suspid.units import RealArray
+
+
+@pytest.fixture(autouse=True)
+def limited() -> Iterator[None]:
+    with time_limit():
+        yield
 
 
 def results(
@@ -307,7 +313,7 @@ class TestCommand:
                 break
             shown += piece
         os.close(ours)
-        output, _ = process.communicate()
+        output, _ = process.communicate(timeout=60)
         assert process.returncode == 0
         assert b"5/5" in shown
         assert b"failed=1" in shown

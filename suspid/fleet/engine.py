@@ -31,6 +31,7 @@ TRIES = 4
 # How long to wait for the first worker of a cluster, and how often to ask how many there are.
 FIRST_WORKER: Second = 60.0
 ASK: Second = 5.0
+LOST = "the cluster was lost; what is written is complete, and the same command goes on from there"
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -97,7 +98,9 @@ def finished(engine: Engine, job: Job, chunks: Iterable[tuple[int, tuple[Entry, 
             if not under_way and not broken:
                 complete = True
                 return
-            done = wait(under_way, return_when=FIRST_COMPLETED).done if under_way else set()
+            done = wait(under_way, timeout=ASK, return_when=FIRST_COMPLETED).done if under_way else set()
+            if not done and not engine.alive():
+                raise SuspidError(LOST)
             for future in done:
                 task = under_way.pop(future)
                 part, error = _outcome(engine, future)
@@ -211,9 +214,7 @@ def _outcome(engine: Engine, future: Future[Part]) -> tuple[Part | None, BaseExc
         raise
     except BaseException as error:
         if isinstance(error, CancelledError) or not engine.alive():
-            raise SuspidError(
-                "the cluster was lost; what is written is complete, and the same command goes on from there"
-            ) from error
+            raise SuspidError(LOST) from error
         return None, error
 
 
