@@ -11,7 +11,7 @@ from suspid import Suspension, add_noise, free_decay, identify
 from suspid.cleaning.clean import Cleaned, clean
 from suspid.cleaning.placing import faithful_below, interpolate
 from suspid.errors import RecordError
-from suspid.model.modes import ModalSet
+from suspid.model import ModalSet
 from suspid.recordings import RawChannel, Recording
 from suspid.signals import as_response, as_signal
 from suspid.units import RealArray

@@ -8,7 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from suspid import InputError, ModalSet, Suspension, eigenmodes, quarter_car
-from suspid.model.comparison import compare, modal_assurance
+from suspid.model.compare import compare
+from suspid.model.matching import modal_assurance
 
 
 def car(*, chassis_damping: float = 1500.0, tire_damping: float = 0.0) -> Suspension:

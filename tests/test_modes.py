@@ -11,7 +11,7 @@ import scipy.linalg
 from numpy.typing import NDArray
 
 from suspid import InputError, ModalSet, Strut, Suspension, eigenmodes, quarter_car, statespace
-from suspid.model.modes import scaled_shapes
+from suspid.model import scaled_shapes
 
 EXACT = 1e-9
 

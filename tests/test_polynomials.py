@@ -7,8 +7,7 @@ import itertools
 import numpy as np
 import pytest
 
-from suspid import ModalSet, Suspension, eigenmodes
-from suspid.model.presets import full_car, half_car
+from suspid import ModalSet, Suspension, eigenmodes, full_car, half_car
 from suspid.reconstruction.equations import spectral
 from suspid.reconstruction.observations import ModalTest, modal_tests, observe
 from suspid.reconstruction.polynomials import characteristic, principal_minors

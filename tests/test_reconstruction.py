@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from suspid import InputError, ModalSet, ReconstructionError, Strut, Suspension, eigenmodes, quarter_car
-from suspid.model.modes import pole_distances
+from suspid.model import pole_distances
 from suspid.reconstruction.reconstruct import Reconstruction, reconstruct
 from suspid.units import RealArray
 

@@ -19,12 +19,13 @@ from suspid import (
     add_noise,
     eigenmodes,
     free_decay,
+    full_car,
+    half_car,
     identify,
     quarter_car,
     read_record,
     statespace,
 )
-from suspid.model.presets import full_car, half_car
 from suspid.reconstruction.equations import linear, sensitivities, spectral
 from suspid.reconstruction.observations import ModalTest, observe
 from suspid.reconstruction.programs import slope_left

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from suspid import Suspension, add_noise, eigenmodes, free_decay, identify, quarter_car
-from suspid.model.modes import ModalSet
-from suspid.model.suspension import state_matrix
+from suspid.model import ModalSet
+from suspid.model.statespace import state_matrix
 from suspid.reconstruction.reconstruct import Reconstruction, reconstruct
 from suspid.reconstruction.unknowns import parameter_names, parameter_vector
 from suspid.units import RealArray

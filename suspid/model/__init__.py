@@ -1,16 +1,24 @@
 """A suspension as a linear model, and its modes.
 
 `Strut` and `Suspension` describe masses, springs and dampers of any topology; `quarter_car`, `half_car` and
-`full_car` are the usual ones. `statespace` builds the `control.StateSpace`, `eigenmodes` its modes as a
+`full_car` make the usual ones. `statespace` builds the `control.StateSpace`, `eigenmodes` its modes as a
 `ModalSet`: the ground truth, of the same type as what `suspid.identification` estimates. `compare` compares two
 of either kind. `read_car` and `write_car` keep a suspension as TOML.
 """
 
 from suspid.model.car_files import car_from_toml, car_to_toml, parsed_toml, read_car, write_car
-from suspid.model.comparison import Comparison, compare
-from suspid.model.modes import Interval, ModalSet, eigenmodes, modal_table, pole_distances, scaled_shapes
-from suspid.model.presets import full_car, half_car, quarter_car
-from suspid.model.suspension import Strut, Suspension, output_weights, statespace
+from suspid.model.compare import compare
+from suspid.model.comparison import Comparison
+from suspid.model.eigenmodes import eigenmodes, scaled_shapes
+from suspid.model.full_car import full_car
+from suspid.model.half_car import half_car
+from suspid.model.matching import pole_distances
+from suspid.model.modal_table import modal_table
+from suspid.model.modes import Interval, ModalSet
+from suspid.model.quarter_car import quarter_car
+from suspid.model.statespace import output_weights, statespace
+from suspid.model.strut import Strut
+from suspid.model.suspension import Suspension
 
 __all__ = [
     "Comparison",

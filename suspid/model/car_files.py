@@ -18,8 +18,8 @@ Masses [kg] by coordinate, struts with stiffness [N/m], damping [N s/m] and arms
     damping = 0.0
     arms = { tire = 1, road = -1 }
 
-or, in short, a table ``[quarter_car]``, ``[half_car]`` or ``[full_car]`` with the arguments of `quarter_car`,
-`half_car` or `full_car`; where the last takes a pair of values, write ``[left, right]``.
+or, shorter, a table ``[quarter_car]``, ``[half_car]`` or ``[full_car]`` with the arguments of `quarter_car`,
+`half_car` or `full_car`; where `full_car` takes a pair of values, write ``[left, right]``.
 """
 
 from __future__ import annotations
@@ -36,8 +36,11 @@ from typing import NoReturn
 
 from suspid.errors import InputError
 from suspid.files import printable, read_text, replacing
-from suspid.model.presets import full_car, half_car, quarter_car
-from suspid.model.suspension import Strut, Suspension
+from suspid.model.full_car import full_car
+from suspid.model.half_car import half_car
+from suspid.model.quarter_car import quarter_car
+from suspid.model.strut import Strut
+from suspid.model.suspension import Suspension
 from suspid.values import nearest_names
 
 STRUT_KEYS = ("name", "stiffness", "damping", "arms")
@@ -46,7 +49,8 @@ PRESETS: Mapping[str, Callable[..., Suspension]] = {
     "half_car": half_car,
     "full_car": full_car,
 }
-UNITS = {"mass": "kg", "inertia": "kg m2", "stiffness": "N/m", "damping": "N s/m"}  # by last word; all else is in m
+# Unit of an argument of a preset by the last word of its name; the others are lengths [m].
+UNITS = {"mass": "kg", "inertia": "kg m2", "stiffness": "N/m", "damping": "N s/m"}
 
 
 def read_car(path: str | os.PathLike[str]) -> Suspension:
@@ -71,7 +75,7 @@ def read_car(path: str | os.PathLike[str]) -> Suspension:
 
 
 def write_car(suspension: Suspension, path: str | os.PathLike[str]) -> None:
-    """Write a suspension as TOML; it is written under another name and renamed at the end.
+    """Write a suspension as TOML; the file is replaced only after everything is written.
 
     Raises
     ------
@@ -92,7 +96,7 @@ def write_car(suspension: Suspension, path: str | os.PathLike[str]) -> None:
 
 
 def car_from_toml(text: str) -> Suspension:
-    """Return the suspension that a text describes; see the module for its form.
+    """Return the suspension that a TOML text describes; the form is that of the module docstring.
 
     Raises
     ------
@@ -118,7 +122,7 @@ def car_from_toml(text: str) -> Suspension:
     if short:
         if len(content) > 1:
             others = ", ".join(f"[{name}]" for name in content if name != short)
-            raise InputError(f"[{short}] describes the whole car; leave {others} out, or [{short}]")
+            raise InputError(f"[{short}] describes the whole car; remove {others}, or [{short}]")
         return _preset(short, _table(f"[{short}]", content[short]))
     for key, form in (("masses", "[masses]"), ("struts", "[[struts]]")):
         if key not in content:
@@ -134,7 +138,7 @@ def car_from_toml(text: str) -> Suspension:
 
 
 def car_to_toml(suspension: Suspension) -> str:
-    """Return the description of a suspension as TOML; `car_from_toml` brings every bit back.
+    """Return a suspension as TOML text; `car_from_toml` returns the same values, bit for bit.
 
     Examples
     --------
@@ -165,7 +169,7 @@ def car_to_toml(suspension: Suspension) -> str:
 
 
 def parsed_toml(text: str) -> dict[str, object]:
-    """Return the content of a TOML text; what is not TOML is an `InputError` with its line."""
+    """Return the content of a TOML text; raise an `InputError` with the line where it is not TOML."""
     try:
         return tomllib.loads(text)
     except (ValueError, RecursionError) as error:
@@ -181,7 +185,7 @@ def _preset(preset: str, given: Mapping[str, object]) -> Suspension:
     values: dict[str, object] = {}
     for name, value in given.items():
         unit = UNITS.get(name.rpartition("_")[2], "m")
-        if isinstance(value, list) and preset == "full_car":  # which knows where a pair may stand
+        if isinstance(value, list) and preset == "full_car":  # full_car refuses a pair where it takes one value
             values[name] = tuple(_number(where, name, side, unit) for side in value)
         else:
             values[name] = _number(where, name, value, unit)
@@ -227,7 +231,7 @@ def _number(where: str, key: str, value: object, unit: str) -> float:
 def _check_keys(where: str, given: Collection[str], known: Collection[str]) -> None:
     for key in given:
         if key not in known:
-            raise InputError(f"{where} has no use for {key!r}.{nearest_names(key, known)}")
+            raise InputError(f"{where} has an unknown key {key!r}.{nearest_names(key, known)}")
 
 
 def _key(name: str) -> str:

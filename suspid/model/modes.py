@@ -1,27 +1,17 @@
-"""Modes: natural frequencies, damping ratios, poles and shapes, true or estimated."""
+"""Modes: natural frequencies, damping ratios, poles and shapes, exact or estimated."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from suspid.errors import InputError
-from suspid.model.suspension import Suspension, state_matrix
+from suspid.model.covariance import covariance_order, jacobian_of
+from suspid.model.modal_table import modal_table
 from suspid.units import ComplexArray, RadianPerSecond, Ratio, RealArray
-from suspid.values import frozen_complex, frozen_real, rounded, spread, text_table
-
-if TYPE_CHECKING:
-    import control
-
-# A multiple pole at zero, as of a free mass, leaves rounding as its square root.
-RIGID = 3e-8
-
-# Share of the terms of a sum over the states below which their sum is rounding.
-UNSEEN = 1e-12
+from suspid.values import frozen_complex, frozen_real
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -116,7 +106,7 @@ class ModalSet:
                 raise InputError(
                     f"covariance must be finite, with variances >= 0; its diagonal is {np.diag(covariance)}"
                 )
-            index = _covariance_order(order, len(covariance))
+            index = covariance_order(order, len(covariance))
             object.__setattr__(self, "covariance", frozen_real(covariance[np.ix_(index, index)]))
 
     @classmethod
@@ -167,7 +157,7 @@ class ModalSet:
                 raise InputError(f"wn_std and zeta_std must be {len(wn)} finite numbers >= 0 each; got {spread}")
             covariance = np.zeros((2 * len(wn), 2 * len(wn)))
             for i, pole in enumerate(poles):
-                to_wn_zeta = np.linalg.inv(_jacobian(pole))
+                to_wn_zeta = np.linalg.inv(jacobian_of(pole))
                 block = slice(2 * i, 2 * i + 2)
                 covariance[block, block] = to_wn_zeta @ np.diag(spread[:, i] ** 2) @ to_wn_zeta.T
         return cls(
@@ -203,7 +193,7 @@ class ModalSet:
         n = 2 * len(self)
         jacobian = np.zeros((n, n))
         for i, pole in enumerate(self.poles):
-            jacobian[2 * i : 2 * i + 2, 2 * i : 2 * i + 2] = _jacobian(pole)
+            jacobian[2 * i : 2 * i + 2, 2 * i : 2 * i + 2] = jacobian_of(pole)
         return np.asarray(jacobian @ self.covariance[:n, :n] @ jacobian.T)
 
     @property
@@ -247,120 +237,3 @@ class ModalSet:
 
     def __str__(self) -> str:
         return modal_table(self)
-
-
-def modal_table(modes: ModalSet) -> str:
-    """Return the table that ``str(modes)`` shows: one row per mode, with units."""
-    columns: dict[str, list[str]] = {
-        "mode": [str(i + 1) for i in range(len(modes))],
-        "f [Hz]": rounded(modes.wn / (2 * np.pi), modes.wn_std, 1 / (2 * np.pi)),
-        "wn [rad/s]": rounded(modes.wn, modes.wn_std),
-    }
-    if modes.wn_std is not None:
-        columns["±"] = [spread(s) for s in modes.wn_std]
-    columns["zeta [1]"] = rounded(modes.zeta, modes.zeta_std)
-    if modes.zeta_std is not None:
-        columns[" ±"] = [spread(s) for s in modes.zeta_std]
-    if set(modes.kinds) - {"pair"}:
-        said = {"pair": "", "real": "overdamped: one real pole", "rigid": "rigid body: pole at zero"}
-        columns["kind"] = [said[kind] for kind in modes.kinds]
-    return text_table(columns)
-
-
-def eigenmodes(system: control.StateSpace | Suspension) -> ModalSet:
-    """Return the exact modes of a model: its eigenvalues, and its eigenvectors seen at the outputs.
-
-    Parameters
-    ----------
-    system : control.StateSpace or Suspension
-        The model. A sampled system's poles are taken back to continuous time, ``log(z) / dt``.
-
-    Returns
-    -------
-    ModalSet
-        Shapes at the system's outputs, or at the suspension's coordinates (displacements), each
-        scaled so that its largest component is 1, or all zero where no output sees the mode. Real
-        poles and poles at zero are entries of their own, see `ModalSet.kinds`; the number of poles
-        is that of the states.
-
-    Raises
-    ------
-    InputError
-        If the system is neither of the two, or is sampled and has no sampling time or a pole at
-        z = 0 (a pure delay).
-
-    Examples
-    --------
-    >>> from suspid import quarter_car
-    >>> car = quarter_car(seat_mass=200, chassis_mass=200, tire_mass=200,
-    ...                   seat_stiffness=200e3, chassis_stiffness=400e3, tire_stiffness=800e3,
-    ...                   seat_damping=300, chassis_damping=200, tire_damping=100)
-    >>> eigenmodes(car).wn.round(4)
-    array([21.2737, 50.1386, 83.8549])
-    """
-    if isinstance(system, Suspension):
-        n = len(system.coordinates)
-        matrix, outputs, channels, dt = state_matrix(system), np.eye(n, 2 * n), system.coordinates, None
-    else:
-        if not hasattr(system, "A") or not hasattr(system, "output_labels"):
-            raise InputError(f"eigenmodes needs a control.StateSpace or a Suspension, not {type(system).__name__}")
-        matrix, outputs = np.asarray(system.A, float), np.asarray(system.C, float)
-        channels, dt = tuple(system.output_labels), system.dt
-    poles, vectors = np.linalg.eig(matrix)
-    poles, vectors = poles.astype(complex), vectors.astype(complex)
-    still = np.eye(len(matrix)) if dt else np.zeros_like(matrix)
-    if dt:
-        poles = _continuous(poles, dt)
-    if np.linalg.matrix_rank(matrix - still) < len(matrix):
-        poles = np.where(np.abs(poles) <= RIGID * np.max(np.abs(poles), initial=0.0), 0.0, poles)
-    shapes = outputs @ vectors
-    # What a mode leaves at the outputs by cancellation alone is rounding: it is not seen there.
-    shapes[np.abs(shapes) <= UNSEEN * (np.abs(outputs) @ np.abs(vectors))] = 0.0
-    upper = poles.imag >= 0
-    return ModalSet(poles=poles[upper], shapes=scaled_shapes(shapes[:, upper]), channels=channels)
-
-
-def scaled_shapes(shapes: ComplexArray) -> ComplexArray:
-    """Return the shapes (channel, mode) with the largest component of each made 1."""
-    if not len(shapes):
-        return shapes
-    largest = np.take_along_axis(shapes, np.argmax(np.abs(shapes), axis=0)[None, :], axis=0)
-    return np.asarray(shapes / np.where(largest == 0, 1.0, largest))
-
-
-def _continuous(poles: ComplexArray, dt: float | bool) -> ComplexArray:
-    if dt is True:
-        raise InputError("the system is sampled but its sampling time is unspecified (dt=True); give dt in seconds")
-    if np.any(poles == 0):
-        raise InputError(f"{np.sum(poles == 0)} poles at z = 0 are pure delays: they have no natural frequency")
-    return np.asarray(np.log(poles) / dt)
-
-
-def _jacobian(pole: complex) -> RealArray:
-    """Return d(wn, zeta) / d(Re, Im) at a pole."""
-    wn = abs(pole)
-    if wn == 0:
-        return np.zeros((2, 2))
-    re, im = pole.real, pole.imag
-    return np.array([[re / wn, im / wn], [-((im / wn) ** 2) / wn, (re / wn) * (im / wn) / wn]])
-
-
-def _covariance_order(order: NDArray[np.intp], size: int) -> list[int]:
-    """Return where each entry of the covariance goes when the modes are put in ``order``."""
-    per_mode = size // (2 * len(order)) - 1 if len(order) else 0
-    poles = [2 * m + part for m in order for part in (0, 1)]
-    shapes = [2 * len(order) + 2 * (m * per_mode + c) + part for m in order for c in range(per_mode) for part in (0, 1)]
-    return [int(i) for i in poles + shapes]
-
-
-def pole_distances(a: ComplexArray, b: ComplexArray) -> RealArray:
-    """Return ``|a - b| / max(|a|, |b|)`` of every pole of ``a`` from every pole of ``b``; 0 for two zeros.
-
-    Examples
-    --------
-    >>> pole_distances(np.array([4j, 10j]), np.array([5j])).round(3)
-    array([[0.2],
-           [0.5]])
-    """
-    larger = np.maximum(np.abs(a)[:, None], np.abs(b))
-    return np.asarray(np.abs(a[:, None] - b) / np.where(larger > 0, larger, 1.0))

@@ -1,0 +1,24 @@
+"""Checks of the names and numbers that describe a suspension."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from suspid.errors import InputError
+
+
+def finite_number(what: str, value: object, unit: str) -> float:
+    """Return a value as a float; raise an `InputError` with its name and unit unless it is a finite number."""
+    if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
+        raise InputError(f"{what} = {value!r} is not a number; give it in {unit}")
+    if not math.isfinite(value):
+        raise InputError(f"{what} = {value} {unit} is not finite")
+    return float(value)
+
+
+def check_name(what: str, name: object) -> None:
+    """Refuse a name that python-control would not accept as a label."""
+    if not isinstance(name, str) or not name or "." in name:
+        raise InputError(f"{what} is named {name!r}; a name is a string, not empty, without '.' (as in python-control)")

@@ -1,0 +1,183 @@
+"""Compare an estimate with the truth."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from suspid.errors import InputError
+from suspid.model.comparison import UNITS, ComparedValue, Comparison
+from suspid.model.matching import common_mac, paired
+from suspid.model.modes import ModalSet
+from suspid.model.suspension import Suspension
+from suspid.units import Ratio, RealArray
+from suspid.values import FrozenMapping, frozen_real
+
+# Relative. Two ways of solving one well-conditioned eigenvalue problem agree to this; tighter fails on rounding.
+EXACT = 1e-9
+# Share of the largest expected value. Smaller values count as zero, smaller errors as none.
+ROUNDING = 1e-12
+# Share of the larger pole. Modes further apart are never paired: with a wider gate a missing and an extra mode would
+# be reported as one mode that is off, with a narrower one a poor estimate as a missing and an extra mode.
+GATE = 0.5
+# Standard deviations of a 95 % interval.
+REACH = 1.959963984540054
+
+WN_ZETA = ("wn", "zeta")
+
+
+def compare(found: ModalSet | Suspension, expected: ModalSet | Suspension, *, rtol: Ratio | None = None) -> Comparison:
+    """Compare an estimate with the truth: two sets of modes, or two suspensions of one topology.
+
+    Modes are paired by nearest poles, never by position: the optimal assignment on ``|a - b| / max(|a|, |b|)``, plus
+    ``1 - MAC`` where both sides have shapes on at least two common channels. Poles further apart than half the larger
+    one are not paired. A mode without a partner is ``"missing"`` or ``"extra"``, and the comparison fails.
+
+    Parameters
+    ----------
+    found : ModalSet or Suspension
+        The estimate.
+    expected : ModalSet or Suspension
+        The truth, of the same type.
+    rtol : float, optional
+        Allowed error, relative to each expected value [1]. The error of an expected zero (an undamped mode, a missing
+        damper, a rigid-body mode) is taken relative to the largest expected value of its quantity. If all of them are
+        zero, zeta is taken relative to 1 (critical damping), and damping relative to ``2 sqrt(k m)`` of the stiffest
+        strut and the largest mass. Default: the 95 % interval of each difference, from the covariance of the modes
+        that carry one (of both, as if independent, when both do); otherwise 1e-9 relative. The intervals hold one by
+        one: of 20 correctly estimated values one is expected to fall outside.
+
+    Returns
+    -------
+    Comparison
+        ``passed``, ``mae``, ``mac``, ``table``; ``str()`` is the table.
+
+    Raises
+    ------
+    InputError
+        If the two are of different types, the suspensions have different masses or struts by name or arms, or rtol is
+        negative or not finite.
+
+    Examples
+    --------
+    >>> found = ModalSet.from_wn_zeta([10.01, 70.0], [0.3, 0.2])
+    >>> c = compare(found, ModalSet.from_wn_zeta([10.0, 70.0], [0.3, 0.2]), rtol=1e-4)
+    >>> c.passed
+    False
+    >>> print(c)
+    1 of 4 values fail (allowed: 0.0001 relative)
+              quantity    found    expected    error    allowed    verdict
+    ------  ----------  -------  ----------  -------  ---------  ---------
+    mode 1  wn [rad/s]    10.01          10     0.01      0.001        off
+    mode 1    zeta [1]      0.3         0.3        0      3e-05         ok
+    mode 2  wn [rad/s]       70          70        0      0.007         ok
+    mode 2    zeta [1]      0.2         0.2        0      2e-05         ok
+    mean absolute error: wn 0.005 rad/s, zeta 0 1
+    """
+    if rtol is not None and not (np.isfinite(rtol) and rtol >= 0):
+        raise InputError(f"{rtol=} must be a finite number >= 0, relative to each expected value")
+    if isinstance(found, ModalSet) and isinstance(expected, ModalSet):
+        return _compare_modes(found, expected, rtol)
+    if isinstance(found, Suspension) and isinstance(expected, Suspension):
+        return _compare_suspensions(found, expected, rtol)
+    hints = [f"; take its .{a}" for x in (found, expected) for a in ("modes", "suspension") if hasattr(x, a)]
+    raise InputError(
+        f"compare needs two ModalSets or two Suspensions, not {type(found).__name__} and {type(expected).__name__}"
+        + "".join(dict.fromkeys(hints))
+    )
+
+
+def _compare_modes(found: ModalSet, expected: ModalSet, rtol: Ratio | None) -> Comparison:
+    mac = common_mac(found, expected)
+    partner = paired(found, expected, mac=mac, gate=max(GATE, rtol or 0.0))
+    interval = rtol is None and not all(modes.covariance is None for modes in (found, expected))
+    extra = sorted(set(range(len(found))) - set(partner.values()))
+    rows = [_mode_row(found, expected, partner.get(j), j, name, rtol) for j in range(len(expected)) for name in WN_ZETA]
+    rows += [_row(f"found {i + 1}", name, float(getattr(found, name)[i]), None, 0.0) for i in extra for name in WN_ZETA]
+    matched_mac = None
+    if mac is not None:
+        matched_mac = frozen_real([mac[partner[j], j] if j in partner else np.nan for j in range(len(expected))])
+    rule = "allowed: the 95 % interval of each difference" if interval else _rule(rtol)
+    return Comparison(table=tuple(rows), mae=_mean_errors(rows, WN_ZETA), mac=matched_mac, rule=rule)
+
+
+def _mode_row(
+    found: ModalSet, expected: ModalSet, i: int | None, j: int, name: str, rtol: Ratio | None
+) -> ComparedValue:
+    """Return wn or zeta of the expected mode j beside that of its partner i, if it has one."""
+    truth: RealArray = getattr(expected, name)
+    scale = float(np.max(np.abs(truth)))
+    if name == "zeta" and scale <= ROUNDING:
+        scale = 1.0
+    value = None if i is None else float(getattr(found, name)[i])
+    allowed = _allowed(float(truth[j]), scale, EXACT if rtol is None else rtol)
+    if rtol is None and i is not None:
+        sides: list[tuple[RealArray | None, int]] = [(getattr(found, f"{name}_std"), i)]
+        sides.append((getattr(expected, f"{name}_std"), j))
+        stds = [std[k] for std, k in sides if std is not None]
+        if stds:
+            allowed = max(REACH * float(np.linalg.norm(stds)), ROUNDING * scale)
+    return _row(f"mode {j + 1}", name, value, float(truth[j]), allowed)
+
+
+def _compare_suspensions(found: Suspension, expected: Suspension, rtol: Ratio | None) -> Comparison:
+    _check_topology(found, expected)
+    struts = {strut.name: strut for strut in found.struts}
+    stiffest = max((s.stiffness for s in expected.struts), default=0.0)
+    strongest = max((s.damping for s in expected.struts), default=0.0)
+    largest = max(expected.masses.values())
+    scales = {"stiffness": stiffest, "damping": strongest or 2 * (stiffest * largest) ** 0.5, "mass": largest}
+    values = [(name, "mass", found.masses[name], mass) for name, mass in expected.masses.items()]
+    for strut in expected.struts:
+        values.append((strut.name, "stiffness", struts[strut.name].stiffness, strut.stiffness))
+        values.append((strut.name, "damping", struts[strut.name].damping, strut.damping))
+    tolerance = EXACT if rtol is None else rtol
+    rows = [
+        _row(item, what, value, truth, _allowed(truth, scales[what], tolerance)) for item, what, value, truth in values
+    ]
+    mae = _mean_errors(rows, ("stiffness", "damping"))
+    return Comparison(table=tuple(rows), mae=mae, mac=None, rule=_rule(rtol))
+
+
+def _check_topology(found: Suspension, expected: Suspension) -> None:
+    """Refuse suspensions whose masses, struts or arms differ."""
+    struts = {strut.name: strut for strut in found.struts}
+    sides = [("masses", set(found.masses), set(expected.masses))]
+    sides.append(("struts", set(struts), {strut.name for strut in expected.struts}))
+    for what, ours, theirs in sides:
+        if ours != theirs:
+            raise InputError(
+                f"the suspensions differ in their {what}: only found has {sorted(ours - theirs)}, "
+                f"only expected has {sorted(theirs - ours)}; compare suspensions of one topology"
+            )
+    for strut in expected.struts:
+        if _nonzero(strut.arms) != _nonzero(struts[strut.name].arms):
+            raise InputError(
+                f"strut {strut.name!r} has the arms {dict(struts[strut.name].arms)} in found and "
+                f"{dict(strut.arms)} in expected; compare suspensions of one topology"
+            )
+
+
+def _row(item: str, quantity: str, found: float | None, expected: float | None, allowed: float) -> ComparedValue:
+    unit = UNITS[quantity]
+    return ComparedValue(item=item, quantity=quantity, unit=unit, found=found, expected=expected, allowed=allowed)
+
+
+def _mean_errors(rows: list[ComparedValue], quantities: tuple[str, ...]) -> FrozenMapping:
+    """Return the mean absolute error of each quantity over the rows that have both values; NaN without any."""
+    errors = {q: [abs(row.error) for row in rows if row.quantity == q and row.error is not None] for q in quantities}
+    return FrozenMapping({q: float(np.mean(e)) if e else np.nan for q, e in errors.items()})
+
+
+def _allowed(expected: float, scale: float, rtol: Ratio) -> float:
+    zero = abs(expected) <= ROUNDING * scale
+    return max(rtol * (scale if zero else abs(expected)), ROUNDING * scale)
+
+
+def _nonzero(arms: Mapping[str, float]) -> dict[str, float]:
+    return {name: arm for name, arm in arms.items() if arm}
+
+
+def _rule(rtol: Ratio | None) -> str:
+    return f"allowed: {EXACT if rtol is None else rtol:g} relative"

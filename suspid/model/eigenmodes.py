@@ -1,0 +1,91 @@
+"""Exact modes of a model."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from suspid.errors import InputError
+from suspid.model.modes import ModalSet
+from suspid.model.statespace import state_matrix
+from suspid.model.suspension import Suspension
+from suspid.units import ComplexArray
+
+if TYPE_CHECKING:
+    import control
+
+# Share of the largest pole below which a pole of a singular model counts as zero. A double pole at zero, as of a free
+# mass, is computed as about the square root of the float resolution (1.5e-8); a higher limit would hide slow modes.
+RIGID = 3e-8
+
+# Share of the terms of a sum over the states below which the sum is rounding, so that no output sees the mode.
+UNSEEN = 1e-12
+
+
+def eigenmodes(system: control.StateSpace | Suspension) -> ModalSet:
+    """Return the exact modes of a model: its eigenvalues, and its eigenvectors at the outputs.
+
+    Parameters
+    ----------
+    system : control.StateSpace or Suspension
+        The model. The poles z of a sampled system are converted to continuous time, ``log(z) / dt``.
+
+    Returns
+    -------
+    ModalSet
+        Shapes at the system's outputs, or at the suspension's coordinates (displacements). The largest component of
+        each is 1; a shape is zero where no output sees the mode. A real pole or a pole at zero is an entry of its own
+        and a conjugate pair is one entry, see `ModalSet.kinds`.
+
+    Raises
+    ------
+    InputError
+        If the system is neither of the two, or is sampled and has no sampling time or has a pole at
+        z = 0 (a pure delay).
+
+    Examples
+    --------
+    >>> from suspid import quarter_car
+    >>> car = quarter_car(seat_mass=200, chassis_mass=200, tire_mass=200,
+    ...                   seat_stiffness=200e3, chassis_stiffness=400e3, tire_stiffness=800e3,
+    ...                   seat_damping=300, chassis_damping=200, tire_damping=100)
+    >>> eigenmodes(car).wn.round(4)
+    array([21.2737, 50.1386, 83.8549])
+    """
+    if isinstance(system, Suspension):
+        n = len(system.coordinates)
+        matrix, outputs, channels, dt = state_matrix(system), np.eye(n, 2 * n), system.coordinates, None
+    else:
+        if not hasattr(system, "A") or not hasattr(system, "output_labels"):
+            raise InputError(f"eigenmodes needs a control.StateSpace or a Suspension, not {type(system).__name__}")
+        matrix, outputs = np.asarray(system.A, float), np.asarray(system.C, float)
+        channels, dt = tuple(system.output_labels), system.dt
+    poles, vectors = np.linalg.eig(matrix)
+    poles, vectors = poles.astype(complex), vectors.astype(complex)
+    still = np.eye(len(matrix)) if dt else np.zeros_like(matrix)
+    if dt:
+        poles = _continuous(poles, dt)
+    if np.linalg.matrix_rank(matrix - still) < len(matrix):
+        poles = np.where(np.abs(poles) <= RIGID * np.max(np.abs(poles), initial=0.0), 0.0, poles)
+    shapes = outputs @ vectors
+    # Outputs in which the states cancel show rounding alone.
+    shapes[np.abs(shapes) <= UNSEEN * (np.abs(outputs) @ np.abs(vectors))] = 0.0
+    upper = poles.imag >= 0
+    return ModalSet(poles=poles[upper], shapes=scaled_shapes(shapes[:, upper]), channels=channels)
+
+
+def scaled_shapes(shapes: ComplexArray) -> ComplexArray:
+    """Return the shapes (channel, mode), each divided by its largest component."""
+    if not len(shapes):
+        return shapes
+    largest = np.take_along_axis(shapes, np.argmax(np.abs(shapes), axis=0)[None, :], axis=0)
+    return np.asarray(shapes / np.where(largest == 0, 1.0, largest))
+
+
+def _continuous(poles: ComplexArray, dt: float | bool) -> ComplexArray:
+    if dt is True:
+        raise InputError("the system is sampled but its sampling time is unspecified (dt=True); give dt in seconds")
+    if np.any(poles == 0):
+        raise InputError(f"{np.sum(poles == 0)} poles at z = 0 are pure delays: they have no natural frequency")
+    return np.asarray(np.log(poles) / dt)
