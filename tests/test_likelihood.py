@@ -5,7 +5,8 @@ import pytest
 from numpy.typing import NDArray
 
 from suspid.identification.exponentials import blocks_of, synthesize
-from suspid.identification.likelihood import DecayFit, Poles, evaluate, joint_covariance, likelihood_loss, maximize
+from suspid.identification.likelihood import DecayFit, Poles, evaluate, joint_covariance, maximize
+from suspid.identification.noise import WhiteNoise
 
 Complex = NDArray[np.complex128]
 Real = NDArray[np.float64]
@@ -18,7 +19,7 @@ PAIR_AMPLITUDES: Complex = np.array([[1.0 - 0.5j, 0.4 + 0.3j, -0.2 + 0.8j], [-0.
 REAL_AMPLITUDES = np.array([[0.5, -0.3, 0.2]])
 STD = np.array([0.02, 0.05, 0.01])
 COUNT = 400
-NO_FLOOR = np.zeros(3)
+NO_FLOOR = WhiteNoise(least=np.zeros(3))
 
 
 def poles_of(pairs: Complex, reals: Real) -> Poles:
@@ -53,13 +54,13 @@ def dense_loss(values: Real, poles: Poles) -> float:
 
 
 def fitted(values: Real, poles: Poles) -> DecayFit:
-    fit = evaluate(blocks_of(values), poles, np.zeros(len(values)))
+    fit = evaluate(blocks_of(values), poles, WhiteNoise(least=np.zeros(len(values))))
     assert fit is not None
     return fit
 
 
 def best(values: Real, poles: Poles) -> DecayFit:
-    fit = maximize(blocks_of(values), poles, 1e-15 * np.mean(values**2, axis=1))
+    fit = maximize(blocks_of(values), poles, WhiteNoise(least=1e-15 * np.mean(values**2, axis=1)))
     assert fit is not None
     return fit
 
@@ -120,18 +121,21 @@ class TestEvaluation:
 
     def test_loss_is_the_dense_one(self, pairs: Complex) -> None:
         values, poles = record(pairs, 1), self.poles(pairs)
-        found = likelihood_loss(fitted(values, poles), COUNT, NO_FLOOR)
+        found = NO_FLOOR.loss(fitted(values, poles).squares, COUNT)
         assert found == pytest.approx(dense_loss(values, poles), rel=1e-9)
 
     def test_the_floor_is_the_least_variance(self, pairs: Complex) -> None:
         # Information is per variance: a floor of 4 times the largest variance scales it down.
         values, poles = record(pairs, 1), self.poles(pairs)
         floor = np.full(3, 4 * np.max(dense_squares(values, poles)) / COUNT)
-        one, four = evaluate(blocks_of(values), poles, floor), evaluate(blocks_of(values), poles, 4 * floor)
+        one = evaluate(blocks_of(values), poles, WhiteNoise(least=floor))
+        four = evaluate(blocks_of(values), poles, WhiteNoise(least=4 * floor))
         assert one is not None
         assert four is not None
         np.testing.assert_allclose(four.information, one.information / 4, rtol=1e-12)
-        assert likelihood_loss(one, COUNT, floor) == pytest.approx(COUNT * np.sum(np.log(floor)), rel=1e-12)
+        assert WhiteNoise(least=floor).loss(one.squares, COUNT) == pytest.approx(
+            COUNT * np.sum(np.log(floor)), rel=1e-12
+        )
 
 
 class TestIndistinguishable:
@@ -209,7 +213,7 @@ class TestMaximization:
         for steps in range(6):
             fit = maximize(blocks_of(values), start, NO_FLOOR, steps=steps)
             assert fit is not None
-            losses.append(likelihood_loss(fit, COUNT, NO_FLOOR))
+            losses.append(NO_FLOOR.loss(fit.squares, COUNT))
         assert np.all(np.diff(losses) <= 1e-9 * abs(losses[0]))
         assert losses[-1] < losses[0]
 
@@ -271,7 +275,7 @@ def covariance_of(fit: DecayFit, values: Real, inflation: Real) -> tuple[Complex
 class TestJointCovariance:
     def test_is_the_inverse_of_the_whole_fisher_information(self, pairs: Complex) -> None:
         values, poles = clean(pairs), poles_of(pairs, REAL)
-        fit = evaluate(blocks_of(values), poles, STD**2)
+        fit = evaluate(blocks_of(values), poles, WhiteNoise(least=STD**2))
         assert fit is not None
         # A residual that is exactly what the noise would leave on average.
         free = COUNT - len(poles) - poles.free / 3
@@ -336,7 +340,7 @@ class TestPoorlyToldApart:
     def test_the_covariance_stays_one(self, apart: float) -> None:
         values = record(LIGHT, 1) + np.arange(COUNT) / COUNT
         poles = poles_of(LIGHT, np.array([-apart, 2 * apart]) / COUNT)
-        fit = evaluate(blocks_of(values), poles, STD**2)
+        fit = evaluate(blocks_of(values), poles, WhiteNoise(least=STD**2))
         if fit is not None:
             _, covariance = joint_covariance(fit, np.array([0, 1]), np.array([0]), values.shape[1], np.ones(3))
             assert np.all(np.diag(covariance) >= 0)
@@ -363,7 +367,7 @@ class TestPoles:
 
     def test_no_free_pole_is_fitted_at_once(self) -> None:
         values = np.random.default_rng(0).standard_normal((1, 50)) + 3.0
-        fit = maximize(blocks_of(values), poles_of(np.zeros(0, complex), np.zeros(0)), np.zeros(1))
+        fit = maximize(blocks_of(values), poles_of(np.zeros(0, complex), np.zeros(0)), WhiteNoise(least=np.zeros(1)))
         assert fit is not None
         assert fit.amplitudes[0, 0] == pytest.approx(values.mean(), rel=1e-12)
         assert fit.squares[0] == pytest.approx(49 * np.var(values, ddof=1), rel=1e-12)

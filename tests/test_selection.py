@@ -5,6 +5,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
+from suspid.identification.noise import WhiteNoise
 from suspid.identification.selection import Selection, price, select
 
 Complex = NDArray[np.complex128]
@@ -28,7 +29,7 @@ def noise(seed: int, channels: int = 2, count: int = COUNT) -> Real:
 
 def selected(values: Real, *, modes: int | None = None, band: tuple[float, float] = (0.0, np.pi)) -> Selection:
     centred = values - values.mean(axis=1, keepdims=True)
-    return select(centred, floor=1e-22 * np.max(np.abs(centred), axis=1) ** 2, modes=modes, band=band)
+    return select(centred, noise=WhiteNoise(least=1e-22 * np.max(np.abs(centred), axis=1) ** 2), modes=modes, band=band)
 
 
 def modes_of(found: Selection) -> Complex:

@@ -11,7 +11,8 @@ from scipy.signal import lfilter
 from suspid import identify
 from suspid.identification.exponentials import blocks_of
 from suspid.identification.likelihood import Poles, evaluate, maximize
-from suspid.identification.selection import Selection, candidates, noise_colour, price, select
+from suspid.identification.noise import WhiteNoise, noise_colour
+from suspid.identification.selection import Selection, candidates, price, select
 from suspid.signals import as_response, as_signal
 
 Complex = NDArray[np.complex128]
@@ -33,7 +34,7 @@ def white(seed: int, std: float, channels: int = 1, count: int = COUNT) -> Real:
 
 def selected(values: Real) -> Selection:
     centred = values - values.mean(axis=1, keepdims=True)
-    return select(centred, floor=1e-22 * np.max(np.abs(centred), axis=1) ** 2)
+    return select(centred, noise=WhiteNoise(least=1e-22 * np.max(np.abs(centred), axis=1) ** 2))
 
 
 def columns(exponents: Complex | Real, count: int = COUNT) -> Real:
@@ -194,7 +195,11 @@ class TestGains:
         poles: Complex = np.array([-0.01 + 0.006j, -0.02 + 0.03j])
         values = decays(poles, np.array([[1.0 + 0.8j, 0.7], [-0.6, 0.5 - 0.9j]])) + white(6, 0.01, 2)
         blocks = blocks_of(values)
-        fit = evaluate(blocks, Poles(pairs=poles[1:], reals=np.zeros(0), nuisances=np.zeros(1)), np.full(2, 1e-12))
+        fit = evaluate(
+            blocks,
+            Poles(pairs=poles[1:], reals=np.zeros(0), nuisances=np.zeros(1)),
+            WhiteNoise(least=np.full(2, 1e-12)),
+        )
         assert fit is not None
         known = with_offset(fit.poles)
         q, _ = np.linalg.qr(columns(known))
@@ -248,10 +253,10 @@ class TestLikelihood:
         # Started off by some standard deviations it comes to within a hundredth of one of where it ends from the truth.
         amplitudes: Complex = np.array([[1.0, 0.6], [0.7, -1.0]])
         values = decays(MODES, amplitudes) + white(10, 0.05, 2)
-        blocks, floor = blocks_of(values), np.full(2, 1e-12)
+        blocks, noise = blocks_of(values), WhiteNoise(least=np.full(2, 1e-12))
         ends = []
         for off in (1.0, 1.02):
-            fit = maximize(blocks, Poles(pairs=MODES * off, reals=np.zeros(0), nuisances=np.zeros(1)), floor)
+            fit = maximize(blocks, Poles(pairs=MODES * off, reals=np.zeros(0), nuisances=np.zeros(1)), noise)
             assert fit is not None
             ends.append(fit)
         apart = (ends[1].poles.pairs - ends[0].poles.pairs).view(float)

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from suspid.identification import resolution
+from suspid.identification import UNIFORM_STD, resolution
 from suspid.signals import Signal
 from suspid.units import ComplexArray, Decibel, Hertz, RealArray, Second
 from suspid.values import frozen_real
@@ -167,7 +167,7 @@ def finest(values: RealArray) -> RealArray:
             continue
         gaps = np.diff(np.unique(held))
         gaps = gaps[gaps > 1e-6 * np.max(np.abs(samples - np.median(samples)))]
-        out[channel] = max(out[channel], float(np.min(gaps)) / np.sqrt(12)) if gaps.size else out[channel]
+        out[channel] = max(out[channel], float(np.min(gaps)) * UNIFORM_STD) if gaps.size else out[channel]
     return out
 
 

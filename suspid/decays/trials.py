@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from suspid.identification import Selection, select, synthesize
+from suspid.identification import Selection, WhiteNoise, correlated, degrees_of_freedom, lag_one, select, synthesize
 from suspid.units import Hertz, RealArray, Second
 
 # Samples are averaged in blocks to about so many per cycle of the highest band that rings; a trial sees so many blocks.
@@ -22,8 +22,9 @@ SURE = 5.0
 NEGLIGIBLE = 1e-4
 # The noise is at least this share of what the channel does in its quiet stretches: no fit needs to follow the rest.
 QUIET_SHARE, QUIET_QUANTILE, FEWEST_STRETCHES = 0.5, 0.25, 4
-# A residual is coloured beyond so many standard deviations of its correlation over one sample.
-COLOURED = 5.0
+# Probability with which a white residual is called coloured by its correlation over one block (5 standard deviations).
+# Trials are many: a stretch is tried from many starts.
+COLOUR_LEVEL = 5.733e-7
 # The background is what this share of the stretches of a recording stay below.
 CALM = 0.2
 
@@ -94,12 +95,10 @@ class Trial:
     def left(self) -> RealArray:
         """Residual over motion, root mean square in the first third, where the residual is not white; else 0."""
         early = max(1, self.residual.shape[1] // 3)
-        power = np.sum(self.residual**2, axis=1)
-        together = np.abs(np.sum(self.residual[:, 1:] * self.residual[:, :-1], axis=1))
-        coloured = together > COLOURED / np.sqrt(self.residual.shape[1]) * power
+        coloured = correlated(lag_one(self.residual), self.residual.shape[1], level=COLOUR_LEVEL)
         motion = np.sum(self.motion[:, :early] ** 2, axis=1)
         share = np.sqrt(np.sum(self.residual[:, :early] ** 2, axis=1) / np.maximum(motion, 1e-300))
-        return np.where(coloured & (power > 0), share, 0.0)
+        return np.where(coloured, share, 0.0)
 
     @property
     def strengths(self) -> RealArray:
@@ -197,7 +196,8 @@ def tried(values: RealArray, *, step: Second, size: int, least: RealArray, most:
     about = means - means.mean(axis=1, keepdims=True)
     if not np.all(np.any(np.abs(about) > 1e-12 * np.max(np.abs(means), axis=1, keepdims=True), axis=1)):
         return None
-    selection = select(about, floor=least)
+    noise = WhiteNoise(least=least).rounded(np.sum(about**2, axis=1), count)
+    selection = select(about, noise=noise)
     fit = selection.fit
     pairs = len(fit.poles.pairs)
     residual = about - synthesize(fit.poles.exponents, fit.amplitudes, count)
@@ -209,13 +209,12 @@ def tried(values: RealArray, *, step: Second, size: int, least: RealArray, most:
             return np.zeros_like(about)
         return synthesize(fit.poles.exponents[both], fit.amplitudes[both], count)
 
-    power = np.sum(residual**2, axis=1) / max(count - len(fit.poles) - fit.poles.free / len(about), 1.0)
-    floor = np.maximum(least, 1e-28 * np.sum(about**2, axis=1) / count)
+    free = degrees_of_freedom(count, amplitudes=len(fit.poles), poles=fit.poles.free, channels=len(about))
     return Trial(
         step=step * size,
         selection=selection,
         motion=part("mode"),
         growing=part("growing"),
         residual=residual,
-        noise_std=np.sqrt(np.maximum(power, floor)),
+        noise_std=np.sqrt(noise.variance(np.sum(residual**2, axis=1), free)),
     )

@@ -2,13 +2,13 @@
 
 `identify` fits damped exponentials to all channels jointly (maximum likelihood; variable projection), choosing
 the number of poles by BIC, or runs the wavelet steps. `identify_repeats` fits several decays jointly. Below
-them: `exponentials` (sums over the record), `likelihood` (fit and covariance), `selection` (model order),
-`modes_json` (files).
+them: `noise` (least variance, likelihood, colour), `exponentials` (sums over the record), `likelihood` (fit and
+covariance), `selection` (model order), `modes_json` (files).
 """
 
 from suspid.identification.exponentials import synthesize
+from suspid.identification.halves import FEWEST_SAMPLES
 from suspid.identification.identify import (
-    FEWEST_SAMPLES,
     REASONS,
     Considered,
     FourSteps,
@@ -16,24 +16,36 @@ from suspid.identification.identify import (
     Method,
     identify,
     late_start,
-    resolution,
 )
 from suspid.identification.identify_repeats import Repeats, identify_repeats
 from suspid.identification.modes_json import identification_to_dict, modes_to_dict, read_modes, to_json
+from suspid.identification.noise import (
+    UNIFORM_STD,
+    WhiteNoise,
+    correlated,
+    degrees_of_freedom,
+    lag_one,
+    resolution,
+)
 from suspid.identification.selection import Selection, select
 
 __all__ = [
     "FEWEST_SAMPLES",
     "REASONS",
+    "UNIFORM_STD",
     "Considered",
     "FourSteps",
     "Identification",
     "Method",
     "Repeats",
     "Selection",
+    "WhiteNoise",
+    "correlated",
+    "degrees_of_freedom",
     "identification_to_dict",
     "identify",
     "identify_repeats",
+    "lag_one",
     "late_start",
     "modes_to_dict",
     "read_modes",

@@ -11,8 +11,9 @@ import numpy as np
 
 from suspid.cleaning import clipped_run
 from suspid.errors import IdentificationError, InputError, RecordError
-from suspid.identification.exponentials import blocks_of
-from suspid.identification.likelihood import Poles, joint_covariance, maximize
+from suspid.identification.halves import FEWEST_SAMPLES, disagreement
+from suspid.identification.likelihood import Poles, joint_covariance
+from suspid.identification.noise import degrees_of_freedom, lag_one, noise_correlation, noise_of, shared_noise
 from suspid.identification.selection import Selection, select
 from suspid.model import ModalSet
 from suspid.signals import Signal, as_response, as_signal
@@ -43,15 +44,8 @@ HIGHEST = 0.9
 SHORTER = (1.0, 0.5, 0.25, 0.125)
 # Ridges are found on a scalogram of this precision; their skeletons are then transformed anew, to rounding.
 TO_LOOK_AT = 1e-6
-FEWEST_SAMPLES = 32
 # How many of the poles that are no modes the table shows.
 MOST_SHOWN = 6
-# Channels whose residuals are correlated by more than this, and by so many standard deviations of chance, share noise.
-SHARED, SHARED_SURE = 0.2, 6.0
-# No sensor resolves less than this share of a channel's peak: what is smaller is rounding and is not modelled.
-FINEST = 1e-11
-# To so many significant digits at most samples are taken to be rounded.
-MOST_DIGITS = 12
 
 REASONS: dict[str, str] = {
     "tone": "a tone: it does not decay within the record",
@@ -239,9 +233,7 @@ class Identification:
     @property
     def whiteness(self) -> RealArray:
         """Correlation of each channel's residual with itself one sample later [1], (channel,): 0 for white noise."""
-        left = as_signal(self.residual).values
-        power = np.sum(left**2, axis=1)
-        return np.asarray(np.sum(left[:, 1:] * left[:, :-1], axis=1) / np.where(power > 0, power, 1.0))
+        return lag_one(as_signal(self.residual).values)
 
     @property
     def collinearity(self) -> RealArray:
@@ -268,7 +260,7 @@ class Identification:
         place = np.cumsum(pair) - 1
         return frozen_real(
             [
-                _disagreement(signal.values, poles, int(place[mode]), self.noise_std) if pair[mode] else np.nan
+                disagreement(signal.values, poles, int(place[mode]), self.noise_std) if pair[mode] else np.nan
                 for mode in range(len(self.modes))
             ]
         )
@@ -434,7 +426,7 @@ def _by_likelihood(
 ) -> Identification:
     low, high = band or (0.0, np.pi / signal.step)
     selection = select(
-        centred, floor=resolution(signal.values) ** 2, modes=steps.count, band=(low * signal.step, high * signal.step)
+        centred, noise=noise_of(signal.values), modes=steps.count, band=(low * signal.step, high * signal.step)
     )
     fit = selection.fit
     left = selection.residual
@@ -446,14 +438,14 @@ def _by_likelihood(
             f"nothing else in the record decays like a mode",
             found=modes if len(modes) else None,
         )
-    free = centred.shape[1] - len(fit.poles) - fit.poles.free / len(centred)
+    free = degrees_of_freedom(centred.shape[1], amplitudes=len(fit.poles), poles=fit.poles.free, channels=len(centred))
     return Identification(
         response=response,
         method="likelihood",
         modes=modes,
         fitted=as_response(signal.timepts, signal.values - left, signal.channels, title="Fitted decay"),
         residual=as_response(signal.timepts, left, signal.channels, title="Residual"),
-        noise_std=frozen_real(np.sqrt(np.sum(left**2, axis=1) / max(free, 1.0))),
+        noise_std=frozen_real(np.sqrt(np.sum(left**2, axis=1) / free)),
         loudness=loudness,
         considered=_considered(selection, signal),
         steps=steps,
@@ -471,7 +463,7 @@ def _modes_of(selection: Selection, signal: Signal, centred: RealArray) -> tuple
     noise = np.sqrt(fit.squares / centred.shape[1])
     widening = selection.loudness[kept] * shared_noise(selection.residual)
     for k in np.flatnonzero(selection.loudness[kept][: len(pairs)] > 1):
-        widening[k] = np.nanmax([widening[k], _disagreement(centred, fit.poles, int(pairs[k]), noise) ** 2])
+        widening[k] = np.nanmax([widening[k], disagreement(centred, fit.poles, int(pairs[k]), noise) ** 2])
     shapes, covariance = joint_covariance(fit, pairs, reals, centred.shape[1], widening)
     exponents = np.concatenate([fit.poles.pairs[pairs], fit.poles.reals[reals]])
     per_second = np.ones(len(covariance))
@@ -483,65 +475,6 @@ def _modes_of(selection: Selection, signal: Signal, centred: RealArray) -> tuple
         covariance=covariance * np.outer(per_second, per_second),
     )
     return modes, frozen_real(selection.loudness[kept][np.argsort(np.abs(exponents), kind="stable")])
-
-
-def shared_noise(residual: RealArray) -> float:
-    """Return the factor by which noise that channels share widens variances: 1 where they share none.
-
-    The fit takes the noise of each channel for its own. If their correlation matrix is R, no variance is larger than
-    that of independent noise times the largest eigenvalue of R: twice for a channel that stands there twice.
-
-    Parameters
-    ----------
-    residual : ndarray (channel, sample)
-        What the fit leaves.
-
-    Examples
-    --------
-    >>> noise = np.random.default_rng(1).standard_normal((2, 1000))
-    >>> shared_noise(noise), round(shared_noise(noise[[0, 0]]), 6)
-    (1.0, 2.0)
-    """
-    together = noise_correlation(residual)
-    apart = together[~np.eye(len(together), dtype=bool)]
-    if not np.any(np.abs(apart) > max(SHARED, SHARED_SURE / np.sqrt(residual.shape[1]))):
-        return 1.0
-    return float(np.linalg.eigvalsh(together)[-1])
-
-
-def noise_correlation(residual: RealArray) -> RealArray:
-    """Return the correlation of the residuals of the channels with each other, (channel, channel)."""
-    norm = np.sqrt(np.einsum("ck,ck->c", residual, residual))
-    unit = residual / np.where(norm > 0, norm, 1.0)[:, None]
-    together = unit @ unit.T
-    np.fill_diagonal(together, 1.0)
-    return np.asarray(together)
-
-
-def _disagreement(values: RealArray, poles: Poles, which: int, noise_std: RealArray) -> float:
-    """Return how far two halves of the decay disagree on a pair, see `Identification.halves`."""
-    # What a sample says of the pole goes as k^2 exp(-2 decay k).
-    decay, count = max(0.0, -float(poles.pairs[which].real)), values.shape[1]
-    says = np.cumsum(np.arange(count) ** 2.0 * np.exp(-2 * decay * np.arange(count)))
-    cut = int(np.searchsorted(says, says[-1] / 2))
-    found, variance = [], []
-    for part in (values[:, :cut], values[:, cut:]):
-        if part.shape[1] < FEWEST_SAMPLES:
-            return float("nan")
-        blocks = blocks_of(part - part.mean(axis=1, keepdims=True))
-        fit = maximize(blocks, poles, np.maximum(noise_std**2, 1e-28 * blocks.energy / blocks.count), steps=12)
-        try:
-            spread = np.linalg.inv(fit.information).diagonal()[2 * which : 2 * which + 2] if fit else np.full(2, -1.0)
-        except np.linalg.LinAlgError:
-            return float("nan")
-        # A part that does not know the decay rate to a third, or leads elsewhere, does not hold the mode.
-        held = fit is not None and abs(fit.poles.pairs[which] - poles.pairs[which]) < decay
-        if fit is None or not held or not np.all((spread > 0) & (spread < (decay / 3) ** 2)):
-            return float("nan")
-        found.append(fit.poles.pairs[which])
-        variance.append(spread)
-    apart = found[0] - found[1]
-    return float(np.sqrt(np.mean(np.array([apart.real, apart.imag]) ** 2 / (variance[0] + variance[1]))))
 
 
 def _shared_in_words(residual: Signal) -> str:
@@ -580,41 +513,6 @@ def _considered(selection: Selection, signal: Signal) -> tuple[Considered, ...]:
 def _no_modes(signal: Signal) -> ModalSet:
     shapes = np.zeros((len(signal.channels), 0), complex)
     return ModalSet(poles=np.zeros(0, complex), shapes=shapes, channels=signal.channels)
-
-
-def resolution(values: RealArray) -> RealArray:
-    """Return the standard deviation that rounding and quantisation leave in each channel."""
-    peak = np.max(np.abs(values), axis=1)
-    single = np.all(values == values.astype(np.float32), axis=1)
-    rounding = np.where(single, 2.0**-24, 2.0**-52) * peak
-    steps = np.zeros(len(values))
-    for channel, samples in enumerate(values):
-        digits = _significant_digits(samples[:4096])
-        if digits is not None:
-            # Rounding to digits is coarsest where the samples are largest, and there the modes are. It is no noise
-            # where a sample hardly moves, so all of the last digit is in doubt.
-            steps[channel] = np.sqrt(12) * 10.0 ** (np.floor(np.log10(peak[channel])) - digits + 1)
-        gaps = np.diff(np.sort(samples[:4096]))
-        gaps = gaps[gaps > 0]
-        if gaps.size and gaps.min() > 1e-9 * peak[channel]:
-            ratio = gaps / gaps.min()
-            if np.max(np.abs(ratio - np.round(ratio))) < 1e-3:
-                steps[channel] = max(steps[channel], gaps.min())
-    return np.asarray(np.maximum(np.maximum(4 * rounding, FINEST * peak), steps / np.sqrt(12)))
-
-
-def _significant_digits(samples: RealArray) -> int | None:
-    """Return to how many decimal digits all samples are rounded, or None if to more than twelve."""
-    some = np.abs(samples[samples != 0])
-    # What is rounded to few digits is rounded to twelve; a handful of samples tells most records apart from that.
-    if not some.size or not _rounded_to(some[:16], MOST_DIGITS) or not _rounded_to(some, MOST_DIGITS):
-        return None
-    return next(digits for digits in range(2, MOST_DIGITS + 1) if _rounded_to(some, digits))
-
-
-def _rounded_to(some: RealArray, digits: int) -> bool:
-    scaled = some * 10.0 ** (digits - 1 - np.floor(np.log10(some)))
-    return bool(np.all(np.abs(scaled - np.round(scaled)) < 1e-15 * 10.0**digits + 1e-9))
 
 
 def _check_clipping(signal: Signal) -> None:

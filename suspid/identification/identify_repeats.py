@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 
 from suspid.errors import IdentificationError, InputError, RecordError
 from suspid.identification.exponentials import Blocks, blocks_of
-from suspid.identification.identify import FEWEST_SAMPLES, Identification, identify, resolution
-from suspid.identification.likelihood import DecayFit, Poles, evaluate, likelihood_loss, maximize
+from suspid.identification.halves import FEWEST_SAMPLES
+from suspid.identification.identify import Identification, identify
+from suspid.identification.likelihood import DecayFit, Poles, evaluate, maximize
+from suspid.identification.noise import WhiteNoise, degrees_of_freedom, noise_of
 from suspid.identification.selection import Selection, select
 from suspid.identification.shared import Shared, shared_covariance
 from suspid.model import ModalSet
@@ -169,7 +171,7 @@ def identify_repeats(
     signals = [as_signal(found.response, least=FEWEST_SAMPLES) for found in each]
     step, channels = signals[0].step, signals[0].channels
     values = [s.values - s.values.mean(axis=1, keepdims=True) for s in signals]
-    floors = [resolution(s.values) ** 2 for s in signals]
+    noises = [noise_of(s.values) for s in signals]
     low, high = band or (0.0, np.pi / step)
     lengths = np.array([v.shape[1] for v in values])
     stacked = np.flatnonzero(lengths >= LONG_ENOUGH * np.median(lengths))
@@ -177,19 +179,19 @@ def identify_repeats(
     beside = np.vstack([signals[r].values[:, :common] for r in stacked])
     selection = select(
         beside - beside.mean(axis=1, keepdims=True),
-        floor=np.concatenate([floors[r] for r in stacked]),
+        noise=WhiteNoise(least=np.concatenate([noises[r].least for r in stacked])),
         modes=modes,
         band=(low * step, high * step),
     )
     blocks = [blocks_of(v) for v in values]
-    floors = [np.maximum(f, 1e-15 * b.energy / b.count) for f, b in zip(floors, blocks, strict=True)]
-    fits = _jointly(blocks, _scaled(selection.fit.poles, common, lengths), floors)
+    noises = [noise.rounded(b.energy, b.count, of_energies=True) for noise, b in zip(noises, blocks, strict=True)]
+    fits = _jointly(blocks, _scaled(selection.fit.poles, common, lengths), noises)
     pairs, reals = _wanted(selection)
     if not len(pairs) + len(reals):
         found, agreement, loudness = _none(channels), (), np.zeros(0)
     else:
         kept = np.concatenate([pairs, len(selection.fit.poles.pairs) + reals])
-        agreements = [_agreement(blocks, fits, floors, int(index)) for index in kept]
+        agreements = [_agreement(blocks, fits, noises, int(index)) for index in kept]
         loud = selection.loudness[kept]
         shared = shared_covariance(
             fits, blocks, pairs, reals, np.maximum(loud, [agreement.widening for agreement in agreements])
@@ -248,7 +250,7 @@ def _modes(shared: Shared, step: Second, channels: tuple[str, ...]) -> ModalSet:
 
 
 def _free(fit: DecayFit, blocks: Blocks) -> float:
-    return float(max(blocks.count - len(fit.poles) - fit.poles.free / blocks.channels, 1.0))
+    return degrees_of_freedom(blocks.count, amplitudes=len(fit.poles), poles=fit.poles.free, channels=blocks.channels)
 
 
 def _scaled(poles: Poles, common: int, lengths: NDArray[np.intp]) -> list[Poles]:
@@ -258,15 +260,15 @@ def _scaled(poles: Poles, common: int, lengths: NDArray[np.intp]) -> list[Poles]
     ]
 
 
-def _jointly(blocks: list[Blocks], start: list[Poles], floors: list[RealArray]) -> list[DecayFit]:
+def _jointly(blocks: list[Blocks], start: list[Poles], noises: list[WhiteNoise]) -> list[DecayFit]:
     """Return the fits of all repeats with the poles of greatest joint likelihood, by Gauss-Newton steps."""
 
     def at(poles: list[Poles]) -> tuple[list[DecayFit], float] | None:
-        fits = [evaluate(b, p, f) for b, p, f in zip(blocks, poles, floors, strict=True)]
+        fits = [evaluate(b, p, noise) for b, p, noise in zip(blocks, poles, noises, strict=True)]
         known = [fit for fit in fits if fit is not None]
         if len(known) < len(fits):
             return None
-        loss = sum(likelihood_loss(fit, b.count, f) for fit, b, f in zip(known, blocks, floors, strict=True))
+        loss = sum(noise.loss(fit.squares, b.count) for fit, b, noise in zip(known, blocks, noises, strict=True))
         return known, loss
 
     found = at(start)
@@ -290,15 +292,15 @@ def _jointly(blocks: list[Blocks], start: list[Poles], floors: list[RealArray]) 
     return fits
 
 
-def _agreement(blocks: list[Blocks], fits: list[DecayFit], floors: list[RealArray], index: int) -> Agreement:
+def _agreement(blocks: list[Blocks], fits: list[DecayFit], noises: list[WhiteNoise], index: int) -> Agreement:
     """Return how well the repeats agree on a pole, each fitted alone with the same number of poles."""
     from scipy.special import chdtrc
 
     pairs = len(fits[0].poles.pairs)
     rows = [2 * index, 2 * index + 1] if index < pairs else [pairs + index]
     found, informations = [], []
-    for block, joint, floor in zip(blocks, fits, floors, strict=True):
-        own = maximize(block, joint, floor, steps=20)
+    for block, joint, noise in zip(blocks, fits, noises, strict=True):
+        own = maximize(block, joint, noise, steps=20)
         if own is None:
             continue
         try:

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from suspid.identification.exponentials import Blocks, power_sums
+from suspid.identification.noise import WhiteNoise, degrees_of_freedom
 from suspid.units import ComplexArray, RealArray
 from suspid.values import frozen_complex, frozen_real
 
@@ -118,7 +119,7 @@ class DecayFit:
     sharpness: ComplexArray
 
 
-def evaluate(blocks: Blocks, poles: Poles, floor: RealArray) -> DecayFit | None:
+def evaluate(blocks: Blocks, poles: Poles, noise: WhiteNoise) -> DecayFit | None:
     """Return the fit at given poles, or None where their exponentials cannot be told apart.
 
     Parameters
@@ -127,8 +128,8 @@ def evaluate(blocks: Blocks, poles: Poles, floor: RealArray) -> DecayFit | None:
         The record.
     poles : Poles
         The exponents.
-    floor : ndarray (channel,)
-        Least variance that a channel's residual counts as.
+    noise : WhiteNoise
+        The noise model.
     """
     from scipy.linalg.lapack import zpotrf, ztrtri
 
@@ -152,7 +153,7 @@ def evaluate(blocks: Blocks, poles: Poles, floor: RealArray) -> DecayFit | None:
     # What is explained is known to the rounding that the inverse magnifies: nothing below it is a residual.
     rounding = ROUNDING / pivot**2 * blocks.energy
     squares = np.maximum(blocks.energy - explained, rounding)
-    variance = np.maximum(squares / count, floor)
+    variance = noise.variance(squares, count)
     if not 0 < variance.min() < np.inf:
         return None
     sharpness = bend - tilt @ inverse @ tilt
@@ -172,10 +173,10 @@ def evaluate(blocks: Blocks, poles: Poles, floor: RealArray) -> DecayFit | None:
     )
 
 
-def reweighed(fit: DecayFit, blocks: Blocks, floor: RealArray, squares: RealArray) -> DecayFit:
+def reweighed(fit: DecayFit, blocks: Blocks, noise: WhiteNoise, squares: RealArray) -> DecayFit:
     """Return a fit whose residual sums of squares are known better than by subtraction from the energy."""
     squares = np.maximum(squares, fit.rounding)
-    variance = np.maximum(squares / blocks.count, floor)
+    variance = noise.variance(squares, blocks.count)
     chart = _chart(len(fit.poles.pairs), len(fit.poles.reals), len(fit.poles))
     information = _information(fit.sharpness, fit.amplitudes, variance, chart, blocks.count)
     return replace(fit, squares=squares, information=information)
@@ -194,15 +195,10 @@ def _distinct(pairs: int, exponents: int) -> NDArray[np.intp]:
     return np.concatenate([np.arange(pairs), np.arange(2 * pairs, exponents)])
 
 
-def likelihood_loss(fit: DecayFit, count: int, floor: RealArray) -> float:
-    """Return minus twice the concentrated log likelihood, ``n sum_c log variance_c``, but for a constant."""
-    return float(count * np.log(np.maximum(fit.squares / count, floor)).sum())
-
-
 def maximize(
     blocks: Blocks,
     start: Poles | DecayFit,
-    floor: RealArray,
+    noise: WhiteNoise,
     *,
     steps: int = MOST_STEPS,
     negligible: float = NEGLIGIBLE,
@@ -214,9 +210,9 @@ def maximize(
     blocks : Blocks
         The record.
     start : Poles or DecayFit
-        Where to start; a fit was evaluated with the same blocks and floor.
-    floor : ndarray (channel,)
-        Least variance that a channel's residual counts as.
+        Where to start; a fit was evaluated with the same blocks and noise.
+    noise : WhiteNoise
+        The noise model.
     steps : int
         Most steps.
     negligible : float
@@ -224,7 +220,7 @@ def maximize(
     """
     from scipy.linalg.lapack import dposv
 
-    fit = start if isinstance(start, DecayFit) else evaluate(blocks, start, floor)
+    fit = start if isinstance(start, DecayFit) else evaluate(blocks, start, noise)
     if fit is None or not fit.poles.free:
         return fit
     damping = 1e-3
@@ -244,11 +240,11 @@ def maximize(
             worth = float(step @ fit.gradient)
             if worth < negligible:
                 return fit
-            trial = evaluate(blocks, _bounded(fit.poles, step, blocks.count), floor)
+            trial = evaluate(blocks, _bounded(fit.poles, step, blocks.count), noise)
             if trial is not None:
                 # Two fits below what rounding leaves of either are equally good.
-                least = np.maximum(floor, np.maximum(fit.rounding, trial.rounding) / blocks.count)
-                worse = likelihood_loss(trial, blocks.count, least) - likelihood_loss(fit, blocks.count, least)
+                coarse = noise.at_least(np.maximum(fit.rounding, trial.rounding) / blocks.count)
+                worse = coarse.loss(trial.squares, blocks.count) - coarse.loss(fit.squares, blocks.count)
                 if worse <= rounding:
                     break
             damping = max(10 * damping, 1e-4)
@@ -320,10 +316,10 @@ def joint_covariance(
         In the order of `ModalSet.covariance`, poles per sample.
     """
     poles, channels = fit.poles, len(fit.squares)
-    free = count - len(poles) - poles.free / channels
-    variance = fit.squares / max(free, 1.0)
+    free = degrees_of_freedom(count, amplitudes=len(poles), poles=poles.free, channels=channels)
+    variance = fit.squares / free
     # The information was weighed by the variances over all samples.
-    of_poles = pole_covariance(fit) * (count / max(free, 1.0))
+    of_poles = pole_covariance(fit) * (count / free)
     inverse = np.linalg.inv(fit.gram)
     rows = np.concatenate([pairs, 2 * len(poles.pairs) + reals]).astype(int)
     twins = np.concatenate([pairs + len(poles.pairs), 2 * len(poles.pairs) + reals]).astype(int)

@@ -9,8 +9,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from suspid.identification.exponentials import Blocks, blocks_of, cross_sums, project, synthesize
+from suspid.identification.exponentials import Blocks, blocks_of, cross_sums, synthesize
 from suspid.identification.likelihood import DecayFit, Poles, evaluate, maximize, pole_covariance, reweighed
+from suspid.identification.noise import LOUD, WhiteNoise, loss_growth, loudness, over_channels, power_beside
 from suspid.units import ComplexArray, RealArray
 from suspid.values import frozen_real
 
@@ -36,18 +37,11 @@ HOPELESS = 0.7
 # gains its price the third figure's times.
 SOUND, APART, STRONG = 3.0, 4.0, 10.0
 MOST_POLES = 16
-# A mode's surroundings count as louder than the rest of the residual beyond this ratio. There the model itself is
-# wrong by more than the noise, and a pole must explain this many times more than what is left beside it.
-COLOURED = 2.5
+# Power beside a pole over that of white noise: the gain of a pole is divided by it from this value on.
 COLOURS_BEGIN = 1.5
-# A residual is coloured where its correlation over one sample is so many standard deviations from none.
-COLOUR_SURE = 4.0
-# Its autoregression has this order, and a trace of white noise for the sake of the equations.
-COLOUR_ORDER = 8
-RIDGE = np.array([1.0 + 1e-9, *np.ones(COLOUR_ORDER - 1)])
+# Where the power beside a pole exceeds `noise.LOUD` the model is wrong by more than the noise: a pole must then explain
+# this many times more than what is left beside it.
 WORTHWHILE = 20.0
-# Where beside a pole that is looked at, in linewidths.
-BESIDE = np.array([-8.0, -6.0, -4.0, -2.0, 2.0, 4.0, 6.0, 8.0])
 # Poles nearer to each other than so many decay rates (the geometric mean of theirs) are one mode, not quite linear;
 # if they move alike in all channels (by this assurance criterion), so are poles as near as the third figure, unless
 # their natural frequencies are further apart than by the fourth: what is not quite linear bends a frequency by less.
@@ -116,7 +110,7 @@ def price(channels: int, samples: int, *, real: bool = False) -> float:
 def select(
     values: RealArray,
     *,
-    floor: RealArray,
+    noise: WhiteNoise,
     modes: int | None = None,
     band: tuple[float, float] = (0.0, np.pi),
 ) -> Selection:
@@ -130,22 +124,22 @@ def select(
     ----------
     values : ndarray (channel, sample)
         The record, without its mean.
-    floor : ndarray (channel,)
-        Least noise variance: rounding or quantisation.
+    noise : WhiteNoise
+        The noise model, with the least variance of each channel.
     modes : int, optional
         Take the strongest so many of those found for modes.
     band : (float, float)
         Angular frequencies per sample between which a pole can be a mode.
     """
     blocks = blocks_of(values)
-    floor = np.maximum(floor, 1e-28 * blocks.energy / blocks.count)
-    state = _State(values=values, blocks=blocks, floor=floor, band=band)
-    nothing = evaluate(blocks, Poles(pairs=np.zeros(0, complex), reals=np.zeros(0), nuisances=np.zeros(1)), floor)
+    noise = noise.rounded(blocks.energy, blocks.count)
+    state = _State(values=values, blocks=blocks, noise=noise, band=band)
+    nothing = evaluate(blocks, Poles(pairs=np.zeros(0, complex), reals=np.zeros(0), nuisances=np.zeros(1)), noise)
     assert nothing is not None
     held = _Held(state=state, fit=nothing)
     rejected: list[tuple[Candidate, str]] = []
     seen: _Points | None = None
-    while held.poles.free < 2 * MOST_POLES and np.any(held.variance > state.floor):
+    while held.poles.free < 2 * MOST_POLES and np.any(held.variance > noise.least):
         # What the strongest poles hid may stand out where one looked before; if not, look everywhere.
         found = [] if seen is None else _ranked(held.fit, held.variance, seen)
         again = bool(found) and found[0].gain > STRONG * state.price(real=False)
@@ -165,7 +159,7 @@ def select(
     if len(extra) or len(gains) != len(state.prices(held.poles)):
         gains, _ = state.worths(held)
     # Sums of squares from the residual itself: by subtraction they carry the rounding of the whole energy.
-    fit = reweighed(held.fit, blocks, floor, held.squares)
+    fit = reweighed(held.fit, blocks, noise, held.squares)
     verdicts = list(state.verdicts(fit))
     # By chance a pair gains a chi-square of as many degrees of freedom as it has parameters more.
     freedom = 1 + blocks.channels
@@ -190,16 +184,16 @@ def select(
 class _State:
     values: RealArray
     blocks: Blocks
-    floor: RealArray
+    noise: WhiteNoise
     band: tuple[float, float]
 
     def fitted(self, start: Poles | DecayFit, *, rough: bool = False) -> _Held | None:
         # Sums of squares by subtraction carry the rounding of the whole energy.
-        floor = np.maximum(self.floor, 1e-15 * self.blocks.energy / self.blocks.count)
+        noise = self.noise.rounded(self.blocks.energy, self.blocks.count, of_energies=True)
         if rough:
-            fit = maximize(self.blocks, start, floor, steps=ROUGH_STEPS, negligible=ROUGH**2)
+            fit = maximize(self.blocks, start, noise, steps=ROUGH_STEPS, negligible=ROUGH**2)
         else:
-            fit = maximize(self.blocks, start, floor)
+            fit = maximize(self.blocks, start, noise)
         return None if fit is None else _Held(state=self, fit=fit)
 
     def polished(self, held: _Held) -> _Held:
@@ -224,7 +218,7 @@ class _State:
         of_reals = np.abs(fit.amplitudes[real]) ** 2 / inverse[real, real].real[:, None]
         more = np.concatenate([of_pairs, of_reals]) / (count * held.variance)
         energies = count * more.sum(axis=1)
-        gains = count * np.log1p(np.maximum(more, 0.0)).sum(axis=1)
+        gains = loss_growth(np.maximum(more, 0.0).T, count)
         if refit:
             for index in np.flatnonzero(gains < 3 * self.prices(held.poles)):
                 refitted = self.fitted(held.poles.without(int(index)), rough=True)
@@ -285,11 +279,11 @@ class _Held:
     @cached_property
     def variance(self) -> RealArray:
         """Mean square of the residual, at least the floor, (channel,)."""
-        return np.asarray(np.maximum(self.squares / self.state.blocks.count, self.state.floor), float)
+        return self.state.noise.variance(self.squares, self.state.blocks.count)
 
     @cached_property
     def loss(self) -> float:
-        return float(self.state.blocks.count * np.log(self.variance).sum())
+        return self.state.noise.loss(self.squares, self.state.blocks.count)
 
     @cached_property
     def splits(self) -> NDArray[np.bool_]:
@@ -304,45 +298,28 @@ class _Held:
         alike &= np.abs(wn[:, None] - wn) < np.log(ANOTHER)
         return np.asarray(np.any(_apart(every) < np.where(alike, DISTINCT_ALIKE, DISTINCT), axis=1))
 
-    @cached_property
-    def coloured(self) -> bool:
-        """Whether a channel's residual goes with itself one sample later, by more than chance explains."""
-        power, count = np.maximum(self.squares, self.state.floor * self.state.blocks.count), self.state.blocks.count
-        together = np.einsum("ck,ck->c", self.residual[:, 1:], self.residual[:, :-1]) / np.where(power > 0, power, 1.0)
-        return bool(np.any(np.abs(together) > COLOUR_SURE / np.sqrt(count)))
-
     @property
     def loudness(self) -> RealArray:
-        """Power of the residual beside each pole over that of the noise; 1 where they agree."""
-        # In a white residual what is seen beside a pole is chance; in a coloured one it is the noise there, or less
-        # than that where the colour has its peak at the pole itself.
-        if not self.coloured:
-            return np.where(self.beside > COLOURED, self.beside, 1.0)
-        ratio = self._ratio(np.maximum(self._power, noise_colour(self.residual, np.abs(_every(self.poles).imag))))
-        return np.where(ratio > 1.0, ratio, 1.0)
+        """Power of the residual near each pole over that of the noise; 1 where they agree."""
+        return loudness(
+            self.residual, self.variance, _every(self.poles), beside=self._power_beside, weights=self._weights
+        )
 
     @cached_property
     def beside(self) -> RealArray:
-        """Power of the residual beside each pole, seen through its own decay, over that of the noise."""
-        ratio = self._ratio(self._power)
+        """Power of the residual beside each pole, weighted by the pole's own decay, over that of the noise."""
+        ratio = over_channels(self._power_beside, self._weights)
         return np.where(ratio > COLOURS_BEGIN, ratio, 1.0)
 
     @cached_property
-    def _power(self) -> RealArray:
-        count, theta = self.state.blocks.count, _every(self.poles)
-        decay = np.maximum(-theta.real, 0.25 / count)
-        beside = (decay + np.pi / count)[:, None] * BESIDE
-        omega = np.minimum(np.maximum(np.abs(theta.imag[:, None] + beside), np.pi / count), np.pi)
-        spread = project(self.residual, (1j * omega - decay[:, None]).ravel())
-        expected = np.expm1(-2 * decay * count) / np.expm1(-2 * decay)
-        power = np.mean(np.abs(spread.reshape(len(self.variance), *omega.shape)) ** 2, axis=2)
-        return np.asarray(power / expected / self.variance[:, None])
+    def _power_beside(self) -> RealArray:
+        return power_beside(self.residual, self.variance, _every(self.poles))
 
-    def _ratio(self, power: RealArray) -> RealArray:
+    @property
+    def _weights(self) -> RealArray:
         pairs = len(self.poles.pairs)
         rows = np.concatenate([np.arange(pairs), np.arange(2 * pairs, 2 * pairs + len(self.poles.reals))])
-        weights = np.abs(self.fit.amplitudes[rows]).T ** 2 / self.variance[:, None] + 1e-300
-        return np.asarray(np.sum(weights * power, axis=0) / np.sum(weights, axis=0))
+        return np.asarray(np.abs(self.fit.amplitudes[rows]).T ** 2 / self.variance[:, None] + 1e-300)
 
 
 def _every(poles: Poles) -> ComplexArray:
@@ -357,28 +334,6 @@ def _apart(every: ComplexArray) -> RealArray:
     apart = np.abs(every[:, None] - every) / linewidth
     np.fill_diagonal(apart, np.inf)
     return np.asarray(apart)
-
-
-def noise_colour(residual: RealArray, omega: RealArray) -> RealArray:
-    """Return the power density of a residual over that of white noise of its variance, (channel, frequency).
-
-    From an autoregression of order `COLOUR_ORDER` (Yule-Walker): ``1 / |1 - sum_k a_k exp(-j omega k)|^2`` over
-    its mean.
-    """
-    from scipy.linalg import solve_toeplitz
-
-    lags = [
-        np.einsum("ck,ck->c", residual[:, lag:], residual[:, : residual.shape[1] - lag])
-        for lag in range(COLOUR_ORDER + 1)
-    ]
-    turns = np.exp(-1j * np.arange(1, COLOUR_ORDER + 1)[:, None] * omega)
-    density = np.ones((len(residual), len(omega)))
-    for channel, correlation in enumerate(np.array(lags).T):
-        if correlation[0] > 0:
-            coefficients = solve_toeplitz(correlation[:-1] * RIDGE, correlation[1:])
-            innovation = 1 - float(coefficients @ correlation[1:]) / correlation[0]
-            density[channel] = innovation / np.abs(1 - coefficients @ turns) ** 2
-    return density
 
 
 def _extended(
@@ -444,7 +399,7 @@ def _thinned(state: _State, held: _Held, rejected: list[tuple[Candidate, str]]) 
             return held, np.zeros(0)
         gains, energy = state.worths(held)
         prices, beside = state.prices(held.poles), held.beside
-        loud = np.where(beside > COLOURED, beside, 1.0)
+        loud = np.where(beside > LOUD, beside, 1.0)
         # Beside a residual that is not noise, energy counts, not likelihood; noise of a colour has its power there.
         worth = np.where(loud > 1, np.minimum(energy / (WORTHWHILE * loud), gains), gains / beside) / prices
         # Poles far apart when they were added may have come together since: of two the lesser goes.
@@ -571,7 +526,7 @@ def _ranked(fit: DecayFit, variance: RealArray, points: _Points) -> list[Candida
         fit.poles, theta[reals:], inner[:, reals:], cross[:, reals:], solved[:, reals:], count
     )
     share /= variance[:, None] * count
-    gains = -count * np.log1p(-np.minimum(np.maximum(share, 0.0), 1 - 1e-12)).sum(axis=0)
+    gains = -loss_growth(-np.minimum(np.maximum(share, 0.0), 1 - 1e-12), count)
     samples = channels * count
     is_real = np.arange(len(theta)) < reals
     net = gains - np.where(is_real, price(channels, samples, real=True), price(channels, samples))

@@ -1,0 +1,37 @@
+"""The noise of a record: least variance, likelihood, colour, and correlation between channels.
+
+Every fit takes the noise of each channel for white, of unknown variance above a least one (`WhiteNoise`). Where the
+residual contradicts that, `loudness` and `shared_noise` are the factors by which variances of the estimates are
+widened. To fit another noise model, replace `WhiteNoise` in `white`; all fits weigh, compare and count with it.
+"""
+
+from suspid.identification.noise.colour import (
+    LOUD,
+    correlated,
+    lag_one,
+    loudness,
+    noise_colour,
+    over_channels,
+    power_beside,
+)
+from suspid.identification.noise.quantisation import UNIFORM_STD, resolution
+from suspid.identification.noise.shared import noise_correlation, shared_noise
+from suspid.identification.noise.white import WhiteNoise, degrees_of_freedom, loss_growth, noise_of
+
+__all__ = [
+    "LOUD",
+    "UNIFORM_STD",
+    "WhiteNoise",
+    "correlated",
+    "degrees_of_freedom",
+    "lag_one",
+    "loss_growth",
+    "loudness",
+    "noise_colour",
+    "noise_correlation",
+    "noise_of",
+    "over_channels",
+    "power_beside",
+    "resolution",
+    "shared_noise",
+]

@@ -1,0 +1,136 @@
+"""The colour of a residual, and its power near each pole."""
+
+from __future__ import annotations
+
+from statistics import NormalDist
+
+import numpy as np
+from numpy.typing import NDArray
+
+from suspid.identification.exponentials import project
+from suspid.units import ComplexArray, RealArray
+
+# Probability with which a white residual is called coloured by its correlation over one sample (4 standard
+# deviations). At a larger level white residuals are judged by their estimated spectrum, which is more scattered.
+COLOUR_LEVEL = 6.334e-5
+# Order of the autoregression that describes a coloured residual. A higher order follows chance in short records.
+COLOUR_ORDER = 8
+# The power beside a pole is the mean over these offsets, in linewidths; the pole's own line is left out.
+BESIDE = np.array([-8.0, -6.0, -4.0, -2.0, 2.0, 4.0, 6.0, 8.0])
+# Power beside a pole that counts as excess over a white residual: the mean of 8 independent exponential variables
+# exceeds it with probability 8e-4. A lower value widens intervals that are right.
+LOUD = 2.5
+
+
+def lag_one(residual: RealArray, power: RealArray | None = None) -> RealArray:
+    """Return the correlation of each residual with itself one sample later [1], (channel,): 0 for white noise.
+
+    Parameters
+    ----------
+    residual : ndarray (channel, sample)
+        What a fit leaves.
+    power : ndarray (channel,), optional
+        Sum of squares to divide by; default: that of the residual.
+    """
+    power = np.einsum("ck,ck->c", residual, residual) if power is None else power
+    products = np.einsum("ck,ck->c", residual[:, 1:], residual[:, :-1])
+    return np.asarray(products / np.where(power > 0, power, 1.0))
+
+
+def correlated(correlation: RealArray, count: int, *, level: float) -> NDArray[np.bool_]:
+    """Return whether correlations over ``count`` samples differ from 0, each at a two-sided level of significance.
+
+    The correlation of two white series over n samples is normal with standard deviation ``1 / sqrt(n)``.
+
+    Examples
+    --------
+    >>> correlated(np.array([0.019, 0.021]), 10000, level=0.0455)
+    array([False,  True])
+    """
+    return np.asarray(np.abs(correlation) > NormalDist().inv_cdf(1 - level / 2) / np.sqrt(count))
+
+
+def noise_colour(residual: RealArray, omega: RealArray) -> RealArray:
+    """Return the power density of a residual over that of white noise of its variance, (channel, frequency).
+
+    From an autoregression of order `COLOUR_ORDER` (Yule-Walker): ``1 / |1 - sum_k a_k exp(-j omega k)|^2`` over
+    its mean.
+
+    Parameters
+    ----------
+    residual : ndarray (channel, sample)
+        What a fit leaves.
+    omega : ndarray (frequency,)
+        Angular frequencies per sample.
+    """
+    from scipy.linalg import solve_toeplitz
+
+    lags = [
+        np.einsum("ck,ck->c", residual[:, lag:], residual[:, : residual.shape[1] - lag])
+        for lag in range(COLOUR_ORDER + 1)
+    ]
+    turns = np.exp(-1j * np.arange(1, COLOUR_ORDER + 1)[:, None] * omega)
+    # A trace of white noise keeps the equations regular.
+    ridge = np.array([1.0 + 1e-9, *np.ones(COLOUR_ORDER - 1)])
+    density = np.ones((len(residual), len(omega)))
+    for channel, correlation in enumerate(np.array(lags).T):
+        if correlation[0] > 0:
+            coefficients = solve_toeplitz(correlation[:-1] * ridge, correlation[1:])
+            innovation = 1 - float(coefficients @ correlation[1:]) / correlation[0]
+            density[channel] = innovation / np.abs(1 - coefficients @ turns) ** 2
+    return density
+
+
+def power_beside(residual: RealArray, variance: RealArray, theta: ComplexArray) -> RealArray:
+    """Return the power of a residual beside each pole over that of white noise, (channel, pole).
+
+    Parameters
+    ----------
+    residual : ndarray (channel, sample)
+        What a fit leaves.
+    variance : ndarray (channel,)
+        Its variance.
+    theta : ndarray (pole,)
+        Exponents per sample; the residual is weighted by the decay of each.
+    """
+    count = residual.shape[1]
+    decay = np.maximum(-theta.real, 0.25 / count)
+    offsets = (decay + np.pi / count)[:, None] * BESIDE
+    omega = np.minimum(np.maximum(np.abs(theta.imag[:, None] + offsets), np.pi / count), np.pi)
+    spread = project(residual, (1j * omega - decay[:, None]).ravel())
+    expected = np.expm1(-2 * decay * count) / np.expm1(-2 * decay)
+    power = np.mean(np.abs(spread.reshape(len(variance), *omega.shape)) ** 2, axis=2)
+    return np.asarray(power / expected / variance[:, None])
+
+
+def loudness(
+    residual: RealArray, variance: RealArray, theta: ComplexArray, *, beside: RealArray, weights: RealArray
+) -> RealArray:
+    """Return the power of a residual near each pole over that of white noise, (pole,): 1 where they agree.
+
+    Parameters
+    ----------
+    residual : ndarray (channel, sample)
+        What a fit leaves.
+    variance : ndarray (channel,)
+        Its variance.
+    theta : ndarray (pole,)
+        Exponents per sample.
+    beside : ndarray (channel, pole)
+        Power beside each pole, from `power_beside`.
+    weights : ndarray (channel, pole)
+        Weights of the channels: their share of what is known of the pole.
+    """
+    # In a white residual the power beside a pole is mostly chance. In a coloured one it underestimates the noise
+    # where the spectrum peaks at the pole itself.
+    correlation = lag_one(residual, variance * residual.shape[1])
+    if not np.any(correlated(correlation, residual.shape[1], level=COLOUR_LEVEL)):
+        ratio = over_channels(beside, weights)
+        return np.where(ratio > LOUD, ratio, 1.0)
+    ratio = over_channels(np.maximum(beside, noise_colour(residual, np.abs(theta.imag))), weights)
+    return np.where(ratio > 1.0, ratio, 1.0)
+
+
+def over_channels(values: RealArray, weights: RealArray) -> RealArray:
+    """Return the weighted mean over channels of values (channel, pole), (pole,)."""
+    return np.asarray(np.sum(weights * values, axis=0) / np.sum(weights, axis=0))

@@ -1,0 +1,73 @@
+"""The least noise of a record: rounding of its samples."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from suspid.units import RealArray
+
+# Least standard deviation, as a share of a channel's peak. Real sensors do not resolve less; a smaller value makes
+# the fit model rounding errors of earlier processing.
+FINEST = 1e-11
+# Samples count as rounded if they have at most this many significant digits. A larger value mistakes exact
+# double-precision samples for rounded ones.
+MOST_DIGITS = 12
+# Standard deviation of a variable that is uniform over one step: quantisation.
+UNIFORM_STD = 1 / np.sqrt(12)
+# Samples per channel that are searched for a common step or number of digits.
+SEARCHED = 4096
+
+
+def resolution(values: RealArray) -> RealArray:
+    """Return the standard deviation that rounding and quantisation leave in each channel, (channel,).
+
+    The largest of: rounding of the floating-point format, ``step / sqrt(12)`` where all samples are multiples of a
+    step, and one unit of the last digit where all samples have few significant digits.
+
+    Parameters
+    ----------
+    values : ndarray (channel, sample)
+        The record, in any unit.
+
+    Examples
+    --------
+    >>> rng = np.random.default_rng(1)
+    >>> float(resolution(0.125 * rng.integers(-400, 400, (1, 500)))[0] * np.sqrt(12))
+    0.125
+    """
+    peak = np.max(np.abs(values), axis=1)
+    single = np.all(values == values.astype(np.float32), axis=1)
+    rounding = np.where(single, 2.0**-24, 2.0**-52) * peak
+    coarse = [_coarseness(samples[:SEARCHED], float(top)) for samples, top in zip(values, peak, strict=True)]
+    return np.asarray(np.maximum(np.maximum(4 * rounding, FINEST * peak), coarse))
+
+
+def _coarseness(samples: RealArray, peak: float) -> float:
+    """Return the standard deviation due to few digits or a common step, 0 where there is neither."""
+    std = 0.0
+    digits = _significant_digits(samples)
+    if digits is not None:
+        # Rounding to significant digits is coarsest at the peak. It is not white where the signal hardly
+        # moves, so one whole unit of the last digit counts, not its share as a uniform variable.
+        std = 10.0 ** (np.floor(np.log10(peak)) - digits + 1)
+    gaps = np.diff(np.sort(samples))
+    gaps = gaps[gaps > 0]
+    if gaps.size and gaps.min() > 1e-9 * peak:
+        ratio = gaps / gaps.min()
+        if np.max(np.abs(ratio - np.round(ratio))) < 1e-3:
+            std = max(std, float(gaps.min()) * UNIFORM_STD)
+    return std
+
+
+def _significant_digits(samples: RealArray) -> int | None:
+    """Return the number of significant digits of all samples, or None if it exceeds `MOST_DIGITS`."""
+    some = np.abs(samples[samples != 0])
+    # The first few samples exclude most records.
+    if not some.size or not _rounded_to(some[:16], MOST_DIGITS) or not _rounded_to(some, MOST_DIGITS):
+        return None
+    return next(digits for digits in range(2, MOST_DIGITS + 1) if _rounded_to(some, digits))
+
+
+def _rounded_to(some: RealArray, digits: int) -> bool:
+    scaled = some * 10.0 ** (digits - 1 - np.floor(np.log10(some)))
+    return bool(np.all(np.abs(scaled - np.round(scaled)) < 1e-15 * 10.0**digits + 1e-9))

@@ -1,0 +1,45 @@
+"""Noise that channels share."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from suspid.identification.noise.colour import correlated
+from suspid.units import RealArray
+
+# Probability with which independent channels are called correlated (6 standard deviations), and the least
+# correlation that matters: it would widen variances by a fifth.
+SHARED_LEVEL, SHARED_LEAST = 1.973e-9, 0.2
+
+
+def shared_noise(residual: RealArray) -> float:
+    """Return the factor by which noise that channels share widens variances: 1 where they share none.
+
+    The fit treats the noise of the channels as independent. If their correlation matrix is R, no variance is larger
+    than that of independent noise times the largest eigenvalue of R: twice for a channel that is given twice.
+
+    Parameters
+    ----------
+    residual : ndarray (channel, sample)
+        What the fit leaves.
+
+    Examples
+    --------
+    >>> noise = np.random.default_rng(1).standard_normal((2, 1000))
+    >>> shared_noise(noise), round(shared_noise(noise[[0, 0]]), 6)
+    (1.0, 2.0)
+    """
+    together = noise_correlation(residual)
+    apart = together[~np.eye(len(together), dtype=bool)]
+    if not np.any(correlated(apart, residual.shape[1], level=SHARED_LEVEL) & (np.abs(apart) > SHARED_LEAST)):
+        return 1.0
+    return float(np.linalg.eigvalsh(together)[-1])
+
+
+def noise_correlation(residual: RealArray) -> RealArray:
+    """Return the correlation of the residuals of the channels with each other, (channel, channel)."""
+    norm = np.sqrt(np.einsum("ck,ck->c", residual, residual))
+    unit = residual / np.where(norm > 0, norm, 1.0)[:, None]
+    together = unit @ unit.T
+    np.fill_diagonal(together, 1.0)
+    return np.asarray(together)

@@ -1,0 +1,102 @@
+"""White noise of unknown variance in every channel: its likelihood and degrees of freedom."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from suspid.identification.noise.quantisation import resolution
+from suspid.units import RealArray
+
+# Relative rounding error of a residual's mean square: computed from samples, and as energy less explained energy.
+ROUNDING_OF_SAMPLES, ROUNDING_OF_ENERGIES = 1e-28, 1e-15
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class WhiteNoise:
+    """Independent white Gaussian noise in every channel, each of unknown variance above a known least.
+
+    Parameters
+    ----------
+    least : ndarray (channel,)
+        Least variance: rounding and quantisation. Without it the likelihood of an exact record is unbounded.
+    """
+
+    least: RealArray
+
+    def variance(self, squares: RealArray, count: float) -> RealArray:
+        """Return the most likely variance given residual sums of squares over ``count`` samples, (channel,).
+
+        Given degrees of freedom instead of samples, return the unbiased estimate.
+        """
+        return np.asarray(np.maximum(squares / count, self.least))
+
+    def loss(self, squares: RealArray, count: int) -> float:
+        """Return minus twice the log likelihood less a constant, ``n sum_c log variance_c`` at the likeliest variance.
+
+        Parameters
+        ----------
+        squares : ndarray (channel,)
+            Residual sums of squares.
+        count : int
+            Samples per channel n.
+        """
+        return float(count * np.log(self.variance(squares, count)).sum())
+
+    def at_least(self, variance: RealArray) -> WhiteNoise:
+        """Return the noise with the least variance of each channel raised to a given one."""
+        return WhiteNoise(least=np.maximum(self.least, variance))
+
+    def rounded(self, energy: RealArray, count: int, *, of_energies: bool = False) -> WhiteNoise:
+        """Return the noise with the least variance raised to the rounding errors of a residual.
+
+        Parameters
+        ----------
+        energy : ndarray (channel,)
+            Sum of squares of the record.
+        count : int
+            Samples per channel.
+        of_energies : bool
+            Whether residual sums of squares are differences of energies instead of sums over samples.
+        """
+        share = ROUNDING_OF_ENERGIES if of_energies else ROUNDING_OF_SAMPLES
+        return self.at_least(share * energy / count)
+
+
+def noise_of(values: RealArray) -> WhiteNoise:
+    """Return the noise model of a record (channel, sample): not less than its resolution."""
+    return WhiteNoise(least=resolution(values) ** 2)
+
+
+def loss_growth(more: RealArray, count: int) -> RealArray:
+    """Return by how much the loss rises where the residual energy of each channel grows by a share, (…).
+
+    ``n sum_c log(1 + more_c)``: `WhiteNoise.loss` far above the least variance. The fall of the loss where a share s
+    of the residual is explained is ``-loss_growth(-s, n)``.
+
+    Parameters
+    ----------
+    more : ndarray (channel, …)
+        Increase of the residual energy over the residual energy, above -1.
+    count : int
+        Samples per channel n.
+    """
+    return np.asarray(count * np.log1p(more).sum(axis=0))
+
+
+def degrees_of_freedom(samples: int, *, amplitudes: int, poles: int, channels: int) -> float:
+    """Return the degrees of freedom of the residual of one channel, at least 1.
+
+    Parameters
+    ----------
+    samples : int
+        Samples per channel.
+    amplitudes : int
+        Real amplitudes fitted in every channel.
+    poles : int
+        Real parameters of the poles, which all channels share.
+    channels : int
+        Number of channels.
+    """
+    return max(samples - amplitudes - poles / channels, 1.0)
