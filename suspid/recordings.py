@@ -9,6 +9,7 @@ import numpy as np
 from suspid.errors import RecordError
 from suspid.units import Hertz, RealArray, Second
 from suspid.values import nearest_names, text_table
+from suspid.words import Remark
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -71,13 +72,13 @@ class Recording:
         Name of the file without its suffix.
     channels : tuple of RawChannel
         In the order of the file.
-    left_out : tuple of (str, str)
-        What else the file holds, and why it is no channel.
+    left_out : tuple of (str, Remark)
+        What else the file holds, and why it is not a channel: its name and a `suspid.words.LeftOut`.
     """
 
     title: str
     channels: tuple[RawChannel, ...]
-    left_out: tuple[tuple[str, str], ...] = ()
+    left_out: tuple[tuple[str, Remark], ...] = ()
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -102,5 +103,5 @@ class Recording:
                 "gaps": [str(channel.gaps) for channel in self.channels],
             }
         )
-        names, reasons = [name for name, _ in self.left_out], [reason for _, reason in self.left_out]
+        names, reasons = [name for name, _ in self.left_out], [str(reason) for _, reason in self.left_out]
         return f"{table}\n\n{text_table({'left out': names, 'because it': reasons})}" if names else table

@@ -18,6 +18,7 @@ from scipy.io import loadmat, savemat
 from suspid import RecordError
 from suspid.io.read_recording import read_recording
 from suspid.recordings import Recording
+from suspid.words import LeftOut
 
 h5py = pytest.importorskip("h5py")
 
@@ -133,10 +134,10 @@ class TestBothVersionsSayTheSame:
     def test_what_is_no_channel_is_told(self, tmp_path: Path, version: str) -> None:
         WRITERS[version](tmp_path / "r.mat", {"run": {"t": T, "x": X, "note": "bump"}, "E": np.eye(3), "f": X[:2]})
         told = dict(read_recording(tmp_path / "r.mat").left_out)
-        assert told["run.t"] == "is the time of its group"
-        assert told["run.note"] == "is text"
-        assert "matrix of 3 x 3" in told["E"]
-        assert "has no clock" in told["f"]
+        assert told["run.t"].code is LeftOut.GROUP_TIME
+        assert told["run.note"].code is LeftOut.TEXT
+        assert str(told["E"]) == "is a matrix of 3 x 3; save its columns as vectors"
+        assert told["f"].code is LeftOut.NO_TIME
 
     def test_time_of_a_structure_can_be_named(self, tmp_path: Path, version: str) -> None:
         WRITERS[version](tmp_path / "r.mat", {"a": {"t": T, "x": X}, "b": {"t": T + 1, "y": X}})
@@ -179,8 +180,8 @@ class TestObjects:
 
         content = {"x": X, "t": T, "c": np.array(["a", 1], object), "s": eye(3).tocsc(), "z": 1j * X}
         savemat(tmp_path / "r.mat", content)
-        told = dict(read_recording(tmp_path / "r.mat").left_out)
-        assert told == {"c": "is a cell array", "s": "is a sparse matrix", "z": "is complex; a record is real"}
+        told = {name: why.code for name, why in read_recording(tmp_path / "r.mat").left_out}
+        assert told == {"c": LeftOut.CELLS, "s": LeftOut.SPARSE, "z": LeftOut.COMPLEX}
 
     def test_a_timeseries_has_a_way_out(self, tmp_path: Path) -> None:
         def fill(file: Any) -> None:
@@ -228,12 +229,11 @@ class TestPlainHdf5:
             file.create_virtual_dataset("virtual", layout)
 
         recording = plain(tmp_path, fill)
-        told = dict(recording.left_out)
+        told = {name: why.code for name, why in recording.left_out}
         assert recording.names == ("here",)
-        assert "not followed" in told["link"]
-        assert told["nothing"] == "is a link to nothing"
-        assert "other files" in told["outside"]
-        assert "other files" in told["virtual"]
+        assert told["link"] is LeftOut.OTHER_FILE
+        assert told["nothing"] is LeftOut.BROKEN_LINK
+        assert told["outside"] is told["virtual"] is LeftOut.OTHER_FILES
 
     def test_a_group_within_itself_ends(self, tmp_path: Path) -> None:
         def fill(file: Any) -> None:
@@ -243,7 +243,7 @@ class TestPlainHdf5:
 
         recording = plain(tmp_path, fill)
         assert recording.names == ("x",)
-        assert dict(recording.left_out)["g.again"] == "is a link to a group around it"
+        assert dict(recording.left_out)["g.again"].code is LeftOut.LOOP
 
     def test_a_size_that_nothing_fills_is_told(self, tmp_path: Path) -> None:
         def fill(file: Any) -> None:
@@ -251,7 +251,7 @@ class TestPlainHdf5:
             file["Fs"] = 10.0
             file.create_dataset("huge", (1 << 40,), "f8", chunks=(1024,))
 
-        assert "nothing that fills it" in dict(plain(tmp_path, fill).left_out)["huge"]
+        assert dict(plain(tmp_path, fill).left_out)["huge"].code is LeftOut.UNFILLED
 
 
 class TestAnyDamage:

@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from suspid import SuspidError
 from suspid.errors import RecordError
 from suspid.io.mdf.mdf import read_mdf
+from suspid.words import LeftOut, Remark
 
 FUZZ = settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 DATA = Path(__file__).resolve().parents[2] / "shared" / "data" / "css_canedge_car_mf4"
@@ -140,10 +141,10 @@ class TestLeftOut:
         ]
         table = read_mdf(put(tmp_path, mdf(odd)))
         assert list(table.sizes) == ["x"]
-        assert table.unusable["text"] == "is text or bytes"
-        assert table.unusable["words"] == "holds numbers that stand for words"
-        assert table.unusable["array"] == "is an array or a structure"
-        assert table.unusable["formula"] == "is scaled by a formula; formulas from files are not evaluated"
+        assert table.unusable["text"].code is LeftOut.TEXT_OR_BYTES
+        assert table.unusable["words"].code is LeftOut.ENUMERATION
+        assert table.unusable["array"].code is LeftOut.STRUCTURE
+        assert table.unusable["formula"].code is LeftOut.FORMULA
 
     def test_all_of_it_is_an_error(self, tmp_path: Path) -> None:
         content = mdf([signal("text", np.array([b"a", b"b", b"c", b"d", b"e"]), encoding="utf-8")])
@@ -168,8 +169,8 @@ class TestCanFrames:
         assert [c.tolist() for c in table.columns(["travel", "speed"])] == [[12.0, 7.0, 160.0], [7, 255, 0]]
         assert stamps(table, "travel") == [0.0, 0.25, 0.375]
         assert table.units == {"travel": "mm", "speed": "m/s"}
-        assert table.unusable["state"] == "holds numbers that stand for words"
-        assert table.unusable["CAN_DataFrame"] == "holds frames that the CAN database does not know (bus 1: 0x7E8)"
+        assert table.unusable["state"].code is LeftOut.ENUMERATION
+        assert table.unusable["CAN_DataFrame"] == Remark(LeftOut.UNKNOWN_FRAMES, {"ids": "bus 1: 0x7E8"})
 
     def test_without_a_database_their_ids_are_listed(self, tmp_path: Path) -> None:
         with pytest.raises(RecordError, match=r"raw CAN frames \(bus 3: 0x123, 0x7E8\); decode them with --dbc FILE"):
@@ -193,7 +194,7 @@ class TestCanFrames:
 
     def test_a_database_for_no_frames_is_said(self, tmp_path: Path, dbc: Path) -> None:
         table = read_mdf(put(tmp_path, mdf([signal("x", T)])), dbc=str(dbc))
-        assert table.unusable == {"body.dbc": "has nothing to decode: there are no raw CAN frames"}
+        assert table.unusable == {"body.dbc": Remark(LeftOut.NO_FRAMES)}
 
 
 @pytest.mark.skipif(not DATA.is_dir(), reason="needs the shared data")

@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 from suspid import RecordError
-from suspid.io.tables import Clock, Table
+from suspid.io.tables import Table, TimeBase
 from suspid.io.timing import as_recording
 from suspid.recordings import RawChannel
 from suspid.units import RealArray
+from suspid.words import LeftOut, Remark
 
 COLUMNS = {
     "t": np.arange(4) / 4,
@@ -20,16 +21,18 @@ COLUMNS = {
     "speed": np.array([3.0, 5.0]),
     "gps": np.array([7.0, 8.0, 9.0]),
 }
-FAST = Clock(name="fast", start=10.0, rate=4.0)
-SLOW = Clock(name="slow", stamps=lambda: np.array([10.0, 10.9]))
+FAST = TimeBase(name="fast", start=10.0, rate=4.0)
+SLOW = TimeBase(name="slow", stamps=lambda: np.array([10.0, 10.9]))
 
 
-def table(clocks: dict[str, Clock] | None = None, *, names: Sequence[str] = tuple(COLUMNS), **rates: float) -> Table:
+def table(clocks: dict[str, TimeBase] | None = None, *, names: Sequence[str] = tuple(COLUMNS), **rates: float) -> Table:
     def columns(wanted: Sequence[str]) -> list[RealArray]:
         return [COLUMNS[name] for name in wanted]
 
     sizes = {name: COLUMNS[name].size for name in names}
-    return Table(sizes=sizes, columns=columns, unusable={"note": "is text"}, rates=rates, clocks=clocks or {})
+    return Table(
+        sizes=sizes, columns=columns, unusable={"note": Remark(LeftOut.TEXT)}, rates=rates, clocks=clocks or {}
+    )
 
 
 def channel(timepts: Sequence[float], values: Sequence[float], rate: float | None = None) -> RawChannel:
@@ -51,7 +54,7 @@ class TestClocks:
             asked.append(1)
             return np.arange(4.0)
 
-        clock = Clock(name="group", stamps=stamps)
+        clock = TimeBase(name="group", stamps=stamps)
         as_recording(table({"seat": clock, "t": clock}, names=["seat", "t"]))
         assert len(asked) == 1
 
@@ -59,7 +62,7 @@ class TestClocks:
         recording = as_recording(table({"speed": SLOW}))
         assert recording.names == ("seat", "speed")
         assert recording["seat"].timepts.tolist() == COLUMNS["t"].tolist()
-        assert dict(recording.left_out)["gps"] == "has 3 samples, time 't' has 4"
+        assert str(dict(recording.left_out)["gps"]) == "has 3 samples, time 't' has 4"
 
     def test_time_that_is_named_rules_out_other_clocks(self) -> None:
         recording = as_recording(table({"seat": FAST, "speed": SLOW}), channels=["seat"], time="t")
@@ -88,7 +91,7 @@ class TestNothingIsChanged:
             raw.rate = 1.0  # type: ignore[misc]  # that is the point
 
     def test_what_is_no_channel_is_told_with_all_the_rest(self) -> None:
-        assert ("note", "is text") in as_recording(table()).left_out
+        assert ("note", Remark(LeftOut.TEXT)) in as_recording(table()).left_out
         assert "left out" in str(as_recording(table()))
 
 

@@ -16,6 +16,7 @@ from suspid.io.text.delimited import read_delimited
 from suspid.io.text.layouts import UNIT
 from suspid.io.timing import SAME_RATE
 from suspid.recordings import Recording
+from suspid.words import LeftOut, Remark
 
 DATA = Path(__file__).resolve().parents[2] / "shared" / "data"
 FUZZ = settings(max_examples=200, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
@@ -220,7 +221,9 @@ class TestHeader:
     def test_names_that_stand_twice_are_numbered_and_told(self, tmp_path: Path) -> None:
         recording = read(tmp_path, "t,acc,acc\n0,1,2\n1,2,3\n")
         assert recording.names == ("acc", "acc (2)")
-        assert recording.left_out == (("name of column 3", "stands twice, 'acc'; the column is called 'acc (2)'"),)
+        assert recording.left_out == (
+            ("name of column 3", Remark(LeftOut.NAME_TWICE, {"name": "acc", "new": "acc (2)"})),
+        )
 
     def test_a_name_without_its_unit_is_enough(self, tmp_path: Path) -> None:
         assert read(tmp_path, "t,seat [mm]\n0,1\n1,2\n").names == ("seat [mm]",)

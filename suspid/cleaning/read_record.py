@@ -12,12 +12,10 @@ from suspid.errors import RecordError, RecordWarning
 from suspid.files import printable
 from suspid.io import read_recording
 from suspid.units import Hertz
+from suspid.words import DAMAGE
 
 if TYPE_CHECKING:
     import control
-
-# What of a file was lost, and not merely passed over.
-DAMAGE = ("is cut short", "is not UTF-8")
 
 
 def read_record(
@@ -92,7 +90,7 @@ def read_record(
         cleaned = clean(recording, channels=None if channels is None else recording.names, fs=fs)
     except RecordError as error:
         raise RecordError(f"{printable(str(path))}: {error}") from None
-    damaged = [f"{what} {why}" for what, why in recording.left_out if why.startswith(DAMAGE)]
+    damaged = [f"{what} {why}" for what, why in recording.left_out if why.code in DAMAGE]
     found = [f"{finding.channel or 'time'}: {finding.kind}: {finding.text}" for finding in cleaned.findings]
     for text in (*damaged, *found):
         warnings.warn(f"{printable(str(path))}: {printable(text)}", RecordWarning, stacklevel=2)

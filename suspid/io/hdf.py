@@ -17,6 +17,7 @@ from suspid.io.foreign import sheltered
 from suspid.io.tables import Table, stated_rate
 from suspid.io.variables import Group, Text, Value, Variable, as_table
 from suspid.units import Hertz
+from suspid.words import LeftOut, Remark
 
 if TYPE_CHECKING:
     import h5py
@@ -29,7 +30,6 @@ DEEPEST = 16
 MOST_VARIABLES = 20_000
 # A data set of more bytes must not unpack to more than this many times what the file holds of it.
 LARGE, MOST_PACKED = 1 << 28, 2000
-NO_OBJECT = "save what it holds as vectors, such as ts.Time and ts.Data of a timeseries"
 
 
 def read_hdf(path: Path) -> Table:
@@ -68,9 +68,9 @@ def _group(group: h5py.Group, depth: int, count: Iterator[int], around: frozense
         if name in INTERNAL:
             continue
         if isinstance(link, h5py.ExternalLink):
-            found[name] = "is a link to another file, which is not followed"
+            found[name] = Remark(LeftOut.OTHER_FILE)
         elif isinstance(link, h5py.SoftLink) and group.get(name) is None:
-            found[name] = "is a link to nothing"
+            found[name] = Remark(LeftOut.BROKEN_LINK)
         else:
             found[name] = _value(group[name], depth + 1, count, around)
     for name, number in _numbers(group).items():
@@ -86,15 +86,15 @@ def _value(thing: object, depth: int, count: Iterator[int], around: frozenset[in
     if next(count) > MOST_VARIABLES:
         raise RecordError(f"holds more than {MOST_VARIABLES} variables; save the channels of one record")
     if depth > DEEPEST:
-        return f"stands within {DEEPEST} groups or more"
+        return Remark(LeftOut.TOO_DEEP, {"levels": DEEPEST})
     if isinstance(thing, h5py.Group):
         if "MATLAB_sparse" in thing.attrs:
-            return "is a sparse matrix"
+            return Remark(LeftOut.SPARSE)
         if h5py.h5o.get_info(thing.id).addr in around:
-            return "is a link to a group around it"
+            return Remark(LeftOut.LOOP)
         return _structures(thing, depth, count, around) or _group(thing, depth, count, around)
     if not isinstance(thing, h5py.Dataset):
-        return "holds no numbers"
+        return Remark(LeftOut.NO_NUMBERS)
     return _dataset(thing)
 
 
@@ -111,7 +111,7 @@ def _structures(group: h5py.Group, depth: int, count: Iterator[int], around: fro
         raise RecordError(f"holds more than {MOST_VARIABLES} variables; save the channels of one record")
     return {
         f"[{k + 1}]": {
-            name: _value(group.file[refs[k]], depth + 1, count, around) if refs[k] else "is empty"
+            name: _value(group.file[refs[k]], depth + 1, count, around) if refs[k] else Remark(LeftOut.EMPTY)
             for name, refs in referred.items()
         }
         for k in range(length)
@@ -132,23 +132,23 @@ def _dataset(data: h5py.Dataset) -> Value:
     of_class = data.attrs.get("MATLAB_class", b"")
     of_class = of_class.decode("latin1") if isinstance(of_class, bytes) else str(of_class)
     if "MATLAB_object_decode" in data.attrs:
-        return f"is an object of class {of_class!r}; {NO_OBJECT}"
+        return Remark(LeftOut.CLASS_OBJECT, {"name": of_class})
     if "MATLAB_empty" in data.attrs or (data.shape and not data.size):
-        return "is empty"
+        return Remark(LeftOut.EMPTY)
     if of_class == "cell" or (kind == "O" and _refers(data)):
-        return "is a cell array" if of_class == "cell" else "holds references"
+        return Remark(LeftOut.CELLS if of_class == "cell" else LeftOut.REFERENCES)
     if of_class == "char" or h5py.check_string_dtype(data.dtype) is not None:
         return Text(text=_letters(data))
     names = data.dtype.names
     if names and {name.lower() for name in names} <= {"real", "imag", "r", "i"}:
-        return "is complex; a record is real"
+        return Remark(LeftOut.COMPLEX)
     if data.external or data.is_virtual:
-        return "keeps its numbers in other files, which are not read"
+        return Remark(LeftOut.OTHER_FILES)
     if data.nbytes > LARGE and data.nbytes > MOST_PACKED * max(data.id.get_storage_size(), 1):
-        return f"has the size {data.shape}, but nothing that fills it"
+        return Remark(LeftOut.UNFILLED, {"shape": str(data.shape)})
     if names and data.dtype.subdtype is None and all(data.dtype[name].kind in "iufb" for name in names):
         return {name: _variable(data, name) for name in names}
-    return _variable(data, None) if kind in "iufb" else "is not numeric"
+    return _variable(data, None) if kind in "iufb" else Remark(LeftOut.NOT_NUMERIC)
 
 
 def _variable(data: h5py.Dataset, field: str | None) -> Variable:

@@ -21,6 +21,7 @@ from suspid.errors import RecordError
 from suspid.files import printable, read_bytes
 from suspid.io.tables import Table
 from suspid.io.variables import Group, Text, Value, Variable, as_table
+from suspid.words import LeftOut, Remark
 
 HEADER = 128
 MATRIX, COMPRESSED, UINT32, INT32, INT8, UTF8 = 14, 15, 6, 5, 1, 16
@@ -29,8 +30,7 @@ ITEMS = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8",
 TEXTS = {2: "latin1", 4: "utf-16", 16: "utf-8", 17: "utf-16", 18: "utf-32"}
 NUMERIC_CLASSES = range(6, 16)
 CELL, STRUCT, OBJECT, CHAR, SPARSE = 1, 2, 3, 4, 5
-OTHER_CLASSES = {CELL: "a cell array", OBJECT: "an object", SPARSE: "a sparse matrix"}
-NO_OBJECT = "save what it holds as vectors, such as ts.Time and ts.Data of a timeseries"
+OTHER_CLASSES = {CELL: LeftOut.CELLS, OBJECT: LeftOut.OBJECT, SPARSE: LeftOut.SPARSE}
 COMPLEX_FLAG = 0x08
 MOST_BYTES = 1 << 31
 # Deeper structures are no records; a damaged file may seem to have them.
@@ -74,7 +74,7 @@ def _matrices(content: bytes) -> Group:
     for name, value in variables.items():
         if not isinstance(value, np.ndarray) or value.dtype.kind not in "iufb":
             if not name.startswith("__"):
-                found[name] = "is not real numbers"
+                found[name] = Remark(LeftOut.NOT_REAL)
             continue
         found[name] = _variable(value)
     return found
@@ -125,7 +125,7 @@ def _variables(content: bytes) -> Group:
 def _value(body: bytes, order: str, depth: int) -> tuple[str, Value]:
     """Return the name of a variable or field, and what it holds or why that is of no use."""
     if not body:
-        return "", "is empty"
+        return "", Remark(LeftOut.EMPTY)
     parts = _elements(body, order)
     flags_kind, flags = next(parts, (0, b""))
     if flags_kind != UINT32 or len(flags) != 8:
@@ -136,7 +136,7 @@ def _value(body: bytes, order: str, depth: int) -> tuple[str, Value]:
     if class_code > NUMERIC_CLASSES[-1]:
         name_kind, name = next(parts, (0, b""))
         text = name.decode("latin1") if name_kind in (INT8, UTF8) else ""
-        return text, f"is an object; {NO_OBJECT}"
+        return text, Remark(LeftOut.OBJECT)
     (dims_kind, dims), (name_kind, name) = next(parts, (0, b"")), next(parts, (0, b""))
     if dims_kind != INT32 or len(dims) % 4 or not 8 <= len(dims) <= 128 or name_kind not in (INT8, UTF8):
         raise RecordError("is damaged: a variable lacks its size or its name")
@@ -150,19 +150,20 @@ def _value(body: bytes, order: str, depth: int) -> tuple[str, Value]:
         kind, letters = next(parts, (0, b""))
         return text, _text(kind, letters, order)
     if class_code not in NUMERIC_CLASSES:
-        return text, f"is {OTHER_CLASSES.get(class_code, f'of class {class_code}')}"
+        other = OTHER_CLASSES.get(class_code)
+        return text, Remark(LeftOut.CLASS, {"number": class_code}) if other is None else Remark(other)
     return text, _array(text, parts, shape, order, complex_=bool(word >> 8 & COMPLEX_FLAG))
 
 
 def _array(
     name: str, parts: Iterator[tuple[int, bytes]], shape: tuple[int, ...], order: str, *, complex_: bool
-) -> Variable | str:
+) -> Variable | Remark:
     kind, numbers = next(parts, (0, b""))
     item = np.dtype(order + ITEMS.get(kind, "V1"))
     if kind not in ITEMS or math.prod(shape) * item.itemsize != len(numbers):
         raise RecordError(f"is damaged: variable {name!r} does not hold what its size {shape} says")
     if complex_:
-        return "is complex; a record is real"
+        return Remark(LeftOut.COMPLEX)
     return _variable(np.frombuffer(numbers, item).reshape(shape, order="F"))
 
 
@@ -180,7 +181,7 @@ def _text(kind: int, letters: bytes, order: str) -> Text:
 def _structure(parts: Iterator[tuple[int, bytes]], shape: tuple[int, ...], order: str, depth: int) -> Value:
     """Return the fields of a structure by their names, or the structures of an array of them by their numbers."""
     if depth >= DEEPEST:
-        return f"is a structure within {DEEPEST} others"
+        return Remark(LeftOut.TOO_DEEP, {"levels": DEEPEST})
     (length_kind, length), (names_kind, names) = next(parts, (0, b"")), next(parts, (0, b""))
     if length_kind != INT32 or len(length) != 4 or names_kind not in (INT8, UTF8):
         raise RecordError("is damaged: a structure lacks the names of its fields")
@@ -191,7 +192,7 @@ def _structure(parts: Iterator[tuple[int, bytes]], shape: tuple[int, ...], order
     if len(set(fields)) < len(fields):
         raise RecordError("is damaged: a structure has two fields of one name")
     if not fields or not math.prod(shape):
-        return "is an empty structure"
+        return Remark(LeftOut.EMPTY_STRUCTURE)
     found: list[dict[str, Value]] = []
     for _ in range(math.prod(shape)):
         one: dict[str, Value] = {}

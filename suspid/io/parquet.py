@@ -12,9 +12,10 @@ import numpy as np
 from suspid.errors import RecordError
 from suspid.files import printable, read_bytes
 from suspid.io.foreign import sheltered
-from suspid.io.tables import PER_SECOND, Clock, Table, is_time, split_unit
+from suspid.io.tables import PER_SECOND, Table, TimeBase, is_time, split_unit
 from suspid.units import RealArray
 from suspid.values import frozen_real
+from suspid.words import LeftOut, Remark
 
 TIME = "time [s]"
 UNIT_KEYS = (b"unit", b"units", b"UNIT", b"Unit", b"Units")
@@ -135,9 +136,9 @@ def _table(content: bytes, suffix: str) -> Table:
         )
 
     temporal = [name for name in usable if pa.types.is_temporal(types[name])]
-    clocks: dict[str, Clock] = {}
+    clocks: dict[str, TimeBase] = {}
     if len(temporal) == 1 and len(usable) > 1 and not any(is_time(name) for name in usable):
-        clock = Clock(name=temporal[0], stamps=lambda: columns(temporal)[0])
+        clock = TimeBase(name=temporal[0], stamps=lambda: columns(temporal)[0])
         clocks = {name: clock for name in usable if name not in temporal}
     units = {name: unit for name in usable if name not in temporal and (unit := _unit(schema.field(name).metadata))}
     title = (schema.metadata or {}).get(b"title", b"").decode("utf-8", "replace")
@@ -147,18 +148,16 @@ def _table(content: bytes, suffix: str) -> Table:
     )
 
 
-def _why_not(kind: Any, types: Any) -> str:
-    """Return why a type is no column of numbers, as a predicate; empty if it is one."""
+def _why_not(kind: Any, types: Any) -> Remark | None:
+    """Return why a column of a type is not numbers, None if it is."""
     if types.is_dictionary(kind) or types.is_string(kind) or types.is_large_string(kind):
-        return "is text"
+        return Remark(LeftOut.TEXT)
     if types.is_nested(kind):
-        return f"is nested ({printable(str(kind)[:60])})"
+        return Remark(LeftOut.NESTED, {"type": printable(str(kind)[:60])})
     numeric = types.is_integer(kind) or types.is_floating(kind) or types.is_boolean(kind) or types.is_decimal(kind)
-    return (
-        ""
-        if numeric or (types.is_temporal(kind) and not types.is_interval(kind))
-        else f"is of type {printable(str(kind)[:60])}"
-    )
+    if numeric or (types.is_temporal(kind) and not types.is_interval(kind)):
+        return None
+    return Remark(LeftOut.TYPE, {"type": printable(str(kind)[:60])})
 
 
 def _unit(metadata: dict[bytes, bytes] | None) -> str:

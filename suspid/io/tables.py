@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from suspid.errors import RecordError
 from suspid.units import Hertz, RealArray, Second
 from suspid.values import nearest_names
+from suspid.words import Remark
 
 # How many of each unit of time make a second.
 PER_SECOND = {
@@ -39,7 +40,7 @@ BRACKETED = re.compile(r"(.*\S)\s*[\[(]\s*(?!\d+\s*[\])])([^\[\]()]*(?:\([^\[\](
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Clock:
+class TimeBase:
     """When the samples of a column were taken.
 
     Parameters
@@ -71,15 +72,15 @@ class Table:
     columns : callable
         Returns the numbers of the named columns, one read-only array each, NaN where one is missing; refuses
         text cells.
-    unusable : mapping of str to str
-        What else the file holds, and why it cannot be a column, as a predicate: ``"is text"``.
+    unusable : mapping of str to Remark
+        What else the file holds, and why it cannot be a column (`suspid.words.LeftOut`).
     rates : mapping of str to float
         Sampling rates that the file states [Hz], by the name under which they stand; they hold for every
         column without a clock.
     units : mapping of str to str
         Units by column as the file states them; a column without one may be absent.
-    clocks : mapping of str to Clock
-        Clocks by column. Columns of one clock share one `Clock`. Without one, time is the column named
+    clocks : mapping of str to TimeBase
+        Clocks by column. Columns of one clock share one `TimeBase`. Without one, time is the column named
         like a time, or follows from the rate.
     title : str
         What the file calls its content; empty: the name of the file stands for it.
@@ -87,10 +88,10 @@ class Table:
 
     sizes: Mapping[str, int]
     columns: Callable[[Sequence[str]], list[RealArray]]
-    unusable: Mapping[str, str]
+    unusable: Mapping[str, Remark]
     rates: Mapping[str, Hertz]
     units: Mapping[str, str] = field(default_factory=dict)
-    clocks: Mapping[str, Clock] = field(default_factory=dict)
+    clocks: Mapping[str, TimeBase] = field(default_factory=dict)
     title: str = ""
 
     def check(self, name: str, *, what: str) -> None:

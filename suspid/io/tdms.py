@@ -16,9 +16,10 @@ import numpy as np
 from suspid.errors import RecordError
 from suspid.files import printable, read_bytes
 from suspid.io.foreign import sheltered, unique_names
-from suspid.io.tables import PER_SECOND, Clock, Table, is_time, split_unit
+from suspid.io.tables import PER_SECOND, Table, TimeBase, is_time, split_unit
 from suspid.units import RealArray, Second
 from suspid.values import frozen_real
+from suspid.words import LeftOut, Remark
 
 LEAD_IN = 28
 BIG_ENDIAN = 1 << 6
@@ -33,7 +34,7 @@ class _Entry:
     group: str
     channel: str
     size: int
-    reason: str
+    reason: Remark | None
     unit: str
     offset: Second
     step: Second | None
@@ -70,15 +71,15 @@ def read_tdms(path: Path) -> Table:
         listed = ", ".join(f"{name!r} {why}" for name, why in unusable.items())
         raise RecordError(f"holds no channel of numbers: {listed or 'nothing at all'}")
     earliest = min((entry.began for entry in usable.values() if entry.began and entry.step), default=(0, 0))
-    clocks: dict[str, Clock] = {}
-    shared: dict[tuple[object, ...], Clock] = {}
+    clocks: dict[str, TimeBase] = {}
+    shared: dict[tuple[object, ...], TimeBase] = {}
     for name, entry in usable.items():
         if entry.step is not None:
             whole, part = np.subtract(entry.began or earliest, earliest, dtype=object)
-            clock = Clock(name=entry.group, start=entry.offset + float(whole + part / 2**64), rate=1 / entry.step)
+            clock = TimeBase(name=entry.group, start=entry.offset + float(whole + part / 2**64), rate=1 / entry.step)
             clocks[name] = shared.setdefault((clock.start, entry.step), clock)
         elif (time := _time_of(name, usable)) is not None:
-            clock = Clock(name=time, stamps=partial(_stamps, columns, time, _per_second(usable[time])))
+            clock = TimeBase(name=time, stamps=partial(_stamps, columns, time, _per_second(usable[time])))
             clocks[name] = shared.setdefault((time,), clock)
     return Table(
         sizes={name: entry.size for name, entry in usable.items()},
@@ -138,12 +139,15 @@ def _entry(channel: Any, most: int) -> _Entry:
     # Each number takes at least a byte.
     if size < 0 or size > most:
         raise RecordError(f"is damaged: channel {printable(channel.name)!r} states {size} samples in {most} bytes")
+    reason: Remark | None
     if not size:
-        reason = "is empty"
+        reason = Remark(LeftOut.EMPTY)
     elif kind.kind == "c":
-        reason = "is complex; a record is real"
+        reason = Remark(LeftOut.COMPLEX)
+    elif kind.kind in "iufb" or is_stamp:
+        reason = None
     else:
-        reason = "" if kind.kind in "iufb" or is_stamp else "is text" if kind.kind == "O" else f"is of type {kind}"
+        reason = Remark(LeftOut.TEXT) if kind.kind == "O" else Remark(LeftOut.TYPE, {"type": str(kind)})
     step, offset = properties.get("wf_increment"), properties.get("wf_start_offset", 0.0)
     began = properties.get("wf_start_time")
     return _Entry(

@@ -8,9 +8,10 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from suspid.errors import RecordError
-from suspid.io.tables import PER_SECOND, Clock, Table, is_time, split_unit
+from suspid.io.tables import PER_SECOND, Table, TimeBase, is_time, split_unit
 from suspid.recordings import RawChannel, Recording
 from suspid.units import Hertz, RealArray
+from suspid.words import LeftOut, Number, Remark
 
 # A rate stored in single precision, or as a rounded step, is still the same rate.
 SAME_RATE = 1e-6
@@ -50,7 +51,7 @@ def as_recording(
         clocks, time = {name: clock for name, clock in clocks.items() if clock.name == time}, None
     elif time is not None:
         clocks, time = {}, table.full_name(time, what="time column")
-    passed_over: dict[str, str] = {}
+    passed_over: dict[str, Remark] = {}
     if time is None and not by_name and not (names and all(name in clocks for name in names)):
         time, passed_over = _time_column(table, names, clocks, fs)
     rate = _rate(table, fs)
@@ -89,9 +90,7 @@ def as_recording(
         )
     left_out = dict(table.unusable)
     if time is not None and followers and not _unit(table, time) and _epoch_unit(columns[time]) != "s":
-        left_out[f"unit of {time!r}"] = (
-            f"is not stated; stamps of that size are {_epoch_unit(columns[time])} since 1970"
-        )
+        left_out[f"unit of {time!r}"] = Remark(LeftOut.EPOCH, {"unit": _epoch_unit(columns[time])})
     for name in [] if channels else [name for name in table.sizes if name not in chosen and name != time]:
         left_out[name] = passed_over.get(name) or _why_left_out(table, name, time)
     return Recording(title=table.title or title, channels=tuple(raw), left_out=tuple(left_out.items()))
@@ -112,7 +111,7 @@ def _check_followers(table: Table, names: Sequence[str], time: str | None, rate:
             )
 
 
-def _stamps(clock: Clock, size: int, fs: Hertz | None) -> RealArray:
+def _stamps(clock: TimeBase, size: int, fs: Hertz | None) -> RealArray:
     """Return the stamps of a clock [s]."""
     if clock.stamps is not None:
         stamps = np.asarray(clock.stamps(), float)
@@ -130,26 +129,27 @@ def _stamps(clock: Clock, size: int, fs: Hertz | None) -> RealArray:
     return stamps
 
 
-def _why_left_out(table: Table, name: str, time: str | None) -> str:
+def _why_left_out(table: Table, name: str, time: str | None) -> Remark:
     if time is not None and table.sizes[name] != table.sizes[time]:
-        return f"has {table.sizes[name]} samples, time {time!r} has {table.sizes[time]}"
-    return "reads like a time" if is_time(name) else "has no clock; name its time, or give the sampling rate"
+        sizes: dict[str, Number] = {"samples": table.sizes[name], "time": time, "stamps": table.sizes[time]}
+        return Remark(LeftOut.SIZE, sizes)
+    return Remark(LeftOut.LIKE_TIME if is_time(name) else LeftOut.NO_TIME)
 
 
 def _time_column(
-    table: Table, channels: Sequence[str], clocks: Mapping[str, Clock], fs: Hertz | None
-) -> tuple[str | None, dict[str, str]]:
+    table: Table, channels: Sequence[str], clocks: Mapping[str, TimeBase], fs: Hertz | None
+) -> tuple[str | None, dict[str, Remark]]:
     """Return the column of time, and which others tell the same."""
     candidates = [name for name in table.sizes if is_time(name) and name not in channels and name not in clocks]
     if len(candidates) > 1 and len({table.sizes[c] for c in channels}) == 1:
         # Vectors of another length are another record's time.
         candidates = [name for name in candidates if table.sizes[name] == table.sizes[channels[0]]]
-    passed_over = {}
+    passed_over: dict[str, Remark] = {}
     # Telephones write the time of day and that since the start.
     while len(candidates) > 1 and _same_time(table, candidates[0], candidates[1]):
         starts = [abs(_in_seconds(table, name, table.columns([name])[0])[0]) for name in candidates[:2]]
         worse = candidates.pop(0 if starts[0] > starts[1] else 1)
-        passed_over[worse] = f"tells the same time as {candidates[0]!r}"
+        passed_over[worse] = Remark(LeftOut.SAME_TIME, {"other": candidates[0]})
     if len(candidates) > 1:
         also = "" if fs is None else ", even beside fs: it must agree"
         raise RecordError(f"{', '.join(map(repr, candidates))} all read like a time; name one (time){also}")
@@ -177,7 +177,7 @@ def _increasing(table: Table) -> str:
 
 
 def _all_channels(
-    table: Table, time: str | None, apart: set[str], clocks: Mapping[str, Clock], rate: Hertz | None
+    table: Table, time: str | None, apart: set[str], clocks: Mapping[str, TimeBase], rate: Hertz | None
 ) -> list[str]:
     others = [name for name in table.sizes if name != time and name not in apart]
     if time is not None:

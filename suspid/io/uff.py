@@ -13,9 +13,10 @@ import numpy as np
 from suspid.errors import RecordError
 from suspid.files import printable, read_bytes
 from suspid.io.foreign import sheltered
-from suspid.io.tables import PER_SECOND, Clock, Table
+from suspid.io.tables import PER_SECOND, Table, TimeBase
 from suspid.units import RealArray
 from suspid.values import frozen_real
+from suspid.words import LeftOut, Remark
 
 # A line that begins or ends a data set, as pyuff sees it.
 DELIMITER = re.compile(rb"    -1(?=[\r\n]|\Z| {74})")
@@ -70,15 +71,15 @@ def read_uff(path: Path) -> Table:
     numbered = sheltered(lambda: _data_sets(path), extra="uff", library="pyuff", suffix=path.suffix)
     system = next((s["units_code"] for _, s in numbered if s["type"] == 164), None)
     values: dict[str, RealArray] = {}
-    clocks: dict[str, Clock] = {}
+    clocks: dict[str, TimeBase] = {}
     units: dict[str, str] = {}
-    unusable: dict[str, str] = {}
+    unusable: dict[str, Remark] = {}
     for number, dataset in numbered:
         if dataset["type"] != 58:
             continue
         name = _name(dataset, number, {*values, *unusable})
         reason = _why_not(dataset)
-        if reason:
+        if reason is not None:
             unusable[name] = reason
             continue
         samples = _samples(dataset, number)
@@ -114,24 +115,25 @@ def _data_sets(path: Path) -> list[tuple[int, dict[str, Any]]]:
     return [(k + 1, file.read_sets(k)) for k, kind in enumerate(types) if kind in (58, 151, 164)]
 
 
-def _why_not(dataset: Mapping[str, Any]) -> str:
-    """Return why a data set is no time history, as a predicate; refuse one that is not whole."""
+def _why_not(dataset: Mapping[str, Any]) -> Remark | None:
+    """Return why a data set is not a time history, None if it is one."""
     function, abscissa = dataset["func_type"], dataset["abscissa_spec_data_type"]
     if dataset["ord_data_type"] in (5, 6):
-        return f"is complex ({FUNCTIONS.get(function, f'function {function}')}); a record is real"
+        name = FUNCTIONS.get(function, f"function {function}")
+        return Remark(LeftOut.COMPLEX_FUNCTION, {"function": name})
     if function in FUNCTIONS:
-        return f"is {FUNCTIONS[function]}, not a time history"
+        return Remark(LeftOut.FUNCTION, {"function": FUNCTIONS[function]})
     if abscissa != TIME and not (abscissa == 0 and function == TIME_RESPONSE):
-        return f"does not stand over time (abscissa of type {abscissa})"
+        return Remark(LeftOut.ABSCISSA, {"type": abscissa})
     unit = _label(dataset["abscissa_axis_units_lab"])
     if unit and unit.lower() not in PER_SECOND:
-        return f"has its time in {unit!r}; known: s, ms, us, ns, min"
-    return "" if dataset["num_pts"] else "is empty"
+        return Remark(LeftOut.TIME_UNIT, {"unit": unit})
+    return None if dataset["num_pts"] else Remark(LeftOut.EMPTY)
 
 
 def _clock(
-    dataset: Mapping[str, Any], number: int, clocks: Mapping[str, Clock], values: Mapping[str, RealArray]
-) -> Clock:
+    dataset: Mapping[str, Any], number: int, clocks: Mapping[str, TimeBase], values: Mapping[str, RealArray]
+) -> TimeBase:
     """Return the clock of a data set, the one that it shares with an earlier one if there is such a one."""
     per_second = PER_SECOND[_label(dataset["abscissa_axis_units_lab"]).lower() or "s"]
     if dataset["abscissa_spacing"] == 0:
@@ -139,14 +141,14 @@ def _clock(
         for name, known in clocks.items():
             if known.stamps is not None and values[name].size == stamps.size and np.array_equal(known.stamps(), stamps):
                 return known
-        return Clock(name=f"data set {number}", stamps=lambda: stamps)
+        return TimeBase(name=f"data set {number}", stamps=lambda: stamps)
     start, step = dataset["abscissa_min"] / per_second, dataset["abscissa_inc"] / per_second
     if not (math.isfinite(start) and math.isfinite(step) and step > 0):
         raise RecordError(f"is damaged: data set {number} starts at {start:g} s and steps by {step:g} s")
     for known in clocks.values():
         if known.stamps is None and (known.start, known.rate) == (start, 1 / step):
             return known
-    return Clock(name=f"data set {number}", start=start, rate=1 / step)
+    return TimeBase(name=f"data set {number}", start=start, rate=1 / step)
 
 
 def _samples(dataset: Mapping[str, Any], number: int) -> RealArray:

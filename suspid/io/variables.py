@@ -12,9 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from suspid.errors import RecordError
-from suspid.io.tables import PER_SECOND, Clock, Table, is_time, split_unit, stated_rate
+from suspid.io.tables import PER_SECOND, Table, TimeBase, is_time, split_unit, stated_rate
 from suspid.units import Hertz, RealArray
 from suspid.values import frozen_real
+from suspid.words import LeftOut, Remark
 
 # A matrix with more columns holds no channels but, say, a spectrogram.
 MOST_COLUMNS = 256
@@ -59,7 +60,7 @@ class Text:
     text: str
 
 
-Value: TypeAlias = "Variable | Text | Group | str"
+Value: TypeAlias = "Variable | Text | Group | Remark"
 # A group by the names of what it holds: arrays, texts, further groups, or why something is of no use.
 Group: TypeAlias = "Mapping[str, Value]"
 
@@ -68,9 +69,9 @@ Group: TypeAlias = "Mapping[str, Value]"
 class _Found:
     sizes: dict[str, int] = field(default_factory=dict)
     readers: dict[str, Callable[[], RealArray]] = field(default_factory=dict)
-    unusable: dict[str, str] = field(default_factory=dict)
+    unusable: dict[str, Remark] = field(default_factory=dict)
     units: dict[str, str] = field(default_factory=dict)
-    clocks: dict[str, Clock] = field(default_factory=dict)
+    clocks: dict[str, TimeBase] = field(default_factory=dict)
 
 
 def as_table(variables: Group, *, rates: Mapping[str, Hertz] | None = None) -> Table:
@@ -118,19 +119,19 @@ def joined(prefix: str, name: str) -> str:
     return f"{prefix}{'' if not prefix or name.startswith('[') else '.'}{name}"
 
 
-def _collect(group: Group, prefix: str, above: Clock | None, found: _Found) -> None:
+def _collect(group: Group, prefix: str, above: TimeBase | None, found: _Found) -> None:
     """Add what a group holds; ``above`` is the clock of the group that it stands in."""
     clock = _clock(group, prefix, above) if prefix else None
     time = _time(group)
     for name, value in group.items():
         full = joined(prefix, name)
-        if isinstance(value, str):
+        if isinstance(value, Remark):
             found.unusable[full] = value
         elif isinstance(value, Text):
-            found.unusable[full] = "is text"
+            found.unusable[full] = Remark(LeftOut.TEXT)
         elif isinstance(value, Variable):
             if prefix and value is time:
-                found.unusable[full] = "is the time of its group"
+                found.unusable[full] = Remark(LeftOut.GROUP_TIME)
             else:
                 _add(full, value, clock, time, found)
         elif _signals(value):
@@ -139,7 +140,7 @@ def _collect(group: Group, prefix: str, above: Clock | None, found: _Found) -> N
             _collect(value, full, clock, found)
 
 
-def _clock(group: Group, prefix: str, above: Clock | None) -> Clock | None:
+def _clock(group: Group, prefix: str, above: TimeBase | None) -> TimeBase | None:
     """Return the clock of a group: its own vector of time or rate, else that of the group around it."""
     rates, time = _stated(group), _time(group)
     if len(set(rates.values())) > 1:
@@ -147,9 +148,9 @@ def _clock(group: Group, prefix: str, above: Clock | None) -> Clock | None:
         raise RecordError(f"{prefix!r} states several sampling rates: {listed}; correct one of them")
     rate = next(iter(rates.values()), None)
     if time is None:
-        return above if rate is None else Clock(name=prefix, rate=rate)
+        return above if rate is None else TimeBase(name=prefix, rate=rate)
     name = next(name for name, value in group.items() if value is time)
-    return Clock(name=f"{prefix}.{name}", rate=rate, stamps=_stamps(name, time))
+    return TimeBase(name=f"{prefix}.{name}", rate=rate, stamps=_stamps(name, time))
 
 
 def _stamps(name: str, time: Variable) -> Callable[[], RealArray]:
@@ -174,28 +175,32 @@ def _stated(group: Group) -> dict[str, Hertz]:
     return rates
 
 
-def _add(name: str, value: Variable, clock: Clock | None, time: Variable | None, found: _Found) -> None:
+def _add(name: str, value: Variable, clock: TimeBase | None, time: Variable | None, found: _Found) -> None:
     """Add the columns of an array."""
     shape = tuple(n for n in value.shape if n > 1)
     if not value.size:
-        found.unusable[name] = "is empty"
+        found.unusable[name] = Remark(LeftOut.EMPTY)
     elif not shape:
-        found.unusable[name] = "is a single number"
+        found.unusable[name] = Remark(LeftOut.NUMBER)
     elif len(shape) > 2:
-        found.unusable[name] = f"is an array of {' x '.join(map(str, value.shape))}; save its columns as vectors"
+        found.unusable[name] = Remark(LeftOut.ARRAY, {"shape": _by(value.shape)})
     elif len(shape) == 1:
         _add_column(name, value, lambda: np.ravel(value.read()), value.size, clock, found)
     else:
         _add_matrix(name, value, shape, clock, time, found)
 
 
+def _by(shape: Sequence[int]) -> str:
+    return " x ".join(map(str, shape))
+
+
 def _add_matrix(
-    name: str, value: Variable, shape: Sequence[int], clock: Clock | None, time: Variable | None, found: _Found
+    name: str, value: Variable, shape: Sequence[int], clock: TimeBase | None, time: Variable | None, found: _Found
 ) -> None:
     matching = [axis for axis in (0, 1) if time is not None and shape[axis] == time.size]
     along = matching[0] if len(matching) == 1 else int(np.argmax(shape))
     if (shape[0] == shape[1] and len(matching) != 1) or shape[1 - along] > MOST_COLUMNS:
-        found.unusable[name] = f"is a matrix of {' x '.join(map(str, value.shape))}; save its columns as vectors"
+        found.unusable[name] = Remark(LeftOut.MATRIX, {"shape": _by(value.shape)})
         return
     whole = functools.cache(lambda: np.reshape(value.read(), shape))
     for k in range(shape[1 - along]):
@@ -208,7 +213,7 @@ def _add_column(
     value: Variable,
     read: Callable[[], NDArray[Any]],
     size: int,
-    clock: Clock | None,
+    clock: TimeBase | None,
     found: _Found,
 ) -> None:
     found.sizes[name] = size
@@ -217,7 +222,7 @@ def _add_column(
         found.units[name] = value.unit
     own = next(iter(value.rates.values()), None)
     if own is not None:
-        found.clocks[name] = Clock(name=name, rate=own)
+        found.clocks[name] = TimeBase(name=name, rate=own)
     elif clock is not None:
         found.clocks[name] = clock
 
@@ -235,7 +240,7 @@ def _add_simulink(prefix: str, group: Group, found: _Found) -> None:
     """Add the signals of a structure with time by their labels."""
     time = group["time"]
     vector = time if isinstance(time, Variable) and time.is_vector else None
-    clock = None if vector is None else Clock(name=f"{prefix}.time", stamps=_stamps("time", vector))
+    clock = None if vector is None else TimeBase(name=f"{prefix}.time", stamps=_stamps("time", vector))
     for name, signal in _signals(group).items():
         label, values = signal.get("label"), signal["values"]
         full = f"{prefix}.{label.text.strip() if isinstance(label, Text) and label.text.strip() else name}"
@@ -243,4 +248,4 @@ def _add_simulink(prefix: str, group: Group, found: _Found) -> None:
         if isinstance(values, Variable):
             _add(full, values, clock, vector, found)
         else:
-            found.unusable[full] = "holds no real values"
+            found.unusable[full] = Remark(LeftOut.NO_VALUES)

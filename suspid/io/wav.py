@@ -14,7 +14,7 @@ import numpy as np
 from suspid.errors import RecordError
 from suspid.files import read_bytes
 from suspid.io.foreign import sheltered
-from suspid.io.tables import Clock, Table
+from suspid.io.tables import Table, TimeBase
 from suspid.units import RealArray
 from suspid.values import frozen_real
 
@@ -42,7 +42,7 @@ def read_wav(path: Path) -> Table:
     if not samples.size:
         raise RecordError("holds no sample")
     names = [f"channel {k + 1}" for k in range(samples.shape[1])]
-    clock = Clock(name="wav", rate=float(rate))
+    clock = TimeBase(name="wav", rate=float(rate))
 
     def columns(wanted: Sequence[str]) -> list[RealArray]:
         return [_fraction(samples[:, names.index(name)]) for name in wanted]

@@ -8,13 +8,16 @@ to the enumeration of its subject. Each subject is one module.
 
 from suspid.words.analysis import Note, RecordCheck
 from suspid.words.identification import Headline, ModeCheck, Reason
+from suspid.words.io import DAMAGE, LeftOut
 from suspid.words.remarks import Code, Number, Remark, count, in_a_row
 from suspid.words.verdicts import Check, Level, Verdict
 
 __all__ = [
+    "DAMAGE",
     "Check",
     "Code",
     "Headline",
+    "LeftOut",
     "Level",
     "ModeCheck",
     "Note",

@@ -12,6 +12,7 @@ import numpy as np
 
 from suspid.errors import RecordError
 from suspid.files import printable
+from suspid.words import LeftOut, Remark
 
 VARIABLE_LENGTH = 1
 ALL_INVALID = 1
@@ -38,7 +39,7 @@ class Place:
     unit: str
     size: int
     timed: bool
-    reason: str
+    reason: Remark | None
 
 
 @contextlib.contextmanager
@@ -97,26 +98,27 @@ def places_of(file: Any) -> list[Place]:
     return places
 
 
-def _why_not(group: Any, index: int, master: Any, new: bool) -> str:
-    """Return why a channel is no column of numbers over time, as a predicate; empty if it is one."""
+def _why_not(group: Any, index: int, master: Any, new: bool) -> Remark | None:
+    """Return why a channel is not numbers over time, None if it is."""
     channel = group.channels[index]
     kind = _conversion(channel)
     sync = getattr(master, "sync_type", TIME)
     if not _size(group):
-        return "is empty"
+        return Remark(LeftOut.EMPTY)
     if sync != TIME:
-        return f"is sampled over {SYNCHRONOUS[sync] if sync < len(SYNCHRONOUS) else sync}, not over time"
+        axis = SYNCHRONOUS[sync] if sync < len(SYNCHRONOUS) else f"axis {sync}"
+        return Remark(LeftOut.NOT_OVER_TIME, {"axis": axis})
     if new and channel.flags & ALL_INVALID:
-        return "is marked as invalid throughout"
+        return Remark(LeftOut.INVALID)
     if group.channel_dependencies[index]:
-        return "is an array or a structure"
+        return Remark(LeftOut.STRUCTURE)
     if channel.data_type not in NUMBERS[new] or (new and channel.channel_type in (1, 5, 7)):
-        return "is text or bytes"
+        return Remark(LeftOut.TEXT_OR_BYTES)
     if kind in TO_WORDS[new]:
-        return "holds numbers that stand for words"
+        return Remark(LeftOut.ENUMERATION)
     if BY_FORMULA[new] in (kind, _conversion(master)):
-        return "is scaled by a formula; formulas from files are not evaluated"
-    return ""
+        return Remark(LeftOut.FORMULA)
+    return None
 
 
 def check_records(file: Any, stated: int) -> None:

@@ -16,9 +16,10 @@ from suspid.files import printable, read_bytes
 from suspid.io.foreign import sheltered, unique_names
 from suspid.io.mdf.blocks import check_blocks
 from suspid.io.mdf.channels import FRAMES, Place, check_records, frame_groups, frame_ids, listed_ids, opened, places_of
-from suspid.io.tables import Clock, Table
+from suspid.io.tables import Table, TimeBase
 from suspid.units import RealArray
 from suspid.values import frozen_real
+from suspid.words import LeftOut, Remark
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -78,13 +79,13 @@ def _table(content: bytes, records: int, suffix: str, dbc: Path | None) -> Table
     by_name = dict(zip(names, [*places, *decoded.places], strict=True))
     stored, signals = set(names[: len(places)]), dict(zip(names[len(places) :], decoded.places, strict=True))
     usable = {name: place for name, place in by_name.items() if not place.reason}
-    unusable = {name: place.reason for name, place in by_name.items() if place.reason}
+    unusable: dict[str, Remark] = {name: place.reason for name, place in by_name.items() if place.reason}
     if frames and dbc is None:
-        unusable[FRAMES] = f"holds raw CAN frames ({listed_ids(ids)}); decode them with --dbc FILE"
+        unusable[FRAMES] = Remark(LeftOut.FRAMES, {"ids": listed_ids(ids)})
     elif decoded.unknown:
-        unusable[FRAMES] = f"holds frames that the CAN database does not know ({listed_ids(decoded.unknown)})"
+        unusable[FRAMES] = Remark(LeftOut.UNKNOWN_FRAMES, {"ids": listed_ids(decoded.unknown)})
     elif dbc is not None and not frames:
-        unusable[printable(dbc.name)] = "has nothing to decode: there are no raw CAN frames"
+        unusable[printable(dbc.name)] = Remark(LeftOut.NO_FRAMES)
     if not usable:
         listed = ", ".join(f"{name!r} {why}" for name, why in unusable.items())
         raise RecordError(f"holds no channel of numbers: {listed or 'nothing at all'}")
@@ -103,14 +104,14 @@ def _table(content: bytes, records: int, suffix: str, dbc: Path | None) -> Table
             columns([name])
         return stamps[group]
 
-    own: dict[tuple[bool, int], Clock] = {}
-    clocks: dict[str, Clock] = {}
+    own: dict[tuple[bool, int], TimeBase] = {}
+    clocks: dict[str, TimeBase] = {}
     for name, place in usable.items():
         if place.timed:
             late = partial(stamps_of, place.group, name)
             told = late if name in stored else partial(decoded.timepts.__getitem__, place.group)
             key = (name in stored, place.group)
-            clocks[name] = own.setdefault(key, Clock(name=place.group_name, stamps=told))
+            clocks[name] = own.setdefault(key, TimeBase(name=place.group_name, stamps=told))
     return Table(
         sizes={name: place.size for name, place in usable.items()},
         columns=columns,

@@ -15,12 +15,13 @@ import numpy as np
 
 from suspid.errors import RecordError
 from suspid.files import read_bytes
-from suspid.io.tables import Clock, Table, is_time
+from suspid.io.tables import Table, TimeBase, is_time
 from suspid.io.text.cells import COMMA_NUMBER, kind_of, number, seconds
 from suspid.io.text.dialects import Dialect, parted_by, shortened
 from suspid.io.text.encodings import decoded
 from suspid.io.text.layouts import Layout, find_layout
 from suspid.units import RealArray
+from suspid.words import LeftOut, Remark
 
 PIECE = 1 << 22
 HEAD_LINES, HEAD_BYTES = 1000, 1 << 18
@@ -116,7 +117,7 @@ def read_delimited(path: Path) -> Table:
     left_out |= {**layout.left_out, **odd}
     names = [name for name in layout.names if name]
     counter = _counter(layout, top)
-    left_out |= dict.fromkeys(counter, "counts the rows")
+    left_out |= dict.fromkeys(counter, Remark(LeftOut.ROW_COUNTER))
     numeric = [name for name in names if layout.kinds[name] in ("number", "missing") and name not in counter]
     clocks, others = _clocks(rows, numeric)
     left_out |= {name: reason for name, reason in others.items() if name in names}
@@ -148,7 +149,7 @@ def _pieces(body: bytes) -> Iterator[bytes]:
         start = stop
 
 
-def _rows(body: bytes, layout: Layout) -> tuple[Rows, dict[str, str]]:
+def _rows(body: bytes, layout: Layout) -> tuple[Rows, dict[str, Remark]]:
     """Return the rows, and which lines among and below them are none."""
     first = layout.first + 1
     blank: list[int] = []
@@ -175,7 +176,7 @@ def _rows(body: bytes, layout: Layout) -> tuple[Rows, dict[str, str]]:
         raise RecordError(f"the rows end at line {last}, but {line - n} lines follow: {shortened(odd[n])}")
     inner = [n for n in blank if n < last]
     if inner:
-        told[f"line {inner[0]}"] = f"is empty{f', and {len(inner) - 1} more' if len(inner) > 1 else ''}"
+        told[f"line {inner[0]}"] = Remark(LeftOut.BLANK, {"more": len(inner) - 1})
     return Rows(
         body=body, first=first, layout=layout, skipped=frozenset(skipped), size=line - first - len(skipped)
     ), told
@@ -233,10 +234,10 @@ def _is_row(text: str, layout: Layout) -> bool:
     return len(cells) == len(layout.names) and not set(kinds) <= {"text", "date"}
 
 
-def _why(text: str, layout: Layout, line: int, last: int) -> str:
+def _why(text: str, layout: Layout, line: int, last: int) -> Remark:
     """Return why a line is left out; refuse one that cannot be."""
     if layout.dialect.is_comment(text):
-        return f"is a comment: {shortened(text)}"
+        return Remark(LeftOut.COMMENT, {"line": shortened(text)})
     cells = layout.dialect.cells(text)
     width = len(layout.names)
     samples = kind_of(cells[0], comma=layout.dialect.comma) in ("number", "stamp")
@@ -245,27 +246,27 @@ def _why(text: str, layout: Layout, line: int, last: int) -> str:
         found = found if len(cells) != width else "holds no number"
         raise RecordError(f"line {line} {found}: {shortened(text)}; correct it, or take it out if it is no sample")
     if samples and len(cells) < width:
-        return f"is cut short: it has {len(cells)} of {width} cells"
-    return f"stands below the data: {shortened(text)}"
+        return Remark(LeftOut.CUT_SHORT, {"cells": len(cells), "width": width})
+    return Remark(LeftOut.FOOTER, {"line": shortened(text)})
 
 
-def _clocks(rows: Rows, numeric: Sequence[str]) -> tuple[dict[str, Clock], dict[str, str]]:
+def _clocks(rows: Rows, numeric: Sequence[str]) -> tuple[dict[str, TimeBase], dict[str, Remark]]:
     """Return the clock that a column of dates or times of day gives, and why other columns are no channels."""
     kinds = rows.layout.kinds
-    reasons = {name: "holds text" for name, kind in kinds.items() if kind == "text"}
-    reasons |= {name: "holds dates" for name, kind in kinds.items() if kind == "date"}
+    reasons = {name: Remark(LeftOut.TEXT) for name, kind in kinds.items() if kind == "text"}
+    reasons |= {name: Remark(LeftOut.DATES) for name, kind in kinds.items() if kind == "date"}
     stamps = [name for name, kind in kinds.items() if kind == "stamp"]
     named = [name for name in stamps if is_time(name)]
     chosen = named[:1] if len(named) == 1 else stamps[:1] if len(stamps) == 1 else []
-    reasons |= dict.fromkeys(stamps, "holds times of day, as others do: which is time is not clear")
-    clocks: dict[str, Clock] = {}
+    reasons |= dict.fromkeys(stamps, Remark(LeftOut.SEVERAL_TIMES))
+    clocks: dict[str, TimeBase] = {}
     for name in chosen:
         if any(is_time(other) for other in numeric):
-            reasons[name] = "holds times of day; a column of numbers is the time"
+            reasons[name] = Remark(LeftOut.SPARE_TIMES)
             continue
         start = next(rows.cells(name), "")
-        reasons[name] = f"is the time, and is counted from the first stamp, {start!r}"
-        clock = Clock(name=name, stamps=lambda name=name: seconds(lambda: rows.cells(name)))  # type: ignore[misc]
+        reasons[name] = Remark(LeftOut.TIME, {"start": start})
+        clock = TimeBase(name=name, stamps=lambda name=name: seconds(lambda: rows.cells(name)))  # type: ignore[misc]
         clocks = dict.fromkeys(numeric, clock)
     return clocks, reasons
 

@@ -6,6 +6,7 @@ import codecs
 import re
 
 from suspid.errors import RecordError
+from suspid.words import LeftOut, Remark
 
 HEAD = 1 << 16
 PIECE = 1 << 22
@@ -13,7 +14,7 @@ CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f\x7f]")
 NO_CONTROL = bytes(code for code in range(256) if not CONTROL.match(bytes([code])))
 
 
-def decoded(content: bytes) -> tuple[bytes, dict[str, str]]:
+def decoded(content: bytes) -> tuple[bytes, dict[str, Remark]]:
     r"""Return a text as UTF-8 with newlines, and in which other encoding it was read.
 
     Raises
@@ -23,27 +24,29 @@ def decoded(content: bytes) -> tuple[bytes, dict[str, str]]:
 
     Examples
     --------
-    >>> decoded("seat [°]\r\n".encode("cp1252"))[1]
-    {'encoding': 'is not UTF-8 (byte 0xb0 on line 1); read as Windows-1252'}
+    >>> str(decoded("seat [°]\r\n".encode("cp1252"))[1]["encoding"])
+    'is not UTF-8 (byte 0xb0 on line 1); read as Windows-1252'
     """
-    told: dict[str, str] = {}
+    told: dict[str, Remark] = {}
     if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         try:
             content = content.decode("utf-16").encode()
         except UnicodeError as refusal:
             raise RecordError(f"is not UTF-16 text, as its first bytes say: {refusal.__class__.__name__}") from None
-        told["encoding"] = "is UTF-16, as the first bytes of the file say"
+        told["encoding"] = Remark(LeftOut.UTF_16)
     content = content.removeprefix(codecs.BOM_UTF8)
     if not content.isascii():
         try:
             content.decode()
         except UnicodeDecodeError as refusal:
-            found = f"byte 0x{content[refusal.start]:02x} on line {content.count(bytes([10]), 0, refusal.start) + 1}"
+            byte, line = content[refusal.start], content.count(b"\n", 0, refusal.start) + 1
             try:
                 content = content.decode("cp1252").encode()
             except UnicodeDecodeError:
-                raise RecordError(f"is neither UTF-8 nor Windows-1252 text: {found}; save it as UTF-8") from None
-            told["encoding"] = f"is not UTF-8 ({found}); read as Windows-1252"
+                raise RecordError(
+                    f"is neither UTF-8 nor Windows-1252 text: byte 0x{byte:02x} on line {line}; save it as UTF-8"
+                ) from None
+            told["encoding"] = Remark(LeftOut.WINDOWS_1252, {"byte": byte, "line": line})
     content = content.rstrip(b"\x1a")
     # Deleting what is allowed is ten times faster than looking for what is not.
     starts = range(0, len(content), PIECE)

@@ -13,6 +13,7 @@ from suspid.io.tables import bracketed_unit, is_time, stated_rate
 from suspid.io.text.cells import Kind, kind_of
 from suspid.io.text.dialects import COMMENTS, DELIMITERS, NUMERIC, Dialect, find_dialect, parted_by, shapes, shortened
 from suspid.units import Hertz
+from suspid.words import LeftOut, Remark
 
 # Lines above the data that are told one by one.
 MOST_TOLD = 8
@@ -48,7 +49,7 @@ class Layout:
         Index of the first line of data.
     rates : mapping of str to float
         Sampling rates that lines above the data state [Hz].
-    left_out : mapping of str to str
+    left_out : mapping of str to Remark
         Lines above the data that are neither names nor units.
     """
 
@@ -58,7 +59,7 @@ class Layout:
     kinds: Mapping[str, Kind]
     first: int
     rates: Mapping[str, Hertz]
-    left_out: Mapping[str, str]
+    left_out: Mapping[str, Remark]
 
 
 def find_layout(head: Sequence[str], sample: Sequence[str]) -> Layout:
@@ -89,7 +90,7 @@ def find_layout(head: Sequence[str], sample: Sequence[str]) -> Layout:
     for k, name in enumerate(names):
         if name in names[:k]:
             names[k] = next(new for n in itertools.count(2) if (new := f"{name} ({n})") not in names)
-            left_out[f"name of column {k + 1}"] = f"stands twice, {name!r}; the column is called {names[k]!r}"
+            left_out[f"name of column {k + 1}"] = Remark(LeftOut.NAME_TWICE, {"name": name, "new": names[k]})
     stated = (
         []
         if units_at is None
@@ -109,14 +110,12 @@ def find_layout(head: Sequence[str], sample: Sequence[str]) -> Layout:
     )
 
 
-def _above(head: Sequence[str], others: Sequence[int]) -> dict[str, str]:
+def _above(head: Sequence[str], others: Sequence[int]) -> dict[str, Remark]:
     """Return which lines above the data are neither names nor units."""
     if len(others) <= MOST_TOLD:
-        return {f"line {k + 1}": f"stands above the data: {shortened(head[k])}" for k in others}
+        return {f"line {k + 1}": Remark(LeftOut.HEADING, {"line": shortened(head[k])}) for k in others}
     where = f"lines {others[0] + 1} to {others[-1] + 1}"
-    return {
-        where: f"stand above the data, {len(others)} of them neither names nor units: {shortened(head[others[0]])} …"
-    }
+    return {where: Remark(LeftOut.HEADINGS, {"lines": len(others), "line": shortened(head[others[0]])})}
 
 
 def _column_kind(kinds: Sequence[Kind], often: Sequence[int]) -> Kind:

@@ -1,0 +1,96 @@
+"""What a file holds besides its channels: the reason why each part was left out, as a predicate."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from suspid.words.remarks import Code, Number
+
+
+def _blank(numbers: Mapping[str, Number]) -> str:
+    more = numbers["more"]
+    return f"is empty, and {more} more" if more else "is empty"
+
+
+class LeftOut(Code):
+    """Why a part of a file is not a channel; the sentence follows the name of the part.
+
+    Examples
+    --------
+    >>> from suspid.words import Remark
+    >>> str(Remark(LeftOut.CUT_SHORT, {"cells": 2, "width": 3}))
+    'is cut short: it has 2 of 3 cells'
+    """
+
+    # What the part is.
+    TEXT = "text", "is text"
+    TEXT_OR_BYTES = "text_or_bytes", "is text or bytes"
+    DATES = "dates", "holds dates"
+    EMPTY = "empty", "is empty"
+    COMPLEX = "complex", "is complex; a record is real"
+    NUMBER = "number", "is a single number"
+    NOT_NUMERIC = "not_numeric", "is not numeric"
+    NOT_REAL = "not_real", "is not real numbers"
+    NO_VALUES = "no_values", "holds no real values"
+    ENUMERATION = "enumeration", "is an enumeration, not numeric"
+    TYPE = "type", "is of type {type}"
+    CLASS = "class", "is of class {number}"
+    CELLS = "cells", "is a cell array"
+    SPARSE = "sparse", "is a sparse matrix"
+    OBJECT = "object", "is an object; save what it holds as vectors, such as ts.Time and ts.Data of a timeseries"
+    CLASS_OBJECT = (
+        "class_object",
+        "is an object of class {name!r}; save what it holds as vectors, such as ts.Time and ts.Data of a timeseries",
+    )
+    EMPTY_STRUCTURE = "empty_structure", "is an empty structure"
+    STRUCTURE = "structure", "is an array or a structure"
+    NESTED = "nested", "is nested ({type})"
+    ARRAY = "array", "is an array of {shape}; save its columns as vectors"
+    MATRIX = "matrix", "is a matrix of {shape}; save its columns as vectors"
+    TOO_DEEP = "too_deep", "is nested within {levels} groups or more"
+    REFERENCES = "references", "holds references"
+    NO_NUMBERS = "no_numbers", "holds no numbers"
+    FUNCTION = "function", "is {function}, not a time history"
+    COMPLEX_FUNCTION = "complex_function", "is complex ({function}); a record is real"
+    ABSCISSA = "abscissa", "is not sampled over time (abscissa type {type})"
+    NOT_OVER_TIME = "not_over_time", "is sampled over {axis}, not over time"
+    TIME_UNIT = "time_unit", "has its time in {unit!r}; known: s, ms, us, ns, min"
+    INVALID = "invalid", "is marked as invalid throughout"
+    FORMULA = "formula", "is scaled by a formula; formulas from files are not evaluated"
+    # What keeps it from being read.
+    OTHER_FILE = "other_file", "is a link to another file, which is not followed"
+    OTHER_FILES = "other_files", "keeps its numbers in other files, which are not read"
+    BROKEN_LINK = "broken_link", "is a link to nothing"
+    LOOP = "loop", "is a link to a group around it"
+    UNFILLED = "unfilled", "has the size {shape}, but nothing that fills it"
+    FRAMES = "frames", "holds raw CAN frames ({ids}); decode them with --dbc FILE"
+    UNKNOWN_FRAMES = "unknown_frames", "holds frames that the CAN database does not know ({ids})"
+    NO_FRAMES = "no_frames", "has nothing to decode: there are no raw CAN frames"
+    # Time.
+    TIME = "time", "is the time, and is counted from the first stamp, {start!r}"
+    GROUP_TIME = "group_time", "is the time of its group"
+    SAME_TIME = "same_time", "tells the same time as {other!r}"
+    LIKE_TIME = "like_time", "reads like a time"
+    SPARE_TIMES = "spare_times", "holds times of day; a column of numbers is the time"
+    SEVERAL_TIMES = "several_times", "holds times of day, as others do: which is time is not clear"
+    NO_TIME = "no_time", "has no clock; name its time, or give the sampling rate"
+    SIZE = "size", "has {samples} samples, time {time!r} has {stamps}"
+    EPOCH = "epoch", "is not stated; stamps of that size are {unit} since 1970"
+    ROW_COUNTER = "row_counter", "counts the rows"
+    # Lines of text files.
+    HEADING = "heading", "stands above the data: {line}"
+    HEADINGS = "headings", "stand above the data, {lines} of them neither names nor units: {line} …"
+    COMMENT = "comment", "is a comment: {line}"
+    BLANK = "blank", _blank
+    CUT_SHORT = "cut_short", "is cut short: it has {cells} of {width} cells"
+    FOOTER = "footer", "stands below the data: {line}"
+    NAME_TWICE = "name_twice", "stands twice, {name!r}; the column is called {new!r}"
+    UTF_16 = "utf_16", "is UTF-16, as the first bytes of the file say"
+    WINDOWS_1252 = (
+        "windows_1252",
+        "is not UTF-8 (byte 0x{byte:02x} on line {line}); read as Windows-1252",
+    )
+
+
+# What a file has lost: these are warned of, where the others are merely listed.
+DAMAGE = frozenset({LeftOut.CUT_SHORT, LeftOut.WINDOWS_1252})
