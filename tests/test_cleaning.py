@@ -15,6 +15,7 @@ from suspid.model import ModalSet
 from suspid.recordings import RawChannel, Recording
 from suspid.signals import as_response, as_signal
 from suspid.units import RealArray
+from suspid.words import Defect, Level
 from validation.cars import HATCHBACK, PAPER, SALOON, VAN, random_car
 
 DATA = Path(__file__).resolve().parents[2] / "shared" / "data"
@@ -29,7 +30,7 @@ def recording(times: RealArray, *rows: RealArray) -> Recording:
 
 
 def kinds(cleaned: Cleaned) -> list[str]:
-    return [finding.kind for finding in cleaned.findings]
+    return [str(finding.kind) for finding in cleaned.findings]
 
 
 def decay(times: RealArray, *, frequency: float = 3.0, noise: float = 0.0, seed: int = 0) -> RealArray:
@@ -118,8 +119,8 @@ class TestGaps:
             values[first : first + length] = np.nan
         cleaned = clean(recording(T, values))
         made = np.sqrt(np.mean((cleaned.record.y[0] - true)[np.isnan(values)] ** 2))
-        stated = float(cleaned.findings[0].text.split("error of ")[1].split(" rms")[0])
-        # 30 gaps: the rms of 30 normal numbers lies within 0.6 to 1.5 of the truth; two figures are printed.
+        stated = float(str(cleaned.findings[0].remark.numbers["error"]))
+        # 30 gaps: the rms of 30 normal numbers lies within 0.6 to 1.5 of the truth.
         assert 0.6 < made / stated < 1.5
 
     def test_a_sinusoid_bears_a_sixth_of_its_period_but_not_a_half(self) -> None:
@@ -194,7 +195,32 @@ class TestReportedAndLeft:
         text = str(clean(recording(T, values)))
         for word in ("sentinel", "missing", "offset", "c0", "3.5", "yes", "no"):
             assert word in text
-        assert str(clean(recording(T, decay(T)))) == "nothing was found and nothing was changed"
+        assert str(clean(recording(T, decay(T)))).startswith("Verdict: no defect found, record unchanged: sound.")
+
+
+class TestVerdict:
+    """Defects left alone call for care, repairs do not; an offset is allowed for by identification."""
+
+    def test_nothing_found(self) -> None:
+        assert clean(recording(T, decay(T))).verdict.level is Level.SOUND
+
+    def test_a_repair_is_a_note(self) -> None:
+        values = decay(T, noise=1e-3)
+        values[700] = -9999.0
+        verdict = clean(recording(T, values)).verdict
+        assert verdict.level is Level.SOUND
+        assert [remark.code for remark in verdict.notes] == [Defect.SENTINEL, Defect.MISSING]
+
+    def test_a_defect_left_alone_is_a_doubt_with_its_place(self) -> None:
+        verdict = clean(recording(T, np.clip(decay(T), -0.6, 2.0))).verdict
+        assert verdict.level is Level.CARE
+        (doubt,) = verdict.doubts
+        assert doubt.code is Defect.CLIPPED
+        assert str(doubt).startswith("channel 'c0' from 0.1")
+        assert dict(verdict.headline.numbers) == {"repaired": 0, "left": 1}
+
+    def test_an_offset_is_a_note(self) -> None:
+        assert clean(recording(T, 9.81 + decay(T))).verdict.level is Level.SOUND
 
 
 class TestDeadChannels:
@@ -202,7 +228,7 @@ class TestDeadChannels:
     def test_are_left_out_but_refused_by_name(self, values: RealArray) -> None:
         cleaned = clean(recording(T, decay(T), values))
         assert cleaned.record.output_labels == ["c0"]
-        assert [(f.kind, f.channel) for f in cleaned.findings] == [("dead channel", "c1")]
+        assert [(f.kind, f.channel) for f in cleaned.findings] == [(Defect.DEAD_CHANNEL, "c1")]
         with pytest.raises(RecordError, match="'c1' .* leave it out"):
             clean(recording(T, decay(T), values), channels=["c0", "c1"])
         with pytest.raises(RecordError, match="no channel moves"):
@@ -369,7 +395,7 @@ class TestCarOnTheRoad:
         )
         assert found.record.output_labels == names[:3]
         assert sorted(set(kinds(found))) == ["irregular stamps", "sentinel", "slower clock"]
-        assert [f.samples for f in found.findings if f.kind == "sentinel"] == [1, 1, 1]
+        assert [f.samples for f in found.findings if f.kind is Defect.SENTINEL] == [1, 1, 1]
         assert np.median(found.record.y[0]) == pytest.approx(9.6, abs=0.1)
         assert np.min(found.record.y[0]) > 0
         assert 1 / (found.record.time[1] - found.record.time[0]) == pytest.approx(101.3, abs=0.1)

@@ -20,7 +20,7 @@ def wave(times: RealArray, rng: np.random.Generator | None = None) -> RealArray:
 
 
 def kinds(clock: Clock) -> list[str]:
-    return [finding.kind for finding in clock.findings]
+    return [str(finding.kind) for finding in clock.findings]
 
 
 class TestAUniformClockStays:
@@ -157,7 +157,7 @@ class TestJitter:
         stamps = np.arange(2000) / 100 + rng.uniform(-3e-3, 3e-3, 2000)
         clock = read_clock(stamps, rng.standard_normal((1, 2000)))
         assert kinds(clock) == ["jittering stamps"]
-        assert "too rough to tell" in clock.findings[0].text
+        assert "too noisy to tell" in clock.findings[0].text
 
     @pytest.mark.parametrize("seed", range(10))
     def test_rows_missing_among_jittering_stamps_are_counted(self, seed: int) -> None:

@@ -40,6 +40,7 @@ from suspid.reporting.rows import quantity
 from suspid.reporting.thinning import MOST_SAMPLES, drawable, is_whole
 from suspid.signals import as_response, as_signal
 from suspid.units import RealArray
+from suspid.words import Defect, Number, Remark
 from validation import cars
 
 HOSTILE = (
@@ -156,8 +157,10 @@ def long() -> Identification:
     return identify(as_response(t, decay[None], ["y"]))
 
 
-def finding(*, channel: str = "seat", text: str = "a gap of 3 samples, filled", repaired: bool = True) -> Finding:
-    return Finding(kind="missing", channel=channel, start=1.0, stop=1.5, samples=3, text=text, repaired=repaired)
+def finding(*, channel: str = "seat", kind: Defect = Defect.SLOWER_CLOCK, repaired: bool = True) -> Finding:
+    numbers: dict[str, Number] = {"level": 9.8, "range": 1.0, "rate": 2.0, "onto": 100.0, "channels": (channel,)}
+    remark = Remark(kind, numbers)
+    return Finding(remark=remark, channel=channel, start=1.0, stop=1.5, samples=3, repaired=repaired)
 
 
 def points(path: str) -> RealArray:
@@ -214,7 +217,7 @@ class TestVerdict:
         assert float(said.group(1)) == pytest.approx(181.7, abs=2.0)
 
     def test_an_offset_left_alone_is_harmless(self, found: Identification) -> None:
-        offset = replace(finding(repaired=False), kind="offset")
+        offset = finding(kind=Defect.OFFSET, repaired=False)
         cleaned = Cleaned(record=found.response, units=("m",) * 3, findings=(offset,))
         verdict = report_to_dict(found, cleaned=cleaned)["verdict"]
         assert isinstance(verdict, dict)
@@ -314,7 +317,7 @@ class TestNames:
         cleaned = Cleaned(
             record=hostile.response,
             units=tuple(f"<u>{i}" for i in range(len(HOSTILE))),
-            findings=(finding(channel=HOSTILE[0], text=HOSTILE[1]),),
+            findings=(finding(channel=HOSTILE[0]), finding(channel=HOSTILE[1])),
         )
         decays = (stretch(0.0, 9.0, kind=HOSTILE[0], doubts=(HOSTILE[1],)),)
         text = report(hostile, source=SOURCE, cleaned=cleaned, decays=decays, warnings=[HOSTILE[0]], title=HOSTILE[1])
@@ -375,7 +378,7 @@ class TestWhatIsThere:
         decays = (stretch(3.0, 5.0, doubts=("only 1.5 cycles",)), stretch(0.0, 10.0))
         text = Page(report(found, cleaned=cleaned, decays=decays, reconstruction=springs)).text
         for said in (
-            "a gap of 3 samples, filled",
+            "'seat' at 2 Hz, the others at 100 Hz; left out",
             "1 defect of the recording was seen and left alone",
             "Stretch 2 of 2 was used",
             "only 1.5 cycles",

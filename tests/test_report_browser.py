@@ -19,6 +19,7 @@ from suspid.cleaning.clean import Cleaned, Finding
 from suspid.decays.find_decays import Decay
 from suspid.reporting.report import Source, report
 from suspid.signals import as_response, as_signal
+from suspid.words import Defect, Remark
 from validation import cars
 
 CHROMIUM = shutil.which("chromium") or "/usr/bin/chromium"
@@ -104,7 +105,8 @@ def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     mixture += 1e-5 * np.random.default_rng(4).normal(size=mixture.shape)
     found = identify(as_response(signal.timepts, mixture, NAMES), candidates=[4.0, 16.0])
     plain = identify(as_response(signal.timepts, signal.values, signal.channels), candidates=[4.0])
-    finding = Finding(kind=NAMES[0], channel=NAMES[1], start=0.0, stop=1.0, samples=3, text=NAMES[3], repaired=True)
+    remark = Remark(Defect.SLOWER_CLOCK, {"channels": tuple(NAMES), "rate": 2.0, "onto": 100.0})
+    finding = Finding(remark=remark, channel=NAMES[1], start=0.0, stop=1.0, samples=3, repaired=True)
     text = report(
         found,
         source=Source(file=NAMES[1], sha256="ab" * 32, size=12, command=NAMES[0] * 9, created="2026-01-02"),

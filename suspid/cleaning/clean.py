@@ -12,6 +12,7 @@ from tabulate import tabulate
 
 from suspid.cleaning.clocks import read_clock
 from suspid.cleaning.findings import Finding as Finding
+from suspid.cleaning.findings import found
 from suspid.cleaning.gaps import MOST_FILLED, fill, runs
 from suspid.cleaning.inspection import inspect, possible
 from suspid.cleaning.placing import Placed, place, resample
@@ -21,6 +22,7 @@ from suspid.recordings import RawChannel, Recording
 from suspid.signals import as_response, as_signal
 from suspid.units import Hertz, RealArray, Second
 from suspid.values import frozen_real
+from suspid.words import Cleaning, Defect, Number, Remark, Verdict, dead
 
 if TYPE_CHECKING:
     import control
@@ -53,11 +55,20 @@ class Cleaned:
     units: tuple[str, ...]
     findings: tuple[Finding, ...]
 
+    @property
+    def verdict(self) -> Verdict:
+        """Whether the record can be used as it is: defects left alone call for care, repairs are notes."""
+        repaired = sum(finding.repaired for finding in self.findings)
+        headline = Remark(Cleaning.UNCHANGED)
+        if self.findings:
+            headline = Remark(Cleaning.REPAIRED, {"repaired": repaired, "left": len(self.findings) - repaired})
+        return Verdict(headline, tuple(finding.check for finding in self.findings))
+
     def __str__(self) -> str:
         if not self.findings:
-            return "nothing was found and nothing was changed"
+            return str(self.verdict)
         columns = {
-            "found": [finding.kind for finding in self.findings],
+            "found": [str(finding.kind) for finding in self.findings],
             "channel": [printable(finding.channel) or "(time)" for finding in self.findings],
             "from [s]": [f"{finding.start:.6g}" for finding in self.findings],
             "to [s]": [f"{finding.stop:.6g}" for finding in self.findings],
@@ -65,7 +76,9 @@ class Cleaned:
             "repaired": ["yes" if finding.repaired else "no" for finding in self.findings],
             "what": [printable(finding.text) for finding in self.findings],
         }
-        return tabulate(columns, headers="keys", disable_numparse=True, maxcolwidths=[None, 24, *[None] * 4, WIDTH])
+        widths = [None, 24, *[None] * 4, WIDTH]
+        table = tabulate(columns, headers="keys", disable_numparse=True, maxcolwidths=widths)
+        return f"{printable(str(self.verdict))}\n\n{table}"
 
 
 def clean(
@@ -113,7 +126,7 @@ def clean(
     >>> values[40] = -9999.0
     >>> seat = RawChannel(name="seat", unit="m", timepts=t, values=values, rate=None)
     >>> cleaned = clean(Recording(title="bump", channels=(seat,)))
-    >>> [finding.kind for finding in cleaned.findings], bool(abs(cleaned.record.y[0, 40]) < 1)
+    >>> [finding.kind.value for finding in cleaned.findings], bool(abs(cleaned.record.y[0, 40]) < 1)
     (['sentinel', 'missing'], True)
     """
     if fs is not None and not (np.isfinite(fs) and fs > 0):
@@ -163,9 +176,9 @@ def _alive(channels: list[RawChannel], *, by_name: bool) -> tuple[list[RawChanne
         some = possible(channel.values)
         some = some if some is channel.values else some[np.isfinite(some)]
         if some.size < max(2, FEWEST * channel.values.size):
-            why = f"has {some.size} numbers in {channel.values.size} samples"
+            why: dict[str, Number] = {"finite": some.size}
         elif _is_constant(some):
-            why = f"is constant at {some[0]:g}"
+            why = {"constant": float(some[0])}
         else:
             kept.append(channel)
             continue
@@ -181,7 +194,7 @@ def _stilled(times: RealArray, table: dict[str, RealArray], *, by_name: bool) ->
     still = [name for name, values in table.items() if _is_constant(values)]
     findings = []
     for name in still:
-        why = f"is constant at {table.pop(name)[0]:g} where it can be used"
+        why: dict[str, Number] = {"constant": float(table.pop(name)[0]), "repaired": True}
         findings.append(_dead(name, times, times.size, why, by_name=by_name))
     if not table:
         raise RecordError(_nothing_moves(findings))
@@ -193,17 +206,15 @@ def _is_constant(some: RealArray) -> bool:
     return not max(high - middle, middle - low) > 1e-12 * max(abs(low), abs(high))
 
 
-def _dead(name: str, times: RealArray, samples: int, why: str, *, by_name: bool) -> Finding:
+def _dead(name: str, times: RealArray, samples: int, why: dict[str, Number], *, by_name: bool) -> Finding:
     """Return the finding of a channel that is left out, or refuse it if it was asked for."""
     if by_name:
-        raise RecordError(f"channel {name!r} {why}: there is no motion in it; leave it out")
-    start, stop = (float(np.min(times)), float(np.max(times))) if times.size else (0.0, 0.0)
-    text = f"it {why}; left out"
-    return Finding(kind="dead channel", channel=name, start=start, stop=stop, samples=samples, text=text, repaired=True)
+        raise RecordError(f"channel {name!r} shows no motion: {dead({'samples': samples, **why})}; leave it out")
+    return found(Defect.DEAD_CHANNEL, times if times.size else np.zeros(1), samples, why, channel=name)
 
 
-def _nothing_moves(dead: Sequence[Finding]) -> str:
-    return f"no channel moves: {'; '.join(f'{f.channel!r} {f.text[3:-10]}' for f in dead)}"
+def _nothing_moves(findings: Sequence[Finding]) -> str:
+    return f"no channel moves: {'; '.join(f'{f.channel!r}: {dead(f.remark.numbers)}' for f in findings)}"
 
 
 def _by_clock(channels: list[RawChannel]) -> list[list[RawChannel]]:
@@ -235,8 +246,8 @@ def _placed(group: list[RawChannel], fs: Hertz | None) -> Placed:
     inspected = [inspect(channel.name, clock.stamps, row) for channel, row in zip(group, rows, strict=True)]
     if any(channel.values is not row for channel, row in zip(inspected, rows, strict=True)):
         table = np.array([channel.values for channel in inspected])
-    found = [finding for channel in inspected for finding in channel.findings]
-    return place(clock, [channel.name for channel in group], table, found)
+    findings = [finding for channel in inspected for finding in channel.findings]
+    return place(clock, [channel.name for channel in group], table, findings)
 
 
 def _one_clock(placed: list[Placed], *, by_name: bool) -> tuple[Placed, list[Finding]]:
@@ -248,32 +259,12 @@ def _one_clock(placed: list[Placed], *, by_name: bool) -> tuple[Placed, list[Fin
         if part is lead:
             continue
         slower = part.step > lead.step * (1 + SAME_RATE)
-        listed = ", ".join(map(repr, part.names))
-        start, stop = float(part.timepts[0]), float(part.timepts[-1])
-        if slower and not by_name:
-            text = (
-                f"{listed} run at {1 / part.step:.6g} Hz, the others at {1 / lead.step:.6g} Hz; left out (a slower "
-                f"channel has nothing to say between its samples); ask for them by name"
-            )
-        else:
-            moved, error = resample(part, lead)
+        numbers: dict[str, Number] = {"channels": part.names, "rate": 1 / part.step, "onto": 1 / lead.step}
+        if by_name or not slower:
+            moved, numbers["error"] = resample(part, lead)
             together.append(moved)
-            what = f"run at {1 / part.step:.6g} Hz" if slower else "stand between the samples of the others"
-            text = (
-                f"{listed} {what}; brought onto {1 / lead.step:.6g} Hz by interpolation, which errs by less than "
-                f"{100 * error:.2g} % of their motion, rms"
-            )
-        findings.append(
-            Finding(
-                kind="slower clock" if slower else "shifted clock",
-                channel="",
-                start=start,
-                stop=stop,
-                samples=part.timepts.size,
-                text=text,
-                repaired=True,
-            )
-        )
+        kind = Defect.SLOWER_CLOCK if slower else Defect.SHIFTED_CLOCK
+        findings.append(found(kind, part.timepts[[0, -1]], part.timepts.size, numbers))
     findings = [finding for part in together for finding in part.findings] + findings
     first = max(part.timepts[0] for part in together)
     last = min(part.timepts[-1] for part in together)
@@ -286,7 +277,7 @@ def _one_clock(placed: list[Placed], *, by_name: bool) -> tuple[Placed, list[Fin
     if np.all(inside) and len(together) == 1:
         return lead, findings
     if not np.all(inside):
-        findings.append(_cut(lead.timepts, inside, "not all channels were recorded there"))
+        findings.append(_cut(lead.timepts, inside, missing=False))
     return replace(
         lead,
         timepts=lead.timepts[inside],
@@ -334,20 +325,12 @@ def _whole(placed: Placed) -> tuple[RealArray, dict[str, RealArray], list[Findin
     inside = np.zeros(holes.size, bool)
     inside[first:last] = True
     if not np.all(inside):
-        findings.append(_cut(times, inside, "samples are missing there or next to it"))
+        findings.append(_cut(times, inside, missing=True))
     return times[inside], dict(zip(placed.names, table[:, inside], strict=True)), findings
 
 
-def _cut(times: RealArray, inside: NDArray[np.bool_], why: str) -> Finding:
+def _cut(times: RealArray, inside: NDArray[np.bool_], *, missing: bool) -> Finding:
     """Return the finding of ends that were cut off."""
-    lost = times[~inside]
-    kept = times[inside]
-    return Finding(
-        kind="cut",
-        channel="",
-        start=float(lost[0]),
-        stop=float(lost[-1]),
-        samples=lost.size,
-        text=f"{lost.size} samples at the ends were cut off: {why}; {kept[0]:.6g} to {kept[-1]:.6g} s is left",
-        repaired=True,
-    )
+    lost, kept = times[~inside], times[inside]
+    numbers: dict[str, Number] = {"missing": missing, "first": float(kept[0]), "last": float(kept[-1])}
+    return found(Defect.CUT, lost, lost.size, numbers)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from suspid.cleaning.findings import Finding, of_time
+from suspid.cleaning.findings import Finding, found
 from suspid.cleaning.ordering import LATEST, ordered, stamped
 from suspid.cleaning.stamps import (
     FEW,
@@ -23,6 +23,7 @@ from suspid.cleaning.stamps import (
 from suspid.errors import RecordError
 from suspid.signals import JITTER
 from suspid.units import Hertz, RealArray, Second
+from suspid.words import Defect, Number
 
 # How far two clocks may differ and still be meant to be one; over a long record, half a sample at most.
 DRIFT = 1e-4
@@ -100,7 +101,7 @@ def read_clock(stamps: RealArray, values: RealArray, *, rate: Hertz | None = Non
     --------
     >>> stamps = np.round(np.arange(2000) / 333, 3)
     >>> clock = read_clock(stamps, np.zeros((1, 2000)))
-    >>> f"{1 / clock.step:.2f} Hz", clock.findings[0].kind
+    >>> f"{1 / clock.step:.2f} Hz", clock.findings[0].kind.value
     ('333.00 Hz', 'rounded stamps')
     """
     if rate is not None and not 1 / LATEST < rate < 1 / SHORTEST:
@@ -138,7 +139,7 @@ def _plain(stamps: RealArray, rate: Hertz | None) -> tuple[RealArray, tuple[Find
             return None
         start, step, std = grid_of
         grid = np.asarray(start + step * index)
-        return grid, (of_time("rounded stamps", grid, stamps.size, _rounded_text(stamps, step, std)),)
+        return grid, (found(Defect.ROUNDED_STAMPS, grid, stamps.size, _rounding(stamps, step, std)),)
     grid = np.asarray(stamps[0] + index / rate)
     off = np.abs(stamps - grid)
     if np.max(off) <= 8 * np.spacing(np.max(np.abs(grid))):
@@ -146,11 +147,9 @@ def _plain(stamps: RealArray, rate: Hertz | None) -> tuple[RealArray, tuple[Find
     allowed = JITTER / rate + (0.0 if uniform else resolution(stamps))
     allowed = allowed + np.minimum(OFF / rate, DRIFT * np.abs(grid - grid[0]))
     if np.all(off <= allowed):
-        text = (
-            f"the stamps lie up to {np.max(off):.2g} s ({np.max(off) * rate:.2g} steps) off the grid of {rate:.9g} Hz; "
-            f"they were put on it and no sample was changed"
-        )
-        return grid, (of_time("rounded stamps", grid, stamps.size, text),) if np.max(off) > JITTER / rate else ()
+        worst = float(np.max(off))
+        said = found(Defect.ROUNDED_STAMPS, grid, stamps.size, _stated(worst, rate))
+        return grid, (said,) if worst > JITTER / rate else ()
     if uniform:
         _check_rate(rate, (stamps.size - 1) / float(stamps[-1] - stamps[0]), 0.0, stamps, off - allowed)
     return None
@@ -185,32 +184,30 @@ def _gridded(
         start = float(np.median(times - step * places))
     off = times - (start + step * places)
     rounding, worst = resolution(times), float(np.max(np.abs(off)))
-    kind, text = "", ""
+    kind: Defect | None = None
+    numbers: dict[str, Number] = {}
     if worst > JITTER * step:
         grid_of = rounded_line(places, times) if rate is None else None
         if grid_of is not None:
             start, step, std = grid_of
-            kind, text = "rounded stamps", _rounded_text(times, step, std)
+            kind, numbers = Defect.ROUNDED_STAMPS, _rounding(times, step, std)
         elif rate is not None and worst <= 0.5 * rounding + DRIFT * span and worst <= OFF * step:
-            kind, text = "rounded stamps", f"the stamps are rounded; they were put on the grid of {rate:.9g} Hz"
+            kind, numbers = Defect.ROUNDED_STAMPS, _stated(worst, rate)
         elif worst <= step and np.mean(np.abs(off) > OFF * step) <= FEW:
-            kind, text = _jitter(values, places, step, off)
+            kind, numbers = _jitter(values, places, step, off)
         else:
-            kind = "irregular stamps"
-            text = (
-                f"they stray by up to {worst / step:.2g} steps from the nearest uniform grid; they were taken as right"
-            )
-    if kind == "irregular stamps":
-        return _irregular(times, rows, rate, findings, text)
+            kind, numbers = Defect.IRREGULAR_STAMPS, {"largest": worst / step}
+    if kind is Defect.IRREGULAR_STAMPS:
+        return _irregular(times, rows, rate, findings, numbers)
     if places[-1] >= MOST_ROWS * times.size:
         raise RecordError(_hollow(np.diff(times), WIDE * usual))
     timepts = np.asarray(start + step * np.arange(places[-1] + 1))
-    findings += (of_time(kind, times, times.size, text),) if kind else ()
+    findings += (found(kind, times, times.size, numbers),) if kind else ()
     lost = int(timepts.size - places.size)
     if lost:
         holes = np.flatnonzero(np.diff(places) > 1)
-        text = f"{lost} of {timepts.size} rows are missing, in {holes.size} places"
-        findings += (of_time("missing rows", times[np.append(holes, holes[-1] + 1)], lost, text),)
+        numbers = {"rows": timepts.size, "places": holes.size}
+        findings += (found(Defect.MISSING_ROWS, times[np.append(holes, holes[-1] + 1)], lost, numbers),)
     return Clock(timepts=timepts, rows=rows, stamps=timepts[places], places=places, findings=findings)
 
 
@@ -275,46 +272,41 @@ def _tracked(times: RealArray) -> tuple[Indices, Second, Second] | None:
         count = min(count + count // 4, times.size)
 
 
-def _rounded_text(stamps: RealArray, step: Second, std: Second) -> str:
-    return (
-        f"the stamps are rounded to {resolution(stamps):.2g} s; the grid that rounds to all of them runs at "
-        f"{1 / step:.8g} ± {max(std, 1e-15) / step**2:.1g} Hz; they were put on it and no sample was changed"
-    )
+def _rounding(stamps: RealArray, step: Second, std: Second) -> dict[str, Number]:
+    return {"resolution": resolution(stamps), "rate": 1 / step, "rate_std": max(std, 1e-15) / step**2}
 
 
-def _jitter(values: RealArray, places: Indices, step: Second, off: RealArray) -> tuple[str, str]:
+def _stated(off: Second, rate: Hertz) -> dict[str, Number]:
+    return {"off": off, "off_samples": off * rate, "rate": rate}
+
+
+def _jitter(values: RealArray, places: Indices, step: Second, off: RealArray) -> tuple[Defect, dict[str, Number]]:
     """Return whether stamps that stray by less than half a step are wrong or the samples irregular, and why."""
     share, std = share_followed(values, off / step, places)
     sigma = float(np.sqrt(np.mean(off**2)))
-    stray = f"they stray by {sigma:.2g} s rms and {np.max(np.abs(off)):.2g} s at most from a grid of {1 / step:.7g} Hz"
+    largest = float(np.max(np.abs(off)))
+    numbers: dict[str, Number] = {"followed": share, "followed_std": std}
     if share > max(SIGNIFICANT * std, FOLLOWED):
-        return "irregular stamps", f"{stray}, and the samples follow them (by {share:.2f} ± {std:.2g} of the way)"
+        return Defect.IRREGULAR_STAMPS, {**numbers, "largest": largest / step}
     pace = np.diff(values, axis=1)
     speed = np.sqrt(mean(pace**2, np.isfinite(pace), axis=1)) / step * sigma
     there = np.isfinite(values)
     about = values - mean(values, there, axis=1)[:, None]
     motion = np.sqrt(mean(about**2, there, axis=1))
     error = float(np.max(speed / np.where(motion > 0, motion, np.inf)))
-    return "jittering stamps", (
-        f"{stray}; the samples do not follow them ({share:.2f} ± {std:.2g} of the way), or are too rough to tell: "
-        f"a regular clock with late stamps was assumed and no sample was changed (were the stamps right, it would err "
-        f"by {100 * error:.2g} % of the motion, rms, noise included)"
-    )
+    return Defect.JITTERING_STAMPS, {**numbers, "largest": largest, "rms": sigma, "rate": 1 / step, "error": error}
 
 
-def _irregular(times: RealArray, rows: Indices, rate: Hertz | None, findings: tuple[Finding, ...], text: str) -> Clock:
+def _irregular(
+    times: RealArray, rows: Indices, rate: Hertz | None, findings: tuple[Finding, ...], numbers: dict[str, Number]
+) -> Clock:
     steps = np.diff(times)
     usual = float(np.median(steps))
     step = float(np.mean(steps[steps <= WIDE * usual])) if rate is None else 1 / rate
     if np.sum(steps[steps > WIDE * step]) > HOLLOW * (times[-1] - times[0]):
         raise RecordError(_hollow(steps, WIDE * step))
     count = int(np.floor((times[-1] - times[0]) / step * (1 + 1e-12))) + 1
-    said = of_time(
-        "irregular stamps",
-        times,
-        times.size,
-        f"{text}; the samples were interpolated (cubic spline) onto a grid of {1 / step:.7g} Hz",
-    )
+    said = found(Defect.IRREGULAR_STAMPS, times, times.size, {**numbers, "rate": 1 / step})
     timepts = np.asarray(times[0] + step * np.arange(count))
     return Clock(timepts=timepts, rows=rows, stamps=times, places=None, findings=(*findings, said))
 

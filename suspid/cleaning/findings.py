@@ -1,41 +1,69 @@
-"""Findings: what was met in a recording, where and how much, repaired or left alone."""
+"""Findings: each defect of a recording, with its place, its size, and whether it was repaired."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from suspid.units import RealArray, Second
+from suspid.words import Check, Code, Defect, Level, Number, Remark
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Finding:
-    """One thing that was met in a recording.
+    """One defect of a recording.
 
     Parameters
     ----------
-    kind : str
-        What it is, in a word or two: "rounded stamps", "missing", "sentinel", "clipped" ….
+    remark : Remark
+        What it is: a code with its numbers.
     channel : str
         The channel; empty for time and for the recording as a whole.
     start, stop : float
         First and last time that it touches [s].
     samples : int
-        How many samples.
-    text : str
-        What it is, how much, and what was done.
+        Number of samples.
     repaired : bool
-        Whether the record differs from the file for it.
+        Whether the record differs from the file because of it.
     """
 
-    kind: str
+    remark: Remark
     channel: str
     start: Second
     stop: Second
     samples: int
-    text: str
     repaired: bool
+
+    @property
+    def kind(self) -> Code:
+        """What it is, such as `Defect.CLIPPED`."""
+        return self.remark.code
+
+    @property
+    def text(self) -> str:
+        """What it is, how much, and what was done, as a sentence."""
+        return str(self.remark)
+
+    @property
+    def check(self) -> Check:
+        """The defect as part of a verdict: a note if repaired, else a reason for care.
+
+        An offset is a note as well: identification allows for it.
+        """
+        place: dict[str, Number] = {
+            "channel": self.channel,
+            "start": self.start,
+            "stop": self.stop,
+            "samples": self.samples,
+        }
+        harmless = self.repaired or self.kind is Defect.OFFSET
+        remark = Remark(self.kind, {**self.remark.numbers, **place})
+        return Check(remark, Level.NOTE if harmless else Level.CARE)
+
+    def with_numbers(self, numbers: dict[str, Number]) -> Finding:
+        """Return the finding with further numbers in its remark."""
+        return replace(self, remark=Remark(self.kind, {**self.remark.numbers, **numbers}))
 
     def __str__(self) -> str:
         of = f", channel {self.channel!r}" if self.channel else ""
@@ -43,14 +71,22 @@ class Finding:
         return f"{self.kind}{of}{where}: {self.text}"
 
 
-def of_time(kind: str, where: RealArray, samples: int, text: str, *, repaired: bool = True) -> Finding:
-    """Return a finding of time."""
+def found(
+    kind: Defect,
+    where: RealArray,
+    samples: int,
+    numbers: dict[str, Number] | None = None,
+    *,
+    channel: str = "",
+    repaired: bool = True,
+) -> Finding:
+    """Return a finding at the times ``where`` [s], of time or of a channel; its remark also holds ``samples``."""
+    plain: dict[str, Number] = {n: x.item() if isinstance(x, np.generic) else x for n, x in (numbers or {}).items()}
     return Finding(
-        kind=kind,
-        channel="",
+        remark=Remark(kind, {"samples": samples, **plain}),
+        channel=channel,
         start=float(np.min(where)),
         stop=float(np.max(where)),
         samples=samples,
-        text=text,
         repaired=repaired,
     )

@@ -8,9 +8,10 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from suspid.cleaning.findings import Finding
+from suspid.cleaning.findings import Finding, found
 from suspid.units import RealArray
 from suspid.values import frozen_real
+from suspid.words import Defect, Number
 
 Flags: TypeAlias = NDArray[np.bool_]
 
@@ -109,21 +110,10 @@ def fill(name: str, times: RealArray, values: RealArray) -> Filled:
         return Filled(values=values, findings=())
     at = np.concatenate(where)
     rms = float(np.sqrt(np.mean(np.square(errors))))
-    share = f" ({100 * rms / motion:.2g} % of its rms motion)" if motion > 0 else ""
-    text = (
-        f"{at.size} samples are missing in {len(where)} gaps of up to {max(map(len, where))}; filled by interpolation, "
-        f"with an error of {rms:.2g} rms{share}"
-    )
-    finding = Finding(
-        kind="missing",
-        channel=name,
-        start=float(np.min(at)),
-        stop=float(np.max(at)),
-        samples=at.size,
-        text=text,
-        repaired=True,
-    )
-    return Filled(values=frozen_real(better), findings=(finding,))
+    numbers: dict[str, Number] = {"gaps": len(where), "longest": max(map(len, where)), "error": rms}
+    if motion > 0:
+        numbers["share"] = rms / motion
+    return Filled(values=frozen_real(better), findings=(found(Defect.MISSING, at, at.size, numbers, channel=name),))
 
 
 def _errors(values: RealArray, length: int, gaps: NDArray[np.intp]) -> tuple[RealArray, RealArray]:
@@ -144,13 +134,13 @@ def _errors(values: RealArray, length: int, gaps: NDArray[np.intp]) -> tuple[Rea
         return np.full(gaps.size, np.inf), np.full(gaps.size, np.inf)
     low, high = np.clip(gaps - NEARBY, 0, count), np.clip(gaps + NEARBY, 0, count)
     number = np.concatenate([[0], np.cumsum(known)])
-    found = []
+    errors = []
     for squared in (cubic, line):
         total = np.concatenate([[0.0], np.cumsum(np.where(known, squared, 0.0))])
         places = number[high] - number[low]
         mean = np.where(places > 10, (total[high] - total[low]) / np.maximum(places, 1), total[-1] / number[-1])
-        found.append(np.sqrt(np.maximum(mean, 0.0)))
-    return found[0], found[1]
+        errors.append(np.sqrt(np.maximum(mean, 0.0)))
+    return errors[0], errors[1]
 
 
 def _bridge(values: RealArray, first: int, after: int, *, by_line: bool) -> RealArray:

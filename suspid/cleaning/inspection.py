@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from suspid.cleaning.findings import Finding
+from suspid.cleaning.findings import Finding, found
 from suspid.units import RealArray
 from suspid.values import frozen_real
+from suspid.words import Defect, Number
 
 # So many samples on end at the largest value, left by a jump, are clipped.
 CLIPPED = 3
@@ -66,14 +67,13 @@ def inspect(name: str, times: RealArray, values: RealArray) -> Inspected:
     >>> values = np.sin(20 * t)
     >>> values[40] = -9999.0
     >>> print(inspect("seat", t, values).findings[0])
-    sentinel, channel 'seat' at 0.4 s: 1 sample at -9999, far from all others (...); taken as missing
+    sentinel, channel 'seat' at 0.4 s: 1 sample equal to -9999, far from all others (...); treated as missing
     """
     findings: list[Finding] = []
     whole = possible(values)
     huge = np.flatnonzero(np.abs(values) >= IMPOSSIBLE) if whole is not values else np.empty(0, np.intp)
     if huge.size:
-        text = f"{huge.size} samples are infinite or above {IMPOSSIBLE:g}; taken as missing"
-        findings.append(_finding("sentinel", name, times[huge], huge.size, text, repaired=True))
+        findings.append(found(Defect.SENTINEL, times[huge], huge.size, {"limit": IMPOSSIBLE}, channel=name))
     mended = _without_sentinels(name, times, whole, findings)
     if np.sum(~np.isnan(mended)) >= 8:
         findings += _clipping(name, *_known(times, mended))
@@ -133,11 +133,8 @@ def _without_sentinels(name: str, times: RealArray, values: RealArray, findings:
             break
         at = np.flatnonzero(values == limit)
         others = some[some != limit]
-        text = (
-            f"{at.size} sample{'s' if at.size > 1 else ''} at {limit:.6g}, far from all others ({np.min(others):.4g} "
-            f"to {np.max(others):.4g}); taken as missing"
-        )
-        findings.append(_finding("sentinel", name, times[at], at.size, text, repaired=True))
+        numbers: dict[str, Number] = {"value": limit, "low": float(np.min(others)), "high": float(np.max(others))}
+        findings.append(found(Defect.SENTINEL, times[at], at.size, numbers, channel=name))
         values = np.where(values == limit, np.nan, values)
     return values
 
@@ -169,16 +166,18 @@ def _levels(samples: RealArray) -> int:
 def _clipping(name: str, times: RealArray, samples: RealArray) -> list[Finding]:
     findings = []
     if np.ptp(samples) > 0:
-        for largest, word in ((True, "largest"), (False, "smallest")):
+        for largest in (True, False):
             run = clipped_run(samples, largest=largest)
             if run is not None and run[0] > 0 and run[0] + run[1] < samples.size:
                 at = np.flatnonzero(samples == samples[run[0]])
-                text = (
-                    f"{at.size} samples stand at its {word} value {samples[run[0]]:.6g}, {run[1]} of them on end from "
-                    f"{times[run[0]]:.6g} s: clipped; not repaired, cut the record after {times[at[-1]]:.6g} s or "
-                    f"leave the channel out"
-                )
-                findings.append(_finding("clipped", name, times[at], at.size, text, repaired=False))
+                numbers: dict[str, Number] = {
+                    "largest": largest,
+                    "value": float(samples[run[0]]),
+                    "longest": run[1],
+                    "longest_start": float(times[run[0]]),
+                    "last": float(times[at[-1]]),
+                }
+                findings.append(found(Defect.CLIPPED, times[at], at.size, numbers, channel=name, repaired=False))
     return findings
 
 
@@ -197,8 +196,8 @@ def _without_frozen(name: str, times: RealArray, values: RealArray, findings: li
     quantum = float(np.min(steps[steps > 0]))
     usual = lengths[1:-1]
     if usual.size and np.median(usual) >= 2 and np.mean(usual == np.median(usual)) > 0.9:
-        text = f"each value stands {np.median(usual):.0f} samples: it is written more often than it is measured"
-        findings.append(_finding("held samples", name, times[good], samples.size, text, repaired=False))
+        numbers: dict[str, Number] = {"repeats": float(np.median(usual))}
+        findings.append(found(Defect.HELD_SAMPLES, times[good], samples.size, numbers, channel=name, repaired=False))
         return values
     inner = np.flatnonzero(lengths >= FROZEN)
     inner = inner[(inner > 0) & (inner < lengths.size - 1)]
@@ -221,11 +220,9 @@ def _without_frozen(name: str, times: RealArray, values: RealArray, findings: li
         return values
     where = np.concatenate([good[starts[k] : stops[k]] for k in bad])
     longest = int(np.max(lengths[bad]))
-    what = "zero" if np.all(samples[starts[bad]] == 0) else "one value"
-    text = (
-        f"{bad.size} stretches of exactly {what}, up to {longest} samples long, broken off by a jump; taken as missing"
-    )
-    findings.append(_finding("dropout", name, times[where], where.size, text, repaired=True))
+    only_zero = bool(np.all(samples[starts[bad]] == 0))
+    numbers = {"runs": bad.size, "longest": longest, "zero": only_zero}
+    findings.append(found(Defect.DROPOUT, times[where], where.size, numbers, channel=name))
     cleared = values.copy()
     cleared[where] = np.nan
     return cleared
@@ -248,19 +245,14 @@ def _level(name: str, times: RealArray, samples: RealArray) -> list[Finding]:
         slope = spread * float(np.sum(x * about) / np.sum(x**2))
         explained = (slope / spread) ** 2 * float(np.mean(x**2) / np.mean(about**2))
         if explained > DRIFTING and _goes_one_way(samples, slope):
-            text = f"it drifts by {slope:.3g} over the record, more than it moves otherwise; left as it is"
-            findings.append(_finding("drift", name, times[[0, -1]], samples.size, text, repaired=False))
+            numbers: dict[str, Number] = {"drift": slope}
+            findings.append(found(Defect.DRIFT, times[[0, -1]], samples.size, numbers, channel=name, repaired=False))
     if np.min(samples) * np.max(samples) > 0 and abs(middle := float(np.median(samples))) > spread > 0:
-        text = f"it moves about {middle:.4g}, by {spread:.3g} from end to end; left as it is"
-        findings.append(_finding("offset", name, times[[0, -1]], samples.size, text, repaired=False))
+        numbers = {"level": middle, "range": spread}
+        findings.append(found(Defect.OFFSET, times[[0, -1]], samples.size, numbers, channel=name, repaired=False))
     return findings
 
 
 def _goes_one_way(samples: RealArray, slope: float) -> bool:
     blocks = np.array([np.median(block) for block in np.array_split(samples, BLOCKS)])
     return bool(np.sum(np.sign(np.diff(blocks)) == np.sign(slope)) >= ONE_WAY)
-
-
-def _finding(kind: str, name: str, where: RealArray, samples: int, text: str, *, repaired: bool) -> Finding:
-    start, stop = float(np.min(where)), float(np.max(where))
-    return Finding(kind=kind, channel=name, start=start, stop=stop, samples=samples, text=text, repaired=repaired)

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from suspid.cleaning.findings import Finding, of_time
+from suspid.cleaning.findings import Finding, found
 from suspid.cleaning.stamps import FEW, Indices, line, resolution
 from suspid.errors import RecordError
 from suspid.units import RealArray
+from suspid.words import Defect
 
 # How far out of order a row may be.
 FAR = 8
@@ -25,8 +26,7 @@ def stamped(stamps: RealArray) -> tuple[Indices, tuple[Finding, ...]]:
         )
     if not lost:
         return rows, ()
-    text = f"{lost} rows without a time stamp were dropped"
-    return rows, (of_time("no stamp", stamps[rows][[0, -1]], lost, text),)
+    return rows, (found(Defect.NO_STAMP, stamps[rows][[0, -1]], lost),)
 
 
 def ordered(stamps: RealArray, values: RealArray, rows: Indices) -> tuple[RealArray, Indices, tuple[Finding, ...]]:
@@ -38,8 +38,7 @@ def ordered(stamps: RealArray, values: RealArray, rows: Indices) -> tuple[RealAr
         now, before = values[:, rows[same]], values[:, rows[same - 1]]
         same = same[np.all((now == before) | (np.isnan(now) & np.isnan(before)), axis=0)]
     if same.size:
-        text = f"{same.size} rows stand twice, stamp and samples alike; one of each was dropped"
-        findings.append(of_time("repeated rows", times[same], same.size, text))
+        findings.append(found(Defect.REPEATED_ROWS, times[same], same.size))
         rows, times = np.delete(rows, same), np.delete(times, same)
     if times.size < 3:
         raise RecordError(f"only {times.size} rows with different time stamps are left; a record needs more")
@@ -49,17 +48,12 @@ def ordered(stamps: RealArray, values: RealArray, rows: Indices) -> tuple[RealAr
     moved = np.flatnonzero(order != np.arange(order.size))
     near = moved.size <= max(4, FEW * rows.size) and np.all(np.abs(order - np.arange(order.size)) <= FAR)
     if moved.size and near and np.all(np.diff(times[order]) > 0.5 * np.median(np.diff(times))):
-        text = f"{moved.size} rows stand in the wrong order of time; they were sorted by their stamps"
-        findings.append(of_time("swapped rows", times[order][moved], moved.size, text))
+        findings.append(found(Defect.SWAPPED_ROWS, times[order][moved], moved.size))
         return times[order], rows[order], tuple(findings)
     mended = _wrongly_stamped(times)
     if mended is not None:
         wrong = np.flatnonzero(mended != times)
-        text = (
-            f"{wrong.size} stamps are out of line with all others, the first {times[wrong[0]]:g} s; their rows "
-            f"were taken to follow the rows before them"
-        )
-        findings.append(of_time("wrong stamps", mended[wrong], wrong.size, text))
+        findings.append(found(Defect.WRONG_STAMPS, mended[wrong], wrong.size, {"first": float(times[wrong[0]])}))
         return mended, rows, tuple(findings)
     raise RecordError(_disordered(times))
 

@@ -60,13 +60,7 @@ def place(clock: Clock, names: Sequence[str], values: RealArray, findings: Seque
         error = max(halving_error(clock.stamps, row) for row in values)
         steps = np.diff(clock.stamps)
         close = int(np.sum(steps < CLOSE * np.median(steps)))
-        limit = faithful_below(steps)
-        text = (
-            f"{said[-1].text}; it errs by less than 1 % below {limit:.2g} Hz, and by less than {100 * error:.2g} % of "
-        )
-        text += "the motion, rms, all frequencies and noise included"
-        text += f"; {close} rows on the heels of others were not used" if close else ""
-        said[-1] = replace(said[-1], text=text)
+        said[-1] = said[-1].with_numbers({"faithful_below": faithful_below(steps), "error": error, "dropped": close})
         placed = np.array(spread)
     elif clock.places.size == clock.timepts.size:
         placed = values

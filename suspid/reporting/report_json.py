@@ -37,8 +37,6 @@ if TYPE_CHECKING:
 
 FORMAT = "suspid report 1"
 PACKAGES = ("suspid", "numpy", "scipy", "control", "PyWavelets", "cvxpy")
-# Kinds of findings that are left alone because identification takes them into account.
-HARMLESS = ("offset",)
 # A record begins with a decay that is given if it starts this near to it [sampling steps].
 SAME_START = 1.5
 
@@ -171,7 +169,7 @@ def report_to_dict(
         if cleaned is None
         else [
             {
-                "kind": finding.kind,
+                "kind": str(finding.kind),
                 "channel": finding.channel,
                 "start_s": finding.start,
                 "stop_s": finding.stop,
@@ -264,7 +262,7 @@ def judgement_of(
     return judge(
         identification,
         decay_doubts=() if used is None else decays[used].doubts,
-        unrepaired=0 if cleaned is None else sum(not f.repaired and f.kind not in HARMLESS for f in cleaned.findings),
+        unrepaired=0 if cleaned is None else len(cleaned.verdict.doubts),
         repeats=repeats,
         reconstruction=reconstruction,
         level=level,

@@ -7,6 +7,7 @@ to the enumeration of its subject. Each subject is one module.
 """
 
 from suspid.words.analysis import Note, RecordCheck
+from suspid.words.cleaning import Cleaning, Defect, dead
 from suspid.words.identification import Headline, ModeCheck, Reason
 from suspid.words.io import DAMAGE, LeftOut
 from suspid.words.remarks import Code, Number, Remark, count, in_a_row
@@ -15,7 +16,9 @@ from suspid.words.verdicts import Check, Level, Verdict
 __all__ = [
     "DAMAGE",
     "Check",
+    "Cleaning",
     "Code",
+    "Defect",
     "Headline",
     "LeftOut",
     "Level",
@@ -27,5 +30,6 @@ __all__ = [
     "Remark",
     "Verdict",
     "count",
+    "dead",
     "in_a_row",
 ]

@@ -1,0 +1,222 @@
+"""What cleaning can say: the defects of a recording, what was done about each, and the verdict on the record."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TypeAlias, cast
+
+from suspid.words.remarks import Code, Number, Words, count, in_a_row
+
+Numbers: TypeAlias = Mapping[str, Number]
+
+
+def place(numbers: Numbers) -> str:
+    """Return channel and time of a defect.
+
+    Examples
+    --------
+    >>> place({"channel": "seat", "start": 1.5, "stop": 2.0}), place({"channel": "", "start": 1.0, "stop": 1.0})
+    ("channel 'seat' from 1.5 to 2 s", 'at 1 s')
+    """
+    start, stop = _number(numbers, "start"), _number(numbers, "stop")
+    channel = f"channel {numbers['channel']!r} " if numbers["channel"] else ""
+    return channel + (f"from {start:.6g} to {stop:.6g} s" if stop > start else f"at {start:.6g} s")
+
+
+def _number(numbers: Numbers, name: str) -> float:
+    return cast("float", numbers[name])
+
+
+def _count(numbers: Numbers, noun: str, name: str = "samples") -> str:
+    return count(cast("int", numbers[name]), noun)
+
+
+def _rounded_stamps(numbers: Numbers) -> str:
+    if "rate_std" in numbers:
+        return (
+            "time stamps are rounded to {resolution:.2g} s; the uniform clock that rounds to all of them runs at "
+            "{rate:.8g} ± {rate_std:.1g} Hz and replaces them; samples unchanged"
+        ).format_map(numbers)
+    return (
+        "time stamps lie up to {off:.2g} s ({off_samples:.2g} samples) off the stated {rate:.9g} Hz; the uniform clock "
+        "of that rate replaces them; samples unchanged"
+    ).format_map(numbers)
+
+
+def _jittering_stamps(numbers: Numbers) -> str:
+    return (
+        "time stamps lie {rms:.2g} s rms, at most {largest:.2g} s, off a uniform clock of {rate:.7g} Hz; the samples "
+        "do not follow them (share {followed:.2f} ± {followed_std:.2g}) or are too noisy to tell; uniform sampling "
+        "assumed, samples unchanged"
+    ).format_map(numbers) + (
+        f"; if the stamps are right, the error is {100 * _number(numbers, 'error'):.2g} % of the motion (rms, with "
+        f"noise)"
+    )
+
+
+def _irregular_stamps(numbers: Numbers) -> str:
+    why = "time stamps lie up to {largest:.2g} samples off any uniform clock"
+    if "followed" in numbers:
+        why += " and the samples follow them (share {followed:.2f} ± {followed_std:.2g})"
+    text = f"{why}; interpolated (cubic spline) onto {{rate:.7g}} Hz".format_map(numbers)
+    if "faithful_below" in numbers:
+        text += (
+            f"; error below 1 % up to {numbers['faithful_below']:.2g} Hz, at most "
+            f"{100 * _number(numbers, 'error'):.2g} % of the motion over all frequencies (rms, with noise)"
+        )
+    if numbers.get("dropped"):
+        text += f"; {_count(numbers, 'near-duplicate time stamp', 'dropped')} dropped"
+    return text
+
+
+def _sentinel(numbers: Numbers) -> str:
+    what = _count(numbers, "sample")
+    if "value" in numbers:
+        where = "equal to {value:.6g}, far from all others ({low:.4g} to {high:.4g})".format_map(numbers)
+    else:
+        where = "infinite or above {limit:g}".format_map(numbers)
+    return f"{what} {where}; treated as missing"
+
+
+def _dropout(numbers: Numbers) -> str:
+    value = "zero" if numbers["zero"] else "one value"
+    runs = _count(numbers, "run", "runs")
+    return f"{runs} of exactly {value}, up to {numbers['longest']} samples long, ended by a jump; treated as missing"
+
+
+def _missing(numbers: Numbers) -> str:
+    gaps = f"{_count(numbers, 'sample')} missing in {_count(numbers, 'gap', 'gaps')} of up to {numbers['longest']}"
+    share = f" ({100 * _number(numbers, 'share'):.2g} % of the rms motion)" if "share" in numbers else ""
+    return f"{gaps}; interpolated, error {numbers['error']:.2g} rms{share}"
+
+
+def _clipped(numbers: Numbers) -> str:
+    limit = "largest" if numbers["largest"] else "smallest"
+    return (
+        f"{_count(numbers, 'sample')} at the {limit} value {numbers['value']:.6g}, {numbers['longest']} of them in a "
+        f"row from {numbers['longest_start']:.6g} s: clipped; cut the record after {numbers['last']:.6g} s or leave "
+        f"the channel out"
+    )
+
+
+def _dead_channel(numbers: Numbers) -> str:
+    return f"{dead(numbers)}; left out"
+
+
+def dead(numbers: Numbers) -> str:
+    """Return why a channel holds no motion.
+
+    Examples
+    --------
+    >>> dead({"constant": 4.2}), dead({"finite": 3, "samples": 2000})
+    ('constant at 4.2', '3 numbers in 2000 samples')
+    """
+    if "finite" in numbers:
+        return f"{_count(numbers, 'number', 'finite')} in {_count(numbers, 'sample')}"
+    return f"constant at {numbers['constant']:g}{' after the repairs' if numbers.get('repaired') else ''}"
+
+
+def _names(numbers: Numbers) -> str:
+    return in_a_row([repr(name) for name in cast("tuple[str, ...]", numbers["channels"])])
+
+
+def _slower_clock(numbers: Numbers) -> str:
+    if "error" in numbers:
+        return f"{_names(numbers)} at {numbers['rate']:.6g} Hz; {_interpolated(numbers)}"
+    return (
+        f"{_names(numbers)} at {numbers['rate']:.6g} Hz, the others at {numbers['onto']:.6g} Hz; left out; ask for "
+        f"them by name to have them interpolated"
+    )
+
+
+def _shifted_clock(numbers: Numbers) -> str:
+    return f"{_names(numbers)} sampled at other times than the other channels; {_interpolated(numbers)}"
+
+
+def _interpolated(numbers: Numbers) -> str:
+    error = 100 * _number(numbers, "error")
+    return f"interpolated onto {numbers['onto']:.6g} Hz, error at most {error:.2g} % of the motion (rms)"
+
+
+def _cut(numbers: Numbers) -> str:
+    why = "samples are missing there or next to it" if numbers["missing"] else "not all channels were recorded there"
+    first, last = _number(numbers, "first"), _number(numbers, "last")
+    return f"{_count(numbers, 'sample')} at the ends cut off ({why}); {first:.6g} to {last:.6g} s kept"
+
+
+def _placed(words: Words) -> Callable[[Numbers], str]:
+    """Return words that begin with the place of the defect where the numbers hold it."""
+
+    def say(numbers: Numbers) -> str:
+        text = words.format_map(numbers) if isinstance(words, str) else words(numbers)
+        return f"{place(numbers)}: {text}" if "channel" in numbers else text
+
+    return say
+
+
+class Defect(Code):
+    """A defect of a recording that cleaning has repaired, or seen and left alone.
+
+    Where the numbers of a remark hold ``channel``, ``start`` and ``stop`` [s], its sentence begins with them.
+
+    Examples
+    --------
+    >>> from suspid.words import Remark
+    >>> numbers = {"drift": 0.4}
+    >>> print(Remark(Defect.DRIFT, numbers))
+    drifts by 0.4 over the record, more than its other motion; left as it is
+    >>> str(Remark(Defect.DRIFT, {**numbers, "channel": "seat", "start": 0.0, "stop": 9.0}))[:30]
+    "channel 'seat' from 0 to 9 s: "
+    """
+
+    def __new__(cls, value: str, words: Words) -> Defect:
+        """Make a member whose words can begin with the place."""
+        member = object.__new__(cls)
+        member._value_ = value
+        member.words = _placed(words)
+        return member
+
+    ROUNDED_STAMPS = "rounded stamps", _rounded_stamps
+    JITTERING_STAMPS = "jittering stamps", _jittering_stamps
+    IRREGULAR_STAMPS = "irregular stamps", _irregular_stamps
+    MISSING_ROWS = (
+        "missing rows",
+        lambda n: f"{n['samples']} of {n['rows']} rows missing, in {_count(n, 'place', 'places')}",
+    )
+    NO_STAMP = "no stamp", lambda n: f"{_count(n, 'row')} without a time stamp dropped"
+    REPEATED_ROWS = (
+        "repeated rows",
+        lambda n: f"{_count(n, 'row')} repeat time stamp and samples of the row before; dropped",
+    )
+    SWAPPED_ROWS = "swapped rows", lambda n: f"{_count(n, 'row')} out of time order; sorted by time stamp"
+    WRONG_STAMPS = (
+        "wrong stamps",
+        lambda n: (
+            f"{_count(n, 'time stamp')} out of line with all others, the first {n['first']:g} s; replaced by the time "
+            f"that follows from the order of the rows"
+        ),
+    )
+    SENTINEL = "sentinel", _sentinel
+    DROPOUT = "dropout", _dropout
+    MISSING = "missing", _missing
+    CLIPPED = "clipped", _clipped
+    HELD_SAMPLES = (
+        "held samples",
+        "each value is repeated for {repeats:.0f} samples: the file has a higher rate than the sensor; left as it is",
+    )
+    DRIFT = "drift", "drifts by {drift:.3g} over the record, more than its other motion; left as it is"
+    OFFSET = "offset", "mean level {level:.4g}, range of motion {range:.3g}; left as it is"
+    DEAD_CHANNEL = "dead channel", _dead_channel
+    SLOWER_CLOCK = "slower clock", _slower_clock
+    SHIFTED_CLOCK = "shifted clock", _shifted_clock
+    CUT = "cut", _cut
+
+
+class Cleaning(Code):
+    """What cleaning made of a recording, in a line."""
+
+    UNCHANGED = "unchanged", "no defect found, record unchanged"
+    REPAIRED = (
+        "repaired",
+        lambda n: f"{_count(n, 'defect', 'repaired')} repaired, {n['left']} left as found",
+    )
