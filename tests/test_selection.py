@@ -7,6 +7,7 @@ from scipy.signal import lfilter
 
 from suspid.identification.noise import WhiteNoise
 from suspid.identification.selection import Selection, price, select
+from suspid.words import Reason
 
 Complex = NDArray[np.complex128]
 Real = NDArray[np.float64]
@@ -34,12 +35,12 @@ def selected(values: Real, *, modes: int | None = None, band: tuple[float, float
 
 def modes_of(found: Selection) -> Complex:
     every = np.concatenate([found.fit.poles.pairs, found.fit.poles.reals])
-    return np.sort_complex(every[[verdict == "mode" for verdict in found.verdicts]])
+    return np.sort_complex(every[[reason is None for reason in found.reasons]])
 
 
 def assert_two_modes(found: Selection, *, atol: float = 1e-3) -> None:
     kept = modes_of(found)
-    assert len(kept) == 2, (kept, found.verdicts)
+    assert len(kept) == 2, (kept, found.reasons)
     np.testing.assert_allclose(kept, np.sort_complex(POLES), rtol=0, atol=atol)
 
 
@@ -53,7 +54,7 @@ class TestPrice:
 
     def test_noise_rarely_pays_it(self) -> None:
         # 60 records: BIC of four parameters or more against a maximum over some thousand frequencies.
-        found = [len(selected(noise(100 + seed, 1 + seed % 3)).verdicts) for seed in range(60)]
+        found = [len(selected(noise(100 + seed, 1 + seed % 3)).reasons) for seed in range(60)]
         assert sum(found) <= 1
 
 
@@ -61,20 +62,20 @@ class TestVerdicts:
     """Each foreign motion is named; the two modes beside it stay what they are."""
 
     @pytest.mark.parametrize(
-        ("name", "motion"),
+        ("reason", "motion"),
         [
-            ("tone", lambda: 0.3 * np.cos(0.2 * K + 0.4)),
-            ("tone", lambda: 0.1 * np.cos(0.0823 * K)),
-            ("tone", lambda: 0.2 * np.cos(2 * np.pi * 50 / 500 * K + 1.0)),
-            ("drift", lambda: 0.5 * np.exp(-2.0 * K / COUNT)),
-            ("growing", lambda: 0.02 * np.exp(2.5 * K / COUNT) * np.cos(0.17 * K)),
+            (Reason.TONE, lambda: 0.3 * np.cos(0.2 * K + 0.4)),
+            (Reason.TONE, lambda: 0.1 * np.cos(0.0823 * K)),
+            (Reason.TONE, lambda: 0.2 * np.cos(2 * np.pi * 50 / 500 * K + 1.0)),
+            (Reason.DRIFT, lambda: 0.5 * np.exp(-2.0 * K / COUNT)),
+            (Reason.GROWING, lambda: 0.02 * np.exp(2.5 * K / COUNT) * np.cos(0.17 * K)),
         ],
     )
-    def test_is_no_mode(self, name: str, motion: Callable[[], Real]) -> None:
+    def test_is_no_mode(self, reason: Reason, motion: Callable[[], Real]) -> None:
         for seed in range(4):
             found = selected(decays() + noise(seed) + motion())
             assert_two_modes(found)
-            assert name in found.verdicts
+            assert reason in found.reasons
 
     @pytest.mark.parametrize(
         "motion",
@@ -99,7 +100,7 @@ class TestVerdicts:
     def test_a_band(self) -> None:
         found = selected(decays() + noise(1), band=(0.2, 0.5))
         np.testing.assert_allclose(modes_of(found), POLES[1:], rtol=0, atol=1e-3)
-        assert found.verdicts.count("outside the band") == 1
+        assert found.reasons.count(Reason.OUTSIDE_THE_BAND) == 1
 
     @pytest.mark.parametrize("channels", [1, 2])
     def test_an_overdamped_pole_is_real(self, channels: int) -> None:
@@ -126,7 +127,7 @@ class TestAskedFor:
         weak = decays(amplitudes=AMPLITUDES * np.array([[1.0], [0.2]])) + noise(3)
         one = selected(weak, modes=1)
         np.testing.assert_allclose(modes_of(one), POLES[:1], rtol=0, atol=1e-3)
-        assert one.verdicts.count("beyond") == 1
+        assert one.reasons.count(Reason.BEYOND) == 1
         assert_two_modes(selected(weak, modes=2), atol=2e-3)
 
     def test_more_than_there_are_changes_nothing(self) -> None:
@@ -178,7 +179,7 @@ class TestReasons:
         values = decays() + noise(6) + 0.0012 * np.cos(0.5 * K)
         found = selected(values)
         assert_two_modes(found)
-        assert all(text for _, text in found.rejected)
+        assert all(str(remark) for _, remark in found.rejected)
 
     def test_gains_are_what_leaving_out_costs(self) -> None:
         values = decays() + noise(7)

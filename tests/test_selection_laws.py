@@ -14,6 +14,7 @@ from suspid.identification.likelihood import Poles, evaluate, maximize
 from suspid.identification.noise import WhiteNoise, noise_colour
 from suspid.identification.selection import Selection, candidates, price, select
 from suspid.signals import as_response, as_signal
+from suspid.words import Reason
 
 Complex = NDArray[np.complex128]
 Real = NDArray[np.float64]
@@ -62,16 +63,18 @@ class TestVerdictsOfOneMotion:
     """
 
     @pytest.mark.parametrize(
-        ("decay", "sds", "verdict"),
+        ("decay", "sds", "reason"),
         [
-            (0.15, 6.5, "tone"),
-            (0.35, 6.5, "mode"),
-            (0.15, 25.0, "mode"),
-            (0.8, 2.2, "tone"),
-            (-0.15, 10.0, "growing"),
+            (0.15, 6.5, Reason.TONE),
+            (0.35, 6.5, None),
+            (0.15, 25.0, None),
+            (0.8, 2.2, Reason.TONE),
+            (-0.15, 10.0, Reason.GROWING),
         ],
     )
-    def test_is_a_tone_where_its_decay_is_little_and_not_sure(self, decay: float, sds: float, verdict: str) -> None:
+    def test_is_a_tone_where_its_decay_is_little_and_not_sure(
+        self, decay: float, sds: float, reason: Reason | None
+    ) -> None:
         slope = columns(np.array([-decay / COUNT + 0.2j]))
         # The bound itself: what the derivative by D has beside cosine and sine.
         by_decay = slope[:, 0] * K / COUNT
@@ -79,33 +82,33 @@ class TestVerdictsOfOneMotion:
         std = abs(decay) * float(np.linalg.norm(by_decay - q @ (q.T @ by_decay))) / sds
         for seed in range(3):
             found = selected(slope[:, :1].T + white(seed, std))
-            # The estimate of the decay scatters by one of its standard deviations: so do the verdicts' figures.
-            assert found.verdicts == (verdict,), (seed, found.verdicts, found.fit.poles)
+            # The estimate of the decay scatters by one of its standard deviations: so do the numbers that decide.
+            assert found.reasons == (reason,), (seed, found.reasons, found.fit.poles)
 
 
 class TestVerdictsBesideModes:
     AMPLITUDES: Complex = np.array([[1.0 - 0.4j, -0.5 + 0.3j], [0.6j, 0.9 + 0.1j]])
 
     @pytest.mark.parametrize(
-        ("pole", "verdict"),
+        ("pole", "reason"),
         [
-            (-4.5 / COUNT, "mode"),
-            ((-3.0 + 4.7j) / COUNT, "under a cycle"),
-            ((-3.0 + 8.0j) / COUNT, "mode"),
-            (-0.01 + 0.99j * np.pi, "outside the band"),
-            (-0.01 + 0.96j * np.pi, "mode"),
-            (-0.4 + 0.9j, "mode"),
-            (-0.6 + 0.9j, "a few samples"),
+            (-4.5 / COUNT, None),
+            ((-3.0 + 4.7j) / COUNT, Reason.UNDER_A_CYCLE),
+            ((-3.0 + 8.0j) / COUNT, None),
+            (-0.01 + 0.99j * np.pi, Reason.OUTSIDE_THE_BAND),
+            (-0.01 + 0.96j * np.pi, None),
+            (-0.4 + 0.9j, None),
+            (-0.6 + 0.9j, Reason.A_FEW_SAMPLES),
         ],
     )
-    def test_one_more_motion(self, pole: complex, verdict: str) -> None:
+    def test_one_more_motion(self, pole: complex, reason: Reason | None) -> None:
         poles = np.append(MODES, pole)
         amplitudes = np.column_stack([self.AMPLITUDES, [1.0, -0.6]])
         found = selected(decays(poles, amplitudes) + white(1, 1e-3, 2))
         every = np.concatenate([found.fit.poles.pairs, found.fit.poles.reals])
         assert len(every) == 3
-        assert found.verdicts[int(np.argmin(np.abs(every - pole)))] == verdict
-        assert found.verdicts.count("mode") == 2 + (verdict == "mode")
+        assert found.reasons[int(np.argmin(np.abs(every - pole)))] == reason
+        assert found.reasons.count(None) == 2 + (reason is None)
 
     @pytest.mark.parametrize(
         "drift",
@@ -116,9 +119,9 @@ class TestVerdictsBesideModes:
     def test_a_drift_is_no_mode_and_leaves_the_noise(self, drift: Callable[[Real], Real], std: float) -> None:
         values = decays(MODES, self.AMPLITUDES) + white(2, std, 2) + drift(K / COUNT)
         found = selected(values)
-        assert found.verdicts.count("mode") == 2
+        assert found.reasons.count(None) == 2
         if std > 0.01:
-            assert found.verdicts == ("mode", "mode")
+            assert found.reasons == (None, None)
             # Slope, bend and offset are nuisances.
             assert len(found.fit.poles.nuisances) == 3
         # Some 20 parameters of 6000 samples do not show.
@@ -137,7 +140,7 @@ class TestVerdictsBesideModes:
         gain = min(losses) - COUNT * np.sum(np.log(left_over(centred, np.append(known, pole))))
         assert 15 < gain < 60
         found = selected(values)
-        assert found.verdicts == ("mode",) * 3
+        assert found.reasons == (None,) * 3
         assert np.min(np.abs(found.fit.poles.pairs - pole)) < 0.003
 
     def test_without_drift_there_is_one_constant(self) -> None:

@@ -13,6 +13,7 @@ from suspid.decays.trials import Trial, background_loudness
 from suspid.identification import FEWEST_SAMPLES
 from suspid.signals import Signal
 from suspid.units import Decibel, RealArray, Second
+from suspid.words import Reason
 
 # At least one mode stands out of the background of its own band, so far below the threshold at most.
 OWN_BAND: Decibel = 6.0
@@ -41,7 +42,7 @@ Kind = Literal["impulse", "step", "release", "step or release"]
 def refused(trial: Trial) -> str | None:
     """Return why a stretch is no decay, or None if it is one."""
     if not len(trial.modes):
-        others = sorted({verdict for verdict in trial.selection.verdicts if verdict != "mode"})
+        others = sorted({str(reason) for reason in trial.selection.reasons if reason is not None})
         return "no mode decays after it" + (f" ({', '.join(others)})" if others else "")
     if trial.poles > MOST_POLES:
         return f"it takes {trial.poles} poles to follow it: it is no decay of a few modes"
@@ -110,7 +111,7 @@ def doubts_of(
             f"still driven, or not linear: {100 * left[worst]:.2g} % of the motion of {signal.channels[worst]!r} is "
             f"left over, and that is no white noise"
         )
-    if "growing" in trial.selection.verdicts:
+    if Reason.GROWING in trial.selection.reasons:
         doubts.append("still driven: part of the motion grows")
     if np.any(clipped):
         doubts.append(f"clipped in {int(np.sum(clipped))} samples")

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from suspid.identification import Selection, WhiteNoise, correlated, degrees_of_freedom, lag_one, select, synthesize
 from suspid.units import Hertz, RealArray, Second
+from suspid.words import Reason
 
 # Samples are averaged in blocks to about so many per cycle of the highest band that rings; a trial sees so many blocks.
 PER_CYCLE = 8.0
@@ -60,12 +61,12 @@ class Trial:
     def modes(self) -> NDArray[np.intp]:
         """Which of the fitted pairs are modes."""
         pairs = len(self.selection.fit.poles.pairs)
-        return np.array([i for i, v in enumerate(self.selection.verdicts[:pairs]) if v == "mode"], np.intp)
+        return np.array([i for i, v in enumerate(self.selection.reasons[:pairs]) if v is None], np.intp)
 
     @property
     def poles(self) -> int:
         """How many pairs and real poles the fit needs."""
-        return len(self.selection.verdicts)
+        return len(self.selection.reasons)
 
     @property
     def parts(self) -> RealArray:
@@ -202,8 +203,8 @@ def tried(values: RealArray, *, step: Second, size: int, least: RealArray, most:
     pairs = len(fit.poles.pairs)
     residual = about - synthesize(fit.poles.exponents, fit.amplitudes, count)
 
-    def part(wanted: str) -> RealArray:
-        rows = [i for i, verdict in enumerate(selection.verdicts) if verdict == wanted]
+    def part(wanted: Reason | None) -> RealArray:
+        rows = [i for i, reason in enumerate(selection.reasons) if reason is wanted]
         both = [*[i for i in rows if i < pairs], *[pairs + i for i in rows]]
         if not both:
             return np.zeros_like(about)
@@ -213,8 +214,8 @@ def tried(values: RealArray, *, step: Second, size: int, least: RealArray, most:
     return Trial(
         step=step * size,
         selection=selection,
-        motion=part("mode"),
-        growing=part("growing"),
+        motion=part(None),
+        growing=part(Reason.GROWING),
         residual=residual,
         noise_std=np.sqrt(noise.variance(np.sum(residual**2, axis=1), free)),
     )

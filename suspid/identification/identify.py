@@ -276,7 +276,9 @@ class Identification:
             found = f"{self.modes}\n\n{text_table(quality)}"
         elif any(c.reason in (REASONS["outside the band"], REASONS["beyond"]) for c in self.considered):
             found = "no mode in the band; those outside it are listed below"
-        elif np.max(self.explained) > 0.5 or any(c.removed or "split" in c.reason for c in self.considered):
+        elif np.max(self.explained) > 0.5 or any(
+            c.removed or "part of another mode" in c.reason for c in self.considered
+        ):
             found = "no mode: what moves in the record is no free decay of modes, see below"
         else:
             found = "no mode: nothing in the record decays like one and stands above its noise"
@@ -455,7 +457,7 @@ def _by_likelihood(
 def _modes_of(selection: Selection, signal: Signal, centred: RealArray) -> tuple[ModalSet, RealArray]:
     """Return the modes among the fitted poles, and how loud the residual is beside each."""
     fit = selection.fit
-    kept = np.flatnonzero([verdict == "mode" for verdict in selection.verdicts])
+    kept = np.flatnonzero([reason is None for reason in selection.reasons])
     pairs = kept[kept < len(fit.poles.pairs)]
     reals = kept[kept >= len(fit.poles.pairs)] - len(fit.poles.pairs)
     if not kept.size:
@@ -499,13 +501,13 @@ def _considered(selection: Selection, signal: Signal) -> tuple[Considered, ...]:
     """Return what was fitted but is no mode, then what was tried and not kept."""
     every = np.concatenate([selection.fit.poles.pairs, selection.fit.poles.reals])
     removed = tuple(
-        Considered(pole=complex(theta) / signal.step, reason=REASONS[verdict], removed=True)
-        for theta, verdict in zip(every, selection.verdicts, strict=True)
-        if verdict != "mode"
+        Considered(pole=complex(theta) / signal.step, reason=REASONS[str(code)], removed=True)
+        for theta, code in zip(every, selection.reasons, strict=True)
+        if code is not None
     )
     left = tuple(
-        Considered(pole=candidate.theta / signal.step, reason=reason, removed=False)
-        for candidate, reason in sorted(selection.rejected, key=lambda item: -item[0].gain)
+        Considered(pole=candidate.theta / signal.step, reason=str(remark), removed=False)
+        for candidate, remark in sorted(selection.rejected, key=lambda item: -item[0].gain)
     )
     return removed + left
 

@@ -229,7 +229,7 @@ def _identified(
 
 
 def _wanted(selection: Selection) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    kept = np.flatnonzero([verdict == "mode" for verdict in selection.verdicts])
+    kept = np.flatnonzero([reason is None for reason in selection.reasons])
     count = len(selection.fit.poles.pairs)
     return kept[kept < count], kept[kept >= count] - count
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +13,7 @@ from suspid.identification.likelihood import DecayFit, Poles, evaluate, maximize
 from suspid.identification.noise import LOUD, WhiteNoise, loss_growth, loudness, over_channels, power_beside
 from suspid.units import ComplexArray, RealArray
 from suspid.values import frozen_real
+from suspid.words import Reason, Remark
 
 # The grid of decay rates: from one e-folding over the record to one per sample, by about this factor. Midway between
 # two of them a pole still shows 89 % of its energy, and one that does not decay shows 92 % on the first.
@@ -60,10 +60,6 @@ STILL, CREEPING, BENT = 0.3, 3.0, frozen_real([0.0, -0.3, 0.3])
 # A pole that falls by more than this in one sample is gone before it can be seen to swing.
 BRIEF = 0.5
 
-Verdict = Literal[
-    "mode", "tone", "drift", "growing", "under a cycle", "a few samples", "outside the band", "real or pair", "beyond"
-]
-
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Candidate:
@@ -82,24 +78,24 @@ class Selection:
     ----------
     fit : DecayFit
         All poles, modes and nuisances alike.
-    verdicts : tuple of str
-        What each free pole (pairs, then reals) is taken for.
+    reasons : tuple of Reason or None
+        Why each free pole (pairs, then reals) is no mode; None for a mode.
     gains : ndarray (pole,)
         What each is worth in twice the log likelihood, by leaving it out.
     loudness : ndarray (pole,)
         Power of the residual near each pole over that of the noise; 1 where they agree.
     residual : ndarray (channel, sample)
         What the fit leaves.
-    rejected : tuple of Candidate and reason
-        Poles that were tried and not kept.
+    rejected : tuple of (Candidate, Remark)
+        Poles that were tried and not kept, and why.
     """
 
     fit: DecayFit
-    verdicts: tuple[Verdict, ...]
+    reasons: tuple[Reason | None, ...]
     gains: RealArray
     loudness: RealArray
     residual: RealArray
-    rejected: tuple[tuple[Candidate, str], ...]
+    rejected: tuple[tuple[Candidate, Remark], ...]
 
 
 def price(channels: int, samples: int, *, real: bool = False) -> float:
@@ -137,7 +133,7 @@ def select(
     nothing = evaluate(blocks, Poles(pairs=np.zeros(0, complex), reals=np.zeros(0), nuisances=np.zeros(1)), noise)
     assert nothing is not None
     held = _Held(state=state, fit=nothing)
-    rejected: list[tuple[Candidate, str]] = []
+    rejected: list[tuple[Candidate, Remark]] = []
     seen: _Points | None = None
     while held.poles.free < 2 * MOST_POLES and np.any(held.variance > noise.least):
         # What the strongest poles hid may stand out where one looked before; if not, look everywhere.
@@ -160,19 +156,19 @@ def select(
         gains, _ = state.worths(held)
     # Sums of squares from the residual itself: by subtraction they carry the rounding of the whole energy.
     fit = reweighed(held.fit, blocks, noise, held.squares)
-    verdicts = list(state.verdicts(fit))
+    reasons = list(state.reasons(fit))
     # By chance a pair gains a chi-square of as many degrees of freedom as it has parameters more.
     freedom = 1 + blocks.channels
     excluded = freedom + PAIR_EXCLUDED * np.sqrt(2 * freedom)
     for index, more in enumerate(extra, start=len(fit.poles.pairs)):
-        if verdicts[index] == "mode" and (more > excluded or gains[index] < REAL_SURE):
-            verdicts[index] = "real or pair"
-    kept = [index for index in np.argsort(-gains) if verdicts[index] == "mode"]
+        if reasons[index] is None and (more > excluded or gains[index] < REAL_SURE):
+            reasons[index] = Reason.REAL_OR_PAIR
+    kept = [index for index in np.argsort(-gains) if reasons[index] is None]
     for index in kept[modes:] if modes is not None else []:
-        verdicts[index] = "beyond"
+        reasons[index] = Reason.BEYOND
     return Selection(
         fit=fit,
-        verdicts=tuple(verdicts),
+        reasons=tuple(reasons),
         gains=gains,
         loudness=held.loudness,
         residual=held.residual,
@@ -232,28 +228,28 @@ class _State:
         """Return the price of every free pole, (pole,)."""
         return np.array([self.price(real=False)] * len(poles.pairs) + [self.price(real=True)] * len(poles.reals))
 
-    def verdicts(self, fit: DecayFit) -> tuple[Verdict, ...]:
+    def reasons(self, fit: DecayFit) -> tuple[Reason | None, ...]:
         spread = np.sqrt(np.diag(pole_covariance(fit)))
         pairs = len(fit.poles.pairs)
-        return tuple(self.verdict(theta, spread[2 * i], real=False) for i, theta in enumerate(fit.poles.pairs)) + tuple(
-            self.verdict(complex(theta), spread[2 * pairs + i], real=True) for i, theta in enumerate(fit.poles.reals)
+        return tuple(self.reason(theta, spread[2 * i], real=False) for i, theta in enumerate(fit.poles.pairs)) + tuple(
+            self.reason(complex(theta), spread[2 * pairs + i], real=True) for i, theta in enumerate(fit.poles.reals)
         )
 
-    def verdict(self, theta: complex, spread: float, *, real: bool) -> Verdict:
+    def reason(self, theta: complex, spread: float, *, real: bool) -> Reason | None:
         count, decay = self.blocks.count, -theta.real
         if decay < -3 * spread:
-            return "growing"
+            return Reason.GROWING
         if decay > BRIEF:
-            return "a few samples"
+            return Reason.A_FEW_SAMPLES
         if real:
-            return "drift" if decay * count < 3 else "mode"
+            return Reason.DRIFT if decay * count < 3 else None
         if abs(theta.imag) * count < 2 * np.pi:
-            return "under a cycle"
+            return Reason.UNDER_A_CYCLE
         if decay * count < (1.0 if decay < 3 * spread else TONE_DECAY if decay < TONE_SURE * spread else 0.0):
-            return "tone"
+            return Reason.TONE
         if not self.band[0] <= abs(theta) <= self.band[1] or theta.imag > 0.98 * np.pi:
-            return "outside the band"
-        return "mode"
+            return Reason.OUTSIDE_THE_BAND
+        return None
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -337,7 +333,7 @@ def _apart(every: ComplexArray) -> RealArray:
 
 
 def _extended(
-    state: _State, held: _Held, found: list[Candidate], rejected: list[tuple[Candidate, str]]
+    state: _State, held: _Held, found: list[Candidate], rejected: list[tuple[Candidate, Remark]]
 ) -> _Held | None:
     """Return the fit with one more pole, or None if no candidate is worth its price."""
     together = _together(state, held, found)
@@ -355,11 +351,11 @@ def _extended(
         index = -1 if candidate.real else len(trial.poles.pairs) - 1
         if trial.splits[index]:
             near = float(_apart(_every(trial.poles))[index].min())
-            rejected.append((candidate, f"split of another mode: {near:.2g} linewidths from it"))
+            rejected.append((candidate, Remark(Reason.SPLIT, {"linewidths": near})))
             continue
         if gain > cost:
             return trial
-        rejected.append((candidate, f"too weak: gains {gain:.3g} of the {cost:.3g} needed"))
+        rejected.append((candidate, Remark(Reason.TOO_WEAK, {"gain": gain, "needed": cost})))
     return None
 
 
@@ -392,7 +388,7 @@ def _together(state: _State, held: _Held, found: list[Candidate]) -> _Held | Non
     return None
 
 
-def _thinned(state: _State, held: _Held, rejected: list[tuple[Candidate, str]]) -> tuple[_Held, RealArray]:
+def _thinned(state: _State, held: _Held, rejected: list[tuple[Candidate, Remark]]) -> tuple[_Held, RealArray]:
     """Return the fit without poles that are not worth their price beside the others, and what each pole is worth."""
     while True:
         if not held.poles.free:
@@ -408,19 +404,17 @@ def _thinned(state: _State, held: _Held, rejected: list[tuple[Candidate, str]]) 
         shorter = state.fitted(held.poles.without(index), rough=True) if worth[index] < 1 else None
         if shorter is None:
             return held, gains
-        reason = "split of another mode" if held.splits[index] else "not needed beside the others"
+        reason = Remark(Reason.SPLIT if held.splits[index] else Reason.NOT_NEEDED)
         if not held.splits[index] and gains[index] >= prices[index]:
             times = energy[index] / (prices[index] * loud[index])
-            reason = (
-                f"too little beside what no mode explains near it: {times:.2g} times its price, {WORTHWHILE:g} needed"
-            )
+            reason = Remark(Reason.NOT_SIGNIFICANT, {"times": float(times), "needed": WORTHWHILE})
         real = index >= len(held.poles.pairs)
         lost = Candidate(theta=complex(_every(held.poles)[index]), real=real, gain=float(gains[index]))
         rejected.append((lost, reason))
         held = shorter
 
 
-def _straightened(state: _State, held: _Held, reach: float, rejected: list[tuple[Candidate, str]]) -> _Held:
+def _straightened(state: _State, held: _Held, reach: float, rejected: list[tuple[Candidate, Remark]]) -> _Held:
     """Return the fit with poles that creep along the whole record exchanged for a bent line, where that serves."""
     count, every = state.blocks.count, _every(held.poles)
     slow = np.flatnonzero(np.abs(every) * count < reach)
@@ -433,7 +427,7 @@ def _straightened(state: _State, held: _Held, reach: float, rejected: list[tuple
     trial = state.fitted(poles, rough=True)
     if trial is None or trial.loss > held.loss + state.price(real=True):
         return held
-    reason = "a drift: taken out with the offset, as a bent line"
+    reason = Remark(Reason.BENT)
     lost = [Candidate(theta=complex(every[i]), real=bool(i >= len(held.poles.pairs)), gain=0.0) for i in slow]
     rejected.extend((candidate, reason) for candidate in lost)
     return trial
