@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from suspid import InputError, ModalSet, eigenmodes, free_decay, statespace
-from validation.__main__ import FOLDER, main
+from validation import speed_ratios
+from validation.__main__ import FOLDER, RATIOS, main
 from validation.bounds import cramer_rao, decay_amplitudes
 from validation.paper import report
 from validation.paper_pictures import draw_responses, save
@@ -228,3 +229,101 @@ class TestReport:
         assert len(names) == 2 + len(CASES)
         for name in names:
             assert (FOLDER / name).read_bytes()[:4] == b"\x89PNG"
+
+
+class TestSpeedRatios:
+    """The comparison of a run with the committed ratios, on numbers of known distribution."""
+
+    @staticmethod
+    def runs(rng: np.random.Generator, factor: float = 1.0, *, scatter: float = 0.05) -> list[float]:
+        return [float(x) for x in 3.0 * factor * np.exp(scatter * rng.standard_normal(speed_ratios.PROCESSES))]
+
+    def test_false_alarms_stay_below_the_level(self) -> None:
+        rng, alarms, trials = np.random.default_rng(5), 0, 1000
+        for _ in range(trials):
+            before = {name: self.runs(rng, scatter=0.3) for name in "abcdefgh"}
+            now = {name: self.runs(rng, scatter=0.3) for name in "abcdefgh"}
+            alarms += any(change.slower for change in speed_ratios.changes(before, now))
+        # Three standard deviations of the count above what the level allows.
+        assert alarms <= trials * speed_ratios.LEVEL + 3 * (trials * speed_ratios.LEVEL) ** 0.5
+
+    def test_one_call_twice_as_slow_is_named_with_its_factor(self) -> None:
+        rng = np.random.default_rng(6)
+        before = {name: self.runs(rng) for name in "abcdefgh"}
+        now = {name: self.runs(rng, 2.0 if name == "c" else 1.0) for name in "abcdefgh"}
+        found = speed_ratios.changes(before, now)
+        assert [change.name for change in found if change.slower] == ["c"]
+        slow = next(change for change in found if change.slower)
+        assert slow.before
+        assert slow.now
+        # Two means of five values with 5 % scatter: 3 standard deviations of their quotient.
+        assert slow.now / slow.before == pytest.approx(2.0, rel=3 * 0.05 * (2 / 5) ** 0.5)
+        assert "c: " in speed_ratios.comparison_text(found)
+
+    def test_a_faster_call_is_no_alarm(self) -> None:
+        rng = np.random.default_rng(7)
+        before, now = {"a": self.runs(rng, 2.0), "b": self.runs(rng)}, {"a": self.runs(rng), "b": self.runs(rng)}
+        assert "No call got slower." in speed_ratios.comparison_text(speed_ratios.changes(before, now))
+
+    @pytest.mark.parametrize(("factor", "slower"), [(1.05, False), (1.2, True)])
+    def test_without_scatter_only_the_least_slowdown_worth_telling_counts(self, factor: float, slower: bool) -> None:
+        (change,) = speed_ratios.changes({"a": [2.0, 2.0]}, {"a": [2.0 * factor, 2.0 * factor]})
+        assert change.slower is slower
+
+    def test_the_p_value_is_that_of_scipys_welch_test(self) -> None:
+        from scipy.stats import ttest_ind
+
+        rng = np.random.default_rng(8)
+        before, now = self.runs(rng), [*self.runs(rng, 1.1), 3.3]
+        (change,) = speed_ratios.changes({"a": before}, {"a": now})
+        expected = ttest_ind(np.log(now), np.log(before), equal_var=False, alternative="greater").pvalue
+        assert change.p_value == pytest.approx(expected, rel=1e-9)
+
+    def test_calls_in_one_run_only_are_listed_and_not_judged(self) -> None:
+        found = speed_ratios.changes({"old": [1.0, 1.1]}, {"new": [9.0, 9.1]})
+        text = speed_ratios.comparison_text(found)
+        assert not any(change.slower for change in found)
+        assert "not measured before" in text
+        assert "no longer measured" in text
+
+    def test_ratios_are_least_durations_over_that_of_the_yardstick(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        # A clock that moves only as the calls say: the first round is slow, the yardstick takes 2 s.
+        clock, durations = [0.0], iter([50.0, 6.0, 5.0, 7.0])
+
+        def advance(seconds: float) -> None:
+            clock[0] += seconds
+
+        monkeypatch.setattr("time.process_time", lambda: clock[0])
+        monkeypatch.setattr(speed_ratios, "yardstick", lambda: advance(2.0))
+        found = speed_ratios.ratios({"call": lambda: advance(next(durations))}, rounds=3)
+        assert found == {"call": 2.5}
+
+    def test_written_ratios_are_read_again(self, tmp_path: Path) -> None:
+        speed_ratios.write_ratios(tmp_path / "speed.json", {"a": [1.5, 2.25]})
+        assert speed_ratios.read_ratios(tmp_path / "speed.json") == {"a": [1.5, 2.25]}
+
+    @pytest.mark.parametrize("content", ["", "[]", '{"ratios": 3}', '{"ratios": {"a": ["x"]}}'])
+    def test_a_file_of_another_kind_is_refused(self, tmp_path: Path, content: str) -> None:
+        (tmp_path / "speed.json").write_text(content)
+        with pytest.raises(InputError, match="no ratios to compare with"):
+            speed_ratios.read_ratios(tmp_path / "speed.json")
+
+    @pytest.mark.parametrize("values", [[1.0], [1.0, 0.0], [1.0, float("nan")]])
+    def test_too_few_or_impossible_ratios_are_refused(self, values: list[float]) -> None:
+        with pytest.raises(InputError, match="at least two positive numbers"):
+            speed_ratios.changes({"a": [1.0, 2.0]}, {"a": values})
+
+    @pytest.mark.parametrize(("factor", "code"), [(1.0, 0), (2.0, 1)])
+    def test_the_exit_code_says_whether_a_call_got_slower(
+        self, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, factor: float, code: int
+    ) -> None:
+        monkeypatch.setattr(speed_ratios, "measured", lambda: {"a": [2.0 * factor, 2.1 * factor, 2.2 * factor]})
+        speed_ratios.write_ratios(tmp_path / "speed.json", {"a": [2.0, 2.1, 2.2]})
+        assert main(["speed", "--against", str(tmp_path / "speed.json")]) == code
+
+    def test_against_belongs_to_speed_alone(self) -> None:
+        with pytest.raises(SystemExit):
+            main(["paper", "--against"])
+
+    def test_the_committed_ratios_are_of_the_calls_measured_today(self) -> None:
+        assert set(speed_ratios.read_ratios(RATIOS)) == set(speed_ratios.calls())

@@ -1,4 +1,8 @@
-"""Write the reports: ``python -m validation [NAME ...] [--out FOLDER]``."""
+"""Write the reports: ``python -m validation [NAME ...] [--out FOLDER]``.
+
+``python -m validation speed --against`` measures only the ratios of `validation.speed_ratios`, compares them with the
+committed ones and ends with 1 if a call got slower. ``--ratios`` measures and writes them.
+"""
 
 from __future__ import annotations
 
@@ -8,9 +12,10 @@ import importlib.util
 import os
 from pathlib import Path
 
-# In order; each module has report(), and pictures(folder) if it draws any.
+# In this order. Each module has report(); modules with pictures have pictures(folder).
 REPORTS = ("paper", "accuracy", "springs", "peers", "speed", "denoising", "transform", "free_decay", "decays", "fleet")
 FOLDER = Path(__file__).parent / "report"
+RATIOS = FOLDER / "speed.json"
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -21,14 +26,46 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument(
         "--out", type=Path, default=FOLDER, metavar="FOLDER", help="where to write (default: %(default)s)"
     )
+    only = parser.add_mutually_exclusive_group()
+    only.add_argument(
+        "--against", type=Path, nargs="?", const=RATIOS, metavar="FILE",
+        help="with speed: compare with the ratios in FILE, write nothing (default FILE: %(const)s)",
+    )  # fmt: skip
+    only.add_argument(
+        "--ratios", type=Path, nargs="?", const=RATIOS, metavar="FILE",
+        help="with speed: write nothing but the ratios to FILE (default FILE: %(const)s)",
+    )  # fmt: skip
     given = parser.parse_args(arguments)
     unknown = [name for name in given.names if name not in known]
     if unknown:
         parser.error(f"there is no report {unknown[0]!r}; choose from {', '.join(known)}")
+    if given.against or given.ratios:
+        if given.names != ["speed"]:
+            parser.error("--against and --ratios belong to one report: python -m validation speed --against")
+        return compare_speed(given.against) if given.against else write_speed(given.ratios)
     given.out.mkdir(parents=True, exist_ok=True)
     for name in given.names or known:
         for path in write(name, given.out):
             print(path, flush=True)
+    return 0
+
+
+def compare_speed(path: Path) -> int:
+    """Print the ratios of this run beside those in a file; return 1 if a call got slower, else 0."""
+    from validation import speed_ratios
+
+    before = speed_ratios.read_ratios(path)
+    found = speed_ratios.changes(before, speed_ratios.measured())
+    print(speed_ratios.comparison_text(found))
+    return int(any(change.slower for change in found))
+
+
+def write_speed(path: Path) -> int:
+    """Measure the ratios and write them to a file; return 0."""
+    from validation import speed_ratios
+
+    speed_ratios.write_ratios(path, speed_ratios.measured())
+    print(path)
     return 0
 
 
