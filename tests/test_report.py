@@ -29,7 +29,7 @@ from suspid import (
 )
 from suspid.analysis.judgement import judge
 from suspid.cleaning.clean import Cleaned, Finding
-from suspid.decays.find_decays import Decay
+from suspid.decays import Decay
 from suspid.identification.identify_repeats import identify_repeats
 from suspid.identification.modes_json import read_modes
 from suspid.reporting.charts import HEIGHT, WIDTH, Chart, Scale, decades, image, labelled, line, palette

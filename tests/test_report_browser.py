@@ -16,7 +16,7 @@ from playwright.sync_api import Browser, Page, sync_playwright
 
 from suspid import add_noise, free_decay, identify, reconstruct
 from suspid.cleaning.clean import Cleaned, Finding
-from suspid.decays.find_decays import Decay
+from suspid.decays import Decay
 from suspid.reporting.report import Source, report
 from suspid.signals import as_response, as_signal
 from suspid.words import Defect, Remark

@@ -12,7 +12,7 @@ import numpy as np
 from tabulate import tabulate
 
 from suspid import ModalSet, Suspension, eigenmodes, free_decay, statespace
-from suspid.decays.find_decays import Decay, find_decays
+from suspid.decays import Decay, find_decays
 from suspid.errors import SuspidError
 from suspid.identification.identify_repeats import identify_repeats
 from suspid.signals import as_response

@@ -276,7 +276,7 @@ def stretch_of(record: control.TimeResponseData, start: float | None, stop: floa
     if which == "whole" or (which == "auto" and late_start(as_signal(record)) is None):
         return Stretch(record=record, decays=(), used=(), said=())
     decays = find_decays(record)
-    remarks = " ".join(decays.remarks[:MOST_REMARKS])
+    remarks = " ".join(map(str, decays.remarks[:MOST_REMARKS]))
     if len(decays.remarks) > MOST_REMARKS:
         remarks += f" … and {len(decays.remarks) - MOST_REMARKS} more such."
     if not decays and which != "auto":

@@ -1,10 +1,12 @@
-"""Where a recording decays freely.
+"""Find free decays in a recording.
 
-`find_decays` finds the stretches after a bump, a step or a release, verifies each start with `suspid.identify`,
-and ranks them. Below it: `bursts` (what stands above the background), `trials` and `sketches` (quick fits),
-`starts` (the first sample after the forcing) and `doubts` (what speaks against a stretch).
+`find_decays` finds the events in a recording (a bump, a step, a release), finds where the excitation of each ends,
+checks each decay with `identify` and ranks them. Below it: `envelopes` (band power above the background), `bursts`
+(the events), `trials` and `sketches` (quick fits), `starts` and `verification` (the first sample of the decay),
+`refusals`, `doubts` and `kinds` (what is said of it) and `candidates` (all of that for one event).
 """
 
-from suspid.decays.find_decays import Decay, Decays, find_decays
+from suspid.decays.decay import Decay, Decays
+from suspid.decays.find_decays import find_decays
 
 __all__ = ["Decay", "Decays", "find_decays"]

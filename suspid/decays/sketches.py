@@ -1,4 +1,4 @@
-"""How much of a stretch damped exponentials could follow at best: a quick look before any fit."""
+"""Estimate quickly how much of a stretch damped exponentials can follow at best."""
 
 from __future__ import annotations
 
@@ -6,20 +6,19 @@ import numpy as np
 
 from suspid.units import RealArray
 
-# So many exponentials over so many blocks, from lagged copies of the channels.
-ORDER, MOST_BLOCKS = 20, 300
-# Directions of the exponentials that are smaller than this are none.
-INDEPENDENT = 1e-10
-# A channel is driven where more than this share of its motion is left over, root mean square, and what is left is no
-# white noise, by its correlation from block to block.
-LEFT, COLOURED = 0.2, 0.3
+# Number of exponentials, more than a decay has, and blocks that they follow. Fewer exponentials refuse decays of
+# several modes; more follow driven motion too.
+ORDER, SKETCH_BLOCKS = 20, 300
+# A channel is driven if its residual exceeds this share of its motion, root mean square, and correlates by this much
+# from block to block. Lower limits refuse noisy or slightly nonlinear decays.
+LEFT, CORRELATED = 0.2, 0.3
 
 
 def clearly_driven(values: RealArray, *, size: int) -> bool:
-    """Return whether not even many exponentials follow half the channels of a stretch, from its first sample on.
+    """Return whether 20 damped exponentials fail to follow a stretch in at least half of its channels.
 
-    The shift of the signal subspace (ESPRIT) gives more exponentials than a decay has; those that grow are turned
-    into decaying ones. A free decay is followed to its noise, in all channels that take part; what is driven is not.
+    The exponentials come from the shift of the signal subspace (ESPRIT); growing ones are reflected to decaying ones.
+    They follow a free decay down to its noise in all channels, but not driven motion.
 
     Parameters
     ----------
@@ -39,17 +38,17 @@ def clearly_driven(values: RealArray, *, size: int) -> bool:
     >>> clearly_driven(rolling, size=1)
     True
     """
-    count = min(values.shape[1] // size, MOST_BLOCKS)
+    count = min(values.shape[1] // size, SKETCH_BLOCKS)
     means = values[:, : count * size].reshape(len(values), count, size).mean(axis=2)
     left, motion = _left(means - means.mean(axis=1, keepdims=True))
     power = np.sum(left**2, axis=1)
     share = np.sqrt(power / np.maximum(np.sum(motion**2, axis=1), 1e-300))
     together = np.abs(np.sum(left[:, 1:] * left[:, :-1], axis=1)) / np.maximum(power, 1e-300)
-    return bool(np.sum((together > COLOURED) & (share > LEFT)) >= 0.5 * len(values))
+    return bool(np.sum((together > CORRELATED) & (share > LEFT)) >= 0.5 * len(values))
 
 
 def _left(about: RealArray) -> tuple[RealArray, RealArray]:
-    """Return what exponentials leave of the first third of blocks, and that third, (channel, block)."""
+    """Return the residual of the exponentials over the first third of the blocks, and that third, (channel, block)."""
     channels, count = about.shape
     scaled = about / np.maximum(np.sqrt(np.mean(about**2, axis=1, keepdims=True)), 1e-300)
     rows = min(count // 3, 10 + 2 * ORDER // channels)
@@ -61,6 +60,7 @@ def _left(about: RealArray) -> tuple[RealArray, RealArray]:
     poles = np.where(size > 1, poles / size**2, poles)
     powers = np.column_stack([poles ** np.arange(count)[:, None], np.ones(count)])
     basis, weights, _ = np.linalg.svd(np.column_stack([powers.real, powers.imag]), full_matrices=False)
-    basis = basis[:, weights > INDEPENDENT * weights[0]]
+    # Exponentials that are equal to rounding make no further direction.
+    basis = basis[:, weights > 1e-10 * weights[0]]
     early = max(1, count // 3)
     return (scaled.T - basis @ (basis.T @ scaled.T))[:early].T, scaled[:, :early]

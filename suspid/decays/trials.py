@@ -1,4 +1,4 @@
-"""Is a stretch a free decay from its first sample on? A fit that answers."""
+"""Fit damped exponentials to a stretch and see whether they explain it from its first sample on."""
 
 from __future__ import annotations
 
@@ -11,43 +11,50 @@ from suspid.identification import Selection, WhiteNoise, correlated, degrees_of_
 from suspid.units import Hertz, RealArray, Second
 from suspid.words import Reason
 
-# Samples are averaged in blocks to about so many per cycle of the highest band that rings; a trial sees so many blocks.
+# Blocks per cycle of the highest band that rings: samples are averaged in blocks of that length. Fewer blocks damp the
+# highest mode; more cost time.
 PER_CYCLE = 8.0
+# Blocks that a trial uses at most, the first ones, and at least. More cost time for what lies in the noise; fewer do
+# not tell a mode from noise.
 MOST_BLOCKS = 600
 FEWEST_BLOCKS = 32
-# The residual of the first 24th of a stretch is compared with the rest; at least so many blocks.
+# The residual of the first of this many parts is compared with the others, of at least this many blocks each. Longer
+# parts dilute a forced beginning; shorter ones scatter.
 PARTS, FEWEST_EARLY = 24, 6
-# It may exceed the rest by so many standard deviations of chance.
-SURE = 5.0
-# A residual below this share of the motion is as good as none.
+# Standard deviations of chance by which the first part may exceed the others. A lower limit moves starts too late and
+# doubts good decays; a higher one lets forcing pass.
+EARLY_SURE = 5.0
+# A residual below this share of the motion is not compared: the fit is exact to rounding.
 NEGLIGIBLE = 1e-4
-# The noise is at least this share of what the channel does in its quiet stretches: no fit needs to follow the rest.
+# The noise has at least this share of the variance of a stretch at this quantile of the recording, if there are this
+# many stretches. Without it the fit spends poles on the background.
 QUIET_SHARE, QUIET_QUANTILE, FEWEST_STRETCHES = 0.5, 0.25, 4
 # Probability with which a white residual is called coloured by its correlation over one block (5 standard deviations).
-# Trials are many: a stretch is tried from many starts.
+# It is small because a stretch is tried from many starts.
 COLOUR_LEVEL = 5.733e-7
-# The background is what this share of the stretches of a recording stay below.
+# Quantile of the power over the stretches that counts as background. The median is too high where decays fill half of
+# the recording.
 CALM = 0.2
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Trial:
-    """The fit of damped exponentials to a stretch from its first sample on.
+    """Fit of damped exponentials to a stretch from its first sample on.
 
     Parameters
     ----------
     step : float
-        Length of a block, whose means were fitted [s].
+        Length of a block [s]; the means over blocks are fitted.
     selection : Selection
         The poles, per block.
     motion : ndarray (channel, block)
-        What the modes among them explain.
+        Motion explained by the modes among them.
     growing : ndarray (channel, block)
-        What poles explain that grow.
+        Motion explained by growing poles.
     residual : ndarray (channel, block)
-        What nothing explains.
+        Motion explained by neither.
     noise_std : ndarray (channel,)
-        Its standard deviation.
+        Standard deviation of the residual.
     """
 
     step: Second
@@ -59,18 +66,18 @@ class Trial:
 
     @property
     def modes(self) -> NDArray[np.intp]:
-        """Which of the fitted pairs are modes."""
+        """Indices of the fitted pairs that are modes."""
         pairs = len(self.selection.fit.poles.pairs)
         return np.array([i for i, v in enumerate(self.selection.reasons[:pairs]) if v is None], np.intp)
 
     @property
     def poles(self) -> int:
-        """How many pairs and real poles the fit needs."""
+        """Number of pairs and real poles of the fit."""
         return len(self.selection.reasons)
 
     @property
     def parts(self) -> RealArray:
-        """Mean square of the residual over that of the middling part, by channel and part, (channel, part)."""
+        """Mean square of the residual in each part over the median of the parts, (channel, part)."""
         size = max(FEWEST_EARLY, self.residual.shape[1] // PARTS)
         count = max(1, self.residual.shape[1] // size)
         power = np.mean(self.residual[:, : count * size].reshape(len(self.residual), count, size) ** 2, axis=2)
@@ -79,22 +86,22 @@ class Trial:
 
     @property
     def excess(self) -> float:
-        """How far the residual of the first part exceeds the others', over what chance allows [1]: 1 is the limit."""
+        """Residual power of the first part over the median of the parts, relative to the limit of chance [1]."""
         size = max(FEWEST_EARLY, self.residual.shape[1] // PARTS)
         early = np.sum(self.residual[:, :size] ** 2, axis=1)
         matters = early > NEGLIGIBLE**2 * np.sum(self.motion[:, :size] ** 2, axis=1)
-        return float(np.max(self.parts[:, 0] * matters) / (1 + SURE * np.sqrt(2 / size)))
+        return float(np.max(self.parts[:, 0] * matters) / (1 + EARLY_SURE * np.sqrt(2 / size)))
 
     @property
     def early(self) -> float:
-        """Residual over motion in the first part, root mean square, of the channel where it is largest [1]."""
+        """Residual over motion in the first part, root mean square, largest over the channels [1]."""
         size = max(FEWEST_EARLY, self.residual.shape[1] // PARTS)
         motion = np.sum(self.motion[:, :size] ** 2, axis=1)
         return float(np.sqrt(np.max(np.sum(self.residual[:, :size] ** 2, axis=1) / np.maximum(motion, 1e-300))))
 
     @property
     def left(self) -> RealArray:
-        """Residual over motion, root mean square in the first third, where the residual is not white; else 0."""
+        """Residual over motion in the first third, root mean square, or 0 where the residual is white, (channel,)."""
         early = max(1, self.residual.shape[1] // 3)
         coloured = correlated(lag_one(self.residual), self.residual.shape[1], level=COLOUR_LEVEL)
         motion = np.sum(self.motion[:, :early] ** 2, axis=1)
@@ -110,7 +117,7 @@ class Trial:
 
     @property
     def cycles(self) -> RealArray:
-        """Cycles of each mode until one no longer stands out of the noise, or the stretch ends [1], (mode,)."""
+        """Cycles of each mode until its amplitude over one cycle meets the noise, or the stretch ends [1], (mode,)."""
         fit, rows = self.selection.fit, self.modes
         theta = fit.poles.pairs[rows]
         power = np.sum(np.abs(2 * fit.amplitudes[rows]) ** 2 / self.noise_std**2, axis=1)
@@ -120,12 +127,12 @@ class Trial:
 
 
 def block_size(step: Second, top: Hertz) -> int:
-    """Return how many samples may be averaged where nothing above a band rings."""
+    """Return the number of samples per block where no band above a frequency rings."""
     return max(1, int(1 / (PER_CYCLE * top * step)))
 
 
 def quiet_variance(values: RealArray, *, size: int, length: int, finest: RealArray) -> RealArray:
-    """Return the least variance that the means over blocks of a stretch can have as noise, (channel,).
+    """Return a lower bound of the variance of the noise in the means over blocks, (channel,).
 
     Parameters
     ----------
@@ -136,7 +143,7 @@ def quiet_variance(values: RealArray, *, size: int, length: int, finest: RealArr
     length : int
         Samples of the stretch.
     finest : ndarray (channel,)
-        Standard deviation of rounding and quantisation.
+        Standard deviation of the rounding and quantisation error.
     """
     blocks = max(length // size, FEWEST_BLOCKS)
     stretches = values.shape[1] // (blocks * size)
@@ -149,10 +156,10 @@ def quiet_variance(values: RealArray, *, size: int, length: int, finest: RealArr
 
 
 def background_loudness(values: RealArray, trial: Trial, *, size: int, length: int) -> RealArray:
-    """Return how loud the recording's background is at each mode, over white noise like the fit's, (mode,).
+    """Return the background power of the recording at each mode over that of white noise like the fit's, (mode,).
 
-    The power at the frequency of the mode (Hann window) in stretches as long as the decay, a low quantile over the
-    recording, in the channel where the mode is strongest; 1 where it cannot be told.
+    It is a low quantile of the power at the frequency of the mode (Hann window) in stretches as long as the decay, in
+    the channel where the mode is strongest, and 1 in recordings too short for that.
     """
     blocks = trial.residual.shape[1]
     stretches = values.shape[1] // (max(length // size, blocks) * size)
@@ -162,20 +169,19 @@ def background_loudness(values: RealArray, trial: Trial, *, size: int, length: i
     window = np.hanning(blocks)
     fit, rows = trial.selection.fit, trial.modes
     turns = np.exp(-1j * np.arange(blocks)[:, None] * fit.poles.pairs[rows].imag) * window[:, None]
-    # Without the part of the window that a constant would leak.
     power = np.abs((means - means.mean(axis=2, keepdims=True)) @ turns) ** 2
     white = trial.noise_std[:, None] ** 2 * float(window @ window)
-    # The quiet part of it: where decays fill half of a recording, the median is theirs. Power of noise is exponential.
+    # The power of noise is exponentially distributed.
     loud = np.quantile(power, CALM, axis=1) / -np.log1p(-CALM) / white
     strongest = np.argmax(np.abs(fit.amplitudes[rows]).T / trial.noise_std[:, None], axis=0)
     return np.asarray(loud[strongest, np.arange(len(rows))])
 
 
 def tried(values: RealArray, *, step: Second, size: int, least: RealArray, most: int = MOST_BLOCKS) -> Trial | None:
-    """Return the fit to a stretch, or None if it is too short or does not move.
+    """Return the fit to a stretch, or None if it is too short or a channel is constant.
 
-    Means over blocks keep the poles of exponentials and the whiteness of noise, and look at no sample before the
-    first: no filter smears what came before into the stretch.
+    Means over blocks keep the poles of exponentials and the whiteness of noise. Unlike a filter they do not mix in
+    samples from before the stretch.
 
     Parameters
     ----------
@@ -186,9 +192,9 @@ def tried(values: RealArray, *, step: Second, size: int, least: RealArray, most:
     size : int
         Samples per block.
     least : ndarray (channel,)
-        Least variance of the noise of a block, see `quiet_variance`.
+        Lower bound of the variance of the noise in a block, see `quiet_variance`.
     most : int
-        How many blocks to use; the first ones.
+        Most blocks to use, the first ones.
     """
     count = min(values.shape[1] // size, most)
     if count < FEWEST_BLOCKS:

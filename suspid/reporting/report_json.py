@@ -185,7 +185,7 @@ def report_to_dict(
                 "stop_s": decay.stop,
                 "kind": decay.kind,
                 "cycles": decay.cycles,
-                "doubts": list(decay.doubts),
+                "doubts": [str(doubt) for doubt in decay.doubts],
                 "used": i == used,
             }
             for i, decay in enumerate(decays)
@@ -261,7 +261,7 @@ def judgement_of(
     used = used_decay(identification.response, decays)
     return judge(
         identification,
-        decay_doubts=() if used is None else decays[used].doubts,
+        decay_doubts=() if used is None else [str(doubt) for doubt in decays[used].doubts],
         unrepaired=0 if cleaned is None else len(cleaned.verdict.doubts),
         repeats=repeats,
         reconstruction=reconstruction,

@@ -8,6 +8,7 @@ to the enumeration of its subject. Each subject is one module.
 
 from suspid.words.analysis import Note, RecordCheck
 from suspid.words.cleaning import Cleaning, Defect, dead
+from suspid.words.decays import DecayDoubt, DecayKind, DecayRemark
 from suspid.words.identification import Headline, ModeCheck, Reason
 from suspid.words.io import DAMAGE, LeftOut
 from suspid.words.remarks import Code, Number, Remark, count, in_a_row
@@ -18,6 +19,9 @@ __all__ = [
     "Check",
     "Cleaning",
     "Code",
+    "DecayDoubt",
+    "DecayKind",
+    "DecayRemark",
     "Defect",
     "Headline",
     "LeftOut",

@@ -1,0 +1,172 @@
+"""Decide for one event whether it is followed by a free decay."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import TypeAlias
+
+import numpy as np
+
+from suspid.decays.bursts import Burst
+from suspid.decays.decay import Decay
+from suspid.decays.doubts import COUNTS, clipped_samples, doubts_of, doubts_of_background
+from suspid.decays.envelopes import Envelopes
+from suspid.decays.kinds import kind_of
+from suspid.decays.refusals import Refusal, drowned, fits, refused
+from suspid.decays.starts import Start, find_start
+from suspid.decays.trials import Trial, block_size, quiet_variance, tried
+from suspid.decays.verification import verified
+from suspid.signals import Signal
+from suspid.units import Decibel, RealArray
+from suspid.values import frozen_real
+from suspid.words import DecayKind, DecayRemark, Remark
+
+# Most times that a band may rise again within an event; more often than that, the motion is driven. Two of them are
+# this many periods of the highest band apart, because a decay needs some cycles.
+MOST_AGAIN, LEAST_PERIODS = 3, 8.0
+# Most blocks of the final fit, from the start that was found. More follow long decays further and cost time.
+FINAL_BLOCKS = 2000
+
+# The decays after an event, or the reasons why there are none.
+Found: TypeAlias = tuple[tuple[Decay, ...], tuple[Remark, ...]]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Recording:
+    """A recording with what every event in it needs.
+
+    Parameters
+    ----------
+    signal : Signal
+        The recording.
+    bands : Envelopes
+        Power of its octave bands above the background.
+    finest : ndarray (channel,)
+        Standard deviation of the rounding and quantisation error.
+    """
+
+    signal: Signal
+    bands: Envelopes
+    finest: RealArray
+
+
+def decays_after(recording: Recording, burst: Burst) -> Found:
+    """Return the decays after an event; another begins where a band rises again, unless a decay lasts through that."""
+    out, remarks = examined(recording, burst, moved=True)
+    if not burst.again or len(burst.again) > MOST_AGAIN or (out and out[0].start < burst.again[0]):
+        return out, remarks
+    for onset in reversed(burst.again):
+        later, _ = examined(recording, replace(burst, onset=onset), moved=True)
+        if later:
+            out = later if not out or later[0].start < out[0].start else out
+            break
+    if not out:
+        return (), remarks
+    remarks = ()
+    edges = [burst.onset, *(onset for onset in burst.again if onset <= out[0].start)]
+    for onset, stop in pairwise(edges):
+        if stop - onset > LEAST_PERIODS * burst.width:
+            before, said = examined(recording, replace(burst, onset=onset, stop=stop, cut=True), moved=True)
+            out, remarks = (*out, *before), (*remarks, *said)
+    return out, remarks
+
+
+def examined(recording: Recording, burst: Burst, *, moved: bool) -> Found:
+    """Return the decay after an event, or the reason why there is none.
+
+    Parameters
+    ----------
+    recording : Recording
+        The recording.
+    burst : Burst
+        The event.
+    moved : bool
+        Whether the start is searched; otherwise it is that of the event.
+    """
+    signal = recording.signal
+    first = max(0, int(np.ceil((burst.onset - signal.start) / signal.step - 1e-6)))
+    last = min(signal.values.shape[1], int(np.floor((burst.stop - signal.start) / signal.step + 1e-6)) + 1)
+    # Channels that are constant in the second half, such as the road after a step, take no part.
+    later = signal.values[:, first + (last - first) // 2 : last]
+    moving = np.flatnonzero(np.ptp(later, axis=1) > 0) if later.size else np.zeros(0, np.intp)
+    part = replace(
+        signal,
+        values=frozen_real(signal.values[moving]),
+        channels=tuple(signal.channels[channel] for channel in moving),
+    )
+    size = min(block_size(signal.step, burst.top), max(1, (last - first) // 64))
+    clipped = clipped_samples(part.values)
+    start, doubt = Start(begin=first, trial=None), None
+    if moving.size:
+        least = quiet_variance(part.values, size=size, length=last - first, finest=recording.finest[moving])
+        if moved:
+            start = find_start(part, least, burst, first, last, size, clipped)
+            start, doubt = _verified(part, start, last, size)
+        if start.trial is not None or not moved:
+            rest = part.values[:, start.begin : last]
+            whole = tried(rest, step=signal.step, size=size, least=least, most=FINAL_BLOCKS)
+            start = replace(start, trial=whole or start.trial)
+    refusal = _refusal(recording, start)
+    if start.trial is None or refusal is not None:
+        code, numbers = refusal or (DecayRemark.TOO_SHORT, {})
+        return (), (Remark(code, {"time": burst.onset, "level": burst.level, **numbers}),)
+    if not moved and fits(start.trial):
+        _, doubt = verified(part, start.trial, start.begin, last, size, moved=False)
+    doubts = (
+        *doubts_of(part, start.trial, burst, _cycles(start.trial), start.begin, clipped[start.begin : last]),
+        *doubts_of_background(part, start.trial, size=size, length=last - start.begin),
+        *([doubt] if doubt is not None else []),
+    )
+    kind = kind_of(part, start.trial, first, start.begin) if moved else None
+    return (_decay(part, start.trial, (start.begin, last), level=burst.level, kind=kind, doubts=doubts),), ()
+
+
+def _verified(part: Signal, start: Start, last: int, size: int) -> tuple[Start, Remark | None]:
+    """Return a start from which `identify` finds the same modes; one that is refused or doubted anyway stays."""
+    if start.trial is None or not fits(start.trial) or refused(start.trial) is not None:
+        return start, None
+    begin, doubt = verified(part, start.trial, start.begin, last, size, moved=True)
+    return replace(start, begin=begin), doubt
+
+
+def _refusal(recording: Recording, start: Start) -> Refusal | None:
+    """Return the reason why there is no decay from a start, if there is one besides a missing fit."""
+    if start.driven:
+        return DecayRemark.DRIVEN, {}
+    if start.trial is None:
+        return None
+    signal = recording.signal
+    return refused(start.trial) or drowned(start.trial, recording.bands, signal.start + signal.step * start.begin)
+
+
+def _cycles(trial: Trial) -> float:
+    """Return the most cycles of a mode that counts."""
+    return float(np.max(trial.cycles[trial.strengths >= COUNTS * np.max(trial.strengths)]))
+
+
+def _decay(
+    part: Signal,
+    trial: Trial,
+    samples: tuple[int, int],
+    *,
+    level: Decibel,
+    kind: DecayKind | None,
+    doubts: tuple[Remark, ...],
+) -> Decay:
+    theta = trial.selection.fit.poles.pairs[trial.modes] / trial.step
+    order = np.argsort(np.abs(theta))
+    cycles, energy = _cycles(trial), float(np.sum(trial.strengths))
+    time = part.start + part.step * np.array([samples[0], samples[1] - 1])
+    return Decay(
+        start=float(time[0]),
+        stop=float(time[1]),
+        rank=0,
+        kind=kind,
+        level=level,
+        cycles=cycles,
+        strength=float(10 * np.log10(max(energy, 1e-30) * max(cycles, 1e-3) ** 2)),
+        wn=frozen_real(np.abs(theta[order])),
+        zeta=frozen_real(-theta[order].real / np.abs(theta[order])),
+        doubts=doubts,
+    )

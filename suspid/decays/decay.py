@@ -1,0 +1,121 @@
+"""Free decays of a recording, in order of rank."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import overload
+
+import numpy as np
+
+from suspid.units import Decibel, RealArray, Second
+from suspid.values import text_table
+from suspid.words import Check, DecayDoubt, DecayKind, DecayRemark, Level, Remark, Verdict
+
+# Doubts that the motion is a free decay at all; the others say that it tells little.
+GRAVE = frozenset(
+    {
+        DecayDoubt.FORCED,
+        DecayDoubt.DRIVEN,
+        DecayDoubt.GROWING,
+        DecayDoubt.COMPANY,
+        DecayDoubt.NOT_IDENTIFIED,
+        DecayDoubt.MODES_MISSING,
+        DecayDoubt.LOUD_RESIDUAL,
+    }
+)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Decay:
+    """A stretch of free decay.
+
+    Parameters
+    ----------
+    start, stop : float
+        Its first and last time [s]; the excitation has ended at the start.
+    rank : int
+        1 for the decay that determines its modes best.
+    kind : DecayKind or None
+        What set it off: "impulse", "step", "release", "step or release"; None if the record does not show it.
+    level : float
+        Power above the background, at the peak of the strongest band [dB].
+    cycles : float
+        Cycles until the decay meets the noise or ends, of the mode that makes most among those with at least a
+        hundredth of the energy [1].
+    strength : float
+        Energy of its modes over the variance of the noise, times the square of the cycles [dB].
+    wn, zeta : ndarray (mode,)
+        Natural frequencies [rad/s] and damping ratios [1] of a quick fit; those of `identify` are more accurate.
+    doubts : tuple of Remark
+        Doubts about it, each a `DecayDoubt` with its numbers; empty if there are none.
+    """
+
+    start: Second
+    stop: Second
+    rank: int
+    kind: DecayKind | None
+    level: Decibel
+    cycles: float
+    strength: Decibel
+    wn: RealArray
+    zeta: RealArray
+    doubts: tuple[Remark, ...]
+
+    def __str__(self) -> str:
+        what = f"{self.cycles:.1f} cycles, {self.level:.0f} dB above the background"
+        return "; ".join([f"{self.start:.6g} … {self.stop:.6g} s: {what}", *map(str, self.doubts)])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Decays(Sequence[Decay]):
+    """Free decays of a recording in order of rank, as a sequence, and remarks on the other events.
+
+    Parameters
+    ----------
+    decays : tuple of Decay
+        The decays, the best first.
+    remarks : tuple of Remark
+        Events that are no free decay, each with its reason, and events that were not examined.
+    """
+
+    decays: tuple[Decay, ...] = ()
+    remarks: tuple[Remark, ...] = ()
+
+    def __len__(self) -> int:
+        return len(self.decays)
+
+    def __iter__(self) -> Iterator[Decay]:
+        return iter(self.decays)
+
+    @overload
+    def __getitem__(self, index: int) -> Decay: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> tuple[Decay, ...]: ...
+
+    def __getitem__(self, index: int | slice) -> Decay | tuple[Decay, ...]:
+        return self.decays[index]
+
+    @property
+    def verdict(self) -> Verdict:
+        """How far the best decay can be trusted: its doubts are the checks."""
+        if not self.decays:
+            none = Remark(DecayRemark.NONE)
+            return Verdict(none, tuple(Check(remark, Level.NONE) for remark in self.remarks or (none,)))
+        checks = [Check(d, Level.DOUBTFUL if d.code in GRAVE else Level.CARE) for d in self.decays[0].doubts]
+        return Verdict(Remark(DecayRemark.FOUND, {"decays": len(self.decays)}), tuple(checks))
+
+    def __str__(self) -> str:
+        columns: dict[str, list[str]] = {
+            "rank": [str(decay.rank) for decay in self],
+            "start [s]": [f"{decay.start:.6g}" for decay in self],
+            "stop [s]": [f"{decay.stop:.6g}" for decay in self],
+            "after": [decay.kind or "?" for decay in self],
+            "above background [dB]": [f"{decay.level:.0f}" for decay in self],
+            "cycles": [f"{decay.cycles:.1f}" for decay in self],
+            "f [Hz]": [", ".join(f"{wn / (2 * np.pi):.3g}" for wn in decay.wn) for decay in self],
+            "doubts": ["; ".join(map(str, decay.doubts)) or "none" for decay in self],
+        }
+        parts = [text_table(columns)] if self else [str(Remark(DecayRemark.NONE))]
+        return "\n".join([*parts, *map(str, self.remarks)])

@@ -1,0 +1,175 @@
+"""Power of each octave band above its background."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from suspid.identification import UNIFORM_STD, resolution
+from suspid.signals import Signal
+from suspid.units import ComplexArray, Decibel, RealArray, Second
+from suspid.values import frozen_real
+
+# Width of a band [octaves], a Gaussian over the logarithm of frequency. Wider bands mix modes; narrower bands blur the
+# onset in time.
+OCTAVES = 0.4
+# The lowest band makes this many cycles in the record. With fewer cycles its background cannot be estimated.
+LEAST_CYCLES = 8.0
+# Within this many periods of either end a band shows the mirrored signal. Fewer periods give false events at the ends.
+FOLD = 1.5
+# The background estimate of a band scatters by as much again when it rests on this many cycles; its levels are lowered
+# accordingly. A smaller number gives false events at low frequencies.
+UNCERTAIN_CYCLES = 24.0
+# The background of a band is this quantile of its power, converted to the mean of exponentially distributed power
+# (noise). A higher quantile fails where decays fill most of the record; a lower one scatters more.
+QUANTILE = 0.25
+# The background is at least this share of the greatest power of its band (-70 dB), because no sensor is quieter.
+DYNAMIC = 1e-7
+# Probability that Gaussian noise alone passes the threshold anywhere in the record, and the factor in power above that
+# threshold at which an event begins. The factor allows for noise that is not Gaussian, such as rolling on a road.
+CHANCE, MARGIN = 1e-3, 4.0
+# Longest envelope [points]. It bounds time and memory for long recordings, and limits the resolution in time there.
+MOST_POINTS = 2**17
+# A sensor that changes this often between values that it holds is taken to be quantised. Fewer changes are chance.
+FEWEST_CHANGES = 8
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Envelopes:
+    """Power of octave bands over the background, maximum over the channels.
+
+    Parameters
+    ----------
+    timepts : ndarray (point,)
+        Times [s].
+    centres : ndarray (band,)
+        Centre frequencies of the bands [Hz], descending.
+    levels : ndarray (band, point)
+        Power over background [dB].
+    threshold : float
+        Level that noise does not reach [dB].
+    """
+
+    timepts: RealArray
+    centres: RealArray
+    levels: RealArray
+    threshold: Decibel
+
+    @property
+    def level(self) -> RealArray:
+        """Maximum over the bands [dB], (point,)."""
+        return np.asarray(np.max(self.levels, axis=0))
+
+    @property
+    def step(self) -> Second:
+        """Distance of the points [s]."""
+        return float(self.timepts[1] - self.timepts[0])
+
+
+def envelopes(signal: Signal) -> Envelopes:
+    """Return the power of each octave band above its background.
+
+    The record is mirrored at its end so that its Fourier transform sees no jump. Each band is the inverse transform of
+    its own bins alone, so low bands cost little.
+
+    Parameters
+    ----------
+    signal : Signal
+        The record.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> values = np.random.default_rng(1).standard_normal((1, 5000))
+    >>> values[0, 3000:3020] += 30.0
+    >>> signal = Signal(start=0.0, step=0.01, values=values, channels=("seat",))
+    >>> found = envelopes(signal)
+    >>> float(found.timepts[np.argmax(found.level)].round())
+    30.0
+    """
+    from scipy.fft import rfft
+
+    count = signal.values.shape[1]
+    points = min(count, MOST_POINTS)
+    centres = _centres(signal)
+    # Positions of the points, in samples.
+    at = (np.arange(points) + 0.5) * (count / points) - 0.5
+    levels = np.full((len(centres), points), -np.inf)
+    trend = np.linspace(-1.0, 1.0, count)
+    for samples, least in zip(signal.values, finest(signal.values), strict=True):
+        about = samples - samples.mean()
+        about = about - trend * (float(about @ trend) / float(trend @ trend))
+        spectrum = rfft(np.concatenate([about, about[::-1]]))
+        for band, centre in enumerate(centres):
+            power, white = _band_power(spectrum, 2 * count * centre * signal.step, 2 * count)
+            floor = max(background(power[: len(power) // 2 + 1]), white * least**2, 1e-300)
+            here = np.interp((at + 0.5) * (len(power) / (2 * count)), np.arange(len(power)), power)
+            np.maximum(levels[band], 10 * np.log10(np.maximum(here / floor, 1e-9)), out=levels[band])
+    for band, centre in enumerate(centres):
+        edge = int(np.ceil(FOLD / (centre * signal.step) * points / count))
+        levels[band, :edge] = levels[band, edge]
+        levels[band, points - edge :] = levels[band, points - edge - 1]
+        levels[band] -= 10 * np.log10(1 + UNCERTAIN_CYCLES / (centre * signal.duration))
+    chances = count * len(signal.values) / CHANCE
+    return Envelopes(
+        timepts=frozen_real(signal.start + signal.step * at),
+        centres=frozen_real(centres),
+        levels=frozen_real(levels),
+        threshold=float(10 * np.log10(MARGIN * np.log(chances))),
+    )
+
+
+def background(power: RealArray) -> float:
+    """Return the mean power of the noise in a band, from a low quantile of its power.
+
+    The power of Gaussian noise in a band is exponentially distributed with mean m: its quantile q is
+    ``-m log(1 - q)``.
+
+    Examples
+    --------
+    >>> round(background(np.random.default_rng(1).exponential(2.0, 100_000)), 1)
+    2.0
+    """
+    quiet = np.quantile(power, QUANTILE) / -np.log1p(-QUANTILE)
+    return max(float(quiet), DYNAMIC * float(np.max(power)))
+
+
+def finest(values: RealArray) -> RealArray:
+    """Return the standard deviation of the rounding and quantisation error of each channel.
+
+    A quantised signal that was resampled shows its steps only where it is constant: the smallest distance between the
+    values that it holds is taken as its step.
+    """
+    out = resolution(values)
+    for channel, samples in enumerate(values):
+        held = samples[1:][np.diff(samples) == 0]
+        if np.sum(np.diff(held) != 0) < FEWEST_CHANGES:
+            continue
+        gaps = np.diff(np.unique(held))
+        gaps = gaps[gaps > 1e-6 * np.max(np.abs(samples - np.median(samples)))]
+        out[channel] = max(out[channel], float(np.min(gaps)) * UNIFORM_STD) if gaps.size else out[channel]
+    return out
+
+
+def _centres(signal: Signal) -> RealArray:
+    top, bottom = 0.25 / signal.step, LEAST_CYCLES / signal.duration
+    return np.asarray(top / 2.0 ** np.arange(max(1, int(np.floor(np.log2(top / bottom))) + 1)))
+
+
+def _band_power(spectrum: ComplexArray, centre: float, count: int) -> tuple[RealArray, float]:
+    """Return the squared envelope of a band at the rate that it needs, and its mean for white noise of variance 1.
+
+    The Gaussian is cut two octaves from its centre, at 4e-6 of its peak.
+    """
+    from scipy.fft import ifft, next_fast_len
+
+    low = int(np.ceil(centre / 4))
+    high = min(int(np.floor(centre * 4)), len(spectrum) - 1)
+    bins = np.arange(low, high + 1)
+    window = np.exp(-0.5 * (np.log2(bins / centre) / OCTAVES) ** 2)
+    length = next_fast_len(2 * len(bins))
+    padded = np.zeros(length, complex)
+    padded[: len(bins)] = spectrum[low : high + 1] * window
+    envelope = ifft(padded)
+    return np.asarray(envelope.real**2 + envelope.imag**2), count * float(window @ window) / length**2

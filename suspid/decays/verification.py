@@ -1,0 +1,84 @@
+"""Verify a free decay with `identify`."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from suspid.decays.trials import Trial
+from suspid.errors import SuspidError
+from suspid.identification import REASONS, Identification, identify
+from suspid.signals import Signal, as_response
+from suspid.words import DecayDoubt, Remark
+
+# Delays of the starts that are verified, in quarters of a block, up to this share of the stretch.
+QUARTERS = (0, 1, 2, 3, 4, 6, 9, 14, 20)
+LATEST_VERIFIED = 0.4
+# Modes with this share of the energy of the strongest must be found again. With a smaller share noise decides.
+STRONG = 0.05
+# A mode is found again within this share of its frequency plus this many of its standard deviations. Wider limits
+# accept another mode, narrower ones refuse weak modes.
+NEAR, NEAR_SURE = 0.05, 5.0
+# The residual near a mode is at most this many times as loud as white noise; beyond that the motion is driven or
+# nonlinear.
+LOUDEST = 4.0
+
+
+def verified(
+    signal: Signal, trial: Trial, begin: int, last: int, size: int, *, moved: bool
+) -> tuple[int, Remark | None]:
+    """Return a start from which `identify` finds the modes of a trial, and a doubt if there is none.
+
+    A trial fits means over blocks, which hide a few forced samples; `identify` fits all samples.
+
+    Parameters
+    ----------
+    signal : Signal
+        The moving channels of the recording.
+    trial : Trial
+        The fit that found the decay.
+    begin, last : int
+        First sample of the decay, and the one after its last.
+    size : int
+        Samples per block.
+    moved : bool
+        Whether later starts may be tried.
+    """
+    first_doubt: Remark | None = None
+    usable: int | None = None
+    places = [begin + round(quarter * max(1.0, size / 4)) for quarter in QUARTERS] if moved else [begin]
+    for place in places:
+        if place - begin > LATEST_VERIFIED * (last - begin):
+            break
+        part = signal.values[:, place:last]
+        try:
+            found = identify(as_response(signal.timepts[place:last], part, signal.channels))
+        except SuspidError as error:
+            doubt: Remark | None = Remark(DecayDoubt.NOT_IDENTIFIED, {"error": str(error)})
+        else:
+            doubt = _doubt(trial, found)
+            # A pole that is gone after a few samples fits forced samples.
+            if doubt is None and not any(c.removed and c.reason == REASONS["a few samples"] for c in found.considered):
+                return place, None
+            usable = place if doubt is None and usable is None else usable
+        first_doubt = first_doubt or doubt
+    return (begin, first_doubt) if usable is None else (usable, None)
+
+
+def _doubt(trial: Trial, found: Identification) -> Remark | None:
+    """Return a doubt if an identification does not find the modes of a trial, or finds them in a loud residual."""
+    strong = trial.strengths >= STRONG * np.max(trial.strengths)
+    poles = trial.selection.fit.poles.pairs[trial.modes][strong] / trial.step
+    spread = -poles.real * np.sqrt(2 / trial.strengths[strong])
+    reach = NEAR * np.abs(poles) + NEAR_SURE * spread
+    missing, loudest = list[float](), 1.0
+    for pole, most in zip(poles, reach, strict=True):
+        apart = np.abs(found.modes.poles - pole)
+        if not apart.size or np.min(apart) > most:
+            missing.append(float(abs(pole)) / (2 * np.pi))
+            continue
+        loudest = max(loudest, float(found.loudness[np.argmin(apart)]))
+    if missing:
+        return Remark(DecayDoubt.MODES_MISSING, {"hertz": tuple(missing)})
+    if loudest > LOUDEST:
+        return Remark(DecayDoubt.LOUD_RESIDUAL, {"decibel": float(10 * np.log10(loudest))})
+    return None

@@ -1,0 +1,140 @@
+"""What can be said of the free decays in a recording, and of the events that are none."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from enum import StrEnum
+
+from suspid.words.remarks import Code, Number, count
+
+
+def _percent(share: Number) -> str:
+    """Return a share as a percentage of two digits."""
+    assert isinstance(share, float)
+    return f"{100 * share:.2g} %" if share < 0.995 else f"{100 * share:.0f} %"
+
+
+def _few_samples(numbers: Mapping[str, Number]) -> str:
+    modes = numbers["modes"]
+    assert isinstance(modes, int)
+    return f"too few samples ({numbers['samples']} after averaging) for {count(modes, 'mode')}"
+
+
+def _clipped(numbers: Mapping[str, Number]) -> str:
+    samples = numbers["samples"]
+    assert isinstance(samples, int)
+    return f"{count(samples, 'sample')} clipped"
+
+
+def _missing(numbers: Mapping[str, Number]) -> str:
+    hertz = numbers["hertz"]
+    assert isinstance(hertz, tuple)
+    return f"identify finds no mode at {', '.join(f'{f:.3g}' for f in hertz)} Hz in this stretch"
+
+
+def _event(numbers: Mapping[str, Number]) -> str:
+    return f"t = {numbers['time']:.6g} s, {numbers['level']:.0f} dB above the background: "
+
+
+def _no_mode(numbers: Mapping[str, Number]) -> str:
+    others = numbers["others"]
+    assert isinstance(others, tuple)
+    seen = f" ({', '.join(map(str, others))})" if others else ""
+    return f"{_event(numbers)}no decaying mode{seen}."
+
+
+def _found(numbers: Mapping[str, Number]) -> str:
+    decays = numbers["decays"]
+    assert isinstance(decays, int)
+    return f"{count(decays, 'free decay')} found"
+
+
+class DecayKind(StrEnum):
+    """What set a decay off."""
+
+    IMPULSE = "impulse"
+    STEP = "step"
+    RELEASE = "release"
+    STEP_OR_RELEASE = "step or release"
+
+
+class DecayDoubt(Code):
+    """What speaks against a stretch as a free decay."""
+
+    FEW_CYCLES = "few cycles", "only {cycles:.1f} cycles"
+    TOO_SHORT = "too short", "too short for the mode at {hertz:.3g} Hz: {cycles:.1f} cycles of it"
+    FEW_SAMPLES = "few samples", _few_samples
+    FORCED = (
+        "forced",
+        lambda n: (
+            f"the first part deviates from a free decay by {_percent(n['share'])} of the motion: the excitation "
+            f"still acts, or the motion is nonlinear"
+        ),
+    )
+    DRIVEN = (
+        "driven",
+        lambda n: (
+            f"{_percent(n['share'])} of the motion of {n['channel']!r} remains as a coloured residual: still "
+            f"driven, or nonlinear"
+        ),
+    )
+    GROWING = "growing", "part of the motion grows: still driven"
+    CLIPPED = "clipped", _clipped
+    AT_START = "at start", "the decay starts at the first sample, so the excitation may still be acting"
+    CUT_OFF = "cut off", "the next event begins before the decay has reached the background"
+    COMPANY = (
+        "company",
+        "{refused} of {examined} events are not free decays: the recording may be driven throughout, and this decay a "
+        "coincidence",
+    )
+    BACKGROUND = (
+        "background",
+        "the background near {hertz:.3g} Hz is {decibel:.0f} dB above white noise: it excites the mode during the "
+        "decay, and the intervals are too narrow",
+    )
+    NOT_IDENTIFIED = "not identified", "identify fails on this stretch: {error}"
+    MODES_MISSING = "modes missing", _missing
+    LOUD_RESIDUAL = (
+        "loud residual",
+        "identify leaves a residual {decibel:.0f} dB above white noise near the modes: still driven, or nonlinear",
+    )
+
+
+class DecayRemark(Code):
+    """What was found in a recording, and why an event is no free decay."""
+
+    FOUND = "found", _found
+    NONE = "none", "no free decay found"
+    NO_EVENT = (
+        "no event",
+        "No event found: the level peaks at {level:.1f} dB above the background (t = {time:.6g} s); steady noise "
+        "reaches {threshold:.1f} dB.",
+    )
+    NOT_ALL = (
+        "not all",
+        "{found} events found; the {examined} strongest were examined. Cut the recording, or give the stretches, to "
+        "examine the others.",
+    )
+    DRIVEN = "driven", lambda n: f"{_event(n)}driven motion; no sum of damped exponentials follows it."
+    TOO_SHORT = "too short", lambda n: f"{_event(n)}too short for a decay."
+    NO_MODE = "no mode", _no_mode
+    MANY_POLES = (
+        "many poles",
+        lambda n: f"{_event(n)}{n['poles']} poles needed, more than the {n['most']} of a decay of a few modes.",
+    )
+    WEAK = (
+        "weak",
+        lambda n: (
+            f"{_event(n)}too weak against the noise; the decay rate would be known to {_percent(n['share'])} at best."
+        ),
+    )
+    GROWING = "growing", lambda n: f"{_event(n)}driven; growing motion holds {_percent(n['share'])} of the energy."
+    LEFT_OVER = "left over", lambda n: f"{_event(n)}driven; decaying modes leave {_percent(n['share'])} of the motion."
+    UNEXPLAINED = (
+        "unexplained",
+        lambda n: f"{_event(n)}driven, or noise; decaying modes explain at most {_percent(n['share'])} of the motion.",
+    )
+    DROWNED = (
+        "drowned",
+        lambda n: f"{_event(n)}no mode rises more than {n['most']:.0f} dB above the background of its own band.",
+    )
