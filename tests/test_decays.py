@@ -231,7 +231,7 @@ class TestResult:
         decays = find_decays(released((11.0,), seconds=20.0), given=[(11.0, 13.0), (2.0, 6.0)])
         again = pickle.loads(pickle.dumps(decays))
         assert isinstance(again, Decays)
-        assert (len(again), bool(again), list(again)[0] is again[0]) == (1, True, True)
+        assert (len(again), bool(again), next(iter(again)) is again[0]) == (1, True, True)
         assert [d.start for d in again] == [d.start for d in decays]
         assert again.remarks == decays.remarks
         assert len(again.remarks) == 1

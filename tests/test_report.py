@@ -40,7 +40,7 @@ from suspid.reporting.rows import quantity
 from suspid.reporting.thinning import MOST_SAMPLES, drawable, is_whole
 from suspid.signals import as_response, as_signal
 from suspid.units import RealArray
-from suspid.words import Defect, Number, Remark
+from suspid.words import DecayDoubt, Defect, Number, Remark
 from validation import cars
 
 HOSTILE = (
@@ -74,7 +74,7 @@ def stretch(start: float, stop: float, *, kind: Any = None, cycles: float = 5.0,
         strength=60.0,
         wn=wn,
         zeta=zeta,
-        doubts=doubts,
+        doubts=tuple(Remark(DecayDoubt.NOT_IDENTIFIED, {"error": text}) for text in doubts),
     )
 
 

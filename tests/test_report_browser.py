@@ -19,7 +19,7 @@ from suspid.cleaning.clean import Cleaned, Finding
 from suspid.decays import Decay
 from suspid.reporting.report import Source, report
 from suspid.signals import as_response, as_signal
-from suspid.words import Defect, Remark
+from suspid.words import DecayDoubt, Defect, Remark
 from validation import cars
 
 CHROMIUM = shutil.which("chromium") or "/usr/bin/chromium"
@@ -75,7 +75,7 @@ def stretch(
         strength=60.0,
         wn=wn,
         zeta=zeta,
-        doubts=doubts,
+        doubts=tuple(Remark(DecayDoubt.NOT_IDENTIFIED, {"error": text}) for text in doubts),
     )
 
 
