@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import itertools
+import threading
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import pytest
@@ -13,6 +14,8 @@ from hypothesis import strategies as st
 
 from suspid import InputError, ModalSet, ReconstructionError, Strut, Suspension, eigenmodes, quarter_car
 from suspid.model import pole_distances
+from suspid.reconstruction import programs
+from suspid.reconstruction.programs import Optimum, Program, compiled, cone_of, least_squares, optimality, solve
 from suspid.reconstruction.reconstruct import Reconstruction, reconstruct
 from suspid.units import RealArray
 
@@ -501,28 +504,59 @@ class TestWhatIsSaid:
 
 class TestProgram:
     def test_bounds_against_scipy(self) -> None:
-        """The sharpened optimum is that of SciPy's active-set method, at any size of the data."""
+        """The sharpened optimum is that of SciPy's active-set method, at any size of the data and of the columns."""
         from scipy.optimize import lsq_linear
 
-        from suspid.reconstruction.programs import convex_program
-
         rng = np.random.default_rng(6)
-        for size in (1e-9, 1e-5, 1.0, 1e5):
-            A, b = rng.standard_normal((8, 4)), size * rng.standard_normal(8)
-            low, high = np.full(4, -0.1 * size), np.full(4, 0.2 * size)
+        for size, unknowns in itertools.product((1e-9, 1e-5, 1.0, 1e5), (2, 4, 8, 16)):
+            A = rng.standard_normal((2 * unknowns, unknowns)) * 10 ** rng.uniform(-3, 0, unknowns)
+            b = size * rng.standard_normal(2 * unknowns)
+            low, high = np.full(unknowns, -0.1 * size), np.full(unknowns, 0.2 * size)
             expected = lsq_linear(A, b / size, (low / size, high / size), method="bvls", tol=1e-15).x * size
-            np.testing.assert_allclose(
-                convex_program(A, b, low, high), expected, rtol=1e-9, atol=1e-12 * size, err_msg=f"{size=}"
-            )
+            found = least_squares(A, b, low, high, smallest=1e-9 * size)
+            np.testing.assert_allclose(found.x, expected, rtol=0, atol=1e-11 * size, err_msg=f"{size=}")
+            inside = (expected > low + 1e-9 * size) & (expected < high - 1e-9 * size)
+            assert found.free == np.sum(inside), "what no bound stops is free"
+
+    def test_a_point_that_is_no_optimum_is_refused(self) -> None:
+        """Stationarity, equalities, signs and complementarity are computed here, not taken from the solver."""
+        program = compiled(2, threading.get_ident())
+        A, b = np.array([[2.0, 1.0], [0.0, 1.0]]), np.array([3.0, -1.0])
+        found = solve(program, {"A": A, "b": b, "low": np.zeros(2), "high": np.full(2, 1.0)})
+        np.testing.assert_allclose(found.x, [1.0, 0.0], atol=1e-12, err_msg="by hand: both on a bound")
+        data, chain, _ = program.problem.get_problem_data("CLARABEL", solver_opts={})
+        raw = chain.solver.solve_via_data(data, warm_start=False, verbose=False, solver_opts={})
+        cone, primal, dual = cone_of(data), np.array(raw.x), np.array(raw.z)
+        assert optimality(cone, primal, dual) < 1e-6
+        for i in range(len(primal)):
+            assert optimality(cone, primal + 0.01 * np.eye(len(primal))[i], dual) > 1e-4, "another point"
+        for i in range(len(dual)):
+            assert optimality(cone, primal, dual - 0.01 * np.eye(len(dual))[i]) > 1e-4, "another multiplier"
+        assert optimality(cone, np.full(len(primal), np.nan), dual) == np.inf
+
+    def test_the_answer_is_that_of_a_program_of_cvxpy(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        """Each suspension that is returned, the alternatives as well, comes out of a program of its own."""
+        asked: list[Optimum] = []
+
+        def counted(program: Program, numbers: Mapping[str, RealArray | float]) -> Optimum:
+            asked.append(solve(program, numbers))
+            return asked[-1]
+
+        monkeypatch.setattr(programs, "solve", counted)
+        car = two_mass_car(chassis_damping=1500.0, tire_damping=30.0)
+        for modes in (eigenmodes(car), without_shapes(eigenmodes(car))):
+            asked.clear()
+            answer = reconstruct(modes, changed(car, [0.7, 1.3] * 2))
+            assert len(asked) >= 1 + len(answer.alternatives)
+            assert all(one.left < 1e-9 for one in asked)
 
     def test_it_is_compiled_once(self) -> None:
-        from suspid.reconstruction.programs import compiled
-
         car = two_mass_car(chassis_damping=1500.0, tire_damping=30.0)
         reconstruct(eigenmodes(car), car)
-        before = compiled.cache_info().misses
+        before = compiled.cache_info()
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             answers = [reconstruct(eigenmodes(car), changed(car, [f] * 4)) for f in (0.7, 1.3)]
-        assert compiled.cache_info().misses == before
+        assert compiled.cache_info().misses == before.misses
+        assert compiled.cache_info().hits >= before.hits + 2, "and is solved each time"
         assert all(isinstance(a, Reconstruction) for a in answers)

@@ -26,9 +26,9 @@ from suspid import (
     read_record,
     statespace,
 )
+from suspid.reconstruction.descent import slope_left
 from suspid.reconstruction.equations import linear, sensitivities, spectral
 from suspid.reconstruction.observations import ModalTest, observe
-from suspid.reconstruction.programs import slope_left
 from suspid.reconstruction.reconstruct import Reconstruction, reconstruct
 from suspid.reconstruction.unknowns import parameter_names, parameter_vector
 from suspid.signals import as_response, as_signal

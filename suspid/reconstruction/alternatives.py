@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from suspid.model import Suspension, eigenmodes, pole_distances
+from suspid.reconstruction.descent import Equations
 from suspid.reconstruction.equations import Observed, partners, spectral
 from suspid.reconstruction.polynomials import characteristic
-from suspid.reconstruction.programs import Equations
 from suspid.reconstruction.unknowns import Unknowns
 from suspid.units import ComplexArray, Ratio, RealArray
 

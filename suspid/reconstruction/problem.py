@@ -11,9 +11,11 @@ import numpy as np
 from suspid.errors import ReconstructionError
 from suspid.model import Suspension, pole_distances
 from suspid.reconstruction.alternatives import distinct, even_starts, spectral_minima
+from suspid.reconstruction.descent import bounded_step, descend
 from suspid.reconstruction.equations import EXACT, Observed, all_poles, deciding, linear, spectral
 from suspid.reconstruction.observations import ModalTest, observe, printed, unweighted
-from suspid.reconstruction.programs import bounded_least_squares, descend
+from suspid.reconstruction.programs import Optimum, least_squares
+from suspid.reconstruction.sequence import converged
 from suspid.reconstruction.unknowns import Bounds, Unknowns, unknowns_of
 from suspid.units import Ratio, RealArray
 
@@ -22,6 +24,7 @@ STARTS = 24  # where the poles alone are too few to search by them
 RETRIES = 12  # where a single answer is not reached from the nominal car
 POLISHED = 12  # of the minima that the search finds
 BLIND = 1e-8  # of the largest singular value: what the data do not see
+LARGEST = 1e9  # of the scale of an unknown: where there is no bound
 NEGLIGIBLE = 1e-8  # of chi-square: no step is worth so little
 UNLIKELY_TWIN = 1e-4  # probability of the rise of chi-square from the best suspension to another
 VAGUE = 0.05  # standard deviation of a shape's component above which shapes may not choose one suspension
@@ -151,6 +154,17 @@ class Problem:
         negligible = NEGLIGIBLE if self.weighted and not by_poles else 0.0
         return descend(equations, x, positive=u.positive, lower=u.lower, upper=u.upper, negligible=negligible)
 
+    def answer(self, x: RealArray) -> Optimum:
+        """Return the optimum that the convex program at x gives: of the linear equations if they are exact."""
+        u = self.unknowns
+        if self.exact(x):
+            residual, slope = self.linear
+            step = least_squares(slope, -residual - slope @ x, u.lower - x, np.minimum(u.upper, LARGEST) - x)
+            return replace(step, x=u.settled(np.clip(x + step.x, u.lower, u.upper)))
+        negligible = NEGLIGIBLE if self.weighted else 0.0
+        best = converged(self.deciding, x, positive=u.positive, lower=u.lower, upper=u.upper, negligible=negligible)
+        return replace(best, x=u.settled(best.x))
+
 
 def posed(
     tests: Sequence[ModalTest],
@@ -236,7 +250,7 @@ def candidates(problem: Problem, *, search: bool) -> tuple[list[RealArray], list
         residual, slope = problem.linear
         prior, pull = unknowns.prior(np.zeros(len(unknowns)))
         rows, target = np.vstack([slope, pull / DATA_AGAINST_PRIOR]), -np.append(residual, prior / DATA_AGAINST_PRIOR)
-        start = bounded_least_squares(rows, target, unknowns.lower, np.minimum(unknowns.upper, 1e9))
+        start = bounded_step(rows, target, unknowns.lower, np.minimum(unknowns.upper, LARGEST))
         exact = problem.exact(start)
         if exact:
             add(start)

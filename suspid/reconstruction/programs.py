@@ -1,204 +1,230 @@
-"""Convex programs: bounded least squares, compiled once, and sequences of them."""
+"""Convex programs: the least squares that give the answer, by cvxpy, sharpened and tested here.
+
+A program is compiled once for each number of unknowns and solved again with new numbers. The solver's verdict is not
+trusted: its point is refined by one exact step on the constraints that it found to act, and accepted if it meets the
+conditions of an optimum (Karush, Kuhn and Tucker) as computed here from the cone program's own data.
+"""
 
 from __future__ import annotations
 
-import contextlib
 import functools
 import threading
 import warnings
-from collections.abc import Callable
-from typing import Any, TypeAlias
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from suspid.errors import ReconstructionError
 from suspid.units import RealArray
 
 SOLVER = "CLARABEL"
-LARGEST_STEP = 0.5  # in the logarithm of what is positive, and in the others themselves
-NEARLY = 1e-7  # slope, of the largest there can be, of an optimum that cannot be sharpened
-NOTHING = 1e-13  # share of the squared residual that a step promises, below which a descent ends
-STATIONARY = 1e-6  # worth of the step still possible, of the residual's square, at an optimum
+# Residual of the optimality conditions up to which a solution counts, in a program scaled to 1. Exact steps reach
+# 1e-12; a point of the solver itself, where constraints depend on each other, 1e-8.
+OPTIMAL = 1e-7
+# Clarabel's own tolerances, in the order in which they are tried. At its default of 1e-8, constraints of small
+# multipliers are not told from idle ones; at 1e-12 it gives up where many bounds hold without a force.
+TOLERANCES = (1e-12, 1e-8)
+SMALLEST = 1e-9  # size of a step to which a program is scaled: smaller ones are rounding
+FARTHEST = 1e3  # bounds in units of the step: those further away do not act, and would spoil the scaling
 
-# Residual and its derivatives by the unknowns, at the unknowns.
-Equations: TypeAlias = Callable[[RealArray], tuple[RealArray, RealArray]]
 
-
-def descend(
-    equations: Equations,
-    x: RealArray,
-    *,
-    positive: NDArray[np.bool_],
-    lower: RealArray,
-    upper: RealArray,
-    negligible: float = 0.0,
-) -> RealArray:
-    """Return a minimum of the norm of the equations between bounds, by convex programs in a box of trust around x.
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Program:
+    """A compiled convex program.
 
     Parameters
     ----------
-    equations : callable
-        From unknowns to residual and Jacobian.
+    problem : cvxpy.Problem
+        Disciplined in its parameters.
+    values : mapping of str to cvxpy.Parameter
+        ``A``, ``b``, ``low``, ``high``: least ``|A y - b|`` for y between low and high.
+    step : cvxpy.Variable
+        Its unknowns, y.
+    """
+
+    problem: Any
+    values: Mapping[str, Any]
+    step: Any
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Optimum:
+    """The solution of a convex program.
+
+    Parameters
+    ----------
     x : ndarray (unknown,)
-        Where to start.
-    positive : ndarray (unknown,)
-        Which unknowns are stepped in their logarithm.
-    lower, upper : ndarray (unknown,)
-        Bounds.
-    negligible : float
-        Gain of the squared norm that is not worth a step.
+        The unknowns.
+    left : float
+        Residual of the conditions of an optimum, in the program scaled to 1 [1].
+    free : int
+        Number of directions in which the solution could move without leaving a constraint that acts.
+    """
+
+    x: RealArray
+    left: float
+    free: int
+
+
+def least_squares(
+    A: RealArray, b: RealArray, low: RealArray, high: RealArray, *, smallest: float = SMALLEST
+) -> Optimum:
+    """Return the x between bounds of least ``|A x - b|``, by cvxpy.
+
+    Raises
+    ------
+    ReconstructionError
+        If the solution does not meet the conditions of an optimum.
 
     Examples
     --------
-    >>> def circle(x):
-    ...     return np.array([x @ x - 2.0, x[0] - x[1]]), np.array([2 * x, [1.0, -1.0]])
-    >>> free = {"lower": np.zeros(2), "upper": np.full(2, np.inf)}
-    >>> descend(circle, np.array([3.0, 0.1]), positive=np.array([True, False]), **free).round(6)
-    array([1., 1.])
+    >>> found = least_squares(np.eye(2), np.array([3.0, -1.0]), np.zeros(2), np.full(2, np.inf))
+    >>> found.x.round(12) + 0.0, found.free
+    (array([3., 0.]), 1)
     """
-    radius = LARGEST_STEP
-    residual, slope = equations(x)
-    for _ in range(60):
-        per_step = np.where(positive, x, 1.0)
-        with np.errstate(divide="ignore"):
-            floor = np.where(positive, np.log(np.maximum(lower, 1e-300) / per_step), lower - x)
-            ceiling = np.where(positive, np.log(upper / per_step), upper - x)
-        low, high = np.minimum(np.maximum(-radius, floor), 0.0), np.maximum(np.minimum(radius, ceiling), 0.0)
-        try:
-            step = bounded_least_squares(slope * per_step, -residual, low, high)
-        except ReconstructionError:
-            break  # no way on from a point that sees too little; whoever asked judges where it ends
-        expected = residual @ residual - np.sum((residual + slope * per_step @ step) ** 2)
-        trial = np.where(positive, x * np.exp(np.where(positive, step, 0.0)), x + step)
-        trial = np.clip(trial, lower, upper)
-        trial_residual, trial_slope = equations(trial)
-        gained = residual @ residual - trial_residual @ trial_residual
-        if gained > 0:
-            x, residual, slope = trial, trial_residual, trial_slope
-        if np.max(np.abs(step)) < 1e-13 or (gained <= 0 and np.max(np.abs(step)) < 1e-9):
+    R, target, size = _reduced(A, b, high, smallest)
+    program = compiled(len(low), threading.get_ident())
+    for _ in range(4):
+        low_end, high_end = np.maximum(low / size, -FARTHEST), np.minimum(high / size, FARTHEST)
+        found = solve(program, {"A": R, "b": target, "low": low_end, "high": high_end})
+        if np.max(np.abs(found.x)) < 0.99 * FARTHEST:
             break
-        if gained >= 0 and expected <= max(NOTHING * float(residual @ residual), negligible):
-            break
-        radius = min(2 * radius, 4.0) if gained > 0.75 * expected else radius if gained > 0.1 * expected else radius / 4
-    return x
+        target, size = target / FARTHEST, size * FARTHEST  # the optimum is larger than the one without bounds
+    return Optimum(x=np.clip(found.x * size, low, high), left=found.left, free=found.free)
 
 
-def slope_left(equations: Equations, x: RealArray, lower: RealArray, upper: RealArray) -> float:
-    """Return the KKT residual of a minimum between bounds: what the best step to first order would still gain.
+def solve(program: Program, numbers: Mapping[str, RealArray | float]) -> Optimum:
+    """Return the solution of a compiled program for these numbers, proven to be the optimum.
 
-    It is a share of the squared norm of the residual [1]; steps out of the bounds do not count.
+    Raises
+    ------
+    ReconstructionError
+        If the solution does not meet the conditions of an optimum.
     """
-    residual, slope = equations(x)
-    gradient = slope.T @ residual
-    size = np.maximum(np.abs(x), 1e-3)
-    free = ~((x <= lower + 1e-9 * size) & (gradient > 0)) & ~((x >= upper - 1e-9 * size) & (gradient < 0))
-    step = np.linalg.lstsq(slope[:, free] * size[free], -residual, rcond=1e-12)[0]
-    before = float(residual @ residual)
-    gain = before - float(np.sum((residual + slope[:, free] * size[free] @ step) ** 2))
-    return max(gain, 0.0) / max(before, 1e-300)
+    for name, value in numbers.items():
+        program.values[name].value = value
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # cvxpy warns of inaccurate solutions, which are judged below
+        data, chain, _ = program.problem.get_problem_data(SOLVER, solver_opts={})
+        cone, left = cone_of(data), np.inf
+        for tolerance in TOLERANCES:
+            options = dict.fromkeys(("tol_gap_abs", "tol_gap_rel", "tol_feas"), tolerance)
+            raw = chain.solver.solve_via_data(data, warm_start=False, verbose=False, solver_opts=options)
+            primal, acting, left = _sharpened(cone, np.asarray(raw.x, float), np.asarray(raw.z, float))
+            if left <= OPTIMAL:
+                break
+    if not left <= OPTIMAL:
+        raise ReconstructionError(
+            f"{SOLVER} ended with a residual of {left:.1e} of the optimality conditions ({OPTIMAL:.0e} allowed); "
+            f"check the units of the nominal values and the modes"
+        )
+    first = data["param_prob"].var_id_to_col[program.step.id]
+    free = len(primal) - (int(np.linalg.matrix_rank(cone.A[acting])) if len(acting) else 0)
+    return Optimum(x=primal[first : first + program.step.size], left=left, free=free)
 
 
-def bounded_least_squares(A: RealArray, b: RealArray, low: RealArray, high: RealArray) -> RealArray:
-    """Return the x between bounds of least ``|A x - b|``.
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Cone:
+    """A cone program: least ``x' P x / 2 + c' x``, with the slack ``b - A x`` in a product of cones.
 
-    Where no bound acts, that is no more than least squares; where those that least squares crosses act, and the
-    conditions of an optimum prove it, the solver need not be asked.
+    The first ``zero`` slacks are zero, the next ``nonneg`` are not negative; further ones are in other cones.
     """
-    x = np.asarray(np.linalg.lstsq(A, b, rcond=None)[0], float)
-    below, above = x < low, x > high
-    if not np.any(below | above):
-        return x
-    proven, _ = _sharpened(A, b, low, high, below, above)
-    return convex_program(A, b, low, high) if proven is None else proven
+
+    P: RealArray
+    c: RealArray
+    A: RealArray
+    b: RealArray
+    zero: int
+    nonneg: int
 
 
-def convex_program(A: RealArray, b: RealArray, low: RealArray, high: RealArray) -> RealArray:
-    """Return the x between bounds of least ``|A x - b|``, by the solver, sharpened and tested here.
+def cone_of(data: Mapping[str, Any]) -> Cone:
+    """Return the cone program that cvxpy hands to a solver, with full matrices."""
+    c = np.asarray(data["c"], float)
+    P = np.zeros((len(c), len(c))) if data["P"] is None else data["P"].toarray()
+    dims = data["dims"]
+    return Cone(P=P, c=c, A=data["A"].toarray(), b=np.asarray(data["b"]), zero=dims.zero, nonneg=dims.nonneg)
 
-    The solver says which bounds act; least squares on the others then has all digits. Accepted is what meets the
-    conditions of an optimum: no slope along a free unknown, none outward of a bound.
+
+def optimality(cone: Cone, primal: RealArray, dual: RealArray) -> float:
+    """Return the largest violation of the optimality conditions of a cone program, relative to its own terms [1].
+
+    Tested are stationarity, equalities, signs of slacks and of duals, and that the two are perpendicular.
+    """
+    if not (np.all(np.isfinite(primal)) and np.all(np.isfinite(dual))):
+        return np.inf
+    slack = cone.b - cone.A @ primal
+    terms = (cone.P @ primal, cone.c, cone.A.T @ dual)
+    largest = max(1.0, *(float(np.max(np.abs(term), initial=0.0)) for term in terms))
+    zero, ends = cone.zero, slice(cone.zero, cone.zero + cone.nonneg)
+    return float(
+        max(
+            np.max(np.abs(sum(terms))) / largest,
+            np.max(np.abs(slack[:zero]), initial=0.0),
+            np.max(-slack[ends], initial=0.0),
+            np.max(-dual[ends], initial=0.0) / largest,
+            abs(slack[zero:] @ dual[zero:]) / largest,
+        )
+    )
+
+
+def _sharpened(cone: Cone, primal: RealArray, dual: RealArray) -> tuple[RealArray, list[int], float]:
+    """Return the better of a solver's solution and the exact one on the rows that act; these rows, and what is left."""
+    left, acting = optimality(cone, primal, dual), _acting(cone, primal, dual)
+    if cone.zero + cone.nonneg == len(dual) and np.isfinite(left):
+        exact = _exact_step(cone, acting)
+        exactly_left = optimality(cone, *exact)
+        if exactly_left <= left:
+            return exact[0], acting, exactly_left
+    return primal, acting, left
+
+
+def _acting(cone: Cone, primal: RealArray, dual: RealArray) -> list[int]:
+    """Return which rows hold with equality: equations, and inequalities whose dual exceeds their slack."""
+    slack = cone.b - cone.A @ primal
+    return [i for i in range(cone.zero + cone.nonneg) if i < cone.zero or dual[i] > slack[i]]
+
+
+def _exact_step(cone: Cone, acting: list[int]) -> tuple[RealArray, RealArray]:
+    """Return primal and dual solution of a quadratic program, given the rows that hold with equality."""
+    rows, n = cone.A[acting], len(cone.c)
+    matrix = np.block([[cone.P, rows.T], [rows, np.zeros((len(rows), len(rows)))]])
+    target = np.concatenate([-cone.c, cone.b[acting]])
+    inverse = np.linalg.pinv(matrix, rcond=1e-14, hermitian=True)
+    both = inverse @ target
+    for _ in range(2):  # iterative refinement: the matrix has the squared condition of the least squares
+        both = both + inverse @ (target - matrix @ both)
+    dual = np.zeros(len(cone.b))
+    dual[acting] = both[n:]
+    return both[:n], dual
+
+
+def _reduced(A: RealArray, b: RealArray, high: RealArray, smallest: float) -> tuple[RealArray, RealArray, float]:
+    """Return the same least squares in as few rows as unknowns and scaled to 1, and the size of x.
+
+    With ``x = size * y``, the y of least ``|R y - target|`` is that of least ``|A x - b|``.
     """
     free_answer = np.linalg.lstsq(A, b, rcond=None)[0]
-    size = min(max(float(np.max(np.abs(free_answer))), 1e-150), float(np.max(high)))
-    R = np.zeros((A.shape[1], A.shape[1] + 1))  # the same program in as few rows as there are unknowns
+    size = max(min(float(np.max(np.abs(free_answer))), float(np.max(high))), smallest)
+    R = np.zeros((A.shape[1], A.shape[1] + 1))
     triangle = np.asarray(np.linalg.qr(np.column_stack([A, b / size]), mode="r"))[: A.shape[1]]
-    R[: len(triangle)] = triangle / max(float(np.max(np.abs(triangle[:, :-1]))), 1e-300)
-    y = _solve(R[:, :-1], R[:, -1], np.maximum(low / size, -1e6), np.minimum(high / size, 1e6))
-    x = np.clip(y * size, low, high)
-    near = 1e-6 * size
-    proven, left = _sharpened(A, b, low, high, x - low < near, high - x < near)
-    if proven is None:
-        # Where columns depend on each other, which bounds act is not unique; the solver's own point may do.
-        gradient = (A.T @ (A @ x - b)) / (np.linalg.norm(A, axis=0) * (np.linalg.norm(b) or 1.0) + 1e-300)
-        downhill = np.where(
-            x - low < near, np.minimum(gradient, 0), np.where(high - x < near, np.maximum(gradient, 0), gradient)
-        )
-        left = float(np.max(np.abs(downhill)))
-        if left <= NEARLY:
-            return x
-        raise ReconstructionError(
-            f"{SOLVER} left a slope of {left:.1e} at the optimum, which is none; "
-            f"check the nominal values and the modes for a slip of units"
-        )
-    return proven
-
-
-def _sharpened(
-    A: RealArray,
-    b: RealArray,
-    low: RealArray,
-    high: RealArray,
-    low_acts: NDArray[np.bool_],
-    high_acts: NDArray[np.bool_],
-) -> tuple[RealArray | None, float]:
-    """Return the optimum, from a guess of the bounds that act, or None if it is not proven; and the slope left."""
-    low_acts, high_acts = low_acts.copy(), high_acts.copy()
-    lengths = np.linalg.norm(A, axis=0) * (np.linalg.norm(b) or 1.0) + 1e-300
-    left = np.inf
-    for _ in range(5 * len(low)):
-        free = ~(low_acts | high_acts)
-        x = np.where(low_acts, low, np.where(high_acts, high, 0.0))
-        x[free] = np.linalg.lstsq(A[:, free], b - A @ x, rcond=None)[0]
-        beyond = np.maximum(low - x, x - high)
-        if np.max(beyond) > 0:
-            worst = int(np.argmax(beyond))
-            low_acts[worst], high_acts[worst] = x[worst] < low[worst], x[worst] > high[worst]
-            continue
-        outward = (A.T @ (A @ x - b)) / lengths * np.where(low_acts, -1.0, np.where(high_acts, 1.0, 0.0))
-        left = float(np.max(outward))
-        if left <= 1e-12:
-            return x, left
-        worst = int(np.argmax(outward))
-        low_acts[worst] = high_acts[worst] = False
-    return None, left
-
-
-def _solve(A: RealArray, b: RealArray, low: RealArray, high: RealArray) -> RealArray:
-    """Return what the solver gives for least ``|A x - b|`` between bounds; judged by the caller, not by its status."""
-    problem, values, x = compiled(len(low), threading.get_ident())
-    for name, value in (("A", A), ("b", b), ("low", low), ("high", high)):
-        values[name].value = value
-    from cvxpy.error import SolverError
-
-    with warnings.catch_warnings(), contextlib.suppress(SolverError):
-        warnings.simplefilter("ignore")
-        problem.solve(solver=SOLVER)
-        if x.value is not None:
-            return np.asarray(x.value, float)
-    return np.clip(np.zeros(len(low)), low, high)
+    R[: len(triangle)] = triangle
+    scale = max(float(np.max(np.abs(R[:, :-1]))), float(np.max(np.abs(R[:, -1]))) / FARTHEST, 1e-300)
+    return R[:, :-1] / scale, R[:, -1] / scale, size
 
 
 @functools.lru_cache(maxsize=64)
-def compiled(size: int, thread: int) -> tuple[Any, dict[str, Any], Any]:  # noqa: ARG001 - one program per thread
-    """Return the program with its parameters and unknowns, compiled once for each number of unknowns."""
+def compiled(size: int, thread: int) -> Program:  # noqa: ARG001 - one program per thread
+    """Return the program of bounded least squares, compiled once for each number of unknowns."""
     import cvxpy
 
     cp: Any = cvxpy  # whose types leave out what it makes at run time
-    x = cp.Variable(size)
+    y = cp.Variable(size)
     values = {"A": cp.Parameter((size, size)), **{name: cp.Parameter(size) for name in ("b", "low", "high")}}
-    objective = cp.Minimize(cp.sum_squares(values["A"] @ x - values["b"]))
-    problem = cp.Problem(objective, [x >= values["low"], x <= values["high"]])
+    objective = cp.Minimize(cp.sum_squares(values["A"] @ y - values["b"]))
+    problem = cp.Problem(objective, [y >= values["low"], y <= values["high"]])
     if not problem.is_dcp(dpp=True):
         raise AssertionError("the program must be disciplined in its parameters, or it is compiled anew each time")
-    return problem, values, x
+    return Program(problem=problem, values=values, step=y)

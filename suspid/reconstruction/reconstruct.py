@@ -242,6 +242,9 @@ def reconstruct(
     # The data come first: nearness to the nominal car decides only between cars that they hold equally likely.
     level = min(costs) ** 2 + LEVEL if problem.weighted else np.inf
     accepted.sort(key=lambda i: (costs[i] ** 2 > level, farness(points[i], problem.unknowns)))
+    for i in accepted:
+        points[i] = problem.answer(points[i]).x
+        costs[i] = float(np.linalg.norm(problem.deciding(points[i])[0]))
     best, cost = points[accepted[0]], costs[accepted[0]]
     car = problem.unknowns.suspension(best)
     notes += check_seen(problem, best, car)

@@ -9,10 +9,10 @@ import numpy as np
 
 from suspid.errors import ReconstructionError
 from suspid.model import Suspension, eigenmodes
+from suspid.reconstruction.descent import slope_left
 from suspid.reconstruction.equations import EXACT, Observed, all_poles, partners, sensitivities, spectral
 from suspid.reconstruction.observations import ModalTest
 from suspid.reconstruction.problem import Problem
-from suspid.reconstruction.programs import STATIONARY, slope_left
 from suspid.reconstruction.suspects import likely
 from suspid.reconstruction.unknowns import LEAST, Unknowns
 from suspid.units import Ratio, RealArray
@@ -20,6 +20,7 @@ from suspid.values import frozen_real
 
 LEAST_MAC = 0.8  # below it a shape is another mode's
 TAKES_PART = 0.01  # of a combination: below it a parameter is not named
+STATIONARY = 1e-6  # share of the squared residual that a step at a sharp optimum can take
 LOST = 1e-2  # share of the squared residual that a step at an optimum cannot take
 
 

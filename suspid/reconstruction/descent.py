@@ -1,0 +1,98 @@
+"""Descents by bounded Gauss-Newton steps: from a start to the minimum near it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from suspid.units import RealArray
+
+LARGEST_STEP = 0.5  # in the logarithm of what is positive, and in the others themselves; larger steps overshoot
+NEGLIGIBLE_SHARE = 1e-13  # of the squared residual: a descent ends where a step promises less, near rounding
+
+# Residual and its derivatives by the unknowns, at the unknowns.
+Equations: TypeAlias = Callable[[RealArray], tuple[RealArray, RealArray]]
+
+
+def descend(
+    equations: Equations,
+    x: RealArray,
+    *,
+    positive: NDArray[np.bool_],
+    lower: RealArray,
+    upper: RealArray,
+    negligible: float = 0.0,
+) -> RealArray:
+    """Return a minimum of the norm of the equations between bounds, by Gauss-Newton steps in a trust region.
+
+    Parameters
+    ----------
+    equations : callable
+        From unknowns to residual and Jacobian.
+    x : ndarray (unknown,)
+        Where to start.
+    positive : ndarray (unknown,)
+        Which unknowns are stepped in their logarithm.
+    lower, upper : ndarray (unknown,)
+        Bounds.
+    negligible : float
+        Gain of the squared norm that is not worth a step.
+
+    Examples
+    --------
+    >>> def circle(x):
+    ...     return np.array([x @ x - 2.0, x[0] - x[1]]), np.array([2 * x, [1.0, -1.0]])
+    >>> free = {"lower": np.zeros(2), "upper": np.full(2, np.inf)}
+    >>> descend(circle, np.array([3.0, 0.1]), positive=np.array([True, False]), **free).round(6)
+    array([1., 1.])
+    """
+    radius = LARGEST_STEP
+    residual, slope = equations(x)
+    for _ in range(60):
+        per_step = np.where(positive, x, 1.0)
+        with np.errstate(divide="ignore"):
+            floor = np.where(positive, np.log(np.maximum(lower, 1e-300) / per_step), lower - x)
+            ceiling = np.where(positive, np.log(upper / per_step), upper - x)
+        low, high = np.minimum(np.maximum(-radius, floor), 0.0), np.maximum(np.minimum(radius, ceiling), 0.0)
+        step = bounded_step(slope * per_step, -residual, low, high)
+        expected = residual @ residual - np.sum((residual + slope * per_step @ step) ** 2)
+        trial = np.where(positive, x * np.exp(np.where(positive, step, 0.0)), x + step)
+        trial = np.clip(trial, lower, upper)
+        trial_residual, trial_slope = equations(trial)
+        gained = residual @ residual - trial_residual @ trial_residual
+        if gained > 0:
+            x, residual, slope = trial, trial_residual, trial_slope
+        if np.max(np.abs(step)) < 1e-13 or (gained <= 0 and np.max(np.abs(step)) < 1e-9):
+            break
+        if gained >= 0 and expected <= max(NEGLIGIBLE_SHARE * float(residual @ residual), negligible):
+            break
+        radius = min(2 * radius, 4.0) if gained > 0.75 * expected else radius if gained > 0.1 * expected else radius / 4
+    return x
+
+
+def bounded_step(A: RealArray, b: RealArray, low: RealArray, high: RealArray) -> RealArray:
+    """Return the x between bounds of least ``|A x - b|``, by SciPy."""
+    x = np.asarray(np.linalg.lstsq(A, b, rcond=None)[0], float)
+    if np.all((x >= low) & (x <= high)):
+        return x
+    from scipy.optimize import lsq_linear
+
+    return np.asarray(lsq_linear(A, b, (low, high), method="bvls", tol=1e-14).x, float)
+
+
+def slope_left(equations: Equations, x: RealArray, lower: RealArray, upper: RealArray) -> float:
+    """Return the KKT residual of a minimum between bounds: what the best step to first order would still gain.
+
+    It is a share of the squared norm of the residual [1]; steps out of the bounds do not count.
+    """
+    residual, slope = equations(x)
+    gradient = slope.T @ residual
+    size = np.maximum(np.abs(x), 1e-3)
+    free = ~((x <= lower + 1e-9 * size) & (gradient > 0)) & ~((x >= upper - 1e-9 * size) & (gradient < 0))
+    step = np.linalg.lstsq(slope[:, free] * size[free], -residual, rcond=1e-12)[0]
+    before = float(residual @ residual)
+    gain = before - float(np.sum((residual + slope[:, free] * size[free] @ step) ** 2))
+    return max(gain, 0.0) / max(before, 1e-300)
