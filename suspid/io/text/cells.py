@@ -1,11 +1,10 @@
-"""Cells: what one cell of a text file says: a number, nothing, a time, or words."""
+"""Cells of text files: numbers, missing values, times of day, dates and words."""
 
 from __future__ import annotations
 
 import datetime
-import functools
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable, Iterator
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -15,7 +14,7 @@ from suspid.units import RealArray
 
 Kind: TypeAlias = Literal["number", "missing", "stamp", "date", "text"]
 
-# What loggers, spreadsheets and C libraries print where there is no number.
+# What loggers, spreadsheets and C libraries print in place of a number, without its sign.
 MISSING = {
     "",
     "nan",
@@ -37,24 +36,24 @@ MISSING = {
 }
 MISSING |= {"nan(ind)", "nan(snan)", "1.#qnan", "1.#ind", "1.#snan", "#value!", "#wert!", "#div/0!", "#num!", "#zahl!"}
 POINT_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][+-]?\d+)?|[+-]?inf(?:inity)?", re.I | re.A)
-COMMA_NUMBER = re.compile(r"[+-]?(?:\d+(?:,\d+)?|,\d+)(?:[eEdD][+-]?\d+)?|[+-]?inf(?:inity)?", re.I | re.A)
+COMMA_NUMBER = re.compile(POINT_NUMBER.pattern.replace(r"\d+\.?\d*|\.\d+", r"\d+(?:,\d+)?|,\d+"), re.I | re.A)
 TIME = (
-    r"(?:(?P<hour>\d{1,2}):)?(?P<minute>\d\d?):(?P<second>\d\d)"
-    r"(?:[.,](?P<fraction>\d+))?(?:\s*(?P<half>[AaPp])\.?[Mm]\.?)?"
+    r"(?:(?P<hour>\d\d?):)?(?P<minute>\d\d?):(?P<second>\d\d)(?:[.,](?P<part>\d+))?(?:\s*(?P<half>[AaPp])\.?[Mm]\.?)?"
 )
 DATE = r"(?P<date>\d{4}[-/.]\d\d?[-/.]\d\d?|\d\d?[-/.]\d\d?[-/.]\d{4})"
-STAMP = re.compile(rf"(?:{DATE}(?:[T\s]|,\s*))?\s*{TIME}\s*(?P<zone>Z|UTC|[+-]\d\d:?\d\d)?", re.A)
-DATE_ALONE = re.compile(DATE, re.A)
+ZONE = r"(?P<zone>Z|UTC|[+-]\d\d:?\d\d)?"
+STAMP, DATE_ALONE = re.compile(rf"(?:{DATE}(?:[T\s]|,\s*))?\s*{TIME}\s*{ZONE}", re.A), re.compile(DATE, re.A)
 NANO = 10**9
 DAY = 86400 * NANO
-# Nanoseconds since 1970 in 64 bits end in 2262.
+# Nanoseconds since 1970 overflow 64 bits outside these years.
 YEARS = range(1700, 2260)
-MISSING_NANOS = -(1 << 63)
 UNIX_DAY = datetime.date(1970, 1, 1).toordinal()
+# In place of the number of a date.
+NO_DATE, NOTHING = -1, -2
 
 
 def kind_of(cell: str, *, comma: bool) -> Kind:
-    """Return what a cell holds, by its look, where decimals stand behind a comma or a point.
+    """Return what a cell holds, with decimals after a comma or a point.
 
     Examples
     --------
@@ -67,37 +66,25 @@ def kind_of(cell: str, *, comma: bool) -> Kind:
     if text.lower().lstrip("+-") in MISSING or text in MISSING:
         return "missing"
     found = STAMP.fullmatch(text)
-    if found and (found["hour"] or found["fraction"]):
+    if found and (found["hour"] or found["part"]):
         return "stamp"
     return "date" if DATE_ALONE.fullmatch(text) else "text"
 
 
-def number(cell: str, *, comma: bool) -> float:
-    """Return the number in a cell, NaN where there is none.
-
-    Raises
-    ------
-    ValueError
-        If the cell holds anything else.
-    """
+def number(cell: str, *, comma: bool) -> float | None:
+    """Return the number in a cell, NaN if it is missing, None if the cell holds anything else."""
     text = cell.strip()
-    if not (COMMA_NUMBER if comma else POINT_NUMBER).fullmatch(text):
-        if kind_of(text, comma=comma) == "missing":
-            return float("nan")
-        raise ValueError(text)
-    text = text.replace(",", ".") if comma else text
+    kind = kind_of(text, comma=comma)
+    if kind != "number":
+        return float("nan") if kind == "missing" else None
+    text = text.replace(",", ".")
     return float(text if text[-1] in "fyFY" else text.replace("D", "e").replace("d", "e"))
 
 
-def seconds(cells: Callable[[], Iterable[str]]) -> RealArray:
-    """Return dates and times of day [s] from the first of them on, exact to the nanosecond; NaN where one is missing.
+def seconds(cells: Iterable[str]) -> RealArray:
+    """Return dates and times of day [s] since the first one, exact to the nanosecond; NaN where one is missing.
 
-    Times of day without a date go on after midnight.
-
-    Parameters
-    ----------
-    cells : callable
-        Returns the cells; called a second time where months stand before days.
+    Times of day without a date continue after midnight.
 
     Raises
     ------
@@ -106,69 +93,65 @@ def seconds(cells: Callable[[], Iterable[str]]) -> RealArray:
 
     Examples
     --------
-    >>> stamps = ["23:59:59.5", "", "00:00:00.25"]
-    >>> seconds(lambda: stamps)
+    >>> seconds(["23:59:59.5", "", "00:00:00.25"])
     array([0.  ,  nan, 0.75])
     """
-    dates: set[str] = set()
-    nanos = np.fromiter((_nanos(cell, True, dates) for cell in cells()), np.int64)
-    if not _day_first(dates):
-        nanos = np.fromiter((_nanos(cell, False, dates) for cell in cells()), np.int64)
-    there = nanos != MISSING_NANOS
-    found = nanos[there]
-    if found.size and not dates:
+    dates: dict[str, int] = {}
+    nanos, date_of = np.fromiter(_parts(cells, dates), np.dtype((np.int64, 2))).T
+    there = date_of > NOTHING
+    days = np.array([*(_days(list(dates)) if dates else []), 0])
+    found = nanos[there] + DAY * days[date_of[there]]
+    if not dates:
         # A time of day that falls by more than half a day has passed midnight.
-        found[1:] += DAY * np.cumsum(np.diff(found) < -DAY // 2)
+        found += DAY * np.cumsum(np.diff(found, prepend=found[:1]) < -DAY // 2)
     stamps = np.full(nanos.size, np.nan)
     stamps[there] = (found - found[:1]) / NANO
     return stamps
 
 
-def _nanos(cell: str, day_first: bool, dates: set[str]) -> int:
-    """Return a time [ns] since 1970 or midnight, and keep its date."""
-    match = STAMP.fullmatch(cell.strip())
-    if match is None:
-        return MISSING_NANOS
-    date, hour, minute, second, fraction, half, zone = match.group(
-        "date", "hour", "minute", "second", "fraction", "half", "zone"
-    )
-    hours = int(hour or 0)
-    if half:
-        hours = hours % 12 + 12 * (half in "pP")
-    total = (hours * 3600 + int(minute) * 60 + int(second)) * NANO
-    if fraction:
-        total += int((fraction + "00000000")[:9])
+def _parts(cells: Iterable[str], dates: dict[str, int]) -> Iterator[tuple[int, int]]:
+    """Yield the time of day [ns] and the number of the date of each cell, and add new dates to those known."""
+    for cell in cells:
+        match = STAMP.fullmatch(cell.strip())
+        if match is None:
+            yield 0, NOTHING
+        else:
+            date = match["date"]
+            yield _nanos(match), dates.setdefault(date, len(dates)) if date else NO_DATE
+
+
+def _nanos(match: re.Match[str]) -> int:
+    """Return a time of day [ns] in UTC where a zone is stated."""
+    hour, minute, second, part, half, zone = match.group("hour", "minute", "second", "part", "half", "zone")
+    hours = int(hour or 0) % 12 + 12 * (half in "pP") if half else int(hour or 0)
+    minutes = 60 * hours + int(minute)
     if zone and zone[0] in "+-":
-        minutes = int(zone[1:3]) * 60 + int(zone[-2:])
-        total -= (minutes if zone[0] == "+" else -minutes) * 60 * NANO
-    if date:
-        dates.add(date)
-        total += (_day(date, day_first) or 0) * DAY
-    return total
+        minutes -= int(f"{zone[0]}1") * (int(zone[1:3]) * 60 + int(zone[-2:]))
+    return (60 * minutes + int(second)) * NANO + int(f"{part or 0}00000000"[:9])
 
 
-@functools.lru_cache(maxsize=1024)
-def _day(text: str, day_first: bool) -> int | None:
-    """Return the days since 1970, or None if there is no such day."""
-    parts = [int(part) for part in re.split(r"[-/.]", text)]
-    if parts[0] < 1000:
-        parts = [parts[2], parts[1], parts[0]] if day_first else [parts[2], parts[0], parts[1]]
+def _days(dates: list[str]) -> list[int]:
+    """Return the number of each day; the order of day and month must follow from the dates together."""
+    orders = [[_day(date, day_first=first) for date in dates] for first in (True, False)]
+    possible = [[day for day in days if day is not None] for days in orders if None not in days]
+    if not possible:
+        odd = min(date for date, day in zip(dates, orders[0], strict=True) if day is None)
+        raise RecordError(f"there is no date {odd!r}")
+    # Dots stand in dates of countries that write the day first.
+    slashed = sorted(date for date in dates if re.match(r"\d\d?[-/]", date))
+    if len(possible) == 2 and possible[0] != possible[1] and len(slashed) > 1:
+        raise RecordError(
+            f"in the dates {slashed[0]!r} and {slashed[1]!r} day and month cannot be told apart; "
+            f"write them as year-month-day"
+        )
+    return possible[0]
+
+
+def _day(date: str, *, day_first: bool) -> int | None:
+    """Return the number of a day, None if it does not exist."""
+    one, two, three = (int(part) for part in re.split(r"[-/.]", date))
+    year, month, day = (one, two, three) if one >= 1000 else (three, two, one) if day_first else (three, one, two)
     try:
-        return datetime.date(*parts).toordinal() - UNIX_DAY if parts[0] in YEARS else None
+        return datetime.date(year, month, day).toordinal() - UNIX_DAY if year in YEARS else None
     except ValueError:
         return None
-
-
-def _day_first(dates: set[str]) -> bool:
-    """Return whether the day stands before the month, where the year is last."""
-    first = [all(_day(date, order) is not None for date in dates) for order in (True, False)]
-    if not any(first):
-        text = next(date for date in sorted(dates) if _day(date, True) is None)
-        raise RecordError(f"there is no date {text!r}")
-    slashed = {date for date in dates if re.match(r"\d\d?[-/]", date)}
-    if all(first) and len(slashed) > 1 and any(_day(d, True) != _day(d, False) for d in slashed):
-        one, two = sorted(slashed)[:2]
-        raise RecordError(
-            f"in the dates {one!r} and {two!r} day and month cannot be told apart; write them as year-month-day"
-        )
-    return first[0]

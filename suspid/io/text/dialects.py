@@ -1,7 +1,7 @@
-"""Dialects of text files: how cells are parted and decimals written.
+"""Dialects of text files: the delimiter and the decimal sign.
 
-The dialect of a file is the one under which most of its lines are rows of numbers. What two dialects read as
-different numbers is refused, never guessed.
+The dialect of a file is the one in which most of its lines are rows of numbers. A text that two dialects read as
+different numbers is refused. `csv.Sniffer` does neither: it fails on a banner and reads ``1,034`` as two numbers.
 """
 
 from __future__ import annotations
@@ -17,9 +17,8 @@ from suspid.errors import RecordError
 from suspid.files import printable
 from suspid.io.text.cells import Kind, kind_of
 
-# Digits with what may part them, in a cell that is no number.
+# Digits with marks between them, in a cell that is not a number.
 NUMERIC = re.compile(r"[+-]?[\d.,][\d.,;\t '+\-eE]*")
-# How a line looks, whatever its numbers are.
 ONES, MANY_ONES = str.maketrans("023456789", "111111111"), re.compile("1{6,}")
 COMMENTS = ("#", "%", "//")
 DELIMITERS = {"\t": "tabs", ";": "semicolons", ",": "commas", " ": "blanks"}
@@ -27,14 +26,14 @@ DELIMITERS = {"\t": "tabs", ";": "semicolons", ",": "commas", " ": "blanks"}
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Dialect:
-    """How a line is parted into cells.
+    """How a line is split into cells.
 
     Parameters
     ----------
     delimiter : str
-        What stands between two cells; a blank stands for any run of blanks and tabs.
+        The character between two cells; a blank stands for any run of blanks and tabs.
     comma : bool
-        Whether decimals stand behind a comma.
+        Whether decimals follow a comma.
     """
 
     delimiter: str
@@ -42,30 +41,46 @@ class Dialect:
 
     def cells(self, line: str) -> list[str]:
         """Return the cells of a line without their quotes and outer blanks."""
-        # A quote that is never closed quotes nothing.
+        blanks = self.delimiter == " "
+        # A quote that is not closed has no meaning.
         if '"' in line and line.count('"') % 2 == 0:
+            text = line.strip() if blanks else line
             try:
-                blanks = self.delimiter == " "
-                parts = next(
-                    csv.reader([line.strip() if blanks else line], delimiter=self.delimiter, skipinitialspace=blanks),
-                    [""],
-                )
+                parts = next(csv.reader([text], delimiter=self.delimiter, skipinitialspace=blanks), [""])
             except csv.Error as refusal:
                 raise RecordError(f"is not delimited text: {refusal}") from None
         else:
-            parts = line.split() if self.delimiter == " " else line.split(self.delimiter)
+            parts = line.split() if blanks else line.split(self.delimiter)
         return [part.strip() for part in parts]
 
     def is_comment(self, line: str) -> bool:
-        """Whether a line is a comment; ``#N/A`` in its first cell makes none."""
+        """Whether a line is a comment; ``#N/A`` in the first cell does not make one."""
         return line.lstrip().startswith(COMMENTS) and kind_of(self.cells(line)[0], comma=self.comma) != "missing"
 
     def kinds(self, line: str) -> list[Kind]:
         """Return what the cells of a line hold."""
         return [kind_of(cell, comma=self.comma) for cell in self.cells(line)]
 
+    def __str__(self) -> str:
+        return f"separated by {DELIMITERS[self.delimiter]}"
+
 
 COMMAS = Dialect(delimiter=",", comma=False)
+DIALECTS = [Dialect(delimiter=delimiter, comma=comma) for delimiter in DELIMITERS for comma in (False, True)]
+
+
+@dataclass(frozen=True, slots=True)
+class _Trial:
+    """A dialect with the width of its rows, and how many lines of a sample are such rows."""
+
+    score: float
+    width: int
+    dialect: Dialect
+
+    @property
+    def rank(self) -> tuple[int, bool]:
+        """Order of trials with the same score: wider first, and a decimal point where a comma changes nothing."""
+        return self.width, not self.dialect.comma
 
 
 def shortened(line: str, most: int = 60) -> str:
@@ -74,16 +89,10 @@ def shortened(line: str, most: int = 60) -> str:
     return repr(text if len(text) <= most else text[: most - 1] + "…")
 
 
-def parted_by(dialect: Dialect) -> str:
-    """Return the delimiter in words for the end of a message."""
-    return f" (separated by {DELIMITERS[dialect.delimiter]})"
-
-
 def shapes(lines: Sequence[str]) -> Counter[str]:
-    """Return how many of the lines look alike, by one that stands for them.
+    """Return how many of the lines look alike, with every digit written as 1 and more than five in a row as five.
 
-    Every digit is written as 1, and more than five in a row as five: no cell changes its kind by that, and the
-    thousand rows of a record are some dozen shapes.
+    The kinds of the cells stay the same, and the thousand rows of a record have some dozen shapes.
 
     Examples
     --------
@@ -94,71 +103,64 @@ def shapes(lines: Sequence[str]) -> Counter[str]:
 
 
 def find_dialect(head: Sequence[str], sample: Sequence[str], counted: Mapping[str, int]) -> tuple[Dialect, int]:
-    """Return the dialect in which most of the lines of a sample are rows of numbers, and the width of these.
+    """Return the dialect in which most lines of a sample are rows of numbers, and the number of cells of a row.
 
-    The shapes of the lines are those that `shapes` counted.
+    Raises
+    ------
+    RecordError
+        If no line holds a number, or a comma may separate decimals as well as cells.
     """
-    scored = []
-    for delimiter in DELIMITERS:
-        for comma in (False, True):
-            dialect = Dialect(delimiter=delimiter, comma=comma)
-            parted = {shape: dialect.cells(shape) for shape in counted}
-            kinds = {shape: [kind_of(cell, comma=comma) for cell in cells] for shape, cells in parted.items()}
-            widths = Counter[int]()
-            for shape, found in kinds.items():
-                if "number" in found:
-                    widths[len(found)] += counted[shape]
-            if widths:
-                width = widths.most_common(1)[0][0]
-                score = sum(n * _score(parted[shape], kinds[shape], width) for shape, n in counted.items())
-                scored.append((score, width, dialect))
-    if not scored:
+    trials = [trial for dialect in DIALECTS if (trial := _tried(dialect, counted))]
+    if not trials:
         raise RecordError("holds no row of numbers; a record needs at least 2 samples, one a line")
-    best = max(score for score, _, _ in scored)
-    ties = [(width, dialect) for score, width, dialect in scored if score > best - 1e-9]
-    # Where a decimal comma changes nothing, the point is as good.
-    width, dialect = max(ties, key=lambda tie: (tie[0], not tie[1].comma))
-    # A line cut short is a row of decimal commas too: rows of commas need not be all.
-    two = next(((w, d) for score, w, d in scored if d == COMMAS and score > 1 - 1e-9 and 2 * score >= best), None)
-    if two is not None and not [s for s in counted if "text" in (found := COMMAS.kinds(s)) and "number" in found]:
-        width, dialect = _one_number_or_two(head, sample, two, ties)
-    return dialect, width
+    best = max(trial.score for trial in trials)
+    ties = [trial for trial in trials if trial.score > best - 1e-9]
+    chosen = max(ties, key=lambda trial: trial.rank)
+    # A line that is cut short is a row of decimal commas too: not all lines need be rows of commas.
+    two = next((t for t in trials if t.dialect == COMMAS and t.score > 1 - 1e-9 and 2 * t.score >= best), None)
+    one = max((t for t in ties if t.dialect.comma and t.dialect.delimiter != ","), key=lambda t: t.width, default=None)
+    if two and one and not any({"text", "number"} <= set(COMMAS.kinds(shape)) for shape in counted):
+        rows = [line for line in sample if "," in line and "number" in COMMAS.kinds(line)]
+        chosen = (two if _are_two(rows, head) else one) if rows else chosen
+    return chosen.dialect, chosen.width
+
+
+def _tried(dialect: Dialect, counted: Mapping[str, int]) -> _Trial | None:
+    cells = {shape: dialect.cells(shape) for shape in counted}
+    kinds = {shape: [kind_of(cell, comma=dialect.comma) for cell in row] for shape, row in cells.items()}
+    widths = Counter[int]()
+    for shape, found in kinds.items():
+        if "number" in found:
+            widths[len(found)] += counted[shape]
+    if not widths:
+        return None
+    width = widths.most_common(1)[0][0]
+    score = sum(n * _score(cells[shape], kinds[shape], width) for shape, n in counted.items())
+    return _Trial(score, width, dialect)
 
 
 def _score(cells: Sequence[str], kinds: Sequence[Kind], width: int) -> float:
-    """Return 1 for a row of that width, less the share of its cells that are words, and 0 for what is no row."""
+    """Return 1 for a row of that width, less the share of its cells that are words, and 0 for other lines."""
     if "number" not in kinds or len(kinds) != width:
         return 0.0
     texts = [cell for cell, kind in zip(cells, kinds, strict=True) if kind == "text"]
-    # A stronger delimiter between digits says that this one is none.
+    # A semicolon or tab between digits is the delimiter.
     if any(NUMERIC.fullmatch(text) and re.search(r"[;\t]", text) for text in texts):
         return 0.0
     return 1 - len(texts) / width
 
 
-def _one_number_or_two(
-    head: Sequence[str], sample: Sequence[str], two: tuple[int, Dialect], ties: Sequence[tuple[int, Dialect]]
-) -> tuple[int, Dialect]:
-    """Return the dialect of rows such as ``1,234``: the header tells, or a digit 0 behind the comma."""
-    one = max((tie for tie in ties if tie[1].comma and tie[1].delimiter != ","), key=lambda tie: tie[0], default=None)
-    if one is None:
-        return max(ties, key=lambda tie: (tie[0], not tie[1].comma))
-    rows = [line for line in sample if "number" in two[1].kinds(line) and "," in line]
-    if not rows:
-        return max(ties, key=lambda tie: (tie[0], not tie[1].comma))
+def _are_two(rows: Sequence[str], head: Sequence[str]) -> bool:
+    """Whether rows such as ``1,234`` are two numbers: by the commas of the header, or a zero after the comma."""
     above = [
-        line for line in itertools.takewhile(lambda line: "number" not in two[1].kinds(line), head) if line.strip()
+        line for line in itertools.takewhile(lambda line: "number" not in COMMAS.kinds(line), head) if line.strip()
     ]
-    if above:
-        commas = Counter(line.count(",") for line in rows).most_common(1)[0][0]
-        if above[-1].count(",") == commas:
-            return two
-        if "," not in above[-1]:
-            return one
-    # No program prints an integer with a zero before it.
-    elif any(re.search(r",0\d", line) for line in rows):
-        return one
+    if above and above[-1].count(",") == Counter(line.count(",") for line in rows).most_common(1)[0][0]:
+        return True
+    # No program writes an integer with a leading zero.
+    if ("," not in above[-1]) if above else any(re.search(r",0\d", line) for line in rows):
+        return False
     raise RecordError(
-        f"{shortened(rows[0])} may be one number or two: the comma may stand before decimals or between cells; put a "
-        f"header line with the names above, or write decimals with a point"
+        f"{shortened(rows[0])} may be one number or two: the comma may separate decimals or cells; put a header line "
+        f"with the names above, or write decimals with a point"
     )

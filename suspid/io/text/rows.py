@@ -1,0 +1,219 @@
+"""Rows of text files: found by one scan of the lines, and read when their numbers are asked for.
+
+Numbers are read by `numpy.loadtxt`; rows that it refuses are read cell by cell. (`pandas.read_csv` fills rows that are
+too short with NaN, so that it needs the same scan, and its import takes as long as reading 500 000 rows here.)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from suspid.errors import RecordError
+from suspid.io.text.cells import COMMA_NUMBER, kind_of, number
+from suspid.io.text.dialects import shortened
+from suspid.io.text.layouts import Layout
+from suspid.units import RealArray
+from suspid.words import LeftOut, Remark
+
+PIECE = 1 << 22
+MOST_FOOTER = 20
+# Rows that are read cell by cell as soon as numpy refuses one of them.
+FEW_ROWS = 16
+NUMERALS = b"0123456789+-.eE "
+DIGITS = np.isin(np.arange(256), np.frombuffer(b"0123456789", np.uint8))
+STARTS = np.isin(np.arange(256), np.frombuffer(b"0123456789+-.", np.uint8))
+MARKS = np.isin(np.arange(256), np.frombuffer(b"#%/", np.uint8))
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Rows:
+    """The rows of a text file below its header.
+
+    Parameters
+    ----------
+    body : bytes
+        The lines from the first row on, as UTF-8, each ended by a newline.
+    first : int
+        Number of the first line of the body in the file.
+    layout : Layout
+        What the header says of them.
+    skipped : frozenset of int
+        Numbers of the lines that are not rows.
+    size : int
+        Number of rows.
+    """
+
+    body: bytes
+    first: int
+    layout: Layout
+    skipped: frozenset[int]
+    size: int
+
+    def pieces(self) -> Iterator[tuple[list[int], list[str]]]:
+        """Yield the rows piece by piece, with the numbers of their lines."""
+        line = self.first
+        for piece in _pieces(self.body):
+            rows = piece.decode().split("\n")[:-1]
+            numbers = list(range(line, line + len(rows)))
+            line += len(rows)
+            if not self.skipped.isdisjoint(numbers):
+                kept = [k for k, n in enumerate(numbers) if n not in self.skipped]
+                numbers, rows = [numbers[k] for k in kept], [rows[k] for k in kept]
+            if rows:
+                yield numbers, rows
+
+    def columns(self, wanted: Sequence[str]) -> list[RealArray]:
+        """Return the numbers of the named columns, NaN where one is missing."""
+        use = [self.layout.names.index(name) for name in wanted]
+        values = np.empty((len(use), self.size))
+        done = 0
+        for lines, rows in self.pieces() if use else ():
+            for part in _numbers(lines, rows, use, self.layout):
+                values[:, done : done + part.shape[1]] = part
+                done += part.shape[1]
+        values.flags.writeable = False
+        return list(values)
+
+    def cells(self, name: str) -> Iterator[str]:
+        """Yield the cells of a column."""
+        k, dialect = self.layout.names.index(name), self.layout.dialect
+        return (dialect.cells(row)[k] for _, rows in self.pieces() for row in rows)
+
+
+def _pieces(body: bytes) -> Iterator[bytes]:
+    """Yield a text in pieces of whole lines."""
+    start = 0
+    while start < len(body):
+        stop = body.find(b"\n", start + PIECE) + 1 or len(body)
+        yield body[start:stop]
+        start = stop
+
+
+def find_rows(body: bytes, layout: Layout) -> tuple[Rows, dict[str, Remark]]:
+    """Return the rows, and the lines between and below them that are not rows."""
+    blank: list[int] = []
+    odd: dict[int, str] = {}
+    line = layout.first + 1
+    for piece in _pieces(body):
+        suspects = _suspects(piece, layout)
+        lines = piece.decode().split("\n") if suspects else []
+        for k in suspects:
+            if not lines[k].strip():
+                blank.append(line + k)
+            elif not _is_row(lines[k], layout):
+                odd[line + k] = lines[k]
+        line += piece.count(b"\n")
+    skipped = frozenset({*blank, *odd})
+    last = next(n for n in range(line - 1, -1, -1) if n not in skipped)
+    said = {f"line {n}": _why(text, layout, n, last) for n, text in odd.items()}
+    below = [n for n in odd if n > last]
+    if len(below) > MOST_FOOTER:
+        raise RecordError(
+            f"the rows end at line {last}, but {line - 1 - last} lines follow: {shortened(odd[below[0]])}"
+        )
+    inner = [n for n in blank if n < last]
+    if inner:
+        said[f"line {inner[0]}"] = Remark(LeftOut.BLANK, {"more": len(inner) - 1})
+    first = layout.first + 1
+    return Rows(body=body, first=first, layout=layout, skipped=skipped, size=line - first - len(skipped)), said
+
+
+def _suspects(piece: bytes, layout: Layout) -> list[int]:
+    """Return the indices of the lines that are perhaps not rows; rather too many than too few."""
+    delimiter, width = layout.dialect.delimiter, len(layout.names)
+    if delimiter == " ":
+        return [k for k, row in enumerate(piece.split(b"\n")[:-1]) if len(row.split()) != width]
+    mark, trailing = delimiter.encode(), not layout.names[-1]
+    # Without the characters of numbers, a row of numbers is its delimiters.
+    left = piece.translate(None, NUMERALS + b"," if layout.dialect.comma and delimiter != "," else NUMERALS)
+    count = piece.count(b"\n")
+    plain = left == (mark * (width - 1) + b"\n") * count
+    if plain and width > 1 and (not trailing or piece.count(mark + b"\n") == count):
+        return []
+    codes = np.frombuffer(piece, np.uint8)
+    ends = np.flatnonzero(codes == ord("\n"))
+    starts = np.concatenate([[0], ends[:-1] + 1])
+
+    def found(which: np.ndarray[tuple[int], np.dtype[np.bool]]) -> np.ndarray[tuple[int], np.dtype[np.int32]]:
+        return np.add.reduceat(which, starts, dtype=np.int32)
+
+    suspect = (found(codes == ord(delimiter)) != width - 1) | (found(DIGITS[codes]) == 0) | MARKS[codes[starts]]
+    if width == 1:
+        suspect |= ~STARTS[codes[starts]]
+    if b'"' in piece:
+        suspect |= found(codes == ord('"')) > 0
+    if trailing:
+        suspect |= codes[ends - 1] != ord(delimiter)
+    return [int(k) for k in np.flatnonzero(suspect)]
+
+
+def _is_row(text: str, layout: Layout) -> bool:
+    if layout.dialect.is_comment(text):
+        return False
+    cells, width = layout.dialect.cells(text), len(layout.names)
+    if not layout.names[-1]:
+        # The delimiter at the end of a row may be absent, but nothing may follow it.
+        return len(cells) == width - 1 or (len(cells) == width and not cells[-1])
+    return len(cells) == width and not set(layout.dialect.kinds(text)) <= {"text", "date"}
+
+
+def _why(text: str, layout: Layout, line: int, last: int) -> Remark:
+    """Return why a line is left out; refuse one that may be a sample."""
+    dialect, width = layout.dialect, len(layout.names)
+    if dialect.is_comment(text):
+        return Remark(LeftOut.COMMENT, {"line": shortened(text)})
+    cells = dialect.cells(text)
+    samples = kind_of(cells[0], comma=dialect.comma) in ("number", "stamp")
+    if line < last or (samples and len(cells) > width):
+        found = f"has {len(cells)} cells, the rows above have {width} ({dialect})"
+        found = found if len(cells) != width else "holds no number"
+        raise RecordError(f"line {line} {found}: {shortened(text)}; correct it, or remove it if it is not a sample")
+    if samples and len(cells) < width:
+        return Remark(LeftOut.CUT_SHORT, {"cells": len(cells), "width": width})
+    return Remark(LeftOut.FOOTER, {"line": shortened(text)})
+
+
+def _numbers(lines: Sequence[int], rows: Sequence[str], use: Sequence[int], layout: Layout) -> Iterator[RealArray]:
+    """Yield the numbers of some columns (column, row) by blocks of rows."""
+    values = _loaded(rows, use, layout)
+    if values is not None:
+        yield values
+    elif len(rows) <= FEW_ROWS:
+        yield np.array([_row(line, row, use, layout) for line, row in zip(lines, rows, strict=True)]).T
+    else:
+        middle = len(rows) // 2
+        yield from _numbers(lines[:middle], rows[:middle], use, layout)
+        yield from _numbers(lines[middle:], rows[middle:], use, layout)
+
+
+def _loaded(rows: Sequence[str], use: Sequence[int], layout: Layout) -> RealArray | None:
+    """Return the numbers of rows as numpy reads them, None if it refuses one."""
+    delimiter = None if layout.dialect.delimiter == " " else layout.dialect.delimiter
+    if layout.dialect.comma:
+        whole = "\n".join(rows)
+        # A point beside decimal commas marks thousands, and a comma that separates cells is no decimal sign.
+        if "." in whole or delimiter == ",":
+            return None
+        rows = whole.replace(",", ".").split("\n")
+    try:
+        values = np.loadtxt(rows, delimiter=delimiter, comments=None, quotechar='"', usecols=use, ndmin=2)
+    except ValueError:
+        return None
+    return values.T if len(values) == len(rows) else None
+
+
+def _row(line: int, row: str, use: Sequence[int], layout: Layout) -> list[float]:
+    """Return the numbers of a row, or refuse the first cell that is neither a number nor missing."""
+    cells, comma = layout.dialect.cells(row), layout.dialect.comma
+    values = []
+    for k in use:
+        value = number(cells[k], comma=comma)
+        if value is None:
+            hint = "; write decimals with a point" if COMMA_NUMBER.fullmatch(cells[k]) else ""
+            hint = "; decimals have a comma here, and thousands have no mark" if comma else hint
+            raise RecordError(f"line {line}, column {layout.names[k]!r}: {cells[k]!r} is not a number{hint}")
+        values.append(value)
+    return values
