@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from suspid.identification.covariance import joint_covariance
 from suspid.identification.exponentials import blocks_of, synthesize
-from suspid.identification.likelihood import DecayFit, Poles, evaluate, joint_covariance, maximize
+from suspid.identification.likelihood import DecayFit, evaluate, maximize
 from suspid.identification.noise import WhiteNoise
+from suspid.identification.poles import Poles
 
 Complex = NDArray[np.complex128]
 Real = NDArray[np.float64]
@@ -268,7 +270,9 @@ def pairs_part(value: complex) -> list[float]:
 
 
 def covariance_of(fit: DecayFit, values: Real, inflation: Real) -> tuple[Complex, Real]:
-    return joint_covariance(fit, np.array([0, 1]), np.array([0]), values.shape[1], inflation)
+    assert fit.count == values.shape[1]
+    joint = joint_covariance([fit], np.array([0, 1, 2]), inflation)
+    return joint.shapes, joint.covariance
 
 
 @BOTH
@@ -342,7 +346,7 @@ class TestPoorlyToldApart:
         poles = poles_of(LIGHT, np.array([-apart, 2 * apart]) / COUNT)
         fit = evaluate(blocks_of(values), poles, WhiteNoise(least=STD**2))
         if fit is not None:
-            _, covariance = joint_covariance(fit, np.array([0, 1]), np.array([0]), values.shape[1], np.ones(3))
+            covariance = joint_covariance([fit], np.array([0, 1, 2]), np.ones(3)).covariance
             assert np.all(np.diag(covariance) >= 0)
             # The pairs know nothing of it: they keep the precision they have without the drift.
             plain = np.sqrt(np.diag(np.linalg.inv(fitted(record(LIGHT, 1), poles_of(LIGHT, REAL)).information)))[:4]

@@ -10,8 +10,9 @@ from scipy.signal import lfilter
 
 from suspid import identify
 from suspid.identification.exponentials import blocks_of
-from suspid.identification.likelihood import Poles, evaluate, maximize
+from suspid.identification.likelihood import evaluate, maximize
 from suspid.identification.noise import WhiteNoise, noise_colour
+from suspid.identification.poles import Poles
 from suspid.identification.selection import Selection, candidates, price, select
 from suspid.signals import as_response, as_signal
 from suspid.words import Reason

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from suspid.identification.exponentials import blocks_of
-from suspid.identification.likelihood import Poles, maximize
+from suspid.identification.likelihood import maximize
 from suspid.identification.noise import WhiteNoise
+from suspid.identification.poles import Poles
 from suspid.units import RealArray
 
 # A record or half of one with fewer samples is not fitted.

@@ -12,8 +12,9 @@ import numpy as np
 from suspid.cleaning import clipped_run
 from suspid.errors import IdentificationError, InputError, RecordError
 from suspid.identification.halves import FEWEST_SAMPLES, disagreement
-from suspid.identification.likelihood import Poles, joint_covariance
-from suspid.identification.noise import degrees_of_freedom, lag_one, noise_correlation, noise_of, shared_noise
+from suspid.identification.modal_estimate import modes_of
+from suspid.identification.noise import lag_one, noise_correlation, noise_of, shared_noise
+from suspid.identification.poles import Poles
 from suspid.identification.selection import Selection, select
 from suspid.model import ModalSet
 from suspid.signals import Signal, as_response, as_signal
@@ -430,9 +431,8 @@ def _by_likelihood(
     selection = select(
         centred, noise=noise_of(signal.values), modes=steps.count, band=(low * signal.step, high * signal.step)
     )
-    fit = selection.fit
     left = selection.residual
-    modes, loudness = _modes_of(selection, signal, centred)
+    modes, loudness = modes_of(selection, centred, step=signal.step, channels=signal.channels)
     if steps.count is not None and len(modes) < steps.count:
         where = f", at {', '.join(f'{wn:.4g}' for wn in modes.wn)} rad/s" if len(modes) else ""
         raise IdentificationError(
@@ -440,43 +440,17 @@ def _by_likelihood(
             f"nothing else in the record decays like a mode",
             found=modes if len(modes) else None,
         )
-    free = degrees_of_freedom(centred.shape[1], amplitudes=len(fit.poles), poles=fit.poles.free, channels=len(centred))
     return Identification(
         response=response,
         method="likelihood",
         modes=modes,
         fitted=as_response(signal.timepts, signal.values - left, signal.channels, title="Fitted decay"),
         residual=as_response(signal.timepts, left, signal.channels, title="Residual"),
-        noise_std=frozen_real(np.sqrt(np.sum(left**2, axis=1) / free)),
+        noise_std=frozen_real(np.sqrt(np.sum(left**2, axis=1) / selection.fit.freedom)),
         loudness=loudness,
         considered=_considered(selection, signal),
         steps=steps,
     )
-
-
-def _modes_of(selection: Selection, signal: Signal, centred: RealArray) -> tuple[ModalSet, RealArray]:
-    """Return the modes among the fitted poles, and how loud the residual is beside each."""
-    fit = selection.fit
-    kept = np.flatnonzero([reason is None for reason in selection.reasons])
-    pairs = kept[kept < len(fit.poles.pairs)]
-    reals = kept[kept >= len(fit.poles.pairs)] - len(fit.poles.pairs)
-    if not kept.size:
-        return _no_modes(signal), frozen_real([])
-    noise = np.sqrt(fit.squares / centred.shape[1])
-    widening = selection.loudness[kept] * shared_noise(selection.residual)
-    for k in np.flatnonzero(selection.loudness[kept][: len(pairs)] > 1):
-        widening[k] = np.nanmax([widening[k], disagreement(centred, fit.poles, int(pairs[k]), noise) ** 2])
-    shapes, covariance = joint_covariance(fit, pairs, reals, centred.shape[1], widening)
-    exponents = np.concatenate([fit.poles.pairs[pairs], fit.poles.reals[reals]])
-    per_second = np.ones(len(covariance))
-    per_second[: 2 * len(kept)] = 1 / signal.step
-    modes = ModalSet(
-        poles=np.asarray(exponents / signal.step, complex),
-        shapes=shapes,
-        channels=signal.channels,
-        covariance=covariance * np.outer(per_second, per_second),
-    )
-    return modes, frozen_real(selection.loudness[kept][np.argsort(np.abs(exponents), kind="stable")])
 
 
 def _shared_in_words(residual: Signal) -> str:

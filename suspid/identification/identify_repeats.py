@@ -10,13 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from suspid.errors import IdentificationError, InputError, RecordError
-from suspid.identification.exponentials import Blocks, blocks_of
+from suspid.identification.agreement import Agreement, agreement
+from suspid.identification.covariance import joint_covariance
+from suspid.identification.exponentials import blocks_of
 from suspid.identification.halves import FEWEST_SAMPLES
 from suspid.identification.identify import Identification, identify
-from suspid.identification.likelihood import DecayFit, Poles, evaluate, maximize
-from suspid.identification.noise import WhiteNoise, degrees_of_freedom, noise_of
-from suspid.identification.selection import Selection, select
-from suspid.identification.shared import Shared, shared_covariance
+from suspid.identification.joint_fit import maximize_jointly
+from suspid.identification.noise import WhiteNoise, noise_of
+from suspid.identification.poles import Poles
+from suspid.identification.selection import select
 from suspid.model import ModalSet
 from suspid.signals import Stretch, as_signal, cut
 from suspid.units import RadianPerSecond, RealArray, Second
@@ -27,33 +29,6 @@ if TYPE_CHECKING:
 
 # Poles are sought in the repeats at least this long, relative to the median, side by side over their common length.
 LONG_ENOUGH = 0.5
-MOST_STEPS, NEGLIGIBLE = 40, 1e-7
-# Repeats disagree where chance alone would leave them as far apart less often than this.
-DISAGREE = 0.01
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Agreement:
-    """How well the repeats agree on one mode.
-
-    Parameters
-    ----------
-    chi_square : float
-        Sum over the repeats of the squared distance of their poles from the mean weighted by their information, in
-        the metric of their own covariances [1].
-    freedom : int
-        Degrees of freedom: two less than two for each repeat that holds the mode.
-    probability : float
-        Of a chi-square as large by chance [1]; NaN if fewer than two repeats hold the mode.
-    widening : float
-        Factor by which the variances of the mode were widened for it [1]: chi-square over degrees of freedom where
-        the probability is below 1 %, else 1.
-    """
-
-    chi_square: float
-    freedom: int
-    probability: float
-    widening: float
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -185,20 +160,12 @@ def identify_repeats(
     )
     blocks = [blocks_of(v) for v in values]
     noises = [noise.rounded(b.energy, b.count, of_energies=True) for noise, b in zip(noises, blocks, strict=True)]
-    fits = _jointly(blocks, _scaled(selection.fit.poles, common, lengths), noises)
-    pairs, reals = _wanted(selection)
-    if not len(pairs) + len(reals):
-        found, agreement, loudness = _none(channels), (), np.zeros(0)
-    else:
-        kept = np.concatenate([pairs, len(selection.fit.poles.pairs) + reals])
-        agreements = [_agreement(blocks, fits, noises, int(index)) for index in kept]
-        loud = selection.loudness[kept]
-        shared = shared_covariance(
-            fits, blocks, pairs, reals, np.maximum(loud, [agreement.widening for agreement in agreements])
-        )
-        found = _modes(shared, step, channels)
-        order = np.argsort(np.abs(shared.exponents), kind="stable")
-        agreement, loudness = tuple(agreements[k] for k in order), loud[order]
+    fits = maximize_jointly(blocks, _scaled(selection.fit.poles, common, lengths), noises)
+    kept = selection.modes
+    agreements = [agreement(blocks, fits, noises, int(index)) for index in kept]
+    loudness = selection.loudness[kept]
+    joint = joint_covariance(fits, kept, np.maximum(loudness, [a.widening for a in agreements]))
+    found, order = joint.modes(step=step, channels=channels), np.argsort(np.abs(joint.exponents), kind="stable")
     if modes is not None and len(found) < modes:
         raise IdentificationError(
             f"{modes} modes were asked for, {len(found)} could be found in {len(spans)} repeats",
@@ -208,9 +175,9 @@ def identify_repeats(
         spans=spans,
         each=each,
         modes=found,
-        consistency=agreement,
-        loudness=frozen_real(loudness),
-        noise_std=frozen_real([np.sqrt(fit.squares / _free(fit, b)) for fit, b in zip(fits, blocks, strict=True)]),
+        consistency=tuple(agreements[k] for k in order),
+        loudness=frozen_real(loudness[order]),
+        noise_std=frozen_real([np.sqrt(fit.squares / fit.freedom) for fit in fits]),
     )
 
 
@@ -228,107 +195,8 @@ def _identified(
         raise IdentificationError(f"the decay {start:g} … {stop:g} s: {error}", found=error.found) from error
 
 
-def _wanted(selection: Selection) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    kept = np.flatnonzero([reason is None for reason in selection.reasons])
-    count = len(selection.fit.poles.pairs)
-    return kept[kept < count], kept[kept >= count] - count
-
-
-def _none(channels: tuple[str, ...]) -> ModalSet:
-    return ModalSet(poles=np.zeros(0, complex), shapes=np.zeros((len(channels), 0), complex), channels=channels)
-
-
-def _modes(shared: Shared, step: Second, channels: tuple[str, ...]) -> ModalSet:
-    per_second = np.ones(len(shared.covariance))
-    per_second[: 2 * len(shared.exponents)] = 1 / step
-    return ModalSet(
-        poles=shared.exponents / step,
-        shapes=shared.shapes,
-        channels=channels,
-        covariance=shared.covariance * np.outer(per_second, per_second),
-    )
-
-
-def _free(fit: DecayFit, blocks: Blocks) -> float:
-    return degrees_of_freedom(blocks.count, amplitudes=len(fit.poles), poles=fit.poles.free, channels=blocks.channels)
-
-
 def _scaled(poles: Poles, common: int, lengths: NDArray[np.intp]) -> list[Poles]:
     """Return the poles for each repeat: a drift is as slow as the repeat is long."""
     return [
         Poles(pairs=poles.pairs, reals=poles.reals, nuisances=poles.nuisances * (common / length)) for length in lengths
     ]
-
-
-def _jointly(blocks: list[Blocks], start: list[Poles], noises: list[WhiteNoise]) -> list[DecayFit]:
-    """Return the fits of all repeats with the poles of greatest joint likelihood, by Gauss-Newton steps."""
-
-    def at(poles: list[Poles]) -> tuple[list[DecayFit], float] | None:
-        fits = [evaluate(b, p, noise) for b, p, noise in zip(blocks, poles, noises, strict=True)]
-        known = [fit for fit in fits if fit is not None]
-        if len(known) < len(fits):
-            return None
-        loss = sum(noise.loss(fit.squares, b.count) for fit, b, noise in zip(known, blocks, noises, strict=True))
-        return known, loss
-
-    found = at(start)
-    if found is None:
-        raise IdentificationError("the repeats are too short to tell their poles apart; leave the shortest out")
-    fits, loss = found
-    for _ in range(MOST_STEPS if fits[0].poles.free else 0):
-        information = np.sum([fit.information for fit in fits], axis=0)
-        gradient = np.sum([fit.gradient for fit in fits], axis=0)
-        scale = 1 / np.sqrt(np.maximum(information.diagonal(), 1e-300))
-        step = scale * np.linalg.lstsq(information * np.outer(scale, scale), scale * gradient, rcond=1e-12)[0]
-        if float(step @ gradient) < NEGLIGIBLE:
-            break
-        for halving in range(12):
-            trial = at([fit.poles.moved(step * 0.5**halving) for fit in fits])
-            if trial is not None and trial[1] <= loss + 1e-13 * sum(b.count for b in blocks):
-                break
-        else:
-            break
-        fits, loss = trial
-    return fits
-
-
-def _agreement(blocks: list[Blocks], fits: list[DecayFit], noises: list[WhiteNoise], index: int) -> Agreement:
-    """Return how well the repeats agree on a pole, each fitted alone with the same number of poles."""
-    from scipy.special import chdtrc
-
-    pairs = len(fits[0].poles.pairs)
-    rows = [2 * index, 2 * index + 1] if index < pairs else [pairs + index]
-    found, informations = [], []
-    for block, joint, noise in zip(blocks, fits, noises, strict=True):
-        own = maximize(block, joint, noise, steps=20)
-        if own is None:
-            continue
-        try:
-            covariance = np.linalg.inv(own.information)[np.ix_(rows, rows)] * (block.count / _free(own, block))
-            information = np.linalg.inv(covariance)
-        except np.linalg.LinAlgError:
-            continue
-        before, after = (
-            fit.poles.pairs[index] if index < pairs else fit.poles.reals[index - pairs] for fit in (joint, own)
-        )
-        decay = abs(complex(before).real)
-        # A repeat that does not know the decay rate to a third, or leads elsewhere, does not hold the mode.
-        if abs(after - before) < decay and np.all(
-            (covariance.diagonal() > 0) & (covariance.diagonal() < (decay / 3) ** 2)
-        ):
-            found.append(np.array([complex(after).real, complex(after).imag])[: len(rows)])
-            informations.append(information)
-    if len(found) < 2:
-        return Agreement(chi_square=0.0, freedom=0, probability=float("nan"), widening=1.0)
-    mean = np.linalg.solve(
-        np.sum(informations, axis=0), np.sum([i @ p for i, p in zip(informations, found, strict=True)], axis=0)
-    )
-    chi_square = float(sum((p - mean) @ i @ (p - mean) for i, p in zip(informations, found, strict=True)))
-    freedom = len(rows) * (len(found) - 1)
-    probability = float(chdtrc(freedom, chi_square))
-    return Agreement(
-        chi_square=chi_square,
-        freedom=freedom,
-        probability=probability,
-        widening=chi_square / freedom if probability < DISAGREE else 1.0,
-    )

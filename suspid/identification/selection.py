@@ -8,9 +8,11 @@ from functools import cached_property, lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from suspid.identification.covariance import inverse_information
 from suspid.identification.exponentials import Blocks, blocks_of, cross_sums, synthesize
-from suspid.identification.likelihood import DecayFit, Poles, evaluate, maximize, pole_covariance, reweighed
+from suspid.identification.likelihood import DecayFit, evaluate, maximize, reweighed
 from suspid.identification.noise import LOUD, WhiteNoise, loss_growth, loudness, over_channels, power_beside
+from suspid.identification.poles import Poles
 from suspid.units import ComplexArray, RealArray
 from suspid.values import frozen_real
 from suspid.words import Reason, Remark
@@ -97,6 +99,11 @@ class Selection:
     residual: RealArray
     rejected: tuple[tuple[Candidate, Remark], ...]
 
+    @property
+    def modes(self) -> NDArray[np.intp]:
+        """Which of the free poles are modes, (mode,)."""
+        return np.flatnonzero([reason is None for reason in self.reasons])
+
 
 def price(channels: int, samples: int, *, real: bool = False) -> float:
     """Return what a pole must gain in twice the log likelihood: BIC's ``log(samples)`` for each of its parameters."""
@@ -155,7 +162,7 @@ def select(
     if len(extra) or len(gains) != len(state.prices(held.poles)):
         gains, _ = state.worths(held)
     # Sums of squares from the residual itself: by subtraction they carry the rounding of the whole energy.
-    fit = reweighed(held.fit, blocks, noise, held.squares)
+    fit = reweighed(held.fit, noise, held.squares)
     reasons = list(state.reasons(fit))
     # By chance a pair gains a chi-square of as many degrees of freedom as it has parameters more.
     freedom = 1 + blocks.channels
@@ -229,7 +236,7 @@ class _State:
         return np.array([self.price(real=False)] * len(poles.pairs) + [self.price(real=True)] * len(poles.reals))
 
     def reasons(self, fit: DecayFit) -> tuple[Reason | None, ...]:
-        spread = np.sqrt(np.diag(pole_covariance(fit)))
+        spread = np.sqrt(np.diag(inverse_information(fit.information)))
         pairs = len(fit.poles.pairs)
         return tuple(self.reason(theta, spread[2 * i], real=False) for i, theta in enumerate(fit.poles.pairs)) + tuple(
             self.reason(complex(theta), spread[2 * pairs + i], real=True) for i, theta in enumerate(fit.poles.reals)

@@ -1,0 +1,200 @@
+"""Joint covariance of poles and mode shapes, from one decay or several."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from suspid.identification.likelihood import DecayFit
+from suspid.identification.poles import Poles
+from suspid.model import ModalSet
+from suspid.units import ComplexArray, RealArray, Second
+
+# Least eigenvalue of an information matrix of unit diagonal: smaller ones are rounding. It limits the standard
+# deviation of poles that can hardly be distinguished.
+LEAST_INFORMATION = 1e-10
+# Least eigenvalue of a covariance matrix of unit diagonal, of the amplitudes of several decays.
+LEAST_VARIANCE = 1e-13
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class JointEstimate:
+    """Poles per sample and shapes with their joint covariance.
+
+    Parameters
+    ----------
+    exponents : ndarray (mode,)
+        Exponents per sample.
+    shapes : ndarray (channel, mode)
+        Amplitudes over the amplitude of the strongest channel.
+    covariance : ndarray
+        In the order of `ModalSet.covariance`, poles per sample.
+    """
+
+    exponents: ComplexArray
+    shapes: ComplexArray
+    covariance: RealArray
+
+    def modes(self, *, step: Second, channels: tuple[str, ...]) -> ModalSet:
+        """Return the modes in SI units."""
+        if not len(self.exponents):
+            return ModalSet(poles=self.exponents, shapes=self.shapes, channels=channels)
+        scale = np.ones(len(self.covariance))
+        scale[: 2 * len(self.exponents)] = 1 / step
+        return ModalSet(
+            poles=self.exponents / step,
+            shapes=self.shapes,
+            channels=channels,
+            covariance=self.covariance * np.outer(scale, scale),
+        )
+
+
+def joint_covariance(fits: Sequence[DecayFit], kept: NDArray[np.intp], inflation: RealArray) -> JointEstimate:
+    """Return the shapes of some poles and the joint covariance of those poles and shapes.
+
+    The amplitudes at fixed poles and the poles themselves have independent errors. An error of the poles also
+    changes the amplitudes, with derivatives D. The amplitudes of decay r in channel c are ``a_rc = q_r phi_c``, with
+    the scale q of the decay and the shape phi, which is 1 in the strongest channel. With P the covariance of the
+    poles, N that of the amplitudes at fixed poles, and L the derivatives of the shapes by the amplitudes, the
+    covariance of (poles, shapes) is ``[I; L D] P [I; L D]^T + [0; L] N [0; L]^T``. For one decay the shapes are
+    ratios of amplitudes; for several, generalised least squares with the covariance ``N + D P D^T``.
+
+    Parameters
+    ----------
+    fits : sequence of DecayFit
+        The decays, fitted with common poles.
+    kept : ndarray of int
+        Which of the free poles (pairs, then reals) are wanted.
+    inflation : ndarray (mode,)
+        Factor by which the variance of each wanted pole is widened.
+    """
+    poles, channels, size = fits[0].poles, len(fits[0].squares), 2 * len(kept)
+    if not len(kept):
+        nothing = np.zeros((channels, 0), complex)
+        return JointEstimate(exponents=nothing[0], shapes=nothing, covariance=np.zeros((0, 0)))
+    # The fits weigh with the variance over all samples, not over the degrees of freedom.
+    of_poles = inverse_information(np.sum([fit.information * (fit.freedom / fit.count) for fit in fits], axis=0))
+    noise = np.zeros((len(fits) * channels * size,) * 2)
+    dragged = np.zeros((len(noise), poles.free))
+    for r, fit in enumerate(fits):
+        parts, inverse = _parts(fit.poles, kept), np.linalg.inv(fit.gram)
+        own, turned = (parts @ inverse @ parts.conj().T).real, -parts @ inverse @ fit.tilt * fit.count
+        for c in range(channels):
+            at = slice((r * channels + c) * size, (r * channels + c + 1) * size)
+            noise[at, at] = own * (fit.squares[c] / fit.freedom)
+            dragged[at] = ((turned * fit.amplitudes[:, c]) @ fit.poles.chart).real
+    amplitudes = np.stack([fit.amplitudes[fit.poles.rows[kept]].T for fit in fits])
+    if len(fits) == 1:
+        shapes, estimator = _ratios(amplitudes[0])
+    else:
+        shapes, estimator = _common_shapes(amplitudes, noise + dragged @ of_poles @ dragged.T)
+    by_pole = np.vstack([_chosen(poles, kept), estimator @ dragged])
+    covariance = by_pole @ of_poles @ by_pole.T
+    covariance[size:, size:] += estimator @ noise @ estimator.T
+    widen = np.sqrt(np.concatenate([np.repeat(inflation, 2), np.repeat(inflation, 2 * channels)]))
+    return JointEstimate(
+        exponents=poles.every[kept].astype(complex), shapes=shapes, covariance=covariance * np.outer(widen, widen)
+    )
+
+
+def inverse_information(information: RealArray) -> RealArray:
+    """Return the inverse of an information matrix (parameter, parameter), never indefinite.
+
+    Where poles can hardly be distinguished, rounding leaves eigenvalues near 0 or below; they are raised to
+    `LEAST_INFORMATION` of a unit diagonal.
+    """
+    diagonal = np.abs(information.diagonal())
+    scale = 1 / np.sqrt(np.maximum(diagonal, 1e-300 + 1e-30 * np.max(diagonal, initial=0.0)))
+    values, vectors = np.linalg.eigh(information * np.outer(scale, scale))
+    half = scale[:, None] * vectors / np.sqrt(np.maximum(values, LEAST_INFORMATION))
+    return np.asarray(half @ half.T)
+
+
+def _parts(poles: Poles, kept: NDArray[np.intp]) -> ComplexArray:
+    """Return the map from all amplitudes to real and imaginary parts of the wanted, (2 wanted, exponent)."""
+    rows, pairs = poles.rows[kept], len(poles.pairs)
+    twins = np.where(kept < pairs, rows + pairs, rows)
+    parts = np.zeros((2 * len(kept), len(poles)), complex)
+    for k, (row, twin) in enumerate(zip(rows, twins, strict=True)):
+        parts[2 * k, row] += 0.5
+        parts[2 * k, twin] += 0.5
+        parts[2 * k + 1, row] -= 0.5j
+        parts[2 * k + 1, twin] += 0.5j
+    return parts
+
+
+def _chosen(poles: Poles, kept: NDArray[np.intp]) -> RealArray:
+    """Return the map from the real parameters of all poles to Re and Im of the wanted, (2 wanted, parameter)."""
+    chart = poles.chart[poles.rows[kept]]
+    return np.stack([chart.real, chart.imag], axis=1).reshape(2 * len(kept), -1)
+
+
+def _ratios(amplitudes: ComplexArray) -> tuple[ComplexArray, RealArray]:
+    """Return the shapes (channel, mode) of one decay and their derivatives by the amplitudes (channel, mode)."""
+    channels, wanted = amplitudes.shape
+    shapes = np.ones((channels, wanted), complex)
+    estimator = np.zeros((2 * wanted * channels, 2 * wanted * channels))
+    for k, strongest in enumerate(np.argmax(np.abs(amplitudes), axis=0)):
+        reference = amplitudes[strongest, k]
+        for c in range(channels):
+            # The strongest channel is 1 by definition: no rounding of a difference becomes its variance.
+            if c != strongest:
+                shapes[c, k] = amplitudes[c, k] / reference
+                at, own, other = (2 * i for i in (k * channels + c, c * wanted + k, strongest * wanted + k))
+                estimator[at : at + 2, own : own + 2] = _rotation(1 / reference)
+                estimator[at : at + 2, other : other + 2] = _rotation(-shapes[c, k] / reference)
+    return shapes, estimator
+
+
+def _common_shapes(amplitudes: ComplexArray, covariance: RealArray) -> tuple[ComplexArray, RealArray]:
+    """Return the shapes (channel, mode) that decays share, and their derivatives by the amplitudes (decay, …)."""
+    decays, channels, wanted = amplitudes.shape
+    data = np.stack([amplitudes.real, amplitudes.imag], axis=-1).ravel()
+    whiten = _whitening(covariance)
+    strongest = np.argmax(np.sum(np.abs(amplitudes) ** 2, axis=0), axis=0)
+    # Start from the scale that the strongest channel of each decay shows, and least squares of the rest on it.
+    q = np.stack([amplitudes[:, strongest[k], k] for k in range(wanted)], axis=1)
+    phi = np.einsum("rk,rck->ck", q.conj(), amplitudes) / np.sum(np.abs(q) ** 2, axis=0)
+    scales = 2 * decays * wanted
+    # Gauss-Newton converges quadratically from there: 8 steps reach rounding.
+    for _ in range(8):
+        slopes = _slopes(q, phi, strongest)
+        used = np.flatnonzero(np.any(slopes != 0, axis=0))
+        white = whiten @ slopes[:, used]
+        unit = 1 / np.linalg.norm(white, axis=0)
+        solve = np.zeros((slopes.shape[1], data.size))
+        solve[used] = unit[:, None] * np.linalg.pinv(white * unit) @ whiten
+        model = q[:, None, :] * phi
+        change = solve @ (data - np.stack([model.real, model.imag], axis=-1).ravel())
+        q = q + change[:scales].view(complex).reshape(decays, wanted)
+        phi = phi + change[scales:].view(complex).reshape(wanted, channels).T
+    return phi, solve[scales:]
+
+
+def _slopes(q: ComplexArray, phi: ComplexArray, strongest: NDArray[np.intp]) -> RealArray:
+    """Return the derivatives of ``q_r phi_c`` by the scales q (decay, mode) and the free shapes phi (channel, mode)."""
+    (decays, wanted), channels = q.shape, len(phi)
+    scales = 2 * decays * wanted
+    slopes = np.zeros((scales * channels, scales + 2 * channels * wanted))
+    for r, c, k in np.ndindex(decays, channels, wanted):
+        at = 2 * ((r * channels + c) * wanted + k)
+        of_q, of_phi = 2 * (r * wanted + k), scales + 2 * (k * channels + c)
+        slopes[at : at + 2, of_q : of_q + 2] = _rotation(complex(phi[c, k]))
+        if c != strongest[k]:
+            slopes[at : at + 2, of_phi : of_phi + 2] = _rotation(complex(q[r, k]))
+    return slopes
+
+
+def _whitening(covariance: RealArray) -> RealArray:
+    """Return W with ``W^T W`` the inverse of a covariance, eigenvalues raised to `LEAST_VARIANCE` of the largest."""
+    scale = 1 / np.sqrt(np.maximum(covariance.diagonal(), 1e-300))
+    values, vectors = np.linalg.eigh(covariance * np.outer(scale, scale))
+    return np.asarray((vectors * scale[:, None] / np.sqrt(np.maximum(values, LEAST_VARIANCE * values[-1]))).T)
+
+
+def _rotation(factor: complex) -> RealArray:
+    """Return multiplication by a complex number as a real matrix."""
+    return np.array([[factor.real, -factor.imag], [factor.imag, factor.real]])

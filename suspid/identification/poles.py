@@ -1,0 +1,126 @@
+"""Poles of damped exponentials, in units of the sampling step."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from suspid.units import ComplexArray, RealArray
+from suspid.values import frozen_complex
+
+# A pole decays by at most this many e-foldings per sample: a faster one shows in a single sample.
+FASTEST = 3.0
+# A pole grows by at most this many e-foldings over the record: enough to recognise that it grows.
+MOST_GROWTH = 3.0
+# Least ratio of the imaginary to the real part of a pair: below it a pair cannot be distinguished from two real poles.
+LEAST_SWING = 1e-2
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Poles:
+    """Exponents per sample, ``pole * step``.
+
+    Parameters
+    ----------
+    pairs : ndarray (pair,)
+        Of complex pairs, the one in the upper half plane.
+    reals : ndarray (real,)
+        Of real poles.
+    nuisances : ndarray (nuisance,)
+        Of the offset and drift, held fixed.
+    """
+
+    pairs: ComplexArray
+    reals: RealArray
+    nuisances: RealArray
+
+    @property
+    def exponents(self) -> ComplexArray:
+        """All exponents: pairs, their conjugates, reals, nuisances."""
+        return np.concatenate([self.pairs, self.pairs.conj(), self.reals, self.nuisances])
+
+    @property
+    def free(self) -> int:
+        """Number of real parameters."""
+        return 2 * len(self.pairs) + len(self.reals)
+
+    def __len__(self) -> int:
+        return 2 * len(self.pairs) + len(self.reals) + len(self.nuisances)
+
+    @property
+    def every(self) -> ComplexArray:
+        """The free poles: pairs (upper half plane), then reals."""
+        return np.concatenate([self.pairs, self.reals])
+
+    @property
+    def rows(self) -> NDArray[np.intp]:
+        """Where the free poles stand among `exponents`."""
+        return np.concatenate([np.arange(len(self.pairs)), 2 * len(self.pairs) + np.arange(len(self.reals))])
+
+    @property
+    def chart(self) -> ComplexArray:
+        """Derivatives of `exponents` by the real parameters, (exponent, parameter): Re, Im of each pair; each real."""
+        return _chart(len(self.pairs), len(self.reals), len(self))
+
+    def moved(self, step: RealArray) -> Poles:
+        """Return the poles after a step in (Re, Im of each pair; each real)."""
+        pairs, reals = len(self.pairs), len(self.reals)
+        change = step[: 2 * pairs].reshape(pairs, 2)
+        return Poles(
+            pairs=self.pairs + change[:, 0] + 1j * change[:, 1],
+            reals=self.reals + step[2 * pairs : 2 * pairs + reals],
+            nuisances=self.nuisances,
+        )
+
+    def with_pair(self, theta: complex) -> Poles:
+        """Return the poles with one more pair."""
+        return Poles(pairs=np.append(self.pairs, theta), reals=self.reals, nuisances=self.nuisances)
+
+    def with_real(self, theta: float) -> Poles:
+        """Return the poles with one more real pole."""
+        return Poles(pairs=self.pairs, reals=np.append(self.reals, theta), nuisances=self.nuisances)
+
+    def without(self, index: int) -> Poles:
+        """Return the poles without one, counted over pairs then reals."""
+        pairs = len(self.pairs)
+        if index < pairs:
+            return Poles(pairs=np.delete(self.pairs, index), reals=self.reals, nuisances=self.nuisances)
+        return Poles(pairs=self.pairs, reals=np.delete(self.reals, index - pairs), nuisances=self.nuisances)
+
+    def moved_within(self, step: RealArray, count: int) -> Poles:
+        """Return the poles after a step shortened to the range of a quadratic model, and kept within bounds.
+
+        Parameters
+        ----------
+        step : ndarray (parameter,)
+            Change of Re and Im of each pair and of each real pole.
+        count : int
+            Number of samples.
+        """
+        pairs, slack = len(self.pairs), 1.5 / count
+        reach = np.abs(np.concatenate([self.pairs.real.repeat(2), self.reals])) + slack
+        share = float((np.abs(step) / reach).max())
+        moved = self.moved(step / max(1.0, share))
+        highest = MOST_GROWTH / count
+        kept = moved.pairs
+        if pairs:
+            re = np.minimum(np.maximum(kept.real, -FASTEST), highest)
+            slowest = np.maximum(1e-3 / count, LEAST_SWING * np.abs(re))
+            kept = re + 1j * np.minimum(np.maximum(np.abs(kept.imag), slowest), np.pi)
+        reals = np.minimum(np.maximum(moved.reals, -FASTEST), highest) if len(moved.reals) else moved.reals
+        return Poles(pairs=kept, reals=reals, nuisances=self.nuisances)
+
+
+@lru_cache(maxsize=256)
+def _chart(pairs: int, reals: int, exponents: int) -> ComplexArray:
+    """Return d(exponent) / d(real parameter), (exponent, parameter)."""
+    chart = np.zeros((exponents, 2 * pairs + reals), complex)
+    i = np.arange(pairs)
+    chart[i, 2 * i], chart[i, 2 * i + 1] = 1, 1j
+    chart[pairs + i, 2 * i], chart[pairs + i, 2 * i + 1] = 1, -1j
+    j = np.arange(reals)
+    chart[2 * pairs + j, 2 * pairs + j] = 1
+    return frozen_complex(chart)
