@@ -24,6 +24,7 @@ from suspid.errors import RecordWarning
 from suspid.fleet.engine import Engine
 from suspid.fleet.identify_many import FleetRun, identify_many
 from suspid.fleet.parts import read_table
+from suspid.fleet.work import work
 
 COUNT, CHUNK = 14, 4
 KILLERS = """
@@ -70,9 +71,10 @@ def run(fleet: Path, tmp_path_factory: pytest.TempPathFactory) -> FleetRun:
 def own_process(workers: int | None) -> Iterator[Engine]:
     """Do the work in this process: what is tested is what becomes of it."""
     assert workers is None
+    pool = ThreadPoolExecutor(1)
     yield Engine(
-        start=lambda: ThreadPoolExecutor(1),
-        stop=lambda pool, give_up: pool.shutdown(wait=True, cancel_futures=give_up),
+        submit=lambda job, chunk, _: pool.submit(work, job, chunk),
+        stop=lambda now: pool.shutdown(wait=True, cancel_futures=now),
         workers=lambda: 1,
         alive=lambda: True,
     )

@@ -23,7 +23,7 @@ from suspid.fleet.identify_many import identify_many
 
 COUNT, CHUNK = 32, 2
 # Every wait for another process ends after this time [s].
-LONG_ENOUGH = 60.0
+LONG_ENOUGH = 120.0
 psutil: Any = importlib.import_module("psutil")
 CLIENT = """
 import sys
@@ -148,7 +148,7 @@ class TestKilledOnThisMachine:
         _, said = process.communicate(timeout=LONG_ENOUGH)
         assert process.returncode == 130
         assert said.decode().splitlines() == [
-            "suspid: stopped; what is done is kept, and the same command goes on from there"
+            "suspid: stopped; what is done is kept, and the same command continues from there"
         ]
         assert 4 <= parts(tmp_path) < COUNT // CHUNK, "it was not stopped half way"
         identify_many(fleet, output=tmp_path, car=CAR, workers=2, chunk=CHUNK)
@@ -166,7 +166,7 @@ class TestKilledOnThisMachine:
     def test_a_worker(self, fleet: Path, expected: dict[str, bytes], tmp_path: Path) -> None:
         process = start(fleet, tmp_path)
         half_way(tmp_path)
-        workers = [p for p in psutil.Process(process.pid).children() if "popen_loky" in " ".join(p.cmdline())]
+        workers = psutil.Process(process.pid).children()
         assert len(workers) == 2
         os.kill(workers[0].pid, signal.SIGKILL)
         assert parts(tmp_path) < COUNT // CHUNK, "it was not killed half way"
@@ -205,13 +205,13 @@ class TestDask:
                 if done == 4 * CHUNK:
                     dask.scheduler.kill()
 
-            with pytest.raises(SuspidError, match="the cluster was lost; .* the same command goes on"):
+            with pytest.raises(SuspidError, match="the cluster was lost; .* the same command continues"):
                 identify_many(fleet, output=tmp_path, scheduler=dask.address, car=CAR, chunk=CHUNK, progress=kill)
         assert 4 <= parts(tmp_path) < COUNT // CHUNK
         identify_many(fleet, output=tmp_path, workers=2, car=CAR, chunk=CHUNK)
         assert content(tmp_path) == expected
 
     def test_nobody_answers(self, fleet: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-        monkeypatch.setattr("suspid.fleet.engine.FIRST_WORKER", 0.5)
+        monkeypatch.setattr("suspid.fleet.cluster.FIRST_WORKER", 0.5)
         with pytest.raises(InputError, match="no Dask scheduler answers"):
             identify_many(fleet, output=tmp_path, scheduler="tcp://127.0.0.1:9")

@@ -125,7 +125,7 @@ def goes_on() -> Iterator[None]:
     try:
         yield
     except KeyboardInterrupt:
-        click.echo("suspid: stopped; what is done is kept, and the same command goes on from there", err=True)
+        click.echo("suspid: stopped; what is done is kept, and the same command continues from there", err=True)
         click.get_current_context().exit(INTERRUPTED)
 
 

@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from suspid.errors import InputError, ReconstructionError
 from suspid.files import printable
-from suspid.fleet.engine import dask_engine, finished, local_engine
+from suspid.fleet.cluster import dask_engine
+from suspid.fleet.engine import finished
 from suspid.fleet.folder import begun, check_part, only_others, own, taken, write_manifest
+from suspid.fleet.local import local_engine
 from suspid.fleet.manifest import FORMAT, require_fleet
 from suspid.fleet.parts import part_counts, part_numbers, read_table, write_part
 from suspid.fleet.records import Entry, Records, in_chunks, listing

@@ -82,7 +82,7 @@ def durable_write(path: Path, content: bytes) -> None:
     except OSError as refusal:
         raise InputError(
             f"{printable(str(path))}: cannot be written: {refusal.strerror or refusal}; what is written so far is "
-            f"complete, and the same command goes on from there"
+            f"complete, and the same command continues from there"
         ) from None
 
 
@@ -100,7 +100,7 @@ def require_fleet() -> None:
     """Refuse with the line that installs what is missing."""
     import importlib.util
 
-    missing = [name for name in ("pyarrow", "joblib", "fsspec") if importlib.util.find_spec(name) is None]
+    missing = [name for name in ("pyarrow", "fsspec") if importlib.util.find_spec(name) is None]
     if missing:
         raise InputError(f"fleets need {', '.join(missing)}: {INSTALL}")
 

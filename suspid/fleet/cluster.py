@@ -1,0 +1,83 @@
+"""A Dask cluster as workers of a fleet."""
+
+from __future__ import annotations
+
+import importlib
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+from suspid.errors import InputError
+from suspid.files import printable
+from suspid.fleet.children import work_apart
+from suspid.fleet.engine import ASK, Engine
+from suspid.fleet.manifest import INSTALL
+from suspid.fleet.work import work
+from suspid.units import Second
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+# How long to wait for the scheduler to answer and for the first worker: a queue of jobs may start workers late.
+FIRST_WORKER: Second = 60.0
+
+
+@contextmanager
+def dask_engine(scheduler: str | Client) -> Iterator[Engine]:
+    """Give the workers of a Dask cluster, by the address of its scheduler or a client that is connected.
+
+    Raises
+    ------
+    InputError
+        If Dask is not installed, the scheduler does not answer, or no worker comes.
+    """
+    try:
+        connect: Any = importlib.import_module("distributed").Client
+    except ImportError:
+        raise InputError(f"a cluster needs dask.distributed: {INSTALL}") from None
+    if not isinstance(scheduler, (str, connect)):
+        raise InputError(f"{scheduler=!r:.80} must be the address of a Dask scheduler or a dask.distributed.Client")
+    client: Any = _connected(connect, scheduler) if isinstance(scheduler, str) else scheduler
+    try:
+        try:
+            client.wait_for_workers(1, timeout=FIRST_WORKER)
+        except TimeoutError:
+            raise InputError(f"the cluster has no worker, and none came within {FIRST_WORKER:g} s") from None
+        yield _engine_of(client)
+    finally:
+        if client is not scheduler:
+            client.close()
+
+
+def _connected(connect: Any, address: str) -> object:
+    try:
+        return connect(address, set_as_default=False, timeout=FIRST_WORKER)
+    except (OSError, ValueError, TimeoutError) as refusal:
+        raise InputError(f"{printable(address)}: no Dask scheduler answers: {printable(str(refusal))}") from None
+
+
+def _engine_of(client: Any) -> Engine:
+    threads = client.nthreads()
+    asked = [time.monotonic(), float(sum(threads.values()))]
+    pool = client.get_executor(pure=False)
+
+    def workers() -> int:
+        # The cluster may grow and shrink.
+        if time.monotonic() - asked[0] > ASK:
+            asked[:] = time.monotonic(), float(sum(client.nthreads().values()))
+        return max(1, int(asked[1]))
+
+    note = ""
+    if max(threads.values()) > 1:
+        note = (
+            f"workers have up to {max(threads.values())} threads, but a process takes one record at a time: start "
+            f"them with --nthreads 1 and one process per core"
+        )
+    return Engine(
+        submit=lambda job, chunk, died: pool.submit(work_apart if died else work, job, chunk),
+        stop=lambda now: pool.shutdown(wait=not now),
+        workers=workers,
+        alive=lambda: client.status == "running",
+        note=note,
+    )
