@@ -122,11 +122,11 @@ class TestTrends:
     """Of 20 vehicles with 8 tests each."""
 
     def measured(
-        self, seed: int, *, shared: float, fall: float = 0.0
+        self, seed: int, *, shared: float, fall: float = 0.0, vehicles: int = 20
     ) -> dict[str, tuple[RealArray, RealArray, RealArray]]:
         rng = np.random.default_rng(seed)
         made = {}
-        for k in range(20):
+        for k in range(vehicles):
             time, std = np.sort(rng.uniform(0, 3, 8)), rng.uniform(10, 40, 8)
             noise = std * rng.standard_normal(8) + shared * rng.standard_normal(8)
             made[f"car {k}"] = time, 1500 - (fall * time if k == 13 else 0.0) + noise, std
@@ -148,6 +148,28 @@ class TestTrends:
         assert np.mean([t.end - t.start for t in worn]) == pytest.approx(
             -120.0 * np.mean([t.span for t in worn]), rel=0.1
         )
+
+    def with_a_noisy_one(self, seed: int) -> dict[str, tuple[RealArray, RealArray, RealArray]]:
+        """Add a vehicle that scatters ten times as much as it states, and as the others do; nothing changes."""
+        rng = np.random.default_rng((seed, 1))
+        return self.measured(seed, shared=0.0, vehicles=6) | {
+            "noisy": (np.arange(8.0), 1500 + 300 * rng.standard_normal(8), np.full(8, 30.0))
+        }
+
+    def test_a_noisy_vehicle_raises_no_false_trend(self) -> None:
+        """Its interval is that of its own scatter, with its own 6 degrees of freedom: one in 20 misses zero."""
+        found = [t for seed in range(1000) for t in trends_of("c", self.with_a_noisy_one(seed)) if t.vehicle == "noisy"]
+        missed = np.mean([not t.change[0] <= 0 <= t.change[1] for t in found])
+        # Normal limits or pooled degrees of freedom would miss 9.5 % of them.
+        assert missed == pytest.approx(0.05, abs=5 * np.sqrt(0.05 * 0.95 / len(found)))
+
+    def test_a_noisy_vehicle_does_not_hide_the_others(self) -> None:
+        """The intervals of the others are as wide as they are without it."""
+        for seed in range(10):
+            alone = trends_of("c", self.measured(seed, shared=0.0, vehicles=6))
+            beside = {t.vehicle: t for t in trends_of("c", self.with_a_noisy_one(seed))}
+            for one in alone:
+                assert np.ptp(beside[one.vehicle].change) == pytest.approx(np.ptp(one.change), rel=0.02)
 
     def test_the_interval_is_that_of_weighted_least_squares(self) -> None:
         """Where every test states the same and scatters more, it is the textbook's line: scipy.stats.linregress."""

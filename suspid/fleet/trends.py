@@ -11,9 +11,13 @@ import numpy as np
 from suspid.errors import InputError
 from suspid.units import Ratio, RealArray
 
-# With fewer there is no telling scatter from change.
+# A line through three tests leaves one degree of freedom, whose interval (Student's t: 12.7 sd) shows no change.
 FEWEST = 4
+# Probability of the intervals; also one minus the share of reported trends that are chance.
 LEVEL = 0.95
+# A vehicle whose residuals are this improbable has a scatter of its own. Larger: healthy vehicles leave the common
+# estimate, which then is too small. Smaller: one bad logger widens the intervals of all vehicles.
+NOISY = 1e-3
 
 Measured: TypeAlias = "tuple[RealArray, RealArray, RealArray]"
 
@@ -108,8 +112,8 @@ def trends_of(quantity: str, tests: Mapping[str, Measured]) -> tuple[Trend, ...]
             usable[vehicle] = np.asarray(time[known], float), np.asarray(values[known], float), own
     if not usable:
         return ()
-    everyone = _shared_variance(list(usable.values()))
-    freedom = sum(len(time) - 2 for time, _, _ in usable.values())
+    alike, everyone = _alike(list(usable.values()))
+    freedom = sum(len(time) - 2 for time, _, _ in alike)
     return tuple(_trend(vehicle, quantity, one, everyone, freedom) for vehicle, one in usable.items())
 
 
@@ -158,6 +162,19 @@ def _trend(vehicle: str, quantity: str, one: Measured, everyone: float, freedom:
         p_adjusted=p,
         scatter=float(np.sqrt(shared)),
     )
+
+
+def _alike(groups: Sequence[Measured]) -> tuple[list[Measured], float]:
+    """Return the vehicles of common scatter, and its variance: those that scatter far more are left out."""
+    from scipy import stats
+
+    kept = list(groups)
+    while True:
+        everyone = _shared_variance(kept)
+        quiet = [one for one in kept if stats.chi2.sf(_line(*one[:2], one[2] + everyone)[2], len(one[0]) - 2) >= NOISY]
+        if len(quiet) in (0, len(kept)):
+            return kept, everyone
+        kept = quiet
 
 
 def _shared_variance(groups: Sequence[Measured]) -> float:
