@@ -12,6 +12,7 @@
 
 from importlib.metadata import version
 
+from suspid.analysis import Analysis, CarSettings, Settings, analyse
 from suspid.cleaning import Cleaned, Finding, Vertical, clean, read_record, scaled, to_si, vertical
 from suspid.decays import Decay, Decays, find_decays
 from suspid.errors import (
@@ -69,6 +70,7 @@ from suspid.wavelets import (
     find_ridges,
     fit_ridges,
 )
+from suspid.words import Check, Code, Level, Remark, Verdict
 
 __version__ = version("suspid")
 
@@ -83,6 +85,8 @@ __all__ = [  # noqa: RUF022 - grouped by step
     # files as they come, cleaned, and the decays in them
     "read_recording", "Recording", "RawChannel", "clean", "Cleaned", "Finding",
     "vertical", "Vertical", "scaled", "to_si", "find_decays", "Decays", "Decay",
+    # the whole recipe
+    "analyse", "Analysis", "Settings", "CarSettings",
     # a record's modes, at once or step by step, and those of repeats
     "identify", "Identification", "FourSteps", "Considered", "identify_repeats", "Repeats",
     "best_bandwidth", "BandwidthSearch", "cwt", "Scalogram", "Morlet",
@@ -93,6 +97,8 @@ __all__ = [  # noqa: RUF022 - grouped by step
     "report", "report_to_dict", "Source", "source_of", "identify_many", "FleetRun", "fleet_summary", "FleetSummary",
     # pictures of each step
     "plot_scalogram", "plot_skeletons", "plot_entropy", "plot_fit", "plot_shapes", "plot_identification",
+    # what is said of a result
+    "Verdict", "Level", "Check", "Remark", "Code",
     # what goes wrong
     "SuspidError", "InputError", "RecordError", "RecordWarning", "IdentificationError", "ReconstructionError",
 ]

@@ -122,7 +122,7 @@ class TestFilesAsTheyCome:
     def test_two_names_cannot_be_one(self) -> None:
         result = run("identify", RECORD, "--rename", "seat=tire")
         assert result.exit_code == 1
-        assert "two channels of one name" in result.stderr
+        assert "two channels of the same name" in result.stderr
 
     def test_a_channel_can_be_left_out(self) -> None:
         result = run("identify", RECORD, "--without", "seat")

@@ -289,12 +289,13 @@ class TestRecordsOfOthers:
     def test_a_drive_holds_nothing_beyond_doubt(self) -> None:
         """Twenty minutes of road, as others recorded it; nobody released anything."""
         pytest.importorskip("asammdf")
-        from suspid.cli.reading import ReadOptions, read_cleaned
+        from suspid.analysis import Settings
+        from suspid.analysis.reading import read
 
         folder = DATA / "css_canedge_car_mf4"
-        options = ReadOptions(channels=("AccelerationX",), dbc=folder / "canmod-gps.dbc")
+        settings = Settings(channels=("AccelerationX",), dbc=folder / "canmod-gps.dbc")
         for path in sorted(folder.glob("0000*.MF4")):
-            assert all(decay.doubts for decay in find_decays(read_cleaned(path, options)[0].record))
+            assert all(decay.doubts for decay in find_decays(read(path, settings).cleaned.record))
 
     def test_a_running_machine(self) -> None:
         pyuff = pytest.importorskip("pyuff")

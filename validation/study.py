@@ -40,7 +40,7 @@ from validation.table2 import CASES, Case
 if TYPE_CHECKING:
     import control
 
-    from suspid.identification.identify import Method
+    from suspid.identification.identification import Method
 
 RATE: Hertz = 500.0
 DURATION: Second = 10.0

@@ -1,6 +1,24 @@
-"""The recipe: read, clean, find the decays, identify, judge."""
+"""The recipe: read, clean, find the decays, identify or join, reconstruct, judge.
 
+`analyse` does it for a file, a recording or a record, as `Settings` ask for it, and returns an `Analysis`: every step's
+result, and the verdict on all. The commands, the report and the fleet call it and nothing else.
+"""
+
+from suspid.analysis.analyse import STEPS, Analysis, analyse
 from suspid.analysis.checks import LEAST_EXPLAINED, as_sentence
 from suspid.analysis.judgement import Judgement, judge
+from suspid.analysis.reading import channel_named
+from suspid.analysis.settings import CarSettings, Settings
 
-__all__ = ["LEAST_EXPLAINED", "Judgement", "as_sentence", "judge"]
+__all__ = [
+    "LEAST_EXPLAINED",
+    "STEPS",
+    "Analysis",
+    "CarSettings",
+    "Judgement",
+    "Settings",
+    "analyse",
+    "as_sentence",
+    "channel_named",
+    "judge",
+]

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.files import printable
-from suspid.identification import REASONS, late_start
+from suspid.identification import late_start
 from suspid.signals import as_signal
 from suspid.units import Ratio
+from suspid.words import Reason
 
 if TYPE_CHECKING:
     from suspid.identification import Identification, Repeats
@@ -36,7 +37,7 @@ Both = tuple[list[str], list[str]]
 def why_none(identification: Identification) -> list[str]:
     """Return why there is no mode."""
     considered = identification.considered
-    away = [c for c in considered if c.reason in (REASONS["outside the band"], REASONS["beyond"])]
+    away = [c for c in considered if c.remark.code in (Reason.OUTSIDE_THE_BAND, Reason.BEYOND)]
     if away:
         return [f"There is no mode in the band that was asked for; {many(len(away), 'pole')} outside it did stand out."]
     moved = [c for c in considered if c.removed]
@@ -194,7 +195,7 @@ def precision(identification: Identification, level: Ratio) -> Both:
 
 def steady_tones(identification: Identification) -> list[str]:
     """Return what tones were taken out with the fit."""
-    tones = [c for c in identification.considered if c.removed and c.reason == REASONS["tone"]]
+    tones = [c for c in identification.considered if c.removed and c.remark.code is Reason.TONE]
     if not tones:
         return []
     hertz = [f"{abs(c.pole) / (2 * np.pi):.4g}" for c in tones[:4]] + ["…"] * (len(tones) > 4)

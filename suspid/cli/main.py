@@ -16,7 +16,7 @@ import numpy as np
 
 from suspid.cli.fleet import fleet_command
 from suspid.cli.measured import channels_command, identify_command, record_in_words, report_command
-from suspid.cli.reading import FILE
+from suspid.cli.options import FILE
 from suspid.cli.support import (
     Commands,
     Positive,

@@ -2,43 +2,29 @@
 
 from __future__ import annotations
 
-import inspect
 import shlex
 from contextlib import ExitStack
+from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, get_args
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from suspid.analysis import LEAST_EXPLAINED
-from suspid.cli.reading import FILE, STRETCH, ReadOptions, Stretch, progress, read_cleaned, reading, stretch_of
-from suspid.cli.support import ARGUMENTS, Positive, angular_band, check_apart, said_warnings, say
+from suspid.analysis import STEPS, Analysis, Settings, analyse
+from suspid.cli.options import FILE, analysing, progress
+from suspid.cli.support import ARGUMENTS, Positive, check_apart, said_warnings, say
 from suspid.errors import InputError
 from suspid.files import printable, replacing
-from suspid.identification import Identification, Method, identify
+from suspid.identification import Identification
 from suspid.signals import as_signal
+from suspid.words import Note, count
 
 if TYPE_CHECKING:
     import control
 
-    from suspid.identification import Repeats
-    from suspid.model import ModalSet
-    from suspid.reconstruction import Reconstruction
-
-METHOD = inspect.signature(identify).parameters["method"].default
-
-SETTINGS = (
-    click.option(
-        "--modes", type=click.IntRange(min=1), metavar="N", help="How many modes to find. [all that stand out]"
-    ),
-    click.option(
-        "--method", type=click.Choice(get_args(Method)), default=METHOD, show_default=True, help="How to find."
-    ),
-    click.option(
-        "--band", type=Positive("Hz"), nargs=2, metavar="LOW HIGH", help="Lowest and highest frequency to look at [Hz]."
-    ),
-)
+# Things in a file that are no channels which are listed; `suspid channels` lists all.
+MOST_LEFT_OUT = 3
 
 
 @click.command("channels")
@@ -57,57 +43,34 @@ def channels_command(file: Path, time: str | None, fs: float | None, dbc: Path |
 
 @click.command("identify")
 @click.argument("file", type=FILE)
-@reading(*STRETCH, *SETTINGS)
+@analysing()
 @click.option("--plot", type=FILE, metavar="FILE", help="Write pictures of the identification (.png, .svg, .pdf).")
 @click.option("--json", "json_file", type=FILE, metavar="FILE", help="Write modes, uncertainty and settings as JSON.")
-def identify_command(
-    file: Path,
-    read: ReadOptions,
-    modes: int | None,
-    method: Method,
-    band: tuple[float, float] | None,
-    start: float | None,
-    stop: float | None,
-    which: str,
-    plot: Path | None,
-    json_file: Path | None,
-) -> None:
+def identify_command(file: Path, settings: Settings, plot: Path | None, json_file: Path | None) -> None:
     """Find the modes in the record FILE, of any format that `suspid channels` reads."""
     from suspid.identification import identification_to_dict, modes_to_dict, to_json
-    from suspid.reporting import judgement_of
 
-    rad_band = angular_band(band)
     check_apart([file], [plot, json_file])
-    with ExitStack() as outputs, said_warnings() as said, progress("reading", "finding decays", "identifying") as step:
+    with ExitStack() as outputs, said_warnings() as said, progress(*STEPS[:3]) as step:
         figure_draft = outputs.enter_context(replacing(_checked_picture(plot))) if plot else None
         json_draft = outputs.enter_context(replacing(json_file)) if json_file else None
-        step()
-        cleaned, notes = read_cleaned(file, read, start=start, stop=stop)
-        said += notes
-        step()
-        stretch = stretch_of(cleaned.record, start, stop, which)
-        said += stretch.said
-        step()
-        identification, repeats = _identified(cleaned.record, stretch, modes, method, rad_band)
-        said += doubts(identification)
+        found = analyse(file, settings=settings, progress=step)
+        said += said_of(found)
         if json_draft:
-            content = identification_to_dict(identification, file=str(file), warnings=said)
-            content |= {} if repeats is None else modes_to_dict(repeats.modes)
+            content = identification_to_dict(found.identification, file=str(file), warnings=said)
+            content |= {} if found.repeats is None else modes_to_dict(found.repeats.modes)
+            content["verdict"] = found.verdict.to_dict()
             json_draft.write_text(to_json(content), encoding="utf-8")
         if figure_draft:
-            _draw(identification, figure_draft)
-        verdict = judgement_of(
-            identification, cleaned=cleaned, decays=stretch.decays, repeats=repeats, reconstruction=None, level=0.95
-        )
-    lines = [f"Verdict: {verdict.headline}. {verdict.said}", *(f"- {doubt}" for doubt in verdict.doubts)]
-    found = repeats or identification
-    say("\n\n".join([f"{printable(str(file))}: {record_in_words(stretch.record)}", str(found), "\n".join(lines)]))
+            _draw(found.identification, figure_draft)
+    head = f"{printable(str(file))}: {record_in_words(found.identification.response)}"
+    say(f"{head}\n\n{found}")
 
 
 @click.command("report")
 @click.argument("file", type=FILE)
 @click.option("-o", "--output", type=FILE, metavar="FILE", required=True, help="The page to write (.html).")
-@reading(*STRETCH, *SETTINGS)
+@analysing()
 @click.option("--car", type=FILE, metavar="CAR", help="Masses and nominal struts (.toml): springs and dampers as well.")
 @click.option("--level", type=click.FloatRange(0, 1, min_open=True, max_open=True), default=0.95, show_default=True,
               help="Probability of the intervals.")  # fmt: skip
@@ -117,13 +80,7 @@ def identify_command(
 def report_command(
     file: Path,
     output: Path,
-    read: ReadOptions,
-    modes: int | None,
-    method: Method,
-    band: tuple[float, float] | None,
-    start: float | None,
-    stop: float | None,
-    which: str,
+    settings: Settings,
     car: Path | None,
     level: float,
     json_file: Path | None,
@@ -132,113 +89,50 @@ def report_command(
 ) -> None:
     """Write a page on the modes in FILE: one HTML file to print or to send, with all that the result rests on."""
     from suspid.identification import to_json
+    from suspid.model import read_car
     from suspid.reporting import drawable, report, report_to_dict, source_of
 
-    rad_band = angular_band(band)
     if output.suffix.lower() not in (".html", ".htm"):
         raise InputError(f"{printable(str(output))}: reports are written as .html; choose such a name")
     check_apart([file, *([car] if car else [])], [output, json_file])
     created = date or datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC")
-    steps = ("reading", "finding decays", "identifying", "reconstructing", "drawing")
-    with ExitStack() as outputs, said_warnings() as said, progress(*steps) as step:
+    with ExitStack() as outputs, said_warnings() as said, progress(*STEPS, "drawing") as step:
         draft = outputs.enter_context(replacing(output))
         json_draft = outputs.enter_context(replacing(json_file)) if json_file else None
-        step()
-        cleaned, notes = read_cleaned(file, read, start=start, stop=stop)
+        suspension = None if car is None else read_car(car)
+        found = analyse(file, car=suspension, settings=replace(settings, level=level), progress=step)
         source = source_of(file, command=_command_line(), created=created)
-        step()
-        stretch = stretch_of(cleaned.record, start, stop, which)
-        step()
-        identification, repeats = _identified(cleaned.record, stretch, modes, method, rad_band)
-        identification = drawable(identification)
-        step()
-        found, why = _springs(identification.modes if repeats is None else repeats.modes, car)
-        step()
-        # What was cleaned and which decay was taken has its own place on the page.
-        warnings = [*why, *(note for note in notes if note.startswith("in the file: "))]
-        page = report(
-            identification,
-            source=source,
-            cleaned=cleaned,
-            decays=stretch.decays,
-            repeats=repeats,
-            reconstruction=found,
-            level=level,
-            warnings=warnings,
-            title=title,
-        )
-        draft.write_text(page, encoding="utf-8")
+        step("drawing")
+        parts: Any = {
+            "source": source,
+            "cleaned": found.cleaned,
+            "decays": found.decays,
+            "repeats": found.repeats,
+            "reconstruction": found.reconstruction,
+            "level": level,
+            "warnings": [str(note) for note in found.notes if note.code is Note.NO_SPRINGS],
+        }
+        identification = drawable(found.identification)
+        draft.write_text(report(identification, title=title, **parts), encoding="utf-8")
         if json_draft:
-            content = report_to_dict(
-                identification,
-                source=source,
-                cleaned=cleaned,
-                decays=stretch.decays,
-                repeats=repeats,
-                reconstruction=found,
-                level=level,
-                warnings=warnings,
-            )
-            json_draft.write_text(to_json(content), encoding="utf-8")
-        said += [*notes, *stretch.said, *why, *doubts(identification)]
-    modes_found = identification.modes if repeats is None else repeats.modes
-    say(f"{printable(str(output))}: {_modes_in_words(modes_found)} in {printable(str(file))}")
+            json_draft.write_text(to_json(report_to_dict(identification, **parts)), encoding="utf-8")
+        said += said_of(found)
+    modes = count(len(found.modes), "mode") if len(found.modes) else "no mode"
+    say(f"{printable(str(output))}: {modes} in {printable(str(file))}")
 
 
-def _identified(
-    record: control.TimeResponseData,
-    stretch: Stretch,
-    modes: int | None,
-    method: Method,
-    band: tuple[float, float] | None,
-) -> tuple[Identification, Repeats | None]:
-    """Return the identification of the decay and, where several are used, that of all jointly."""
-    from suspid.identification import identify_repeats
-
-    if len(stretch.used) < 2:
-        return identify(stretch.record, modes=modes, method=method, band=band), None
-    if method != "likelihood":
-        raise click.UsageError(f"--decay all joins decays by their likelihood; --method {method} takes one at a time.")
-    repeats = identify_repeats(record, stretch.used, modes=modes, band=band)
-    return repeats.each[0], repeats
-
-
-def _springs(modes: ModalSet, car: Path | None) -> tuple[Reconstruction | None, list[str]]:
-    """Return springs and dampers, or why there are none."""
-    from suspid.errors import InputError, ReconstructionError
-    from suspid.model import read_car
-    from suspid.reconstruction import reconstruct
-
-    if car is None:
-        return None, []
-    suspension = read_car(car)
-    try:
-        return reconstruct(modes, suspension), []
-    except (ReconstructionError, InputError) as error:
-        return None, [f"springs and dampers were not found: {error}"]
+def said_of(found: Analysis) -> list[str]:
+    """Return what was left out, repaired and done on the way, a sentence each."""
+    left_out = () if found.recording is None else found.recording.left_out
+    said = [f"in the file: {name!r} {why}" for name, why in left_out[:MOST_LEFT_OUT]]
+    if len(left_out) > MOST_LEFT_OUT:
+        said.append(f"in the file: {len(left_out) - MOST_LEFT_OUT} more things are no channels; see `suspid channels`")
+    return [*said, *map(str, found.cleaned.findings), *map(str, found.notes)]
 
 
 def _command_line() -> str:
     arguments = click.get_current_context().meta.get(ARGUMENTS, [])
     return shlex.join(["suspid", *arguments])
-
-
-def doubts(identification: Identification) -> list[str]:
-    """Return what makes the modes hardly those of the record."""
-    channels = as_signal(identification.residual).channels
-    unexplained = [
-        f"the modes explain only {100 * share:.0f} % of channel {name!r}"
-        for name, share in zip(channels, identification.explained, strict=True)
-        if share < LEAST_EXPLAINED
-    ]
-    modes = identification.modes
-    growing = [f"mode {k} ({wn:.4g} rad/s) grows" for k, wn in enumerate(modes.wn, 1) if modes.poles[k - 1].real > 0]
-    return unexplained + growing
-
-
-def _modes_in_words(modes: ModalSet) -> str:
-    count = len(modes)
-    return "no mode" if not count else f"{count} mode{'s' * (count > 1)}"
 
 
 def record_in_words(record: control.TimeResponseData) -> str:

@@ -8,16 +8,9 @@ covariance), `selection` (model order), `modes_json` (files).
 
 from suspid.identification.exponentials import synthesize
 from suspid.identification.halves import FEWEST_SAMPLES
-from suspid.identification.identify import (
-    REASONS,
-    Considered,
-    FourSteps,
-    Identification,
-    Method,
-    identify,
-    late_start,
-)
-from suspid.identification.identify_repeats import Repeats, identify_repeats
+from suspid.identification.identification import Considered, Identification, Method, tables_of
+from suspid.identification.identify import identify
+from suspid.identification.identify_repeats import Repeats, identify_repeats, tables_of_repeats
 from suspid.identification.modes_json import identification_to_dict, modes_to_dict, read_modes, to_json
 from suspid.identification.noise import (
     UNIFORM_STD,
@@ -28,10 +21,11 @@ from suspid.identification.noise import (
     resolution,
 )
 from suspid.identification.selection import Selection, select
+from suspid.identification.steps import FourSteps
+from suspid.identification.verdict import late_start, verdict_of, verdict_of_repeats
 
 __all__ = [
     "FEWEST_SAMPLES",
-    "REASONS",
     "UNIFORM_STD",
     "Considered",
     "FourSteps",
@@ -52,5 +46,9 @@ __all__ = [
     "resolution",
     "select",
     "synthesize",
+    "tables_of",
+    "tables_of_repeats",
     "to_json",
+    "verdict_of",
+    "verdict_of_repeats",
 ]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,15 +15,18 @@ from suspid.identification.agreement import Agreement, agreement
 from suspid.identification.covariance import joint_covariance
 from suspid.identification.exponentials import blocks_of
 from suspid.identification.halves import FEWEST_SAMPLES
-from suspid.identification.identify import Identification, identify
+from suspid.identification.identification import Identification
+from suspid.identification.identify import identify
 from suspid.identification.joint_fit import maximize_jointly
 from suspid.identification.noise import WhiteNoise, noise_of
 from suspid.identification.poles import Poles
 from suspid.identification.selection import select
+from suspid.identification.verdict import verdict_of_repeats
 from suspid.model import ModalSet
 from suspid.signals import Stretch, as_signal, cut
 from suspid.units import RadianPerSecond, RealArray, Second
 from suspid.values import frozen_real, text_table
+from suspid.words import Verdict
 
 if TYPE_CHECKING:
     import control
@@ -31,7 +35,7 @@ if TYPE_CHECKING:
 LONG_ENOUGH = 0.5
 
 
-@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Repeats:
     """What `identify_repeats` found.
 
@@ -58,31 +62,34 @@ class Repeats:
     loudness: RealArray
     noise_std: RealArray
 
+    @cached_property
+    def verdict(self) -> Verdict:
+        """How far the joint modes can be trusted, with every check and its numbers."""
+        return verdict_of_repeats(self)
+
     def __str__(self) -> str:
-        if not len(self.modes):
-            return f"no mode: nothing decays like one in all of {len(self.spans)} repeats"
-        columns = {
-            "mode": [str(i + 1) for i in range(len(self.modes))],
-            "repeats apart: chi-square": [f"{a.chi_square:.1f}" for a in self.consistency],
-            "degrees of freedom": [str(a.freedom) for a in self.consistency],
-            "by chance": [f"{a.probability:.2g}" for a in self.consistency],
-            "residual beside / noise": [f"{value:.3g}" for value in self.loudness],
+        return f"{tables_of_repeats(self)}\n\n{self.verdict}"
+
+
+def tables_of_repeats(found: Repeats) -> str:
+    """Return the tables of joint modes, agreement and single decays, without the verdict."""
+    singles = text_table(
+        {
+            "decay": [f"{start:.6g} … {stop:.6g} s" for start, stop in found.spans],
+            "f [Hz]": [", ".join(f"{wn / (2 * np.pi):.4g}" for wn in one.modes.wn) for one in found.each],
+            "zeta [1]": [", ".join(f"{zeta:.3g}" for zeta in one.modes.zeta) for one in found.each],
         }
-        singles = {
-            "decay": [f"{start:.6g} … {stop:.6g} s" for start, stop in self.spans],
-            "f [Hz]": [", ".join(f"{wn / (2 * np.pi):.4g}" for wn in found.modes.wn) for found in self.each],
-            "zeta [1]": [", ".join(f"{zeta:.3g}" for zeta in found.modes.zeta) for found in self.each],
-        }
-        parts = [f"{self.modes}", text_table(columns)]
-        apart = [str(i + 1) for i, a in enumerate(self.consistency) if a.widening > 1]
-        if apart:
-            parts.append(
-                f"The repeats disagree on mode {', '.join(apart)} by more than their noise: frequency or damping "
-                f"depends on the amplitude, or something changed between them; the intervals are widened for it."
-            )
-        if np.any(self.loudness > 1):
-            parts.append("Where the residual is louder than white noise the intervals are widened for it.")
-        return "\n\n".join([*parts, text_table(singles)])
+    )
+    if not len(found.modes):
+        return f"no mode in all of {len(found.spans)} decays\n\n{singles}"
+    agreement = {
+        "mode": [str(i + 1) for i in range(len(found.modes))],
+        "disagreement: chi-square": [f"{a.chi_square:.1f}" for a in found.consistency],
+        "degrees of freedom": [str(a.freedom) for a in found.consistency],
+        "probability": [f"{a.probability:.2g}" for a in found.consistency],
+        "residual / noise": [f"{value:.3g}" for value in found.loudness],
+    }
+    return f"{found.modes}\n\n{text_table(agreement)}\n\n{singles}"
 
 
 def identify_repeats(

@@ -35,7 +35,7 @@ import numpy as np
 
 from suspid.errors import InputError
 from suspid.files import printable, read_text
-from suspid.identification.identify import Identification
+from suspid.identification.identification import Identification
 from suspid.model import ModalSet, parsed_toml
 from suspid.signals import as_signal
 from suspid.values import nearest_names

@@ -28,7 +28,7 @@ class Code(Enum):
 
     words: Words
 
-    def __new__(cls, value: str, words: Words) -> Code:
+    def __new__(cls, value: str, words: Words = "") -> Code:
         """Make a member whose value is the code alone."""
         member = object.__new__(cls)
         member._value_ = value

@@ -97,7 +97,7 @@ class Verdict:
 
     def __str__(self) -> str:
         lines = [f"Verdict: {self.headline}: {self.level.label}. {MEANING[self.level]}"]
-        return "\n".join([*lines, *(f"- {doubt}" for doubt in self.doubts)])
+        return "\n".join([*lines, *(f"- {doubt}" for doubt in self.doubts), *(f"note: {n}" for n in self.notes)])
 
     def to_dict(self) -> dict[str, object]:
         """Return level, headline and checks, for JSON."""

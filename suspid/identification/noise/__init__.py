@@ -15,7 +15,7 @@ from suspid.identification.noise.colour import (
     power_beside,
 )
 from suspid.identification.noise.quantisation import UNIFORM_STD, resolution
-from suspid.identification.noise.shared import noise_correlation, shared_noise
+from suspid.identification.noise.shared import most_shared, noise_correlation, shared_noise
 from suspid.identification.noise.white import WhiteNoise, degrees_of_freedom, loss_growth, noise_of
 
 __all__ = [
@@ -27,6 +27,7 @@ __all__ = [
     "lag_one",
     "loss_growth",
     "loudness",
+    "most_shared",
     "noise_colour",
     "noise_correlation",
     "noise_of",

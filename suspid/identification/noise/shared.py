@@ -43,3 +43,10 @@ def noise_correlation(residual: RealArray) -> RealArray:
     together = unit @ unit.T
     np.fill_diagonal(together, 1.0)
     return np.asarray(together)
+
+
+def most_shared(residual: RealArray) -> tuple[int, int, float]:
+    """Return the two channels whose noise is most correlated, and their correlation (without its sign)."""
+    together = np.abs(noise_correlation(residual) - np.eye(len(residual)))
+    one, other = np.unravel_index(int(np.argmax(together)), together.shape)
+    return int(one), int(other), float(together[one, other])

@@ -1,0 +1,180 @@
+"""Read and clean a source, with the channels, scales and names that the settings ask for."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeVar
+
+import numpy as np
+
+from suspid.analysis.settings import Settings
+from suspid.cleaning import Cleaned, clean, scaled, to_si, vertical
+from suspid.errors import InputError, RecordError
+from suspid.files import printable
+from suspid.io import bare_name, read_recording
+from suspid.recordings import Recording
+from suspid.signals import as_response, as_signal
+from suspid.values import nearest_names
+from suspid.words import Note, Remark
+
+if TYPE_CHECKING:
+    import control
+
+Value = TypeVar("Value", str, float)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Read:
+    """A source as read: the recording (None for a response), the cleaned record, and what was done to it."""
+
+    recording: Recording | None
+    cleaned: Cleaned
+    notes: tuple[Remark, ...]
+
+
+def read(source: str | os.PathLike[str] | Recording | control.TimeResponseData, settings: Settings) -> Read:
+    """Return a source as a cleaned record.
+
+    Parameters
+    ----------
+    source : path, Recording or control.TimeResponseData
+        A response is taken as it is: it is on a uniform clock already.
+    settings : Settings
+        Which channels, on which clock, scaled and named how.
+
+    Raises
+    ------
+    RecordError, InputError
+        If the source cannot be used; the message begins with the name of the file.
+    """
+    if isinstance(source, str | os.PathLike):
+        recording = read_recording(
+            source, channels=settings.channels, time=settings.time, fs=settings.fs, dbc=settings.dbc
+        )
+        name = f"{printable(os.fspath(source))}: "
+    elif isinstance(source, Recording):
+        recording, name = source, ""
+    else:
+        cleaned = _chosen(source, settings)
+        cleaned, notes = _as_wanted(cleaned, settings)
+        return Read(recording=None, cleaned=cleaned, notes=notes)
+    dropped = {channel_named(channel, recording.names) for channel in settings.without}
+    recording = replace(recording, channels=tuple(c for c in recording.channels if c.name not in dropped))
+    wanted = settings.channels and tuple(channel_named(channel, recording.names) for channel in settings.channels)
+    try:
+        cleaned = clean(recording, channels=wanted, fs=settings.fs, start=settings.start, stop=settings.stop)
+    except RecordError as error:
+        raise RecordError(f"{name}{error}") from None
+    cleaned, notes = _as_wanted(cleaned, settings)
+    return Read(recording=recording, cleaned=cleaned, notes=notes)
+
+
+def channel_named(name: str, channels: Sequence[str]) -> str:
+    """Return the channel of that name, or the only one that has it before its unit.
+
+    Raises
+    ------
+    RecordError
+        If there is none; the message lists the nearest names.
+
+    Examples
+    --------
+    >>> channel_named("seat", ["time [s]", "seat [mm]"])
+    'seat [mm]'
+    """
+    if name in channels:
+        return name
+    short = [channel for channel in channels if bare_name(channel) == name]
+    if len(short) != 1:
+        raise RecordError(f"there is no channel {name!r}.{nearest_names(name, [*channels, *map(bare_name, channels)])}")
+    return short[0]
+
+
+def _chosen(response: control.TimeResponseData, settings: Settings) -> Cleaned:
+    """Return the channels of a response that the settings ask for."""
+    signal = as_signal(response)
+    wanted = [channel_named(name, signal.channels) for name in settings.channels or signal.channels]
+    dropped = {channel_named(name, signal.channels) for name in settings.without}
+    kept = [name for name in wanted if name not in dropped]
+    record = response
+    if kept != list(signal.channels):
+        rows = [signal.channels.index(name) for name in kept]
+        record = as_response(signal.timepts, signal.values[rows], kept, title=_title(response))
+    return Cleaned(record=record, units=("",) * len(kept), findings=())
+
+
+def _as_wanted(cleaned: Cleaned, settings: Settings) -> tuple[Cleaned, tuple[Remark, ...]]:
+    """Return the record scaled, in SI, with its vertical, and renamed, in this order."""
+    notes: tuple[Remark, ...] = ()
+    if settings.scale:
+        cleaned = replace(cleaned, record=scaled(cleaned.record, _by_channel(dict(settings.scale), cleaned)))
+    if settings.si:
+        cleaned, notes = _in_si(cleaned)
+    if settings.vertical is not None:
+        cleaned, found = _upright(cleaned, settings.vertical)
+        notes = (*notes, *(Remark(Note.VERTICAL, {"found": line}) for line in found.split("\n")))
+    if settings.rename:
+        cleaned = _renamed(cleaned, _by_channel(dict(settings.rename), cleaned))
+    return cleaned, notes
+
+
+def _in_si(cleaned: Cleaned) -> tuple[Cleaned, tuple[Remark, ...]]:
+    """Return the record with every channel whose unit is known in SI."""
+    factors, units, notes = dict[str, float](), list[str](), list[Remark]()
+    for name, unit in zip(as_signal(cleaned.record).channels, cleaned.units, strict=True):
+        try:
+            factor, si = to_si(1.0, unit)
+        except InputError as error:
+            why = str(error) if unit else "the file states no unit"
+            notes.append(Remark(Note.NOT_CONVERTED, {"channel": name, "why": why}))
+            units.append(unit)
+            continue
+        units.append(si)
+        if float(factor) != 1.0:
+            factors[name] = float(factor)
+            notes.append(
+                Remark(Note.CONVERTED, {"channel": name, "unit": unit, "si": si, "factor": float(factor)}),
+            )
+    return replace(cleaned, record=scaled(cleaned.record, factors), units=tuple(units)), tuple(notes)
+
+
+def _upright(cleaned: Cleaned, given: Iterable[str]) -> tuple[Cleaned, str]:
+    """Return the record with the vertical of a tilted accelerometer in place of its axes, and how it was found."""
+    signal = as_signal(cleaned.record)
+    axes = tuple(channel_named(name.strip(), signal.channels) for name in given)
+    up, found = vertical(cleaned.record, axes)
+    kept = [k for k, name in enumerate(signal.channels) if name not in axes]
+    record = as_response(
+        signal.timepts,
+        np.concatenate([as_signal(up).values, signal.values[kept]]),
+        [*as_signal(up).channels, *(signal.channels[k] for k in kept)],
+        title=_title(cleaned.record),
+    )
+    units = (cleaned.units[signal.channels.index(axes[0])], *(cleaned.units[k] for k in kept))
+    return replace(cleaned, record=record, units=units), str(found)
+
+
+def _renamed(cleaned: Cleaned, renames: dict[str, str]) -> Cleaned:
+    signal = as_signal(cleaned.record)
+    names = [renames.get(name, name) for name in signal.channels]
+    if len(set(names)) < len(names):
+        raise InputError(f"renaming leaves two channels of the same name: {', '.join(map(repr, names))}")
+    return replace(cleaned, record=as_response(signal.timepts, signal.values, names, title=_title(cleaned.record)))
+
+
+def _by_channel(values: Mapping[str, Value], cleaned: Cleaned) -> dict[str, Value]:
+    """Return values by the full names of the channels."""
+    channels = as_signal(cleaned.record).channels
+    return {channel_named(name, channels): value for name, value in values.items()}
+
+
+def _title(response: control.TimeResponseData) -> str:
+    return str(getattr(response, "title", None) or "")
+
+
+def file_of(source: object) -> Path | None:
+    """Return the path of a source, or None if it is no file."""
+    return Path(source) if isinstance(source, str | os.PathLike) else None

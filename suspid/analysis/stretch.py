@@ -1,0 +1,95 @@
+"""Which stretch of a record is identified."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from suspid.analysis.settings import Settings
+from suspid.decays import Decay, Decays, find_decays
+from suspid.errors import RecordError
+from suspid.identification import late_start
+from suspid.signals import as_response, as_signal, cut
+from suspid.words import Note, Remark
+
+if TYPE_CHECKING:
+    import control
+
+# Remarks on stretches that are no decay which are repeated where no decay is used; `Decays.remarks` has all of them.
+MOST_REMARKS = 2
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Used:
+    """The part of a record that is taken as a decay, among the decays that were found."""
+
+    record: control.TimeResponseData
+    decays: Decays | tuple[Decay, ...]
+    used: tuple[Decay, ...]
+    notes: tuple[Remark, ...]
+
+
+def stretch_of(record: control.TimeResponseData, settings: Settings) -> Used:
+    """Return the stretch of a record that the settings ask for.
+
+    Raises
+    ------
+    RecordError
+        If a decay is asked for and there is none, or none of that rank.
+    """
+    if settings.start is not None or settings.stop is not None:
+        part = cut(record, start=settings.start, stop=settings.stop)
+        return Used(record=part, decays=(), used=(), notes=())
+    which = settings.decay
+    if which == "whole" or (which == "auto" and late_start(as_signal(record)) is None):
+        return Used(record=record, decays=(), used=(), notes=())
+    decays = find_decays(record)
+    if not decays and which != "auto":
+        raise RecordError(f"no free decay was found. {_remarks(decays)}")
+    if which == "auto" and (not decays or decays[0].doubts):
+        best = str(decays[0]) if decays else ""
+        said = Remark(Note.WHOLE_RECORD, {"found": len(decays), "best": best, "remarks": _remarks(decays)})
+        return Used(record=record, decays=decays, used=(), notes=(said,))
+    if which == "all":
+        return _all(record, decays)
+    return _one(record, decays, 1 if which == "auto" else int(which))
+
+
+def _all(record: control.TimeResponseData, decays: Decays) -> Used:
+    sure = tuple(decay for decay in decays if not decay.doubts) or tuple(decays)
+    starts = ", ".join(f"{decay.start:.6g}" for decay in sure)
+    notes = [Remark(Note.DECAYS_USED, {"number": len(sure), "starts": starts})]
+    if len(decays) > len(sure):
+        notes.append(Remark(Note.DECAYS_LEFT_OUT, {"number": len(decays) - len(sure)}))
+    part = cut(record, start=sure[0].start, stop=sure[0].stop)
+    return Used(record=part, decays=decays, used=sure, notes=tuple(notes))
+
+
+def _one(record: control.TimeResponseData, decays: Decays, rank: int) -> Used:
+    if rank > len(decays):
+        raise RecordError(f"there is no decay of rank {rank}; found: {'; '.join(map(str, decays))}")
+    best = decays[rank - 1]
+    used = Remark(Note.DECAY_USED, {"start": best.start, "stop": best.stop, "others": len(decays) - 1})
+    doubts = [Remark(Note.DECAY_DOUBT, {"doubt": str(doubt)}) for doubt in best.doubts]
+    part, still = _moving(cut(record, start=best.start, stop=best.stop))
+    return Used(record=part, decays=decays, used=(best,), notes=(used, *doubts, *still))
+
+
+def _moving(record: control.TimeResponseData) -> tuple[control.TimeResponseData, list[Remark]]:
+    """Return the record without channels that stand still in it, and what was left out."""
+    signal = as_signal(record)
+    moving = np.ptp(signal.values, axis=1) > 0
+    if moving.all() or not moving.any():
+        return record, []
+    kept = [name for name, moves in zip(signal.channels, moving, strict=True) if moves]
+    notes = [Remark(Note.STILL_CHANNEL, {"channel": name}) for name in signal.channels if name not in kept]
+    title = str(getattr(record, "title", None) or "")
+    return as_response(signal.timepts, signal.values[moving], kept, title=title), notes
+
+
+def _remarks(decays: Decays) -> str:
+    said = " ".join(str(remark) for remark in decays.remarks[:MOST_REMARKS])
+    more = len(decays.remarks) - MOST_REMARKS
+    return f"{said} … and {more} more such." if more > 0 else said

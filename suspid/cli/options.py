@@ -1,0 +1,182 @@
+"""Options that several commands share, and the settings made of them."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from functools import wraps
+from pathlib import Path
+from typing import Any, Literal, TypeVar, cast, get_args
+
+import click
+
+from suspid.analysis import Settings
+from suspid.cli.support import Positive, angular_band
+from suspid.errors import InputError
+from suspid.identification import Method, identify
+
+FILE = click.Path(path_type=Path)
+# Work that takes longer than this [s] shows a progress bar, on a terminal only.
+PATIENCE = 1.0
+
+Command = TypeVar("Command", bound=Callable[..., Any])
+
+
+class Which(click.ParamType[str]):
+    """Which decay: "auto", "whole", "all", or its rank."""
+
+    name = "auto|whole|all|N"
+
+    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        """Return the choice, or refuse it as a usage error."""
+        text = str(value)
+        if text not in ("auto", "whole", "all") and not (text.isdecimal() and int(text) > 0):
+            self.fail(f"{text!r} is neither auto, whole, all nor a rank from 1 on.", param, ctx)
+        return text
+
+
+READING = (
+    click.option("--channel", "channels", metavar="NAME", multiple=True, help="Channel to use; repeat. [all]"),
+    click.option("--without", "without", metavar="NAME", multiple=True, help="Channel to leave out; repeat."),
+    click.option(
+        "--rename", "renames", metavar="OLD=NEW", multiple=True, help="Call a channel by another name; repeat."
+    ),
+    click.option(
+        "--scale", "scales", metavar="NAME=FACTOR", multiple=True, help="Multiply a channel, as -9.81; repeat."
+    ),
+    click.option("--vertical", metavar="X,Y,Z", help="Add the vertical of a tilted accelerometer, and drop its axes."),
+    click.option("--si", is_flag=True, help="Convert channels to SI by the units that the file states."),
+    click.option("--time", "time", metavar="NAME", help="Column of time, if it is not named like one."),
+    click.option(
+        "--fs",
+        type=Positive("Hz"),
+        metavar="HZ",
+        help="Sampling rate; it must agree with the time in the file, if any.",
+    ),
+    click.option("--dbc", type=FILE, metavar="FILE", help="Database that decodes the CAN frames of an MDF file."),
+)
+STRETCH = (
+    click.option("--from", "start", type=float, metavar="SECONDS", help="Time at which the decay begins."),
+    click.option("--to", "stop", type=float, metavar="SECONDS", help="Last time to use."),
+    click.option(
+        "--decay",
+        "which",
+        type=Which(),
+        default="auto",
+        show_default=True,
+        help="Which of the free decays found in a long recording: the best where the record does not begin with its "
+        "largest motion (auto), none: the whole record (whole), that of rank N, or all of them jointly (all).",
+    ),
+)
+
+
+METHOD = inspect.signature(identify).parameters["method"].default
+SETTINGS = (
+    click.option(
+        "--modes", type=click.IntRange(min=1), metavar="N", help="How many modes to find. [all that stand out]"
+    ),
+    click.option(
+        "--method", type=click.Choice(get_args(Method)), default=METHOD, show_default=True, help="How to find them."
+    ),
+    click.option(
+        "--band", type=Positive("Hz"), nargs=2, metavar="LOW HIGH", help="Lowest and highest frequency to look at [Hz]."
+    ),
+)
+
+
+def settings_of(
+    *,
+    channels: tuple[str, ...],
+    without: tuple[str, ...],
+    renames: tuple[str, ...],
+    scales: tuple[str, ...],
+    vertical: str | None,
+    si: bool,
+    time: str | None,
+    fs: float | None,
+    dbc: Path | None,
+    start: float | None,
+    stop: float | None,
+    which: str,
+    modes: int | None,
+    method: Method,
+    band: tuple[float, float] | None,
+) -> Settings:
+    """Return the settings that the options of `analysing` ask for, or refuse them as a usage error."""
+    axes = None if vertical is None else tuple(name.strip() for name in vertical.split(","))
+    if axes is not None and len(axes) != 3:
+        raise click.BadParameter(f"{vertical!r}: name three axes, as X,Y,Z.", param_hint="'--vertical'")
+    decay = int(which) if which.isdecimal() else cast("Literal['auto', 'whole', 'all']", which)
+    rename, scale = pairs(renames, "--rename", str), pairs(scales, "--scale", float)
+    angular = angular_band(band)
+    try:
+        return Settings(
+            channels=channels or None,
+            without=without,
+            rename=rename,
+            scale=scale,
+            vertical=axes,
+            si=si,
+            time=time,
+            fs=fs,
+            dbc=dbc,
+            start=start,
+            stop=stop,
+            decay=decay,
+            modes=modes,
+            method=method,
+            band=angular,
+        )
+    except InputError as error:
+        raise click.UsageError(f"{error}.") from None
+
+
+def analysing(*options: Callable[[Any], Any]) -> Callable[[Command], Command]:
+    """Return a decorator that gives a command all options of an analysis, as its argument ``settings``, and others."""
+    packed = list(inspect.signature(settings_of).parameters)
+
+    def give(command: Command) -> Command:
+        @wraps(command)
+        def unpacked(**values: Any) -> Any:
+            settings = settings_of(**{name: values.pop(name) for name in packed})
+            return command(settings=settings, **values)
+
+        made: Any = unpacked
+        for option in reversed((*READING, *STRETCH, *SETTINGS, *options)):
+            made = option(made)
+        return cast("Command", made)
+
+    return give
+
+
+@contextmanager
+def progress(*steps: str) -> Iterator[Callable[[str], None]]:
+    """Give a function that is told which step begins; long work shows a bar, on a terminal only."""
+    from tqdm import tqdm
+
+    with tqdm(total=len(steps), disable=None, delay=PATIENCE, leave=False, bar_format="{l_bar}{bar}| {elapsed}") as bar:
+
+        def step(name: str) -> None:
+            bar.set_description(name, refresh=False)
+            bar.update()
+
+        yield step
+
+
+Value = TypeVar("Value", str, float)
+
+
+def pairs(given: Sequence[str], option: str, kind: Callable[[str], Value]) -> dict[str, Value]:
+    """Return values by name from texts ``NAME=VALUE``; each name may stand once."""
+    found: dict[str, Value] = {}
+    for text in given:
+        name, equals, value = text.rpartition("=")
+        try:
+            made = kind(value)
+        except ValueError:
+            equals = ""
+        if not equals or not name or not value or name in found:
+            raise click.BadParameter(f"{text!r}: write NAME=VALUE, each name once.", param_hint=f"'{option}'")
+        found[name] = made
+    return found

@@ -1,0 +1,220 @@
+"""The result of `identify`, and all that is needed to judge it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from suspid.errors import IdentificationError
+from suspid.identification.halves import disagreement
+from suspid.identification.noise import lag_one
+from suspid.identification.poles import Poles
+from suspid.identification.steps import FourSteps
+from suspid.identification.verdict import verdict_of
+from suspid.model import ModalSet
+from suspid.signals import Signal, as_signal
+from suspid.units import RealArray
+from suspid.values import frozen_real, text_table
+from suspid.wavelets import BandwidthSearch, Ridge, Scalogram, SkeletonFit, fit_ridges, fit_skeleton
+from suspid.words import Remark, Verdict
+
+if TYPE_CHECKING:
+    import control
+
+# Rejected poles that the table shows; the rest is counted.
+MOST_SHOWN = 6
+
+Method = Literal["likelihood", "ridge"]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Considered:
+    """A pole that was considered and is not among the modes.
+
+    Parameters
+    ----------
+    pole : complex
+        The pole [rad/s].
+    remark : Remark
+        Why it is no mode: a `Reason` with its numbers.
+    removed : bool
+        Whether its motion was removed from the record with the fit (a tone, a drift), or left in the residual.
+    """
+
+    pole: complex
+    remark: Remark
+    removed: bool
+
+    @property
+    def reason(self) -> str:
+        """Why it is no mode, in words."""
+        return str(self.remark)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Identification:
+    """What `identify` found, and all that is needed to judge it.
+
+    Parameters
+    ----------
+    response : control.TimeResponseData
+        The record.
+    method : {"likelihood", "ridge"}
+        How it was identified.
+    modes : ModalSet
+        The modes, with their uncertainty.
+    fitted : control.TimeResponseData
+        The motion that was found (with offset, tones and drift), as it fits the record.
+    residual : control.TimeResponseData
+        The record less `fitted`.
+    noise_std : ndarray (channel,)
+        Standard deviation of the noise, in the unit of each channel.
+    loudness : ndarray (mode,)
+        Power of the residual near each mode over that of the noise [1]. Where it is above 1 the covariance
+        of the mode is widened by it, or by the square of `halves` if that is more. Ones for method "ridge".
+    considered : tuple of Considered
+        What else was met, and why it is no mode.
+    steps : FourSteps
+        The wavelet's view of the record.
+    """
+
+    response: control.TimeResponseData
+    method: Method
+    modes: ModalSet
+    fitted: control.TimeResponseData
+    residual: control.TimeResponseData
+    noise_std: RealArray
+    loudness: RealArray
+    considered: tuple[Considered, ...]
+    steps: FourSteps
+
+    @property
+    def bandwidth_search(self) -> BandwidthSearch | None:
+        """Entropy against bandwidth; None if the bandwidth was given."""
+        return self.steps.search
+
+    @property
+    def scalogram(self) -> Scalogram:
+        """The transform of the record less its mean."""
+        return self.steps.scalogram
+
+    @property
+    def ridges(self) -> tuple[Ridge, ...]:
+        """The ridges that stand out, each with its own wavelet, skeleton and window; perhaps none."""
+        try:
+            return self.steps.ridges
+        except IdentificationError:
+            return ()
+
+    @property
+    def ridge_modes(self) -> ModalSet:
+        """The modes from the ridges alone; perhaps none."""
+        return fit_ridges(self.ridges) if self.ridges else no_modes(as_signal(self.response))
+
+    @property
+    def lines(self) -> tuple[SkeletonFit, ...]:
+        """The lines through log modulus and phase of each ridge."""
+        return tuple(fit_skeleton(ridge) for ridge in self.ridges)
+
+    @property
+    def explained(self) -> RealArray:
+        """Share of each channel's energy about its mean that the fit explains [1], (channel,)."""
+        signal, left = as_signal(self.response).values, as_signal(self.residual).values
+        energy = np.sum((signal - signal.mean(axis=1, keepdims=True)) ** 2, axis=1)
+        return np.asarray(1 - np.sum(left**2, axis=1) / np.where(energy > 0, energy, 1.0))
+
+    @property
+    def whiteness(self) -> RealArray:
+        """Correlation of each channel's residual with itself one sample later [1], (channel,): 0 for white noise."""
+        return lag_one(as_signal(self.residual).values)
+
+    @property
+    def collinearity(self) -> RealArray:
+        """Modal phase collinearity [1], (mode,): 1 if all channels move in phase or in antiphase, 0 if they circle."""
+        assert self.modes.shapes is not None
+        re, im = self.modes.shapes.real, self.modes.shapes.imag
+        xx, yy, xy = np.sum(re**2, axis=0), np.sum(im**2, axis=0), np.sum(re * im, axis=0)
+        total = np.where(xx + yy > 0, xx + yy, 1.0)
+        return np.asarray(((xx - yy) ** 2 + 4 * xy**2) / total**2)
+
+    @cached_property
+    def halves(self) -> RealArray:
+        """How far the two halves of the decay disagree on each mode [1], (mode,), in their standard deviations.
+
+        The record is cut where half of what it says of the mode's pole lies before, and all poles are fitted to
+        each part alone, starting from `modes`. The figure is the distance of the two poles over its standard
+        deviation in the noise, root mean square of real and imaginary part: about 1 for a linear decay. It is
+        NaN for a real pole, and where a part does not hold the mode.
+        """
+        signal = as_signal(self.response)
+        every = np.array([*self.modes.poles, *(c.pole for c in self.considered if c.removed)]) * signal.step
+        pair = every.imag > 0
+        poles = Poles(pairs=np.asarray(every[pair], complex), reals=every[~pair].real, nuisances=np.zeros(1))
+        place = np.cumsum(pair) - 1
+        return frozen_real(
+            [
+                disagreement(signal.values, poles, int(place[mode]), self.noise_std) if pair[mode] else np.nan
+                for mode in range(len(self.modes))
+            ]
+        )
+
+    @cached_property
+    def verdict(self) -> Verdict:
+        """How far the modes can be trusted, with every check and its numbers."""
+        return verdict_of(self)
+
+    def __str__(self) -> str:
+        return f"{tables_of(self)}\n\n{self.verdict}"
+
+
+def tables_of(found: Identification) -> str:
+    """Return the tables of modes, quality, channels and rejected poles, without the verdict."""
+    parts = []
+    if len(found.modes):
+        quality = {
+            "mode": [str(i + 1) for i in range(len(found.modes))],
+            "phase collinearity": [f"{value:.3f}" for value in found.collinearity],
+            "disagreement of halves [sd]": [f"{value:.1f}" for value in found.halves],
+            "residual / noise": [f"{value:.3g}" for value in found.loudness],
+        }
+        parts += [str(found.modes), text_table(quality)]
+    else:
+        parts.append("no mode")
+    if found.method == "ridge":
+        parts.append(text_table(_ridge_columns(found.ridges)))
+    channels = {
+        "channel": as_signal(found.response).channels,
+        "explained": [f"{100 * share:.2f} %" for share in found.explained],
+        "noise std": [f"{std:.3g}" for std in found.noise_std],
+        "lag-1 correlation": [f"{value:+.2f}" for value in found.whiteness],
+    }
+    parts.append(text_table(channels))
+    if found.considered:
+        shown = found.considered[:MOST_SHOWN]
+        others = {
+            "rejected: wn [rad/s]": [f"{abs(c.pole):.5g}" for c in shown],
+            "zeta [1]": [f"{-c.pole.real / max(abs(c.pole), 1e-300):.3g}" for c in shown],
+            "why": [c.reason for c in shown],
+        }
+        more = len(found.considered) - len(shown)
+        parts.append(text_table(others) + (f"\n… and {more} more in .considered" if more else ""))
+    return "\n\n".join(parts)
+
+
+def no_modes(signal: Signal) -> ModalSet:
+    """Return a set without modes."""
+    shapes = np.zeros((len(signal.channels), 0), complex)
+    return ModalSet(poles=np.zeros(0, complex), shapes=shapes, channels=signal.channels)
+
+
+def _ridge_columns(ridges: tuple[Ridge, ...]) -> dict[str, list[str]]:
+    return {
+        "ridge [rad/s]": [f"{ridge.omega:.5g}" for ridge in ridges],
+        "N": [f"{ridge.wavelet.bandwidth:.3g}" for ridge in ridges],
+        "from [s]": [f"{ridge.window.start:.3g}" for ridge in ridges],
+        "to [s]": [f"{ridge.window.stop:.3g}" for ridge in ridges],
+        "ends at": [ridge.window.reason for ridge in ridges],
+    }

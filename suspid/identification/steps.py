@@ -1,0 +1,115 @@
+"""The wavelet steps on one record."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from suspid.errors import IdentificationError
+from suspid.model import ModalSet
+from suspid.signals import Signal, as_response
+from suspid.units import RadianPerSecond, RealArray
+from suspid.values import frozen_real
+from suspid.wavelets import (
+    BandwidthSearch,
+    Ridge,
+    Scalogram,
+    best_bandwidth,
+    cwt,
+    find_ridges,
+    fit_ridges,
+    fit_skeleton,
+)
+
+if TYPE_CHECKING:
+    import control
+
+# Rows of the scalogram per octave: a third of the width of the narrowest row in use. Fewer rows miss ridges.
+PER_OCTAVE = 24
+# Each ridge may use the wavelet of least entropy or one shorter by these factors: short wavelets suit heavy damping.
+SHORTER = (1.0, 0.5, 0.25, 0.125)
+# Precision of the scalogram on which ridges are found; skeletons are then transformed anew, to rounding.
+SEARCH_PRECISION = 1e-6
+# Ridges of two wavelets within this ratio of frequency, in its logarithm, are the same ridge.
+SAME_RIDGE = 0.02
+
+
+@dataclass(frozen=True, kw_only=True)
+class FourSteps:
+    """The four wavelet steps on one record, each computed when first used.
+
+    Parameters
+    ----------
+    signal : Signal
+        The record less its mean.
+    count : int or None
+        How many ridges; None: all that stand out.
+    band : (float, float)
+        Angular frequencies of the first and last row [rad/s].
+    bandwidth : float or None
+        N of the wavelet; None: that of least entropy.
+    candidates : tuple of float
+        Bandwidths among which to choose.
+    """
+
+    signal: Signal
+    count: int | None
+    band: tuple[RadianPerSecond, RadianPerSecond]
+    bandwidth: float | None
+    candidates: tuple[float, ...]
+
+    @cached_property
+    def response(self) -> control.TimeResponseData:
+        """The record less its mean."""
+        return as_response(self.signal.timepts, self.signal.values, self.signal.channels)
+
+    @cached_property
+    def omega(self) -> RealArray:
+        """Angular frequencies of the rows [rad/s], (row,): the band, evenly spaced in its logarithm."""
+        low, high = self.band
+        return frozen_real(np.geomspace(low, high, max(8, int(np.ceil(PER_OCTAVE * np.log2(high / low))))))
+
+    @cached_property
+    def search(self) -> BandwidthSearch | None:
+        """Step 1: entropy against bandwidth; None if the bandwidth was given."""
+        if self.bandwidth is not None:
+            return None
+        return best_bandwidth(self.response, omega=self.omega, candidates=self.candidates)
+
+    @cached_property
+    def scalogram(self) -> Scalogram:
+        """Step 2: the transform with the bandwidth given or of least entropy."""
+        bandwidth = self.bandwidth if self.search is None else self.search.best
+        assert bandwidth is not None
+        return cwt(self.response, omega=self.omega, bandwidth=bandwidth, precision=SEARCH_PRECISION)
+
+    @cached_property
+    def ridges(self) -> tuple[Ridge, ...]:
+        """Step 3: the ridges, each with the wavelet (this or a shorter one) that leaves its pole least uncertain."""
+        attempts: list[tuple[Ridge, ...]] = []
+        failure: IdentificationError | None = None
+        for factor in SHORTER:
+            transform = self.scalogram
+            if factor != 1.0:
+                bandwidth = self.scalogram.wavelet.bandwidth * factor
+                transform = cwt(self.response, omega=self.omega, bandwidth=bandwidth, precision=SEARCH_PRECISION)
+            try:
+                attempts.append(find_ridges(transform, count=self.count))
+            except IdentificationError as error:
+                failure = failure or error
+        if not attempts:
+            assert failure is not None
+            raise failure
+        steady = []
+        for ridge in attempts[0]:
+            same = [r for other in attempts for r in other if abs(np.log(r.omega / ridge.omega)) < SAME_RIDGE]
+            steady.append(min(same, key=lambda r: fit_skeleton(r).variance))
+        return tuple(steady)
+
+    @cached_property
+    def modes(self) -> ModalSet:
+        """Step 4: modes from the lines through the skeletons."""
+        return fit_ridges(self.ridges)

@@ -1,0 +1,251 @@
+"""The verdict on an identification, and on repeats: the checks, their levels and numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from suspid.files import printable
+from suspid.identification.noise import most_shared, shared_noise
+from suspid.signals import Signal, as_signal
+from suspid.units import Ratio
+from suspid.words import Check, Headline, Level, ModeCheck, Number, Reason, Remark, Verdict
+
+if TYPE_CHECKING:
+    from suspid.identification.identification import Identification
+    from suspid.identification.identify_repeats import Repeats
+
+# Below this share of its energy a channel counts as unexplained. Lower: a wrong model passes on a loud channel.
+LEAST_EXPLAINED = 0.5
+# Disagreement of the halves [sd] beyond which it is no chance: 0.3 % for a Gaussian.
+APART = 3.0
+# Half widths of the interval, as shares of the value, from which on zeta is unknown, zeta is rough, wn is rough.
+UNKNOWN_ZETA, ROUGH_ZETA, ROUGH_WN = 1.0, 0.25, 0.05
+# Fewer samples per unknown of a channel than this: the fit follows any motion.
+SAMPLES_EACH = 8
+# A pole that decays by less than this many nepers in more than this many cycles is a steady line.
+STEADY_NEPERS, STEADY_CYCLES = 1.0, 10.0
+# Phase collinearity below which the channels of a mode are out of phase.
+OUT_OF_PHASE = 0.5
+# The largest motion counts as late after this share of the record.
+LATE = 0.02
+
+
+def verdict_of(found: Identification, level: Ratio = 0.95) -> Verdict:
+    """Return the verdict on an identification.
+
+    Parameters
+    ----------
+    found : Identification
+        What was found.
+    level : float
+        Probability of the intervals that the checks of precision look at [1].
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from suspid import free_decay, identify, quarter_car
+    >>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3,
+    ...                   tire_stiffness=200e3, chassis_damping=200)
+    >>> found = identify(free_decay(car, np.arange(0, 10, 0.005), initial_state={"v_chassis": 1.0}))
+    >>> verdict_of(found).level.label, str(verdict_of(found).headline)
+    ('sound', '2 modes found')
+    """
+    if not len(found.modes):
+        checks = (*_why_none(found), *_late_motion(found), *_steady_tones(found))
+        return Verdict(Remark(Headline.NO_MODE), checks)
+    return Verdict(Remark(Headline.MODES, {"modes": len(found.modes)}), tuple(_checks(found, level)))
+
+
+def _checks(found: Identification, level: Ratio) -> Iterator[Check]:
+    best = float(np.max(found.explained))
+    yield from _explained(found)
+    yield from _growing(found)
+    yield from _halves(found)
+    yield from _residual(found)
+    rough = list(_precision(found, level))
+    yield from rough
+    few = list(_few_samples(found))
+    yield from few
+    blind = _not_cross_checked(found)
+    if blind is not None:
+        # Where nothing but the fit itself supports the modes, a loose fit is not enough.
+        alone = not np.any(np.isfinite(found.halves))
+        loose = few or any(check.level < Level.NOTE for check in rough)
+        yield Check(blind, Level.NOTE if not alone else Level.DOUBTFUL if loose else Level.CARE)
+    if best >= LEAST_EXPLAINED:
+        yield from _unexplained(found)
+    yield from _out_of_phase(found)
+    yield from _steady_tones(found)
+    if np.any(found.loudness > 1):
+        yield from _late_motion(found)
+
+
+def _of(code: ModeCheck, level: Level, numbers: dict[str, Number] | None = None) -> Check:
+    return Check(Remark(code, numbers or {}), level)
+
+
+def _why_none(found: Identification) -> Iterator[Check]:
+    considered = found.considered
+    away = [c for c in considered if c.remark.code in (Reason.OUTSIDE_THE_BAND, Reason.BEYOND)]
+    best = float(np.max(found.explained))
+    if away:
+        yield _of(ModeCheck.NOT_IN_BAND, Level.NONE, {"poles": len(away)})
+    elif best > LEAST_EXPLAINED or any(c.removed for c in considered):
+        yield _of(ModeCheck.NO_FREE_DECAY, Level.NONE, {"explained": best})
+    else:
+        yield _of(ModeCheck.NOTHING_DECAYS, Level.NONE)
+        strongest = considered[0].pole if considered else 0j
+        duration = as_signal(found.response).duration
+        steady = abs(strongest.real) * duration < STEADY_NEPERS
+        if steady and strongest.imag * duration > 2 * np.pi * STEADY_CYCLES:
+            yield _of(ModeCheck.STEADY_LINE, Level.NONE, {"hertz": strongest.imag / (2 * np.pi)})
+
+
+def late_start(signal: Signal) -> float | None:
+    """Return the time of the largest motion [s], if that is after a fiftieth of the record, else None."""
+    about = np.abs(signal.values - signal.values.mean(axis=1, keepdims=True))
+    strength = np.sum((about / np.maximum(about.max(axis=1, keepdims=True), 1e-300)) ** 2, axis=0)
+    peak = int(np.argmax(strength))
+    return float(signal.timepts[peak]) if peak > LATE * signal.values.shape[1] else None
+
+
+def _late_motion(found: Identification) -> Iterator[Check]:
+    signal = as_signal(found.response)
+    late = late_start(signal)
+    if late is not None:
+        yield _of(ModeCheck.LATE_MOTION, Level.CARE, {"delay": late - signal.start, "time": late})
+
+
+def _explained(found: Identification) -> Iterator[Check]:
+    share = found.explained
+    least, most = float(np.min(share)), float(np.max(share))
+    if most < LEAST_EXPLAINED:
+        yield _of(ModeCheck.HARDLY_EXPLAINED, Level.DOUBTFUL, {"most": most})
+    elif least < LEAST_EXPLAINED:
+        yield _of(ModeCheck.BEST_EXPLAINED, Level.SOUND, {"most": most})
+    else:
+        yield _of(ModeCheck.EXPLAINED, Level.SOUND, {"least": least, "most": most, "channels": len(share)})
+
+
+def _unexplained(found: Identification) -> Iterator[Check]:
+    names = as_signal(found.response).channels
+    weak = [
+        f"{printable(name)} ({100 * float(share):.4g} %)"
+        for name, share in zip(names, found.explained, strict=True)
+        if share < LEAST_EXPLAINED
+    ]
+    if weak:
+        yield _of(ModeCheck.CHANNELS_UNEXPLAINED, Level.CARE, {"channels": ", ".join(weak)})
+
+
+def _growing(found: Identification) -> Iterator[Check]:
+    growing = _numbers(found.modes.poles.real > 0)
+    if growing:
+        yield _of(ModeCheck.GROWING, Level.DOUBTFUL, {"modes": growing})
+
+
+def _halves(found: Identification) -> Iterator[Check]:
+    apart = found.halves
+    known = np.isfinite(apart)
+    for mode, value in enumerate(apart.tolist(), 1):
+        if value > APART:
+            yield _of(ModeCheck.HALVES_DISAGREE, Level.CARE, {"mode": mode, "apart": value})
+    if np.any(known) and np.nanmax(apart) <= APART:
+        which = "every mode" if np.all(known) else f"mode {', '.join(map(str, _numbers(known)))}"
+        yield _of(ModeCheck.HALVES_AGREE, Level.SOUND, {"which": which, "most": float(np.nanmax(apart))})
+
+
+def _not_cross_checked(found: Identification) -> Remark | None:
+    pairs = np.array(found.modes.kinds) == "pair"
+    blind = _numbers(~np.isfinite(found.halves) & pairs)
+    return Remark(ModeCheck.NOT_CROSS_CHECKED, {"modes": blind}) if blind else None
+
+
+def _few_samples(found: Identification) -> Iterator[Check]:
+    samples = as_signal(found.response).values.shape[1]
+    poles = [*found.modes.poles, *(c.pole for c in found.considered if c.removed)]
+    unknowns = 1 + sum(2 if pole.imag else 1 for pole in poles)
+    if samples < SAMPLES_EACH * unknowns:
+        yield _of(ModeCheck.FEW_SAMPLES, Level.CARE, {"samples": samples, "unknowns": unknowns})
+
+
+def _out_of_phase(found: Identification) -> Iterator[Check]:
+    pairs = np.array(found.modes.kinds) == "pair"
+    if len(found.modes.channels) > 1 and np.any(pairs & (found.collinearity < OUT_OF_PHASE)):
+        modes = _numbers(pairs & (found.collinearity < OUT_OF_PHASE))
+        yield _of(ModeCheck.OUT_OF_PHASE, Level.NOTE, {"modes": modes})
+
+
+def _residual(found: Identification) -> Iterator[Check]:
+    if found.method == "ridge":
+        return
+    loud = [f"{k} ({value:.2g} times)" for k, value in enumerate(found.loudness, 1) if value > 1]
+    if loud:
+        yield _of(ModeCheck.RESIDUAL_LOUD, Level.CARE, {"modes": tuple(loud)})
+    else:
+        yield _of(ModeCheck.RESIDUAL_WHITE, Level.SOUND)
+    residual = as_signal(found.residual)
+    if shared_noise(residual.values) > 1:
+        one, other, correlation = most_shared(residual.values)
+        names = residual.channels
+        numbers: dict[str, Number] = {"one": names[one], "other": names[other], "correlation": correlation}
+        yield _of(ModeCheck.SHARED_NOISE, Level.NOTE, numbers)
+
+
+def _precision(found: Identification, level: Ratio) -> Iterator[Check]:
+    modes = found.modes
+    if modes.covariance is None:
+        return
+    ends = modes.interval(level)
+    pairs = np.array(modes.kinds) == "pair"
+    wn = (ends.wn[:, 1] - modes.wn) / np.where(modes.wn > 0, modes.wn, 1.0)
+    zeta = (ends.zeta[:, 1] - modes.zeta) / np.where(modes.zeta != 0, np.abs(modes.zeta), 1.0)
+    vague = pairs & (zeta > UNKNOWN_ZETA)
+    rough = pairs & ~vague & (zeta > ROUGH_ZETA) | pairs & (wn > ROUGH_WN)
+    if np.any(vague):
+        yield _of(ModeCheck.DAMPING_UNKNOWN, Level.CARE, {"modes": _numbers(vague)})
+    for k in np.flatnonzero(rough).tolist():
+        numbers: dict[str, Number] = {"mode": k + 1, "wn": float(wn[k]), "zeta": float(zeta[k])}
+        yield _of(ModeCheck.KNOWN_ROUGHLY, Level.CARE, numbers)
+    if np.any(pairs) and not np.any(vague | rough):
+        most = {"wn": float(np.max(wn[pairs])), "zeta": float(np.max(zeta[pairs])), "level": float(level)}
+        yield _of(ModeCheck.KNOWN, Level.SOUND, {**most})
+
+
+def _steady_tones(found: Identification) -> Iterator[Check]:
+    tones = [c for c in found.considered if c.removed and c.remark.code is Reason.TONE]
+    if tones:
+        hertz = ", ".join([f"{abs(c.pole) / (2 * np.pi):.4g}" for c in tones[:4]] + ["…"] * (len(tones) > 4))
+        yield _of(ModeCheck.STEADY_TONES, Level.NOTE, {"number": len(tones), "hertz": hertz})
+
+
+def verdict_of_repeats(repeats: Repeats, level: Ratio = 0.95) -> Verdict:
+    """Return the verdict on several decays jointly: their agreement beside the checks of the first decay.
+
+    Parameters
+    ----------
+    repeats : Repeats
+        What was found.
+    level : float
+        Probability of the intervals that the checks of precision look at [1].
+    """
+    decays = len(repeats.spans)
+    first = verdict_of(repeats.each[0], level)
+    if not len(repeats.modes):
+        none = _of(ModeCheck.NO_COMMON_MODE, Level.NONE, {"decays": decays})
+        return Verdict(Remark(Headline.NO_MODE), (none, *first.checks))
+    apart = _numbers(np.array([agreement.widening > 1 for agreement in repeats.consistency]))
+    check = (
+        _of(ModeCheck.REPEATS_DISAGREE, Level.CARE, {"decays": decays, "modes": apart})
+        if apart
+        else _of(ModeCheck.REPEATS_AGREE, Level.SOUND, {"decays": decays})
+    )
+    return Verdict(Remark(Headline.MODES, {"modes": len(repeats.modes)}), (check, *first.checks))
+
+
+def _numbers(which: np.ndarray[tuple[int], np.dtype[np.bool_]]) -> tuple[int, ...]:
+    """Return the numbers of modes, from 1 on."""
+    return tuple(int(k) + 1 for k in np.flatnonzero(which))
