@@ -220,6 +220,6 @@ def _of_recording(cleaned: Cleaned, used: tuple[Decay, ...]) -> Iterator[Check]:
     if len(used) == 1:
         for doubt in used[0].doubts:
             yield Check(Remark(RecordCheck.DECAY, {"doubt": str(doubt)}), Level.CARE)
-    defects = [f for f in cleaned.findings if not f.repaired and f.kind != "offset"]
+    defects = cleaned.verdict.doubts
     if defects:
         yield Check(Remark(RecordCheck.DEFECTS, {"number": len(defects)}), Level.CARE)
