@@ -6,9 +6,9 @@ import numpy as np
 
 from suspid.decays.trials import Trial
 from suspid.errors import SuspidError
-from suspid.identification import REASONS, Identification, identify
+from suspid.identification import Identification, identify
 from suspid.signals import Signal, as_response
-from suspid.words import DecayDoubt, Remark
+from suspid.words import DecayDoubt, Reason, Remark
 
 # Delays of the starts that are verified, in quarters of a block, up to this share of the stretch.
 QUARTERS = (0, 1, 2, 3, 4, 6, 9, 14, 20)
@@ -57,7 +57,7 @@ def verified(
         else:
             doubt = _doubt(trial, found)
             # A pole that is gone after a few samples fits forced samples.
-            if doubt is None and not any(c.removed and c.reason == REASONS["a few samples"] for c in found.considered):
+            if doubt is None and not any(c.removed and c.remark.code is Reason.A_FEW_SAMPLES for c in found.considered):
                 return place, None
             usable = place if doubt is None and usable is None else usable
         first_doubt = first_doubt or doubt
