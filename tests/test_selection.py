@@ -5,8 +5,9 @@ import pytest
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
+from suspid.identification.likelihood import bic_penalty
 from suspid.identification.noise import WhiteNoise
-from suspid.identification.selection import Selection, price, select
+from suspid.identification.selection import Selection, select
 from suspid.words import Reason
 
 Complex = NDArray[np.complex128]
@@ -49,8 +50,8 @@ class TestPrice:
         # A pair has a decay rate and a frequency, and two amplitudes in each channel; a real pole half of that.
         for channels in (1, 2, 5):
             for samples in (100, 10_000):
-                assert price(channels, samples) == pytest.approx((2 + 2 * channels) * np.log(samples))
-                assert price(channels, samples, real=True) == pytest.approx((1 + channels) * np.log(samples))
+                assert bic_penalty(channels, samples) == pytest.approx((2 + 2 * channels) * np.log(samples))
+                assert bic_penalty(channels, samples, real=True) == pytest.approx((1 + channels) * np.log(samples))
 
     def test_noise_rarely_pays_it(self) -> None:
         # 60 records: BIC of four parameters or more against a maximum over some thousand frequencies.
@@ -187,6 +188,6 @@ class TestReasons:
         centred = values - values.mean(axis=1, keepdims=True)
         # The weakest bound there is: all energy that a mode has, over the noise, in twice the log likelihood.
         total = COUNT * float(np.sum(np.log(np.var(centred, axis=1) / STD**2)))
-        assert np.all(found.gains > price(2, 2 * COUNT))
+        assert np.all(found.gains > bic_penalty(2, 2 * COUNT))
         assert np.all(found.gains < 1.01 * total)
         np.testing.assert_array_equal(found.loudness, 1.0)

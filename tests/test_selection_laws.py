@@ -9,11 +9,12 @@ from numpy.typing import NDArray
 from scipy.signal import lfilter
 
 from suspid import identify
+from suspid.identification.candidates import candidates
 from suspid.identification.exponentials import blocks_of
-from suspid.identification.likelihood import evaluate, maximize
+from suspid.identification.likelihood import bic_penalty, evaluate, maximize
 from suspid.identification.noise import WhiteNoise, noise_colour
 from suspid.identification.poles import Poles
-from suspid.identification.selection import Selection, candidates, price, select
+from suspid.identification.selection import Selection, select
 from suspid.signals import as_response, as_signal
 from suspid.words import Reason
 
@@ -162,7 +163,7 @@ class TestGains:
         full = left_over(centred, with_offset(found.fit.poles))
         for which in range(2):
             less = left_over(centred, with_offset(found.fit.poles.without(which)))
-            assert found.gains[which] > 3 * price(2, 2 * COUNT)
+            assert found.gains[which] > 3 * bic_penalty(2, 2 * COUNT)
             assert found.gains[which] == pytest.approx(COUNT * np.sum(np.log(less / full)), rel=1e-6)
 
     def test_of_weak_poles_let_the_others_follow(self) -> None:
@@ -173,7 +174,7 @@ class TestGains:
         found = selected(values)
         assert len(found.fit.poles.pairs) == 2
         weak = int(np.argmin(found.gains))
-        assert found.gains[weak] < 3 * price(2, 2 * COUNT)
+        assert found.gains[weak] < 3 * bic_penalty(2, 2 * COUNT)
         short = found.fit.poles.without(weak)
         full = COUNT * np.sum(np.log(left_over(centred, with_offset(found.fit.poles))))
         # By Nelder and Mead on the sum of squares itself, from where the search left the pole.

@@ -147,6 +147,21 @@ def _information(
     return np.asarray((chart.conj().T @ curvature @ chart).real * count**2)
 
 
+def bic_penalty(channels: int, samples: int, *, real: bool = False) -> float:
+    """Return the BIC penalty of a pair, or of a real pole, in twice the log likelihood: ``log(samples)`` per parameter.
+
+    Parameters
+    ----------
+    channels : int
+        Number of channels: amplitude and phase in each are parameters, beside frequency and decay rate.
+    samples : int
+        Samples of all channels together.
+    real : bool
+        Whether the pole is real: half the parameters.
+    """
+    return (1 if real else 2) * (1 + channels) * float(np.log(samples))
+
+
 def maximize(
     blocks: Blocks,
     start: Poles | DecayFit,

@@ -1,0 +1,82 @@
+"""Why a fitted pole is no mode."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from suspid.identification.covariance import inverse_information
+from suspid.identification.likelihood import DecayFit
+from suspid.units import RealArray
+from suspid.words import Reason
+
+# A decay rate this many standard deviations below zero means growth: one-sided level 0.1 %.
+SURE = 3.0
+# A pole that decays by less than this over the record is a tone unless its decay rate is this many standard deviations
+# above zero. Real tones drift, which shows as a slight decay or growth.
+TONE_DECAY, TONE_SURE = 0.25, 10.0
+# A pole that decays by more than this per sample has gone before it can be seen to oscillate.
+MOST_DECAY = 0.5
+# Frequencies above this share of the Nyquist frequency are not modes: a sampled motion there cannot be told from a
+# real pole of alternating sign.
+HIGHEST_SHARE = 0.98
+# A real pole is a mode if it is worth at least this in twice the log likelihood, so that a pair would show, and if the
+# pair nearest to it gains no more than chance gives with the probability of the second number.
+REAL_SURE, PAIR_LEVEL = 150.0, 0.14
+
+
+def reasons_of(fit: DecayFit, band: tuple[float, float]) -> tuple[Reason | None, ...]:
+    """Return why each free pole (pairs, then reals) is no mode, None for a mode.
+
+    Parameters
+    ----------
+    fit : DecayFit
+        The fit.
+    band : (float, float)
+        Angular frequencies per sample between which a pole can be a mode.
+    """
+    spread, pairs = np.sqrt(np.diag(inverse_information(fit.information))), len(fit.poles.pairs)
+    of_pairs = [_reason_of_pair(p, s, fit.count, band) for p, s in zip(fit.poles.pairs, spread[::2], strict=False)]
+    of_reals = [_reason_of_real(r, s, fit.count) for r, s in zip(fit.poles.reals, spread[2 * pairs :], strict=True)]
+    return (*of_pairs, *of_reals)
+
+
+def _reason_of_real(theta: float, spread: float, count: int) -> Reason | None:
+    if -theta < -SURE * spread:
+        return Reason.GROWING
+    if -theta > MOST_DECAY:
+        return Reason.A_FEW_SAMPLES
+    return Reason.DRIFT if -theta * count < 3 else None
+
+
+def _reason_of_pair(theta: complex, spread: float, count: int, band: tuple[float, float]) -> Reason | None:
+    decay = -theta.real
+    if decay < -SURE * spread:
+        return Reason.GROWING
+    if decay > MOST_DECAY:
+        return Reason.A_FEW_SAMPLES
+    if abs(theta.imag) * count < 2 * np.pi:
+        return Reason.UNDER_A_CYCLE
+    if decay * count < (1.0 if decay < SURE * spread else TONE_DECAY if decay < TONE_SURE * spread else 0.0):
+        return Reason.TONE
+    if not band[0] <= abs(theta) <= band[1] or theta.imag > HIGHEST_SHARE * np.pi:
+        return Reason.OUTSIDE_THE_BAND
+    return None
+
+
+def ambiguous(gains: RealArray, pair_gains: RealArray, *, channels: int) -> RealArray:
+    """Return which real poles could as well be heavily damped pairs, (real,).
+
+    By chance a pair gains a chi-square with as many degrees of freedom as it has more parameters.
+
+    Parameters
+    ----------
+    gains : ndarray (real,)
+        What each real pole is worth, in twice the log likelihood.
+    pair_gains : ndarray (real,)
+        What a pair in its place gains.
+    channels : int
+        Number of channels.
+    """
+    from scipy.special import chdtri
+
+    return np.asarray((pair_gains > chdtri(1 + channels, PAIR_LEVEL)) | (gains < REAL_SURE))

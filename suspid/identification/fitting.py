@@ -1,0 +1,178 @@
+"""Fits of a record on the way to the selected poles: each with its residual, loss and the worth of each pole."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from suspid.identification.exponentials import Blocks, synthesize
+from suspid.identification.likelihood import DecayFit, bic_penalty, maximize
+from suspid.identification.noise import WhiteNoise, loss_growth, loudness, over_channels, power_beside
+from suspid.identification.poles import Poles
+from suspid.units import ComplexArray, RealArray
+
+# Until all poles are found, they are fitted only to this share of their standard deviations, in at most 20 steps: a
+# pole that exists comes near in fewer. A smaller share costs time.
+ROUGH = 0.05
+# Power beside a pole over that of white noise from which on the gain of the pole is divided by it. The mean of 8
+# independent exponential variables exceeds it with probability 9 %.
+COLOUR_BEGINS = 1.5
+# Poles nearer than this, in linewidths (geometric mean of the two decay rates), are one mode that is not quite linear.
+# A larger value merges close modes; a smaller one reports one nonlinear mode as two.
+SPLIT = 0.25
+# The same for poles whose shapes agree (modal assurance criterion) and whose natural frequencies have a ratio below
+# the third value: nonlinearity bends a frequency by less.
+SPLIT_ALIKE, ALIKE_MAC, OTHER_FREQUENCY = 2.0, 0.9, 1.35
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Problem:
+    """A record to fit.
+
+    Parameters
+    ----------
+    values : ndarray (channel, sample)
+        The record less its mean.
+    blocks : Blocks
+        The record cut into blocks.
+    noise : WhiteNoise
+        The noise model.
+    """
+
+    values: RealArray
+    blocks: Blocks
+    noise: WhiteNoise
+
+    def fitted(self, start: Poles | DecayFit, *, rough: bool = False) -> Fit | None:
+        """Return the fit of greatest likelihood near given poles, or None if they are linearly dependent."""
+        noise = self.noise.rounded(self.blocks.energy, self.blocks.count, of_energies=True)
+        if rough:
+            solution = maximize(self.blocks, start, noise, steps=20, negligible=ROUGH**2)
+        else:
+            solution = maximize(self.blocks, start, noise)
+        return None if solution is None else Fit(problem=self, solution=solution)
+
+    def polished(self, fit: Fit) -> Fit:
+        """Return the fit after further steps, or itself if it has converged."""
+        better = self.fitted(fit.solution)
+        return fit if better is None or better.solution is fit.solution else better
+
+    def worths(self, fit: Fit, *, refit: bool = True) -> tuple[RealArray, RealArray]:
+        """Return the cost of leaving each pole out: in twice the log likelihood, and in energy over noise variance.
+
+        At fixed poles the sum of squares grows by ``a^H (G^-1)^-1 a`` with a the amplitudes left out and G^-1
+        their block of the inverse Gram matrix. Where that is little, the other poles are refitted.
+        """
+        solution, count, pairs = fit.solution, self.blocks.count, len(fit.poles.pairs)
+        inverse = np.linalg.inv(solution.gram)
+        # The blocks of conjugate exponents are [[a, b], [b*, a]], and so are their inverses.
+        first = np.arange(pairs)
+        a, b = inverse[first, first].real, inverse[first, first + pairs]
+        squared, crossed = np.abs(solution.amplitudes[:pairs]) ** 2, solution.amplitudes[:pairs] ** 2
+        of_pairs = 2 * (a[:, None] * squared - (b[:, None] * crossed.conj()).real) / (a**2 - np.abs(b) ** 2)[:, None]
+        real = fit.poles.rows[pairs:]
+        of_reals = np.abs(solution.amplitudes[real]) ** 2 / inverse[real, real].real[:, None]
+        more = np.concatenate([of_pairs, of_reals]) / (count * fit.variance)
+        energies = count * more.sum(axis=1)
+        gains = loss_growth(np.maximum(more, 0.0).T, count)
+        if refit:
+            for index in np.flatnonzero(gains < 3 * self.penalties(fit.poles)):
+                refitted = self.fitted(fit.poles.without(int(index)), rough=True)
+                gains[index] = gains[index] if refitted is None else refitted.loss - fit.loss
+        return gains, energies
+
+    def penalty(self, *, real: bool) -> float:
+        """Return the BIC penalty of a pair or a real pole."""
+        return bic_penalty(self.blocks.channels, self.blocks.channels * self.blocks.count, real=real)
+
+    def penalties(self, poles: Poles) -> RealArray:
+        """Return the BIC penalty of every free pole, (pole,)."""
+        pairs, reals = self.penalty(real=False), self.penalty(real=True)
+        return np.array([pairs] * len(poles.pairs) + [reals] * len(poles.reals))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Fit:
+    """A fit and its residual, each quantity computed when first asked for.
+
+    Parameters
+    ----------
+    problem : Problem
+        The record.
+    solution : DecayFit
+        Poles and amplitudes.
+    """
+
+    problem: Problem
+    solution: DecayFit
+
+    @property
+    def poles(self) -> Poles:
+        """The poles."""
+        return self.solution.poles
+
+    @cached_property
+    def residual(self) -> RealArray:
+        """The record less the fitted motion, (channel, sample)."""
+        motion = synthesize(self.poles.exponents, self.solution.amplitudes, self.problem.blocks.count)
+        return np.asarray(self.problem.values - motion, float)
+
+    @cached_property
+    def squares(self) -> RealArray:
+        """Residual sum of squares, from the samples, (channel,)."""
+        return np.asarray(np.einsum("ck,ck->c", self.residual, self.residual))
+
+    @cached_property
+    def variance(self) -> RealArray:
+        """Variance of the residual, at least the least of the noise, (channel,)."""
+        return self.problem.noise.variance(self.squares, self.problem.blocks.count)
+
+    @cached_property
+    def loss(self) -> float:
+        """Minus twice the log likelihood less a constant."""
+        return self.problem.noise.loss(self.squares, self.problem.blocks.count)
+
+    @cached_property
+    def splits(self) -> NDArray[np.bool_]:
+        """Whether each pole is part of another mode: too near to it, or near and of the same shape, (pole,)."""
+        every, solution = self.poles.every, self.solution
+        shapes = solution.amplitudes[self.poles.rows] / np.sqrt(solution.squares + 1e-300)
+        shapes = shapes / (np.sqrt(np.sum(np.abs(shapes) ** 2, axis=1, keepdims=True)) + 1e-300)
+        alike = np.abs(shapes @ shapes.conj().T) ** 2 > ALIKE_MAC
+        wn = np.log(np.abs(every) + 1e-300)
+        alike &= np.abs(wn[:, None] - wn) < np.log(OTHER_FREQUENCY)
+        return np.asarray(np.any(linewidths_apart(every) < np.where(alike, SPLIT_ALIKE, SPLIT), axis=1))
+
+    @property
+    def loudness(self) -> RealArray:
+        """Power of the residual near each pole over that of the noise, (pole,); 1 where they agree."""
+        return loudness(
+            self.residual, self.variance, self.poles.every, beside=self._power_beside, weights=self._weights
+        )
+
+    @cached_property
+    def beside(self) -> RealArray:
+        """Power of the residual beside each pole over that of the noise, (pole,)."""
+        ratio = over_channels(self._power_beside, self._weights)
+        return np.where(ratio > COLOUR_BEGINS, ratio, 1.0)
+
+    @cached_property
+    def _power_beside(self) -> RealArray:
+        return power_beside(self.residual, self.variance, self.poles.every)
+
+    @property
+    def _weights(self) -> RealArray:
+        amplitudes = self.solution.amplitudes[self.poles.rows]
+        return np.asarray(np.abs(amplitudes).T ** 2 / self.variance[:, None] + 1e-300)
+
+
+def linewidths_apart(every: ComplexArray) -> RealArray:
+    """Return the distances of poles in linewidths, geometric means of the two decay rates; inf on the diagonal."""
+    decay = every.real
+    linewidth = np.sqrt(np.maximum(decay[:, None] * decay, 1e-24))
+    apart = np.abs(every[:, None] - every) / linewidth
+    np.fill_diagonal(apart, np.inf)
+    return np.asarray(apart)

@@ -1,0 +1,122 @@
+"""Changes of the set of fitted poles, once all are found: removal, drift, and real poles against pairs."""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+import numpy as np
+
+from suspid.identification.candidates import Candidate
+from suspid.identification.fitting import Fit, Problem
+from suspid.identification.noise import LOUD
+from suspid.identification.poles import Poles
+from suspid.units import RealArray
+from suspid.values import frozen_real
+from suspid.words import Reason, Remark
+
+Rejected: TypeAlias = tuple[tuple[Candidate, Remark], ...]
+
+# Where the residual beside a pole is louder than `noise.LOUD`, the model is wrong by more than the noise. There the
+# energy of a pole must exceed its BIC penalty this many times the loudness. A lower value splits modes that friction
+# bends; a higher one loses weak modes beside strong ones.
+WORTHWHILE = 20.0
+# Exponents over the record of the nuisances that replace slow poles: offset, slope and bend, to 1e-4 of a drift.
+PARABOLA = frozen_real([0.0, -0.3, 0.3])
+# Least gain per parameter for which a real pole becomes a pair. Between AIC (2) and BIC (about 8): a real pole is not
+# simpler a priori, since a pair of large damping is usual in a car.
+PAIR_GAIN = 3.5
+
+
+def thinned(problem: Problem, fit: Fit) -> tuple[Fit, RealArray, Rejected]:
+    """Return the fit without insignificant poles, the worth of each remaining pole, and those removed.
+
+    The least significant pole is removed and the others are refitted, until all are significant.
+    """
+    rejected: Rejected = ()
+    while fit.poles.free:
+        gains, energy = problem.worths(fit)
+        penalties, beside = problem.penalties(fit.poles), fit.beside
+        loud = np.where(beside > LOUD, beside, 1.0)
+        # Where the residual is not noise, energy counts instead of likelihood. Coloured noise has its power there.
+        worth = np.where(loud > 1, np.minimum(energy / (WORTHWHILE * loud), gains), gains / beside) / penalties
+        # Poles far apart when they were added may have approached each other: the weaker of two is removed.
+        index = int(np.argmin(np.where(fit.splits, 0.0, worth) + 1e-9 * worth / np.max(worth)))
+        split = bool(fit.splits[index])
+        shorter = problem.fitted(fit.poles.without(index), rough=True) if split or worth[index] < 1 else None
+        if shorter is None:
+            return fit, gains, rejected
+        reason = Remark(Reason.SPLIT if split else Reason.NOT_NEEDED)
+        if not split and gains[index] >= penalties[index]:
+            times = energy[index] / (penalties[index] * loud[index])
+            reason = Remark(Reason.NOT_SIGNIFICANT, {"times": float(times), "needed": WORTHWHILE})
+        rejected += ((_candidate(fit.poles, index, gain=float(gains[index])), reason),)
+        fit = shorter
+    return fit, np.zeros(0), rejected
+
+
+def straightened(problem: Problem, fit: Fit, reach: float) -> tuple[Fit, Rejected]:
+    """Return the fit with slow poles replaced by a parabola, if that fits as well, and the poles replaced.
+
+    Parameters
+    ----------
+    problem : Problem
+        The record.
+    fit : Fit
+        Its fit.
+    reach : float
+        Poles whose modulus over the record is below this are slow.
+    """
+    count, poles = problem.blocks.count, fit.poles
+    slow = np.flatnonzero(np.abs(poles.every) * count < reach)
+    if not slow.size or len(poles.nuisances) > 1:
+        return fit, ()
+    for index in slow[::-1]:
+        poles = poles.without(int(index))
+    trial = problem.fitted(Poles(pairs=poles.pairs, reals=poles.reals, nuisances=PARABOLA / count), rough=True)
+    if trial is None or trial.loss > fit.loss + problem.penalty(real=True):
+        return fit, ()
+    return trial, tuple((_candidate(fit.poles, int(i), gain=0.0), Remark(Reason.BENT)) for i in slow)
+
+
+def unbent(problem: Problem, fit: Fit) -> Fit:
+    """Return the fit with an offset instead of a parabola where slope and bend are not significant."""
+    if len(fit.poles.nuisances) == 1:
+        return fit
+    trial = problem.fitted(Poles(pairs=fit.poles.pairs, reals=fit.poles.reals, nuisances=np.zeros(1)))
+    return trial if trial is not None and trial.loss - fit.loss < 2 * problem.penalty(real=True) else fit
+
+
+def single(problem: Problem, fit: Fit) -> Fit:
+    """Return the fit with heavily damped pairs replaced by one real pole where BIC is lower for it."""
+    saved = problem.penalty(real=False) - problem.penalty(real=True)
+    index = 0
+    while index < len(fit.poles.pairs):
+        theta = fit.poles.pairs[index]
+        if abs(theta.imag) < -theta.real:
+            trial = problem.fitted(fit.poles.without(index).with_real(theta.real))
+            if trial is not None and trial.loss - fit.loss < saved:
+                fit, index = trial, 0
+                continue
+        index += 1
+    return fit
+
+
+def paired(problem: Problem, fit: Fit) -> tuple[Fit, RealArray]:
+    """Return the fit with real poles replaced by pairs where those fit better, and what a pair gains at the others."""
+    enough = PAIR_GAIN * (1 + problem.blocks.channels)
+    index, extra = 0, list[float]()
+    while index < len(fit.poles.reals):
+        theta = fit.poles.reals[index]
+        pair = fit.poles.without(len(fit.poles.pairs) + index).with_pair(theta + 0.7j * abs(theta))
+        trial = problem.fitted(pair)
+        more = -np.inf if trial is None else fit.loss - trial.loss
+        if trial is not None and more > enough:
+            fit, index, extra = trial, 0, []
+            continue
+        extra.append(more)
+        index += 1
+    return fit, np.array(extra)
+
+
+def _candidate(poles: Poles, index: int, *, gain: float) -> Candidate:
+    return Candidate(theta=complex(poles.every[index]), real=index >= len(poles.pairs), gain=gain)
