@@ -7,6 +7,8 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from suspid.errors import RecordError
 from suspid.units import Hertz, RealArray, Second
 from suspid.values import nearest_names
@@ -33,8 +35,11 @@ TIME_NAMES |= {
     "xvalue",
 } | {name for name in PER_SECOND if len(name) > 2 and name != "min"}
 RATE_NAMES = {"fs", "samplerate", "samplingrate", "timesamplerate", "samplefrequency", "samplingfrequency"}
-RATE_NAMES |= {"samplefreq", "samplingfreq", "srate", "abtastrate"}
+RATE_NAMES |= {"actualrate", "actualsamplerate", "actualsamplingrate", "scanrate", "acquisitionrate"}
+RATE_NAMES |= {"samplespersecond", "samplefreq", "samplingfreq", "srate", "abtastrate"}
 STEP_NAMES = {"dt", "ts", "deltat", "timestep", "sampletime", "samplingtime", "sampleinterval", "samplinginterval"}
+# Names of columns that count the rows.
+COUNTERS = {"#", "n", "no", "nr", "sample", "samples", "samplenumber", "index", "row", "line", "count", "counter"}
 # A name and, in brackets behind it, its unit; a number there counts columns.
 BRACKETED = re.compile(r"(.*\S)\s*[\[(]\s*(?!\d+\s*[\])])([^\[\]()]*(?:\([^\[\]()]*\))?[^\[\]()]*)[\])]")
 
@@ -177,3 +182,20 @@ def stated_rate(name: str, value: float, unit: str = "") -> Hertz | None:
     if stem in STEP_NAMES and (not unit or unit in PER_SECOND):
         return PER_SECOND[unit or "s"] / value
     return None
+
+
+def counts_rows(name: str, values: RealArray) -> bool:
+    """Whether a column counts the rows, by its name and its numbers.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> counts_rows("Sample", np.arange(3.0)), counts_rows("seat", np.arange(3.0)), counts_rows("#", np.ones(3))
+    (True, False, False)
+    """
+    return split_unit(name)[0] in COUNTERS and is_count(values)
+
+
+def is_count(values: RealArray) -> bool:
+    """Whether numbers count by one."""
+    return bool(values.size > 1 and np.all(np.diff(values) == 1) and values[0] == int(values[0]))

@@ -75,6 +75,8 @@ class LeftOut(Code):
     SEVERAL_TIMES = "several_times", "holds times of day, as others do: which is time is not clear"
     NO_TIME = "no_time", "has no clock; name its time, or give the sampling rate"
     SIZE = "size", "has {samples} samples, time {time!r} has {stamps}"
+    LENGTH = "length", "has {samples} samples, the others have {others}"
+    IGNORED_TIME = "ignored_time", "is a time, ignored as asked"
     EPOCH = "epoch", "is not stated; stamps of that size are {unit} since 1970"
     ROW_COUNTER = "row_counter", "counts the rows"
     # Lines of text files.

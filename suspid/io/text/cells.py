@@ -15,26 +15,9 @@ from suspid.units import RealArray
 Kind: TypeAlias = Literal["number", "missing", "stamp", "date", "text"]
 
 # What loggers, spreadsheets and C libraries print in place of a number, without its sign.
-MISSING = {
-    "",
-    "nan",
-    "na",
-    "n/a",
-    "#n/a",
-    "#na",
-    "#nv",
-    "null",
-    "none",
-    "nil",
-    "-",
-    "--",
-    "---",
-    "----",
-    "?",
-    "*",
-    "***",
-}
-MISSING |= {"nan(ind)", "nan(snan)", "1.#qnan", "1.#ind", "1.#snan", "#value!", "#wert!", "#div/0!", "#num!", "#zahl!"}
+MISSING = {"", "nan", "na", "n/a", "#n/a", "#na", "#nv", "null", "none", "nil", "-", "--", "---", "----", "?", "*"}
+MISSING |= {"***", "nan(ind)", "nan(snan)", "1.#qnan", "1.#ind", "1.#snan"}
+MISSING |= {"#value!", "#wert!", "#div/0!", "#num!", "#zahl!"}
 POINT_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][+-]?\d+)?|[+-]?inf(?:inity)?", re.I | re.A)
 COMMA_NUMBER = re.compile(POINT_NUMBER.pattern.replace(r"\d+\.?\d*|\.\d+", r"\d+(?:,\d+)?|,\d+"), re.I | re.A)
 TIME = (
