@@ -22,7 +22,7 @@ from suspid.io.formats import READERS
 from suspid.signals import as_response
 
 FUZZ = settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
-KINDS = [".csv", ".mat", ".h5", ".parquet", ".uff", ".tdms", ".mf4", ".wav"]
+KINDS = [".csv", ".mat", ".npz", ".h5", ".parquet", ".uff", ".tdms", ".mf4", ".wav", ".npy"]
 
 
 @cache
@@ -35,6 +35,10 @@ def true_file(suffix: str, folder: Path) -> bytes:
         write_record(as_response(t, y[None], ["seat"]), path, units=["m"])
     elif suffix == ".mat":
         savemat(path, {"t": t, "seat": y})
+    elif suffix == ".npz":
+        np.savez(path, t=t, seat=y)
+    elif suffix == ".npy":
+        np.save(path, np.column_stack([t, y]))
     elif suffix == ".h5":
         h5py = pytest.importorskip("h5py")
         with h5py.File(path, "w") as file:
@@ -86,7 +90,7 @@ class TestSound:
             warnings.simplefilter("ignore", RecordWarning)
             assert read_record(path).y.size == 64
 
-    @pytest.mark.parametrize("suffix", KINDS[2:])
+    @pytest.mark.parametrize("suffix", KINDS[3:])
     def test_an_unknown_name_is_read_by_its_mark(self, tmp_path: Path, suffix: str) -> None:
         path = tmp_path / "r.data"
         path.write_bytes(true_file(suffix, tmp_path))

@@ -2,8 +2,8 @@
 
 `read_recording` reads a file of any known format as a `suspid.Recording`: channels as stored, nothing repaired.
 `write_record` writes a record as CSV or Parquet. A format is one module with one function, ``read_<format>``,
-which returns a `Table`; `formats.READERS` maps file suffixes to it and `signatures` the first bytes. Text and
-MDF are folders of their own. Damaged files are refused before a library that could crash on them sees them.
+which returns a `Table`, and one line in `formats`, whose docstring is the recipe for another one. Text and MDF
+are folders of their own. Files are checked for damage before a library reads them that could crash or hang.
 """
 
 from suspid.io.foreign import install_line

@@ -1,75 +1,151 @@
-"""Which reader reads a file: by its suffix, and where that does not tell, by its first bytes."""
+"""Formats of files: the reader of each, by suffix, and by the first bytes where the suffix is unknown.
+
+To add a format ``x``:
+
+1. Write ``suspid/io/x.py`` with ``read_x(path) -> Table``; read the bytes with `suspid.files.read_bytes`.
+2. Refuse damage with `RecordError`, as a predicate of the file (``"is cut off: …"``); call a foreign library through
+   `suspid.io.foreign.sheltered`, which turns its failures into such a line.
+3. State units, rates and time bases in the `Table`; name what is not a channel with a `suspid.words.LeftOut`.
+4. Add one line to `FORMATS` below: module, suffixes, what a file is called, and the bytes that mark it.
+5. Add a writer of a small file to ``tests/test_any_file.py``, which damages it; nothing else needs to know the format.
+"""
 
 from __future__ import annotations
 
 import importlib
 import os
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeAlias
 
 from suspid.errors import RecordError
-from suspid.io.matlab import read_matlab
-from suspid.io.signatures import HDF5, signature
 from suspid.io.tables import Table
-from suspid.io.text.delimited import read_delimited
 
 Reader: TypeAlias = Callable[[Path], Table]
 
+HDF5 = b"\x89HDF\r\n\x1a\n"
+# How much of a file is searched for marks.
+HEAD = 1024
 
-def _module_reader(module: str) -> Reader:
-    """Return ``read_<module>`` of a module of this package that is imported with the first file of its kind."""
 
-    def read(path: Path) -> Table:
-        name = module.rpartition(".")[2]
-        table: Table = getattr(importlib.import_module(f"suspid.io.{module}"), f"read_{name}")(path)
+@dataclass(frozen=True, slots=True)
+class Format:
+    """A kind of file.
+
+    Parameters
+    ----------
+    module : str
+        The module of this package that reads it with ``read_<module>``; imported with the first such file.
+    suffixes : tuple of str
+        Suffixes of such files in lower case.
+    name : str
+        What such a file is called.
+    marks : tuple of (int, bytes)
+        Positions and bytes, each of which identifies such a file.
+    """
+
+    module: str
+    suffixes: tuple[str, ...]
+    name: str
+    marks: tuple[tuple[int, bytes], ...] = ()
+
+    def read(self, path: Path) -> Table:
+        """Return the table of a file."""
+        function = f"read_{self.module.rpartition('.')[2]}"
+        table: Table = getattr(importlib.import_module(f"suspid.io.{self.module}"), function)(path)
         return table
 
-    return read
 
-
-READERS: dict[str, Reader] = {
-    **dict.fromkeys((".csv", ".txt", ".tsv", ".dat", ".log", ".asc"), read_delimited),
-    ".mat": read_matlab,
-    **dict.fromkeys((".h5", ".hdf5"), _module_reader("hdf")),
-    **dict.fromkeys((".parquet", ".pq"), _module_reader("parquet")),
-    **dict.fromkeys((".uff", ".unv", ".uf", ".58"), _module_reader("uff")),
-    ".tdms": _module_reader("tdms"),
-    **dict.fromkeys((".mf4", ".mdf"), _module_reader("mdf.mdf")),
-    **dict.fromkeys((".wav", ".wave"), _module_reader("wav")),
-}
+TEXT = Format("text.delimited", (".csv", ".txt", ".tsv", ".dat", ".log", ".asc"), "text")
+FORMATS = (
+    TEXT,
+    Format("matlab", (".mat",), "a MATLAB file", ((0, b"MATLAB 5.0 MAT-file"),)),
+    Format("hdf", (".h5", ".hdf5"), "an HDF5 file", ((0, HDF5), (512, HDF5))),
+    Format("parquet", (".parquet", ".pq"), "a Parquet file", ((0, b"PAR1"),)),
+    Format("uff", (".uff", ".unv", ".uf", ".58"), "a universal file", ((0, b"    -1"),)),
+    Format("tdms", (".tdms",), "a TDMS file", ((0, b"TDSm"),)),
+    Format("mdf.mdf", (".mf4", ".mdf"), "an MDF file", ((0, b"MDF     "),)),
+    Format("npz", (".npy", ".npz"), "a NumPy array", ((0, b"\x93NUMPY"),)),
+    Format("wav", (".wav", ".wave"), "a WAV file", ((8, b"WAVE"),)),
+)
+BY_SUFFIX = {suffix: kind for kind in FORMATS for suffix in kind.suffixes}
+READERS: dict[str, Reader] = {suffix: kind.read for suffix, kind in BY_SUFFIX.items()}
+# What cannot be read, and what to do.
+OTHERS = (
+    (b"PK\x03\x04", "a spreadsheet or an archive (export the sheet as CSV)"),
+    (b"\xd0\xcf\x11\xe0", "an old spreadsheet (export the sheet as CSV)"),
+    (b"\x1f\x8b", "compressed with gzip (unpack it)"),
+    (b"{", "JSON (a record is a table)"),
+)
+MDF, HDF = BY_SUFFIX[".mdf"], BY_SUFFIX[".h5"]
 
 
 def reader_of(path: Path, dbc: str | os.PathLike[str] | None) -> Reader:
     """Return the reader of a file: by its suffix, or by its first bytes where the suffix is unknown."""
+    kind = format_of(path)
+    if dbc is None:
+        return kind.read
+    if kind is not MDF:
+        raise RecordError("dbc decodes CAN frames; only MDF files hold them: leave it out")
+    return lambda file: importlib.import_module("suspid.io.mdf.mdf").read_mdf(file, dbc=dbc)
+
+
+def format_of(path: Path) -> Format:
+    """Return the format of a file; a folder or a missing file of unknown suffix counts as text.
+
+    Raises
+    ------
+    RecordError
+        If neither suffix nor first bytes are known.
+    """
     suffix = path.suffix.lower()
-    if suffix not in READERS and not path.is_dir():
-        known, looks = signature(path)
-        if not known:
+    if suffix not in BY_SUFFIX and not path.is_dir():
+        marked = marked_format(path)
+        if marked is None:
+            looks = appearance(path)
             raise RecordError(
                 f"records of type {path.suffix!r} are not known; known: {', '.join(READERS)}; save it as one of them"
                 f"{f'; it looks like {looks}' if looks else ''}"
             )
-        # The marks of binary files leave no doubt.
-        suffix = known
-    # MATLAB v7.3 writes HDF5, below a page with its own head.
-    if suffix == ".mat" and (_holds(path, HDF5, 0) or _holds(path, HDF5, 512)):
-        return READERS[".h5"]
-    mdf = suffix in (".mf4", ".mdf") or (suffix == ".dat" and _holds(path, b"MDF", 0))
-    if dbc is not None and not mdf:
-        raise RecordError("dbc decodes CAN frames; only MDF files hold them: leave it out")
-    if mdf and dbc is not None:
-        return lambda file: importlib.import_module("suspid.io.mdf.mdf").read_mdf(file, dbc=dbc)
-    return READERS[".mdf"] if mdf else READERS.get(suffix, read_delimited)
+        return marked
+    # MATLAB v7.3 writes HDF5 after 512 bytes of its own, and .dat is a suffix of MDF as well as of text.
+    if suffix in (".mat", ".dat") and (marked := marked_format(path)) in (HDF, MDF):
+        return marked
+    return BY_SUFFIX.get(suffix, TEXT)
 
 
-def _holds(path: Path, mark: bytes, position: int) -> bool:
-    """Whether a file can be read and holds a mark at a position."""
+def marked_format(path: Path) -> Format | None:
+    r"""Return the format that the first bytes of a file identify, None if they identify none.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     _ = Path(folder, "bump.data").write_bytes(b"TDSm\x0e")
+    ...     marked_format(Path(folder, "bump.data")).name
+    'a TDMS file'
+    """
+    head = _head(path)
+    marked = (kind for kind in FORMATS for at, mark in kind.marks if head[at : at + len(mark)] == mark)
+    return next(marked, None)
+
+
+def appearance(path: Path) -> str:
+    """Return what a file of no known format looks like; empty if that is not known either."""
+    head = _head(path)
+    for mark, name in OTHERS:
+        if head.startswith(mark):
+            return name
+    text = head and not set(head) & set(b"\x00\x01\x02\x03\x04\x05\x06\x07\x08\x0e\x0f")
+    return "text (rows of numbers can be read as .csv)" if text else ""
+
+
+def _head(path: Path) -> bytes:
     try:
         if not path.is_file():
-            return False
+            return b""
         with path.open("rb") as stream:
-            stream.seek(position)
-            return stream.read(len(mark)) == mark
+            return stream.read(HEAD)
     except (OSError, ValueError):
-        return False
+        return b""

@@ -8,8 +8,7 @@ from pathlib import Path
 
 from suspid.errors import RecordError
 from suspid.files import printable
-from suspid.io.formats import READERS, reader_of
-from suspid.io.signatures import signature
+from suspid.io.formats import format_of, marked_format, reader_of
 from suspid.io.timing import as_recording
 from suspid.recordings import Recording
 from suspid.units import Hertz
@@ -63,8 +62,8 @@ def read_recording(
         return as_recording(table, channels=wanted, time=time, fs=fs, title=path.stem)
     except RecordError as error:
         name = printable(str(path))
-        message = str(error) if str(error).startswith(f"{name}: ") else f"{name}: {error}"
-        known, looks = signature(path)
-        if known and reader_of(path, None) is not READERS[known]:
-            message += f"; it looks like {looks}: name it {known}"
+        message = f"{name}: {str(error).removeprefix(f'{name}: ')}"
+        marked = marked_format(path)
+        if marked is not None and format_of(path) is not marked:
+            message += f"; it looks like {marked.name}: name it {marked.suffixes[0]}"
         raise RecordError(message) from None

@@ -36,6 +36,7 @@ class LeftOut(Code):
     TYPE = "type", "is of type {type}"
     CLASS = "class", "is of class {number}"
     CELLS = "cells", "is a cell array"
+    PICKLE = "pickle", "is a Python object; pickles are not read"
     SPARSE = "sparse", "is a sparse matrix"
     OBJECT = "object", "is an object; save what it holds as vectors, such as ts.Time and ts.Data of a timeseries"
     CLASS_OBJECT = (
