@@ -14,18 +14,14 @@ from scipy.special import erf
 from suspid import IdentificationError, InputError, ModalSet, RecordError, add_noise, free_decay
 from suspid.signals import as_response
 from suspid.units import RealArray
-from suspid.wavelets.denoise import (
+from suspid.wavelets.denoise import TransformName, denoise
+from suspid.wavelets.filter_bank import filter_bank, noise_std, stationary_details, stationary_inverse
+from suspid.wavelets.thresholds import (
     RuleName,
     ThresholdName,
-    TransformName,
     bayes_threshold,
-    denoise,
-    filter_bank,
     minimax_threshold,
-    noise_std,
     shrink,
-    stationary_details,
-    stationary_inverse,
     sure_threshold,
     universal_threshold,
 )
@@ -392,13 +388,13 @@ class TestRefusals:
                 denoise(record(noise(5000)), level=level)  # type: ignore[arg-type]
 
     def test_unknown_choices(self) -> None:
-        with pytest.raises(InputError, match=r"threshold='shure' is not a choice. Did you mean 'sure'"):
+        with pytest.raises(InputError, match=r"threshold='shure' is unknown. Did you mean 'sure'"):
             denoise(record(noise(100)), threshold="shure")  # type: ignore[arg-type]
-        with pytest.raises(InputError, match=r"rule='firm' is not a choice"):
+        with pytest.raises(InputError, match=r"rule='firm' is unknown"):
             denoise(record(noise(100)), rule="firm")  # type: ignore[arg-type]
-        with pytest.raises(InputError, match=r"noise='mad' is not a choice"):
+        with pytest.raises(InputError, match=r"noise='mad' is unknown"):
             denoise(record(noise(100)), noise="mad")  # type: ignore[arg-type]
-        with pytest.raises(InputError, match=r"transform='swt' is not a choice"):
+        with pytest.raises(InputError, match=r"transform='swt' is unknown"):
             denoise(record(noise(100)), transform="swt")  # type: ignore[arg-type]
 
     def test_gaps(self) -> None:

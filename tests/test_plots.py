@@ -39,7 +39,7 @@ from suspid.reporting.plots import (
 )
 from suspid.signals import as_response, as_signal
 from suspid.units import RealArray
-from suspid.wavelets.ridges import ABOVE_NOISE, fit_skeleton
+from suspid.wavelets import ABOVE_NOISE, fit_skeleton
 from validation import cars
 
 HOSTILE = ("$x^2$", "$\\undefined{$", "_hidden", "\x1b[2Jq\n", "座席", "a" * 500, "")

@@ -357,7 +357,7 @@ class TestWaveletEntropy:
         assert best_bandwidth(decay, omega=np.geomspace(10, 40, 60), candidates=[1, 2, 4]).at_end
 
     def test_no_candidates_or_no_signal_are_refused(self) -> None:
-        with pytest.raises(InputError, match="no candidates"):
+        with pytest.raises(InputError, match="candidates is empty"):
             best_bandwidth(record(white(1, 100)), omega=[30.0], candidates=[])
         with pytest.raises(InputError, match="zero throughout"):
             best_bandwidth(record(np.zeros(100)), omega=[30.0])

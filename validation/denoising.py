@@ -15,7 +15,8 @@ from suspid import ModalSet, SuspidError, add_noise, eigenmodes, free_decay
 from suspid.signals import as_response, as_signal
 from suspid.units import Decibel, RealArray
 from suspid.values import frozen_real
-from suspid.wavelets.denoise import NoiseName, RuleName, ThresholdName, TransformName, denoise
+from suspid.wavelets.denoise import NoiseName, TransformName, denoise
+from suspid.wavelets.thresholds import RuleName, ThresholdName
 from validation import cars
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ import numpy as np
 from suspid import Identification, IdentificationError, cwt, identify
 from suspid.reporting.plots import BLUE, VERMILION, plot_entropy, plot_scalogram, plot_skeletons
 from suspid.signals import as_signal
-from suspid.wavelets.scalogram import best_bandwidth
+from suspid.wavelets import best_bandwidth
 from validation.study import CANDIDATES, START, case_record
 from validation.table2 import CASES, Case
 

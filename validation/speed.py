@@ -18,7 +18,9 @@ from tabulate import tabulate
 from suspid import Scalogram, eigenmodes, free_decay, identify, statespace
 from suspid.signals import Signal, as_response, as_signal
 from suspid.units import ComplexArray, Hertz, RealArray
-from suspid.wavelets.scalogram import CUT, ENTROPY_CUT, Morlet, transform
+from suspid.wavelets import Morlet
+from suspid.wavelets.best_bandwidth import ENTROPY_CUT
+from suspid.wavelets.cwt import CUT, transform
 from validation import cars
 from validation.peer_methods import mwdi
 from validation.peer_skeletons import RATE

@@ -33,7 +33,7 @@ from suspid import (
 from suspid.signals import as_response
 from suspid.units import Decibel, Hertz, RealArray, Second
 from suspid.values import frozen_real
-from suspid.wavelets.denoise import denoise
+from suspid.wavelets import denoise
 from validation.bounds import Bound, cramer_rao, decay_amplitudes
 from validation.table2 import CASES, Case
 

@@ -1,22 +1,20 @@
 """The wavelet steps of the paper.
 
-`denoise` shrinks the coefficients of a discrete wavelet transform (PyWavelets). `best_bandwidth` chooses the
-modified Morlet wavelet of least entropy, `cwt` computes the `Scalogram`, `find_ridges` its ridges and
-skeletons, and `fit_ridges` the modes from the slopes of log modulus and phase.
+`denoise` shrinks the coefficients of a discrete wavelet transform. `best_bandwidth` finds the modified Morlet wavelet
+(`Morlet`) of least entropy, `cwt` computes the `Scalogram` with it, `find_ridges` finds its ridges (`Ridge`) with
+their trusted windows, and `fit_ridges` fits the modes to the slopes of log modulus and phase along them.
 """
 
+from suspid.wavelets.best_bandwidth import BandwidthSearch, best_bandwidth
+from suspid.wavelets.cwt import cwt
 from suspid.wavelets.denoise import denoise
-from suspid.wavelets.ridges import (
-    ABOVE_NOISE,
-    Ridge,
-    SkeletonFit,
-    Window,
-    find_ridges,
-    fit_ridges,
-    fit_skeleton,
-    sample_noise,
-)
-from suspid.wavelets.scalogram import BandwidthSearch, Morlet, Scalogram, best_bandwidth, cwt
+from suspid.wavelets.find_ridges import find_ridges
+from suspid.wavelets.fit_ridges import SkeletonFit, fit_ridges, fit_skeleton
+from suspid.wavelets.morlet import Morlet
+from suspid.wavelets.ridge import Ridge, Window
+from suspid.wavelets.ridge_at import ABOVE_NOISE
+from suspid.wavelets.sample_noise import sample_noise
+from suspid.wavelets.scalogram import Scalogram
 
 __all__ = [
     "ABOVE_NOISE",

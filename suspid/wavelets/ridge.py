@@ -1,0 +1,97 @@
+"""Ridges of the scalogram and the skeletons along them: Eq. (18)-(20)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from suspid.units import ComplexArray, RadianPerSecond, RealArray, Second
+from suspid.wavelets.morlet import Morlet
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Window:
+    """Trusted part of a skeleton, and its bounds.
+
+    Parameters
+    ----------
+    onset_edge : float
+        The onset of the decay disturbs the skeleton before this time [s].
+    record_end : float
+        The end of the record disturbs it after this time [s].
+    noise_floor : float
+        The skeleton meets the noise at this time [s]; infinite if it does not.
+    """
+
+    onset_edge: Second
+    record_end: Second
+    noise_floor: Second
+
+    @property
+    def start(self) -> Second:
+        """First trusted time [s]."""
+        return self.onset_edge
+
+    @property
+    def stop(self) -> Second:
+        """Last trusted time [s]."""
+        return min(self.record_end, self.noise_floor)
+
+    @property
+    def reason(self) -> str:
+        """Reason for the end of the window: ``"record end"`` or ``"noise floor"``."""
+        return "noise floor" if self.noise_floor < self.record_end else "record end"
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Ridge:
+    """Ridge of a scalogram: a scale of most energy, the skeleton along it and its trusted window.
+
+    Parameters
+    ----------
+    omega : float
+        Angular frequency of the ridge [rad/s], refined between the rows of the scalogram.
+    wavelet : Morlet
+        The wavelet.
+    timepts : ndarray (sample,)
+        Times of the skeleton [s].
+    skeleton : ndarray (channel, sample)
+        Coefficients along the ridge (normalised as in the paper).
+    trace : ndarray (sample,)
+        Frequency of the largest coefficient near this ridge, at each time [rad/s].
+    floor : ndarray (channel,)
+        Standard deviation of the noise in the skeleton.
+    window : Window
+        Trusted part of the skeleton.
+    onset : float
+        Time at which the free decay begins [s].
+    channels : tuple of str
+        Names of the channels.
+    """
+
+    omega: RadianPerSecond
+    wavelet: Morlet
+    timepts: RealArray
+    skeleton: ComplexArray
+    trace: RealArray
+    floor: RealArray
+    window: Window
+    onset: Second
+    channels: tuple[str, ...]
+
+    @property
+    def trusted(self) -> NDArray[np.bool_]:
+        """Samples in the window, (sample,)."""
+        return np.asarray((self.timepts >= self.window.start) & (self.timepts <= self.window.stop))
+
+    @property
+    def strength(self) -> RealArray:
+        """Modulus of the skeleton over its noise, root mean square over the channels [1], (sample,)."""
+        return np.asarray(np.sqrt(np.mean((np.abs(self.skeleton) / self.floor[:, None]) ** 2, axis=0)))
+
+    @property
+    def scale(self) -> Second:
+        """Scale of the ridge [s]."""
+        return self.wavelet.center / self.omega
