@@ -105,6 +105,7 @@ class TestSound:
             read_record(path)
 
 
+@pytest.mark.slow
 class TestDamaged:
     @FUZZ
     @given(suffix=st.sampled_from(sorted(READERS)), content=st.binary(max_size=300))

@@ -334,14 +334,14 @@ class TestAsAProcess:
             "heavy = {'control', 'cvxpy', 'matplotlib', 'pywt', 'scipy.signal', 'scipy.stats', 'scipy.io'}\n"
             "assert not heavy & set(sys.modules), heavy & set(sys.modules)\n"
         )
-        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120)
+        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=1800)
         assert done.returncode == 0, done.stderr
         assert "identify" in done.stdout
 
     def test_a_terminal_without_plus_minus_and_an_empty_home(self, tmp_path: Path) -> None:
         environment = {"PATH": os.environ["PATH"], "HOME": str(tmp_path), "PYTHONIOENCODING": "iso8859_5"}
         command = [sys.executable, "-c", "from suspid.cli import main; main()", "identify", str(RECORD)]
-        done = subprocess.run(command, capture_output=True, env=environment, timeout=120)
+        done = subprocess.run(command, capture_output=True, env=environment, timeout=1800)
         assert done.returncode == 0, done.stderr
         assert b"\\xb1" in done.stdout
         assert done.stderr == b""

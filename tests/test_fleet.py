@@ -243,6 +243,7 @@ class TestDamagedFiles:
             assert str(tmp_path) not in failures[name]["reason"]
         assert len({row["record"] for row in rows(run, "modes")}) == good
 
+    @pytest.mark.slow
     def test_files_that_kill_their_process_are_failures(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         (tmp_path / "hook").mkdir()
         (tmp_path / "hook" / "sitecustomize.py").write_text(KILLERS)

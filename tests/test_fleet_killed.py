@@ -21,9 +21,11 @@ from fleets import CAR, content, make_fleet, parts, time_limit
 from suspid import InputError, SuspidError, write_car
 from suspid.fleet.identify_many import identify_many
 
+pytestmark = pytest.mark.slow
+
 COUNT, CHUNK = 32, 2
 # Every wait for another process ends after this time [s].
-LONG_ENOUGH = 120.0
+LONG_ENOUGH = 900.0
 psutil: Any = importlib.import_module("psutil")
 CLIENT = """
 import sys
@@ -77,7 +79,7 @@ def connected(address: str) -> Any:
     import distributed
 
     connect: Any = distributed.Client
-    return connect(address, timeout=60, set_as_default=False)
+    return connect(address, timeout=LONG_ENOUGH, set_as_default=False)
 
 
 @dataclass(frozen=True)
@@ -113,7 +115,7 @@ def cluster(*, nanny: bool) -> Iterator[Cluster]:
         options = ["--nthreads", "1", "--no-dashboard", "--nanny" if nanny else "--no-nanny"]
         workers = tuple(run(sys.executable, "-m", module, address, *options) for _ in range(2))
         with connected(address) as client:
-            client.wait_for_workers(2, timeout=60)
+            client.wait_for_workers(2, timeout=LONG_ENOUGH)
         yield Cluster(address, scheduler, workers)
     finally:
         for process in started:

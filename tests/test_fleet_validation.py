@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import pytest
+
 from validation.fleet import report
 
 
+@pytest.mark.slow
 class TestReport:
     def test_a_small_one(self) -> None:
         text = report(records=6, growth=(2, 4), on_dask=2)

@@ -2,7 +2,7 @@ import ast
 import inspect
 import subprocess
 import sys
-from collections.abc import Callable
+from functools import cache
 from graphlib import TopologicalSorter
 from pathlib import Path
 
@@ -24,13 +24,15 @@ def package_of(name: str) -> str:
 
 
 def type_only(tree: ast.Module) -> set[int]:
-    """Ids of the nodes below `if TYPE_CHECKING:`, which run for the type checker alone."""
+    """Return the ids of the nodes below `if TYPE_CHECKING:`, which only the type checker reads."""
     blocks = [n for n in ast.walk(tree) if isinstance(n, ast.If) and "TYPE_CHECKING" in ast.unparse(n.test)]
     return {id(node) for block in blocks for statement in block.body for node in ast.walk(statement)}
 
 
-def imports(tree: ast.Module) -> list[str]:
-    """Full names of all modules imported at run time, anywhere in the module."""
+@cache
+def imports(name: str) -> tuple[str, ...]:
+    """Return the full names of all modules that a module imports at run time, anywhere in it."""
+    tree = MODULES[name]
     skipped = type_only(tree)
     names: list[str] = []
     for node in ast.walk(tree):
@@ -43,34 +45,36 @@ def imports(tree: ast.Module) -> list[str]:
                 names += [f"suspid.{alias.name}" for alias in node.names]
             else:
                 names.append(node.module)
-    return names
+    return tuple(names)
 
 
-def arrows(of: Callable[[str], str]) -> dict[str, set[str]]:
+def arrows(*, packages: bool) -> dict[str, set[str]]:
     """Return what each module, or each package, imports from the rest of the library."""
     graph: dict[str, set[str]] = {}
-    for name, tree in MODULES.items():
+    for name in MODULES:
         if name in ("__init__", "__main__"):
             continue
-        targets = {of(other.removeprefix("suspid.")) for other in imports(tree) if other.startswith("suspid.")}
-        graph.setdefault(of(name), set()).update(targets - {of(name)})
+        others = [other.removeprefix("suspid.") for other in imports(name) if other.startswith("suspid.")]
+        source = package_of(name) if packages else name
+        targets = {package_of(other) if packages else other for other in others}
+        graph.setdefault(source, set()).update(targets - {source})
     return graph
 
 
 class TestLayers:
     def test_packages_import_in_one_direction(self) -> None:
-        assert list(TopologicalSorter(arrows(package_of)).static_order())
+        assert list(TopologicalSorter(arrows(packages=True)).static_order())
 
     @pytest.mark.parametrize("package", PACKAGES)
     def test_modules_of_a_package_import_in_one_direction(self, package: str) -> None:
-        inside = {n: {o for o in others if package_of(o) == package} for n, others in arrows(str).items()}
+        inside = {n: {o for o in others if package_of(o) == package} for n, others in arrows(packages=False).items()}
         assert list(
             TopologicalSorter({n: others for n, others in inside.items() if package_of(n) == package}).static_order()
         )
 
     @pytest.mark.parametrize("name", MODULES)
     def test_other_packages_are_used_through_what_they_export(self, name: str) -> None:
-        for imported in imports(MODULES[name]):
+        for imported in imports(name):
             package, _, module = imported.removeprefix("suspid.").partition(".")
             if imported.startswith("suspid.") and package != package_of(name):
                 assert not module, f"suspid/{name}.py imports {imported}: import from suspid.{package} what it exports"
@@ -97,7 +101,7 @@ class TestModules:
 
     def test_matplotlib_is_imported_by_plots_alone(self, name: str) -> None:
         if name not in {"reporting.plots", "cli.measured"}:
-            assert not [i for i in imports(MODULES[name]) if i.split(".")[0] == "matplotlib"]
+            assert not [i for i in imports(name) if i.split(".")[0] == "matplotlib"]
 
     def test_no_method_rebinds_self(self, name: str) -> None:
         for function in [n for n in ast.walk(MODULES[name]) if isinstance(n, ast.FunctionDef)]:

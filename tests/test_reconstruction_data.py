@@ -414,6 +414,7 @@ class TestWhatIsNotSeen:
             reconstruct(identify(record, modes=3).modes, car)
 
 
+@pytest.mark.slow
 class TestCertainty:
     @pytest.mark.parametrize("car", [PAPER, HATCHBACK, SALOON], ids=["paper", "hatchback", "saloon"])
     def test_records_at_20_db_reach_the_bound_of_the_physical_model(self, car: Suspension) -> None:

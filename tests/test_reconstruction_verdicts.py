@@ -210,6 +210,7 @@ class TestSpringsThatAreNotThere:
 class TestMassesKnownToASpread:
     MASSES = 0.005  # what a good balance and doubts about hoses and brackets leave
 
+    @pytest.mark.slow
     def test_their_error_is_in_the_intervals(self) -> None:
         """k and c scale with the masses: conditional on them, intervals of 0.1 % are missed by 0.5 %."""
         rng, spread = np.random.default_rng(8), {f"{name}.mass": self.MASSES for name in PAPER.masses}

@@ -131,6 +131,7 @@ class TestOneMode:
         np.testing.assert_allclose(np.array(one) / np.array(two), np.sqrt(2), rtol=0.1)
 
 
+@pytest.mark.slow
 class TestCalibration:
     @pytest.mark.parametrize("bandwidth", [8.0, 30.0])
     @pytest.mark.parametrize("std", [0.003, 0.03])

@@ -178,6 +178,7 @@ class TestReport:
         assert (out / "free_decay.md").read_text(encoding="utf-8") == "# Decay\n"
         assert capsys.readouterr().out.split() == [str(out / "free_decay.md")]
 
+    @pytest.mark.slow
     def test_paper_runs_on_few_draws(self) -> None:
         text = report(seeds=3, workers=1, channel_sets=(("tire",),), candidates=(25.0, 50.0))
         lines = text.splitlines()
