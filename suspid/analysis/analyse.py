@@ -90,7 +90,8 @@ class Analysis:
         found = verdict_of(self.identification, level)
         if self.repeats is not None:
             found = verdict_of_repeats(self.repeats, level)
-        return found.with_checks(_of_recording(self.cleaned, self.used))
+        failed = [Check(note, Level.CARE) for note in self.notes if note.code is Note.NO_SPRINGS]
+        return found.with_checks([*_of_recording(self.cleaned, self.used), *failed])
 
     def __str__(self) -> str:
         parts = [tables_of(self.identification) if self.repeats is None else tables_of_repeats(self.repeats)]

@@ -1,0 +1,153 @@
+"""One recipe: the library, the commands and the report find the same modes and verdict in the same record."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+
+from suspid import (
+    CarSettings,
+    InputError,
+    Level,
+    RecordError,
+    Settings,
+    add_noise,
+    analyse,
+    free_decay,
+    identify,
+    read_recording,
+    write_record,
+)
+from suspid.cli.main import main
+from suspid.signals import as_response, as_signal, cut
+from validation import cars
+
+ROOT = Path(__file__).parents[1]
+DATA = ROOT.parent / "shared" / "data"
+RECORDS = [
+    ROOT / "examples" / "quarter_car.csv",
+    DATA / "vibtest_inout_mat" / "case1.mat",
+    DATA / "rizoit_seat3dof_sim" / "release.csv",
+    DATA / "rizoit_seat3dof_sim" / "step50mm.csv",
+    DATA / "rizoit_seat3dof_sim" / "chirp.csv",
+    DATA / "css_canedge_car_mf4" / "stationary_2F6913DB_00000004_00000001.MF4",
+]
+
+
+def run(*arguments: object) -> Result:
+    return CliRunner().invoke(main, [str(argument) for argument in arguments], catch_exceptions=False)
+
+
+def late_bump(path: Path) -> Path:
+    """Write half a minute of quiet noise with a decay after ten seconds."""
+    noise = np.random.default_rng(3).standard_normal((3, 6000))
+    values = 1e-4 * noise
+    decay = free_decay(cars.HATCHBACK, np.arange(4000) / 200, initial_state={"v_tire": 1.0})
+    values[:, 2000:] += decay.y
+    write_record(as_response(np.arange(6000) / 200, values, as_signal(decay).channels), path)
+    return path
+
+
+@pytest.mark.parametrize("path", RECORDS, ids=lambda path: path.name)
+def test_library_commands_and_report_agree(path: Path, tmp_path: Path) -> None:
+    if not path.exists():
+        pytest.skip("the shared records are not here")
+    if path.suffix == ".MF4":
+        pytest.importorskip("asammdf")
+    agree(path, tmp_path)
+
+
+def test_they_agree_on_a_decay_late_in_a_recording(tmp_path: Path) -> None:
+    assert len(agree(late_bump(tmp_path / "bump.csv"), tmp_path)) == 3
+
+
+def agree(path: Path, folder: Path) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    dbc = path.parent / "canmod-gps.dbc"
+    options = ["--dbc", dbc] if dbc.exists() else []
+    settings = Settings(dbc=dbc if dbc.exists() else None)
+    found = analyse(path, settings=settings)
+    again = identify(found.identification.response)
+    assert np.array_equal(again.modes.poles, found.identification.modes.poles)
+    from_recording = analyse(read_recording(path, dbc=settings.dbc), settings=settings)
+    assert np.array_equal(from_recording.modes.poles, found.modes.poles)
+    assert run("identify", path, "--json", folder / "modes.json", *options).exit_code == 0
+    told = run("report", path, "-o", folder / "page.html", "--json", folder / "page.json", *options)
+    assert told.exit_code == 0
+    for name in ("modes.json", "page.json"):
+        content = json.loads((folder / name).read_text(encoding="utf-8"))
+        assert [mode["wn_rad_per_s"] for mode in content["modes"]] == found.modes.wn.tolist()
+        assert [mode["zeta"] for mode in content["modes"]] == found.modes.zeta.tolist()
+        assert content["verdict"] == found.verdict.to_dict()
+    return np.asarray(found.modes.wn)
+
+
+class TestSettings:
+    def test_channels_by_their_bare_names_and_left_out(self, tmp_path: Path) -> None:
+        path = tmp_path / "r.csv"
+        record = free_decay(cars.PAPER, np.arange(0, 5, 0.002), initial_state={"v_tire": 1.0})
+        write_record(record, path, units=["m", "m", "m"])
+        found = analyse(path, settings=Settings(without=("chassis",), scale={"seat": -2.0}, rename={"tire": "wheel"}))
+        assert as_signal(found.record).channels == ("seat", "wheel")
+        assert np.array_equal(as_signal(found.record).values[0], -2.0 * as_signal(record).values[0])
+
+    def test_a_record_is_taken_as_it_is(self) -> None:
+        record = free_decay(cars.PAPER, np.arange(0, 5, 0.002), initial_state={"v_tire": 1.0})
+        found = analyse(record)
+        assert found.record is record
+        assert found.recording is None
+
+    def test_a_stretch_is_cut(self, tmp_path: Path) -> None:
+        found = analyse(late_bump(tmp_path / "bump.csv"), settings=Settings(start=12.0, stop=20.0))
+        assert np.isclose(as_signal(found.identification.response).start, 12.0)
+        assert not found.decays
+
+    @pytest.mark.parametrize(
+        "wrong",
+        [
+            {"decay": "al"},
+            {"decay": 0},
+            {"decay": "all", "start": 1.0},
+            {"level": 1.0},
+            {"decay": "all", "method": "ridge"},
+        ],
+    )
+    def test_contradictions_are_refused(self, wrong: dict[str, object]) -> None:
+        with pytest.raises(InputError):
+            Settings(**wrong)  # type: ignore[arg-type]
+
+    def test_settings_come_back_from_json(self) -> None:
+        settings = Settings(
+            channels=("seat",), rename={"seat": "s"}, band=(1.0, 2.0), springs=CarSettings(fixed=("a",))
+        )
+        assert json.loads(json.dumps(settings.to_dict()))["springs"]["fixed"] == ["a"]
+
+    def test_a_rank_that_is_not_there(self, tmp_path: Path) -> None:
+        with pytest.raises(RecordError, match="no decay of rank 7"):
+            analyse(late_bump(tmp_path / "bump.csv"), settings=Settings(decay=7))
+
+
+class TestVerdict:
+    def test_springs_enter(self) -> None:
+        record = free_decay(cars.PAPER, np.arange(0, 10, 0.002), initial_state={"v_tire": 1.0})
+        noisy = add_noise(record, snr_db=40.0, rng=np.random.default_rng(5))
+        right = analyse(noisy, car=cars.PAPER)
+        assert right.verdict.level is Level.SOUND
+        stiff = replace(cars.PAPER, masses={**cars.PAPER.masses, "seat": 400.0})
+        assert analyse(noisy, car=stiff).verdict.level < Level.SOUND
+
+    def test_defects_left_alone_call_for_care(self, tmp_path: Path) -> None:
+        path = late_bump(tmp_path / "bump.csv")
+        rows = path.read_text(encoding="utf-8").splitlines()
+        assert analyse(path).verdict.level is Level.SOUND
+        part = cut(analyse(path).record, start=10.0)
+        values = np.clip(as_signal(part).values, -np.inf, 0.6 * as_signal(part).values.max())
+        clipped = tmp_path / "clipped.csv"
+        write_record(as_response(as_signal(part).timepts, values, as_signal(part).channels), clipped)
+        assert len(rows) == 6001
+        with pytest.raises(RecordError, match="clipped"):
+            analyse(clipped)
