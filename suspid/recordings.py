@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from suspid.errors import RecordError
+from suspid.stamps import rate_and_gaps
 from suspid.units import Hertz, RealArray, Second
 from suspid.values import nearest_names, text_table
 from suspid.words import Remark
@@ -39,12 +40,8 @@ class RawChannel:
 
     @property
     def mean_rate(self) -> Hertz:
-        """Rate that is stated, or else that of the median step between stamps [Hz]; NaN if there is none."""
-        if self.rate is not None:
-            return self.rate
-        steps = np.diff(self.timepts[np.isfinite(self.timepts)])
-        steps = steps[steps > 0]
-        return float(1 / np.median(steps)) if steps.size else float("nan")
+        """Rate that is stated, or else that of the uniform clock nearest to the stamps [Hz]; NaN if there is none."""
+        return rate_and_gaps(self.timepts)[0] if self.rate is None else self.rate
 
     @property
     def duration(self) -> Second:
@@ -54,9 +51,8 @@ class RawChannel:
 
     @property
     def gaps(self) -> int:
-        """How many runs of missing samples there are: steps above one and a half, and runs of NaN."""
-        finite = self.timepts[np.isfinite(self.timepts)]
-        holes = int(np.sum(np.diff(finite) > 1.5 / self.mean_rate)) if finite.size > 1 else 0
+        """Number of runs of missing samples: holes in the time stamps, and runs of NaN."""
+        holes = rate_and_gaps(self.timepts)[1]
         missing = np.isnan(self.values)
         runs = int(np.sum(missing[1:] & ~missing[:-1])) + int(missing.size > 0 and missing[0])
         return holes + runs

@@ -102,7 +102,7 @@ class TestExitCodes:
             (("identify", CAR), "type '.toml' are not known"),
             (("identify", RECORD, "--channel", "seta"), "no channel 'seta'. Did you mean 'seat'"),
             (("identify", RECORD, "--time", "clock"), "no time column 'clock'"),
-            (("identify", RECORD, "--fs", "400"), "disagree"),
+            (("identify", RECORD, "--fs", "1e-16"), "disagree"),
             (("identify", RECORD, "--band", "300", "400"), "band"),
             (("identify", RECORD, "--modes", "40"), "found|stand"),
             (("identify", RECORD, "--plot", "p.xyz"), "pictures of type '.xyz' are not known"),

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from suspid.cleaning.clocks import Clock, read_clock
-from suspid.cleaning.stamps import resolution, rounded_line
 from suspid.errors import RecordError
+from suspid.stamps import grid_of, resolution
 from suspid.units import RealArray
 
 
@@ -48,13 +48,13 @@ class TestRoundedStamps:
         assert callable(way)
         true = 3.0 + np.arange(1500) / rate
         stamps = np.asarray(way(true / quantum + 1e-9) * quantum, float)
-        line = rounded_line(np.arange(1500), stamps)
-        assert line is not None
-        _, step, std = line
+        grid = grid_of(stamps)
+        assert grid is not None
+        assert grid.places.tolist() == list(range(1500))
         # A uniform distribution reaches sqrt(3) standard deviations; a hundredth for the search.
-        assert abs(step - 1 / rate) <= 1.01 * np.sqrt(3) * std
+        assert abs(grid.step - 1 / rate) <= 1.01 * np.sqrt(3) * grid.step_std
         # No grid can be told better than by a resolution over the whole record.
-        assert std <= 2 * quantum / (1499 / np.sqrt(12))
+        assert grid.step_std <= 2 * quantum / (1499 / np.sqrt(12))
 
     def test_every_row_becomes_one_sample(self) -> None:
         stamps = np.round(np.arange(1000) / 333, 3)

@@ -104,7 +104,7 @@ def clean(
     channels : sequence of str, optional
         Channels to take, in this order. Default: all that are of use.
     fs : float, optional
-        Sampling rate [Hz]. The stamps must agree with it; its grid then stands in for them.
+        Sampling rate [Hz]. It replaces the stamps; a finding says how far they disagree.
     start, stop : float, optional
         First and last time to take [s]: what lies outside is not looked at.
 
@@ -235,12 +235,9 @@ def _by_clock(channels: list[RawChannel]) -> list[list[RawChannel]]:
 def _placed(group: list[RawChannel], fs: Hertz | None) -> Placed:
     """Return the channels of one clock on their uniform grid."""
     stated = group[0].rate
-    if fs is not None and stated is not None and abs(stated - fs) > 1e-6 * fs:
-        raise RecordError(
-            f"fs says {fs:g} Hz, the file {stated:g} Hz for channel {group[0].name!r}; correct one of them"
-        )
     values = frozen_real([channel.values for channel in group])
-    clock = read_clock(group[0].timepts, possible(values), rate=stated if fs is None else fs)
+    rate = stated if fs is None else fs
+    clock = read_clock(group[0].timepts, possible(values), rate=rate, override=fs is not None)
     table = values if np.array_equal(clock.rows, np.arange(values.shape[1])) else values[:, clock.rows]
     rows = list(table)
     inspected = [inspect(channel.name, clock.stamps, row) for channel, row in zip(group, rows, strict=True)]

@@ -2,50 +2,37 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from suspid.cleaning.findings import Finding, found
-from suspid.cleaning.ordering import LATEST, ordered, stamped
-from suspid.cleaning.stamps import (
-    FEW,
-    HOLE,
-    Indices,
-    exact,
-    is_uniform,
-    line,
-    mean,
-    resolution,
-    rounded_line,
-    share_followed,
-)
+from suspid.cleaning.following import late_or_irregular
+from suspid.cleaning.ordering import LATEST, ordered, stamped, unrepeated
 from suspid.errors import RecordError
 from suspid.signals import JITTER
+from suspid.stamps import FEW, HOLE, SHORTEST, Grid, Indices, grid_of, is_uniform, line, nearest_grid, rate_and_gaps
+from suspid.stamps import resolution as resolution_of
 from suspid.units import Hertz, RealArray, Second
 from suspid.words import Defect, Number
 
-# How far two clocks may differ and still be meant to be one; over a long record, half a sample at most.
+# Relative difference of two clocks that are meant to be one: that of cheap crystals. Larger values accept a wrong
+# stated rate, smaller ones refuse a right one.
 DRIFT = 1e-4
-# How far a stated rate and that of irregular stamps may lie apart: the grid is the stated one.
+# Relative difference between a stated rate and that of irregular stamps up to which the stated one is taken.
 APART = 0.02
-# A stamp that lies further off its place in the grid than this, in steps, is not there by rounding or by jitter.
+# A stamp further from its place in the grid than this, in steps, belongs to another place.
 OFF = 0.5
-# No step is shorter [s].
-SHORTEST = 1e-12
-# No hole has more rows, so that they can be counted.
-LONGEST_HOLE = float(1 << 31)
-# Samples that follow irregular stamps at least this far, and by so many standard deviations, were taken at them.
-FOLLOWED, SIGNIFICANT = 0.3, 4.0
-# Steps between samples above which nothing is interpolated, and how much of the time such holes may take.
+# Steps between samples above which nothing is interpolated, and share of the time that such holes may take. Wider
+# holes would be filled with what the record does not say.
 WIDE, HOLLOW = 2.5, 0.2
-# How many times the rows that are there a grid may hold.
+# Samples that a grid may hold for each row that is there; a wrong stamp must not ask for all the memory.
 MOST_ROWS = 20
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Clock:
-    """Where the rows of a file stand in time.
+    """The rows of a file on a uniform clock.
 
     Parameters
     ----------
@@ -58,7 +45,7 @@ class Clock:
     places : ndarray (row,) or None
         Sample of the grid that each of these rows is; None where the grid lies between the rows.
     findings : tuple of Finding
-        What was met.
+        Defects of the stamps.
     """
 
     timepts: RealArray
@@ -73,14 +60,13 @@ class Clock:
         return float(self.timepts[-1] - self.timepts[0]) / (self.timepts.size - 1)
 
 
-def read_clock(stamps: RealArray, values: RealArray, *, rate: Hertz | None = None) -> Clock:
+def read_clock(stamps: RealArray, values: RealArray, *, rate: Hertz | None = None, override: bool = False) -> Clock:
     """Return the uniform clock that stamps stand for.
 
-    Tried in this order; the first that explains every stamp is taken, and said in the findings:
-    stamps that are uniform already, which stay as they are; the grid of a rate that is known; a
-    regular clock with rounded stamps; the same with a few rows doubled, swapped, wrongly stamped or
-    missing; a regular clock with stamps that jitter, or irregular sampling with stamps that are
-    right. The last two differ in which the samples follow more smoothly, the grid or the stamps.
+    The first of these readings that explains every stamp is taken: uniform stamps, which stay as they are; the grid
+    of a stated rate; a uniform clock whose stamps are rounded, with rows missing only where they lie off its line;
+    the same after doubled, swapped or wrongly stamped rows were put in order; a regular clock whose stamps jitter, or
+    irregular sampling with right stamps. The last two differ in which of them the samples follow.
 
     Parameters
     ----------
@@ -90,6 +76,8 @@ def read_clock(stamps: RealArray, values: RealArray, *, rate: Hertz | None = Non
         The samples; NaN where missing.
     rate : float, optional
         The rate that the file or the user states [Hz].
+    override : bool
+        Whether the rate replaces stamps that are at odds with it, instead of being refused.
 
     Raises
     ------
@@ -106,53 +94,114 @@ def read_clock(stamps: RealArray, values: RealArray, *, rate: Hertz | None = Non
     """
     if rate is not None and not 1 / LATEST < rate < 1 / SHORTEST:
         raise RecordError(
-            f"fs = {rate:g} Hz and the {stamps.size} stamps of the column of time disagree: they run at "
+            f"fs = {rate:g} Hz and the {stamps.size} time stamps disagree: they run at "
             f"{(stamps.size - 1) / max(SHORTEST, abs(float(stamps[-1]) - float(stamps[0]))):.9g} Hz"
         )
+    try:
+        return _read(stamps, values, rate)
+    except RecordError:
+        if rate is None or not override:
+            raise
+        return _overridden(stamps, rate)
+
+
+def _read(stamps: RealArray, values: RealArray, rate: Hertz | None) -> Clock:
     rows, findings = stamped(stamps)
-    whole = _plain(stamps[rows], rate)
+    rows, repeated = unrepeated(stamps, values, rows, most=FEW)
+    findings += repeated
+    times = stamps[rows]
+    clock = _regular_clock(times, values, rows, rate)
+    if clock is None:
+        try:
+            times, rows, further = ordered(stamps, values, rows)
+        except RecordError:
+            clock = _dispersed(times, values[:, rows], rows) if rate is None else None
+            if clock is None:
+                raise
+            return replace(clock, findings=(*findings, *clock.findings))
+        findings += further
+        clock = _regular_clock(times, values, rows, rate) if further else None
+    if clock is None:
+        clock = _nearest_clock(times, values[:, rows], rows, rate)
+    return replace(clock, findings=(*findings, *clock.findings))
+
+
+def _overridden(stamps: RealArray, rate: Hertz) -> Clock:
+    """Return all rows in the order of the file, at the rate."""
+    usable = stamps[np.abs(stamps) < LATEST]
+    start = float(usable[0]) if usable.size else 0.0
+    timepts = np.asarray(start + np.arange(stamps.size) / rate)
+    numbers: dict[str, Number] = {"rate": rate, "stamps_rate": rate_and_gaps(usable)[0]}
+    if usable.size:
+        numbers["apart"] = float(usable[-1] - usable[0]) - (stamps.size - 1) / rate
+    said = found(Defect.OVERRIDDEN_STAMPS, timepts, stamps.size, numbers)
+    rows = np.arange(stamps.size)
+    return Clock(timepts=timepts, rows=rows, stamps=timepts, places=rows, findings=(said,))
+
+
+def _regular_clock(times: RealArray, values: RealArray, rows: Indices, rate: Hertz | None) -> Clock | None:
+    """Return the clock of stamps that are uniform but for their rounding and missing rows, or None."""
+    whole = _uniform(times, rate)
     if whole is not None:
-        timepts, further = whole
-        return Clock(
-            timepts=timepts, rows=rows, stamps=timepts, places=np.arange(rows.size), findings=(*findings, *further)
-        )
-    times, rows, further = ordered(stamps, values, rows)
-    findings += further
-    if further and rows.size > 1:
-        whole = _plain(times, rate)
-        if whole is not None:
-            timepts, more = whole
-            findings = (*findings, *more)
-            return Clock(timepts=timepts, rows=rows, stamps=timepts, places=np.arange(rows.size), findings=findings)
-    return _gridded(times, values[:, rows], rows, rate, findings)
+        timepts, findings = whole
+        return Clock(timepts=timepts, rows=rows, stamps=timepts, places=np.arange(rows.size), findings=findings)
+    grid = grid_of(times)
+    if grid is None:
+        return None
+    start, step = grid.start, grid.step
+    if rate is not None:
+        if abs(1 / step - rate) > DRIFT * rate + 2 * grid.step_std / step**2:
+            return None
+        step = 1 / rate
+        start = float(np.median(times - step * grid.places))
+    kind, numbers = _why_off(times, values[:, rows], grid, start, step, rate)
+    if kind is Defect.IRREGULAR_STAMPS:
+        return None
+    return _on_grid(start, step, grid.places, rows, times, kind, numbers)
 
 
-def _plain(stamps: RealArray, rate: Hertz | None) -> tuple[RealArray, tuple[Finding, ...]] | None:
-    """Return the grid of stamps in which every row is one sample and none is missing, or None."""
-    index = np.arange(stamps.size)
+def _why_off(
+    times: RealArray, values: RealArray, grid: Grid, start: Second, step: Second, rate: Hertz | None
+) -> tuple[Defect | None, dict[str, Number]]:
+    """Return why stamps lie off their places in a grid, and the numbers of it."""
+    off = times - start - step * grid.places
+    worst = float(np.max(np.abs(off)))
+    if worst <= JITTER * step:
+        return None, {}
+    if rate is not None:
+        return Defect.ROUNDED_STAMPS, _stated(worst, rate)
+    if grid.jitter and grid.resolution < step and np.all(np.diff(times) > 0):
+        return late_or_irregular(values, grid.places, step, off)
+    numbers: dict[str, Number] = {
+        "resolution": grid.resolution,
+        "rate": 1 / step,
+        "rate_std": max(grid.step_std, 1e-15) / step**2,
+    }
+    return Defect.ROUNDED_STAMPS, numbers
+
+
+def _uniform(stamps: RealArray, rate: Hertz | None) -> tuple[RealArray, tuple[Finding, ...]] | None:
+    """Return the grid of stamps that are uniform, or agree with the stated rate, row by row; else None."""
     uniform = is_uniform(stamps)
     if rate is None:
-        if uniform:
-            return stamps, ()
-        grid_of = rounded_line(index, stamps)
-        if grid_of is None:
-            return None
-        start, step, std = grid_of
-        grid = np.asarray(start + step * index)
-        return grid, (found(Defect.ROUNDED_STAMPS, grid, stamps.size, _rounding(stamps, step, std)),)
-    grid = np.asarray(stamps[0] + index / rate)
+        return (stamps, ()) if uniform else None
+    grid = np.asarray(stamps[0] + np.arange(stamps.size) / rate)
     off = np.abs(stamps - grid)
-    if np.max(off) <= 8 * np.spacing(np.max(np.abs(grid))):
+    worst = float(np.max(off))
+    if worst <= 8 * np.spacing(np.max(np.abs(grid))):
         return stamps, ()
-    allowed = JITTER / rate + (0.0 if uniform else resolution(stamps))
+    allowed = JITTER / rate + (0.0 if uniform else resolution_of(stamps))
     allowed = allowed + np.minimum(OFF / rate, DRIFT * np.abs(grid - grid[0]))
     if np.all(off <= allowed):
-        worst = float(np.max(off))
         said = found(Defect.ROUNDED_STAMPS, grid, stamps.size, _stated(worst, rate))
         return grid, (said,) if worst > JITTER / rate else ()
     if uniform:
         _check_rate(rate, (stamps.size - 1) / float(stamps[-1] - stamps[0]), 0.0, stamps, off - allowed)
     return None
+
+
+def _stated(off: Second, rate: Hertz) -> dict[str, Number]:
+    return {"off": off, "off_samples": off * rate, "rate": rate}
 
 
 def _check_rate(rate: Hertz, mean: Hertz, allowed: float, stamps: RealArray, off: RealArray) -> None:
@@ -167,139 +216,73 @@ def _check_rate(rate: Hertz, mean: Hertz, allowed: float, stamps: RealArray, off
     )
 
 
-def _gridded(
-    times: RealArray, values: RealArray, rows: Indices, rate: Hertz | None, findings: tuple[Finding, ...]
-) -> Clock:
-    """Return the clock of increasing stamps, of which some may be missing or that may be irregular."""
-    usual = float(np.median(np.diff(times)))
-    if not 0 < times[-1] - times[0] <= MOST_ROWS * times.size * usual or usual < SHORTEST:
-        raise RecordError(_hollow(np.diff(times), WIDE * usual))
-    places, start, step = _regular(times)
-    span = float(times[-1] - times[0])
+def _nearest_clock(times: RealArray, values: RealArray, rows: Indices, rate: Hertz | None) -> Clock:
+    """Return the clock of increasing stamps that jitter or are irregular, of which some may be missing."""
+    steps = np.diff(times)
+    usual = float(np.median(steps))
+    hollow = not 0 < times[-1] - times[0] <= MOST_ROWS * times.size * usual or usual < SHORTEST
+    near = None if hollow else nearest_grid(times)
+    if near is None:
+        raise RecordError(_hollow(steps, (WIDE if hollow else HOLE) * usual))
+    places, start, step = near
     if rate is not None:
-        off = np.abs(times - times[0] - places / rate)
-        _check_rate(rate, 1 / step, APART, times, off)
-        places = np.concatenate([[0], np.cumsum(np.maximum(1, np.round(np.diff(times) * rate)))]).astype(np.intp)
+        _check_rate(rate, 1 / step, APART, times, np.abs(times - times[0] - places / rate))
+        places = np.concatenate([[0], np.cumsum(np.maximum(1, np.round(steps * rate)))]).astype(np.intp)
         step = 1 / rate
         start = float(np.median(times - step * places))
     off = times - (start + step * places)
-    rounding, worst = resolution(times), float(np.max(np.abs(off)))
+    worst = float(np.max(np.abs(off)))
+    within = 0.5 * resolution_of(times) + DRIFT * float(times[-1] - times[0])
     kind: Defect | None = None
     numbers: dict[str, Number] = {}
     if worst > JITTER * step:
-        grid_of = rounded_line(places, times) if rate is None else None
-        if grid_of is not None:
-            start, step, std = grid_of
-            kind, numbers = Defect.ROUNDED_STAMPS, _rounding(times, step, std)
-        elif rate is not None and worst <= 0.5 * rounding + DRIFT * span and worst <= OFF * step:
+        if rate is not None and worst <= min(within, OFF * step):
             kind, numbers = Defect.ROUNDED_STAMPS, _stated(worst, rate)
         elif worst <= step and np.mean(np.abs(off) > OFF * step) <= FEW:
-            kind, numbers = _jitter(values, places, step, off)
+            kind, numbers = late_or_irregular(values, places, step, off)
         else:
             kind, numbers = Defect.IRREGULAR_STAMPS, {"largest": worst / step}
     if kind is Defect.IRREGULAR_STAMPS:
-        return _irregular(times, rows, rate, findings, numbers)
+        return _irregular(times, rows, rate, numbers)
     if places[-1] >= MOST_ROWS * times.size:
-        raise RecordError(_hollow(np.diff(times), WIDE * usual))
+        raise RecordError(_hollow(steps, WIDE * usual))
+    return _on_grid(start, step, places, rows, times, kind, numbers)
+
+
+def _dispersed(times: RealArray, values: RealArray, rows: Indices) -> Clock | None:
+    """Return the clock of rows in order whose stamps jitter so far that some repeat or run backwards, or None."""
+    places = np.arange(times.size)
+    start, step, _ = line(places, times)
+    off = times - start - step * places
+    slack = 0.5 * resolution_of(times)
+    if step < SHORTEST or np.max(np.abs(off)) > slack + step or np.mean(np.abs(off) > slack + OFF * step) > FEW:
+        return None
+    _, numbers = late_or_irregular(values, places, step, off)
+    return _on_grid(start, step, places, rows, times, Defect.JITTERING_STAMPS, numbers)
+
+
+def _on_grid(
+    start: Second,
+    step: Second,
+    places: Indices,
+    rows: Indices,
+    times: RealArray,
+    kind: Defect | None,
+    numbers: dict[str, Number],
+) -> Clock:
+    """Return the clock of rows of which it is known which samples they are."""
     timepts = np.asarray(start + step * np.arange(places[-1] + 1))
-    findings += (found(kind, times, times.size, numbers),) if kind else ()
+    findings: tuple[Finding, ...] = (found(kind, times, times.size, numbers),) if kind else ()
     lost = int(timepts.size - places.size)
     if lost:
         holes = np.flatnonzero(np.diff(places) > 1)
-        numbers = {"rows": timepts.size, "places": holes.size}
-        findings += (found(Defect.MISSING_ROWS, times[np.append(holes, holes[-1] + 1)], lost, numbers),)
+        counts: dict[str, Number] = {"rows": timepts.size, "places": holes.size}
+        findings += (found(Defect.MISSING_ROWS, times[np.append(holes, holes[-1] + 1)], lost, counts),)
     return Clock(timepts=timepts, rows=rows, stamps=timepts[places], places=places, findings=findings)
 
 
-def _regular(times: RealArray) -> tuple[Indices, Second, Second]:
-    """Return the place of each stamp on the regular grid nearest to all, and its start and step."""
-    steps = np.diff(times)
-    rounding = 0.0 if exact(steps) else resolution(times)
-    step = float(np.median(steps))
-    for _ in range(8):
-        better = float(np.mean(steps[steps <= HOLE * step + 0.5 * rounding]))
-        if abs(better - step) <= 1e-12 * step:
-            break
-        step = better
-    if step < SHORTEST:
-        raise RecordError(_hollow(steps, HOLE * step))
-    holes = np.clip(np.round(steps / step), 2, LONGEST_HOLE)
-    jumps = np.where(steps <= HOLE * step + 0.5 * rounding, 1, holes).astype(np.intp)
-    places = np.concatenate([[0], np.cumsum(jumps)])
-    for _ in range(4):
-        start, step, _ = line(places, times)
-        # A hole is counted anew with the better step: a long one holds many.
-        again = np.concatenate(
-            [[0], np.cumsum(np.where(jumps > 1, np.clip(np.round(steps / step), 1, LONGEST_HOLE), 1))]
-        )
-        if np.array_equal(again, places):
-            break
-        places = again.astype(np.intp)
-    # Jitter makes long steps too: what puts the stamps nearer to a grid is taken.
-    candidates = [(places, start, step)]
-    plain = np.arange(times.size)
-    begin, even, _ = line(plain, times)
-    if even > 0:
-        candidates.append((plain, begin, even))
-    followed = _tracked(times)
-    if followed is not None:
-        candidates.append(followed)
-    return min(candidates, key=lambda fit: float(np.sum((times - fit[1] - fit[2] * fit[0]) ** 2)))
-
-
-def _tracked(times: RealArray) -> tuple[Indices, Second, Second] | None:
-    """Return places, start and step of the grid that is followed from the first rows on, or None if it is lost.
-
-    The step is known from the rows so far well enough to count a quarter further.
-    """
-    count, step = min(16, times.size), float(np.median(np.diff(times)))
-    start = float(np.median(times[:count] - step * np.arange(count)))
-    while True:
-        places = np.round((times[:count] - start) / step).astype(np.intp)
-        for k in np.flatnonzero(np.diff(places) == 0)[: int(FEW * times.size) + 1]:
-            # Two in one place: one of them strayed by more than half a step, towards where there is no other.
-            free = k == 0 or places[k] - places[k - 1] > 1
-            places[k + (not free)] += -1 if free else 1
-        if np.any(np.diff(places) < 1):
-            return None
-        start, step, _ = line(places, times[:count])
-        if step < SHORTEST:
-            return None
-        if count == times.size:
-            # Stamps at random lie 0.29 steps off.
-            lost = np.mean((times - start - step * places) ** 2) > (0.2 * step) ** 2
-            return None if lost else (places - places[0], start + step * places[0], step)
-        count = min(count + count // 4, times.size)
-
-
-def _rounding(stamps: RealArray, step: Second, std: Second) -> dict[str, Number]:
-    return {"resolution": resolution(stamps), "rate": 1 / step, "rate_std": max(std, 1e-15) / step**2}
-
-
-def _stated(off: Second, rate: Hertz) -> dict[str, Number]:
-    return {"off": off, "off_samples": off * rate, "rate": rate}
-
-
-def _jitter(values: RealArray, places: Indices, step: Second, off: RealArray) -> tuple[Defect, dict[str, Number]]:
-    """Return whether stamps that stray by less than half a step are wrong or the samples irregular, and why."""
-    share, std = share_followed(values, off / step, places)
-    sigma = float(np.sqrt(np.mean(off**2)))
-    largest = float(np.max(np.abs(off)))
-    numbers: dict[str, Number] = {"followed": share, "followed_std": std}
-    if share > max(SIGNIFICANT * std, FOLLOWED):
-        return Defect.IRREGULAR_STAMPS, {**numbers, "largest": largest / step}
-    pace = np.diff(values, axis=1)
-    speed = np.sqrt(mean(pace**2, np.isfinite(pace), axis=1)) / step * sigma
-    there = np.isfinite(values)
-    about = values - mean(values, there, axis=1)[:, None]
-    motion = np.sqrt(mean(about**2, there, axis=1))
-    error = float(np.max(speed / np.where(motion > 0, motion, np.inf)))
-    return Defect.JITTERING_STAMPS, {**numbers, "largest": largest, "rms": sigma, "rate": 1 / step, "error": error}
-
-
-def _irregular(
-    times: RealArray, rows: Indices, rate: Hertz | None, findings: tuple[Finding, ...], numbers: dict[str, Number]
-) -> Clock:
+def _irregular(times: RealArray, rows: Indices, rate: Hertz | None, numbers: dict[str, Number]) -> Clock:
+    """Return a uniform grid between irregular stamps."""
     steps = np.diff(times)
     usual = float(np.median(steps))
     step = float(np.mean(steps[steps <= WIDE * usual])) if rate is None else 1 / rate
@@ -308,7 +291,7 @@ def _irregular(
     count = int(np.floor((times[-1] - times[0]) / step * (1 + 1e-12))) + 1
     said = found(Defect.IRREGULAR_STAMPS, times, times.size, {**numbers, "rate": 1 / step})
     timepts = np.asarray(times[0] + step * np.arange(count))
-    return Clock(timepts=timepts, rows=rows, stamps=times, places=None, findings=(*findings, said))
+    return Clock(timepts=timepts, rows=rows, stamps=times, places=None, findings=(said,))
 
 
 def _hollow(steps: RealArray, wide: Second) -> str:
@@ -316,7 +299,7 @@ def _hollow(steps: RealArray, wide: Second) -> str:
     longest = int(np.argmax(steps))
     return (
         f"the time stamps are too irregular for a uniform record: half of the steps are below "
-        f"{np.median(steps):.3g} s, but {share:.2g} % of the time lies in steps above {wide:.3g} s, the longest "
+        f"{np.median(steps):.3g} s, but {share:.2g} % of the time is in steps above {wide:.3g} s, the longest "
         f"{steps[longest]:.3g} s after row {longest + 1}; record at a constant rate, or take a stretch without such "
         f"holes (start, stop)"
     )

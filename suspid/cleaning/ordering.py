@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from suspid.cleaning.findings import Finding, found
-from suspid.cleaning.stamps import FEW, Indices, line, resolution
 from suspid.errors import RecordError
-from suspid.units import RealArray
+from suspid.stamps import FEW, Indices, line, resolution
+from suspid.units import Ratio, RealArray
 from suspid.words import Defect
 
 # How far out of order a row may be.
@@ -29,17 +29,27 @@ def stamped(stamps: RealArray) -> tuple[Indices, tuple[Finding, ...]]:
     return rows, (found(Defect.NO_STAMP, stamps[rows][[0, -1]], lost),)
 
 
-def ordered(stamps: RealArray, values: RealArray, rows: Indices) -> tuple[RealArray, Indices, tuple[Finding, ...]]:
-    """Return stamps that increase, and the rows they belong to."""
-    findings: list[Finding] = []
+def unrepeated(
+    stamps: RealArray, values: RealArray, rows: Indices, *, most: Ratio = 1.0
+) -> tuple[Indices, tuple[Finding, ...]]:
+    """Return the rows without those that repeat stamp and samples of the one before, if these are few.
+
+    More than the share ``most`` is left: in coarse stamps, a mass at rest repeats both.
+    """
     times = stamps[rows]
     same = np.flatnonzero(np.diff(times) == 0) + 1
-    if same.size:
-        now, before = values[:, rows[same]], values[:, rows[same - 1]]
-        same = same[np.all((now == before) | (np.isnan(now) & np.isnan(before)), axis=0)]
-    if same.size:
-        findings.append(found(Defect.REPEATED_ROWS, times[same], same.size))
-        rows, times = np.delete(rows, same), np.delete(times, same)
+    now, before = values[:, rows[same]], values[:, rows[same - 1]]
+    same = same[np.all((now == before) | (np.isnan(now) & np.isnan(before)), axis=0)]
+    if not same.size or same.size > max(2, most * rows.size):
+        return rows, ()
+    return np.delete(rows, same), (found(Defect.REPEATED_ROWS, times[same], same.size),)
+
+
+def ordered(stamps: RealArray, values: RealArray, rows: Indices) -> tuple[RealArray, Indices, tuple[Finding, ...]]:
+    """Return stamps that increase, and the rows they belong to."""
+    rows, repeated = unrepeated(stamps, values, rows)
+    findings = list(repeated)
+    times = stamps[rows]
     if times.size < 3:
         raise RecordError(f"only {times.size} rows with different time stamps are left; a record needs more")
     if np.all(np.diff(times) > 0):

@@ -50,8 +50,8 @@ def read_record(
         The column of time. Default: the one named like a time (``t``, ``time [s]``, ``t_ms``, …).
         A unit in its name is obeyed: the response is in seconds.
     fs : float, optional
-        Sampling rate [Hz]. Without a column of time, the record starts at 0. Beside one, the stamps must
-        agree with it to within their own rounding; the grid of ``fs`` then stands in for them.
+        Sampling rate [Hz]. Without a time column, the record starts at 0. Otherwise it replaces the time stamps, and
+        a warning says how far they disagree.
     dbc : str or path, optional
         Database that decodes the raw CAN frames of an MDF file.
 
@@ -64,7 +64,7 @@ def read_record(
     ------
     RecordError
         If the file cannot be read as what its suffix says, a column is not there or holds text, time is not
-        found or at odds with ``fs``, or what is wrong cannot be repaired safely. The message begins with the name
+        found, or what is wrong cannot be repaired safely. The message begins with the name
         of the file.
 
     Warns

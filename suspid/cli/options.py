@@ -52,7 +52,7 @@ READING = (
         "--fs",
         type=Positive("Hz"),
         metavar="HZ",
-        help="Sampling rate; it must agree with the time in the file, if any.",
+        help="Sampling rate; it replaces the time in the file, if any.",
     ),
     click.option("--dbc", type=FILE, metavar="FILE", help="Database that decodes the CAN frames of an MDF file."),
 )

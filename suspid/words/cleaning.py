@@ -43,6 +43,18 @@ def _rounded_stamps(numbers: Numbers) -> str:
     ).format_map(numbers)
 
 
+def _overridden_stamps(numbers: Numbers) -> str:
+    text = f"the stated rate of {numbers['rate']:.9g} Hz replaces the time column"
+    column = _number(numbers, "stamps_rate")
+    if column != column:
+        return f"{text}, which states none"
+    percent = 100 * abs(column / _number(numbers, "rate") - 1)
+    return (
+        f"{text}, which states {column:.9g} Hz ({percent:.2g} % off) and ends {abs(_number(numbers, 'apart')):.3g} s "
+        f"{'later' if _number(numbers, 'apart') > 0 else 'earlier'}"
+    )
+
+
 def _jittering_stamps(numbers: Numbers) -> str:
     return (
         "time stamps lie {rms:.2g} s rms, at most {largest:.2g} s, off a uniform clock of {rate:.7g} Hz; the samples "
@@ -177,6 +189,7 @@ class Defect(Code):
         return member
 
     ROUNDED_STAMPS = "rounded stamps", _rounded_stamps
+    OVERRIDDEN_STAMPS = "overridden stamps", _overridden_stamps
     JITTERING_STAMPS = "jittering stamps", _jittering_stamps
     IRREGULAR_STAMPS = "irregular stamps", _irregular_stamps
     MISSING_ROWS = (
