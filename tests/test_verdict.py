@@ -1,0 +1,225 @@
+"""Verdicts: every check at the edge of its rule, on identifications whose numbers are set."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from suspid import Identification, Level, Verdict, add_noise, free_decay, identify, identify_repeats
+from suspid.identification.identification import Considered
+from suspid.identification.verdict import (
+    LEAST_EXPLAINED,
+    ROUGH_WN,
+    ROUGH_ZETA,
+    SAMPLES_EACH,
+    UNKNOWN_ZETA,
+    late_start,
+    verdict_of,
+)
+from suspid.model import ModalSet
+from suspid.signals import Signal, as_response, as_signal
+from suspid.words import Check, Code, ModeCheck, Reason, Remark
+from validation import cars
+
+STEP = 0.004
+
+
+@pytest.fixture(scope="module")
+def found() -> Identification:
+    record = free_decay(cars.PAPER, np.arange(0, 8, STEP), initial_state={"v_tire": 1.0})
+    return identify(add_noise(record, snr_db=30.0, rng=np.random.default_rng(1)), candidates=[4.0])
+
+
+@pytest.fixture(scope="module")
+def noise() -> Identification:
+    values = np.random.default_rng(4).standard_normal((1, 800))
+    return identify(as_response(np.arange(800) * 0.01, values, ["y"]), candidates=[4.0])
+
+
+def said(verdict: Verdict, code: Code) -> list[Check]:
+    return [check for check in verdict.checks if check.remark.code is code]
+
+
+def known_to(found: Identification, *, wn: float, zeta: float) -> Identification:
+    """Return the identification with 95 % intervals of mode 1 reaching these shares of its wn and zeta."""
+    modes = found.modes
+    assert modes.covariance is not None
+    pole, half = modes.poles[0], 1.959964
+    # wn = |p|, zeta = -Re p / |p|: in the frame along and across the pole the two errors are independent.
+    radial = pole / abs(pole)
+    across = wn * abs(pole) / half * radial
+    angle = zeta * modes.zeta[0] / np.sqrt(1 - modes.zeta[0] ** 2) * abs(pole) / half * (1j * radial)
+    basis = np.array([[across.real, angle.real], [across.imag, angle.imag]])
+    covariance = np.array(modes.covariance) * 1e-12
+    covariance[:2, :] = covariance[:, :2] = 0.0
+    covariance[:2, :2] = basis @ basis.T
+    changed = ModalSet(poles=modes.poles, shapes=modes.shapes, channels=modes.channels, covariance=covariance)
+    return replace(found, modes=changed)
+
+
+class TestPrecision:
+    @pytest.mark.parametrize("factor", [0.97, 1.03])
+    def test_frequency(self, found: Identification, factor: float) -> None:
+        verdict = verdict_of(known_to(found, wn=ROUGH_WN * factor, zeta=1e-6))
+        assert bool(said(verdict, ModeCheck.KNOWN_ROUGHLY)) is (factor > 1)
+        assert bool(said(verdict, ModeCheck.KNOWN)) is (factor < 1)
+
+    @pytest.mark.parametrize("factor", [0.97, 1.03])
+    def test_damping_roughly(self, found: Identification, factor: float) -> None:
+        verdict = verdict_of(known_to(found, wn=1e-6, zeta=ROUGH_ZETA * factor))
+        checks = said(verdict, ModeCheck.KNOWN_ROUGHLY)
+        assert bool(checks) is (factor > 1)
+        for check in checks:
+            assert check.level is Level.CARE
+            assert check.remark.numbers["mode"] == 1
+
+    @pytest.mark.parametrize("factor", [0.97, 1.03])
+    def test_damping_unknown(self, found: Identification, factor: float) -> None:
+        verdict = verdict_of(known_to(found, wn=1e-6, zeta=UNKNOWN_ZETA * factor))
+        assert bool(said(verdict, ModeCheck.DAMPING_UNKNOWN)) is (factor > 1)
+        assert bool(said(verdict, ModeCheck.KNOWN_ROUGHLY)) is (factor < 1)
+
+    def test_figures_are_those_of_five_percent(self) -> None:
+        # What a report calls roughly known: 5 % in frequency, 25 % in damping; unknown: an interval that reaches zero.
+        assert (ROUGH_WN, ROUGH_ZETA, UNKNOWN_ZETA) == (0.05, 0.25, 1.0)
+
+
+class TestShare:
+    @pytest.mark.parametrize("over", [-0.02, 0.02])
+    def test_half_of_the_energy(self, found: Identification, over: float) -> None:
+        """A residual of known energy in one channel: the share explained is one less its part."""
+        signal = as_signal(found.response)
+        rng = np.random.default_rng(2)
+        left = rng.standard_normal(signal.values.shape)
+        about = signal.values - signal.values.mean(axis=1, keepdims=True)
+        wanted = (1 - LEAST_EXPLAINED - over) * np.sum(about**2, axis=1)
+        wanted[1:] = 1e-6
+        left *= np.sqrt(wanted / np.sum(left**2, axis=1))[:, None]
+        verdict = verdict_of(replace(found, residual=as_response(signal.timepts, left, signal.channels)))
+        weak = said(verdict, ModeCheck.CHANNELS_UNEXPLAINED)
+        assert bool(weak) is (over < 0)
+        assert bool(said(verdict, ModeCheck.BEST_EXPLAINED)) is (over < 0)
+        for check in weak:
+            assert "seat" in str(check)
+
+    def test_nothing_explained_is_doubtful(self, found: Identification) -> None:
+        verdict = verdict_of(replace(found, residual=found.response))
+        assert verdict.level is Level.DOUBTFUL
+        assert said(verdict, ModeCheck.HARDLY_EXPLAINED)
+
+
+class TestResidual:
+    def test_loud(self, found: Identification) -> None:
+        loud = replace(found, loudness=np.array([1.0, 2.5, 1.0]))
+        (check,) = said(verdict_of(loud), ModeCheck.RESIDUAL_LOUD)
+        assert check.level is Level.CARE
+        assert check.remark.numbers["modes"] == ("2 (2.5 times)",)
+        assert not said(verdict_of(found), ModeCheck.RESIDUAL_LOUD)
+
+    def test_shared_noise_names_the_two_channels(self, found: Identification) -> None:
+        left = np.array(as_signal(found.residual).values)
+        left[2] = 3.0 * left[0]
+        shared = replace(found, residual=as_response(as_signal(found.residual).timepts, left, ["a", "b", "c"]))
+        (check,) = said(verdict_of(shared), ModeCheck.SHARED_NOISE)
+        assert (check.remark.numbers["one"], check.remark.numbers["other"]) == ("a", "c")
+
+    def test_the_ridge_method_has_no_residual_to_judge(self, found: Identification) -> None:
+        verdict = verdict_of(replace(found, method="ridge"))
+        assert not said(verdict, ModeCheck.RESIDUAL_WHITE)
+
+
+class TestPoles:
+    def test_tones_are_notes(self, found: Identification) -> None:
+        tone = Considered(pole=complex(0, 2 * np.pi * 12.5), remark=Remark(Reason.TONE), removed=True)
+        (check,) = said(verdict_of(replace(found, considered=(tone, tone))), ModeCheck.STEADY_TONES)
+        assert (check.level, check.remark.numbers["number"]) == (Level.NOTE, 2)
+        assert "12.5" in str(check)
+
+    def test_a_mode_that_grows_is_doubtful(self, found: Identification) -> None:
+        poles = found.modes.poles.copy()
+        poles[1] = -poles[1].conj()
+        grown = replace(found.modes, poles=poles)
+        (check,) = said(verdict_of(replace(found, modes=grown)), ModeCheck.GROWING)
+        assert (check.level, check.remark.numbers["modes"]) == (Level.DOUBTFUL, (2,))
+
+    @pytest.mark.parametrize("short", [True, False])
+    def test_samples_for_each_unknown(self, found: Identification, short: bool) -> None:
+        # Three pairs and an offset: seven unknowns in each channel.
+        count = SAMPLES_EACH * 7 - int(short)
+        signal = as_signal(found.response)
+        part = as_response(signal.timepts[:count], signal.values[:, :count], signal.channels)
+        left = as_response(signal.timepts[:count], as_signal(found.residual).values[:, :count], signal.channels)
+        verdict = verdict_of(replace(found, response=part, residual=left, considered=()))
+        assert bool(said(verdict, ModeCheck.FEW_SAMPLES)) is short
+
+
+class TestNoMode:
+    def test_level_and_headline(self, noise: Identification) -> None:
+        assert noise.verdict.level is Level.NONE
+        assert str(noise.verdict.headline) == "no mode found"
+        assert said(noise.verdict, ModeCheck.NOTHING_DECAYS)
+
+    def test_poles_outside_the_band(self, noise: Identification) -> None:
+        away = Considered(pole=-1 + 30j, remark=Remark(Reason.OUTSIDE_THE_BAND), removed=True)
+        (check,) = said(verdict_of(replace(noise, considered=(away,))), ModeCheck.NOT_IN_BAND)
+        assert check.remark.numbers["poles"] == 1
+
+    def test_motion_that_was_removed(self, noise: Identification) -> None:
+        tone = Considered(pole=30j, remark=Remark(Reason.TONE), removed=True)
+        assert said(verdict_of(replace(noise, considered=(tone,))), ModeCheck.NO_FREE_DECAY)
+
+    @pytest.mark.parametrize(("decay", "steady"), [(0.9, True), (1.1, False)])
+    def test_a_line_is_steady_below_one_neper(self, noise: Identification, decay: float, steady: bool) -> None:
+        duration = as_signal(noise.response).duration
+        line = Considered(pole=complex(-decay / duration, 60.0), remark=Remark(Reason.NOT_NEEDED), removed=False)
+        assert bool(said(verdict_of(replace(noise, considered=(line,))), ModeCheck.STEADY_LINE)) is steady
+
+
+class TestLateStart:
+    @pytest.mark.parametrize(("place", "late"), [(0, False), (20, False), (21, True), (700, True)])
+    def test_a_fiftieth_of_the_record(self, place: int, late: bool) -> None:
+        values = 0.01 * np.sin(np.arange(1000))[None]
+        values[0, place] = 5.0
+        signal = Signal(start=2.0, step=0.01, values=values, channels=("y",))
+        assert late_start(signal) == (pytest.approx(2.0 + 0.01 * place) if late else None)
+
+
+class TestRepeats:
+    def test_agreement_and_disagreement(self) -> None:
+        decay = as_signal(free_decay(cars.PAPER, np.arange(0, 6, STEP), initial_state={"v_tire": 1.0}))
+        rng = np.random.default_rng(6)
+        values = np.hstack([decay.values, decay.values]) + 1e-4 * rng.standard_normal((3, 3000))
+        record = as_response(np.arange(3000) * STEP, values, decay.channels)
+        repeats = identify_repeats(record, [(0.0, 5.99), (6.0, 11.99)])
+        assert said(repeats.verdict, ModeCheck.REPEATS_AGREE)
+        apart = replace(repeats, consistency=tuple(replace(a, widening=2.0) for a in repeats.consistency))
+        (check,) = said(apart.verdict, ModeCheck.REPEATS_DISAGREE)
+        assert (check.level, check.remark.numbers["modes"]) == (Level.CARE, (1, 2, 3))
+        assert apart.verdict.level is Level.CARE
+
+
+class TestWords:
+    @pytest.mark.parametrize("code", list(Reason))
+    def test_every_reason_has_words(self, code: Reason) -> None:
+        numbers = {"linewidths": 0.2, "gain": 3.0, "needed": 20.0, "times": 0.4}
+        assert str(Remark(code, numbers))
+
+    def test_the_least_check_decides(self) -> None:
+        remark = Remark(Reason.TONE)
+        levels = [Level.SOUND, Level.NOTE, Level.CARE, Level.DOUBTFUL, Level.NONE]
+        for last, level in enumerate(levels, 1):
+            verdict = Verdict(remark, tuple(Check(remark, one) for one in levels[:last]))
+            assert verdict.level is (Level.SOUND if level is Level.NOTE else level)
+        assert len(verdict.doubts) == 3
+        assert Verdict(remark).level is Level.SOUND
+
+    def test_json_holds_codes_numbers_and_sentences(self) -> None:
+        remark = Remark(Reason.TOO_WEAK, {"gain": 3.0, "needed": 20.0})
+        content = Verdict(remark, (Check(remark, Level.CARE),)).to_dict()
+        assert content["level"] == "care"
+        checks = content["checks"]
+        assert isinstance(checks, list)
+        assert checks[0]["numbers"] == {"gain": 3.0, "needed": 20.0}
+        assert checks[0]["text"] == str(remark)
