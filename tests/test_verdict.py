@@ -35,7 +35,7 @@ def found() -> Identification:
 @pytest.fixture(scope="module")
 def noise() -> Identification:
     values = np.random.default_rng(4).standard_normal((1, 800))
-    return identify(as_response(np.arange(800) * 0.01, values, ["y"]), candidates=[4.0])
+    return identify(as_response(np.arange(800, dtype=np.float64) * 0.01, values, ["y"]), candidates=[4.0])
 
 
 def said(verdict: Verdict, code: Code) -> list[Check]:
@@ -191,7 +191,7 @@ class TestRepeats:
         decay = as_signal(free_decay(cars.PAPER, np.arange(0, 6, STEP), initial_state={"v_tire": 1.0}))
         rng = np.random.default_rng(6)
         values = np.hstack([decay.values, decay.values]) + 1e-4 * rng.standard_normal((3, 3000))
-        record = as_response(np.arange(3000) * STEP, values, decay.channels)
+        record = as_response(np.arange(3000, dtype=np.float64) * STEP, values, decay.channels)
         repeats = identify_repeats(record, [(0.0, 5.99), (6.0, 11.99)])
         assert said(repeats.verdict, ModeCheck.REPEATS_AGREE)
         apart = replace(repeats, consistency=tuple(replace(a, widening=2.0) for a in repeats.consistency))
