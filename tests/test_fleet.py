@@ -13,28 +13,30 @@ from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
 from fleets import CAR, content, make_fleet, time_limit, write_decay
 
-from suspid import InputError, eigenmodes, free_decay, identify, read_record
-from suspid.errors import RecordWarning
+from suspid import InputError, eigenmodes, free_decay
+from suspid.analysis import CarSettings, Settings, analyse
 from suspid.fleet.engine import Engine
-from suspid.fleet.identify_many import FleetRun, identify_many
+from suspid.fleet.fleet_run import FleetRun
+from suspid.fleet.identify_many import identify_many
 from suspid.fleet.parts import read_table
 from suspid.fleet.work import work
+from suspid.words import Defect, Failure
 
 COUNT, CHUNK = 14, 4
 KILLERS = """
 import ctypes, os, signal, time
 import suspid.fleet.rows
 
-genuine = suspid.fleet.rows.read_record
+genuine = suspid.fleet.rows.analyse
 
 
-def read_record(path, **settings):
+def analyse(path, **settings):
     name = str(path)
     if "killed" in name:
         os.kill(os.getpid(), signal.SIGKILL)
@@ -47,7 +49,7 @@ def read_record(path, **settings):
     return genuine(path, **settings)
 
 
-suspid.fleet.rows.read_record = read_record
+suspid.fleet.rows.analyse = analyse
 """
 
 
@@ -85,14 +87,14 @@ def rows(run: FleetRun, table: str) -> list[dict[str, Any]]:
     return found
 
 
-class TestWhatIdentifySays:
-    def test_rows_are_those_of_identify_on_each_file(self, fleet: Path, run: FleetRun) -> None:
+class TestWhatAnalyseSays:
+    def test_rows_are_those_of_analyse_on_each_file(self, fleet: Path, run: FleetRun) -> None:
         assert (run.records, run.failed, run.kept) == (COUNT, 0, 0)
         table = rows(run, "modes")
         names = sorted(path.relative_to(fleet).as_posix() for path in fleet.rglob("*.csv"))
         assert list(dict.fromkeys(row["record"] for row in table)) == names
         for name in names:
-            found = identify(read_record(fleet / name))
+            found = analyse(fleet / name)
             mine = [row for row in table if row["record"] == name]
             assert [row["mode"] for row in mine] == list(range(1, len(found.modes) + 1))
             # The same code on the same bytes; another number of threads may round otherwise.
@@ -103,6 +105,8 @@ class TestWhatIdentifySays:
             ends = found.modes.interval(0.95).zeta
             np.testing.assert_allclose([[row["zeta_low"], row["zeta_high"]] for row in mine], ends, rtol=1e-6)
             assert all(row["channels"] == ["chassis", "tire"] and row["samples"] == 300 for row in mine)
+            assert {row["verdict"] for row in mine} == {found.verdict.level.label}
+            assert all(row["doubts"] == [str(doubt.code) for doubt in found.verdict.doubts] for row in mine)
 
     def test_springs_are_those_of_the_car(self, run: FleetRun) -> None:
         table = rows(run, "springs")
@@ -252,14 +256,17 @@ class TestDamagedFiles:
         for name in ("killed", "crash", "memory", "sleeps in C", "sleeps in python"):
             write_decay(tmp_path / "in" / f"{name}.csv", 1)
         run = identify_many(tmp_path / "in", output=tmp_path / "out", workers=1, chunk=9, time_limit=3.0)
-        failures = {row["record"]: (row["step"], row["reason"]) for row in rows(run, "failures")}
+        failures = {row["record"]: row for row in rows(run, "failures")}
         assert len({row["record"] for row in rows(run, "modes")}) == 4
-        assert failures["killed.csv"][0] == failures["crash.csv"][0] == "worker"
-        assert "signal 9" in failures["killed.csv"][1]
-        assert "signal 11" in failures["crash.csv"][1]
-        assert failures["memory.csv"] == ("read", "there was not enough memory for this record")
-        assert failures["sleeps in C.csv"][0] == failures["sleeps in python.csv"][0] == "time"
-        assert len(failures) == 5
+        assert {name: (row["step"], row["code"]) for name, row in failures.items()} == {
+            "killed.csv": ("work", str(Failure.WORKER_DIED)),
+            "crash.csv": ("work", str(Failure.WORKER_DIED)),
+            "memory.csv": ("read", str(Failure.MEMORY)),
+            "sleeps in C.csv": ("work", str(Failure.TIME_NATIVE)),
+            "sleeps in python.csv": ("read", str(Failure.TIME)),
+        }
+        assert "signal 9" in failures["killed.csv"]["reason"]
+        assert "signal 11" in failures["crash.csv"]["reason"]
 
 
 class TestFindings:
@@ -268,20 +275,19 @@ class TestFindings:
         lines = (tmp_path / "in" / "run000.csv").read_text().splitlines()
         lines[40] = lines[40].partition(",")[0] + ",nan,nan"
         (tmp_path / "in" / "run000.csv").write_text("\n".join(lines) + "\n")
-        with pytest.warns(RecordWarning) as said:
-            read_record(tmp_path / "in" / "run000.csv")
         run = identify_many(tmp_path / "in", output=tmp_path / "out", workers=1)
-        findings = {row["record"]: row["findings"] for row in rows(run, "modes")}
-        assert findings["north/run001.csv"] == ""
-        for one in said:
-            assert str(one.message).removeprefix(f"{tmp_path / 'in' / 'run000.csv'}: ") in findings["run000.csv"]
-        assert str(tmp_path) not in findings["run000.csv"]
+        found = {row["record"]: row for row in rows(run, "modes")}
+        assert found["north/run001.csv"]["findings"] == []
+        assert found["run000.csv"]["findings"] == [str(Defect.MISSING)]
+        for channel in ("chassis", "tire"):
+            assert f"missing, channel '{channel}' at 0.39 s: 1 sample missing" in found["run000.csv"]["remarks"]
+        assert str(tmp_path) not in found["run000.csv"]["remarks"]
 
 
 class TestWhatIsRefused:
     def test_other_settings(self, fleet: Path, run: FleetRun) -> None:
-        with pytest.raises(InputError, match=r"modes was None, is 2; go on as it was begun, or give another folder"):
-            identify_many(fleet, output=run.output, car=CAR, workers=1, chunk=CHUNK, modes=2)
+        with pytest.raises(InputError, match=r"settings.modes was None, is 2; go on as it was begun, or"):
+            identify_many(fleet, output=run.output, car=CAR, workers=1, chunk=CHUNK, settings=Settings(modes=2))
 
     def test_another_version(self, fleet: Path, run: FleetRun, monkeypatch: pytest.MonkeyPatch) -> None:
         import importlib.metadata
@@ -315,11 +321,11 @@ class TestWhatIsRefused:
     @pytest.mark.parametrize(
         ("settings", "message"),
         [
-            ({"method": "magic"}, "method='magic' is unknown"),
-            ({"modes": 0}, "at least one mode"),
-            ({"band": (5.0, 2.0)}, "two increasing"),
-            ({"fixed": ["tire"]}, "of use only with a car"),
-            ({"car": CAR, "fixed": ["tyre.damping"]}, "Did you mean"),
+            ({"settings": Settings(method=cast("Any", "magic"))}, "method='magic' is unknown"),
+            ({"settings": Settings(modes=0)}, "at least one mode"),
+            ({"settings": Settings(band=(5.0, 2.0))}, "two increasing"),
+            ({"settings": Settings(springs=CarSettings(fixed=("tire",)))}, "of use only with a car"),
+            ({"car": CAR, "settings": Settings(springs=CarSettings(fixed=("tyre.damping",)))}, "Did you mean"),
             ({"workers": 0}, "1 or more"),
             ({"workers": 1, "scheduler": "tcp://nowhere:1"}, "not both"),
             ({"chunk": 0}, "1 or more"),
@@ -399,7 +405,7 @@ class TestManifest:
     def test_it_says_what_was_asked_and_what_came(self, run: FleetRun) -> None:
         manifest = json.loads((run.output / "manifest.json").read_text())
         assert manifest["complete"] == {"records": COUNT, "failed": 0, "parts": math.ceil(COUNT / CHUNK)}
-        assert manifest["method"] == "likelihood"
+        assert manifest["settings"]["method"] == "likelihood"
         assert "[[struts]]" in manifest["car"]
         listed = [json.loads(line) for line in (run.output / "records.jsonl").read_text().splitlines()]
         assert all(Path(path).stat().st_size == size for path, _, size in listed)

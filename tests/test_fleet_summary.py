@@ -16,13 +16,16 @@ from click.testing import CliRunner, Result
 from fleets import CAR, make_fleet, time_limit, write_decay
 
 from suspid import InputError, ModalSet, eigenmodes
+from suspid.analysis import CarSettings, Settings
 from suspid.cli.fleet import fleet_command
 from suspid.cli.support import Commands
 from suspid.fleet.families import OTHERS, families_by_density, families_of_car
-from suspid.fleet.fleet_summary import FleetSummary, fleet_summary
+from suspid.fleet.fleet_summary import fleet_summary
 from suspid.fleet.identify_many import identify_many
 from suspid.fleet.manifest import FORMAT, environment
-from suspid.fleet.parts import COLUMNS, Rows, as_part, write_part
+from suspid.fleet.parts import as_part, write_part
+from suspid.fleet.summary import FleetSummary
+from suspid.fleet.tables import COLUMNS, Rows
 from suspid.fleet.trends import trends_of
 from suspid.fleet.vehicles import read_vehicles, vehicles_from_names
 from suspid.model.car_files import write_car
@@ -212,7 +215,8 @@ class TestAWornDamper:
                 lines.append(f"{name},{vehicle},{2018 + year}-03-01")
         (folder / "vehicles.csv").write_text("\n".join(lines) + "\n")
         write_car(CAR, folder / "car.toml")
-        identify_many(folder / "in", output=folder / "out", car=CAR, workers=2, fixed=["tire.damping"])
+        settings = Settings(springs=CarSettings(fixed=("tire.damping",)))
+        identify_many(folder / "in", output=folder / "out", car=CAR, workers=2, settings=settings)
         return folder
 
     def test_it_is_found_and_no_other(self, fleet: Path) -> None:
@@ -291,14 +295,14 @@ class TestCommand:
         assert run(tmp_path / "in", "-o", tmp_path / "out", "--workers", 1).stdout == first.stdout
         other = run(tmp_path / "in", "-o", tmp_path / "out", "--modes", 1)
         assert other.exit_code == 1
-        assert "begun otherwise: modes was None, is 1" in other.stderr
+        assert "begun otherwise: settings.modes was None, is 1" in other.stderr
 
     def test_nothing_could_be_identified(self, tmp_path: Path) -> None:
         (tmp_path / "in").mkdir()
         (tmp_path / "in" / "bad.csv").write_text("time,seat\n")
         result = run(tmp_path / "in", "-o", tmp_path / "out", "--workers", 1)
         assert result.exit_code == 1
-        assert "not one record could be identified" in result.stderr
+        assert "no record could be identified" in result.stderr
         assert "failed at" in result.stdout
 
     @pytest.mark.parametrize(

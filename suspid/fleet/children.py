@@ -20,11 +20,15 @@ from dataclasses import dataclass, field
 from typing import IO, TypeAlias
 
 from suspid.errors import SuspidError
-from suspid.fleet.parts import Part, Rows
+from suspid.fleet.job import Job
+from suspid.fleet.parts import Part
 from suspid.fleet.records import Entry
-from suspid.fleet.rows import Job, failure
+from suspid.fleet.rows import failure
+from suspid.fleet.sources import Seen
+from suspid.fleet.tables import Rows
 from suspid.fleet.work import TIME_UP, check_versions, tables_of
 from suspid.units import Second
+from suspid.words import Failure, Remark, Step
 
 # A process may die for a reason other than its record (the system was short of memory): one more try costs little.
 TRIES = 2
@@ -214,11 +218,10 @@ def _send(stream: IO[bytes], message: object) -> None:
 
 
 def _death(job: Job, entry: Entry, code: int) -> Rows:
+    why = Remark(Failure.WORKER_DIED, {"times": TRIES, "how": _how(code)})
     if code == TIME_UP:
-        reason = f"took longer than {job.time_limit:g} s, in native code that could not be interrupted"
-        return failure(entry, None, job, "time", "TimeUp", reason)
-    reason = f"its process died {TRIES} times ({_how(code)}): out of memory, or a crash in native code"
-    return failure(entry, None, job, "worker", "WorkerDied", reason)
+        why = Remark(Failure.TIME_NATIVE, {"limit": job.time_limit})
+    return failure(job, entry, Seen(step=Step.WORK), why)
 
 
 def _how(code: int) -> str:

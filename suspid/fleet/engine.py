@@ -9,11 +9,12 @@ from dataclasses import dataclass, replace
 
 from suspid.errors import SuspidError
 from suspid.files import printable
+from suspid.fleet.job import Job
 from suspid.fleet.parts import Part
 from suspid.fleet.records import Entry
-from suspid.fleet.rows import Job
 from suspid.fleet.work import lost
 from suspid.units import Second
+from suspid.words import Failure, Remark
 
 # Chunks under way per worker: one at work and one waiting. With one alone workers idle while results are written;
 # more only cost memory.
@@ -108,7 +109,8 @@ def _outcome(engine: Engine, future: Future[Part]) -> tuple[Part | None, BaseExc
 
 
 def _lost(job: Job, task: Task, error: BaseException | None) -> Part:
-    return lost(job, task.chunk, f"{TRIES} workers were lost over its chunk: {printable(str(error))}")
+    why = Remark(Failure.WORKER_LOST, {"times": TRIES, "why": printable(str(error))})
+    return lost(job, task.chunk, why)
 
 
 def _next(source: Iterator[tuple[int, tuple[Entry, ...]]]) -> Task | None:

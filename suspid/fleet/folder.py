@@ -1,4 +1,4 @@
-"""The folder of a fleet's results: held by one run at a time, begun once, gone on with as it was begun."""
+"""The folder of a fleet's results: one run at a time writes there, and continues only as it was begun."""
 
 from __future__ import annotations
 
@@ -11,10 +11,11 @@ from pathlib import Path
 
 from suspid.errors import InputError
 from suspid.files import printable
+from suspid.fleet.listing import Listing
 from suspid.fleet.manifest import check_same, durable_write, read_manifest
-from suspid.fleet.parts import TABLES, part_names
-from suspid.fleet.records import LIST, Entry, Listing, read_list, write_list
-from suspid.fleet.rows import samples_hash
+from suspid.fleet.parts import part_names, part_numbers
+from suspid.fleet.records import LIST, Entry, read_list, samples_hash, write_list
+from suspid.fleet.tables import TABLES
 
 
 @contextmanager
@@ -106,10 +107,26 @@ def check_part(folder: Path, number: int, chunk: Sequence[Entry], *, listed: boo
     there = part_names(folder, number)
     names = {name for name, _ in there}
     for entry in chunk:
-        known = entry.samples is None or (entry.name, samples_hash(entry)) in there
+        known = entry.samples is None or (entry.name, samples_hash(entry.samples)) in there
         if entry.name not in names or not known:
             raise InputError(
                 f"record {printable(entry.name)!r} is not the one that stands in part {number} of "
                 f"{printable(str(folder))}: the records do not come as they did when the run began; give the same "
                 f"ones in the same order, or another folder for the results"
             )
+
+
+def check_end(folder: Path, parts: int) -> None:
+    """Refuse to end a run whose folder holds parts beyond its last one.
+
+    Raises
+    ------
+    InputError
+        If fewer records came than when the run began.
+    """
+    beyond = [number for number in part_numbers(folder, "modes") if number >= parts]
+    if beyond:
+        raise InputError(
+            f"{printable(str(folder))}: holds parts from number {beyond[0]} on, but the records end before: "
+            f"fewer came than when the run began; give the same ones, or another folder for the results"
+        )

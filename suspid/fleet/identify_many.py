@@ -1,86 +1,36 @@
-"""Many records: the same `identify`, and `reconstruct`, over a folder on this machine or over a fleet on a cluster."""
+"""Analyse many records: on the cores of this machine or on a cluster, resumable, into Parquet tables."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
-from suspid.errors import InputError, ReconstructionError
-from suspid.files import printable
+from suspid.analysis import Settings
+from suspid.errors import InputError
 from suspid.fleet.cluster import dask_engine
 from suspid.fleet.engine import finished
-from suspid.fleet.folder import begun, check_part, only_others, own, taken, write_manifest
+from suspid.fleet.fleet_run import FleetRun
+from suspid.fleet.folder import begun, check_end, check_part, only_others, own, taken, write_manifest
+from suspid.fleet.job import Job, check_job
+from suspid.fleet.listing import Records, listing
 from suspid.fleet.local import local_engine
 from suspid.fleet.manifest import FORMAT, require_fleet
-from suspid.fleet.parts import part_counts, part_numbers, read_table, write_part
-from suspid.fleet.records import Entry, Records, in_chunks, listing
-from suspid.fleet.rows import Job
-from suspid.identification import Method
-from suspid.model import Suspension, car_to_toml, eigenmodes
-from suspid.reconstruction import Bounds, reconstruct
-from suspid.units import Hertz, Kilogram, RadianPerSecond, Ratio, Second
+from suspid.fleet.parts import part_counts, write_part
+from suspid.fleet.records import Entry, in_chunks
+from suspid.model import Suspension, car_to_toml
+from suspid.units import Second
 
 if TYPE_CHECKING:
-    import pyarrow as pa
     from distributed import Client
 
-# Records in a chunk: at two hundredths of a second each, a task takes a second and costs its handling ten milliseconds.
+# Records in a chunk: at 0.02 s each, a task takes 0.6 s and its handling 10 ms. Fewer cost more handling and files;
+# more lose more work when the run is killed.
 CHUNK = 32
 
 Progress: TypeAlias = Callable[[int, int, int | None], None]
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class FleetRun:
-    """What a run left in its folder.
-
-    Parameters
-    ----------
-    output : path
-        The folder of the results.
-    records : int
-        How many records there are.
-    failed : int
-        How many of them have a row among the failures.
-    kept : int
-        How many were done by an earlier run that was interrupted.
-    notes : tuple of str
-        What the user should know of the run.
-    """
-
-    output: Path
-    records: int
-    failed: int
-    kept: int = 0
-    notes: tuple[str, ...] = ()
-
-    @property
-    def modes(self) -> pa.Table:
-        """One row per record and mode."""
-        return read_table(self.output, "modes")
-
-    @property
-    def springs(self) -> pa.Table:
-        """One row per record and parameter of the car; none without a car."""
-        return read_table(self.output, "springs")
-
-    @property
-    def failures(self) -> pa.Table:
-        """One row per record that failed, with the step and the reason."""
-        return read_table(self.output, "failures")
-
-    def __str__(self) -> str:
-        kept = f", {self.kept} of them by an earlier run" if self.kept else ""
-        return "\n".join(
-            [
-                f"{printable(str(self.output))}: {self.records} records{kept}; {self.records - self.failed} without "
-                f"failure, {self.failed} with",
-                *self.notes,
-            ]
-        )
 
 
 def identify_many(
@@ -88,38 +38,19 @@ def identify_many(
     *,
     output: str | os.PathLike[str],
     car: Suspension | None = None,
-    channels: Sequence[str] | str | None = None,
-    time: str | None = None,
-    fs: Hertz | None = None,
-    dbc: str | os.PathLike[str] | None = None,
-    start: Second | None = None,
-    stop: Second | None = None,
-    modes: int | None = None,
-    method: Method = "likelihood",
-    band: tuple[RadianPerSecond, RadianPerSecond] | None = None,
-    bandwidth: float | None = None,
-    candidates: Iterable[float] = range(1, 51),
-    fixed: Sequence[str] = (),
-    bounds: Bounds | None = None,
-    ties: Sequence[Sequence[str]] = (),
-    nominal_std: Ratio | Mapping[str, Ratio] | None = None,
-    free_masses: Sequence[str] = (),
-    added_masses: Mapping[str, Kilogram] | None = None,
-    tolerance: Ratio | None = None,
-    search: bool = True,
-    halves: bool = False,
+    settings: Settings | None = None,
     time_limit: Second | None = None,
     chunk: int = CHUNK,
     workers: int | None = None,
     scheduler: str | Client | None = None,
     progress: Progress | None = None,
 ) -> FleetRun:
-    """Identify many records, on all cores or on a Dask cluster, into Parquet tables.
+    """Analyse many records, on all cores or on a Dask cluster, into Parquet tables.
 
-    The tables are written as the work goes, in parts that are complete or absent. Killed at any moment and called
-    again with the same arguments it does the rest; the files are then those of a run that was not interrupted, byte
-    by byte, whatever the number of workers (given the same versions and the same kind of processor). A record that
-    cannot be read or identified becomes a row among the failures, even one that kills its process.
+    Each record goes through `analyse`; its rows hold what that returns. The tables are written as the work goes, in
+    parts that are complete or absent. If the run is killed, the same call does the rest; the files are then those of
+    a run that was not interrupted, byte by byte, for any number of workers (given the same versions and the same kind
+    of processor). A record that cannot be analysed becomes a row among the failures, even one that kills its process.
 
     Parameters
     ----------
@@ -127,30 +58,20 @@ def identify_many(
         A folder (all records in and below it, by name), a pattern as ``"tests/*/run?.csv"``, a list of files, or
         addresses that fsspec knows, as ``"s3://fleet/2024/"``; or an iterable of responses, of (name, response)
         pairs or of paths, which is taken as the work goes and may be of any length; its names should differ, and
-        to go on after an interruption it must come again in the same order. Workers of a cluster read files
+        to continue after an interruption it must come again in the same order. Workers of a cluster read files
         themselves: they must see the paths.
     output : path
         Folder of the results on a file system that the client sees; new, empty, or of the same run.
     car : Suspension, optional
         Known masses and nominal struts: springs and dampers are then reconstructed from each record's modes.
-    channels, time, fs, dbc
-        As in `read_record`, for every file.
-    start, stop : float, optional
-        As in `cut`: first and last time to use of every record [s].
-    modes, method, band, bandwidth, candidates
-        As in `identify`.
-    fixed, bounds, ties, nominal_std, free_masses, tolerance, search
-        As in `reconstruct`.
-    added_masses : mapping of str to float, optional
-        Masses [kg] added to the car in all of these tests, by coordinate.
-    halves : bool
-        Whether to compute `Identification.halves` of every mode, which costs more fits.
+    settings : Settings, optional
+        As in `analyse`, for every record. Default: ``Settings()``.
     time_limit : float, optional
         Longest time for one record [s]; one that takes longer is a failure. Default: none.
     chunk : int
         Records per task and part. For millions of records 1000 leaves fewer files.
     workers : int, optional
-        Processes on this machine. Default: one per core.
+        Processes on this machine. Default: one for each core that this process may use.
     scheduler : str or distributed.Client, optional
         A Dask cluster in place of this machine's cores: the address of its scheduler, or a client.
     progress : callable, optional
@@ -167,7 +88,7 @@ def identify_many(
         If a setting cannot be used, there are no such records, the folder holds something else, a run of other
         settings or versions, or one that is still going on.
     SuspidError
-        If the cluster is lost. The same call goes on.
+        If the cluster is lost, or worker processes cannot start. The same call continues the run.
 
     Examples
     --------
@@ -190,36 +111,13 @@ def identify_many(
         raise InputError(f"{chunk=} must be a number of records, 1 or more")
     if workers is not None and scheduler is not None:
         raise InputError("give workers (of this machine) or scheduler (a cluster), not both")
-    job = Job(
-        channels=None if channels is None else (channels,) if isinstance(channels, str) else tuple(channels),
-        time=time,
-        fs=fs,
-        dbc=None if dbc is None else os.path.abspath(dbc),
-        start=start,
-        stop=stop,
-        modes=modes,
-        method=method,
-        band=None if band is None else (float(band[0]), float(band[1])),
-        bandwidth=bandwidth,
-        candidates=tuple(float(n) for n in candidates),
-        car=None if car is None else car_to_toml(car),
-        fixed=tuple(fixed),
-        bounds=tuple((name, low, high) for name, (low, high) in (bounds or {}).items()),
-        ties=tuple(tuple(group) for group in ties),
-        nominal_std=tuple(nominal_std.items()) if isinstance(nominal_std, Mapping) else nominal_std,
-        free_masses=tuple(free_masses),
-        added_masses=tuple((added_masses or {}).items()),
-        tolerance=tolerance,
-        search=search,
-        halves=halves,
-        time_limit=time_limit,
-    )
-    _check_settings(job, car)
+    job = _job(car, settings or Settings(), time_limit)
+    check_job(job, car)
     folder = Path(output)
     source = listing(records, output=folder)
     engine = local_engine(workers) if scheduler is None else dask_engine(scheduler)
     with own(folder), engine as hands:
-        manifest = begun(folder, {"format": FORMAT, **job.settings(), "chunk": chunk, "records": source.source})
+        manifest = begun(folder, {"format": FORMAT, **job.to_dict(), "chunk": chunk, "records": source.source})
         entries, total, notes = taken(folder, source)
         counts = {"records": 0, "failed": 0, "kept": 0, "parts": 0}
 
@@ -243,12 +141,7 @@ def identify_many(
         for number, part in finished(hands, job, to_do()):
             write_part(folder, number, part)
             tally(part.records, part.failed)
-        beyond = [number for number in part_numbers(folder, "modes") if number >= counts["parts"]]
-        if beyond:
-            raise InputError(
-                f"{printable(str(folder))}: holds parts from number {beyond[0]} on, but the records end before: "
-                f"fewer came than when the run began; give the same ones, or another folder for the results"
-            )
+        check_end(folder, counts["parts"])
         if total is not None and not total:
             raise InputError(f"there is no record in what was given{only_others(source)}")
         kept = counts.pop("kept")
@@ -258,35 +151,8 @@ def identify_many(
     return FleetRun(output=folder, records=counts["records"], failed=counts["failed"], kept=kept, notes=notes)
 
 
-def _check_settings(job: Job, car: Suspension | None) -> None:
-    """Refuse at once what would be every record's failure."""
-    if job.method not in ("likelihood", "ridge"):
-        raise InputError(f"method={job.method!r} is unknown; the methods are 'likelihood' and 'ridge'")
-    if job.modes is not None and job.modes < 1:
-        raise InputError(f"modes={job.modes}: ask for at least one mode, or leave it out to find out")
-    if job.band is not None and not 0 < job.band[0] < job.band[1]:
-        raise InputError(f"band={job.band}: must be two increasing angular frequencies above 0 [rad/s]")
-    if job.time_limit is not None and not job.time_limit > 0:
-        raise InputError(f"time_limit={job.time_limit} s must be positive")
-    if car is None:
-        given = [n for n in ("fixed", "bounds", "ties", "free_masses", "added_masses") if getattr(job, n)]
-        if given:
-            raise InputError(f"{given[0]} is of use only with a car")
-        return
-    nominal_std = dict(job.nominal_std) if isinstance(job.nominal_std, tuple) else job.nominal_std
-    try:
-        # The car's own modes, without a search: what is refused here is refused for every record.
-        reconstruct(
-            eigenmodes(car),
-            car,
-            fixed=job.fixed,
-            bounds={name: (low, high) for name, low, high in job.bounds},
-            ties=job.ties,
-            nominal_std=nominal_std,
-            free_masses=job.free_masses,
-            tolerance=job.tolerance,
-            search=False,
-        )
-    except ReconstructionError:
-        # A record's modes may determine what these do not.
-        return
+def _job(car: Suspension | None, settings: Settings, time_limit: Second | None) -> Job:
+    if settings.dbc is not None:
+        # Workers may run in another folder.
+        settings = replace(settings, dbc=os.path.abspath(settings.dbc))
+    return Job(settings=settings, car=None if car is None else car_to_toml(car), time_limit=time_limit)

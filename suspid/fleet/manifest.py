@@ -11,7 +11,7 @@ from suspid.errors import InputError
 from suspid.files import printable, read_text
 from suspid.io import install_line
 
-FORMAT = "suspid fleet 1"
+FORMAT = "suspid fleet 2"
 INSTALL = install_line("fleet")
 
 

@@ -17,92 +17,19 @@ from __future__ import annotations
 import io
 import json
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 from suspid.fleet.manifest import durable_write, read_manifest, require_fleet
+from suspid.fleet.tables import COLUMNS, TABLES, Row, Rows, TableName, schema_of
 
 if TYPE_CHECKING:
     import pyarrow as pa
 
-TableName = Literal["modes", "springs", "failures"]
-# The last one makes a chunk complete.
-TABLES: tuple[TableName, ...] = ("failures", "springs", "modes")
+# Key of the metadata of a part of ``modes`` that holds how many records its chunk had and how many failed.
 COUNTS = b"suspid counts"
-Row = Mapping[str, object]
-
-WHICH = {"record": "string", "sha256": "string", "suspid": "string"}
-COLUMNS: dict[TableName, dict[str, str]] = {
-    "modes": {
-        **WHICH,
-        "mode": "int32",
-        "modes": "int32",
-        "kind": "string",
-        "f_hz": "double",
-        "wn_rad_per_s": "double",
-        "wn_std_rad_per_s": "double",
-        "wn_low_rad_per_s": "double",
-        "wn_high_rad_per_s": "double",
-        "zeta": "double",
-        "zeta_std": "double",
-        "zeta_low": "double",
-        "zeta_high": "double",
-        "pole_real_rad_per_s": "double",
-        "pole_imag_rad_per_s": "double",
-        "collinearity": "double",
-        "loudness": "double",
-        "halves_apart": "double",
-        "explained_least": "double",
-        "samples": "int64",
-        "rate_hz": "double",
-        "channels": "list",
-        "explained": "numbers",
-        "noise_std": "numbers",
-        "shape_real": "numbers",
-        "shape_imag": "numbers",
-        "findings": "string",
-    },
-    "springs": {
-        **WHICH,
-        "parameter": "string",
-        "unit": "string",
-        "value": "double",
-        "std": "double",
-        "low": "double",
-        "high": "double",
-        "held": "bool",
-        "explains": "bool",
-        "chi_square": "double",
-        "freedom": "int32",
-        "residual": "double",
-        "alternatives": "int32",
-        "status": "string",
-    },
-    "failures": {**WHICH, "step": "string", "error": "string", "reason": "string"},
-}
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Rows:
-    """What some records gave: rows of each table, and how many records they are.
-
-    Parameters
-    ----------
-    modes, springs, failures : tuple of mappings
-        Rows, with the columns of `COLUMNS`.
-    records : int
-        How many records gave them.
-    failed : int
-        How many of these have a row among the failures.
-    """
-
-    modes: tuple[Row, ...] = ()
-    springs: tuple[Row, ...] = ()
-    failures: tuple[Row, ...] = ()
-    records: int = 1
-    failed: int = 0
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -114,17 +41,6 @@ class Part:
     failures: bytes
     records: int
     failed: int
-
-
-def joined(rows: Sequence[Rows]) -> Rows:
-    """Return the rows of several records as one, in order."""
-    return Rows(
-        modes=tuple(row for some in rows for row in some.modes),
-        springs=tuple(row for some in rows for row in some.springs),
-        failures=tuple(row for some in rows for row in some.failures),
-        records=sum(some.records for some in rows),
-        failed=sum(some.failed for some in rows),
-    )
 
 
 def as_part(rows: Rows) -> Part:
@@ -202,7 +118,7 @@ def read_table(folder: str | os.PathLike[str], table: TableName, *, columns: Seq
     parts = [part for _, part in table_parts(Path(folder), table, columns=columns)]
     if parts:
         return pa.concat_tables(parts)
-    return _schema(table).empty_table().select(list(columns or COLUMNS[table]))
+    return schema_of(table).empty_table().select(list(columns or COLUMNS[table]))
 
 
 def table_parts(
@@ -225,25 +141,10 @@ def _parquet(table: TableName, rows: Sequence[Row], counts: bytes) -> bytes:
     import pyarrow as pa
     from pyarrow import parquet
 
-    schema = _schema(table)
+    schema = schema_of(table)
     arrays = [pa.array([row[name] for row in rows], type=schema.field(name).type) for name in schema.names]
     content = pa.Table.from_arrays(arrays, schema=schema.with_metadata({COUNTS: counts}))
     stream = io.BytesIO()
     # Everything that decides the bytes is named here, not left to a default.
     parquet.write_table(content, stream, compression="zstd", compression_level=3, version="2.6", row_group_size=1 << 20)
     return stream.getvalue()
-
-
-def _schema(table: TableName) -> pa.Schema:
-    import pyarrow as pa
-
-    types = {
-        "string": pa.string(),
-        "int32": pa.int32(),
-        "int64": pa.int64(),
-        "double": pa.float64(),
-        "bool": pa.bool_(),
-        "list": pa.list_(pa.string()),
-        "numbers": pa.list_(pa.float64()),
-    }
-    return pa.schema([(name, types[kind]) for name, kind in COLUMNS[table].items()])

@@ -2,74 +2,31 @@
 
 from __future__ import annotations
 
-import hashlib
-import tempfile
 import warnings
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
-from dataclasses import asdict, dataclass, field, replace
-from pathlib import Path
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from suspid.cleaning import read_record
-from suspid.errors import InputError, RecordWarning, SuspidError
+from suspid.analysis import STEPS, Analysis, analyse
+from suspid.errors import IdentificationError, RecordError, SuspidError
 from suspid.files import printable
-from suspid.fleet.manifest import environment
-from suspid.fleet.parts import Row, Rows
+from suspid.fleet.job import Job
 from suspid.fleet.records import Entry
-from suspid.identification import Identification, Method, identify
+from suspid.fleet.sources import RefusedError, Seen, source_of
+from suspid.fleet.tables import Row, Rows
 from suspid.model import car_from_toml
-from suspid.reconstruction import ModalTest, compiled, reconstruct, reconstruction_to_dict
-from suspid.signals import as_response, as_signal, cut
-from suspid.units import Hertz, RadianPerSecond, Ratio, Second
+from suspid.reconstruction import compiled, reconstruction_to_dict
+from suspid.signals import as_signal
+from suspid.words import Failure, Note, Remark, Step
 
-if TYPE_CHECKING:
-    import control
-
-LEVEL = 0.95
+# A reason longer than this [characters] is cut: some libraries put whole tables into their errors.
 LONGEST_REASON = 600
+STEP_OF = dict(zip(STEPS, (Step.READ, Step.FIND_DECAYS, Step.IDENTIFY, Step.RECONSTRUCT), strict=True))
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Job:
-    """What is done with every record: the settings of `identify_many`, as plain values that travel.
-
-    ``environment`` holds the versions of the client, which those of every worker must equal.
-    """
-
-    channels: tuple[str, ...] | None = None
-    time: str | None = None
-    fs: Hertz | None = None
-    dbc: str | None = None
-    start: Second | None = None
-    stop: Second | None = None
-    modes: int | None = None
-    method: Method = "likelihood"
-    band: tuple[RadianPerSecond, RadianPerSecond] | None = None
-    bandwidth: float | None = None
-    candidates: tuple[float, ...] = ()
-    car: str | None = None
-    fixed: tuple[str, ...] = ()
-    bounds: tuple[tuple[str, float | None, float | None], ...] = ()
-    ties: tuple[tuple[str, ...], ...] = ()
-    nominal_std: float | tuple[tuple[str, float], ...] | None = None
-    free_masses: tuple[str, ...] = ()
-    added_masses: tuple[tuple[str, float], ...] = ()
-    tolerance: Ratio | None = None
-    search: bool = True
-    halves: bool = False
-    time_limit: Second | None = None
-    environment: Mapping[str, str] = field(default_factory=environment)
-
-    def settings(self) -> dict[str, object]:
-        """Return what decides the results, for the manifest."""
-        return asdict(self)
-
-
-def record_rows(job: Job, entry: Entry, seen: dict[str, str]) -> Rows:
-    """Return the rows of one record; what goes wrong becomes a row among the failures.
+def record_rows(job: Job, entry: Entry, tell: Callable[[Seen], None]) -> Rows:
+    """Return the rows of one record: those of `analyse`; what goes wrong becomes a row among the failures.
 
     Parameters
     ----------
@@ -77,110 +34,89 @@ def record_rows(job: Job, entry: Entry, seen: dict[str, str]) -> Rows:
         What to do.
     entry : Entry
         The record.
-    seen : dict
-        Takes the record's ``sha256`` and ``place`` as soon as they are known, whatever happens then.
+    tell : callable
+        Called with what is known of the record as soon as it is known.
     """
-    step = "read"
+    seen = [Seen()]
+
+    def know(now: Seen) -> None:
+        seen.append(now)
+        tell(now)
+
     try:
-        response, findings = _read(job, entry, seen)
-        if job.start is not None or job.stop is not None:
-            response = cut(response, start=job.start, stop=job.stop)
-        step = "identify"
-        with warnings.catch_warnings():
+        with warnings.catch_warnings(), source_of(entry, know) as source:
+            # What is found in a record has its columns.
             warnings.simplefilter("ignore")
-            found = identify(
-                response,
-                modes=job.modes,
-                method=job.method,
-                band=job.band,
-                bandwidth=job.bandwidth,
-                candidates=job.candidates,
+            # A solver keeps what it met before; the bytes of a record's rows must not depend on the records before it.
+            compiled.cache_clear()
+            found = analyse(
+                source,
+                car=None if job.car is None else car_from_toml(job.car),
+                settings=job.settings,
+                progress=lambda step: know(replace(seen[-1], step=STEP_OF[step])),
             )
-            modes = _mode_rows(job, entry, seen["sha256"], found, findings)
+            modes = _mode_rows(job, entry, seen[-1], found)
+            springs = _spring_rows(job, entry, seen[-1], found)
     except Exception as error:
-        return failure(entry, seen.get("sha256"), job, step, type(error).__name__, _reason(error, seen))
+        return failure(job, entry, seen[-1], _why(error, seen[-1].place))
     if not modes:
-        return failure(entry, seen["sha256"], job, step, "NoMode", str(found).splitlines()[0])
-    if job.car is None:
-        return Rows(modes=modes)
-    try:
-        return Rows(modes=modes, springs=_spring_rows(job, entry, seen["sha256"], found))
-    except Exception as error:
-        reason = _reason(error, seen)
-        rows = failure(entry, seen["sha256"], job, "reconstruct", type(error).__name__, reason)
+        verdict = found.verdict
+        why = "; ".join(str(one) for one in (*verdict.doubts, *found.notes)) or str(verdict.headline)
+        checks = [str(one.code) for one in (*verdict.doubts, *found.notes)]
+        return failure(job, entry, replace(seen[-1], step=Step.IDENTIFY), Remark(Failure.NO_MODE, {"why": why}), checks)
+    missing = [note for note in found.notes if note.code is Note.NO_SPRINGS]
+    if missing:
+        why = _without(str(missing[0].numbers["why"]), seen[-1].place)
+        rows = failure(job, entry, seen[-1], Remark(Failure.NO_SPRINGS, {"why": why}))
         return replace(rows, modes=modes)
+    return Rows(modes=modes, springs=springs)
 
 
-def _read(job: Job, entry: Entry, seen: dict[str, str]) -> tuple[control.TimeResponseData, str]:
-    """Return the record and what was found in reading it; note its hash as soon as it is known."""
-    if entry.refusal:
-        raise InputError(entry.refusal)
-    if entry.samples is not None:
-        seen["sha256"] = samples_hash(entry)
-        samples = entry.samples
-        response = as_response(samples.timepts, samples.values, samples.channels, title=entry.name)
-        if job.channels:
-            raise InputError("channels are chosen when files are read; give responses with the channels to use")
-        return response, ""
-    assert entry.path is not None
-    with warnings.catch_warnings(record=True) as caught, _at_hand(entry.path) as path:
-        warnings.simplefilter("ignore")
-        warnings.simplefilter("always", RecordWarning)
-        seen["place"] = str(path)
-        if path.is_file():
-            with path.open("rb") as stream:
-                seen["sha256"] = hashlib.file_digest(stream, "sha256").hexdigest()
-            size = path.stat().st_size
-            if entry.size is not None and size != entry.size:
-                raise InputError(f"changed since it was listed: from {entry.size} to {size} bytes")
-        response = read_record(path, channels=job.channels, time=job.time, fs=job.fs, dbc=job.dbc)
-        said = dict.fromkeys(_without(str(one.message), seen["place"]) for one in caught)
-    return response, "; ".join(said)
+def failure(job: Job, entry: Entry, seen: Seen, why: Remark, checks: Sequence[str] = ()) -> Rows:
+    """Return the rows of a record that failed: one, with the step, the code and the reason in words."""
+    said = printable(" ".join(str(why).split()))
+    said = said if len(said) <= LONGEST_REASON else said[: LONGEST_REASON - 1] + "…"
+    row = {
+        **_which(job, entry, seen),
+        "step": str(seen.step),
+        "code": str(why.code),
+        "checks": list(checks),
+        "reason": said,
+    }
+    return Rows(failures=(row,), failed=1)
 
 
-@contextmanager
-def _at_hand(address: str) -> Iterator[Path]:
-    """Give a file of this machine: the one named, or a copy of one elsewhere."""
-    if "://" not in address:
-        yield Path(address)
-        return
-    import fsspec
-
-    with tempfile.TemporaryDirectory(prefix="suspid-") as folder:
-        files, place = fsspec.core.url_to_fs(address)
-        copy = Path(folder, Path(place).name)
-        try:
-            files.get_file(place, str(copy))
-        except FileNotFoundError:
-            raise InputError("there is no such file") from None
-        yield copy
-
-
-def samples_hash(entry: Entry) -> str:
-    """Return the sha256 of a response: its channels, times and samples."""
-    assert entry.samples is not None
-    content = hashlib.sha256("\n".join(entry.samples.channels).encode("utf-8", "surrogatepass"))
-    for array in (entry.samples.timepts, entry.samples.values):
-        content.update(np.ascontiguousarray(array, dtype="<f8").tobytes())
-    return content.hexdigest()
-
-
-def _mode_rows(job: Job, entry: Entry, digest: str, found: Identification, findings: str) -> tuple[Row, ...]:
-    modes, signal = found.modes, as_signal(found.response)
+def _mode_rows(job: Job, entry: Entry, seen: Seen, found: Analysis) -> tuple[Row, ...]:
+    modes, single = found.modes, found.identification
     if not len(modes):
         return ()
+    signal = as_signal(single.response)
     nothing = [None] * len(modes)
     certain = modes.wn_std is None or modes.zeta_std is None
-    ends = None if certain else modes.interval(LEVEL)
-    explained, collinearity = found.explained, found.collinearity
-    halves = found.halves.tolist() if job.halves else nothing
+    ends = None if certain else modes.interval(job.settings.level)
+    loudness, collinearity, halves = single.loudness, single.collinearity.tolist(), single.halves.tolist()
+    if found.repeats is not None:
+        # Those of one decay are not those of the joint modes.
+        loudness, collinearity, halves = found.repeats.loudness, nothing, nothing
     shapes = modes.shapes
     assert shapes is not None
+    shared = {
+        **_which(job, entry, seen),
+        "modes": len(modes),
+        "explained_least": float(np.min(single.explained)),
+        "decays": len(found.used),
+        "start_s": float(signal.start),
+        "samples": signal.values.shape[1],
+        "rate_hz": 1 / signal.step,
+        "channels": [printable(name) for name in signal.channels],
+        "explained": single.explained.tolist(),
+        "noise_std": single.noise_std.tolist(),
+        **_said(found, seen.place),
+    }
     return tuple(
         {
-            **_which(entry, digest, job),
+            **shared,
             "mode": k + 1,
-            "modes": len(modes),
             "kind": modes.kinds[k],
             "f_hz": float(modes.wn[k] / (2 * np.pi)),
             "wn_rad_per_s": float(modes.wn[k]),
@@ -193,42 +129,34 @@ def _mode_rows(job: Job, entry: Entry, digest: str, found: Identification, findi
             "zeta_high": None if ends is None else float(ends.zeta[k, 1]),
             "pole_real_rad_per_s": float(modes.poles[k].real),
             "pole_imag_rad_per_s": float(modes.poles[k].imag),
-            "collinearity": float(collinearity[k]),
-            "loudness": float(found.loudness[k]),
+            "collinearity": collinearity[k],
+            "loudness": float(loudness[k]),
             "halves_apart": halves[k],
-            "explained_least": float(np.min(explained)),
-            "samples": signal.values.shape[1],
-            "rate_hz": 1 / signal.step,
-            "channels": [printable(name) for name in signal.channels],
-            "explained": explained.tolist(),
-            "noise_std": found.noise_std.tolist(),
             "shape_real": shapes[:, k].real.tolist(),
             "shape_imag": shapes[:, k].imag.tolist(),
-            "findings": printable(findings),
         }
         for k in range(len(modes))
     )
 
 
-def _spring_rows(job: Job, entry: Entry, digest: str, found: Identification) -> tuple[Row, ...]:
-    assert job.car is not None
-    # A solver keeps what it met before; the bytes of a record's rows must not depend on the records before it.
-    compiled.cache_clear()
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        nominal_std = dict(job.nominal_std) if isinstance(job.nominal_std, tuple) else job.nominal_std
-        car = reconstruct(
-            [ModalTest(modes=found.modes, added_masses=dict(job.added_masses))],
-            car_from_toml(job.car),
-            fixed=job.fixed,
-            bounds={name: (low, high) for name, low, high in job.bounds},
-            ties=job.ties,
-            nominal_std=nominal_std,
-            free_masses=job.free_masses,
-            tolerance=job.tolerance,
-            search=job.search,
-        )
-    content = reconstruction_to_dict(car, level=LEVEL)
+def _said(found: Analysis, place: str) -> dict[str, object]:
+    """Return the verdict, the codes of what was doubted, found and done, and all of it in words."""
+    verdict, findings = found.verdict, found.cleaned.findings
+    sentences = dict.fromkeys([*map(str, verdict.doubts), *map(str, findings), *map(str, found.notes)])
+    return {
+        "verdict": verdict.level.label,
+        "doubts": list(dict.fromkeys(str(one.code) for one in verdict.doubts)),
+        "findings": list(dict.fromkeys(str(one.kind) for one in findings)),
+        "notes": list(dict.fromkeys(str(one.code) for one in found.notes)),
+        "remarks": printable("; ".join(_without(one, place) for one in sentences)),
+    }
+
+
+def _spring_rows(job: Job, entry: Entry, seen: Seen, found: Analysis) -> tuple[Row, ...]:
+    car = found.reconstruction
+    if car is None:
+        return ()
+    content = reconstruction_to_dict(car, level=job.settings.level)
     shared = {
         "explains": car.explains,
         "chi_square": car.chi_square,
@@ -243,7 +171,7 @@ def _spring_rows(job: Job, entry: Entry, digest: str, found: Identification) -> 
         assert isinstance(entries, list)
         rows += [
             {
-                **_which(entry, digest, job),
+                **_which(job, entry, seen),
                 "parameter": one["name"],
                 "unit": one["unit"],
                 "value": one["value"],
@@ -258,23 +186,24 @@ def _spring_rows(job: Job, entry: Entry, digest: str, found: Identification) -> 
     return tuple(rows)
 
 
-def _which(entry: Entry, digest: str | None, job: Job) -> dict[str, object]:
-    return {"record": entry.name, "sha256": digest, "suspid": job.environment["suspid"]}
+def _which(job: Job, entry: Entry, seen: Seen) -> dict[str, object]:
+    return {"record": entry.name, "sha256": seen.sha256, "suspid": job.environment["suspid"]}
 
 
-def failure(entry: Entry, digest: str | None, job: Job, step: str, error: str, reason: str) -> Rows:
-    """Return the rows of a record that failed: one, with the step, the kind of error and the reason in words."""
-    said = printable(" ".join(reason.split()))
-    said = said if len(said) <= LONGEST_REASON else said[: LONGEST_REASON - 1] + "…"
-    row = {**_which(entry, digest, job), "step": step, "error": error, "reason": said}
-    return Rows(failures=(row,), failed=1)
-
-
-def _reason(error: Exception, seen: Mapping[str, str]) -> str:
+def _why(error: Exception, place: str) -> Remark:
+    """Return an error as a code with the words of the error."""
+    if isinstance(error, RefusedError):
+        return error.remark
     if isinstance(error, MemoryError):
-        return "there was not enough memory for this record"
-    text = _without(str(error), seen.get("place", ""))
-    return text if isinstance(error, SuspidError) else f"{type(error).__name__}: {text}"
+        return Remark(Failure.MEMORY)
+    text = _without(str(error), place)
+    if isinstance(error, RecordError):
+        return Remark(Failure.UNUSABLE, {"why": text})
+    if isinstance(error, IdentificationError):
+        return Remark(Failure.NOT_IDENTIFIED, {"why": text})
+    if isinstance(error, SuspidError):
+        return Remark(Failure.REFUSED, {"why": text})
+    return Remark(Failure.UNEXPECTED, {"kind": type(error).__name__, "why": text})
 
 
 def _without(text: str, place: str) -> str:

@@ -10,21 +10,27 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 
 from suspid.errors import InputError
+from suspid.fleet.job import Job
 from suspid.fleet.manifest import environment
-from suspid.fleet.parts import Part, Rows, as_part, joined
+from suspid.fleet.parts import Part, as_part
 from suspid.fleet.records import Entry
-from suspid.fleet.rows import Job, failure, record_rows
+from suspid.fleet.rows import failure, record_rows
+from suspid.fleet.sources import Seen
+from suspid.fleet.tables import Rows, joined
 from suspid.units import Second
+from suspid.words import Failure, Remark, Step
 
-# How far native code, which does not hear, may outlast the time limit before its process is ended.
+# Native code cannot be interrupted: its process is ended at this multiple of the time limit. Less would end
+# processes that are about to answer.
 GRACE = 1.25
+# Exit code of a process that ends itself because time is up; any value that nothing else uses.
 TIME_UP = 86
 # Warnings, threads of BLAS and caches belong to the process: one record at a time.
 _ONE_AT_A_TIME = threading.Lock()
 
 
 class TimeUp(BaseException):
-    """A record took longer than it may; not an `Exception`, so that nothing on the way takes it for its own."""
+    """A record took longer than it may; not an `Exception`, so that no handler on the way catches it."""
 
 
 def work(job: Job, chunk: Sequence[Entry]) -> Part:
@@ -49,21 +55,20 @@ def tables_of(job: Job, chunk: Sequence[Entry], known: Mapping[int, Rows], *, do
         return as_part(joined(rows))
 
 
-def lost(job: Job, chunk: Sequence[Entry], reason: str) -> Part:
+def lost(job: Job, chunk: Sequence[Entry], why: Remark) -> Part:
     """Return the tables of a chunk that no worker brings home."""
-    return as_part(joined([failure(entry, None, job, "worker", "WorkerLost", reason) for entry in chunk]))
+    return as_part(joined([failure(job, entry, Seen(step=Step.WORK), why) for entry in chunk]))
 
 
 def rows_of(job: Job, entry: Entry) -> Rows:
     """Return the rows of one record; whatever goes wrong becomes a row among the failures."""
     with _ONE_AT_A_TIME:
-        seen: dict[str, str] = {}
+        seen = [Seen()]
         try:
             with limited(job.time_limit):
-                return record_rows(job, entry, seen)
+                return record_rows(job, entry, seen.append)
         except TimeUp:
-            reason = f"took longer than {job.time_limit:g} s"
-            return failure(entry, seen.get("sha256"), job, "time", "TimeUp", reason)
+            return failure(job, entry, seen[-1], Remark(Failure.TIME, {"limit": job.time_limit}))
 
 
 def check_versions(job: Job) -> None:

@@ -9,6 +9,7 @@ to the enumeration of its subject. Each subject is one module.
 from suspid.words.analysis import Note, RecordCheck
 from suspid.words.cleaning import Cleaning, Defect, dead
 from suspid.words.decays import DecayDoubt, DecayKind, DecayRemark
+from suspid.words.fleet import Failure, Step
 from suspid.words.identification import Headline, ModeCheck, Reason
 from suspid.words.io import DAMAGE, LeftOut
 from suspid.words.remarks import Code, Number, Remark, count, in_a_row
@@ -23,6 +24,7 @@ __all__ = [
     "DecayKind",
     "DecayRemark",
     "Defect",
+    "Failure",
     "Headline",
     "LeftOut",
     "Level",
@@ -32,6 +34,7 @@ __all__ = [
     "Reason",
     "RecordCheck",
     "Remark",
+    "Step",
     "Verdict",
     "count",
     "dead",

@@ -1,0 +1,86 @@
+"""What a fleet's run does with every record, as plain values that travel to workers and into the manifest."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import get_args
+
+from suspid.analysis import CarSettings, Settings
+from suspid.errors import InputError, ReconstructionError
+from suspid.fleet.manifest import environment
+from suspid.identification import Method
+from suspid.model import Suspension, eigenmodes
+from suspid.reconstruction import reconstruct
+from suspid.units import Second
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Job:
+    """What is done with every record.
+
+    Parameters
+    ----------
+    settings : Settings
+        As `analyse` takes them.
+    car : str or None
+        The car as TOML: python-control's models cannot be pickled, and the manifest holds text.
+    time_limit : float or None
+        Longest time for one record [s].
+    environment : mapping of str to str
+        Versions of the client, which those of every worker must equal.
+    """
+
+    settings: Settings = field(default_factory=Settings)
+    car: str | None = None
+    time_limit: Second | None = None
+    environment: Mapping[str, str] = field(default_factory=environment)
+
+    def to_dict(self) -> dict[str, object]:
+        """Return what decides the results, for the manifest."""
+        return {
+            "settings": self.settings.to_dict(),
+            "car": self.car,
+            "time_limit": self.time_limit,
+            "environment": dict(self.environment),
+        }
+
+
+def check_job(job: Job, car: Suspension | None) -> None:
+    """Refuse at once what would be every record's failure.
+
+    Raises
+    ------
+    InputError
+        If a setting cannot be used.
+    """
+    settings = job.settings
+    if settings.method not in get_args(Method):
+        raise InputError(f"method={settings.method!r} is unknown; the methods are {', '.join(get_args(Method))}")
+    if settings.modes is not None and settings.modes < 1:
+        raise InputError(f"modes={settings.modes}: ask for at least one mode, or leave it out to find out")
+    if settings.band is not None and not 0 < settings.band[0] < settings.band[1]:
+        raise InputError(f"band={settings.band}: must be two increasing angular frequencies above 0 [rad/s]")
+    if job.time_limit is not None and not job.time_limit > 0:
+        raise InputError(f"time_limit={job.time_limit} s must be positive")
+    if car is None:
+        if settings.springs != CarSettings():
+            raise InputError("settings.springs is of use only with a car")
+        return
+    how = settings.springs
+    try:
+        # The car's own modes, without a search: what is refused here is refused for every record.
+        reconstruct(
+            eigenmodes(car),
+            car,
+            fixed=how.fixed,
+            bounds=how.bounds,
+            ties=how.ties,
+            nominal_std=how.nominal_std,
+            free_masses=how.free_masses,
+            tolerance=how.tolerance,
+            search=False,
+        )
+    except ReconstructionError:
+        # A record's modes may determine what these do not.
+        return

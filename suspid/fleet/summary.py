@@ -1,0 +1,167 @@
+"""What a fleet's results say, as one value and as text."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from suspid.files import printable
+from suspid.fleet.distributions import QUANTILES, Distribution, Outlier
+from suspid.fleet.trends import Trend
+from suspid.values import text_table
+from suspid.words import Failure, Step
+
+# Lines of a table of the text: what fits a screen. All of them are attributes.
+MOST_SHOWN = 20
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class FailureCount:
+    """How many records failed at one step for one reason.
+
+    Parameters
+    ----------
+    step : Step
+        Where.
+    code : Failure
+        Why.
+    count : int
+        How many records.
+    example : str
+        The first of them, and its reason.
+    """
+
+    step: Step
+    code: Failure
+    count: int
+    example: str
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class FleetSummary:
+    """What a fleet's results say.
+
+    Parameters
+    ----------
+    folder : path
+        Where they are.
+    records, failed : int
+        How many records there are, and how many of them have a row among the failures.
+    failures : tuple of FailureCount
+        How many failed at which step for which reason, the most frequent first.
+    verdicts : mapping of str to int
+        How many records have each level of verdict.
+    doubts : mapping of str to int
+        How many records have each doubt, by its code, the most frequent first.
+    distributions : tuple of Distribution
+        Of frequency and damping of each family of modes, and of each parameter.
+    outliers : tuple of Outlier
+        The furthest first.
+    trends : tuple of Trend
+        Of each quantity of each vehicle, the surest change first; none without vehicles.
+    others : int
+        How many modes belong to no family.
+    unplaced : int or None
+        How many records have no vehicle; None if none was asked for.
+    complete : bool
+        Whether the run has ended.
+    """
+
+    folder: Path
+    records: int
+    failed: int
+    failures: tuple[FailureCount, ...]
+    verdicts: Mapping[str, int]
+    doubts: Mapping[str, int]
+    distributions: tuple[Distribution, ...]
+    outliers: tuple[Outlier, ...]
+    trends: tuple[Trend, ...]
+    others: int
+    unplaced: int | None
+    complete: bool
+
+    def __str__(self) -> str:
+        parts = [
+            f"{printable(str(self.folder))}: {self.records} records, {self.failed} of them with a failure"
+            + ("" if self.complete else "; the run has not ended")
+        ]
+        if self.failures:
+            columns = {
+                "failed at": [f"{one.step}: {one.code}" for one in self.failures],
+                "records": [str(one.count) for one in self.failures],
+                "such as": [one.example for one in self.failures],
+            }
+            parts.append(text_table(columns) + "\nThe table of failures lists all of them with their reasons.")
+        if self.verdicts:
+            parts.append(_verdict_table(self.verdicts, self.doubts))
+        if self.distributions:
+            parts.append(_distribution_table(self.distributions))
+        if self.others:
+            parts.append(f"{self.others} modes belong to no family: too few records have one there")
+        if self.outliers:
+            shown = self.outliers[:MOST_SHOWN]
+            columns = {
+                "outlier": [one.record for one in shown],
+                "quantity": [one.quantity for one in shown],
+                "value": [f"{one.value:.5g}" for one in shown],
+                "median": [f"{one.median:.5g}" for one in shown],
+                "off [sd]": [f"{one.z:+.1f}" for one in shown],
+            }
+            parts.append(text_table(columns) + _more(len(self.outliers)))
+        else:
+            parts.append("no record stands out")
+        if self.unplaced is not None:
+            parts.append(_trends_in_words(self.trends, self.unplaced))
+        return "\n\n".join(parts)
+
+
+def _verdict_table(verdicts: Mapping[str, int], doubts: Mapping[str, int]) -> str:
+    levels = text_table({"verdict": list(verdicts), "records": [str(count) for count in verdicts.values()]})
+    if not doubts:
+        return levels
+    shown = list(doubts.items())[:MOST_SHOWN]
+    table = text_table({"doubt": [code for code, _ in shown], "records": [str(count) for _, count in shown]})
+    return f"{levels}\n\n{table}{_more(len(doubts))}"
+
+
+def _distribution_table(distributions: Sequence[Distribution]) -> str:
+    return text_table(
+        {
+            "quantity": [f"{one.quantity} [{one.unit}]" for one in distributions],
+            "records": [str(one.count) for one in distributions],
+            "median": [f"{one.median:.5g}" for one in distributions],
+            **{f"{100 * q:g} %": [f"{one.quantiles[k]:.5g}" for one in distributions] for k, q in enumerate(QUANTILES)},
+            "scatter": [f"{one.scatter:.2g}" for one in distributions],
+            "stated ±": [f"{one.stated:.2g}" for one in distributions],
+        }
+    )
+
+
+def _trends_in_words(trends: Sequence[Trend], unplaced: int) -> str:
+    changing = [one for one in trends if one.changes]
+    vehicles = len({one.vehicle for one in trends})
+    said = (
+        f"{len(trends)} trends of {vehicles} vehicles (at least four tests each); of {len(changing)} the end no longer "
+        f"holds the start (5 % of these by chance at most)"
+    )
+    if unplaced:
+        said += f"; {unplaced} records have no vehicle and date"
+    if not changing:
+        return said
+    shown = changing[:MOST_SHOWN]
+    columns = {
+        "vehicle": [one.vehicle for one in shown],
+        "quantity": [f"{one.quantity} {one.direction}" for one in shown],
+        "tests": [str(one.count) for one in shown],
+        "over": [f"{one.span:.4g}" for one in shown],
+        "start": [f"{one.start:.5g}" for one in shown],
+        "end": [f"{one.end:.5g}" for one in shown],
+        "95 % of the change": [f"{one.change[0]:+.3g} … {one.change[1]:+.3g}" for one in shown],
+        "p": [f"{one.p_adjusted:.1g}" for one in shown],
+    }
+    return f"{said}\n\n{text_table(columns)}{_more(len(changing))}"
+
+
+def _more(count: int) -> str:
+    return f"\n… and {count - MOST_SHOWN} more" if count > MOST_SHOWN else ""
