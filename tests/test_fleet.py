@@ -384,7 +384,7 @@ class TestWhereRecordsComeFrom:
             stream.write("3.00,0.0,0.0\n")
         last = identify_many(tmp_path / "in", output=tmp_path / "out", workers=1)
         assert [row["record"] for row in rows(last, "failures")] == ["run000.csv"]
-        assert "changed since it was listed" in rows(last, "failures")[0]["reason"]
+        assert rows(last, "failures")[0]["code"] == str(Failure.CHANGED)
 
     def test_any_name_of_a_file(self, tmp_path: Path) -> None:
         (tmp_path / "in").mkdir()
