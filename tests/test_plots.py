@@ -1,5 +1,6 @@
 """What is drawn is the data, with units, whatever names a file holds."""
 
+import re
 import warnings
 from collections.abc import Iterator
 from dataclasses import replace
@@ -26,17 +27,18 @@ from suspid import (
     free_decay,
     identify,
 )
-from suspid.reporting.plots import (
-    FULL_BAR,
+from suspid.reporting import (
     PAGE,
-    PIECES,
     plot_entropy,
     plot_fit,
     plot_identification,
+    plot_recording,
     plot_scalogram,
     plot_shapes,
     plot_skeletons,
 )
+from suspid.reporting.axes import PIECES_AN_INCH, decade_ticks, unit_ticks
+from suspid.reporting.plot_shapes import FULL_BAR
 from suspid.signals import as_response, as_signal
 from suspid.units import RealArray
 from suspid.wavelets import ABOVE_NOISE, fit_skeleton
@@ -244,7 +246,7 @@ class TestEntropy:
 
     def test_a_minimum_at_the_end_is_told(self) -> None:
         search = BandwidthSearch(candidates=np.array([2.0, 4.0]), entropy=np.array([3.0, 2.5]))
-        assert "the range decided, not the record" in plot_entropy(search, ax=one_axes()).get_title(loc="left")
+        assert "an end of the range" in plot_entropy(search, ax=one_axes()).get_title(loc="left")
 
 
 class TestFit:
@@ -275,12 +277,61 @@ class TestFit:
         ax = one_axes()
         plot_fit(whole, axes=[ax])
         x, y = coordinates(ax.get_lines()[0])
-        assert len(x) <= 2 * PIECES + 2
+        assert len(x) <= 2 * PIECES_AN_INCH * Figure().get_figwidth() + 2
         assert (y.max(), y.min()) == (50.0, values.min())
         assert x[np.argmax(y)] == pytest.approx(654.321)
         # What is drawn are samples of the record at their own times.
         assert np.array_equal(values[0, np.round(x * 1e3).astype(int)], y)
         assert np.all(np.diff(x) > 0)
+
+    @pytest.mark.parametrize("largest", [3e-7, 0.02, 0.5, 40.0, 3e5])
+    def test_a_tick_times_the_power_in_the_label_is_its_place(self, largest: float) -> None:
+        ax = one_axes()
+        ax.plot([0.0, 1.0], [-largest, largest])
+        unit_ticks(ax, "m")
+        power = re.fullmatch(r"\[(?:10([⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+) )?m\]", ax.get_ylabel())
+        assert power is not None
+        exponent = int((power[1] or "0").translate(str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")))
+        low, high = ax.get_ylim()
+        places = [place for place in ax.get_yticks() if low <= place <= high]
+        assert len(places) >= 2
+        for place, text in zip(places, ax.yaxis.get_major_formatter().format_ticks(places), strict=True):
+            assert len(text) <= 5
+            assert float(text.replace("−", "-")) * 10.0**exponent == pytest.approx(place, rel=1e-9)
+
+
+class TestRecording:
+    def test_decays_are_shaded_and_numbered_where_they_are(self, record: control.TimeResponseData) -> None:
+        stretches = [(5.5, 6.5), (6.0, 8.0), (9.0, 10.0)]
+        ax = plot_recording(record, ax=one_axes(), channel="tire", stretches=stretches, used=1, unit="mm")
+        shades = [(p.get_x(), p.get_x() + p.get_width()) for p in ax.patches if isinstance(p, Rectangle)]
+        assert np.allclose(sorted(shades), stretches, rtol=1e-12)
+        assert [text.get_text() for text in ax.texts] == ["1", "2", "3"]
+        signal = as_signal(record)
+        assert is_drawn(ax, signal.timepts, np.asarray(signal.values[2]))
+        assert ax.get_ylabel().endswith("mm]")
+
+    def test_numbers_of_decays_do_not_overlap(self, record: control.TimeResponseData) -> None:
+        stretches = [(5 + 0.1 * k, 5.05 + 0.1 * k) for k in range(4)]
+        figure = Figure()
+        ax = plot_recording(record, ax=figure.subplots(), channel="tire", stretches=stretches)
+        figure.draw_without_rendering()
+        boxes = [text.get_window_extent() for text in ax.texts]
+        assert not any(a.overlaps(b) for i, a in enumerate(boxes) for b in boxes[:i])
+
+
+class TestTicks:
+    @pytest.mark.parametrize("ends", [(1e-3, 10.0), (0.2, 9.0), (3e-9, 2.0)])
+    def test_ticks_of_a_logarithmic_axis_say_their_place(self, ends: tuple[float, float]) -> None:
+        ax = one_axes()
+        ax.set(yscale="log", ylim=ends)
+        decade_ticks(ax.yaxis, ends[1] / ends[0])
+        places = [place for place in ax.get_yticks() if ends[0] <= place <= ends[1]]
+        assert 2 <= len(places) <= 6
+        for place, text in zip(places, ax.yaxis.get_major_formatter().format_ticks(places), strict=True):
+            digits = text[2:].translate(str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789"))
+            value = 10.0 ** int(digits) if re.match("10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]", text) else float(text)
+            assert value == pytest.approx(place, rel=1e-9)
 
 
 class TestShapes:
@@ -303,10 +354,10 @@ class TestPage:
         figure = plot_identification(identification, Figure(figsize=PAGE))
         found = list(labels(figure))
         assert len(found) > 10
-        assert found.count("[unit]") == 3
-        for text in found:
-            assert text.endswith("]"), text
-            assert text.rpartition("[")[2][:-1].split(" of ")[0] in UNITS, text
+        units = [re.sub("^10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+ ", "", text.rpartition("[")[2][:-1]).split(" of ")[0] for text in found]
+        assert units.count("unit") == 3
+        assert set(units) <= set(UNITS)
+        assert all(text.endswith("]") for text in found)
 
     @pytest.mark.parametrize("size", [PAGE, (12.0, 9.0)])
     def test_nothing_is_changed_by_drawing(self, identification: Identification, size: tuple[float, float]) -> None:

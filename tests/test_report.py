@@ -4,17 +4,21 @@ from __future__ import annotations
 
 import json
 import re
-import zlib
+import xml.etree.ElementTree as ElementTree
 from base64 import b64decode
 from dataclasses import replace
 from html.parser import HTMLParser
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 import control
+import matplotlib
 import numpy as np
 import pytest
 from jsonschema import Draft202012Validator
+from matplotlib.figure import Figure
+from PIL import Image
 
 from suspid import (
     Identification,
@@ -32,11 +36,13 @@ from suspid.cleaning.clean import Cleaned, Finding
 from suspid.decays import Decay
 from suspid.identification.identify_repeats import identify_repeats
 from suspid.identification.modes_json import read_modes
-from suspid.reporting.charts import HEIGHT, WIDTH, Chart, Scale, decades, image, labelled, line, palette
-from suspid.reporting.figures import fit_charts, scalogram_chart
-from suspid.reporting.report import report
-from suspid.reporting.report_json import Source, report_schema, report_to_dict, source_of
+from suspid.reporting import Source, report, report_to_dict, source_of
+from suspid.reporting.axes import shown
+from suspid.reporting.colours import TONES
+from suspid.reporting.pictures import NARROW, Picture, Pictures, pictures_of
+from suspid.reporting.report_json import report_schema
 from suspid.reporting.rows import quantity
+from suspid.reporting.svg import page_style, svg_of
 from suspid.reporting.thinning import MOST_SAMPLES, drawable, is_whole
 from suspid.signals import as_response, as_signal
 from suspid.units import RealArray
@@ -157,15 +163,39 @@ def long() -> Identification:
     return identify(as_response(t, decay[None], ["y"]))
 
 
+@pytest.fixture(scope="module")
+def pictures(found: Identification) -> Pictures:
+    return drawn(found)
+
+
 def finding(*, channel: str = "seat", kind: Defect = Defect.SLOWER_CLOCK, repaired: bool = True) -> Finding:
     numbers: dict[str, Number] = {"level": 9.8, "range": 1.0, "rate": 2.0, "onto": 100.0, "channels": (channel,)}
     remark = Remark(kind, numbers)
     return Finding(remark=remark, channel=channel, start=1.0, stop=1.5, samples=3, repaired=repaired)
 
 
+def drawn(found: Identification) -> Pictures:
+    return pictures_of(found, cleaned=None, decays=(), units=("m",) * 30, used=None)
+
+
+def every(pictures: Pictures) -> list[str]:
+    """Return all pictures, narrow and wide."""
+    one = [pictures.scalogram, *([pictures.entropy] if pictures.entropy else [])]
+    several = [*(p for pair in pictures.fits for p in pair), *pictures.shapes, *pictures.skeletons, *pictures.overviews]
+    return [svg for p in (*one, *several) for svg in (p.narrow, p.wide) if svg]
+
+
+def paths(svg: str, colour: str) -> list[RealArray]:
+    """Return the corners of all lines of a colour [pt], (corner, 2)."""
+    found = [
+        node.attrib["d"] for node in ElementTree.fromstring(svg).iter("path") if colour in node.attrib.get("style", "")
+    ]
+    return [points(path) for path in found]
+
+
 def points(path: str) -> RealArray:
     """Return the corners of a path of one piece."""
-    start, steps = re.fullmatch(r"M(-?\d+ -?\d+)l(.*)", path).groups()  # type: ignore[union-attr]
+    start, steps = re.fullmatch(r"M(\S+ \S+?)l(.*)", path).groups()  # type: ignore[union-attr]
     numbers = np.array([*start.split(), *steps.split()], float).reshape(-1, 2)
     return np.cumsum(numbers, axis=0)
 
@@ -325,7 +355,8 @@ class TestNames:
         assert "script" not in page.tags
         assert not {"b", "u"} & {tag for tag, _, value in page.attributes if value} - {"b"}
         assert not [name for _, name, _ in page.attributes if name.startswith("on")]
-        assert {value[:22] for tag, name, value in page.attributes if (tag, name) == ("img", "src")} == {
+        assert "img" not in page.tags
+        assert {value[:22] for tag, name, value in page.attributes if (tag, name) == ("image", "href")} == {
             "data:image/png;base64,"
         }
         for name in HOSTILE[:4]:
@@ -348,7 +379,8 @@ class TestSelfContained:
             if name in ("src", "href", "srcset", "data", "action", "poster"):
                 assert value.startswith(("data:", "#")), (tag, name, value[:40])
         assert "@import" not in text
-        assert "url(" not in text
+        # Parts of the pictures refer to each other: clip paths.
+        assert set(re.findall(r"url\(.", text)) <= {"url(#"}
         (policy,) = [v for tag, n, v in page.attributes if tag == "meta" and n == "content" and "default-src" in v]
         assert policy.startswith("default-src 'none';")
 
@@ -430,15 +462,16 @@ class TestLongRecords:
         assert len(report(long).encode()) < 2e6
 
     def test_no_peak_gets_lost(self, long: Identification) -> None:
-        chart = fit_charts(long, 0, "m")[0]
-        (record,) = [curve for curve in chart.curves if curve.style == "record"]
-        at = points(record.path)
-        spike = at[np.abs(at[:, 0] - 0.654321 * WIDTH) <= 1, 1]
-        # The axis reaches from the least to the largest sample with 6 % to spare on both sides.
+        (whole, _), *_ = drawn(drawable(long)).fits
+        (record,) = paths(whole.narrow, "--pale")
         values = as_signal(long.response).values[0]
-        margin = 0.06 * np.ptp(values)
-        share = (0.9 - values.min() + margin) / (np.ptp(values) + 2 * margin)
-        assert np.min(np.abs(spike - (1 - share) * HEIGHT)) <= 0.5 + 1e-6
+        # Right and down go straight with time and value: the first and the largest sample give the scale.
+        top, left = record[np.argmin(record[:, 1])], record[0]
+        assert values.max() == pytest.approx(values[0], rel=0.05)
+        spike = record[np.argmin(np.abs(record[:, 0] - left[0] - 0.654321 * np.ptp(record[:, 0])))]
+        scale = np.ptp(record[:, 1]) / np.ptp(values)
+        # A path has steps of a tenth of a point; three of them are rounded.
+        assert spike[1] - top[1] == pytest.approx((values.max() - 0.9) * scale, abs=0.3)
 
     def test_the_view_keeps_the_modes(self, long: Identification) -> None:
         view = drawable(long)
@@ -455,69 +488,85 @@ class TestLongRecords:
         assert drawable(found) is found
 
 
-class TestCharts:
+class TestPictures:
     def test_a_line_is_where_its_samples_are(self) -> None:
-        x, y = np.linspace(2, 4, 300), np.sin(np.linspace(0, 20, 300))
-        at = points(line(x, y, Scale(low=2, high=4), Scale(low=-1.5, high=1.5), "s").path)
-        # Each corner is rounded to half a unit.
-        assert np.allclose(at[:, 0], (x - 2) / 2 * WIDTH, rtol=0, atol=0.5)
-        assert np.allclose(at[:, 1], (1.5 - y) / 3 * HEIGHT, rtol=0, atol=0.5)
+        x, y = np.linspace(2, 4, 300), np.sin(np.linspace(0, 6, 300))
+        with page_style():
+            figure = Figure(figsize=(4, 3))
+            ax = figure.add_axes((0.25, 0.25, 0.5, 0.5), xlim=(2, 4), ylim=(-1.5, 1.5))
+            ax.plot(x, y, color=TONES[0].light)
+            (at,) = paths(svg_of(figure, name="line", described="A line"), "--blue")
+        # 4 by 3 inches are 288 by 216 points; matplotlib drops corners that lie on a line to a ninth of a pixel.
+        height = np.interp(at[:, 0], 72 + 72 * (x - 2), 54 + 36 * (1.5 - y))
+        assert np.allclose(at[:, 1], height, rtol=0, atol=0.2)
+        assert at[0, 0] == pytest.approx(72, abs=0.05)
+        assert at[-1, 0] == pytest.approx(216, abs=0.05)
 
-    def test_a_line_breaks_where_there_is_nothing(self) -> None:
-        y = np.array([0.0, 1.0, np.nan, 1.0, 0.0])
-        path = line(np.arange(5.0), y, Scale(low=0, high=4), Scale(low=0, high=1), "s").path
-        assert path.count("M") == 2
+    @pytest.mark.parametrize("name", HOSTILE)
+    def test_a_name_stays_a_name(self, name: str) -> None:
+        with page_style():
+            figure = Figure()
+            figure.subplots().set_title(shown(f'{name} id="text_1" #0072b2 url(#a)'[-60:], most=60))
+            root = ElementTree.fromstring(svg_of(figure, name="title", described="A title"))
+        assert 'id="text_1" #0072b2 url(#a)' in "".join(node.text or "" for node in root.iter("text"))
+        assert {node.tag for node in root.iter()} <= {"svg", "g", "path", "text", "use", "defs"}
 
-    @pytest.mark.parametrize("seed", range(30))
-    @pytest.mark.parametrize("log", [False, True])
-    def test_ticks_are_few_round_and_in_place(self, seed: int, log: bool) -> None:
-        rng = np.random.default_rng(seed)
-        low = float(10 ** rng.uniform(-6, 6))
-        scale = Scale(low=low, high=low * float(10 ** rng.uniform(0.1, 4)), log=log)
-        values = scale.round_values(6)
-        assert 1 <= len(values) <= 6
-        for tick, value in zip(scale.ticks(), values, strict=True):
-            assert 0 <= tick.at <= 1
-            assert float(tick.text.replace("−", "-")) == pytest.approx(value, rel=1e-9)
-        for text in (tick.text for tick in labelled(scale, "m")[1]):
-            assert len(text) <= 7
+    def test_every_identifier_stands_once(self, hostile: Identification) -> None:
+        page = Page(report(hostile))
+        identifiers = [value for _, name, value in page.attributes if name == "id"]
+        assert len(identifiers) == len(set(identifiers))
+        references = {m for _, _, value in page.attributes for m in re.findall(r"^(?:url\()?#([\w-]+)", value)}
+        assert len(references) > 10
+        assert references <= set(identifiers)
 
-    def test_decades(self) -> None:
-        assert [tick.text for tick in decades(Scale(low=1e-3, high=10.0, log=True))] == [
-            "10⁻³",
-            "10⁻²",
-            "10⁻¹",
-            "10⁰",
-            "10¹",
-        ]
+    def test_every_colour_has_a_dark_counterpart(self, found: Identification) -> None:
+        whole = Cleaned(record=paper_record(duration=12.0), units=("m",) * 3, findings=())
+        decays = (stretch(3.0, 5.0), stretch(0.0, 10.0))
+        pictures = pictures_of(found, cleaned=whole, decays=decays, units=("m",) * 3, used=1)
+        text = " ".join(every(pictures))
+        assert not re.findall(r"#[0-9a-f]{6}", text)
+        names = set(re.findall(r"var\(--([\w-]+)\)", text))
+        assert len(names) > 8
+        assert names <= {tone.name for tone in TONES}
 
-    def test_a_picture_holds_its_numbers_in_both_palettes(self) -> None:
-        numbers = np.arange(12, dtype=np.uint8).reshape(3, 4)
-        both = image(numbers, palette(["#000000", "#ffffff"], 16), palette(["#ffffff", "#000000"], 16))
-        for uri, turned in ((both.light, False), (both.dark, True)):
-            content = b64decode(uri.partition(",")[2])
-            raw = zlib.decompress(content[content.index(b"IDAT") + 4 : content.index(b"IEND") - 8])
-            # Each row begins with the number of its filter, none.
-            assert np.array_equal(np.frombuffer(raw, np.uint8).reshape(3, 5)[:, 1:], numbers)
-            colours = content[content.index(b"PLTE") + 4 :][: 3 * 16]
-            assert colours[:3] == (b"\xff\xff\xff" if turned else b"\x00\x00\x00")
+    def test_the_same_picture_whatever_the_users_style(self, found: Identification, pictures: Pictures) -> None:
+        with matplotlib.rc_context({"lines.linewidth": 9.0, "font.size": 30.0, "svg.fonttype": "path"}):
+            assert drawn(found) == pictures
+            assert matplotlib.rcParams["font.size"] == 30.0
 
     def test_the_scalogram_is_loudest_at_the_mode(self) -> None:
         t = np.arange(0, 20, 0.01)
         found = identify(as_response(t, (np.exp(-0.1 * t) * np.cos(2 * np.pi * 5 * t))[None], ["y"]), modes=1)
-        chart = scalogram_chart(found)
-        (mark,) = chart.marks
-        ridge = points(next(curve.path for curve in chart.curves if curve.style == "ridge"))
-        # The picture's row, from above, of the largest level stands where the mode and the ridge do.
-        assert chart.image is not None
-        content = b64decode(chart.image.light.partition(",")[2])
-        columns, rows = np.frombuffer(content[16:24], ">u4")
-        raw = zlib.decompress(content[content.index(b"IDAT") + 4 : content.index(b"IEND") - 8])
-        levels = np.frombuffer(raw, np.uint8).reshape(rows, columns + 1)[:, 1:]
-        loudest = float(np.mean(np.flatnonzero(levels.max(axis=1) == levels.max())))
-        # A row and a half: the largest level spans the rows of its shade.
-        assert (loudest + 0.5) / rows == pytest.approx(1 - mark.at, abs=1.5 / rows)
-        assert ridge[0, 1] / HEIGHT == pytest.approx(1 - mark.at, abs=0.002)
+        svg = drawn(found).scalogram.narrow
+        root = ElementTree.fromstring(svg)
+        (picture,) = root.iter("image")
+        # The picture is stored upside down: it is moved by its height and turned over.
+        (shift,) = re.findall(r"^scale\(1 -1\) translate\(0 (-?[\d.]+)\)", picture.attrib["transform"])
+        top, height = float(picture.attrib["y"]) + float(shift), float(picture.attrib["height"])
+        content = b64decode(picture.attrib["href"].partition(",")[2])
+        shades = np.asarray(Image.open(BytesIO(content)).convert("L"), float)
+        darkest = float(np.mean(np.flatnonzero(shades.min(axis=1) == shades.min()))) + 0.5
+        (ridge,) = paths(svg, "--vermilion")
+        assert ridge[0, 1] == pytest.approx(ridge[-1, 1], abs=0.1)
+        # A row of the scalogram is a few points high.
+        assert -(top + darkest / len(shades) * height) == pytest.approx(ridge[0, 1], abs=3.0)
+
+    def test_a_picture_is_described(self, pictures: Pictures) -> None:
+        for svg in every(pictures):
+            root = ElementTree.fromstring(svg)
+            assert root.attrib["role"] == "img"
+            assert len(root.attrib["aria-label"]) > 10
+
+    def test_every_picture_has_axes_with_units(self, pictures: Pictures) -> None:
+        for svg in every(pictures):
+            texts = ["".join(node.itertext()) for node in ElementTree.fromstring(svg).iter("text")]
+            assert sum(bool(re.search(r"\[.+\]$", text)) for text in texts) >= 1
+
+    def test_pictures_fit_a_phone_at_their_size(self, pictures: Pictures) -> None:
+        narrow: list[Picture] = [pictures.scalogram, *pictures.shapes, *pictures.skeletons]
+        for picture in narrow:
+            box = ElementTree.fromstring(picture.narrow).attrib["viewBox"].split()
+            assert float(box[2]) == pytest.approx(72 * NARROW)
 
 
 class TestJson:
@@ -587,12 +636,3 @@ class TestJson:
         assert isinstance(verdict, dict)
         for said in (verdict["headline"], verdict["said"], *verdict["support"], *verdict["doubts"]):
             assert said in text
-
-
-class TestDescriptions:
-    def test_every_chart_has_axes_with_units(self, found: Identification) -> None:
-        charts: list[Chart] = [scalogram_chart(found), *fit_charts(found, 0, "m")]
-        for chart in charts:
-            assert chart.x_label == "time [s]"
-            assert re.search(r"\[.+\]", chart.y_label)
-            assert chart.described

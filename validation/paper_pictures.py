@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from suspid import Identification, IdentificationError, cwt, identify
-from suspid.reporting.plots import BLUE, VERMILION, plot_entropy, plot_scalogram, plot_skeletons
+from suspid import Identification, IdentificationError, cwt, identify, plot_entropy, plot_scalogram, plot_skeletons
+from suspid.reporting.colours import BLUE, VERMILION
 from suspid.signals import as_signal
 from suspid.wavelets import best_bandwidth
 from validation.study import CANDIDATES, START, case_record

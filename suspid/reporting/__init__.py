@@ -1,20 +1,24 @@
-"""What people look at: pictures, the HTML page, JSON.
+"""Pictures of each step, the report as an HTML page, and the same content as JSON.
 
-`report` writes one HTML page, `report_to_dict` the same content as JSON (schema in ``schemas/``). `plots` draws
-each step on matplotlib Axes: scalogram, skeletons, entropy, fit, mode shapes.
+`report` writes one HTML page, `report_to_dict` the same content as JSON (schema in ``schemas/``). Each ``plot_…``
+draws one picture on matplotlib Axes; the page shows the same pictures as SVG.
+
+To add a picture to the page: draw it on Axes in a module of its own, as in ``plot_entropy.py``; add a field to
+`Pictures` in ``pictures.py`` and fill it with `picture`; place it in ``templates/report.html.j2`` with
+``{{ figure(pictures.…) }}``. Take colours from ``colours.py``: they have counterparts for dark screens.
 """
 
-from suspid.reporting.plots import (
-    PAGE,
-    plot_entropy,
-    plot_fit,
-    plot_identification,
-    plot_scalogram,
-    plot_shapes,
-    plot_skeletons,
-)
+from suspid.reporting.content import judgement_of
+from suspid.reporting.plot_entropy import plot_entropy
+from suspid.reporting.plot_fit import plot_fit
+from suspid.reporting.plot_identification import PAGE, plot_identification
+from suspid.reporting.plot_recording import plot_recording
+from suspid.reporting.plot_scalogram import plot_scalogram
+from suspid.reporting.plot_shapes import plot_shapes
+from suspid.reporting.plot_skeletons import plot_skeletons
 from suspid.reporting.report import report
-from suspid.reporting.report_json import Source, judgement_of, report_to_dict, source_of
+from suspid.reporting.report_json import report_to_dict
+from suspid.reporting.source import Source, source_of
 from suspid.reporting.thinning import drawable
 
 __all__ = [
@@ -25,6 +29,7 @@ __all__ = [
     "plot_entropy",
     "plot_fit",
     "plot_identification",
+    "plot_recording",
     "plot_scalogram",
     "plot_shapes",
     "plot_skeletons",

@@ -1,35 +1,23 @@
-"""A page on one identification, to print or to send: verdict first, then everything that it rests on.
+"""The HTML page of an identification: verdict first, then everything that it rests on.
 
-One file of HTML without a script: its policy forbids the network, its figures are drawn in the colours of the page
-(light, dark or paper), and every text that comes from a file is escaped. The same input gives the same bytes.
+The page is one file without a script. Its policy forbids the network. Its pictures are SVG in the colours of the page
+(light, dark or paper). Every text that comes from a file is escaped. The same input gives the same bytes.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from suspid.analysis import as_sentence
 from suspid.files import printable
-from suspid.reporting.charts import HEIGHT, WIDTH, Chart
-from suspid.reporting.figures import (
-    DECIBELS,
-    ShapeBar,
-    fit_charts,
-    recording_chart,
-    scalogram_chart,
-    shape_bars,
-    skeleton_charts,
-)
-from suspid.reporting.report_json import Source as Source
-from suspid.reporting.report_json import judgement_of, remarks_of, units_of, used_decay, versions
-from suspid.reporting.report_json import report_to_dict as report_to_dict
-from suspid.reporting.report_json import source_of as source_of
+from suspid.reporting.colours import TONES
+from suspid.reporting.content import Content, content_of
+from suspid.reporting.pictures import MOST_CHANNELS, pictures_of
 from suspid.reporting.rows import channel_rows, mode_rows, parameter_rows, pole_rows, repeat_rows
-from suspid.reporting.thinning import drawable as drawable
+from suspid.reporting.source import Source, versions
 from suspid.reporting.thinning import is_whole
 from suspid.signals import as_signal
 from suspid.units import Ratio
@@ -40,31 +28,10 @@ if TYPE_CHECKING:
     from suspid.identification import Identification, Repeats
     from suspid.reconstruction import Reconstruction
 
-# What a page shows at most; the JSON has all.
-MOST_CHANNELS = 24
-MOST_RIDGES = 8
+# What the page shows at most: rejected poles, modes at a glance, letters of a name. The JSON has all.
 MOST_POLES = 20
-MOST_OVERVIEWS = 3
 MOST_CARDS = 6
 MOST_LETTERS = 40
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class FitPart:
-    """The figures of one channel."""
-
-    name: str
-    explained: str
-    charts: tuple[Chart, ...]
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class ShapePart:
-    """The shape of one mode: a bar for each channel."""
-
-    number: int
-    frequency: str
-    bars: tuple[tuple[str, ShapeBar], ...]
 
 
 def report(
@@ -122,11 +89,25 @@ def report(
     >>> page.startswith("<!doctype html>"), "2 modes found" in page
     (True, True)
     """
+    content = content_of(
+        identification,
+        source=source,
+        cleaned=cleaned,
+        decays=decays,
+        repeats=repeats,
+        reconstruction=reconstruction,
+        level=level,
+        warnings=warnings,
+    )
+    return page_of(content, title=title)
+
+
+def page_of(content: Content, *, title: str | None = None) -> str:
+    """Return the page on the content of a report; see `report`."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
-    found = drawable(identification)
-    signal, units = as_signal(found.response), units_of(found.response, cleaned)
-    used = used_decay(found.response, decays)
+    found, source, repeats, car = content.identification, content.source, content.repeats, content.reconstruction
+    names, level = as_signal(found.response).channels, content.level
     heading = title or (source.file if source else str(found.response.title or "")) or "Record"
     environment = Environment(
         loader=PackageLoader("suspid.reporting", "templates"),
@@ -141,46 +122,34 @@ def report(
         source=source,
         size="" if source is None else _in_bytes(source.size),
         record=_record_facts(found),
-        verdict=judgement_of(
-            found, cleaned=cleaned, decays=decays, repeats=repeats, reconstruction=reconstruction, level=level
-        ),
+        verdict=content.judgement,
         cards=_cards(found),
         level=f"{100 * level:g} %",
         method=found.method,
         modes=mode_rows(found, level),
-        channels=channel_rows(found, units),
-        scalogram=scalogram_chart(found),
+        channels=channel_rows(found, content.units),
+        pictures=pictures_of(
+            found, cleaned=content.cleaned, decays=content.decays, units=content.units, used=content.used
+        ),
+        tones=TONES,
         view=_view(found),
-        decibels=f"{DECIBELS:g}",
-        fits=[
-            FitPart(
-                name=_short(name),
-                explained=f"{100 * found.explained[k]:.2f} %",
-                charts=fit_charts(found, k, _shown(units[k])),
-            )
-            for k, name in enumerate(signal.channels[:MOST_CHANNELS])
-        ],
-        hidden_channels=max(0, len(signal.channels) - MOST_CHANNELS),
-        shapes=_shapes(found),
-        skeletons=[skeleton_charts(ridge) for ridge in found.ridges[:MOST_RIDGES]],
-        names=[_short(name) for name in signal.channels],
-        cleaned=cleaned,
-        decays=decays,
-        remarks=remarks_of(decays),
-        used=used,
-        overviews=_overviews(found, cleaned, decays, used),
+        fits=[(_short(n), f"{100 * s:.2f} %") for n, s in zip(names, found.explained, strict=True)][:MOST_CHANNELS],
+        hidden_channels=max(0, len(names) - MOST_CHANNELS),
+        names=[_short(name) for name in names],
+        cleaned=content.cleaned,
+        decays=content.decays,
+        remarks=content.remarks,
+        used=content.used,
         poles=pole_rows(found)[:MOST_POLES],
         hidden_poles=max(0, len(found.considered) - MOST_POLES),
         repeats=None if repeats is None else repeat_rows(repeats, level),
-        reconstruction=reconstruction,
-        parameters=[] if reconstruction is None else parameter_rows(reconstruction, level),
-        chi_square="" if reconstruction is None else _chi_square(reconstruction),
-        status="" if reconstruction is None else as_sentence(reconstruction.status),
-        twins=[] if reconstruction is None else _twins(reconstruction),
-        warnings=[_shown(text) for text in warnings],
+        reconstruction=car,
+        parameters=[] if car is None else parameter_rows(car, level),
+        chi_square="" if car is None else _chi_square(car),
+        status="" if car is None else as_sentence(car.status),
+        twins=[] if car is None else _twins(car),
+        warnings=[_shown(text) for text in content.warnings],
         versions=versions(),
-        width=WIDTH,
-        height=HEIGHT,
     )
 
 
@@ -226,32 +195,6 @@ def _view(found: Identification) -> dict[str, str | bool]:
         "length": f"{view.duration:.4g} s",
         "rate": f"{1 / view.step:.4g} Hz",
     }
-
-
-def _shapes(found: Identification) -> list[ShapePart]:
-    if len(found.modes.channels) < 2:
-        return []
-    names = [_short(name) for name in found.modes.channels]
-    return [
-        ShapePart(number=k, frequency=f"{wn / (2 * np.pi):.4g} Hz", bars=tuple(zip(names, bars, strict=True)))
-        for k, (wn, bars) in enumerate(zip(found.modes.wn.tolist(), shape_bars(found.modes), strict=True), 1)
-    ]
-
-
-def _overviews(
-    found: Identification, cleaned: Cleaned | None, decays: Sequence[Decay], used: int | None
-) -> list[Chart]:
-    """Return charts of the first channels of the whole recording, if it is more than the record."""
-    if cleaned is None or not decays:
-        return []
-    whole, names = as_signal(cleaned.record), as_signal(found.response).channels
-    units = dict(zip(whole.channels, cleaned.units, strict=True))
-    stretches = [(decay.start, decay.stop) for decay in decays]
-    shown = [name for name in names if name in units][:MOST_OVERVIEWS]
-    return [
-        recording_chart(whole, whole.channels.index(name), _short(name), _shown(units[name]), stretches, used)
-        for name in shown
-    ]
 
 
 def _chi_square(found: Reconstruction) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 
 from suspid.identification import FourSteps
 from suspid.signals import Signal, as_signal
-from suspid.units import RealArray
+from suspid.units import RealArray, Second
 from suspid.values import frozen_real
 
 if TYPE_CHECKING:
@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 # Most pieces of a line of which the two extremes are drawn.
 PIECES = 2000
+# Cycles of the slowest mode that are drawn enlarged.
+CYCLES = 6.0
 # Of a record of more samples than this, all channels together, the wavelet's view is made of its decay alone.
 MOST_SAMPLES = 40_000
 FEWEST = 1024
@@ -45,6 +47,15 @@ def extremes(time: RealArray, values: RealArray, *, pieces: int = PIECES) -> tup
     kept = [start + where(values[start:stop]) for start, stop in pairwise(bounds) for where in (np.argmin, np.argmax)]
     index = np.unique([0, *kept, count - 1])
     return time[index], values[index]
+
+
+def first_cycles(identification: Identification, onset: Second | None = None) -> tuple[Second, Second]:
+    """Return the span of the first cycles of the slowest mode, from the onset (default: the first sample) on [s]."""
+    signal, poles = as_signal(identification.response), identification.modes.poles
+    start = signal.start if onset is None else onset
+    oscillating = poles.imag[poles.imag > 0]
+    cycles = CYCLES * 2 * np.pi / float(np.min(oscillating)) if len(oscillating) else signal.duration
+    return start, min(start + max(cycles, 20 * signal.step), signal.start + signal.duration)
 
 
 def pooled(scalogram: Scalogram, weights: RealArray, edges: RealArray) -> RealArray:

@@ -1,0 +1,146 @@
+"""What all plots share: names as plain text, lines of long records, ticks."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from suspid.errors import InputError
+from suspid.files import printable
+from suspid.reporting.thinning import PIECES, extremes
+from suspid.units import RealArray
+from suspid.values import nearest_names
+
+if TYPE_CHECKING:
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
+
+# Pieces of a long line for each inch of the figure's width, each drawn by its two extremes: about one for each pixel
+# of a screen. Fewer show steps; more make the file larger.
+PIECES_AN_INCH = 100
+SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def pieces_across(ax: Axes) -> int:
+    """Return how many pieces of a line the figure of some Axes can show."""
+    return int(min(PIECES, PIECES_AN_INCH * ax.figure.bbox.width / ax.figure.dpi))
+
+
+def thinned(ax: Axes, x: RealArray, y: RealArray) -> tuple[RealArray, RealArray]:
+    """Return the samples of a line, or the extremes of its pieces where there are more than the figure can show."""
+    return extremes(x, y, pieces=pieces_across(ax))
+
+
+def position(name: str, channels: Sequence[str]) -> int:
+    """Return the number of a channel.
+
+    Raises
+    ------
+    InputError
+        If there is no such channel.
+    """
+    if name not in channels:
+        raise InputError(f"there is no channel {name!r}.{nearest_names(name, channels)}")
+    return list(channels).index(name)
+
+
+def checked_grid(axes: object, shape: tuple[int, ...]) -> NDArray[np.object_]:
+    """Return the Axes as an array of this shape.
+
+    Raises
+    ------
+    InputError
+        If they have another shape.
+    """
+    grid = np.asarray(axes, dtype=object)
+    if grid.shape != shape:
+        raise InputError(f"axes must be an array of {' x '.join(map(str, shape))} Axes; got the shape {grid.shape}")
+    return grid
+
+
+def shown(name: str, *, most: int = 32) -> str:
+    r"""Return a name as text that matplotlib shows as it stands: no mathematics, no characters without a glyph.
+
+    Examples
+    --------
+    >>> print(shown("seat $x^2$\x07"))
+    seat \$x^2\$\x07
+    """
+    from matplotlib.font_manager import FontProperties, findfont, get_font
+
+    families = FontProperties().get_family()
+    fonts = [get_font(findfont(FontProperties(family=[family]))).get_charmap() for family in families]
+    short = name if len(name) <= most else name[: most - 1] + "…"
+    known = "".join(c if any(ord(c) in font for font in fonts) else ascii(c)[1:-1] for c in printable(short))
+    return known.replace("$", r"\$")
+
+
+def in_legend(name: str) -> str:
+    """Return the name for a legend; matplotlib omits names that begin with an underscore."""
+    text = shown(name, most=16)
+    return f" {text}" if text.startswith("_") else text
+
+
+def frequency_ticks(axis: Axis, ratio: float) -> None:
+    """Label 1, 2, 5 of each decade; in a band narrower than a factor of 8, evenly spaced frequencies."""
+    from matplotlib.ticker import AutoLocator, FuncFormatter, LogLocator, NullLocator
+
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)) if ratio > 8 else AutoLocator())
+    axis.set_minor_locator(NullLocator())
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+
+
+def decade_ticks(axis: Axis, ratio: float) -> None:
+    """Label the powers of ten of a logarithmic axis; over less than two decades, 1, 2, 5 of each."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
+
+    if ratio < 100:
+        return frequency_ticks(axis, ratio)
+    axis.set_major_locator(LogLocator(numticks=5))
+    axis.set_minor_locator(NullLocator())
+    axis.set_major_formatter(FuncFormatter(lambda value, _: power_of_ten(round(float(np.log10(value))))))
+    return None
+
+
+def power_of_ten(exponent: int) -> str:
+    """Return a power of ten in print.
+
+    Examples
+    --------
+    >>> power_of_ten(-3)
+    '10⁻³'
+    """
+    return f"10{str(exponent).translate(SUPERSCRIPT)}"
+
+
+def unit_ticks(ax: Axes, unit: str, *, most: int = 3) -> None:
+    """Label the vertical axis with the unit; a power of a thousand in the label keeps the numbers short.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> ax = Figure().subplots()
+    >>> _ = ax.plot([0.0, 4e-6])
+    >>> unit_ticks(ax, "m")
+    >>> ax.get_ylabel()
+    '[10⁻⁶ m]'
+    """
+    from matplotlib.ticker import FuncFormatter, MaxNLocator
+
+    largest = max(abs(end) for end in ax.get_ylim())
+    power = 0 if 0.1 <= largest < 1e4 else 3 * int(np.floor(np.log10(max(largest, 1e-300)) / 3))
+    ax.yaxis.set_major_locator(MaxNLocator(most))
+    ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value / 10.0**power:.10g}".replace("-", "−")))
+    ax.set_ylabel(f"[{power_of_ten(power)} {unit}]" if power else f"[{unit}]")
+
+
+def without_legend(ax: Axes) -> Axes:
+    """Remove the legend of some Axes, if there is one, and return them."""
+    legend: Artist | None = ax.get_legend()
+    if legend is not None:
+        legend.remove()
+    return ax

@@ -1,0 +1,86 @@
+"""Record, fitted decay and residual."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from suspid.reporting.axes import checked_grid, position, shown, thinned, unit_ticks
+from suspid.reporting.colours import BLUE, PALE, VERMILION
+from suspid.signals import as_signal
+from suspid.units import Second
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from suspid.identification import Identification
+
+
+def plot_fit(
+    identification: Identification,
+    *,
+    axes: Sequence[Axes] | NDArray[np.object_],
+    channels: Sequence[str] | None = None,
+    span: tuple[Second, Second] | None = None,
+    units: Sequence[str] | None = None,
+) -> None:
+    """Draw the record of each channel with the fitted decay and the residual, all in the unit of the record.
+
+    Parameters
+    ----------
+    identification : Identification
+        What was found.
+    axes : (channel,) of matplotlib.axes.Axes
+        Where to draw.
+    channels : sequence of str, optional
+        Which channels. Default: all.
+    span : (float, float), optional
+        Times between which to draw [s]. Default: the whole record.
+    units : sequence of str, optional
+        The unit of each drawn channel. Default: ``"unit"``.
+
+    Raises
+    ------
+    InputError
+        If there is no such channel, or the numbers of Axes and channels differ.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from matplotlib.figure import Figure
+    >>> from suspid import free_decay, identify, quarter_car
+    >>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3,
+    ...                   tire_stiffness=200e3, chassis_damping=200)
+    >>> record = free_decay(car, np.arange(0, 10, 0.005), initial_state={"v_chassis": 1.0})
+    >>> axes = Figure().subplots(2)
+    >>> plot_fit(identify(record, modes=1), axes=axes)
+    >>> axes[1].get_xlabel()
+    'time [s]'
+    """
+    record, fitted, residual = (
+        as_signal(r) for r in (identification.response, identification.fitted, identification.residual)
+    )
+    names = record.channels if channels is None else tuple(channels)
+    drawn = checked_grid(axes, (len(names),))
+    low, high = span or (record.start, record.start + record.duration)
+    kept = (record.timepts >= low) & (record.timepts <= high)
+    time, share = record.timepts[kept], identification.explained
+    for i, (ax, name) in enumerate(zip(drawn, names, strict=True)):
+        at = position(name, record.channels)
+        for signal, label, colour, width in (
+            (record, "record", PALE, 2.0),
+            (fitted, "fit", BLUE, 0.8),
+            (residual, "residual", VERMILION, 0.8),
+        ):
+            ax.plot(*thinned(ax, time, signal.values[at, kept]), color=colour, linewidth=width, label=label)
+        ax.set_title(f"{shown(name)}: {100 * share[at]:.4g} % explained", loc="left")
+        ax.set_xlim(low, high)
+        unit_ticks(ax, (shown(units[i], most=8) if units else "") or "unit")
+    if len(names):
+        drawn[-1].set_xlabel("time [s]")
+        drawn[0].legend(
+            loc="lower right", bbox_to_anchor=(1.0, 1.0), fontsize="small", ncols=3, frameon=False, borderaxespad=0.0
+        )

@@ -1,0 +1,209 @@
+"""One printable page on an identification."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from suspid.model import modal_table
+from suspid.reporting.axes import shown, without_legend
+from suspid.reporting.plot_entropy import plot_entropy
+from suspid.reporting.plot_fit import plot_fit
+from suspid.reporting.plot_scalogram import plot_scalogram
+from suspid.reporting.plot_shapes import plot_shapes
+from suspid.reporting.plot_skeletons import plot_skeletons
+from suspid.reporting.thinning import first_cycles
+from suspid.signals import as_signal
+from suspid.units import Second
+
+if TYPE_CHECKING:
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from matplotlib.gridspec import SubplotSpec
+
+    from suspid.identification import Identification
+
+# What fits on one page in readable type: panels side by side, entries of a key side by side, ridges, channels, lines
+# of the table of modes.
+ABREAST = 4
+KEYS_ABREAST = 5
+MOST_RIDGES = 8
+MOST_CHANNELS = 8
+MOST_MODES = 12
+# Size in inches of a page to be printed: A4.
+PAGE = (8.27, 11.69)
+
+
+def plot_identification(identification: Identification, figure: Figure) -> Figure:
+    """Draw a page: modes, scalogram with ridges, skeletons, record with fit, entropy and shapes.
+
+    Parts without content (no ridges, no search for the bandwidth, shapes of one channel) are omitted.
+
+    Parameters
+    ----------
+    identification : Identification
+        What was found.
+    figure : matplotlib.figure.Figure
+        An empty figure; made for ``Figure(figsize=PAGE)``, that is A4 upright.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        ``figure``.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from matplotlib.figure import Figure
+    >>> from suspid import free_decay, identify, quarter_car
+    >>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3,
+    ...                   tire_stiffness=200e3, chassis_damping=200)
+    >>> record = free_decay(car, np.arange(0, 10, 0.005), initial_state={"v_chassis": 1.0})
+    >>> page = plot_identification(identify(record, modes=1), Figure(figsize=PAGE))
+    >>> page.axes[1].get_ylabel()
+    'frequency [Hz]'
+    """
+    if figure.get_layout_engine() is None:
+        figure.set_layout_engine("constrained")
+    ridges = identification.ridges[:MOST_RIDGES]
+    blocks = [ridges[i : i + ABREAST] for i in range(0, len(ridges), ABREAST)]
+    names = as_signal(identification.response).channels[:MOST_CHANNELS]
+    last = _last_parts(identification)
+    places = _places(figure, _heights(identification, len(blocks), len(names), last))
+
+    _write_modes(identification, figure.add_subplot(places["modes"]))
+    plot_scalogram(
+        identification.scalogram,
+        ax=figure.add_subplot(places["scalogram"]),
+        ridges=identification.ridges,
+        modes=identification.modes,
+    )
+    explained: list[Axes] = []
+    for i, block in enumerate(blocks):
+        skeletons = _subplots(places[f"skeletons {i}"], 2, len(block))
+        plot_skeletons(block, axes=skeletons)
+        explained.append(without_legend(skeletons[0, 0]))
+    onset = min((ridge.onset for ridge in identification.ridges), default=None)
+    explained = [*explained[:1], _draw_fit(identification, names, onset, places["fit"])]
+    _write_key(figure.add_subplot(places["key"]), explained)
+    if last:
+        _draw_last(identification, last, places["last"], figure)
+    for ax in figure.axes:
+        _small_print(ax)
+    return figure
+
+
+def _last_parts(identification: Identification) -> list[str]:
+    """Return which panels stand in the last row."""
+    modes = identification.modes
+    several = modes.shapes is not None and modes.shapes.size > len(modes)
+    return ["entropy"] * (identification.bandwidth_search is not None) + ["shapes"] * several
+
+
+def _heights(identification: Identification, blocks: int, channels: int, last: Sequence[str]) -> dict[str, float]:
+    """Return the height of each part [inch on A4]."""
+    modes, ridges = identification.modes, identification.ridges[:MOST_RIDGES]
+    keys = 3 + (2 + len(ridges[0].channels) if ridges else 0)
+    heights = {"modes": 0.25 + 0.14 * min(len(modes) + 2, MOST_MODES + 2), "scalogram": 2.7 if blocks < 2 else 2.3}
+    heights |= {"key": 0.2 + 0.2 * -(-keys // KEYS_ABREAST)}
+    heights |= {f"skeletons {i}": 2.5 for i in range(blocks)}
+    heights |= {"fit": 0.5 + 0.75 * _fit_rows(channels)}
+    return heights | ({"last": max(1.6, 0.6 + 0.2 * len(modes.channels))} if last else {})
+
+
+def _fit_rows(channels: int) -> int:
+    return channels if channels <= ABREAST else -(-channels // 2)
+
+
+def _places(figure: Figure, heights: dict[str, float]) -> dict[str, SubplotSpec]:
+    """Return where each part of a page goes: one below another, or in two columns on a wide page."""
+    names = list(heights)
+    right = [n for n in names if n.startswith("skeletons") or n in ("key", "fit")]
+    columns = [names]
+    if figure.get_figwidth() > figure.get_figheight():
+        columns = [[n for n in names if n not in right], right]
+    places: dict[str, SubplotSpec] = {}
+    outer = figure.add_gridspec(1, len(columns))
+    for i, column in enumerate(columns):
+        inner = outer[i].subgridspec(len(column), 1, height_ratios=[heights[n] for n in column])
+        places |= {name: inner[j] for j, name in enumerate(column)}
+    return places
+
+
+def _write_modes(identification: Identification, ax: Axes) -> None:
+    lines = modal_table(identification.modes).splitlines()
+    if len(lines) > MOST_MODES + 2:
+        lines = [*lines[: MOST_MODES + 1], f"  … {len(identification.modes)} modes in all"]
+    ax.set_axis_off()
+    ax.text(0.0, 1.0, "\n".join(lines), family="monospace", va="top", transform=ax.transAxes, fontsize=8)
+    title = str(identification.response.title or "")
+    ax.set_title(f"{shown(title, most=60)} — method {identification.method}".lstrip(" —"), loc="left")
+
+
+def _write_key(ax: Axes, explained: Sequence[Axes]) -> None:
+    """Put the legends of some Axes together, away from the panels, whose space the lines need."""
+    handles: list[Artist] = []
+    labels: list[str] = []
+    for panel in explained:
+        more, names = panel.get_legend_handles_labels()
+        handles, labels = handles + more, labels + names
+    ax.set_axis_off()
+    legend = ax.legend(handles, labels, loc="center", ncols=KEYS_ABREAST, borderaxespad=0.0)
+    legend.set_in_layout(False)
+
+
+def _draw_fit(identification: Identification, names: Sequence[str], onset: Second | None, spec: SubplotSpec) -> Axes:
+    """Draw few channels whole and over the first cycles; many in two columns. Return the first of the Axes."""
+    rows = _fit_rows(len(names))
+    if len(names) > ABREAST:
+        grid = _subplots(spec, rows, 2)
+        plot_fit(identification, axes=grid.T.ravel()[: len(names)], channels=names)
+        for ax in grid.T.ravel()[len(names) :]:
+            ax.set_axis_off()
+        for column in grid.T:
+            column[-1].set_xlabel("time [s]")
+        return without_legend(grid[0, 0])
+    grid = _subplots(spec, rows, 2, widths=[3, 2])
+    plot_fit(identification, axes=grid[:, 0], channels=names)
+    plot_fit(identification, axes=grid[:, 1], channels=names, span=first_cycles(identification, onset))
+    for ax in grid[:, 1]:
+        ax.set_title("first cycles", loc="left")
+        ax.set_ylabel("")
+    without_legend(grid[0, 1])
+    return without_legend(grid[0, 0])
+
+
+def _draw_last(identification: Identification, parts: Sequence[str], place: SubplotSpec, figure: Figure) -> None:
+    columns = place.subgridspec(1, len(parts), width_ratios=[3 if part == "shapes" else 2 for part in parts])
+    search = identification.bandwidth_search
+    for i, part in enumerate(parts):
+        ax = figure.add_subplot(columns[i])
+        if part == "shapes":
+            plot_shapes(identification.modes, ax=ax)
+        elif search is not None:
+            plot_entropy(search, ax=ax)
+
+
+def _subplots(
+    spec: SubplotSpec, rows: int, columns: int, *, widths: Sequence[float] | None = None
+) -> NDArray[np.object_]:
+    inner = spec.subgridspec(rows, columns, width_ratios=widths)
+    return np.asarray(inner.subplots(sharex="col", squeeze=False), dtype=object)
+
+
+def _small_print(ax: Axes) -> None:
+    """Set the type sizes of a page."""
+    for part in (ax, *ax.child_axes):
+        part.tick_params(labelsize=7)
+        part.xaxis.label.set_fontsize(8)
+        part.yaxis.label.set_fontsize(8)
+    for side in ("left", "center", "right"):
+        ax.set_title(ax.get_title(loc=side), loc=side, fontsize=8)
+    legend = ax.get_legend()
+    if legend is not None:
+        for text in (legend.get_title(), *legend.get_texts()):
+            text.set_fontsize(7)

@@ -1,0 +1,165 @@
+"""Scalogram: the modulus of the wavelet transform over time and frequency."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from suspid.reporting.axes import frequency_ticks, pieces_across, position, shown, thinned
+from suspid.reporting.colours import BLACK, GREEN, GREY, VERMILION
+from suspid.reporting.thinning import pooled, power_weights, row_edges
+from suspid.units import RealArray
+from suspid.wavelets import Ridge
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from suspid.model import ModalSet
+    from suspid.wavelets import Scalogram
+
+# Most columns of the picture: more than a page can show, and few enough to be drawn at once.
+COLUMNS = 800
+
+
+def plot_scalogram(
+    scalogram: Scalogram,
+    *,
+    ax: Axes,
+    ridges: Sequence[Ridge] = (),
+    modes: ModalSet | None = None,
+    channel: str | None = None,
+    decibels: float = 60.0,
+    colorbar: bool = True,
+) -> Axes:
+    """Draw the modulus of the transform over time and frequency, with ridges and the cone of influence.
+
+    Parameters
+    ----------
+    scalogram : Scalogram
+        The transform.
+    ax : matplotlib.axes.Axes
+        Where to draw.
+    ridges : sequence of Ridge
+        Each is drawn at its frequency over its trusted window. The frequency of largest modulus near it is drawn
+        from the onset of the decay to the end of the window, where it is not nearer to another ridge.
+    modes : ModalSet, optional
+        Modes whose damped frequencies are marked and numbered at the right edge.
+    channel : str, optional
+        The channel to show. Default: the root of the sum of squares of all channels, each divided by its own
+        root mean square.
+    decibels : float
+        Range of the colours below the largest modulus [dB].
+    colorbar : bool
+        Whether to draw a colour bar beside the Axes.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        ``ax``.
+
+    Raises
+    ------
+    InputError
+        If there is no such channel.
+
+    Examples
+    --------
+    >>> import control, numpy as np
+    >>> from matplotlib.figure import Figure
+    >>> from suspid import cwt
+    >>> t = np.arange(0, 10, 0.01)
+    >>> decay = control.TimeResponseData(t, np.exp(-t) * np.cos(40 * t), issiso=True, output_labels=["seat"])
+    >>> ax = plot_scalogram(cwt(decay, omega=np.geomspace(10, 100, 50), bandwidth=8.0), ax=Figure().subplots())
+    >>> ax.get_ylabel()
+    'frequency [Hz]'
+    """
+    signal = scalogram.signal
+    start, end = signal.start, signal.start + signal.duration
+    order = np.argsort(scalogram.omega)
+    hertz = np.asarray(scalogram.omega)[order] / (2 * np.pi)
+    columns = min(COLUMNS, 2 * pieces_across(ax), signal.values.shape[1])
+    # Half a step earlier, so that a sample lies in the middle of its column.
+    edges = np.linspace(start, end, columns + 1) - signal.step / 2
+    modulus = pooled(scalogram, _channel_weights(scalogram, channel), edges)[order]
+    largest = np.max(modulus) or 1.0
+    level = 20 * np.log10(np.maximum(modulus / largest, 10 ** (-decibels / 20)))
+    mesh = ax.pcolormesh(edges, row_edges(hertz), level, cmap="Blues", vmin=-decibels, vmax=0.0, rasterized=True)
+    _draw_cone(ax, hertz, scalogram.cone[order], start, end)
+    _draw_ridges(ax, ridges)
+    ax.set(xlim=(start, end), yscale="log", xlabel="time [s]", ylabel="frequency [Hz]")
+    low, high = row_edges(hertz)[[0, -1]]
+    ax.set_ylim(low, high)
+    frequency_ticks(ax.yaxis, high / low)
+    right = ax.secondary_yaxis("right", functions=(_radian_per_second, _hertz))
+    right.set_ylabel("angular frequency [rad/s]")
+    frequency_ticks(right.yaxis, high / low)
+    ax.set_title("all channels" if channel is None else shown(channel), loc="left")
+    if modes is not None:
+        _mark_modes(ax, modes)
+    ax.legend(loc="upper right", fontsize="small", framealpha=0.9)
+    if colorbar:
+        bar = ax.figure.colorbar(mesh, ax=ax, pad=0.02, aspect=30)
+        bar.set_label("modulus [dB of the largest]")
+    return ax
+
+
+def _draw_cone(ax: Axes, hertz: RealArray, cone: RealArray, start: float, end: float) -> None:
+    """Shade where the wavelet reaches beyond an end of the record, up to the middle where both cones meet."""
+    half = (end - start) / 2
+    for side, sign in ((start, 1), (end, -1)):
+        reach = side + sign * np.minimum(cone, half)
+        ax.fill_betweenx(hertz, side, reach, color=GREY, alpha=0.25, linewidth=0.0, zorder=2)
+        label = "cone of influence" if side == start else None
+        ax.plot(side + sign * cone, hertz, color=GREY, linewidth=0.9, linestyle=":", label=label)
+
+
+def _draw_ridges(ax: Axes, ridges: Sequence[Ridge]) -> None:
+    for i, ridge in enumerate(ridges):
+        sought = (ridge.timepts >= ridge.onset) & (ridge.timepts <= ridge.window.stop)
+        trace = np.where(sought & _own(ridge, ridges), ridge.trace, np.nan) / (2 * np.pi)
+        label = None if i else "largest modulus nearby"
+        ax.plot(*thinned(ax, ridge.timepts, trace), color=BLACK, linewidth=0.7, label=label)
+        window, at = [ridge.window.start, ridge.window.stop], ridge.omega / (2 * np.pi)
+        label = None if i else "ridge, trusted window"
+        ax.plot(window, [at, at], color=VERMILION, linewidth=2.0, label=label)
+
+
+def _own(ridge: Ridge, ridges: Sequence[Ridge]) -> NDArray[np.bool_]:
+    """Return where the trace of a ridge is not nearer to another one."""
+    away = [np.abs(np.log(ridge.trace / other.omega)) for other in ridges]
+    return np.asarray(np.abs(np.log(ridge.trace / ridge.omega)) <= np.min(away, axis=0))
+
+
+def _mark_modes(ax: Axes, modes: ModalSet) -> None:
+    """Mark the damped frequency of each mode at the right edge, whether it has a ridge or not."""
+    hertz = modes.poles.imag / (2 * np.pi)
+    (low, high), end = ax.get_ylim(), ax.get_xlim()[1]
+    numbers = np.flatnonzero((hertz > low) & (hertz < high))
+    if not numbers.size:
+        return
+    at = np.full(numbers.size, end)
+    ax.plot(at, hertz[numbers], color=GREEN, marker="<", linestyle="none", label="mode", clip_on=False)
+    for k in numbers:
+        ax.annotate(
+            f"{k + 1}", (end, hertz[k]), xytext=(-6, 0), textcoords="offset points", ha="right", va="center",
+            color=GREEN, fontsize="small", fontweight="bold",
+        )  # fmt: skip
+
+
+def _channel_weights(scalogram: Scalogram, channel: str | None) -> RealArray:
+    if channel is None:
+        return power_weights(scalogram)
+    chosen = np.zeros(len(scalogram.channels))
+    chosen[position(channel, scalogram.channels)] = 1.0
+    return chosen
+
+
+def _radian_per_second(hertz: ArrayLike) -> RealArray:
+    return 2 * np.pi * np.asarray(hertz, float)
+
+
+def _hertz(radian_per_second: ArrayLike) -> RealArray:
+    return np.asarray(radian_per_second, float) / (2 * np.pi)

@@ -1,0 +1,89 @@
+"""Mode shapes as bars."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from suspid.errors import InputError
+from suspid.model import scaled_shapes
+from suspid.reporting.axes import shown
+from suspid.reporting.colours import BLACK, BLUE, PALE_BLUE, SHADE
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from suspid.model import ModalSet
+
+# Length of the bar of the largest component [distance between modes]: two neighbours just do not meet.
+FULL_BAR = 0.42
+# Phases are written beside the bars of at most this many components.
+MOST_PHASES = 24
+
+
+def plot_shapes(modes: ModalSet, *, ax: Axes) -> Axes:
+    """Draw mode shapes: a column for each mode, with a bar for each channel.
+
+    Bars to the right are in phase with the largest component, bars to the left in antiphase. The dark bar is the
+    real part, the light bar the amplitude. A phase that is neither 0 nor 180° to within 1° is written beside it.
+
+    Parameters
+    ----------
+    modes : ModalSet
+        Modes with shapes.
+    ax : matplotlib.axes.Axes
+        Where to draw.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        ``ax``.
+
+    Raises
+    ------
+    InputError
+        If the modes have no shapes.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> from suspid import eigenmodes, quarter_car
+    >>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3,
+    ...                   tire_stiffness=200e3, chassis_damping=1500)
+    >>> ax = plot_shapes(eigenmodes(car), ax=Figure().subplots())
+    >>> [label.get_text() for label in ax.get_yticklabels()]
+    ['chassis', 'tire']
+    """
+    if modes.shapes is None:
+        raise InputError("these modes have no shapes to draw: poles alone were given")
+    shapes = scaled_shapes(modes.shapes)
+    rows = np.arange(len(shapes))
+    numbered = shapes.size <= MOST_PHASES
+    for k, shape in enumerate(shapes.T, 1):
+        amplitude = np.where(shape.real < 0, -1, 1) * np.abs(shape)
+        ax.barh(rows, FULL_BAR * amplitude, left=k, height=0.5, color=PALE_BLUE, edgecolor=BLUE, linewidth=0.6)
+        ax.barh(rows, FULL_BAR * shape.real, left=k, height=0.5, color=BLUE)
+        ax.plot([k, k], [-0.5, len(shapes) - 0.5], color=BLACK, linewidth=0.8)
+        for row, component in enumerate(shape):
+            if numbered:
+                _write_phase(ax, k, row, complex(component))
+    count = len(modes)
+    for k in range(1, count):
+        ax.axvline(k + 0.5, color=SHADE, linewidth=0.8)
+    ax.set(xlim=(0.5, count + 0.5), ylim=(len(shapes) - 0.5, -0.5))
+    ax.set_xticks(range(1, count + 1), [f"{wn / (2 * np.pi):.4g}" for wn in modes.wn])
+    ax.set_yticks(rows, [shown(name, most=16) for name in modes.channels])
+    ax.set_xlabel("natural frequency [Hz]")
+    ax.set_title("shapes [1 = largest]", loc="left")
+    return ax
+
+
+def _write_phase(ax: Axes, column: int, row: int, component: complex) -> None:
+    """Write the phase on the side of the axis where there is no bar; omit 0, 180° and that of tiny components."""
+    degrees = float(np.degrees(np.angle(component)))
+    if abs(component) <= 0.01 or not 1.0 < abs(degrees) < 179.0:
+        return
+    side = "right" if component.real >= 0 else "left"
+    offset = -0.03 if side == "right" else 0.03
+    ax.text(column + offset, row, f"{degrees:.0f}°".replace("-", "−"), ha=side, va="center", fontsize="small")
