@@ -1,4 +1,4 @@
-"""What can go wrong, each carrying what was found so far."""
+"""Errors and warnings. An error carries the best result found before it."""
 
 from __future__ import annotations
 
@@ -9,28 +9,28 @@ if TYPE_CHECKING:
 
 
 class SuspidError(Exception):
-    """Every error that suspid raises on purpose."""
+    """Base of all errors that suspid raises."""
 
 
 class InputError(SuspidError, ValueError):
-    """A value that cannot be used; the message says which, why, and what to do."""
+    """A value cannot be used; the message says which, why, and what to do."""
 
 
 class RecordError(InputError):
-    """A record, or the file that should hold one, that cannot be used."""
+    """A record or its file cannot be used."""
 
 
 class RecordWarning(UserWarning):
-    """What was repaired in a record as it was read, or was seen there and left alone."""
+    """Something was repaired in a record while it was read, or was noticed and left as it is."""
 
 
 class IdentificationError(SuspidError):
-    """Modes could not be found as asked.
+    """The requested modes could not be found.
 
     Attributes
     ----------
     found : ModalSet or None
-        The modes that could be found.
+        The modes that were found.
     """
 
     def __init__(self, message: str, *, found: ModalSet | None = None) -> None:
@@ -44,7 +44,7 @@ class ReconstructionError(SuspidError):
     Attributes
     ----------
     best : Suspension or None
-        The nearest suspension met on the way.
+        The best suspension found.
     """
 
     def __init__(self, message: str, *, best: Suspension | None = None) -> None:

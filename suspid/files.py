@@ -1,4 +1,4 @@
-"""Files: read whole, written under another name and renamed, and named safely in messages."""
+"""Files: read whole, replaced only when complete, and named safely in messages."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from suspid.errors import InputError
 
 
 def printable(text: str) -> str:
-    r"""Return the text on one line with everything escaped that a terminal might obey.
+    r"""Return the text on one line with control characters escaped.
 
     Examples
     --------
@@ -23,7 +23,7 @@ def printable(text: str) -> str:
 
 
 def read_bytes(path: Path, *, error: type[InputError] = InputError) -> bytes:
-    """Return what the file holds; every reason why it cannot be read becomes an ``error``."""
+    """Return the content of a file; raise ``error`` with the reason if it cannot be read."""
     name = printable(str(path))
     try:
         if path.is_dir():
@@ -43,7 +43,7 @@ def read_bytes(path: Path, *, error: type[InputError] = InputError) -> bytes:
 
 
 def read_text(path: Path, *, error: type[InputError] = InputError) -> str:
-    """Return the UTF-8 text of a file without its byte order mark and with lines ended by newlines."""
+    """Return the UTF-8 text of a file without byte order mark and with line feeds as line ends."""
     content = read_bytes(path, error=error)
     try:
         text = content.decode("utf-8-sig")
@@ -54,16 +54,16 @@ def read_text(path: Path, *, error: type[InputError] = InputError) -> str:
             f"save it as UTF-8"
         ) from None
     if "\0" in text:
-        raise error(f"{printable(str(path))}: is not text: it holds zero bytes")
+        raise error(f"{printable(str(path))}: is not text: it contains zero bytes")
     return text.replace("\r\n", "\n").replace("\r", "\n")
 
 
 @contextmanager
 def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """Give a new file to write to; it takes the place of ``path`` only if all went well.
+    """Give a new file to write to; it replaces ``path`` only if no error occurs.
 
-    Enter before the work: a place that cannot be written to is found at once. A device or a pipe
-    is written to directly.
+    Enter the context before the work starts, so that a path that cannot be written to is refused at once. A device
+    or a pipe is written to directly.
 
     Raises
     ------

@@ -1,7 +1,7 @@
-"""Units, written once, as types.
+"""Units as types.
 
-A parameter annotated ``stiffness: NewtonPerMetre`` is a plain float in that unit. Nothing in
-suspid converts units; everything is SI, angles are radians and damping ratios are ratios.
+A parameter annotated ``stiffness: NewtonPerMetre`` is a plain float in that unit. All values are in SI units; angles
+are in radians and damping ratios are ratios, not percent.
 """
 
 from typing import Annotated, TypeAlias

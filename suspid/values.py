@@ -1,4 +1,4 @@
-"""Pieces of which frozen values are made: read-only arrays and ordered, hashable mappings."""
+"""Parts of frozen values: read-only arrays and ordered, hashable mappings; text of numbers and tables."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from suspid.units import ComplexArray, RealArray
 
 
 class FrozenMapping(Mapping[str, float]):
-    """An ordered mapping from names to numbers that nobody can change (hashable, picklable)."""
+    """An ordered, immutable mapping from names to numbers (hashable, picklable)."""
 
     __slots__ = ("_items",)
 
@@ -29,7 +29,7 @@ class FrozenMapping(Mapping[str, float]):
         return len(self._items)
 
     def __eq__(self, other: object) -> bool:
-        """Equal names in equal order with equal values: the order is that of the matrices."""
+        """Compare names, order and values; the order counts because the matrices have it."""
         if not isinstance(other, Mapping):
             return NotImplemented
         return list(self.items()) == list(other.items())

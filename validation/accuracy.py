@@ -1,4 +1,4 @@
-"""How near the default method comes to the Cramér-Rao bound, whether its intervals hold, and what it invents."""
+"""Accuracy of the default method: RMSE over the Cramér-Rao bound, coverage of its intervals, false modes."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from validation import cars
 from validation.bounds import Bound, cramer_rao, decay_amplitudes
 
 SEEDS = 100
-# Seeds start here; none of them served to develop the method.
+# First seed. The method was developed on lower seeds only.
 FIRST_SEED = 700_000
 
 
@@ -36,7 +36,7 @@ class Case:
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Outcome:
-    """What came of one record: how many modes, and each mode's errors in units of its own standard deviation."""
+    """Result of one record: number of modes, and the errors of each mode in units of its standard deviation."""
 
     count: int
     errors: RealArray | None
@@ -132,14 +132,14 @@ def record_of(case: Case) -> tuple[RealArray, RealArray]:
 
 
 def outcome(case: Case, seed: int) -> Outcome:
-    """Return what `identify` makes of one noisy record of a case."""
+    """Return the result of `identify` on one noisy record of a case."""
     time, clean = record_of(case)
     noisy = add_noise(as_response(time, clean, case.channels), snr_db=case.snr_db, rng=np.random.default_rng(seed))
     return judged(identify(noisy).modes, eigenmodes(case.car))
 
 
 def random_outcome(seed: int) -> Outcome:
-    """Return what `identify` makes of a random car's record at 30 dB."""
+    """Return the result of `identify` on the record of a random car at 30 dB."""
     rng = np.random.default_rng(seed)
     case = Case(name="", car=cars.random_car(rng), snr_db=30.0, channels=ALL, duration=6.0, fs=400.0)
     time, clean = record_of(case)
@@ -217,7 +217,7 @@ def efficiency_table(cases: Sequence[Case], outcomes: dict[Case, list[Outcome]])
 
 
 def honesty_table(cases: Sequence[Case], outcomes: dict[Case, list[Outcome]]) -> str:
-    """Return the table of invented modes."""
+    """Return the table of false modes."""
     rows = []
     for case in cases:
         returned = np.concatenate([o.scores for o in outcomes[case]])

@@ -1,4 +1,4 @@
-"""The Cramér-Rao bound of damped sinusoids in white noise: what no unbiased estimator can beat.
+"""Cramér-Rao bound of damped sinusoids in white noise: the least variance of an unbiased estimator.
 
 Nothing here is taken from the library's estimators; it is a second opinion on them.
 """
@@ -90,7 +90,7 @@ def cramer_rao(
         raise InputError(f"noise_std {sigma} must be positive")
     powers: ComplexArray = np.exp(np.outer(timepts, poles))
     own = np.column_stack([powers.real, -powers.imag] + ([np.ones(len(powers))] if offset else []))
-    # The amplitudes of a channel show in that channel alone, so they can be projected out channel by channel.
+    # The amplitudes of a channel affect that channel alone, so they can be projected out channel by channel.
     basis, _ = np.linalg.qr(own)
     information = np.zeros((2 * len(poles), 2 * len(poles)))
     for row, std in zip(amplitudes, sigma, strict=True):

@@ -1,4 +1,4 @@
-"""Cars to be judged on: the paper's, heavily damped ones, close modes, random ones."""
+"""Cars of the reports: the paper's, heavily damped ones, two close modes, random ones."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ VAN = quarter_car(
 
 
 def close_pair(separation: float, zeta: float = 0.01) -> Suspension:
-    """Return two equal masses on equal springs, weakly tied: two modes whose frequencies differ by ``separation``."""
+    """Return two equal masses, weakly coupled, with two modes whose frequencies differ by ``separation``."""
     stiffness, mass = 100e3, 100.0
     tie = stiffness * ((1 + separation) ** 2 - 1) / 2
     damping = 2 * zeta * np.sqrt(stiffness * mass)
@@ -44,7 +44,7 @@ def close_pair(separation: float, zeta: float = 0.01) -> Suspension:
 
 
 def random_car(rng: np.random.Generator) -> Suspension:
-    """Return a seat-in-car model with parameters drawn from what is on the road."""
+    """Return a quarter car with a seat, its parameters drawn from the ranges of passenger cars."""
 
     def between(low: float, high: float) -> float:
         return float(np.exp(rng.uniform(np.log(low), np.log(high))))

@@ -1,4 +1,4 @@
-"""The free decay: its time beside control's, its error beside fifty digits, its memory."""
+"""Free decay: time relative to python-control, error against fifty digits, memory."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ REPEATS = 5
 
 
 def report() -> str:
-    """Return what was measured, in one run: times as a ratio, errors relative to each channel's peak."""
+    """Return the report of one run: times as a ratio, errors relative to the peak of each channel."""
     car = quarter_car(
         seat_mass=200,
         chassis_mass=200,
@@ -34,7 +34,7 @@ def report() -> str:
     system = statespace(car)
     undamped = statespace(car.with_parameters(damping={"seat": 0, "chassis": 0, "tire": 0}))
     times, start = STEP * np.arange(SAMPLES), np.array([0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
-    # Turn by turn, so that a busy machine slows both.
+    # In turns, so that a busy machine slows both alike.
     pairs = [
         (
             _seconds(lambda: free_decay(system, times, initial_state=start)),

@@ -1,4 +1,4 @@
-"""Table 2 of the paper and the content of its Figures 5-16, from our method beside the printed values."""
+"""Table 2 of the paper and its Figures 5-16: results of suspid compared with the printed values."""
 
 from __future__ import annotations
 

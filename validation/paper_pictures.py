@@ -20,13 +20,13 @@ if TYPE_CHECKING:
 
 CHANNELS = ("tire",)
 SEED = 0
-# From the first to the last of these the modes lie; the scalogram shows no more [rad/s].
+# Range of the scalogram; all modes lie in it [rad/s].
 SHOWN = (10.0, 160.0)
 ROWS = 140
 LONG_CANDIDATES = np.geomspace(1.0, 800.0, 40)
 DOTS_PER_INCH = 90
 PALE = "#BBBBBB"
-# Colours per picture: plain lines and one ramp need no more, and the files are a third as large.
+# Colours per picture. Lines and one colour ramp need no more, and the files are a third of their size.
 PALETTE = 128
 
 
@@ -120,7 +120,7 @@ def save(figure: Figure, path: Path) -> Path:
     from PIL import Image
 
     with BytesIO() as buffer:
-        # The version of matplotlib would change the file and not the picture.
+        # Without the version of matplotlib the same picture gives the same file.
         figure.savefig(buffer, format="png", metadata={"Software": None})
         picture = (
             Image.open(buffer)

@@ -1,4 +1,4 @@
-"""The rows of the report on the paper's example: truth, printed values, estimates beside the bound."""
+"""Rows of the report on the paper's example: truth, printed values, estimates and the bound."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from validation.bounds import Bound
 from validation.study import Study, bound, case_methods, paper_car
 from validation.table2 import ACTUAL_WN, ACTUAL_ZETA, CASES, Case
 
-# Fewer draws than this give no RMSE worth printing.
+# With fewer draws than this no RMSE is printed.
 FEWEST_DRAWS = 10
 # Errors below this, of identification without noise, are rounding and change from machine to machine.
 ROUNDING = 1e-6
@@ -23,7 +23,7 @@ Studies = dict[tuple[str, tuple[str, ...], str], Study]
 
 
 def truth_rows() -> list[list[str]]:
-    """Return the rows of the exact modes that stand above every part of Table 2."""
+    """Return the rows of the exact modes, printed above every part of Table 2."""
     truth = eigenmodes(paper_car())
     return [
         ["actual, paper", *_modes_text(ACTUAL_WN, ACTUAL_ZETA, 2), "", ""],
@@ -32,7 +32,7 @@ def truth_rows() -> list[list[str]]:
 
 
 def damping_rows() -> list[list[str]]:
-    """Return the readings of Table 1's damping beside Table 2."""
+    """Return the modes of each reading of Table 1's damping, for comparison with Table 2."""
     tenfold = statespace(paper_car()).A
     printed, exact = eigenmodes(paper_car(damping_factor=1.0)), eigenmodes(paper_car())
     stepped = ModalSet(poles=trapezoidal_poles(np.asarray(tenfold), TRAPEZOIDAL_STEP))
@@ -50,7 +50,7 @@ def damping_rows() -> list[list[str]]:
 
 
 def trapezoidal_poles(A: RealArray, step: Second) -> ComplexArray:
-    """Return the poles that integrating ``x' = A x`` by the trapezoidal rule at a fixed step seems to have [rad/s].
+    """Return the poles that integrating ``x' = A x`` by the trapezoidal rule at a fixed step shows [rad/s].
 
     One step multiplies the state by ``(I - A h / 2)^-1 (I + A h / 2)``; the poles are the logarithms of
     its eigenvalues over h, those of the upper half plane.
@@ -62,7 +62,7 @@ def trapezoidal_poles(A: RealArray, step: Second) -> ComplexArray:
 
 
 def best_step() -> Second:
-    """Return the step at which the trapezoidal rule comes nearest to the frequencies of Table 2's original row [s]."""
+    """Return the step of the trapezoidal rule that best fits the frequencies of Table 2's original row [s]."""
     from scipy.optimize import minimize_scalar
 
     A = np.asarray(statespace(paper_car()).A)

@@ -1,4 +1,4 @@
-"""How each peer is called: its public functions only, settings as a careful user would choose them."""
+"""Calls of each peer: public functions only, with the settings of a careful user."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ from validation.peer_skeletons import RATE, Estimates, fcwt_skeleton, pywt_skele
 # Subspace methods work on every tenth sample of the low-pass filtered record.
 REDUCTION = 10
 SLOW: Hertz = RATE / REDUCTION
-# Order of the subspace models: three pairs and one more for what the filter and the noise leave.
+# Order of the subspace models: three pairs, and one for the filter and the noise.
 ORDER = 8
-# What a method is told: H where the modes are, to 5 %; N how many there are, or an order; - nothing.
+# Information given to a method: H the frequencies to 5 %, N the number of modes or an order, - nothing.
 Given = Literal["H", "N", "-"]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Method:
-    """One way to find modes in the samples of one channel at `RATE`, perhaps told where they are."""
+    """One way to find modes in the samples of one channel at `RATE`, with or without hints."""
 
     name: str
     distribution: str
@@ -36,13 +36,13 @@ class Method:
 
 
 def suspid_unaided(samples: RealArray, near: RealArray) -> Estimates:
-    """Return all that `identify` finds."""
+    """Return all modes of `identify`."""
     del near
     return _pairs(identify(as_response(np.arange(len(samples)) / RATE, samples[None], ("seat",))).modes)
 
 
 def suspid_ridge(samples: RealArray, near: RealArray) -> Estimates:
-    """Return three modes by the ridges, or as many as there are."""
+    """Return at most three modes by the ridges."""
     record = as_response(np.arange(len(samples)) / RATE, samples[None], ("seat",))
     try:
         return _pairs(identify(record, modes=len(near), method="ridge").modes)
@@ -55,7 +55,7 @@ def mwdi(samples: RealArray, near: RealArray) -> Estimates:
     identifier = importlib.import_module("mwdi").MorletWave(samples, RATE)
 
     def one(guess: float) -> tuple[float, float]:
-        # 30 cycles unless the record is shorter; such a wave would miss a maximum 5 % away, ten cycles do not.
+        # 30 cycles unless the record is shorter. A wave of 30 cycles misses a maximum 5 % away, one of ten does not.
         rough = identifier.find_natural_frequency(guess, 8, 10)
         cycles = min(30, int(rough * len(samples) / RATE / (2 * np.pi)) - 2)
         wn = identifier.find_natural_frequency(rough, 8, cycles)
@@ -108,7 +108,7 @@ def koma(samples: RealArray, near: RealArray) -> Estimates:
     del near
     oma, clustering = importlib.import_module("koma.oma"), importlib.import_module("koma.clustering")
     poles, shapes, orders = oma.covssi(slowed(samples)[:, None], SLOW, 60, np.arange(2, 61, 2), showinfo=False)
-    # One channel has no phase collinearity to judge by: the range must let 1 pass.
+    # The phase collinearity of one channel is 1, so the range must include 1.
     valid = {"freq": [0, np.inf], "damping": [0, np.inf], "mpc": [-np.inf, np.inf]}
     poles, shapes, orders, _ = oma.find_stable_poles(poles, shapes, orders, 1, valid_range=valid)
     clusterer = clustering.PoleClusterer(
@@ -165,7 +165,7 @@ def sippy(samples: RealArray, near: RealArray) -> Estimates:
 
 
 def slowed(samples: RealArray) -> RealArray:
-    """Return the samples at `SLOW`, low-pass filtered forth and back."""
+    """Return the samples at `SLOW`, low-pass filtered forward and backward."""
     from scipy.signal import decimate
 
     return np.asarray(decimate(samples, REDUCTION), float)
@@ -183,7 +183,7 @@ def _modes_of(A: Any, rate: Hertz) -> Estimates:
 
 
 def _each(near: RealArray, one: Callable[[float], tuple[float, float]]) -> Estimates:
-    """Return what comes of each guess; a peer that refuses one of them may still find the others."""
+    """Return the result of each guess; a peer that refuses one may still find the others."""
     found = []
     for guess in near:
         try:

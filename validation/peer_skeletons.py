@@ -1,4 +1,4 @@
-"""The wavelet transforms of other libraries, and one skeleton script for all of them."""
+"""Wavelet transforms of other libraries, and one skeleton fit for all of them."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ RATE: Hertz = 500.0
 # The wavelet exp(2 pi j t) exp(-t^2 / N), the same for every library.
 BANDWIDTH = 10.0
 ROWS = 33
-# Where no mode is near: from here the noise of the other rows is known.
+# A frequency without a mode near it; the noise of the other rows is estimated here.
 NOISE_ROW: RadianPerSecond = 600.0
 
 # Pairs of natural frequency [rad/s] and damping ratio [1].

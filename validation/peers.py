@@ -1,4 +1,4 @@
-"""The library beside its peers on the same signals: the paper's car, seat alone."""
+"""Comparison with other libraries on the same signals: the paper's car, seat alone."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ ROUNDS = 7
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Score:
-    """What one method made of the records at one level of noise.
+    """Errors and failures of one method at one level of noise.
 
     Parameters
     ----------
@@ -58,26 +58,27 @@ class Score:
 
 
 def report(*, seeds: int = 10, methods: Sequence[Method] = METHODS, rounds: int = ROUNDS) -> str:
-    """Return the report as markdown: accuracy, which is the same in every run, then times, which are not."""
+    """Return the report as markdown: accuracy, which is reproducible, then times, which are not."""
     problems = {method.name: missing_module(method.module) for method in methods}
     there = [method for method in methods if not problems[method.name]]
     scores = {m.name: [score(m, snr, seeds) for snr in LEVELS] for m in there}
     parts = [
-        "# Beside the peers",
+        "# Comparison with other libraries",
         f"The paper's car, c = 300, 200, 100 N s/m; a unit impulse of velocity on the tire; seat displacement alone; "
         f"{RATE:g} Hz, {DURATION:g} s; white noise, seeds 0 to {seeds - 1}. Mean absolute error over the modes found "
-        f"within {100 * FOUND:g} % of the true wn, wn in rad/s and zeta in percentage points: read it with the "
-        f"failures beside it, for who finds only the easy modes has small errors. Given: H, the true frequencies to "
-        f"{100 * FOUND:g} % (drawn evenly within, by the seed); N, an order or the number of modes; -, nothing.",
+        f"within {100 * FOUND:g} % of the true wn, wn in rad/s and zeta in percentage points: read it "
+        f"together with the failures, because a method that finds only the easy modes has small errors. "
+        f"Given: H, the true frequencies to {100 * FOUND:g} % (drawn evenly within, by the seed); "
+        f"N, an order or the number of modes; -, nothing.",
         accuracy_table(methods, scores, problems),
-        "A peer that raises an exception has found nothing: "
+        "Exceptions raised by peers, counted as failures: "
         + ("; ".join(_exceptions(scores)) or "none did")
         + ".\n\nSettings, with public functions alone (for mwdi, koma, pyOMA_2, sdypy-EMA and "
         "sippy_unipi chosen among a few by what they gave on these very records, to their advantage): "
         + "; ".join(f"{m.name}: {m.settings}" for m in there if m.distribution != "suspid")
         + ". The skeleton script takes the strongest of 33 rows within 8 % of the given frequency and fits lines, "
         "weighted by the squared modulus, from two envelopes after the start until the modulus is thrice the noise.",
-        "## The same beside the bound",
+        "## The same relative to the bound",
         "Mean absolute error over the least that an unbiased method can expect for the very modes that were found "
         "(1 is the bound; a few records scatter by about a tenth, or more where few modes were found; a biased method, "
         "or one that drops its worst estimates, may fall below), and the modes returned per record, right or wrong.",
@@ -130,7 +131,7 @@ def missing_module(module: str) -> str:
 
 
 def score(method: Method, snr_db: Decibel | None, seeds: int) -> Score:
-    """Return what a method makes of the records at one level of noise."""
+    """Return the score of a method on the records at one level of noise."""
     errors, returned, raised = [], 0, ""
     for seed in range(1 if snr_db is None else seeds):
         try:
@@ -177,7 +178,7 @@ def accuracy_table(methods: Sequence[Method], scores: dict[str, list[Score]], pr
 
 
 def bound_table(methods: Sequence[Method], scores: dict[str, list[Score]], seeds: int) -> str:
-    """Return the table of mean absolute errors over what the bound lets expect for the same modes."""
+    """Return the table of mean absolute errors over those expected from the bound for the same modes."""
     rows = []
     for method in methods:
         cells = []
@@ -212,15 +213,15 @@ def times_text(methods: Sequence[Method], rounds: int) -> str:
     threads = os.environ.get("OMP_NUM_THREADS", "as many as the machine has")
     return (
         f"One call on the record at 20 dB, seed 0: median of {rounds} rounds in one process, the methods in turns, "
-        f"after one round to warm up; BLAS threads: {threads}. Milliseconds are this machine's; the ratios travel. "
-        f"Reading and filtering the record counts where a method needs it.\n\n"
+        f"after one round to warm up; BLAS threads: {threads}. The milliseconds hold for this machine only; "
+        f"compare the ratios. Reading and filtering the record counts where a method needs it.\n\n"
         + tabulate(rows, headers=headers, tablefmt="github", disable_numparse=True)
     )
 
 
 @contextlib.contextmanager
 def silence() -> Iterator[None]:
-    """Keep what peers print, log and warn of to ourselves."""
+    """Suppress output, log entries and warnings of peers."""
     before = logging.root.manager.disable
     logging.disable(logging.CRITICAL)
     try:

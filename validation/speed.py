@@ -1,4 +1,4 @@
-"""What identification costs: beside a peer, against the length of the record, and its transform beside a peer's."""
+"""Time and memory of identification, against the length of the record and relative to other libraries."""
 
 from __future__ import annotations
 
@@ -30,14 +30,14 @@ CHANNELS = ("seat", "chassis", "tire")
 LENGTHS = (1_000, 10_000, 100_000, 1_000_000)
 # The transform: the paper's wavelet, on rows from four cycles in the record to 0.9 of the Nyquist frequency.
 SAMPLES, ROWS, BANDWIDTH, CENTER = 100_000, 300, 22.0, 2 * np.pi
-# What ssqueezepy's cwt does if told nothing.
+# Default settings of ssqueezepy's cwt.
 PEER_DEFAULT = "ssqueezepy, float32, reflect padding, parallel on"
-# So many envelopes from the ends nothing of them is felt, whatever a library pads with.
+# Distance from the ends in envelopes, beyond which the padding of a library has no effect.
 CLEAR = 6.0
 
 
 def report(*, rounds: int = 7, lengths: Sequence[int] = LENGTHS, samples: int = SAMPLES, rows: int = ROWS) -> str:
-    """Return the report as markdown: what is the same in every run, then the times, which are not."""
+    """Return the report as markdown: accuracy, which is reproducible, then times, which are not."""
     noise = np.random.default_rng(0).standard_normal(samples)
     signal = as_signal(as_response(np.arange(samples) / RATE, noise[None], ("seat",)))
     low, high = 2 * np.pi * 4 / signal.duration, 0.9 * np.pi * RATE
@@ -55,9 +55,9 @@ def report(*, rounds: int = 7, lengths: Sequence[int] = LENGTHS, samples: int = 
         f"the normalisation.",
         accuracy_table(runs, signal, omega),
         "## Times",
-        f"Medians, all of one table in turns in one process; BLAS threads: {threads}. Milliseconds are this machine's; "
-        f"the ratios travel.",
-        "### One unaided call, one channel, 5000 samples at 20 dB",
+        f"Medians; all calls of one table take turns in one process; BLAS threads: {threads}. The milliseconds hold "
+        f"for this machine only; compare the ratios.",
+        "### One call without hints, one channel, 5000 samples at 20 dB",
         identify_text(rounds),
         "### Against the length of the record, three channels",
         "The paper's car; the noise is that of 20 dB over ten seconds, whatever the length. Memory is the peak that "
@@ -74,7 +74,7 @@ def report(*, rounds: int = 7, lengths: Sequence[int] = LENGTHS, samples: int = 
 
 
 def identify_text(rounds: int) -> str:
-    """Return the table of `identify` beside mwdi."""
+    """Return the table of `identify` and mwdi."""
     samples = record(20.0, 0)
     response = as_response(np.arange(len(samples)) / RATE, samples[None], ("seat",))
     truth = eigenmodes(cars.PAPER).wn
@@ -215,7 +215,7 @@ def accuracy_table(runs: Mapping[str, Callable[[], Any]], signal: Signal, omega:
 
 
 def direct_sum(signal: Signal, omega: float, sample: int) -> complex:
-    """Return ``s^-1 sum_n x(t_n) conj(psi((t_n - tau) / s)) h`` at one sample, summed as it stands."""
+    """Return ``s^-1 sum_n x(t_n) conj(psi((t_n - tau) / s)) h`` at one sample, summed directly."""
     scale = CENTER / omega
     elapsed = (np.arange(signal.values.shape[1]) - sample) * signal.step / scale
     wave: ComplexArray = np.exp(-1j * CENTER * elapsed - elapsed**2 / BANDWIDTH)

@@ -235,8 +235,9 @@ def report() -> str:
         )
     parts.append(
         f"## Time\n\nProcessor time of one `reconstruct` out of {REPEATS} in one process; BLAS threads: "
-        f"{os.environ.get('OMP_NUM_THREADS', 'as many as the machine has')}. Milliseconds are this machine's; the last "
-        f"column is the ratio to `eigenmodes` of the same car, in the same run.\n\n```\n{times_table()}\n```"
+        f"{os.environ.get('OMP_NUM_THREADS', 'as many as the machine has')}. The milliseconds hold for this "
+        f"machine only; the last column is the ratio to `eigenmodes` of the same car, in the same run.\n\n"
+        f"```\n{times_table()}\n```"
     )
     return "\n\n".join(parts) + "\n"
 

@@ -1,4 +1,4 @@
-"""The paper's cases on a stated record, and what identification makes of them over many draws of noise."""
+"""The paper's cases on a stated record, identified over many draws of noise."""
 
 from __future__ import annotations
 
@@ -47,11 +47,11 @@ DURATION: Second = 10.0
 START = {"v_tire": 1.0}
 # Table 1 prints c = 30, 20, 10 N s/m; the modes of Table 2 belong to ten times that.
 DAMPING_FACTOR = 10.0
-# A mode counts as found if the pole of an estimate lies this near to its own, over its natural frequency.
+# A mode counts as found if the distance of an estimated pole, over the natural frequency, is less than this.
 FOUND = 0.05
-# Every method that `identify` knows is judged; another one is one more name here.
+# Methods of `identify` that are judged; add the name of a new one here.
 METHODS: tuple[str, ...] = ("ridge", "likelihood")
-# For denoised records only: the paper's method on the denoised record, in the windows that the noisy one allows.
+# For denoised records only: the paper's method on the denoised record, in the windows of the noisy record.
 NOISY_WINDOWS = "ridge, windows of the noisy record"
 # The bandwidth of least entropy is chosen among these, as in the paper.
 CANDIDATES = range(1, 51)
@@ -78,12 +78,12 @@ class Study:
 
     @property
     def found(self) -> NDArray[np.bool_]:
-        """Which modes were found, (draw, mode)."""
+        """Whether each mode was found, (draw, mode)."""
         return np.asarray(np.isfinite(self.wn))
 
     @property
     def complete(self) -> NDArray[np.bool_]:
-        """In which draws all modes were found, (draw,)."""
+        """Whether all modes of a draw were found, (draw,)."""
         return np.asarray(np.all(self.found, axis=1))
 
 
@@ -181,7 +181,7 @@ def run_studies(
         By name of the case, channels and method.
     """
     pairs = list(product(CASES, channel_sets))
-    # By signal-to-noise ratio and channels, a noisy record serves its denoised form too.
+    # A noisy record and its denoised form share the noise of their signal-to-noise ratio and channels.
     groups = list(product(dict.fromkeys(case.snr_db for case in CASES), channel_sets))
     blocks = [
         (snr_db, channels, range(start, min(start + BLOCK, seeds if snr_db is not None else 1)))

@@ -66,7 +66,7 @@ def eigenmodes(system: control.StateSpace | Suspension) -> ModalSet:
     still = np.eye(len(matrix)) if dt else np.zeros_like(matrix)
     if dt:
         poles = _continuous(poles, dt)
-    if np.linalg.matrix_rank(matrix - still) < len(matrix):
+    if len(matrix) and np.linalg.matrix_rank(matrix - still) < len(matrix):
         poles = np.where(np.abs(poles) <= RIGID * np.max(np.abs(poles), initial=0.0), 0.0, poles)
     shapes = outputs @ vectors
     # Outputs in which the states cancel show rounding alone.

@@ -31,7 +31,7 @@ def add_noise(
     Raises
     ------
     InputError
-        If the response is no usable record, or a channel is zero throughout, where no noise has that ratio.
+        If the response is not a usable record, or a channel is zero throughout, so that no noise has that ratio.
 
     Examples
     --------
@@ -46,7 +46,7 @@ def add_noise(
     """
     signal = as_signal(response)
     if not isinstance(rng, np.random.Generator):
-        raise InputError(f"{rng=} is no random generator; pass np.random.default_rng(seed)")
+        raise InputError(f"{rng=} is not a random generator; pass np.random.default_rng(seed)")
     if not np.isfinite(snr_db):
         raise InputError(f"{snr_db=} dB must be finite")
     power = np.mean(signal.values**2, axis=1)

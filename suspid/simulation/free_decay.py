@@ -28,18 +28,18 @@ def free_decay(
     """Return the exact free response, ``C exp(A (t - t_0)) x_0``, at all outputs.
 
     Uniform time points are filled by doubling: the states of the next 2^k samples are
-    ``exp(A 2^k step)`` times those of the last 2^k. That is exact to rounding, costs as little as
-    writing the result, and does not mind defective (critically damped) systems. The exponentials
-    are formed at every doubling anew, so that errors do not build up over the record.
+    ``exp(A 2^k step)`` times those of the last 2^k. This is exact to rounding and also holds for defective
+    (critically damped) systems. Each doubling computes its own exponential, so errors do not accumulate over
+    the record.
 
     Parameters
     ----------
     system : control.StateSpace or Suspension
         The model; a suspension is taken as ``statespace(suspension)``.
     timepts : array_like (sample,)
-        Increasing times [s]; the initial state is that at the first.
+        Increasing times [s]; the initial state holds at the first of them.
     initial_state : mapping of str to float, or array_like (state,), optional
-        State at the first time, by label (``{"v_tire": 1.0}``, others zero) or whole.
+        State at the first time: by label (``{"v_tire": 1.0}``, the others zero), or as a vector.
     impulse : str, optional
         Name of an input that receives a unit impulse just before the first time.
 
@@ -51,9 +51,9 @@ def free_decay(
     Raises
     ------
     InputError
-        If neither or both of the two starts are given, a name is unknown, the impulse reaches an
-        output at once (it would be infinite there), the system is sampled, or an unstable
-        response outgrows the floating-point range.
+        If neither or both of initial_state and impulse are given, a name is unknown, the impulse passes directly to
+        an output (it would be infinite there), the system is sampled, or an unstable response exceeds the
+        floating-point range.
 
     Examples
     --------
@@ -79,11 +79,11 @@ def free_decay(
         raise InputError("give either initial_state or impulse")
     A, C = np.asarray(system.A, float), np.asarray(system.C, float)
     start = _initial_state(system, initial_state) if impulse is None else _impulse_state(system, impulse)
-    # Rounding of the stamps is no jitter: a grid is a grid to within the spacing of floats.
+    # Times within 8 floats of a uniform grid count as uniform: rounding moves them by no more.
     step = (time[-1] - time[0]) / max(time.size - 1, 1)
-    astray = np.max(np.abs(time - (time[0] + step * np.arange(time.size))))
+    deviation = np.max(np.abs(time - (time[0] + step * np.arange(time.size))))
     with np.errstate(over="ignore", invalid="ignore"):
-        if astray <= 8 * np.spacing(np.max(np.abs(time))):
+        if deviation <= 8 * np.spacing(np.max(np.abs(time))):
             states = _uniform_states(A, start, time.size, step)
         else:
             states = _states_at(A, start, time - time[0])
@@ -91,7 +91,7 @@ def free_decay(
     beyond = np.flatnonzero(~np.all(np.isfinite(values), axis=0))
     if beyond.size:
         raise InputError(
-            f"the system is unstable: its response passes the largest float before t = {time[beyond[0]]:g} s; "
+            f"the system is unstable: its response exceeds the largest float before t = {time[beyond[0]]:g} s; "
             f"end the record earlier"
         )
     return as_response(time, values, system.output_labels, title="Free decay")
@@ -121,7 +121,7 @@ def _impulse_state(system: control.StateSpace, name: str) -> RealArray:
     if np.any(direct):
         output = system.output_labels[int(np.flatnonzero(direct)[0])]
         raise InputError(
-            f"an impulse on {name!r} reaches output {output!r} at once and is infinite there; "
+            f"an impulse on {name!r} passes directly to output {output!r} and is infinite there; "
             f"choose other outputs, or give the state after the impulse as initial_state"
         )
     return np.asarray(system.B, float)[:, labels.index(name)]
@@ -142,7 +142,7 @@ def _uniform_states(A: RealArray, start: RealArray, count: int, step: Second) ->
 
 
 def _states_at(A: RealArray, start: RealArray, elapsed: RealArray) -> RealArray:
-    """Return ``exp(A t) start`` at any times, (state, sample), in blocks that keep memory small."""
+    """Return ``exp(A t) start`` at any times, (state, sample), in blocks to limit memory."""
     from scipy.linalg import expm
 
     blocks = np.array_split(elapsed, max(1, elapsed.size // 4096))
