@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 from suspid import ModalSet, Suspension, eigenmodes, full_car, half_car
+from suspid.reconstruction.asked import unknowns_of
 from suspid.reconstruction.equations import spectral
 from suspid.reconstruction.observations import ModalTest, modal_tests, observe
 from suspid.reconstruction.polynomials import characteristic, principal_minors
-from suspid.reconstruction.unknowns import Unknowns, unknowns_of
+from suspid.reconstruction.unknowns import Unknowns
 from validation.cars import HATCHBACK, PAPER
 from validation.springs import nominal
 

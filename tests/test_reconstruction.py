@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from suspid import InputError, ModalSet, ReconstructionError, Strut, Suspension, eigenmodes, quarter_car
 from suspid.model import pole_distances
 from suspid.reconstruction import programs
-from suspid.reconstruction.programs import Optimum, Program, compiled, cone_of, least_squares, optimality, solve
+from suspid.reconstruction.programs import Limits, Optimum, Program, compiled, cone_of, least_squares, optimality, solve
 from suspid.reconstruction.reconstruct import Reconstruction, reconstruct
 from suspid.units import RealArray
 
@@ -513,7 +513,7 @@ class TestProgram:
             b = size * rng.standard_normal(2 * unknowns)
             low, high = np.full(unknowns, -0.1 * size), np.full(unknowns, 0.2 * size)
             expected = lsq_linear(A, b / size, (low / size, high / size), method="bvls", tol=1e-15).x * size
-            found = least_squares(A, b, low, high, smallest=1e-9 * size)
+            found = least_squares(A, b, Limits(low=low, high=high), smallest=1e-9 * size)
             np.testing.assert_allclose(found.x, expected, rtol=0, atol=1e-11 * size, err_msg=f"{size=}")
             inside = (expected > low + 1e-9 * size) & (expected < high - 1e-9 * size)
             assert found.free == np.sum(inside), "what no bound stops is free"

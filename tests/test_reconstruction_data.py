@@ -82,7 +82,7 @@ class TestExactModesGiveExactParameters:
         answer = reconstruct(eigenmodes(car), nominal(car))
         assert error(answer.suspension, car) < 1e-10, "eigenvalues carry 15 digits, and the program is linear"
         assert answer.alternatives == ()
-        assert "which has one answer" in answer.status
+        assert "unique solution" in answer.status
 
     @pytest.mark.parametrize(
         "outputs",
@@ -238,7 +238,7 @@ class TestTwins:
         np.testing.assert_allclose([s.stiffness for s in answer.suspension.struts], [200e3, 400e3, 800e3], rtol=0.03)
         np.testing.assert_allclose([s.stiffness for s in other.struts], self.twin, rtol=0.03, err_msg="0.2 % off")
         assert answer.distances[0] < 1e-3
-        assert "so few digits" in answer.status
+        assert "few digits" in answer.status
 
     def test_digits_tell_printed_modes_from_computed_ones(self) -> None:
         exact = eigenmodes(PAPER)
@@ -505,12 +505,13 @@ class TestCertainty:
 
     def test_the_optimum_is_one(self) -> None:
         """No first-order step between the bounds gains anything."""
+        from suspid.reconstruction.candidates import candidates
         from suspid.reconstruction.observations import modal_tests
-        from suspid.reconstruction.problem import candidates, posed
+        from suspid.reconstruction.posed import Asked, posed
 
         record = add_noise(free_decay(SALOON, TIMES, initial_state=START), snr_db=20, rng=np.random.default_rng(3))
         modes = identify(record, modes=3).modes
-        problem, _ = posed(modal_tests(modes, SALOON), nominal(SALOON), (), None, (), None, ())
+        problem, _ = posed(modal_tests(modes, SALOON), nominal(SALOON), Asked())
         (x,), _ = candidates(problem, search=True)
         u = problem.unknowns
         assert slope_left(problem.deciding, x, u.lower, u.upper) < 1e-10

@@ -6,11 +6,11 @@ through, and lists every other suspension that the same modes allow. Below it: `
 `alternatives`, `suspects` and `verdicts`.
 """
 
+from suspid.reconstruction.asked import Bounds
 from suspid.reconstruction.car_json import parameter_values, reconstruction_to_dict, unit_of
 from suspid.reconstruction.observations import ModalTest
 from suspid.reconstruction.programs import compiled
 from suspid.reconstruction.reconstruct import Reconstruction, reconstruct
-from suspid.reconstruction.unknowns import Bounds
 
 __all__ = [
     "Bounds",

@@ -18,7 +18,7 @@ An object with
 from __future__ import annotations
 
 from suspid.model import Suspension
-from suspid.reconstruction.reconstruct import Reconstruction
+from suspid.reconstruction.results import Reconstruction
 from suspid.reconstruction.unknowns import parameter_names, parameter_vector
 from suspid.units import Ratio
 

@@ -13,6 +13,7 @@ from suspid.model import ModalSet, Suspension, output_weights
 from suspid.reconstruction.equations import Observed, all_poles, spectral_nodes
 from suspid.units import ComplexArray, Kilogram, RealArray
 from suspid.values import FrozenMapping, nearest_names
+from suspid.words import ReconstructionNote, Remark
 
 FEW_DIGITS = 8  # significant ones: numbers that a person printed; computed ones have 15 to 17
 HERTZ = 2 * np.pi  # rad/s
@@ -89,8 +90,8 @@ def modal_tests(modes: object, suspension: object) -> tuple[ModalTest, ...]:
     return tuple(tests)
 
 
-def observe(test: ModalTest, suspension: Suspension) -> tuple[Observed, list[str]]:
-    """Return the equations of one test, and what to tell about them.
+def observe(test: ModalTest, suspension: Suspension) -> tuple[Observed, list[Remark]]:
+    """Return the equations of one test, and remarks on them.
 
     Raises
     ------
@@ -160,7 +161,7 @@ def unweighted(seen: Observed) -> Observed:
 
 def _usable_shapes(
     modes: ModalSet, suspension: Suspension, moving: NDArray[np.bool_]
-) -> tuple[ComplexArray | None, NDArray[np.intp], RealArray, list[str]]:
+) -> tuple[ComplexArray | None, NDArray[np.intp], RealArray, list[Remark]]:
     """Return the shapes whose channels the suspension has, what these are, and why not others."""
     nothing = None, np.zeros(0, int), np.zeros((0, len(suspension.coordinates)))
     if modes.shapes is None:
@@ -171,13 +172,12 @@ def _usable_shapes(
         try:
             selections.append(output_weights(suspension, channel))
         except InputError:
-            known = "a coordinate, its velocity or acceleration, or the travel of a strut"
-            return *nothing, [f"shapes not used: channel {channel!r} is not {known}; rename it to use them"]
+            return *nothing, [Remark(ReconstructionNote.CHANNEL_UNKNOWN, {"channel": channel})]
     twice = [c for c in channels if channels.count(c) > 1]
     if twice:
-        return *nothing, [f"shapes not used: channel {twice[0]!r} is not one coordinate"]
+        return *nothing, [Remark(ReconstructionNote.CHANNEL_TWICE, {"channel": twice[0]})]
     if len(channels) < 2:
-        return *nothing, ["shapes not used: one channel has none"]
+        return *nothing, [Remark(ReconstructionNote.ONE_CHANNEL)]
     orders, weights = np.array([s[0] for s in selections]), np.array([s[1] for s in selections])
     # Velocities and accelerations over the frequency and its square: as large as the displacements.
     shapes = modes.shapes[:, moving] / modes.wn[moving] ** orders[:, None]

@@ -1,45 +1,39 @@
-"""Tests and unknowns put together: one dimensionless problem, and the suspensions that may solve it."""
+"""One dimensionless problem: the equations of all tests, the unknowns and the wishes."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
-from suspid.errors import ReconstructionError
-from suspid.model import Suspension, pole_distances
-from suspid.reconstruction.alternatives import distinct, even_starts, spectral_minima
-from suspid.reconstruction.descent import bounded_step, descend
-from suspid.reconstruction.equations import EXACT, Observed, all_poles, deciding, linear, spectral
-from suspid.reconstruction.observations import ModalTest, observe, printed, unweighted
-from suspid.reconstruction.programs import Optimum, least_squares
-from suspid.reconstruction.sequence import converged
-from suspid.reconstruction.unknowns import Bounds, Unknowns, unknowns_of
+from suspid.reconstruction.descent import descend
+from suspid.reconstruction.equations import EXACT, Observed, deciding, linear, spectral
+from suspid.reconstruction.programs import Limits, Optimum, least_squares
+from suspid.reconstruction.sequence import converged, feasible
+from suspid.reconstruction.unknowns import Unknowns
+from suspid.reconstruction.wishes import Wishes
 from suspid.units import Ratio, RealArray
+from suspid.words import ReconstructionNote, Remark
 
-PULL = 0.01  # to the nominal values, beside relative errors of poles that are too few
-STARTS = 24  # where the poles alone are too few to search by them
-RETRIES = 12  # where a single answer is not reached from the nominal car
-POLISHED = 12  # of the minima that the search finds
+PULL = 0.01  # towards the nominal values, beside relative errors of poles, where there are too few poles
 BLIND = 1e-8  # of the largest singular value: what the data do not see
 LARGEST = 1e9  # of the scale of an unknown: where there is no bound
 NEGLIGIBLE = 1e-8  # of chi-square: no step is worth so little
 UNLIKELY_TWIN = 1e-4  # probability of the rise of chi-square from the best suspension to another
 VAGUE = 0.05  # standard deviation of a shape's component above which shapes may not choose one suspension
 NEAR_MISS = 5e-3  # relative distance from exact poles at which another suspension is mentioned
-PRINTED = 5e-3  # of a pole's modulus: what printed modes are known to, if nothing else is said
 DATA_AGAINST_PRIOR = 1e6  # weight of modes without covariance, which are exact, beside a nominal car's
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Problem:
-    """Tests, the unknowns of the suspension, and what modes without a covariance are known to (0: exact)."""
+    """Tests, the unknowns, what modes without a covariance are known to (0: exact), and wishes."""
 
     tests: tuple[Observed, ...]
     unknowns: Unknowns
     known_to: Ratio = 0.0
+    wishes: Wishes | None = None
 
     @property
     def weighted(self) -> bool:
@@ -63,6 +57,11 @@ class Problem:
         """Whether the problem is linear, and its shapes too well known for another suspension within their spread."""
         vague = [1 / np.linalg.svd(t.whiten, compute_uv=False).min() for t in self.tests if t.whiten is not None]
         return self.full and (self.tests[0].poles_alone or bool(max(vague, default=0.0) <= VAGUE))
+
+    @property
+    def has_nominal(self) -> bool:
+        """Whether something beside the modes is weighed against them: nominal values or a penalty."""
+        return bool(self.unknowns.has_prior.any()) or (self.wishes is not None and self.wishes.penalty is not None)
 
     @property
     def rows(self) -> int:
@@ -101,16 +100,20 @@ class Problem:
             return float(np.sqrt(least**2 + chdtri(1, UNLIKELY_TWIN)))
         return max(EXACT, 1.01 * least, self.known_to)
 
-    def manner(self, x: RealArray) -> str:
-        """Return how x was found, in words."""
+    def manner(self, x: RealArray) -> Remark:
+        """Return how x was found."""
         if self.full:
-            manner = "one convex program on poles and shapes" + ", which has one answer" * self.unique
-            return manner + ", refined by a sequence" * (not self.exact(x))
-        return "sequence of convex programs on poles" + " and shapes" * self.shaped
+            return Remark(ReconstructionNote.LINEAR, {"unique": self.unique, "exact": self.exact(x)})
+        return Remark(ReconstructionNote.SEQUENCE, {"data": "poles" + " and shapes" * self.shaped})
 
     def exact(self, x: RealArray) -> bool:
         """Return whether shapes of all coordinates, taken as exact, leave nothing to improve."""
-        if self.weighted or self.unknowns.has_prior.any() or not all(test.full for test in self.tests):
+        if (
+            self.wishes is not None
+            or self.weighted
+            or self.unknowns.has_prior.any()
+            or not all(test.full for test in self.tests)
+        ):
             return False
         residual, slope = self.linear
         return bool(np.linalg.norm(residual + slope @ x) <= EXACT)
@@ -119,9 +122,10 @@ class Problem:
         """Return the residual that judges x, weighted, and its derivatives."""
         p, arms, spread = self.unknowns.parameters(x), self.unknowns.arms, self.unknowns.spread
         parts = [(r, s @ spread) for r, s in (deciding(test, arms, p) for test in self.tests)]
-        if self.unknowns.has_prior.any():
+        if self.has_nominal:
             weight = 1.0 if self.weighted else DATA_AGAINST_PRIOR
             parts = [(weight * r, weight * s) for r, s in parts]
+        if self.unknowns.has_prior.any():
             parts.append(self.unknowns.prior(x))
         return np.concatenate([r for r, _ in parts]), np.concatenate([s for _, s in parts])
 
@@ -159,123 +163,30 @@ class Problem:
         u = self.unknowns
         if self.exact(x):
             residual, slope = self.linear
-            step = least_squares(slope, -residual - slope @ x, u.lower - x, np.minimum(u.upper, LARGEST) - x)
+            limits = Limits(low=u.lower - x, high=np.minimum(u.upper, LARGEST) - x)
+            step = least_squares(slope, -residual - slope @ x, limits)
             return replace(step, x=u.settled(np.clip(x + step.x, u.lower, u.upper)))
         negligible = NEGLIGIBLE if self.weighted else 0.0
-        best = converged(self.deciding, x, positive=u.positive, lower=u.lower, upper=u.upper, negligible=negligible)
+        best = converged(
+            self.deciding,
+            x,
+            positive=u.positive,
+            lower=u.lower,
+            upper=u.upper,
+            negligible=negligible,
+            wishes=self.wishes,
+        )
         return replace(best, x=u.settled(best.x))
 
+    def feasible(self, x: RealArray) -> RealArray:
+        """Return the point nearest to x that keeps to the constraints."""
+        return x if self.wishes is None else feasible(x, self.unknowns.lower, self.unknowns.upper, self.wishes)
 
-def posed(
-    tests: Sequence[ModalTest],
-    suspension: Suspension,
-    fixed: Sequence[str],
-    bounds: Bounds | None,
-    ties: Sequence[Sequence[str]],
-    nominal_std: Ratio | Mapping[str, Ratio] | None,
-    free_masses: Sequence[str],
-    tolerance: Ratio | None = None,
-) -> tuple[Problem, list[str]]:
-    """Return the checked, dimensionless problem, and what to tell about it."""
-    notes: list[str] = []
-    seen: list[Observed] = []
-    for test in tests:
-        one, said = observe(test, suspension)
-        seen.append(one)
-        notes += [note for note in said if note not in notes]
-    rate = float(np.exp(np.mean(np.log(np.abs(np.concatenate([one.poles for one in seen]))))))
-    unknowns = unknowns_of(
-        suspension,
-        rate=rate,
-        fixed=fixed,
-        bounds=bounds,
-        ties=ties,
-        nominal_std=nominal_std,
-        free_masses=free_masses,
-    )
-    known = int(np.sum(unknowns.has_prior))
-    equations = sum(one.equations for one in seen)
-    if equations + known < len(unknowns):
-        lack, names = len(unknowns) - equations - known, unknowns.labels
-        raise ReconstructionError(
-            f"{len(names)} unknowns ({', '.join(names)}) but {equations} equations from "
-            f"{sum(len(one.poles) for one in seen)} modes: add modes, or shapes at more coordinates, or hold at least "
-            f"{lack} with fixed=…, such as fixed=[{unknowns.names[-1]!r}]",
-            best=suspension,
-        )
-    weighed = sum(one.pole_equations if one.poles_alone else one.equations for one in seen)
-    if tests[0].modes.covariance is not None and weighed + known < len(unknowns):
-        notes.append("not weighted: the covariance covers the poles alone, which are too few")
-        seen = [unweighted(one) for one in seen]
-    known_to = tolerance or 0.0
-    if tolerance is None and seen[0].whiten is None and any(printed(test.modes) for test in tests):
-        known_to = PRINTED
-    problem = Problem(tests=tuple(seen), unknowns=unknowns, known_to=known_to)
-    for i, one in enumerate(seen):
-        meeting = pole_distances(one.poles, all_poles(one.poles)) < 1e-4
-        if one.full and np.sum(meeting) > len(one.poles):
-            alone = Problem(tests=(one,), unknowns=unknowns)
-            if len(alone.unseen(alone.linear[1], unknowns.nominal, 1e-4)):
-                notes.append("shapes not used: poles meet (critical damping), and their shapes with them")
-                seen[i] = replace(one, shapes=None, weights=one.weights[:0], orders=one.orders[:0])
-                problem = replace(problem, tests=tuple(seen))
-    return problem, notes
+    def cost(self, x: RealArray) -> float:
+        """Return the norm of the deciding residual, with the penalty as one more square."""
+        penalty = 0.0 if self.wishes is None else self.wishes.penalised(x)
+        return float(np.sqrt(np.sum(self.deciding(x)[0] ** 2) + penalty))
 
-
-def candidates(problem: Problem, *, search: bool) -> tuple[list[RealArray], list[float]]:
-    """Return the distinct suspensions, as unknowns, that may have the modes, and the norms of their residuals."""
-    unknowns = problem.unknowns
-    points: list[RealArray] = []
-    costs: list[float] = []
-    failures: list[ReconstructionError] = []
-
-    def add(x: RealArray) -> None:
-        x = unknowns.settled(x)
-        points.append(x)
-        costs.append(float(np.linalg.norm(problem.deciding(x)[0])))
-
-    def attempt(x: RealArray, *, by_poles: bool = False) -> None:
-        try:
-            add(problem.descend(problem.descend(x, by_poles=True) if by_poles else x))
-        except ReconstructionError as error:
-            failures.append(error)
-
-    def told() -> tuple[list[RealArray], list[float]]:
-        if not points:
-            raise failures[0]
-        kept = distinct(points, costs, unknowns)
-        return [points[i] for i in kept], [costs[i] for i in kept]
-
-    if problem.full:
-        residual, slope = problem.linear
-        prior, pull = unknowns.prior(np.zeros(len(unknowns)))
-        rows, target = np.vstack([slope, pull / DATA_AGAINST_PRIOR]), -np.append(residual, prior / DATA_AGAINST_PRIOR)
-        start = bounded_step(rows, target, unknowns.lower, np.minimum(unknowns.upper, LARGEST))
-        exact = problem.exact(start)
-        if exact:
-            add(start)
-        else:
-            attempt(start)
-        if problem.unique and costs and (exact or costs[0] <= problem.enough):
-            return points, costs
-    nominal = unknowns.nominal
-    if not (search and problem.enough_poles) or problem.unique:
-        attempt(nominal, by_poles=True)
-        if problem.unique and search:
-            # One answer, but the way to it from a rough start may end in a hollow: none is blamed on the car unasked.
-            for x in (nominal, *even_starts(unknowns, RETRIES)):
-                if costs and min(costs) <= problem.enough:
-                    break
-                attempt(x, by_poles=x is not nominal)
-        if problem.unique or (not search and costs and costs[-1] <= problem.enough):
-            return told()
-    if problem.enough_poles:
-        for x in spectral_minima(problem.tests, unknowns, reach=problem.reach)[:POLISHED]:
-            attempt(x)
-        if min(costs) > problem.enough:
-            attempt(nominal, by_poles=True)
-        return told()
-    attempt(nominal)
-    for x in even_starts(unknowns, STARTS):
-        attempt(x, by_poles=True)
-    return told()
+    def chi_square(self, x: RealArray) -> float:
+        """Return the squared norm of the deciding residual, without the penalty."""
+        return float(np.sum(self.deciding(x)[0] ** 2))

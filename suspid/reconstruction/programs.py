@@ -10,9 +10,9 @@ from __future__ import annotations
 import functools
 import threading
 import warnings
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -49,6 +49,10 @@ class Program:
     step: Any
 
 
+# From the parameters of the suspension, an affine expression, to constraints and a penalty or None.
+Terms: TypeAlias = Callable[[Any], tuple[list[Any], Any]]
+
+
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Optimum:
     """The solution of a convex program.
@@ -68,10 +72,32 @@ class Optimum:
     free: int
 
 
-def least_squares(
-    A: RealArray, b: RealArray, low: RealArray, high: RealArray, *, smallest: float = SMALLEST
-) -> Optimum:
-    """Return the x between bounds of least ``|A x - b|``, by cvxpy.
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Limits:
+    """What a solution x has to keep to: bounds, equations ``E x == e`` and inequalities ``F x <= f``."""
+
+    low: RealArray
+    high: RealArray
+    E: RealArray | None = None
+    e: RealArray | None = None
+    F: RealArray | None = None
+    f: RealArray | None = None
+
+    def scaled(self, size: float) -> dict[str, RealArray]:
+        """Return the numbers of a program in ``x = size * y``; what is far away is drawn nearer."""
+        numbers = {"low": np.maximum(self.low / size, -FARTHEST), "high": np.minimum(self.high / size, FARTHEST)}
+        for matrix, limit, names in ((self.E, self.e, "Ee"), (self.F, self.f, "Ff")):
+            if matrix is not None and limit is not None and len(limit):
+                lengths = np.maximum(np.linalg.norm(matrix, axis=1), 1e-300)
+                nearer = limit / lengths / size
+                if names == "Ff":
+                    nearer = np.minimum(nearer, FARTHEST * len(self.low))
+                numbers |= {names[0]: matrix / lengths[:, None], names[1]: nearer}
+        return numbers
+
+
+def least_squares(A: RealArray, b: RealArray, limits: Limits, *, smallest: float = SMALLEST) -> Optimum:
+    """Return the x within limits of least ``|A x - b|``, by cvxpy.
 
     Raises
     ------
@@ -80,15 +106,16 @@ def least_squares(
 
     Examples
     --------
-    >>> found = least_squares(np.eye(2), np.array([3.0, -1.0]), np.zeros(2), np.full(2, np.inf))
+    >>> found = least_squares(np.eye(2), np.array([3.0, -1.0]), Limits(low=np.zeros(2), high=np.full(2, np.inf)))
     >>> found.x.round(12) + 0.0, found.free
     (array([3., 0.]), 1)
     """
+    low, high = limits.low, limits.high
     R, target, size = _reduced(A, b, high, smallest)
-    program = compiled(len(low), threading.get_ident())
-    for _ in range(4):
-        low_end, high_end = np.maximum(low / size, -FARTHEST), np.minimum(high / size, FARTHEST)
-        found = solve(program, {"A": R, "b": target, "low": low_end, "high": high_end})
+    rows = [0 if limit is None else len(limit) for limit in (limits.e, limits.f)]
+    program = compiled(len(low), threading.get_ident(), *rows)
+    for _ in range(5):
+        found = solve(program, {"A": R, "b": target, **limits.scaled(size)})
         if np.max(np.abs(found.x)) < 0.99 * FARTHEST:
             break
         target, size = target / FARTHEST, size * FARTHEST  # the optimum is larger than the one without bounds
@@ -216,15 +243,44 @@ def _reduced(A: RealArray, b: RealArray, high: RealArray, smallest: float) -> tu
 
 
 @functools.lru_cache(maxsize=64)
-def compiled(size: int, thread: int) -> Program:  # noqa: ARG001 - one program per thread
-    """Return the program of bounded least squares, compiled once for each number of unknowns."""
+def compiled(size: int, thread: int, equal: int = 0, below: int = 0) -> Program:  # noqa: ARG001 - one per thread
+    """Return the program of least squares with bounds and linear rows, compiled once for each number of them."""
+    return build(size, equal, below)
+
+
+def build(size: int, equal: int = 0, below: int = 0, *, parameters: int = 0, terms: Terms | None = None) -> Program:
+    """Return a compiled program: least ``|A y - b|^2`` plus a penalty, under constraints.
+
+    Parameters
+    ----------
+    size : int
+        Number of unknowns y.
+    equal, below : int
+        Number of rows ``E y == e`` and ``F y <= f``.
+    parameters : int
+        Number of parameters ``p = at + gain @ y`` that further terms are made of.
+    terms : callable, optional
+        From p to further convex constraints, and a penalty or None.
+    """
     import cvxpy
 
     cp: Any = cvxpy  # whose types leave out what it makes at run time
     y = cp.Variable(size)
     values = {"A": cp.Parameter((size, size)), **{name: cp.Parameter(size) for name in ("b", "low", "high")}}
-    objective = cp.Minimize(cp.sum_squares(values["A"] @ y - values["b"]))
-    problem = cp.Problem(objective, [y >= values["low"], y <= values["high"]])
+    objective = cp.sum_squares(values["A"] @ y - values["b"])
+    limits = [y >= values["low"], y <= values["high"]]
+    if equal:
+        values |= {"E": cp.Parameter((equal, size)), "e": cp.Parameter(equal)}
+        limits.append(values["E"] @ y == values["e"])
+    if below:
+        values |= {"F": cp.Parameter((below, size)), "f": cp.Parameter(below)}
+        limits.append(values["F"] @ y <= values["f"])
+    if terms is not None:
+        values |= {"gain": cp.Parameter((parameters, size)), "at": cp.Parameter(parameters)}
+        further, penalty = terms(values["at"] + values["gain"] @ y)
+        limits += further
+        objective = objective if penalty is None else objective + penalty
+    problem = cp.Problem(cp.Minimize(objective), limits)
     if not problem.is_dcp(dpp=True):
         raise AssertionError("the program must be disciplined in its parameters, or it is compiled anew each time")
     return Program(problem=problem, values=values, step=y)

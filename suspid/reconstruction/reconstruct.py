@@ -1,20 +1,17 @@
-"""From modes back to springs and dampers, for known topology: every suspension that has them, and how sure it is."""
+"""Stiffness and damping of a suspension from its modes, for known topology."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
-from suspid.errors import InputError, ReconstructionError
+from suspid.errors import ReconstructionError
 from suspid.model import ModalSet, Suspension
 from suspid.reconstruction.alternatives import farness, told_apart
-from suspid.reconstruction.observations import ModalTest, modal_tests
-from suspid.reconstruction.problem import NEAR_MISS, Problem, candidates, posed
-from suspid.reconstruction.suspects import suspects
-from suspid.reconstruction.unknowns import QUANTITIES, Bounds, parameter_names, parameter_vector
-from suspid.reconstruction.verdicts import (
+from suspid.reconstruction.asked import Bounds
+from suspid.reconstruction.candidates import candidates
+from suspid.reconstruction.checks import (
     check_fit,
     check_seen,
     goodness,
@@ -23,122 +20,24 @@ from suspid.reconstruction.verdicts import (
     pole_errors,
     remarks,
 )
-from suspid.units import Kilogram, NewtonPerMetre, NewtonSecondPerMetre, Ratio, RealArray
-from suspid.values import FrozenMapping, frozen_real, rounded, spread, text_table
+from suspid.reconstruction.observations import ModalTest, modal_tests
+from suspid.reconstruction.posed import Asked, posed
+from suspid.reconstruction.problem import NEAR_MISS, Problem
+from suspid.reconstruction.programs import Optimum
+from suspid.reconstruction.results import Reconstruction
+from suspid.reconstruction.suspects import suspects
+from suspid.reconstruction.unknowns import parameter_names
+from suspid.reconstruction.wishes import Constraints, Maker
+from suspid.units import Ratio, RealArray
+from suspid.values import FrozenMapping, frozen_real
+from suspid.words import ReconstructionNote, Remark
+
+__all__ = ["Reconstruction", "reconstruct"]
 
 TOLERANCE = 0.02  # of a pole's modulus
 ROUNDED = 1e-9  # of a pole's modulus: nearer, modes without covariance are met
 LEVEL = 3.84  # rise of chi-square up to which two suspensions are equally likely: 95 % of one degree of freedom
 KINDS = (".stiffness", ".damping", ".mass")
-
-
-@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
-class Reconstruction:
-    """The suspension whose modes are the given ones, the others that have them too, and its certainty.
-
-    Parameters
-    ----------
-    suspension : Suspension
-        Springs and dampers (and masses) found: of those that have the modes equally well, the one nearest to nominal.
-    stiffness_std, damping_std : mapping of str to float, or None
-        Standard deviations [N/m], [N s/m] by strut, to first order from the covariance of the modes; 0 for what was
-        held, and as if no bound were there for what ends on one. None if the modes carry no covariance.
-    mass_std : mapping of str to float, or None
-        The same [kg] by coordinate.
-    alternatives : tuple of Suspension
-        Every other suspension found that has the modes within their uncertainty, by distance from nominal.
-    distances : tuple of float
-        How far each alternative is from the data: its chi-square; for modes without covariance, the relative
-        distance of its worst pole [1].
-    told_apart : tuple of str
-        What would tell each alternative from `suspension`.
-    residual : float
-        Distance of a pole of `suspension` from the given one, relative to the latter; the worst mode [1].
-    status : str
-        How it was found, and what to know about it.
-    held : tuple of str
-        The strut parameters held at their nominal values, such as ``"tire.damping"``.
-    parameters : tuple of str
-        The parameters found, such as ``"tire.stiffness"`` or ``"seat.mass"``.
-    covariance : ndarray (parameter, parameter), or None
-        Joint covariance of `parameters`, in their units squared.
-    ranges : ndarray (parameter, 2)
-        Bounds of `parameters`, in their units.
-    chi_square : float or None
-        Squared distance from the data in standard deviations; None if the modes carry no covariance.
-    freedom : int
-        Degrees of freedom: equations less unknowns.
-    explains : bool
-        Whether the topology explains the modes: chi-square is not improbably large. If it is, the standard
-        deviations are widened by its root over `freedom`, and are a guess; `status` names the gains and masses that
-        would explain the modes, or where the misfit sits. Without a covariance: whether the root mean square of what
-        the fit leaves of the poles, relative, and of a tenth of the shapes is within the tolerance.
-    """
-
-    suspension: Suspension
-    stiffness_std: Mapping[str, NewtonPerMetre] | None
-    damping_std: Mapping[str, NewtonSecondPerMetre] | None
-    mass_std: Mapping[str, Kilogram] | None = None
-    alternatives: tuple[Suspension, ...] = ()
-    distances: tuple[float, ...] = ()
-    told_apart: tuple[str, ...] = ()
-    residual: Ratio
-    status: str
-    held: tuple[str, ...] = ()
-    parameters: tuple[str, ...] = ()
-    covariance: RealArray | None = None
-    ranges: RealArray
-    chi_square: float | None = None
-    freedom: int = 0
-    explains: bool = True
-
-    def interval(self, level: Ratio = 0.95) -> dict[str, tuple[float, float]]:
-        """Return the ends between which each of `parameters` lies with probability ``level``, cut at its bounds.
-
-        They belong to `suspension`: an alternative has its own.
-
-        Raises
-        ------
-        InputError
-            If the modes carried no covariance, or the level is not between 0 and 1.
-        """
-        from scipy.special import ndtri
-
-        if not 0 < level < 1:
-            raise InputError(f"{level=} must lie between 0 and 1, such as 0.95")
-        if self.covariance is None:
-            raise InputError("the modes carried no covariance, so the parameters have none; identify gives one")
-        every = dict(zip(parameter_names(self.suspension), parameter_vector(self.suspension).tolist(), strict=True))
-        reach = float(ndtri((1 + level) / 2)) * np.sqrt(np.diag(self.covariance))
-        values = np.array([every[name] for name in self.parameters])
-        ends = np.clip(values[:, None] + reach[:, None] * [-1, 1], self.ranges[:, :1], self.ranges[:, 1:])
-        return {name: (float(low), float(high)) for name, (low, high) in zip(self.parameters, ends, strict=True)}
-
-    def __str__(self) -> str:
-        struts = self.suspension.struts
-        columns: dict[str, Sequence[str]] = {"strut": [s.name for s in struts]}
-        for quantity, unit, stds in (("stiffness", "N/m", self.stiffness_std), ("damping", "N s/m", self.damping_std)):
-            values = np.array([getattr(s, quantity) for s in struts])
-            columns |= _with_spread(f"{quantity} [{unit}]", f"± [{unit}]", values, stds, [s.name for s in struts])
-        if any(not name.endswith(".mass") for name in self.held):
-            names = {s.name: [q for q in QUANTITIES if f"{s.name}.{q}" in self.held] for s in struts}
-            columns["held"] = [", ".join(held) for held in names.values()]
-        parts = [text_table(columns)]
-        free = [name for name in self.suspension.masses if f"{name}.mass" in self.parameters]
-        if free:
-            values = np.array([self.suspension.masses[name] for name in free])
-            parts.append(text_table({"mass": free} | _with_spread("[kg]", "± [kg]", values, self.mass_std, free)))
-        parts.append(self.status)
-        for i, (car, distance) in enumerate(zip(self.alternatives, self.distances, strict=True)):
-            k, c = (", ".join(f"{getattr(s, q):.5g}" for s in car.struts) for q in QUANTITIES)
-            far = (
-                f"worst pole off by {distance:.1e}"
-                if self.chi_square is None
-                else f"chi-square {distance if distance > 1e-6 else 0:.3g}"
-            )
-            apart = f"; told apart by {self.told_apart[i]}" if self.told_apart[i] else ""
-            parts.append(f"another suspension has these modes: k = {k} N/m, c = {c} N s/m ({far}){apart}")
-        return "\n".join(parts)
 
 
 def reconstruct(
@@ -152,14 +51,16 @@ def reconstruct(
     free_masses: Sequence[str] = (),
     tolerance: Ratio | None = None,
     search: bool = True,
+    constraints: Constraints | None = None,
+    penalty: Maker | None = None,
 ) -> Reconstruction:
     """Find the stiffness and the damping of every strut from modes, for known topology.
 
     With shapes that show all coordinates, ``(lambda^2 M + lambda C + K) psi = 0`` is linear in k, c and masses: one
-    convex program, which needs no start and has one answer; of modes that are not exact, it is itself the start of
-    a sequence. Otherwise the poles (and the shapes, if there are two channels at least) are met by a sequence of
-    convex programs from the nominal suspension, and from the minima that a reproducible search around it finds.
-    Always k > 0, c >= 0 and mass > 0.
+    convex program, which needs no start and has a unique solution. If the modes are not exact, it is the start of a
+    sequence. Otherwise poles (and shapes of at least two channels) are fitted by a sequence of convex programs,
+    started at the nominal suspension and at the minima that a reproducible search around it finds. The last program,
+    which gives the answer, is solved by cvxpy and its optimality is tested. Always k > 0, c >= 0 and mass > 0.
 
     Modes with a covariance are weighted by it, poles and shapes jointly; without one they count as exact, relative
     errors of poles ten times those of shapes. If it covers the poles alone, the shapes choose the suspension and the
@@ -194,6 +95,15 @@ def reconstruct(
         0.005, for nobody knows how they were found.
     search : bool
         Whether to look for alternatives. Without, only the nominal suspension is a start, unless it leads nowhere.
+    constraints : str, callable, or sequence of them, optional
+        Convex constraints on stiffness and damping. As text, linear ones: ``"front.stiffness >= 1.5 *
+        rear.stiffness"``. As a function, any that cvxpy accepts: ``lambda k, c: [cp.norm2(cp.hstack([c["front"],
+        c["rear"]])) <= 4e3]``; k and c map each strut to a cvxpy expression [N/m], [N s/m].
+    penalty : callable, optional
+        ``lambda k, c: …``, a convex term in k and c that is never negative, added to chi-square [1]: a penalty of 1
+        weighs as much as one standard deviation of one measured value. Divide by what counts as one: ``lambda k, c:
+        10 * sum(cp.abs(c[s] / c0[s] - 1) for s in c0)`` charges 1 for a change by 10 %. Modes without a covariance
+        are fitted as if exact, so the penalty only decides what they leave open.
 
     Returns
     -------
@@ -203,8 +113,9 @@ def reconstruct(
     Raises
     ------
     InputError
-        If an argument is of the wrong type, a name is unknown, wishes contradict each other, there are more poles
-        than the suspension has, or a pole or a shape cannot be used.
+        If an argument is of the wrong type, a name is unknown, arguments or constraints contradict each other (those
+        that do are named), a constraint or a penalty is not convex, there are more poles than the suspension has, or
+        a pole or a shape cannot be used.
     ReconstructionError
         If there are fewer equations than unknowns, if the modes do not determine some combination of parameters
         (which is named), if the search ends at no optimum, or if no suspension of this topology with k > 0 and
@@ -218,6 +129,13 @@ def reconstruct(
     a test with an added mass decide. All intervals hold for the masses as given; ``nominal_std`` of the masses puts
     their error into them. If all masses are wrong by one factor, all k and c are too, and no modes can tell.
 
+    Equations among the constraints enter the intervals as exact knowledge. Inequalities do not, even where they hold
+    with equality: the standard deviations are then those of the data without them, as for bounds; `status` and
+    `verdict` name them. The penalty does not enter the intervals either: it pulls the values, by an amount that the
+    intervals leave out. What the modes do not determine and the penalty decides has no intervals. A constraint that
+    acts gives back its degree of freedom in the test of chi-square. Mean costs are a few ms a quarter car, ten times
+    that with constraints.
+
     Examples
     --------
     >>> from suspid import eigenmodes, quarter_car
@@ -229,101 +147,131 @@ def reconstruct(
     -------  -----------------  -----------------  -------
     chassis              20000               1500
        tire             200000                  0  damping
-    one convex program on poles and shapes, which has one answer; worst pole off by ...
+    linear convex fit of poles and shapes (unique solution); largest relative pole error ...
+
+    With the tire known to be at least 11 times as stiff as the chassis spring:
+
+    >>> held = reconstruct(eigenmodes(car), nominal, fixed=["tire.damping"],
+    ...                    constraints="tire.stiffness >= 11 * chassis.stiffness", tolerance=0.1)
+    >>> k = {strut.name: strut.stiffness for strut in held.suspension.struts}
+    >>> round(k["tire"] / k["chassis"], 6)
+    11.0
     """
     tests = modal_tests(modes, suspension)
-
-    def pose(tests: Sequence[ModalTest], suspension: Suspension) -> tuple[Problem, list[str]]:
-        return posed(tests, suspension, fixed, bounds, ties, nominal_std, free_masses, tolerance)
-
-    problem, notes = pose(tests, suspension)
-    points, costs = candidates(problem, search=search)
-    accepted = [i for i, cost in enumerate(costs) if cost <= problem.allowed(min(costs))]
-    # The data come first: nearness to the nominal car decides only between cars that they hold equally likely.
-    level = min(costs) ** 2 + LEVEL if problem.weighted else np.inf
-    accepted.sort(key=lambda i: (costs[i] ** 2 > level, farness(points[i], problem.unknowns)))
-    for i in accepted:
-        points[i] = problem.answer(points[i]).x
-        costs[i] = float(np.linalg.norm(problem.deciding(points[i])[0]))
-    best, cost = points[accepted[0]], costs[accepted[0]]
-    car = problem.unknowns.suspension(best)
-    notes += check_seen(problem, best, car)
+    asked = Asked(
+        fixed=fixed,
+        bounds=bounds,
+        ties=ties,
+        nominal_std=nominal_std,
+        free_masses=free_masses,
+        tolerance=tolerance,
+        constraints=constraints,
+        penalty=penalty,
+    )
+    problem, notes = posed(tests, suspension, asked)
     accuracy = TOLERANCE if tolerance is None else tolerance
-    nearest = int(np.argmin(costs))
+
+    def causes(x: RealArray) -> list[Remark]:
+        return suspects(tests, suspension, lambda t, s: posed(t, s, asked)[0], x) if problem.weighted else []
+
+    points, costs = candidates(problem, search=search)
+    accepted = _accepted(problem, points, costs)
+    answers = [problem.answer(points[i]) for i in accepted]
+    best, nearest = answers[0], int(np.argmin(costs))
+    cost, car = problem.cost(best.x), problem.unknowns.suspension(best.x)
+    notes += check_seen(problem, best.x, car)
     try:
         residual, mac = check_fit(problem, tests, car, accuracy)
     except ReconstructionError as error:
-        causes = suspects(tests, suspension, lambda t, s: pose(t, s)[0], points[nearest]) if problem.weighted else []
-        if not causes:
+        found = causes(points[nearest])
+        if not found:
             raise
-        raise ReconstructionError("; ".join([str(error), *causes]), best=car) from None
-    if mac is not None and not problem.exact(best):
-        notes.append(f"least MAC of the shapes {mac:.4f}")
+        raise ReconstructionError("; ".join(map(str, [error, *found])), best=car) from None
+    if mac is not None and not problem.exact(best.x):
+        notes.append(Remark(ReconstructionNote.LEAST_MAC, {"mac": mac}))
     notes += remarks(problem, best, cost)
-    others = [problem.unknowns.suspension(points[i]) for i in accepted[1:]]
+    others = [problem.unknowns.suspension(answer.x) for answer in answers[1:]]
     if problem.weighted:
-        distances = tuple(costs[i] ** 2 for i in accepted[1:])
+        distances = tuple(problem.cost(answer.x) ** 2 for answer in answers[1:])
     else:
         distances = tuple(max(float(pole_errors(test, other).max()) for test in tests) for other in others)
-        if others and tolerance is None and problem.known_to:
-            notes.append(f"modes of so few digits count as known to {problem.known_to:.1%}; tolerance=… says otherwise")
-        missed = [c for i, c in enumerate(costs) if i not in accepted and c <= NEAR_MISS]
-        if missed and not problem.unknowns.has_prior.any():
-            notes.append(
-                f"another suspension comes within {min(missed):.1e} of these modes: "
-                f"give their uncertainty, or tolerance=…, to have it judged"
-            )
-    chi_square, freedom, explains = goodness(problem, best, cost, accuracy)
+        missed = [c for i, c in enumerate(costs) if i not in accepted]
+        notes += _unweighted_notes(problem, missed, few=bool(others) and tolerance is None)
+    chi_square, freedom, explains = goodness(problem, best, accuracy)
     if nearest != accepted[0]:
-        _, _, explains = goodness(problem, points[nearest], costs[nearest], accuracy)
-    if chi_square is not None:
-        notes.append(f"chi-square {chi_square if chi_square > 1e-6 else 0:.3g} at {freedom} degrees of freedom")
-    elif freedom > 0 and residual > ROUNDED:
-        left = misfit(problem, best)
-        notes.append(f"the modes are met to {left:.1e} rms (shapes to ten times that)")
-    if not explains:
-        notes.append(
-            f"this topology does not explain these modes: more is left than {accuracy:.1%}"
-            if chi_square is None
-            else "this topology does not explain these modes: standard deviations are widened for it"
-        )
-        if chi_square is not None:
-            notes += suspects(tests, suspension, lambda t, s: pose(t, s)[0], points[nearest])
+        explains = goodness(problem, problem.answer(points[nearest]), accuracy)[2]
     widening = 1.0 if explains or chi_square is None else float(np.sqrt(chi_square / max(freedom, 1)))
-    covariance = parameter_covariance(problem, best, widening)
-    named = dict.fromkeys(parameter_names(suspension), 0.0)
-    if covariance is not None:
-        named |= dict(zip(problem.unknowns.names, np.sqrt(np.diag(covariance)).tolist(), strict=True))
-    stds = [FrozenMapping({n.rpartition(".")[0]: s for n, s in named.items() if n.endswith(q)}) for q in KINDS]
+    notes += _fit_notes(problem, best, residual, chi_square, freedom)
+    if not explains and chi_square is None:
+        notes.append(Remark(ReconstructionNote.BEYOND_TOLERANCE, {"tolerance": accuracy}))
+    elif not explains:
+        notes += [Remark(ReconstructionNote.UNEXPLAINED, {"widening": widening}), *causes(points[nearest])]
+    undetermined = any(note.code is ReconstructionNote.UNSEEN for note in notes)
+    covariance = None if undetermined else parameter_covariance(problem, best.x, widening)
+    stds = _standard_deviations(problem, covariance)
     watched = [c for c, test in zip(tests[0].modes.channels, problem.tests, strict=False) if test.shapes is not None]
-    unknowns = problem.unknowns
-    column = unknowns.column
+    u = problem.unknowns
     return Reconstruction(
         suspension=car,
-        stiffness_std=None if covariance is None else stds[0],
-        damping_std=None if covariance is None else stds[1],
-        mass_std=None if covariance is None else stds[2],
+        stiffness_std=stds[0],
+        damping_std=stds[1],
+        mass_std=stds[2],
         alternatives=tuple(others),
         distances=distances,
         told_apart=tuple(told_apart(car, other, watched) for other in others),
         residual=residual,
-        status="; ".join([problem.manner(best), f"worst pole off by {residual:.1e} of its modulus", *notes]),
-        held=tuple(n for n in parameter_names(suspension) if n not in unknowns.names and not n.endswith(".mass")),
-        parameters=unknowns.names,
+        remarks=(
+            problem.manner(best.x),
+            Remark(ReconstructionNote.POLE_ERROR, {"residual": residual}),
+            *notes,
+        ),
+        held=tuple(n for n in parameter_names(suspension) if n not in u.names and not n.endswith(".mass")),
+        parameters=u.names,
         covariance=covariance,
-        ranges=frozen_real(np.column_stack([unknowns.lower, unknowns.upper])[column] * unknowns.scale[column, None]),
+        ranges=frozen_real(np.column_stack([u.lower, u.upper])[u.column] * u.scale[u.column, None]),
         chi_square=chi_square,
         freedom=freedom,
         explains=explains,
+        searched=search or problem.unique,
     )
 
 
-def _with_spread(
-    title: str, spread_title: str, values: RealArray, stds: Mapping[str, float] | None, names: Sequence[str]
-) -> dict[str, Sequence[str]]:
-    """Return a column of values, and one of their standard deviations if there are any."""
-    if stds is None:
-        return {title: [f"{value:.7g}" for value in values]}
-    known = np.array([stds[name] for name in names])
-    # Columns need names of their own: the unit tells them apart.
-    return {title: rounded(values, known), spread_title: [spread(std) for std in known]}
+def _accepted(problem: Problem, points: Sequence[RealArray], costs: Sequence[float]) -> list[int]:
+    """Return which points have the modes, the answer first.
+
+    The data come first: nearness to the nominal car decides only between cars that they hold equally likely.
+    """
+    level = min(costs) ** 2 + LEVEL if problem.weighted else np.inf
+    accepted = [i for i, cost in enumerate(costs) if cost <= problem.allowed(min(costs))]
+    return sorted(accepted, key=lambda i: (costs[i] ** 2 > level, farness(points[i], problem.unknowns)))
+
+
+def _unweighted_notes(problem: Problem, missed: Sequence[float], *, few: bool) -> list[Remark]:
+    """Return remarks on other suspensions where the modes have no covariance."""
+    notes = []
+    if few and problem.known_to:
+        notes.append(Remark(ReconstructionNote.FEW_DIGITS, {"known_to": problem.known_to}))
+    near = [cost for cost in missed if cost <= NEAR_MISS]
+    if near and not problem.has_nominal:
+        notes.append(Remark(ReconstructionNote.NEAR_MISS, {"distance": min(near)}))
+    return notes
+
+
+def _fit_notes(
+    problem: Problem, best: Optimum, residual: float, chi_square: float | None, freedom: int
+) -> list[Remark]:
+    """Return how well the modes are met."""
+    if chi_square is not None:
+        return [Remark(ReconstructionNote.CHI_SQUARE, {"chi_square": chi_square, "freedom": freedom})]
+    if freedom > 0 and residual > ROUNDED:
+        return [Remark(ReconstructionNote.MISFIT, {"misfit": misfit(problem, best.x)})]
+    return []
+
+
+def _standard_deviations(problem: Problem, covariance: RealArray | None) -> list[Mapping[str, float] | None]:
+    """Return the standard deviations of stiffnesses, dampings and masses by name; 0 for what is held."""
+    if covariance is None:
+        return [None, None, None]
+    named = dict.fromkeys(parameter_names(problem.unknowns.car), 0.0)
+    named |= dict(zip(problem.unknowns.names, np.sqrt(np.diag(covariance)).tolist(), strict=True))
+    return [FrozenMapping({n.rpartition(".")[0]: s for n, s in named.items() if n.endswith(q)}) for q in KINDS]

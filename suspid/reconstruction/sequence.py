@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import TypeAlias
+
 import numpy as np
 from numpy.typing import NDArray
 
 from suspid.reconstruction.descent import NEGLIGIBLE_SHARE, Equations
-from suspid.reconstruction.programs import Optimum, least_squares
+from suspid.reconstruction.programs import FARTHEST, Limits, Optimum, least_squares, solve
+from suspid.reconstruction.wishes import Wishes
 from suspid.units import RealArray
 
 LARGEST_STEP = 0.5  # of springs and masses relative to themselves, of dampers to their scale: first trust region
 ROUNDING = 1e-6  # steps below it that gain nothing are rounding: the squared residual has a flat minimum
 PROGRAMS = 60  # at most; from a minimum that a descent has found, one or two are needed
+
+# From matrix, target, units of the step, bounds of the step and the point to the best step.
+Step: TypeAlias = Callable[[RealArray, RealArray, RealArray, Limits, RealArray], Optimum]
 
 
 def converged(
@@ -22,21 +29,29 @@ def converged(
     lower: RealArray,
     upper: RealArray,
     negligible: float = 0.0,
+    wishes: Wishes | None = None,
 ) -> Optimum:
-    """Return the minimum near x of the norm of the equations between bounds; the last program proves it.
+    """Return the minimum near x of the squared norm of the equations plus the penalty; the last program proves it.
 
     Parameters
     ----------
     equations : callable
         From unknowns to residual and Jacobian.
     x : ndarray (unknown,)
-        Where to start.
+        Where to start; it keeps to the constraints.
     positive : ndarray (unknown,)
         Which unknowns are scaled by their own value.
     lower, upper : ndarray (unknown,)
         Bounds.
     negligible : float
         Gain of the squared norm that is not worth a step.
+    wishes : Wishes, optional
+        Further constraints, and a penalty.
+
+    Returns
+    -------
+    Optimum
+        Its ``left`` is the share of the objective that the last program still promised.
 
     Raises
     ------
@@ -45,19 +60,90 @@ def converged(
     """
     radius = LARGEST_STEP
     residual, slope = equations(x)
+    objective = float(residual @ residual) + _penalty(wishes, x)
     for _ in range(PROGRAMS):
         unit = np.where(positive, x, 1.0)
         low, high = np.maximum((lower - x) / unit, -radius), np.minimum((upper - x) / unit, radius)
-        step = least_squares(slope * unit, -residual, low, high)
-        expected = float(residual @ residual - np.sum((residual + slope * unit @ step.x) ** 2))
+        step = _best_step(slope * unit, -residual, low, high, unit, x, objective, wishes)
         trial = np.clip(x + unit * step.x, lower, upper)
+        promised = float(np.sum((residual + slope @ (unit * step.x)) ** 2)) + _penalty(wishes, trial)
         trial_residual, trial_slope = equations(trial)
-        before, gained = float(residual @ residual), float(residual @ residual - trial_residual @ trial_residual)
+        before, expected = objective, objective - promised
+        reached = float(trial_residual @ trial_residual) + _penalty(wishes, trial)
+        gained = before - reached
         if gained > 0:
-            x, residual, slope = trial, trial_residual, trial_slope
+            x, residual, slope, objective = trial, trial_residual, trial_slope, reached
         largest = float(np.max(np.abs(step.x)))
         arrived = expected <= max(NEGLIGIBLE_SHARE * before, negligible) or largest < 1e-13
         if arrived or (gained <= 0 and largest < ROUNDING):
-            return Optimum(x=x, left=max(expected, 0.0) / max(before, 1e-300), free=step.free)
+            break
         radius = min(2 * radius, 4.0) if gained > 0.75 * expected else radius if gained > 0.1 * expected else radius / 4
     return Optimum(x=x, left=max(expected, 0.0) / max(before, 1e-300), free=step.free)
+
+
+def feasible(x: RealArray, lower: RealArray, upper: RealArray, wishes: Wishes) -> RealArray:
+    """Return the point nearest to x, relative to its size, that keeps to bounds and constraints.
+
+    Raises
+    ------
+    ReconstructionError
+        If the solver finds none.
+    """
+    if wishes.violation(x) <= 0 and np.all((x >= lower) & (x <= upper)):
+        return x
+    unit = np.maximum(np.abs(x), 0.1)
+    limits = _limits((lower - x) / unit, np.minimum((upper - x) / unit, FARTHEST), unit, x, wishes)
+    for_nearest = np.eye(len(x)), np.zeros(len(x))
+    if not wishes.curved:
+        step = least_squares(*for_nearest, limits, smallest=1.0)
+    else:
+        numbers = {"A": for_nearest[0], "b": for_nearest[1], **limits.scaled(1.0), **_parameters(wishes, x, unit)}
+        step = solve(wishes.nearest, numbers)
+    return np.clip(x + unit * step.x, lower, upper)
+
+
+def _best_step(
+    A: RealArray,
+    b: RealArray,
+    low: RealArray,
+    high: RealArray,
+    unit: RealArray,
+    x: RealArray,
+    objective: float,
+    wishes: Wishes | None,
+) -> Optimum:
+    """Return the best step in units, of least ``|A y - b|^2`` plus the penalty, within bounds and constraints."""
+    limits = _limits(low, high, unit, x, wishes)
+    if wishes is None or wishes.linear:
+        return least_squares(A, b, limits)
+    # The penalty has no scale of its own, so the program keeps the units of the objective.
+    largest = max(float(np.max(np.abs(A))), 1e-300)
+    size = float(np.clip(max(np.sqrt(objective), np.max(np.abs(b))) / largest, 1e-6, 1.0))
+    R = np.zeros((A.shape[1], A.shape[1] + 1))
+    triangle = np.linalg.qr(np.column_stack([A * size, b]), mode="r")[: A.shape[1]]
+    R[: len(triangle)] = triangle
+    for _ in range(3):
+        numbers = {"A": R[:, :-1], "b": R[:, -1], **limits.scaled(size), **_parameters(wishes, x, unit * size)}
+        found = solve(wishes.program, numbers)
+        if np.max(np.abs(found.x)) < 0.99 * FARTHEST or size >= 1.0:
+            break
+        R[:, :-1], size = R[:, :-1] * FARTHEST, size * FARTHEST
+    return Optimum(x=np.clip(found.x * size, low, high), left=found.left, free=found.free)
+
+
+def _limits(low: RealArray, high: RealArray, unit: RealArray, x: RealArray, wishes: Wishes | None) -> Limits:
+    """Return the limits of a step from x, in units of its own."""
+    if wishes is None:
+        return Limits(low=low, high=high)
+    rows, left = wishes.matrix * unit, wishes.limit - wishes.matrix @ x
+    equal = wishes.equal
+    return Limits(low=low, high=high, E=rows[equal], e=left[equal], F=rows[~equal], f=left[~equal])
+
+
+def _parameters(wishes: Wishes, x: RealArray, unit: RealArray) -> dict[str, RealArray]:
+    """Return the parameters of the suspension as a function of the step."""
+    return {"at": wishes.unknowns.parameters(x), "gain": wishes.unknowns.spread * unit}
+
+
+def _penalty(wishes: Wishes | None, x: RealArray) -> float:
+    return 0.0 if wishes is None else wishes.penalised(x)

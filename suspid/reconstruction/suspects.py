@@ -1,4 +1,4 @@
-"""What may be wrong where no suspension explains the modes: the gain of a channel, a mass, a channel, a mode.
+"""Suspects where no suspension explains the modes: the gain of a channel, a mass, a channel, a mode.
 
 Each is tried as one more unknown. To first order, a direction d of the whitened residual z takes ``(d' z)^2 / d' d``
 off chi-square; d and z less what the parameters can follow. What promises most is then refitted.
@@ -17,7 +17,9 @@ from suspid.model import ModalSet, Suspension
 from suspid.reconstruction.equations import Observed, sensitivities
 from suspid.reconstruction.observations import ModalTest
 from suspid.reconstruction.problem import Problem
+from suspid.reconstruction.wishes import null_space
 from suspid.units import ComplexArray, Ratio, RealArray
+from suspid.words import Number, Remark, Suspect
 
 UNLIKELY = 1e-3  # probability of a chi-square below which the topology does not explain the modes
 TRIED = 4  # single causes that are refitted
@@ -45,8 +47,8 @@ class Cause:
     mass: bool
 
 
-def suspects(tests: Sequence[ModalTest], car: Suspension, pose: Pose, x: RealArray) -> list[str]:
-    """Return, in words, the single causes that would explain the modes; else where most of chi-square sits.
+def suspects(tests: Sequence[ModalTest], car: Suspension, pose: Pose, x: RealArray) -> list[Remark]:
+    """Return the single causes that would explain the modes; else where most of chi-square sits.
 
     Parameters
     ----------
@@ -72,14 +74,11 @@ def suspects(tests: Sequence[ModalTest], car: Suspension, pose: Pose, x: RealArr
         except (SuspidError, np.linalg.LinAlgError):
             continue
         if abs(error) <= FARTHEST and likely(left, freedom - 1):
-            what = (
-                f"the mass of {cause.name} being {abs(error):.1%} {'larger' if error > 0 else 'smaller'} than given"
-                if cause.mass
-                else f"channel {cause.name} reading {1 + error:.3f} times what it should"
-            )
-            explained.append((left, i, f"{what} (chi-square {left:.3g} at {freedom - 1})"))
+            numbers: dict[str, Number] = {"name": cause.name, "chi_square": left, "freedom": freedom - 1}
+            numbers |= {"error": error} if cause.mass else {"gain": 1 + error}
+            explained.append((left, i, Remark(Suspect.MASS if cause.mass else Suspect.GAIN, numbers)))
     if explained:
-        return ["it would be explained by " + ", or by ".join(text for _, _, text in sorted(explained))]
+        return [remark for _, _, remark in sorted(explained, key=lambda one: one[:2])]
     return _concentration(problem, tests, z, base)
 
 
@@ -109,7 +108,10 @@ def _unexplained(problem: Problem, x: RealArray) -> tuple[RealArray, RealArray]:
     residual, slope = problem.deciding(x)
     size = np.maximum(np.abs(x), 1e-3)
     free = (x > u.lower + 1e-9 * size) & (x < u.upper - 1e-9 * size)
-    base, _ = np.linalg.qr(slope[:, free])
+    moves = np.eye(len(x))[:, free]
+    if problem.wishes is not None:
+        moves = moves @ null_space(problem.wishes.acting_rows(x)[:, free])
+    base, _ = np.linalg.qr(slope @ moves)
     return residual - base @ (base.T @ residual), base
 
 
@@ -172,7 +174,7 @@ def _refitted(
         corrected = [replace(t, modes=t.modes if cause.mass else _without_gain(t, cause.name, factor)) for t in tests]
         heavier = car.with_parameters(masses={cause.name: car.masses[cause.name] * factor}) if cause.mass else car
         problem = pose(corrected, heavier)
-        x = problem.descend(x)
+        x = problem.descend(x) if problem.wishes is None else problem.answer(problem.feasible(x)).x
         z, base = _unexplained(problem, x)
         taken, error = _gain(_direction(cause, problem, corrected, x), z, base)
         left = float(z @ z) - taken
@@ -191,21 +193,21 @@ def _without_gain(test: ModalTest, name: str, factor: float) -> ModalSet:
     return replace(modes, shapes=modes.shapes * scale[:, None], covariance=modes.covariance * np.outer(every, every))
 
 
-def _concentration(problem: Problem, tests: Sequence[ModalTest], z: RealArray, base: RealArray) -> list[str]:
-    """Return, in words, the channel or the mode without which least of chi-square is left, if that is little."""
+def _concentration(problem: Problem, tests: Sequence[ModalTest], z: RealArray, base: RealArray) -> list[Remark]:
+    """Return the channel or the mode without which least of chi-square is left, if that is little."""
     total, freedom = float(z @ z), problem.rows - len(problem.unknowns)
     found = []
-    for name, directions in _blocks(problem, tests):
+    for code, name, directions in _blocks(problem, tests):
         apart = directions - base @ (base.T @ directions)
         basis, sizes, _ = np.linalg.svd(apart, full_matrices=False)
         basis = basis[:, sizes > 1e-6 * np.max(sizes, initial=1e-300)]
         left, rest = total - float(np.sum((basis.T @ z) ** 2)), freedom - basis.shape[1]
         if rest > 0 and left < (1 - MOST) * total:
-            found.append((left / rest, f"most of it comes from {name}: without, chi-square is {left:.3g} at {rest}"))
-    return [text for _, text in sorted(found)[:1]]
+            found.append((left / rest, Remark(code, {"name": name, "chi_square": left, "freedom": rest})))
+    return [remark for _, remark in sorted(found, key=lambda one: one[0])[:1]]
 
 
-def _blocks(problem: Problem, tests: Sequence[ModalTest]) -> Iterator[tuple[str, RealArray]]:
+def _blocks(problem: Problem, tests: Sequence[ModalTest]) -> Iterator[tuple[Suspect, str, RealArray]]:
     """Yield each channel and each mode with the directions in which it may be wrong, (row, direction)."""
     before = 0
     for number, (test, seen) in enumerate(zip(tests, problem.tests, strict=True), 1):
@@ -231,7 +233,7 @@ def _blocks(problem: Problem, tests: Sequence[ModalTest]) -> Iterator[tuple[str,
                     each = none.copy()
                     each[m, c] = unit
                     columns.append(_rows(seen, nothing, each))
-            yield f"mode {moving[m] + 1}{where}", whole(columns)
+            yield Suspect.MODE, f"{moving[m] + 1}{where}", whole(columns)
         for name in test.modes.channels if ratios.size else ():
             _, change = _of_gain(seen, list(test.modes.channels), name)
             columns = []
@@ -239,5 +241,5 @@ def _blocks(problem: Problem, tests: Sequence[ModalTest]) -> Iterator[tuple[str,
                 each = np.zeros_like(change)
                 each[m] = change[m]
                 columns += [_rows(seen, nothing, unit * each) for unit in (1.0, 1.0j)]
-            yield f"channel {name}{where}", whole(columns)
+            yield Suspect.CHANNEL, f"{name}{where}", whole(columns)
         before += count

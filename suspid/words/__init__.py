@@ -12,6 +12,7 @@ from suspid.words.decays import DecayDoubt, DecayKind, DecayRemark
 from suspid.words.fleet import Failure, Step
 from suspid.words.identification import Headline, ModeCheck, Reason
 from suspid.words.io import DAMAGE, LeftOut
+from suspid.words.reconstruction import ReconstructionCheck, ReconstructionHeadline, ReconstructionNote, Suspect
 from suspid.words.remarks import Code, Number, Remark, count, in_a_row
 from suspid.words.verdicts import Check, Level, Verdict
 
@@ -32,9 +33,13 @@ __all__ = [
     "Note",
     "Number",
     "Reason",
+    "ReconstructionCheck",
+    "ReconstructionHeadline",
+    "ReconstructionNote",
     "RecordCheck",
     "Remark",
     "Step",
+    "Suspect",
     "Verdict",
     "count",
     "dead",

@@ -1,4 +1,4 @@
-"""What a suspension found is worth: whether the modes see it, whether it has them, and how sure it is."""
+"""Checks of a suspension that was found: whether the modes determine it, whether it has them, its covariance."""
 
 from __future__ import annotations
 
@@ -9,14 +9,18 @@ import numpy as np
 
 from suspid.errors import ReconstructionError
 from suspid.model import Suspension, eigenmodes
+from suspid.reconstruction.asked import LEAST
 from suspid.reconstruction.descent import slope_left
 from suspid.reconstruction.equations import EXACT, Observed, all_poles, partners, sensitivities, spectral
 from suspid.reconstruction.observations import ModalTest
 from suspid.reconstruction.problem import Problem
+from suspid.reconstruction.programs import Optimum
 from suspid.reconstruction.suspects import likely
-from suspid.reconstruction.unknowns import LEAST, Unknowns
+from suspid.reconstruction.unknowns import Unknowns
+from suspid.reconstruction.wishes import null_space
 from suspid.units import Ratio, RealArray
 from suspid.values import frozen_real
+from suspid.words import Number, ReconstructionNote, Remark
 
 LEAST_MAC = 0.8  # below it a shape is another mode's
 TAKES_PART = 0.01  # of a combination: below it a parameter is not named
@@ -24,10 +28,13 @@ STATIONARY = 1e-6  # share of the squared residual that a step at a sharp optimu
 LOST = 1e-2  # share of the squared residual that a step at an optimum cannot take
 
 
-def check_seen(problem: Problem, x: RealArray, car: Suspension) -> list[str]:
-    """Raise if some combination of the unknowns leaves the modes, and what else is known, as they are.
+def check_seen(problem: Problem, x: RealArray, car: Suspension) -> list[Remark]:
+    """Return what the nominal values, or the penalty, determine and the modes do not.
 
-    Returns what the nominal values alone tell apart, in words.
+    Raises
+    ------
+    ReconstructionError
+        If neither modes nor nominal values nor equations nor a penalty determine some combination of the unknowns.
     """
     u = problem.unknowns
     p = u.parameters(x)
@@ -36,15 +43,24 @@ def check_seen(problem: Problem, x: RealArray, car: Suspension) -> list[str]:
     else:
         parts = [(spectral if t.shapes is None else sensitivities)(t, u.arms, p)[1] for t in problem.tests]
         slope = np.concatenate(parts) @ u.spread
-    notes = []
+    notes: list[Remark] = []
     if u.has_prior.any():
         alone = problem.unseen(slope, x)
         if len(alone):
-            notes.append(_known_from_nominal(involved(alone, u), _in_words(alone, x, u)))
+            names = tuple(involved(alone, u))
+            if any(name.endswith(".mass") for name in names):
+                notes.append(Remark(ReconstructionNote.WHOLE_BY_NOMINAL, {"names": names}))
+            else:
+                numbers: dict[str, Number] = {"names": names, "combinations": _in_words(alone, x, u)}
+                notes.append(Remark(ReconstructionNote.SPLIT_BY_NOMINAL, numbers))
         slope = np.concatenate([slope, np.linalg.norm(slope) * u.prior(x)[1] * u.prior_std[u.has_prior][:, None]])
+    if problem.wishes is not None:
+        slope = np.concatenate([slope, np.linalg.norm(slope) * problem.wishes.equations])
     blind = problem.unseen(slope, x)
     if len(blind):
         unseen = involved(blind, u)
+        if problem.wishes is not None and problem.wishes.penalty is not None:
+            return [*notes, Remark(ReconstructionNote.UNSEEN, {"names": tuple(unseen)})]
         raise ReconstructionError(
             f"the modes do not determine {', '.join(unseen)}: {len(blind)} of {len(x)} combinations of the parameters "
             f"leave them as they are ({_in_words(blind, x, u)}); hold one with fixed=…, add modes, or add shapes at "
@@ -52,18 +68,6 @@ def check_seen(problem: Problem, x: RealArray, car: Suspension) -> list[str]:
             best=car,
         )
     return notes
-
-
-def _known_from_nominal(names: Sequence[str], words: str) -> str:
-    """Return, in words, what the modes do not see and the nominal values alone tell."""
-    if any(name.endswith(".mass") for name in names):
-        return "how heavy, stiff and damped the car is as a whole is known from the nominal values alone"
-    if len(names) < 2:
-        return f"{names[0]} is known from the nominal values alone"
-    return (
-        f"{', '.join(names[:-1])} and {names[-1]} are told apart by the nominal values alone: "
-        f"the modes do not see {words}"
-    )
 
 
 def involved(blind: RealArray, unknowns: Unknowns) -> list[str]:
@@ -161,72 +165,84 @@ def shape_mac(seen: Observed, car: Suspension) -> RealArray:
     return np.asarray(overlap / np.where(powers > 0, powers, 1.0))
 
 
-def remarks(problem: Problem, x: RealArray, cost: float) -> list[str]:
-    """Return what is to be said of an optimum: bounds that act, and how sharp it is; raise if it is none."""
-    u, notes = problem.unknowns, []
+def remarks(problem: Problem, best: Optimum, cost: float) -> list[Remark]:
+    """Return remarks on an optimum: bounds and constraints that act, and how sharp it is.
+
+    Raises
+    ------
+    ReconstructionError
+        If it is no optimum.
+    """
+    u, x, notes = problem.unknowns, best.x, []
     size = np.maximum(np.abs(x), 1e-9)
-    ends = [
-        label
-        for label, value, low, high, s in zip(u.labels, x, u.lower, u.upper, size, strict=True)
-        if value <= low + 1e-9 * s or value >= high - 1e-9 * s
-    ]
-    least = [name for name, value in zip(u.labels, x, strict=True) if name in ends and value <= 1.01 * LEAST]
-    least = [name for name in least if u.positive[u.labels.index(name)]]
-    if least:
-        notes.append(
-            f"next to nothing is left of {', '.join(least)}, which must be positive: these modes want none; "
-            f"check the topology, or hold it with fixed=…"
-        )
-    ends = [name for name in ends if name not in least]
-    if ends and cost > EXACT:
-        notes.append(f"held back by its bound: {', '.join(ends)}")
+    ends = (x <= u.lower + 1e-9 * size) | (x >= u.upper - 1e-9 * size)
+    vanished = ends & u.positive & (x <= 1.01 * LEAST)
+    named = np.array(u.labels)
+    if np.any(vanished):
+        notes.append(Remark(ReconstructionNote.VANISHED, {"names": tuple(named[vanished].tolist())}))
+    if np.any(ends & ~vanished) and cost > EXACT:
+        notes.append(Remark(ReconstructionNote.AT_BOUND, {"names": tuple(named[ends & ~vanished].tolist())}))
+    if problem.wishes is not None:
+        acting = tuple(problem.wishes.labels[i] for i in problem.wishes.acting(x))
+        if acting:
+            notes.append(Remark(ReconstructionNote.ACTIVE, {"names": acting}))
+        if problem.wishes.penalty is not None:
+            notes.append(Remark(ReconstructionNote.PENALTY, {"penalty": problem.wishes.penalised(x)}))
     if cost > (0.1 if problem.weighted else EXACT):
-        left = slope_left(problem.deciding, x, u.lower, u.upper)
+        left = best.left if problem.wishes is not None else slope_left(problem.deciding, x, u.lower, u.upper)
         worth = left * cost**2 if problem.weighted else 1.0
         if left > LOST and worth > 1.0:
             raise ReconstructionError(
-                f"the search ended where a further step would still take {left:.1%} of the squared residual: that is "
-                f"no answer; start from a nearer nominal car, hold parameters with fixed=…, or add shapes",
+                f"the search ended where a further step would still reduce the squared residual by {left:.1%}, so it "
+                f"found no optimum; start from a nearer nominal car, hold parameters with fixed=…, or add shapes",
                 best=u.suspension(x),
             )
         if left > STATIONARY and worth > 1e-3:
-            notes.append(f"no sharp optimum: a further step would take {left:.1e} of the squared residual")
+            notes.append(Remark(ReconstructionNote.NOT_SHARP, {"share": left}))
     return notes
 
 
-def goodness(problem: Problem, x: RealArray, cost: float, tolerance: Ratio) -> tuple[float | None, int, bool]:
+def goodness(problem: Problem, best: Optimum, tolerance: Ratio) -> tuple[float | None, int, bool]:
     """Return chi-square, its degrees of freedom, and whether it is not improbably large.
 
     Without a covariance there is no chi-square; the modes are then explained if what is left is within the tolerance.
+    An unknown on a bound, or a constraint that acts, does not follow the noise: each gives a degree of freedom back.
     """
-    u = problem.unknowns
-    freedom = problem.rows - len(u)
+    x, u = best.x, problem.unknowns
+    equations = 0 if problem.wishes is None else len(u) - null_space(problem.wishes.equations).shape[1]
+    freedom = problem.rows - (len(u) - equations)
     if not problem.weighted:
         return None, freedom, misfit(problem, x) <= tolerance
-    # A bound that acts leaves one unknown less to follow the noise.
-    stuck = int(np.sum((x <= u.lower * (1 + 1e-9)) | (x >= u.upper * (1 - 1e-9))))
-    return cost**2, freedom, likely(cost**2, freedom + stuck)
+    free = min(best.free, int(np.sum((x > u.lower * (1 + 1e-9)) & (x < u.upper * (1 - 1e-9)))))
+    return problem.chi_square(x), freedom, likely(problem.chi_square(x), problem.rows - free)
 
 
 def misfit(problem: Problem, x: RealArray) -> Ratio:
-    """Return how wrong unweighted modes must be, root mean square, for x to have them: shapes ten times that [1].
+    """Return the root mean square error of unweighted modes for which x would have them exactly; shapes in tenths [1].
 
-    What the fit takes up is made up for; 0 where there are no more equations than unknowns.
+    It is corrected for what the fit takes up; 0 where there are no more equations than unknowns.
     """
     told = int(np.sum(problem.unknowns.has_prior))
     freedom = problem.rows - told - len(x)
     if freedom <= 0:
         return 0.0
-    plain = replace(problem, unknowns=replace(problem.unknowns, prior_std=np.full(len(x), np.inf)))
+    unknowns = replace(problem.unknowns, prior_std=np.full(len(x), np.inf))
+    plain = replace(problem, unknowns=unknowns, wishes=None)
     return float(np.linalg.norm(plain.deciding(x)[0]) / np.sqrt(freedom))
 
 
 def parameter_covariance(problem: Problem, x: RealArray, widening: float) -> RealArray | None:
-    """Return the joint covariance of the free parameters, to first order and as if there were no bounds."""
+    """Return the joint covariance of the free parameters, to first order.
+
+    Equations among the constraints count as exact. Bounds and inequalities are left out, acting or not, and so is the
+    penalty.
+    """
     if not problem.weighted:
         return None
     u = problem.unknowns
     _, slope = problem.deciding(x)
     size = np.linalg.norm(slope, axis=0)
-    half = widening * (np.linalg.pinv(slope / size) / size[:, None] * u.scale[:, None])[u.column]
+    moves = np.eye(len(x)) if problem.wishes is None else null_space(problem.wishes.equations / size)
+    inverse = moves @ np.linalg.pinv(slope / size @ moves)
+    half = widening * (inverse / size[:, None] * u.scale[:, None])[u.column]
     return frozen_real(half @ half.T)

@@ -1,0 +1,150 @@
+"""The result of a reconstruction: springs, dampers and masses with their uncertainty."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from suspid.errors import InputError
+from suspid.model import Suspension
+from suspid.reconstruction.unknowns import QUANTITIES, parameter_names, parameter_vector
+from suspid.reconstruction.verdict import verdict_of
+from suspid.units import Kilogram, NewtonPerMetre, NewtonSecondPerMetre, Ratio, RealArray
+from suspid.values import rounded, spread, text_table
+from suspid.words import Remark, Verdict
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Reconstruction:
+    """The suspension that has the given modes, its uncertainty, and the others that have these modes too.
+
+    Parameters
+    ----------
+    suspension : Suspension
+        Springs and dampers (and masses) found: of those that have the modes equally well, the one nearest to nominal.
+    stiffness_std, damping_std : mapping of str to float, or None
+        Standard deviations [N/m], [N s/m] by strut, to first order from the covariance of the modes; 0 for what was
+        held, and as if no bound were there for what ends on one. None if the modes carry no covariance.
+    mass_std : mapping of str to float, or None
+        The same [kg] by coordinate.
+    alternatives : tuple of Suspension
+        Every other suspension found that has the modes within their uncertainty, by distance from nominal.
+    distances : tuple of float
+        How far each alternative is from the data: its chi-square; for modes without covariance, the relative
+        distance of its worst pole [1].
+    told_apart : tuple of str
+        What would tell each alternative from `suspension`.
+    residual : float
+        Distance of a pole of `suspension` from the given one, relative to the latter; the worst mode [1].
+    remarks : tuple of Remark
+        How it was found, and what to know about it, as codes with numbers; `status` is the same as one text.
+    held : tuple of str
+        The strut parameters held at their nominal values, such as ``"tire.damping"``.
+    parameters : tuple of str
+        The parameters found, such as ``"tire.stiffness"`` or ``"seat.mass"``.
+    covariance : ndarray (parameter, parameter), or None
+        Joint covariance of `parameters`, in their units squared.
+    ranges : ndarray (parameter, 2)
+        Bounds of `parameters`, in their units.
+    chi_square : float or None
+        Squared distance from the data in standard deviations; None if the modes carry no covariance.
+    freedom : int
+        Degrees of freedom: equations less unknowns.
+    explains : bool
+        Whether the topology explains the modes: chi-square is not improbably large. If it is, the standard
+        deviations are widened by its root over `freedom`, and are a guess; `status` names the gains and masses that
+        would explain the modes, or where the misfit sits. Without a covariance: whether the root mean square of what
+        the fit leaves of the poles, relative, and of a tenth of the shapes is within the tolerance.
+    searched : bool
+        Whether alternatives were looked for.
+    """
+
+    suspension: Suspension
+    stiffness_std: Mapping[str, NewtonPerMetre] | None
+    damping_std: Mapping[str, NewtonSecondPerMetre] | None
+    mass_std: Mapping[str, Kilogram] | None = None
+    alternatives: tuple[Suspension, ...] = ()
+    distances: tuple[float, ...] = ()
+    told_apart: tuple[str, ...] = ()
+    residual: Ratio
+    remarks: tuple[Remark, ...] = ()
+    held: tuple[str, ...] = ()
+    parameters: tuple[str, ...] = ()
+    covariance: RealArray | None = None
+    ranges: RealArray
+    chi_square: float | None = None
+    freedom: int = 0
+    explains: bool = True
+    searched: bool = True
+
+    @property
+    def status(self) -> str:
+        """How it was found, and what to know about it, as one text."""
+        return "; ".join(str(remark) for remark in self.remarks)
+
+    @property
+    def verdict(self) -> Verdict:
+        """How far the springs and dampers can be trusted, and why."""
+        return verdict_of(self)
+
+    def interval(self, level: Ratio = 0.95) -> dict[str, tuple[float, float]]:
+        """Return the ends between which each of `parameters` lies with probability ``level``, cut at its bounds.
+
+        They belong to `suspension`: an alternative has its own.
+
+        Raises
+        ------
+        InputError
+            If the modes carried no covariance, or the level is not between 0 and 1.
+        """
+        from scipy.special import ndtri
+
+        if not 0 < level < 1:
+            raise InputError(f"{level=} must lie between 0 and 1, such as 0.95")
+        if self.covariance is None:
+            raise InputError("the modes carried no covariance, so the parameters have none; identify gives one")
+        every = dict(zip(parameter_names(self.suspension), parameter_vector(self.suspension).tolist(), strict=True))
+        reach = float(ndtri((1 + level) / 2)) * np.sqrt(np.diag(self.covariance))
+        values = np.array([every[name] for name in self.parameters])
+        ends = np.clip(values[:, None] + reach[:, None] * [-1, 1], self.ranges[:, :1], self.ranges[:, 1:])
+        return {name: (float(low), float(high)) for name, (low, high) in zip(self.parameters, ends, strict=True)}
+
+    def __str__(self) -> str:
+        struts = self.suspension.struts
+        columns: dict[str, Sequence[str]] = {"strut": [s.name for s in struts]}
+        for quantity, unit, stds in (("stiffness", "N/m", self.stiffness_std), ("damping", "N s/m", self.damping_std)):
+            values = np.array([getattr(s, quantity) for s in struts])
+            columns |= _with_spread(f"{quantity} [{unit}]", f"± [{unit}]", values, stds, [s.name for s in struts])
+        if any(not name.endswith(".mass") for name in self.held):
+            names = {s.name: [q for q in QUANTITIES if f"{s.name}.{q}" in self.held] for s in struts}
+            columns["held"] = [", ".join(held) for held in names.values()]
+        parts = [text_table(columns)]
+        free = [name for name in self.suspension.masses if f"{name}.mass" in self.parameters]
+        if free:
+            values = np.array([self.suspension.masses[name] for name in free])
+            parts.append(text_table({"mass": free} | _with_spread("[kg]", "± [kg]", values, self.mass_std, free)))
+        parts.append(self.status)
+        for i, (car, distance) in enumerate(zip(self.alternatives, self.distances, strict=True)):
+            k, c = (", ".join(f"{getattr(s, q):.5g}" for s in car.struts) for q in QUANTITIES)
+            far = (
+                f"worst pole off by {distance:.1e}"
+                if self.chi_square is None
+                else f"chi-square {distance if distance > 1e-6 else 0:.3g}"
+            )
+            apart = f"; told apart by {self.told_apart[i]}" if self.told_apart[i] else ""
+            parts.append(f"another suspension has these modes: k = {k} N/m, c = {c} N s/m ({far}){apart}")
+        parts.append(str(self.verdict))
+        return "\n".join(parts)
+
+
+def _with_spread(
+    title: str, spread_title: str, values: RealArray, stds: Mapping[str, float] | None, names: Sequence[str]
+) -> dict[str, Sequence[str]]:
+    """Return a column of values, and one of their standard deviations if there are any."""
+    if stds is None:
+        return {title: [f"{value:.7g}" for value in values]}
+    known = np.array([stds[name] for name in names])
+    # Columns need names of their own: the unit tells them apart.
+    return {title: rounded(values, known), spread_title: [spread(std) for std in known]}

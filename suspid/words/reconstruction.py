@@ -1,0 +1,166 @@
+"""What can be said of springs, dampers and masses found from modes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from suspid.words.remarks import Code, Number, count, in_a_row
+
+
+def _names(numbers: Mapping[str, Number]) -> tuple[str, ...]:
+    names = numbers["names"]
+    assert isinstance(names, tuple)
+    return tuple(str(name) for name in names)
+
+
+def _listed(text: str) -> Callable[[Mapping[str, Number]], str]:
+    """Return words with the names in place of ``{names}``, joined by commas."""
+    return lambda numbers: text.format_map({**numbers, "names": ", ".join(_names(numbers))})
+
+
+def _split_by_nominal(numbers: Mapping[str, Number]) -> str:
+    names = _names(numbers)
+    if len(names) == 1:
+        return f"{names[0]} is known from the nominal values alone"
+    return (
+        f"{in_a_row(names)} are told apart by the nominal values alone: the modes do not see {numbers['combinations']}"
+    )
+
+
+def _linear(numbers: Mapping[str, Number]) -> str:
+    unique = " (unique solution)" if numbers["unique"] else ""
+    return f"linear convex fit of poles and shapes{unique}" + ", then refined" * (not numbers["exact"])
+
+
+def _chi_square(numbers: Mapping[str, Number]) -> str:
+    freedom, value = numbers["freedom"], numbers["chi_square"]
+    assert isinstance(freedom, int)
+    assert isinstance(value, float)
+    return f"chi-square {value if value > 1e-6 else 0:.3g} at {count(freedom, 'degree')} of freedom"
+
+
+def _acting(numbers: Mapping[str, Number]) -> str:
+    names = _names(numbers)
+    return f"active constraint{'s' * (len(names) > 1)}: {'; '.join(names)}"
+
+
+def _mass(numbers: Mapping[str, Number]) -> str:
+    error = numbers["error"]
+    assert isinstance(error, float)
+    what = f"the mass of {numbers['name']} being {abs(error):.1%} {'larger' if error > 0 else 'smaller'} than given"
+    return f"{what} would explain the modes (chi-square {numbers['chi_square']:.3g} at {numbers['freedom']})"
+
+
+def _others(numbers: Mapping[str, Number]) -> str:
+    number = numbers["count"]
+    assert isinstance(number, int)
+    have = "has" if number == 1 else "have"
+    return f"{count(number, 'other set')} of springs and dampers {have} the same modes: see what tells them apart."
+
+
+def _found(numbers: Mapping[str, Number]) -> str:
+    parameters = numbers["parameters"]
+    assert isinstance(parameters, int)
+    return f"{count(parameters, 'parameter')} of the car found"
+
+
+class ReconstructionHeadline(Code):
+    """What was found."""
+
+    FOUND = "found", _found
+
+
+class ReconstructionNote(Code):
+    """How a suspension was found, and what to know about it."""
+
+    LINEAR = "linear fit", _linear
+    SEQUENCE = "sequence of fits", "sequence of convex fits of {data}"
+    POLE_ERROR = "pole error", "largest relative pole error {residual:.1e}"
+    CHANNEL_UNKNOWN = (
+        "channel unknown",
+        "shapes not used: channel {channel!r} is not a coordinate, its velocity or acceleration, or the travel of a "
+        "strut; rename it to use them",
+    )
+    CHANNEL_TWICE = "channel twice", "shapes not used: channel {channel!r} occurs more than once"
+    ONE_CHANNEL = "one channel", "shapes not used: one channel has none"
+    POLES_MEET = "poles meet", "shapes not used: poles coincide (critical damping), and their shapes with them"
+    NOT_WEIGHTED = "not weighted", "not weighted: the covariance covers the poles alone, which are too few"
+    WHOLE_BY_NOMINAL = (
+        "scale by nominal",
+        "the common scale of masses, stiffnesses and dampings is known from the nominal values alone",
+    )
+    SPLIT_BY_NOMINAL = "split by nominal", _split_by_nominal
+    UNSEEN = (
+        "chosen by penalty",
+        _listed("{names}: the modes do not determine them, the penalty does; there are no intervals"),
+    )
+    LEAST_MAC = "least MAC", "least MAC of the shapes {mac:.4f}"
+    VANISHED = (
+        "vanished",
+        _listed(
+            "{names} at the least positive value: the modes want none; check the topology, or hold it with fixed=…"
+        ),
+    )
+    AT_BOUND = "at bound", _listed("held back by its bound: {names}")
+    ACTIVE = "active constraints", _acting
+    PENALTY = "penalty", "penalty {penalty:.3g}"
+    NOT_SHARP = "not sharp", "no sharp optimum: a further step would reduce the squared residual by {share:.1e} of it"
+    FEW_DIGITS = (
+        "few digits",
+        "the modes have few digits and count as known to {known_to:.1%}; set tolerance=… to change that",
+    )
+    NEAR_MISS = (
+        "near miss",
+        "another suspension comes within {distance:.1e} of these modes: give their uncertainty, or tolerance=…, to "
+        "have it judged",
+    )
+    CHI_SQUARE = "chi-square", _chi_square
+    MISFIT = "misfit", "the modes are met to {misfit:.1e} rms (shapes to ten times that)"
+    UNEXPLAINED = (
+        "unexplained",
+        "this topology does not explain these modes: standard deviations are widened {widening:.3g} times",
+    )
+    BEYOND_TOLERANCE = (
+        "beyond tolerance",
+        "this topology does not explain these modes: more is left than {tolerance:.1%}",
+    )
+
+
+class Suspect(Code):
+    """What would explain modes that the suspension as described does not."""
+
+    GAIN = (
+        "gain",
+        "channel {name} reading {gain:.3f} times what it should would explain the modes (chi-square {chi_square:.3g} "
+        "at {freedom})",
+    )
+    MASS = "mass", _mass
+    CHANNEL = "channel", "most of chi-square comes from channel {name}: without it, {chi_square:.3g} at {freedom}"
+    MODE = "mode", "most of chi-square comes from mode {name}: without it, {chi_square:.3g} at {freedom}"
+
+
+class ReconstructionCheck(Code):
+    """What speaks for and against a suspension that was found."""
+
+    EXPLAINS = (
+        "explains",
+        "The car as described explains the modes within their uncertainty (chi-square {chi_square:.3g} at {freedom}).",
+    )
+    WITHIN_TOLERANCE = "within tolerance", "The modes are met to {misfit:.1e} rms, within the tolerance."
+    UNEXPLAINED = "unexplained", "The car as described does not explain these modes within their uncertainty."
+    NOT_JUDGED = (
+        "not judged",
+        "There are as many unknowns as equations: whether the car explains the modes is not tested.",
+    )
+    NO_UNCERTAINTY = "no uncertainty", "The modes state no uncertainty, so springs and dampers have no intervals."
+    ALTERNATIVES = "alternatives", _others
+    NO_ALTERNATIVES = "no alternatives", "No other set of springs and dampers with these modes was found."
+    NEAR_MISS = "near miss", "Another set of springs and dampers comes within {distance:.1e} of these modes."
+    NOT_SEARCHED = "not searched", "Other sets of springs and dampers were not looked for."
+    VANISHED = "vanished", _listed("The modes need no {names}: the topology may be wrong.")
+    AT_BOUND = "at bound", _listed("At its bound: {names}.")
+    ACTIVE = "active constraints", _listed("Constraints decide, not the modes alone: {names}.")
+    PENALTY = "penalty", "A penalty pulls the parameters; the intervals leave that out."
+    BY_NOMINAL = "by nominal", _listed("Known from the nominal values alone: {names}.")
+    NOT_SHARP = "not sharp", "The optimum is not sharp: a further step would still reduce the squared residual."
+    VAGUE = "vague", _listed("Hardly known, with a 95 % interval wider than the value: {names}.")
