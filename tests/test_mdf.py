@@ -1,4 +1,9 @@
+"""ASAM MDF files: numbers, clocks and CAN frames come back, and damage is refused."""
+
+from __future__ import annotations
+
 import contextlib
+import inspect
 import struct
 import sys
 import tempfile
@@ -14,6 +19,7 @@ from hypothesis import strategies as st
 
 from suspid import SuspidError
 from suspid.errors import RecordError
+from suspid.io.mdf.channels import _payloads
 from suspid.io.mdf.mdf import read_mdf
 from suspid.words import LeftOut, Remark
 
@@ -195,6 +201,20 @@ class TestCanFrames:
     def test_a_database_for_no_frames_is_said(self, tmp_path: Path, dbc: Path) -> None:
         table = read_mdf(put(tmp_path, mdf([signal("x", T)])), dbc=str(dbc))
         assert table.unusable == {"body.dbc": Remark(LeftOut.NO_FRAMES)}
+
+
+class TestThePrivatePartOfAsammdf:
+    """The payloads of CAN frames are reached by one private method, which another release may lack."""
+
+    def test_is_there(self) -> None:
+        with MDF(version="4.10") as file:
+            load = getattr(getattr(file, "_mdf", None), "_load_signal_data", None)
+            assert load is not None, "asammdf has changed: mend suspid.io.mdf.channels._payloads"
+            assert {"group", "index"} <= set(inspect.signature(load).parameters)
+
+    def test_is_named_where_it_is_missing(self) -> None:
+        with pytest.raises(RecordError, match=r"MDF4\._load_signal_data is missing\); install asammdf"):
+            _payloads(object(), 0, 0)
 
 
 @pytest.mark.skipif(not DATA.is_dir(), reason="needs the shared data")

@@ -133,6 +133,15 @@ class TestTime:
         assert list(table.sizes) == ["timestamp", "x"]
         assert not table.clocks
 
+    @pytest.mark.parametrize("missing", [0, 1, 3])
+    def test_the_first_stamp_that_is_there_is_zero(self, tmp_path: Path, missing: int) -> None:
+        """Differences of integers are exact; of seconds since 1970 in double precision they would not be."""
+        nanos = 1_700_000_000_000_000_000 + np.array([3, 1_000_004, 7_000_009])
+        stamps = pa.array([None] * missing + nanos.tolist(), pa.timestamp("ns"))
+        table = read_parquet(put(tmp_path, {"timestamp": stamps, "x": [1.0] * (missing + 3)}))
+        expected = [np.nan] * missing + [int(n - nanos[0]) / 1e9 for n in nanos]
+        assert np.array_equal(table.columns(["timestamp"])[0], expected, equal_nan=True)
+
     def test_durations_stand_as_they_are_in_the_unit_of_the_name(self, tmp_path: Path) -> None:
         lasted = pa.array([5, 7], pa.duration("us"))
         table = read_parquet(put(tmp_path, {"t [ms]": lasted, "elapsed": lasted, "x": [1.0, 2.0]}))

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from suspid import RecordError
-from suspid.io.tables import Table, TimeBase
+from suspid.io.tables import Table, TimeBase, stated_rate
 from suspid.io.timing import as_recording
 from suspid.recordings import RawChannel
 from suspid.units import RealArray
@@ -81,6 +81,45 @@ class TestClocks:
         recording = as_recording(table({"speed": SLOW}, names=["seat", "speed"], Fs=8.0))
         assert recording["seat"].timepts.tolist() == [0.0, 0.125, 0.25, 0.375]
         assert recording["speed"].rate is None
+
+
+class TestTimeIgnored:
+    def test_a_column_of_time_gives_way_to_the_rate(self) -> None:
+        recording = as_recording(table(names=["t", "seat"]), time="none", fs=100.0)
+        assert recording.names == ("seat",)
+        assert recording["seat"].timepts.tolist() == [0, 0.01, 0.02, 0.03]
+        assert dict(recording.left_out)["t"].code is LeftOut.IGNORED_TIME
+
+    def test_so_do_stamps_of_clocks(self) -> None:
+        recording = as_recording(table({"speed": SLOW}, names=["speed"]), time="none", fs=10.0)
+        assert recording["speed"].timepts.tolist() == [0, 0.1]
+
+    def test_without_a_rate_nothing_tells_the_time(self) -> None:
+        with pytest.raises(RecordError, match="sampling rate"):
+            as_recording(table(names=["t", "seat"]), time="none")
+
+
+class TestWhatIsNoChannel:
+    def test_a_column_that_counts_the_rows_unless_it_is_asked_for(self) -> None:
+        columns = {"t": np.arange(4) / 4, "Sample": np.arange(4.0) + 1, "seat": np.ones(4), "index": np.ones(4)}
+        source = Table(
+            sizes=dict.fromkeys(columns, 4), columns=lambda names: [columns[n] for n in names], unusable={}, rates={}
+        )
+        recording = as_recording(source)
+        assert recording.names == ("seat", "index")
+        assert dict(recording.left_out)["Sample"].code is LeftOut.ROW_COUNTER
+        assert as_recording(source, channels=["Sample"]).names == ("Sample",)
+
+    def test_an_array_of_a_length_unlike_the_others(self) -> None:
+        sizes = {"a": 4, "b": 4, "window": 9}
+        source = Table(sizes=sizes, columns=lambda names: [np.zeros(sizes[n]) for n in names], unusable={}, rates={})
+        recording = as_recording(source, fs=10.0)
+        assert recording.names == ("a", "b")
+        assert recording.left_out == (("window", Remark(LeftOut.LENGTH, {"samples": 9, "others": 4})),)
+
+    @pytest.mark.parametrize("name", ["ActualRate", "Sample_Rate", "fs", "SamplingFrequency", "scan rate"])
+    def test_a_number_that_states_the_rate(self, name: str) -> None:
+        assert stated_rate(name, 887.14) == 887.14
 
 
 class TestNothingIsChanged:

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from suspid import RecordError
 from suspid.io.read_recording import read_recording
 from suspid.io.tables import bracketed_unit, stated_rate
+from suspid.io.text.columns import UNIT
 from suspid.io.text.delimited import read_delimited
-from suspid.io.text.layouts import UNIT
 from suspid.io.timing import SAME_RATE
 from suspid.recordings import Recording
 from suspid.words import LeftOut, Remark
@@ -102,6 +102,14 @@ DIALECTS: dict[str, tuple[str | bytes, str, tuple[str, ...]]] = {
         "",
         ("time",),
     ),
+    "matrix": ("[ 0 1.5;\n 0.5 -2.25;\n 1 0.125;\n 1.5 4 ]\n".replace("[", "t seat\n\n["), "", ()),
+    "matrix with a name": ("% t seat\ndata = [\n0 1.5;\n0.5 -2.25;\n1 0.125;\n1.5 4;\n];\n", "", ()),
+    "raw export of a controller": (
+        "\n\nController 5\n\n\n Sample   Time  Seat\n\n\n"
+        "[ 0  0.0 1.5;\n  1  0.5 -2.25;\n  2  1.0 0.125;\n  3  1.5 4;\n]\n",
+        "",
+        ("line 3", "Sample"),
+    ),
     "LabVIEW": (
         "LabVIEW Measurement\t\nSeparator\tTab\n***End_of_Header***\t\nX_Value\tseat\tComment\n"
         + PLAIN.split("\n", 1)[1].replace(",", "\t"),
@@ -167,6 +175,44 @@ class TestEveryDialectSaysTheSame:
         assert recording.names == ("z_seat_m", "z_body_m", "z_wheel_m", "a_seat", "a_body", "a_wheel", "z_road_m")
         assert np.array_equal(np.array([channel.values for channel in recording.channels]).T, expected[:, 1:])
         assert np.array_equal(recording.channels[0].timepts, expected[:, 0])
+
+
+class TestNamesOfSeveralWords:
+    def test_over_columns_of_fixed_width(self, tmp_path: Path) -> None:
+        text = (
+            " Sample   Time Commanded Pos Encoder 1 Pos\n"
+            "      0  0.000             0             2\n"
+            "      1  0.009             5            13\n"
+            "      2  0.018             7            -4\n"
+        )
+        recording = read(tmp_path, text)
+        assert recording.names == ("Commanded Pos", "Encoder 1 Pos")
+        assert recording["Encoder 1 Pos"].values.tolist() == [2, 13, -4]
+        assert recording["Encoder 1 Pos"].timepts.tolist() == [0, 0.009, 0.018]
+        assert dict(recording.left_out)["Sample"].code is LeftOut.ROW_COUNTER
+
+    def test_parted_by_several_blanks(self, tmp_path: Path) -> None:
+        assert read(tmp_path, "Time  Encoder 1 Pos\n0 2\n1 3\n2 5\n").names == ("Encoder 1 Pos",)
+
+
+class TestWithoutNames:
+    """Where nothing is named, the first column is time if it rises evenly and does not count the rows."""
+
+    @pytest.mark.parametrize("digits", [3, 4, 9])
+    @pytest.mark.parametrize("rate", [100.0, 113.1, 887.14])
+    def test_the_first_column_is_time(self, tmp_path: Path, rate: float, digits: int) -> None:
+        text = "".join(f"{k / rate:.{digits}f} {np.sin(k):.6f}\n" for k in range(300))
+        (channel,) = read(tmp_path, text).channels
+        assert channel.name == "column 2"
+        assert channel.timepts.tolist() == [float(f"{k / rate:.{digits}f}") for k in range(300)]
+
+    @pytest.mark.parametrize("first", ["{k}", "{x}", "{k2}"], ids=["counts", "random", "uneven"])
+    def test_another_one_is_not(self, tmp_path: Path, first: str) -> None:
+        rng = np.random.default_rng(5)
+        rows = [first.format(k=k, x=rng.random(), k2=k + 0.3 * (k % 3)) for k in range(200)]
+        with pytest.raises(RecordError, match="no column is named like a time"):
+            read(tmp_path, "".join(f"{row} {rng.random()}\n" for row in rows))
+        assert len(read(tmp_path, "".join(f"{row} {rng.random()}\n" for row in rows), fs=10).channels) == 2
 
 
 class TestMissingCells:

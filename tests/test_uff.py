@@ -20,6 +20,20 @@ from suspid.units import RealArray
 FUZZ = settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 DATA = Path(__file__).resolve().parents[2] / "shared" / "data" / "pyuff_uff58_mps"
 BLANK = " " * 74
+# Codes of data set 164 with the units of length in a metre and of force in a newton, as the standard gives them.
+SYSTEMS = [
+    (1, 1.0, 1.0),
+    (2, 3.28084, 0.224809),
+    (3, 1.0, 0.101972),
+    (4, 3.28084, 7.23301),
+    (5, 1000.0, 1000.0),
+    (6, 100.0, 100.0),
+    (7, 39.3701, 0.224809),
+    (8, 1000.0, 0.101972),
+]
+# In SI.
+LENGTHS = {"m": 1.0, "cm": 0.01, "mm": 1e-3, "ft": 0.3048, "in": 0.0254}
+FORCES = {"N": 1.0, "cN": 0.01, "mN": 1e-3, "lbf": 4.4482216, "kgf": 9.80665, "pdl": 0.138254954}
 
 
 def dataset(values: Sequence[float] | Sequence[complex] | RealArray, **fields: Any) -> dict[str, Any]:
@@ -163,6 +177,20 @@ class TestUnits:
         )
         table = read_uff(put(tmp_path, system, dataset([1.0, 2])))
         assert table.units == ({"1+Z": unit} if unit else {})
+
+    @pytest.mark.parametrize(("code", "length", "force"), SYSTEMS)
+    def test_a_system_has_as_many_of_its_units_in_one_of_si_as_its_data_set_states(
+        self, tmp_path: Path, code: int, length: float, force: float
+    ) -> None:
+        system = pyuff.prepare_164(
+            units_code=code, units_description="", temp_mode=1, length=length, force=force, temp=1.0, temp_offset=0.0
+        )
+        sets = [dataset([1.0, 2], rsp_node=k, ordinate_spec_data_type=kind) for k, kind in ((1, 12), (2, 13), (3, 8))]
+        units = read_uff(put(tmp_path, system, *sets)).units
+        # The factors of the standard have six digits.
+        assert length * LENGTHS[units["1+Z"].removesuffix("/s^2")] == pytest.approx(1.0, rel=1e-5)
+        assert length * LENGTHS[units["3+Z"]] == pytest.approx(1.0, rel=1e-5)
+        assert force * FORCES[units["2+Z"]] == pytest.approx(1.0, rel=1e-5)
 
     def test_the_title_is_that_of_data_set_151(self, tmp_path: Path) -> None:
         head = pyuff.prepare_151(

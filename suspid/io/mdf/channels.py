@@ -158,7 +158,7 @@ def _check_payloads(file: Any, group: int) -> None:
             places = file.get(group=group, index=i, raw=True, samples_only=True, ignore_invalidation_bits=True)[0]
             channel.channel_type = VARIABLE
             places = np.frombuffer(places.tobytes(), "<u8")
-            payloads = np.frombuffer(file._mdf._load_signal_data(group=file.groups[group], index=i), np.uint8)
+            payloads = np.frombuffer(_payloads(file, group, i), np.uint8)
             if places.size != _size(file.groups[group]) or np.any(places[1:] < places[:-1]):
                 raise RecordError("is damaged: its CAN frames are out of order")
             if places.size and int(places[-1]) + 4 > payloads.size:
@@ -166,6 +166,22 @@ def _check_payloads(file: Any, group: int) -> None:
             sizes = sum(payloads[places + np.uint64(k)].astype(np.int64) << (8 * k) for k in range(4))
             if np.any(sizes > LONGEST_FRAME):
                 raise RecordError(f"is damaged: a CAN frame has {np.max(sizes)} bytes; there may be {LONGEST_FRAME}")
+
+
+def _payloads(file: Any, group: int, index: int) -> bytes:
+    """Return the bytes to which the numbers of a channel of variable length point.
+
+    asammdf has no public access to them without following the numbers, which is what must be checked first. This is
+    the only use of a private part of it.
+    """
+    load = getattr(getattr(file, "_mdf", None), "_load_signal_data", None)
+    if load is None:
+        raise RecordError(
+            "holds CAN frames of variable length, and this release of asammdf has no way to check them "
+            "(MDF4._load_signal_data is missing); install asammdf 8.8"
+        )
+    content: bytes = load(group=file.groups[group], index=index)
+    return content
 
 
 def _conversion(channel: Any) -> int | None:

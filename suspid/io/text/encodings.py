@@ -18,6 +18,12 @@ CONTROL = bytes([*range(9), *range(0x0E, 0x20), 0x7F])
 TEXT = bytes(set(range(256)) - set(CONTROL))
 
 
+# A matrix as it is printed in brackets, with a semicolon after each row; a name may stand before it.
+OPENING = rb"^[^\S\n]*(?:[A-Za-z]\w*[^\S\n]*=[^\S\n]*)?\["
+MATRIX = re.compile(OPENING + rb"[^\S\n]*\n?[^\[\];\n]*\d[^\[\];\n]*;[^\S\n]*$", re.M)
+BRACKETS = re.compile(OPENING + rb"(?=[^\S\n]*(?:[-+.\d]|$))|(?:;|\];?)[^\S\n]*$", re.M)
+
+
 def decoded(content: bytes) -> tuple[bytes, dict[str, Remark]]:
     r"""Return a text as UTF-8 with newlines, and its encoding where that is another one.
 
@@ -58,6 +64,8 @@ def decoded(content: bytes) -> tuple[bytes, dict[str, Remark]]:
     if re.match(rb"\d\d:\d\d:\d\d\.\d+ -> ", content):
         start = content[:HEAD]
         content = content.replace(b" -> ", next((d for d in (b"\t", b";", b",") if d in start), b"\t"))
+    if MATRIX.search(content[:HEAD]):
+        content = BRACKETS.sub(lambda found: b" " * len(found[0]), content)
     return content if content.endswith(b"\n") else content + b"\n", said
 
 

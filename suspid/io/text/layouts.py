@@ -6,26 +6,18 @@ import itertools
 import re
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from suspid.errors import RecordError
-from suspid.io.tables import bracketed_unit, is_time, stated_rate
+from suspid.io.tables import bracketed_unit, stated_rate
 from suspid.io.text.cells import Kind, kind_of
-from suspid.io.text.dialects import COMMENTS, NUMERIC, Dialect, find_dialect, shapes, shortened
+from suspid.io.text.columns import Columns
+from suspid.io.text.dialects import NUMERIC, Dialect, find_dialect, shapes, shortened
 from suspid.units import Hertz
 from suspid.words import LeftOut, Remark
 
 # Lines above the data that are listed one by one.
 MOST_LISTED = 8
-REMARKS = {"comment", "comments", "remark", "remarks", "note", "notes", "kommentar"}
-# One unit or several joined, such as mm, m/s^2, (kN), µm/m or °/s.
-ATOM = (
-    r"(?:[kKMGmµμunp]?(?:m|s|g|gn|V|A|Hz|Pa|J|W|N|Nm|rad|bar|Ohm|Ω|strain|eps|ε)"
-    r"|min|h|hr|sec|deg|°C?|C|%|1|-|rpm|in|ft|lbf)"
-)
-UNIT = re.compile(
-    rf"{ATOM}(?:\^?-?[0-9²³]|\*\*-?\d|⁻[¹²])?(?:[/*·. ]{ATOM}(?:\^?-?[0-9²³]|\*\*-?\d|⁻[¹²])?)*|hh:mm:ss\S*|[Uu]nits?"
-)
 KEY_VALUE = re.compile(
     r"\W*([^\W\d][^:=;,\t]*?)\s*[:=;,\t]\s*[\"']?([+-]?\d+(?:\.\d+)?(?:[eE][+-]?\d+)?)\s*[;,\t]?\s*(\w*)\W*"
 )
@@ -62,59 +54,6 @@ class Layout:
     left_out: Mapping[str, Remark]
 
 
-@dataclass(frozen=True, slots=True)
-class _Columns:
-    """The columns of the rows: how a row is split, and what each cell holds."""
-
-    dialect: Dialect
-    kinds: tuple[Kind, ...]
-
-    @property
-    def trailing(self) -> bool:
-        """Whether a delimiter ends each row."""
-        return len(self.kinds) > 1 and self.kinds[-1] == "missing"
-
-    def are_data(self, line: str) -> bool:
-        """Whether a line is a row of these columns."""
-        kinds = self.dialect.kinds(line)
-        return (
-            len(kinds) == len(self.kinds)
-            and bool({"number", "stamp"} & set(kinds))
-            and all(a in (b, "missing") or b in ("text", "missing") for a, b in zip(kinds, self.kinds, strict=True))
-        )
-
-    def titles(self, line: str) -> list[str]:
-        """Return the cells of a header line, one for each column where possible."""
-        blanks, width = self.dialect.delimiter == " ", len(self.kinds)
-        text = line.strip() if blanks else line
-        text = text.removeprefix(next((mark for mark in COMMENTS if text.startswith(mark)), ""))
-        cells = self.dialect.cells(text)
-        if blanks and len(cells) != width:
-            wide = [cell.strip().strip('"') for cell in re.split(r"\t|\s{2,}", text.strip())]
-            cells = wide if len(wide) == width else cells
-        # LabVIEW names a column of comments that the rows lack.
-        if len(cells) == width + 1 and (not cells[-1] or cells[-1].lower() in REMARKS):
-            return cells[:-1]
-        return [*cells, ""] if len(cells) == width - 1 and self.trailing else cells
-
-    def may_be_named_by(self, line: str) -> bool:
-        """Whether a line may hold the names of the columns: a cell each, and numbers only beside a time."""
-        cells = self.titles(line)
-        numbers = [kind_of(cell, comma=self.dialect.comma) in ("number", "stamp") for cell in cells]
-        if len(cells) != len(self.kinds) or not any(cells) or all(numbers):
-            return False
-        return not any(numbers) or any(is_time(cell) for cell in cells)
-
-    def units(self, line: str) -> list[str]:
-        """Return the cells of a header line without brackets."""
-        return [cell.strip("[]() ") for cell in self.titles(line)]
-
-    def are_units(self, line: str) -> bool:
-        """Whether a line holds nothing but units."""
-        cells = self.units(line)
-        return any(cells) and all(not cell or UNIT.fullmatch(cell) for cell in cells)
-
-
 def find_layout(head: Sequence[str], sample: Sequence[str]) -> Layout:
     """Return the layout of a file from its first lines and a sample of lines from all over it.
 
@@ -127,6 +66,7 @@ def find_layout(head: Sequence[str], sample: Sequence[str]) -> Layout:
     first = next((k for k, line in enumerate(head) if columns.are_data(line)), None)
     if first is None:
         raise RecordError(f"{len(head)} lines of header, and no row of numbers below them")
+    columns = replace(columns, row=head[first])
     names_at, units_at = _header(head[:first], columns)
     others = {k + 1: head[k] for k in range(first) if k not in (names_at, units_at) and head[k].strip()}
     names, renamed = _names(columns, "" if names_at is None else head[names_at])
@@ -144,7 +84,7 @@ def find_layout(head: Sequence[str], sample: Sequence[str]) -> Layout:
     )
 
 
-def _columns(head: Sequence[str], sample: Sequence[str]) -> _Columns:
+def _columns(head: Sequence[str], sample: Sequence[str]) -> Columns:
     """Return the columns of a sample of lines; refuse one whose cells look like numbers and are not."""
     counted = shapes(sample)
     dialect, width = find_dialect(head, sample, counted)
@@ -162,7 +102,7 @@ def _columns(head: Sequence[str], sample: Sequence[str]) -> _Columns:
                 f"{'comma' if dialect.comma else 'point'} and cells are {dialect}; write numbers without a mark "
                 f"between the thousands"
             )
-    return _Columns(dialect, commonest)
+    return Columns(dialect, commonest)
 
 
 def _commonest(kinds: Sequence[Kind], often: Sequence[int]) -> Kind:
@@ -175,7 +115,7 @@ def _commonest(kinds: Sequence[Kind], often: Sequence[int]) -> Kind:
     return max(counts, key=lambda kind: (counts[kind], kind in ("number", "stamp")), default="missing")
 
 
-def _header(above: Sequence[str], columns: _Columns) -> tuple[int | None, int | None]:
+def _header(above: Sequence[str], columns: Columns) -> tuple[int | None, int | None]:
     """Return the indices of the lines of names and of units above the data."""
     filled = [k for k, line in enumerate(above) if line.strip()]
     rows = list(itertools.takewhile(lambda k: columns.may_be_named_by(above[k]), reversed(filled)))[::-1]
@@ -190,7 +130,7 @@ def _header(above: Sequence[str], columns: _Columns) -> tuple[int | None, int | 
     return rows[units[-1] - 1] if units[-1] else rows[1], rows[units[-1]]
 
 
-def _refuse_misfit(line: str, number: int, columns: _Columns) -> None:
+def _refuse_misfit(line: str, number: int, columns: Columns) -> None:
     """Refuse a line above the data that seems to be a header or a row, but does not fit the columns."""
     dialect, width = columns.dialect, len(columns.kinds)
     if dialect.is_comment(line) or dialect.delimiter == " ":
@@ -210,7 +150,7 @@ def _refuse_misfit(line: str, number: int, columns: _Columns) -> None:
         )
 
 
-def _names(columns: _Columns, line: str) -> tuple[list[str], dict[str, Remark]]:
+def _names(columns: Columns, line: str) -> tuple[list[str], dict[str, Remark]]:
     """Return a name for each column that no other has, and which were changed."""
     cells = columns.titles(line) if line else [""] * len(columns.kinds)
     names = [name or f"column {k + 1}" for k, name in enumerate(cells)]

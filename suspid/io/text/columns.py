@@ -1,0 +1,99 @@
+"""Columns of text files: which lines are rows, names or units of them."""
+
+from __future__ import annotations
+
+import re
+from bisect import bisect_left, bisect_right
+from dataclasses import dataclass
+
+from suspid.io.tables import is_time
+from suspid.io.text.cells import Kind, kind_of
+from suspid.io.text.dialects import COMMENTS, Dialect
+
+REMARKS = {"comment", "comments", "remark", "remarks", "note", "notes", "kommentar"}
+# One unit or several joined, such as mm, m/s^2, (kN), µm/m or °/s.
+ATOM = (
+    r"(?:[kKMGmµμunp]?(?:m|s|g|gn|V|A|Hz|Pa|J|W|N|Nm|rad|bar|Ohm|Ω|strain|eps|ε)"
+    r"|min|h|hr|sec|deg|°C?|C|%|1|-|rpm|in|ft|lbf)"
+)
+UNIT = re.compile(
+    rf"{ATOM}(?:\^?-?[0-9²³]|\*\*-?\d|⁻[¹²])?(?:[/*·. ]{ATOM}(?:\^?-?[0-9²³]|\*\*-?\d|⁻[¹²])?)*|hh:mm:ss\S*|[Uu]nits?"
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Columns:
+    """The columns of the rows of a file.
+
+    Parameters
+    ----------
+    dialect : Dialect
+        How a row is split.
+    kinds : tuple of str
+        What each cell of a row holds.
+    row : str
+        The first row.
+    """
+
+    dialect: Dialect
+    kinds: tuple[Kind, ...]
+    row: str = ""
+
+    @property
+    def trailing(self) -> bool:
+        """Whether a delimiter ends each row."""
+        return len(self.kinds) > 1 and self.kinds[-1] == "missing"
+
+    def are_data(self, line: str) -> bool:
+        """Whether a line is a row of these columns."""
+        kinds = self.dialect.kinds(line)
+        return (
+            len(kinds) == len(self.kinds)
+            and bool({"number", "stamp"} & set(kinds))
+            and all(a in (b, "missing") or b in ("text", "missing") for a, b in zip(kinds, self.kinds, strict=True))
+        )
+
+    def titles(self, line: str) -> list[str]:
+        """Return the cells of a header line, one for each column where possible."""
+        blanks, width = self.dialect.delimiter == " ", len(self.kinds)
+        text = line.lstrip() if blanks else line
+        mark = next((mark for mark in COMMENTS if text.startswith(mark)), "")
+        text = line.replace(mark, " " * len(mark), 1) if blanks else text.removeprefix(mark)
+        cells = self.dialect.cells(text)
+        if blanks and len(cells) != width:
+            wide = [cell.strip().strip('"') for cell in re.split(r"\t|\s{2,}", text.strip())]
+            cells = wide if len(wide) == width else _aligned(text, self.row) or cells
+        # LabVIEW names a column of comments that the rows lack.
+        if len(cells) == width + 1 and (not cells[-1] or cells[-1].lower() in REMARKS):
+            return cells[:-1]
+        return [*cells, ""] if len(cells) == width - 1 and self.trailing else cells
+
+    def may_be_named_by(self, line: str) -> bool:
+        """Whether a line may hold the names of the columns: a cell each, and numbers only beside a time."""
+        cells = self.titles(line)
+        numbers = [kind_of(cell, comma=self.dialect.comma) in ("number", "stamp") for cell in cells]
+        if len(cells) != len(self.kinds) or not any(cells) or all(numbers):
+            return False
+        return not any(numbers) or any(is_time(cell) for cell in cells)
+
+    def units(self, line: str) -> list[str]:
+        """Return the cells of a header line without brackets."""
+        return [cell.strip("[]() ") for cell in self.titles(line)]
+
+    def are_units(self, line: str) -> bool:
+        """Whether a line holds nothing but units."""
+        cells = self.units(line)
+        return any(cells) and all(not cell or UNIT.fullmatch(cell) for cell in cells)
+
+
+def _aligned(line: str, row: str) -> list[str]:
+    """Return names of several words above the cells of a row, if they end or begin where the cells do; else none."""
+    words = list(re.finditer(r"\S+", line))
+    for ends in (True, False):
+        edges = [found.end() if ends else found.start() for found in re.finditer(r"\S+", row)]
+        places = [found.end() if ends else found.start() for found in words]
+        if set(edges) <= set(places) and (places[-1] <= edges[-1] if ends else places[0] >= edges[0]):
+            # A word belongs to the cell that ends where it ends or later, or begins where it begins or earlier.
+            of = [bisect_left(edges, x) if ends else bisect_right(edges, x) - 1 for x in places]
+            return [" ".join(w[0] for w, k in zip(words, of, strict=True) if k == n) for n in range(len(edges))]
+    return []
