@@ -1,3 +1,7 @@
+"""Foreign readers: each failure becomes one line, and nothing is printed."""
+
+from __future__ import annotations
+
 import logging
 import sys
 import warnings

@@ -1,3 +1,7 @@
+"""Parquet files: numbers, times and units come back, and damage is refused."""
+
+from __future__ import annotations
+
 import contextlib
 import datetime
 import decimal
@@ -20,7 +24,7 @@ from suspid.signals import as_response
 from suspid.units import RealArray
 from suspid.words import LeftOut
 
-FUZZ = settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+FUZZ = settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
 
 
 def put(folder: Path, columns: dict[str, Any], *, units: dict[str, str] | None = None) -> Path:

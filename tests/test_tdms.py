@@ -1,3 +1,7 @@
+"""TDMS files: scaled channels and waveform clocks come back, and damage is refused."""
+
+from __future__ import annotations
+
 import contextlib
 import io
 import struct
@@ -17,7 +21,7 @@ from suspid.errors import RecordError
 from suspid.io.tdms import read_tdms
 from suspid.words import LeftOut
 
-FUZZ = settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+FUZZ = settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
 RNG = np.random.default_rng(0)
 
 

@@ -1,3 +1,7 @@
+"""Universal files: time histories, clocks and units come back, and damage is refused."""
+
+from __future__ import annotations
+
 import contextlib
 import gc
 import sys
@@ -17,7 +21,7 @@ from suspid.errors import RecordError
 from suspid.io.uff import read_uff
 from suspid.units import RealArray
 
-FUZZ = settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+FUZZ = settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
 DATA = Path(__file__).resolve().parents[2] / "shared" / "data" / "pyuff_uff58_mps"
 BLANK = " " * 74
 # Codes of data set 164 with the units of length in a metre and of force in a newton, as the standard gives them.

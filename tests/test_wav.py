@@ -1,3 +1,7 @@
+"""WAV files: fractions of full scale come back, and damage is refused."""
+
+from __future__ import annotations
+
 import contextlib
 import io
 import struct
@@ -13,7 +17,7 @@ from suspid import SuspidError
 from suspid.errors import RecordError
 from suspid.io.wav import read_wav
 
-FUZZ = settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+FUZZ = settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
 
 
 def wav(samples: np.ndarray, *, rate: int = 800) -> bytes:
