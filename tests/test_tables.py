@@ -221,6 +221,11 @@ class TestMissingCells:
         seat = read(tmp_path, f"t,seat,tire\n0,1,2\n1,{cell},3\n2,3,4\n")["seat"]
         assert np.array_equal(seat.values, [1, np.nan, 3], equal_nan=True)
 
+    def test_a_first_row_of_them_is_no_header(self, tmp_path: Path) -> None:
+        for head in ("", "t,seat\n"):
+            recording = read(tmp_path, f"{head}nan,nan\nnan,nan\n1,2\n2,4\n", fs=1)
+            assert np.array_equal(recording.channels[-1].values, [np.nan, np.nan, 2, 4], equal_nan=True)
+
     def test_a_piece_with_many_is_read_as_one_with_none(self, tmp_path: Path) -> None:
         rng = np.random.default_rng(7)
         values = rng.standard_normal((30_000, 3))

@@ -53,6 +53,10 @@ class Columns:
             and all(a in (b, "missing") or b in ("text", "missing") for a, b in zip(kinds, self.kinds, strict=True))
         )
 
+    def are_missing(self, line: str) -> bool:
+        """Whether a line is a row of these columns without a number."""
+        return bool(line.strip()) and self.dialect.kinds(line) == ["missing"] * len(self.kinds)
+
     def titles(self, line: str) -> list[str]:
         """Return the cells of a header line, one for each column where possible."""
         blanks, width = self.dialect.delimiter == " ", len(self.kinds)

@@ -67,6 +67,8 @@ def find_layout(head: Sequence[str], sample: Sequence[str]) -> Layout:
     if first is None:
         raise RecordError(f"{len(head)} lines of header, and no row of numbers below them")
     columns = replace(columns, row=head[first])
+    while first and columns.are_missing(head[first - 1]):
+        first -= 1
     names_at, units_at = _header(head[:first], columns)
     others = {k + 1: head[k] for k in range(first) if k not in (names_at, units_at) and head[k].strip()}
     names, renamed = _names(columns, "" if names_at is None else head[names_at])
