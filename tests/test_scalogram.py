@@ -355,6 +355,9 @@ class TestWaveletEntropy:
         assert search.best == search.candidates[np.argmin(search.entropy)]
         assert not search.at_end
         assert best_bandwidth(decay, omega=np.geomspace(10, 40, 60), candidates=[1, 2, 4]).at_end
+        longer = best_bandwidth(decay, omega=np.geomspace(10, 40, 60), candidates=[8 * search.best, 64 * search.best])
+        assert longer.best == longer.candidates[0]
+        assert longer.at_end
 
     def test_no_candidates_or_no_signal_are_refused(self) -> None:
         with pytest.raises(InputError, match="candidates is empty"):

@@ -14,25 +14,55 @@ from suspid.units import RealArray
 FEWEST_SAMPLES = 32
 
 
+def halfway(decay: float, count: int) -> int:
+    """Return the sample before which half of the information on a pole lies.
+
+    The information of sample k goes as ``k^2 exp(-2 decay k)``.
+
+    Parameters
+    ----------
+    decay : float
+        Decay rate per sample.
+    count : int
+        Number of samples.
+    """
+    k = np.arange(count)
+    information = np.cumsum(k**2.0 * np.exp(-2 * decay * k))
+    return int(np.searchsorted(information, information[-1] / 2))
+
+
 def disagreement(values: RealArray, poles: Poles, which: int, noise_std: RealArray) -> float:
-    """Return how far two halves of the decay disagree on a pair, see `Identification.halves`."""
-    # What a sample says of the pole goes as k^2 exp(-2 decay k).
-    decay, count = max(0.0, -float(poles.pairs[which].real)), values.shape[1]
-    says = np.cumsum(np.arange(count) ** 2.0 * np.exp(-2 * decay * np.arange(count)))
-    cut = int(np.searchsorted(says, says[-1] / 2))
+    """Return the distance of a pair in the two halves of the decay over its standard deviation.
+
+    It is the root mean square of real and imaginary part, NaN where a half does not determine the pair.
+
+    Parameters
+    ----------
+    values : ndarray (channel, sample)
+        The record.
+    poles : Poles
+        Poles fitted to the whole record.
+    which : int
+        Index of the pair.
+    noise_std : ndarray (channel,)
+        Standard deviation of the noise.
+    """
+    decay = max(0.0, -float(poles.pairs[which].real))
+    cut = halfway(decay, values.shape[1])
     found, variance = [], []
     for part in (values[:, :cut], values[:, cut:]):
         if part.shape[1] < FEWEST_SAMPLES:
             return float("nan")
         blocks = blocks_of(part - part.mean(axis=1, keepdims=True))
         fit = maximize(blocks, poles, WhiteNoise(least=noise_std**2).rounded(blocks.energy, blocks.count), steps=12)
+        # A fit that leads further off than the decay rate, or knows it no better than to a third, is not of this pair.
+        if fit is None or abs(fit.poles.pairs[which] - poles.pairs[which]) >= decay:
+            return float("nan")
         try:
-            spread = np.linalg.inv(fit.information).diagonal()[2 * which : 2 * which + 2] if fit else np.full(2, -1.0)
+            spread = np.linalg.inv(fit.information).diagonal()[2 * which : 2 * which + 2]
         except np.linalg.LinAlgError:
             return float("nan")
-        # A part that does not know the decay rate to a third, or leads elsewhere, does not hold the mode.
-        held = fit is not None and abs(fit.poles.pairs[which] - poles.pairs[which]) < decay
-        if fit is None or not held or not np.all((spread > 0) & (spread < (decay / 3) ** 2)):
+        if not np.all((spread > 0) & (spread < (decay / 3) ** 2)):
             return float("nan")
         found.append(fit.poles.pairs[which])
         variance.append(spread)

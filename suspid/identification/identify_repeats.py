@@ -18,7 +18,7 @@ from suspid.identification.halves import FEWEST_SAMPLES
 from suspid.identification.identification import Identification
 from suspid.identification.identify import identify
 from suspid.identification.joint_fit import maximize_jointly
-from suspid.identification.noise import WhiteNoise, noise_of
+from suspid.identification.noise import WhiteNoise, noise_of, shared_noise
 from suspid.identification.poles import Poles
 from suspid.identification.selection import select
 from suspid.identification.verdict import verdict_of_repeats
@@ -105,7 +105,8 @@ def identify_repeats(
     level of the noise. Which poles there are is found over the length that the decays have in common (those shorter
     than half the median stay out of that); then the joint likelihood of all decays, each over its whole length, is
     maximised. The shapes of the decays are combined by generalised least squares with the covariance of their
-    amplitudes, so that one shape per mode remains.
+    amplitudes, so that one shape per mode remains. Variances are widened where the residual is louder than white noise,
+    where the channels share noise, and where the decays disagree.
 
     Parameters
     ----------
@@ -171,7 +172,8 @@ def identify_repeats(
     kept = selection.modes
     agreements = [agreement(blocks, fits, noises, int(index)) for index in kept]
     loudness = selection.loudness[kept]
-    joint = joint_covariance(fits, kept, np.maximum(loudness, [a.widening for a in agreements]))
+    shared = shared_noise(_end_to_end(selection.residual, repeats=len(stacked)))
+    joint = joint_covariance(fits, kept, np.maximum(loudness * shared, [a.widening for a in agreements]))
     found, order = joint.modes(step=step, channels=channels), np.argsort(np.abs(joint.exponents), kind="stable")
     if modes is not None and len(found) < modes:
         raise IdentificationError(
@@ -200,6 +202,13 @@ def _identified(
         raise RecordError(f"the decay {start:g} … {stop:g} s cannot be used: {error}") from error
     except IdentificationError as error:
         raise IdentificationError(f"the decay {start:g} … {stop:g} s: {error}", found=error.found) from error
+
+
+def _end_to_end(residual: RealArray, *, repeats: int) -> RealArray:
+    """Return the residuals of repeats (repeat · channel, sample) end to end, each of unit power."""
+    power = np.sqrt(np.mean(residual**2, axis=1, keepdims=True))
+    unit = residual / np.where(power > 0, power, 1.0)
+    return unit.reshape(repeats, -1, residual.shape[1]).transpose(1, 0, 2).reshape(len(residual) // repeats, -1)
 
 
 def _scaled(poles: Poles, common: int, lengths: NDArray[np.intp]) -> list[Poles]:

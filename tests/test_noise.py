@@ -1,0 +1,320 @@
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.stats import gamma, norm
+
+from suspid import identify
+from suspid.identification.classification import reasons_of
+from suspid.identification.exponentials import blocks_of
+from suspid.identification.fitting import COLOUR_BEGINS
+from suspid.identification.halves import disagreement, halfway
+from suspid.identification.identify_repeats import identify_repeats
+from suspid.identification.likelihood import evaluate, maximize
+from suspid.identification.noise import (
+    LOUD,
+    WhiteNoise,
+    correlated,
+    degrees_of_freedom,
+    lag_one,
+    loss_growth,
+    loudness,
+    noise_of,
+    power_beside,
+    resolution,
+    shared_noise,
+)
+from suspid.identification.poles import Poles
+from suspid.signals import as_response
+from suspid.words import Reason
+
+Real = NDArray[np.float64]
+ANY = WhiteNoise(least=np.full(1, 1e-30))
+
+
+def white(seed: int, channels: int, count: int) -> Real:
+    return np.random.default_rng(seed).standard_normal((channels, count))
+
+
+def poles(*pairs: complex) -> Poles:
+    return Poles(pairs=np.array(pairs), reals=np.zeros(0), nuisances=np.zeros(1))
+
+
+class TestResolution:
+    @pytest.mark.parametrize("step", [0.01 * np.pi, 1 / 7, 2.0**-9])
+    def test_of_a_converter_is_the_scatter_of_its_error(self, step: float) -> None:
+        exact = 40 * step * white(1, 1, 20_000)
+        coarse = step * np.round(exact / step)
+        # The error of the variance of 20000 uniform errors is 0.6 %.
+        assert resolution(coarse)[0] == pytest.approx(np.std(coarse - exact), rel=0.02)
+
+    @pytest.mark.parametrize("digits", [3, 5, 9])
+    def test_of_printed_samples_is_one_unit_of_the_last_digit_at_the_peak(self, digits: int) -> None:
+        samples = np.array([[float(f"{value:.{digits - 1}e}") for value in 1.5 * white(2, 1, 500)[0]]])
+        samples[0, 0] = 9.5
+        assert resolution(samples)[0] == pytest.approx(10.0 ** (1 - digits))
+
+    def test_of_single_precision_is_that_of_its_mantissa(self) -> None:
+        single = white(3, 1, 500).astype(np.float32).astype(float)
+        peak = np.max(np.abs(single))
+        assert 2.0**-24 * peak < resolution(single)[0] < 2.0**-20 * peak
+
+    def test_of_exact_samples_is_their_rounding(self) -> None:
+        exact = white(4, 1, 500)
+        assert resolution(exact)[0] == pytest.approx(1e-11 * np.max(np.abs(exact)))
+
+    @pytest.mark.parametrize("factor", [1e-9, 2.0**-7, 1e5])
+    def test_goes_with_the_unit(self, factor: float) -> None:
+        coarse = 0.25 * np.round(80 * white(5, 1, 500))
+        assert resolution(factor * coarse)[0] == pytest.approx(factor * resolution(coarse)[0], rel=1e-9)
+
+    def test_is_the_least_standard_deviation_of_the_noise(self) -> None:
+        coarse = 0.25 * np.round(80 * white(6, 2, 500))
+        np.testing.assert_allclose(noise_of(coarse).variance(np.zeros(2), 500), resolution(coarse) ** 2)
+
+
+class TestLikelihoodOfWhiteNoise:
+    def test_loss_is_minus_twice_the_log_likelihood(self) -> None:
+        residual = np.array([[0.3], [2.0]]) * white(7, 2, 400)
+        noise = WhiteNoise(least=np.zeros(2))
+        squares = np.sum(residual**2, axis=1)
+        std = np.std(residual - 0, axis=1, ddof=0, mean=np.zeros((2, 1)))
+        dense = -2 * float(np.sum(norm.logpdf(residual, scale=std[:, None])))
+        constant = 2 * 400 * (1 + np.log(2 * np.pi))
+        assert noise.loss(squares, 400) == pytest.approx(dense - constant, rel=1e-12)
+
+    def test_no_variance_is_likelier(self) -> None:
+        residual = white(8, 1, 300)
+        best = WhiteNoise(least=np.zeros(1)).variance(np.sum(residual**2, axis=1), 300)[0]
+
+        def log_likelihood(variance: float) -> float:
+            return float(np.sum(norm.logpdf(residual, scale=np.sqrt(variance))))
+
+        assert log_likelihood(best) > max(log_likelihood(1.01 * best), log_likelihood(0.99 * best))
+
+    @pytest.mark.parametrize("more", [-0.3, 0.0, 0.7])
+    def test_growth_is_the_difference_of_two_losses(self, more: float) -> None:
+        noise, squares = WhiteNoise(least=np.zeros(2)), np.array([3.0, 0.2])
+        grown = noise.loss(squares * (1 + more), 50) - noise.loss(squares, 50)
+        assert loss_growth(np.full(2, more), 50) == pytest.approx(grown)
+
+    def test_rounding_is_the_least(self) -> None:
+        energy = np.array([4.0, 9.0])
+        exact = WhiteNoise(least=np.array([1.0, 0.0]))
+        np.testing.assert_allclose(exact.rounded(energy, 100).least, [1.0, 9e-30])
+        np.testing.assert_allclose(exact.rounded(energy, 100, of_energies=True).least, [1.0, 9e-17])
+
+
+class TestDegreesOfFreedom:
+    """The variance over degrees of freedom is unbiased; over samples it is 1 - parameters / samples of that."""
+
+    def test_of_one_channel_at_known_poles(self) -> None:
+        # 40 samples, amplitudes of two pairs and an offset.
+        known = poles(-0.03 + 0.4j, -0.05 + 1.1j)
+        squares = []
+        for seed in range(400):
+            fit = evaluate(blocks_of(white(seed, 1, 40)), known, ANY)
+            assert fit is not None
+            squares.append(fit.squares[0])
+        free = degrees_of_freedom(40, amplitudes=5, poles=0, channels=1)
+        # A mean of 400 chi-squares of 35 degrees scatters by 1.2 %.
+        assert np.mean(squares) / free == pytest.approx(1.0, abs=0.04)
+
+    @pytest.mark.parametrize("channels", [1, 3])
+    def test_of_fitted_poles_are_shared_by_the_channels(self, channels: int) -> None:
+        known, k = poles(-0.03 + 0.4j, -0.05 + 1.1j), np.arange(40)
+        clean = 200 * np.real(np.exp(np.outer(known.pairs, k))).sum(axis=0)
+        variances = []
+        for seed in range(400 // channels):
+            noise = WhiteNoise(least=np.full(channels, 1e-12))
+            fit = maximize(blocks_of(clean + white(seed, channels, 40)), known, noise)
+            assert fit is not None
+            assert fit.freedom == pytest.approx(40 - 5 - 4 / channels)
+            variances.append(np.mean(fit.squares / fit.freedom))
+        assert np.mean(variances) == pytest.approx(1.0, abs=0.04)
+
+    def test_noise_std_of_an_identification_is_unbiased(self) -> None:
+        k = np.arange(48)
+        clean = 100 * np.real(np.exp((-0.03 + 0.4j) * k) + np.exp((-0.05 + 1.3j) * k))
+        found = [identify(as_response(k / 100, clean + white(seed, 1, 48), ["y"]), modes=2) for seed in range(60)]
+        assert {len(one.modes) for one in found} == {2}
+        # 9 of 48 samples are spent: over all samples the mean would be 0.81.
+        assert np.mean([one.noise_std[0] ** 2 for one in found]) == pytest.approx(1.0, abs=0.09)
+
+    def test_noise_std_of_repeats_is_unbiased(self) -> None:
+        k = np.arange(40)
+        clean = 100 * np.real(np.exp((-0.04 + 0.5j) * k) + np.exp((-0.06 + 1.4j) * k))
+        variances = []
+        for seed in range(30):
+            values = np.hstack([clean, clean]) + white(seed, 1, 80)
+            found = identify_repeats(as_response(np.arange(80) / 100, values, ["y"]), [(0, 0.39), (0.4, 0.79)])
+            if len(found.modes) == 2:
+                variances.append(np.mean(found.noise_std**2))
+        assert len(variances) > 20
+        assert np.mean(variances) == pytest.approx(1.0, abs=0.15)
+
+    def test_is_at_least_one(self) -> None:
+        assert degrees_of_freedom(10, amplitudes=9, poles=8, channels=1) == 1
+
+
+class TestExplained:
+    def test_does_not_depend_on_the_mean(self) -> None:
+        k = np.arange(500)
+        values = np.exp(-0.01 * k) * np.cos(0.3 * k) + 0.2 * white(9, 1, 500)
+        shares = [identify(as_response(k / 100, values + mean, ["y"])).explained[0] for mean in (0.0, 50.0)]
+        assert shares[1] == pytest.approx(shares[0], abs=1e-6)
+        # Signal energy 25 of 25 + 500 * 0.04.
+        assert shares[1] == pytest.approx(25 / 45, abs=0.05)
+
+
+class TestCorrelation:
+    @pytest.mark.parametrize("level", [0.1, 0.01])
+    def test_white_noise_is_called_correlated_as_often_as_the_level_says(self, level: float) -> None:
+        found = correlated(lag_one(white(10, 4000, 300)), 300, level=level)
+        assert np.mean(found) == pytest.approx(level, abs=4 * np.sqrt(level / 4000) + 0.1 * level)
+
+    @pytest.mark.parametrize("memory", [-0.5, 0.3, 0.8])
+    def test_lag_one_of_a_memory_is_the_memory(self, memory: float) -> None:
+        noise = white(11, 2, 40_000)
+        for k in range(1, noise.shape[1]):
+            noise[:, k] += memory * noise[:, k - 1]
+        np.testing.assert_allclose(lag_one(noise), memory, atol=0.02)
+
+    def test_without_power_there_is_none(self) -> None:
+        np.testing.assert_array_equal(lag_one(np.zeros((2, 10))), 0.0)
+
+
+class TestPowerBesideAPole:
+    @pytest.mark.parametrize("decay", [1e-4, 0.01, 0.1])
+    def test_is_one_on_average_in_white_noise_of_any_variance(self, decay: float) -> None:
+        count, theta = 400, np.full(1, -decay + 1.2j)
+        std = np.array([[0.1], [5.0]] * 200)
+        found = power_beside(std * white(12, 400, count), std[:, 0] ** 2, theta)
+        # A mean of 8 exponential variables scatters by 0.35; neighbours are not quite independent.
+        assert np.mean(found) == pytest.approx(1.0, abs=0.06)
+
+    def test_limits_are_levels_of_eight_exponential_variables(self) -> None:
+        assert 5e-4 < gamma(8).sf(8 * LOUD) < 1e-3
+        assert 0.08 < gamma(8).sf(8 * COLOUR_BEGINS) < 0.1
+
+    def test_sees_power_beside_the_pole_but_not_at_it(self) -> None:
+        count, k = 4000, np.arange(4000)
+        theta = np.full(1, -0.01 + 1.0j)
+        at, beside = np.cos(1.0 * k)[None], np.cos((1.0 + 4 * 0.01) * k)[None]
+        power = [power_beside(tone, np.full(1, 0.5), theta)[0, 0] for tone in (at, beside)]
+        assert count / 50 > power[1] > 2 * power[0]
+
+
+class TestLoudness:
+    """A residual of exact lag-one correlation, so that the test of colour is on one side or the other of its level."""
+
+    COUNT = 10_000
+    THETA = np.array([-0.01 + 0.05j, -0.01 + 2.9j])
+
+    def residual(self, sds: float) -> Real:
+        noise = white(13, 1, self.COUNT)
+        memory = sds / np.sqrt(self.COUNT) - float(lag_one(noise)[0])
+        noise[:, 1:] += memory * noise[:, :-1]
+        return noise
+
+    def found(self, sds: float, beside: float) -> Real:
+        residual = self.residual(sds)
+        given = np.full((1, 2), beside)
+        return loudness(residual, np.var(residual, axis=1), self.THETA, beside=given, weights=np.ones((1, 2)))
+
+    def test_of_a_white_residual_is_what_exceeds_chance(self) -> None:
+        np.testing.assert_array_equal(self.found(0.0, 0.9 * LOUD), 1.0)
+        np.testing.assert_allclose(self.found(0.0, 1.1 * LOUD), 1.1 * LOUD)
+
+    def test_a_residual_is_coloured_from_four_standard_deviations_on(self) -> None:
+        np.testing.assert_array_equal(self.found(3.5, 2.0), 1.0)
+        np.testing.assert_allclose(self.found(4.5, 2.0), 2.0)
+        np.testing.assert_allclose(self.found(-4.5, 2.0), 2.0)
+
+    def test_of_a_coloured_residual_is_its_density_at_the_pole(self) -> None:
+        # x_k = e_k + a e_(k-1): density over variance |1 + a exp(-j omega)|^2 / (1 + a^2).
+        memory = 0.5
+        expected = np.abs(1 + memory * np.exp(-1j * self.THETA.imag)) ** 2 / (1 + memory**2)
+        assert expected[1] < 1
+        found = self.found(memory * np.sqrt(self.COUNT), 0.0)
+        np.testing.assert_allclose(found, [expected[0], 1.0], rtol=0.1)
+
+    def test_channels_count_by_their_weight(self) -> None:
+        given, residual = np.array([[4.0], [8.0]]), white(14, 2, 1000)
+        found = loudness(residual, np.ones(2), self.THETA[:1], beside=given, weights=np.array([[3.0], [1.0]]))
+        assert found[0] == pytest.approx((3 * 4 + 8) / 4)
+
+
+class TestSharedNoise:
+    @pytest.mark.parametrize("share", [0.5, 0.9])
+    def test_is_the_largest_variance_of_any_combination(self, share: float) -> None:
+        # Two channels of correlation r: the sum of both has variance (1 + r) times that of independent noise.
+        common, own = white(15, 1, 20_000), white(16, 2, 20_000)
+        noise = np.sqrt(share) * common + np.sqrt(1 - share) * own
+        assert shared_noise(noise * np.array([[1.0], [1e3]])) == pytest.approx(1 + share, abs=0.02)
+
+    def test_little_correlation_does_not_count(self) -> None:
+        common, own = white(17, 1, 40_000), white(18, 2, 40_000)
+        assert shared_noise(np.sqrt(0.15) * common + np.sqrt(0.85) * own) == 1.0
+        assert shared_noise(np.sqrt(0.25) * common + np.sqrt(0.75) * own) > 1.2
+
+    def test_chance_does_not_count(self) -> None:
+        # Over 50 samples a correlation of 0.6 is 4 standard deviations of chance.
+        one, other = white(19, 2, 50)
+        one = one / np.linalg.norm(one)
+        other = other - (other @ one) * one
+        other = 0.8 * other / np.linalg.norm(other)
+        assert shared_noise(np.array([one, other + 0.6 * one])) == 1.0
+        assert shared_noise(np.array([one, other + 1.6 * one])) > 1.0
+
+    @pytest.mark.parametrize("level", [1.0, 0.3])
+    def test_a_channel_given_twice_says_no_more_than_once(self, level: float) -> None:
+        # The second decay has noise of its own level: what channels share counts decay by decay.
+        k = np.arange(300)
+        decay = np.exp(-0.02 * k) * np.cos(0.4 * k)
+        noise = 0.02 * np.hstack([white(21, 1, 300), level * white(22, 1, 300)])
+        values, time = np.hstack([decay, 0.7 * decay]) + noise, np.arange(600) / 100
+        once, twice = (
+            identify_repeats(as_response(time, np.repeat(values, n, axis=0), list("ab")[:n]), [(0, 2.99), (3, 5.99)])
+            for n in (1, 2)
+        )
+        one, two = once.modes.wn_std, twice.modes.wn_std
+        assert one is not None
+        assert two is not None
+        np.testing.assert_allclose(two, one, rtol=0.03)
+
+
+class TestHalves:
+    @pytest.mark.parametrize("decay", [0.002, 0.02])
+    def test_part_where_half_of_the_information_is_in(self, decay: float) -> None:
+        # Information on the pole goes as k^2 exp(-2 decay k): the density of a gamma variable of shape 3.
+        assert halfway(decay, 20_000) == pytest.approx(gamma(3).median() / (2 * decay), rel=0.02)
+        assert halfway(0.0, 1000) == pytest.approx(1000 * 0.5 ** (1 / 3), rel=0.01)
+
+    @pytest.mark.parametrize("decay", [0.002, 0.02])
+    def test_a_linear_decay_disagrees_by_one_standard_deviation(self, decay: float) -> None:
+        # Both halves know the pole about equally well; the mean square over many draws is 1.
+        count, k = 1200, np.arange(1200)
+        clean = np.exp(-decay * k) * np.cos(0.4 * k)
+        found = [
+            disagreement(clean + 0.01 * white(seed, 1, count), poles(-decay + 0.4j), 0, np.full(1, 0.01))
+            for seed in range(60)
+        ]
+        assert np.sum(np.isnan(found)) < 6
+        assert np.sqrt(np.nanmean(np.square(found))) == pytest.approx(1.0, abs=0.25)
+
+    def test_a_frequency_that_changes_half_way_disagrees(self) -> None:
+        k = np.arange(1200)
+        values = np.exp(-0.004 * k) * np.cos(0.4 * k + 2e-6 * k**2) + 0.003 * white(1, 1, 1200)
+        assert disagreement(values, poles(-0.004 + 0.4j), 0, np.full(1, 0.003)) > 5
+
+
+class TestReasons:
+    COUNT = 1000
+
+    @pytest.mark.parametrize(("decay", "reason"), [(2.9, Reason.DRIFT), (3.1, None), (0.4, Reason.DRIFT)])
+    def test_a_real_pole_is_a_drift_below_three_e_foldings(self, decay: float, reason: Reason | None) -> None:
+        slow = Poles(pairs=np.zeros(0, complex), reals=np.full(1, -decay / self.COUNT), nuisances=np.zeros(1))
+        values = 5 * np.exp(-decay * np.arange(self.COUNT) / self.COUNT) + 0.01 * white(20, 1, self.COUNT)
+        fit = evaluate(blocks_of(values), slow, ANY)
+        assert fit is not None
+        assert reasons_of(fit, (0.0, np.pi)) == (reason,)
