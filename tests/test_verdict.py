@@ -9,6 +9,7 @@ import pytest
 
 from suspid import Identification, Level, Verdict, add_noise, free_decay, identify, identify_repeats
 from suspid.identification.identification import Considered
+from suspid.identification.lines import clear_line
 from suspid.identification.verdict import (
     LEAST_EXPLAINED,
     ROUGH_WN,
@@ -20,6 +21,7 @@ from suspid.identification.verdict import (
 )
 from suspid.model import ModalSet
 from suspid.signals import Signal, as_response, as_signal
+from suspid.units import RealArray
 from suspid.words import Check, Code, ModeCheck, Reason, Remark
 from validation import cars
 
@@ -130,6 +132,62 @@ class TestResidual:
         assert not said(verdict, ModeCheck.RESIDUAL_WHITE)
 
 
+class TestStructure:
+    """What is left must be noise: no colour, no line, not most of the motion."""
+
+    @staticmethod
+    def with_residual(found: Identification, left: RealArray) -> Verdict:
+        signal = as_signal(found.residual)
+        values = np.array(signal.values)
+        values[1] = left * np.std(values[1]) / np.std(left)
+        return verdict_of(replace(found, residual=as_response(signal.timepts, values, signal.channels)))
+
+    @pytest.mark.parametrize("coloured", [True, False])
+    def test_colour(self, found: Identification, coloured: bool) -> None:
+        # A first-order autoregression has its coefficient as lag-1 correlation.
+        noise = np.random.default_rng(3).standard_normal(2000)
+        coefficient = 0.6 if coloured else 0.4
+        left = np.zeros(2000)
+        for k in range(1, 2000):
+            left[k] = coefficient * left[k - 1] + noise[k]
+        checks = said(self.with_residual(found, left), ModeCheck.RESIDUAL_COLOURED)
+        assert bool(checks) is coloured
+        assert all(check.remark.numbers["channel"] == "chassis" for check in checks)
+
+    def test_a_line(self, found: Identification) -> None:
+        noise = np.random.default_rng(3).standard_normal(2000)
+        hum = 0.5 * np.sin(2 * np.pi * 31.0 * STEP * np.arange(2000))
+        (check,) = said(self.with_residual(found, noise + hum), ModeCheck.RESIDUAL_LINE)
+        assert check.remark.numbers["hertz"] == pytest.approx(31.0, abs=0.2)
+        assert not said(self.with_residual(found, noise), ModeCheck.RESIDUAL_LINE)
+
+    def test_noise_shows_no_line(self) -> None:
+        """At a level of 1e-6, 400 records of noise show none."""
+        rng = np.random.default_rng(8)
+        assert not any(clear_line(rng.standard_normal((1, 500)), 0.01) for _ in range(400))
+
+    def test_three_quarters_explained_are_not_sound(self) -> None:
+        record = free_decay(cars.PAPER, np.arange(0, 8, STEP), initial_state={"v_tire": 1.0})
+        weak = identify(add_noise(record, snr_db=4.5, rng=np.random.default_rng(1)), candidates=[4.0])
+        assert said(weak.verdict, ModeCheck.LITTLE_EXPLAINED)
+        assert weak.verdict.level <= Level.CARE
+
+    def test_few_cycles(self, found: Identification) -> None:
+        signal = as_signal(found.response)
+        count = round(2.5 * 2 * np.pi / found.modes.poles[0].imag / STEP)
+        part = as_response(signal.timepts[:count], signal.values[:, :count], signal.channels)
+        left = as_response(signal.timepts[:count], as_signal(found.residual).values[:, :count], signal.channels)
+        (check,) = said(verdict_of(replace(found, response=part, residual=left)), ModeCheck.FEW_CYCLES)
+        assert check.remark.numbers["mode"] == 1
+        assert check.remark.numbers["cycles"] == pytest.approx(2.5, rel=0.01)
+
+    def test_an_exponential_drift_is_never_sound(self) -> None:
+        times = np.arange(1000, dtype=np.float64) * 0.01
+        noise = 1e-3 * np.random.default_rng(9).standard_normal(1000)
+        found = identify(as_response(times, (np.exp(-times) + noise)[None], ["y"]), candidates=[4.0])
+        assert found.verdict.level <= Level.CARE
+
+
 class TestPoles:
     def test_tones_are_notes(self, found: Identification) -> None:
         tone = Considered(pole=complex(0, 2 * np.pi * 12.5), remark=Remark(Reason.TONE), removed=True)
@@ -172,9 +230,19 @@ class TestNoMode:
 
     @pytest.mark.parametrize(("decay", "steady"), [(0.9, True), (1.1, False)])
     def test_a_line_is_steady_below_one_neper(self, noise: Identification, decay: float, steady: bool) -> None:
-        duration = as_signal(noise.response).duration
-        line = Considered(pole=complex(-decay / duration, 60.0), remark=Remark(Reason.NOT_NEEDED), removed=False)
-        assert bool(said(verdict_of(replace(noise, considered=(line,))), ModeCheck.STEADY_LINE)) is steady
+        signal = as_signal(noise.response)
+        hum = as_response(signal.timepts, signal.values + 0.9 * np.cos(60.0 * signal.timepts), ["y"])
+        line = Considered(pole=complex(-decay / signal.duration, 60.0), remark=Remark(Reason.NOT_NEEDED), removed=False)
+        assert bool(said(verdict_of(replace(noise, response=hum, considered=(line,))), ModeCheck.STEADY_LINE)) is steady
+
+    def test_a_broad_peak_is_no_line(self, noise: Identification) -> None:
+        """A resonance driven by noise: its strongest pole may lie on the axis, yet the spectrum has no line."""
+        drive = np.random.default_rng(7).standard_normal(800)
+        times = np.arange(800, dtype=np.float64) * 0.01
+        peak = np.convolve(drive, np.exp(-3.0 * times) * np.sin(60.0 * times))[:800]
+        pole = Considered(pole=complex(-0.05, 60.0), remark=Remark(Reason.NOT_NEEDED), removed=False)
+        driven = replace(noise, response=as_response(times, peak[None], ["y"]), considered=(pole,))
+        assert not said(verdict_of(driven), ModeCheck.STEADY_LINE)
 
 
 class TestLateStart:

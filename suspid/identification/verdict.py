@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.files import printable
-from suspid.identification.noise import most_shared, shared_noise
+from suspid.identification.lines import clear_line
+from suspid.identification.noise import most_shared, resolution, shared_noise
 from suspid.signals import Signal, as_signal
 from suspid.units import Ratio
 from suspid.words import Check, Headline, Level, ModeCheck, Number, Reason, Remark, Verdict
@@ -29,6 +30,14 @@ SAMPLES_EACH = 8
 STEADY_NEPERS, STEADY_CYCLES = 1.0, 10.0
 # Phase collinearity below which the channels of a mode are out of phase.
 OUT_OF_PHASE = 0.5
+# Below this share of its energy in the best channel, a fit is never called sound: 7 dB of noise or other motion.
+WELL_EXPLAINED = 0.8
+# Lag-1 correlation of a residual from which on it is not called white noise; a sensor's filter leaves less.
+COLOURED = 0.5
+# Residuals within this factor of the resolution are rounding, whose colour says nothing.
+ABOVE_RESOLUTION = 4.0
+# A mode with fewer cycles in the record than this, that has not decayed by as many nepers, is known from few cycles.
+FEW_CYCLES = 3.0
 # The largest motion counts as late after this share of the record.
 LATE = 0.02
 
@@ -62,11 +71,13 @@ def verdict_of(found: Identification, level: Ratio = 0.95) -> Verdict:
 def _checks(found: Identification, level: Ratio) -> Iterator[Check]:
     best = float(np.max(found.explained))
     yield from _explained(found)
+    yield from _little_explained(found)
     yield from _growing(found)
     yield from _halves(found)
     yield from _residual(found)
     rough = list(_precision(found, level))
     yield from rough
+    yield from _few_cycles(found)
     few = list(_few_samples(found))
     yield from few
     blind = _not_cross_checked(found)
@@ -100,7 +111,10 @@ def _why_none(found: Identification) -> Iterator[Check]:
         strongest = considered[0].pole if considered else 0j
         duration = as_signal(found.response).duration
         steady = abs(strongest.real) * duration < STEADY_NEPERS
-        if steady and strongest.imag * duration > 2 * np.pi * STEADY_CYCLES:
+        signal = as_signal(found.response)
+        line = clear_line(signal.values, signal.step)
+        near = line is not None and abs(2 * np.pi * line - strongest.imag) < 4 * np.pi / duration
+        if steady and near and strongest.imag * duration > 2 * np.pi * STEADY_CYCLES:
             yield _of(ModeCheck.STEADY_LINE, Level.NONE, {"hertz": strongest.imag / (2 * np.pi)})
 
 
@@ -188,11 +202,42 @@ def _residual(found: Identification) -> Iterator[Check]:
     else:
         yield _of(ModeCheck.RESIDUAL_WHITE, Level.SOUND)
     residual = as_signal(found.residual)
+    yield from _structure(found, residual)
     if shared_noise(residual.values) > 1:
         one, other, correlation = most_shared(residual.values)
         names = residual.channels
         numbers: dict[str, Number] = {"one": names[one], "other": names[other], "correlation": correlation}
         yield _of(ModeCheck.SHARED_NOISE, Level.NOTE, numbers)
+
+
+def _structure(found: Identification, residual: Signal) -> Iterator[Check]:
+    """Check that nothing but noise is left: no colour and no line, where the residual exceeds rounding."""
+    size = np.sqrt(np.mean(residual.values**2, axis=1))
+    rough = size > ABOVE_RESOLUTION * resolution(as_signal(found.response).values)
+    lag = np.where(rough, found.whiteness, 0.0)
+    worst = int(np.argmax(np.abs(lag)))
+    if abs(lag[worst]) > COLOURED:
+        numbers: dict[str, Number] = {"correlation": float(lag[worst]), "channel": residual.channels[worst]}
+        yield _of(ModeCheck.RESIDUAL_COLOURED, Level.CARE, numbers)
+    line = clear_line(residual.values[rough], residual.step) if np.any(rough) else None
+    if line is not None:
+        yield _of(ModeCheck.RESIDUAL_LINE, Level.CARE, {"hertz": line})
+
+
+def _little_explained(found: Identification) -> Iterator[Check]:
+    most = float(np.max(found.explained))
+    if LEAST_EXPLAINED <= most < WELL_EXPLAINED:
+        yield _of(ModeCheck.LITTLE_EXPLAINED, Level.CARE, {"most": most})
+
+
+def _few_cycles(found: Identification) -> Iterator[Check]:
+    """Check that each oscillation is seen over several cycles or until it has decayed, and that there is one."""
+    poles, duration = found.modes.poles, as_signal(found.response).duration
+    cycles = np.abs(poles.imag) * duration / (2 * np.pi)
+    for k in np.flatnonzero((poles.imag != 0) & (cycles < FEW_CYCLES) & (-poles.real * duration < FEW_CYCLES)).tolist():
+        yield _of(ModeCheck.FEW_CYCLES, Level.CARE, {"mode": k + 1, "cycles": float(cycles[k])})
+    if not np.any(poles.imag != 0):
+        yield _of(ModeCheck.REAL_ONLY, Level.CARE)
 
 
 def _precision(found: Identification, level: Ratio) -> Iterator[Check]:

@@ -130,6 +130,30 @@ class ModeCheck(Code):
         "Channels {one!r} and {other!r} share noise (correlation of the residuals {correlation:.2f}): they are not "
         "independent, and the intervals are widened. Leave out a channel that is computed from others.",
     )
+    RESIDUAL_COLOURED = (
+        "residual coloured",
+        "The residual is not white (lag-1 correlation {correlation:+.2f} in channel {channel!r}): something in the "
+        "record is not modelled.",
+    )
+    RESIDUAL_LINE = (
+        "residual line",
+        "A steady line at {hertz:.4g} Hz is left in the residual: rotating parts, hum, or an excitation still acting.",
+    )
+    LITTLE_EXPLAINED = (
+        "little explained",
+        lambda n: (
+            f"Only {_percent(n['most'])} of the energy of the best channel is explained; the rest is noise or other "
+            f"motion."
+        ),
+    )
+    FEW_CYCLES = (
+        "few cycles",
+        "Mode {mode} makes only {cycles:.2g} cycles in the record and has not decayed by its end.",
+    )
+    REAL_ONLY = (
+        "real poles only",
+        "All modes are real poles: a drift or a filter decays in the same way.",
+    )
     KNOWN = (
         "precision",
         lambda n: (
