@@ -91,7 +91,8 @@ class Analysis:
         if self.repeats is not None:
             found = verdict_of_repeats(self.repeats, level)
         failed = [Check(note, Level.CARE) for note in self.notes if note.code is Note.NO_SPRINGS]
-        return found.with_checks([*_of_recording(self.cleaned, self.used), *failed])
+        springs = () if self.reconstruction is None else self.reconstruction.verdict.checks
+        return found.with_checks([*_of_recording(self.cleaned, self.used), *springs, *failed])
 
     def __str__(self) -> str:
         parts = [tables_of(self.identification) if self.repeats is None else tables_of_repeats(self.repeats)]
