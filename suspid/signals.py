@@ -1,7 +1,7 @@
 """Uniformly sampled signals, in and out of `control.TimeResponseData`.
 
-The one place where the traps of that type are met: it takes NaN, unsorted time and stacks of
-traces without a word, and is 2-D or 3-D depending on who made it.
+That type accepts NaN, unsorted time and several traces without an error, and is 2-D or 3-D depending on the
+function that made it. `as_signal` checks all of this in one place.
 """
 
 from __future__ import annotations
@@ -19,7 +19,8 @@ from suspid.values import frozen_real
 if TYPE_CHECKING:
     import control
 
-# Largest distance of a time stamp from the uniform grid, in sampling steps.
+# Largest distance of a time stamp from the uniform grid, in sampling steps. At the highest frequency of use, a tenth
+# of the rate, it moves a sample by 0.6 % of the amplitude.
 JITTER = 0.01
 
 

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from suspid import Suspension, add_noise, free_decay, identify
-from suspid.cleaning.clean import Cleaned, clean
+from suspid.cleaning.clean import clean
+from suspid.cleaning.cleaned import Cleaned
 from suspid.cleaning.placing import faithful_below, interpolate
 from suspid.errors import RecordError
 from suspid.model import ModalSet

@@ -6,11 +6,16 @@ import contextlib
 
 import numpy as np
 import pytest
+from numpy.typing import ArrayLike
 
-from suspid.cleaning.clocks import Clock, read_clock
+from suspid.cleaning.clock import Clock
+from suspid.cleaning.clocks import read_clock
+from suspid.cleaning.following import share_followed
 from suspid.errors import RecordError
+from suspid.recordings import RawChannel
 from suspid.stamps import grid_of, resolution
 from suspid.units import RealArray
+from suspid.words import Defect
 
 
 def wave(times: RealArray, rng: np.random.Generator | None = None) -> RealArray:
@@ -173,6 +178,151 @@ class TestJitter:
         stamps = np.cumsum(np.random.default_rng(2).exponential(0.01, 2000))
         with pytest.raises(RecordError, match="too irregular"):
             read_clock(stamps, wave(stamps)[None])
+
+
+class TestAnyGrid:
+    """Rows on a uniform clock, stamped, rounded and with rows lost: the rows come back to their places.
+
+    The law: a row lies off the line by at most the resolution, a row behind a gap by a whole number of steps.
+    """
+
+    GRIDS = (
+        (10.3, 0.1), (17.7, 1e-2), (60.7, 1e-3), (101.3, 1e-2), (433.1, 1e-3), (887.14, 1e-3), (887.14, 1e-4),
+        (3333.3, 1e-4), (19_200.7, 1e-5),
+    )  # fmt: skip
+    COARSE = ((100.0, 1.0), (100.3, 1.0), (1280.0, 1e-3), (2000.3, 1e-2), (12_800.0, 1e-3), (1000.0, 1 / 64))
+
+    @staticmethod
+    def stamps(rate: float, quantum: float, kept: ArrayLike, *, way: str, ppm: float = 0.0) -> RealArray:
+        times = 0.4321 + np.asarray(kept, float) / rate * (1 + 1e-6 * ppm)
+        places = times / quantum
+        rounded = np.floor(places) if way == "floor" else np.ceil(places) if way == "ceil" else np.round(places)
+        return np.asarray(rounded * quantum)
+
+    @pytest.mark.parametrize(("rate", "quantum"), GRIDS)
+    @pytest.mark.parametrize("way", ["round", "floor", "ceil"])
+    @pytest.mark.parametrize("lost", [1, 2, 17, 500])
+    def test_a_gap_is_found_in_its_place(self, rate: float, quantum: float, way: str, lost: int) -> None:
+        kept = np.delete(np.arange(4000), [*range(1234, 1234 + lost), *range(3000, 3005)])
+        stamps = self.stamps(rate, quantum, kept, way=way)
+        clock = read_clock(stamps, wave(kept / rate)[None])
+        assert clock.places is not None
+        assert clock.places.tolist() == kept.tolist()
+        assert clock.step == pytest.approx(1 / rate, rel=quantum * rate / 4000)
+
+    @pytest.mark.parametrize(("rate", "quantum"), [*GRIDS, *COARSE])
+    @pytest.mark.parametrize("ppm", [1.0, 30.0, 1000.0])
+    @pytest.mark.parametrize("way", ["round", "floor"])
+    def test_a_clock_that_is_fast_or_slow_has_no_gap(self, rate: float, quantum: float, ppm: float, way: str) -> None:
+        stamps = self.stamps(rate, quantum, np.arange(9000.0), way=way, ppm=ppm)
+        clock = read_clock(stamps, wave(np.arange(9000) / rate)[None])
+        assert set(kinds(clock)) <= {"rounded stamps"}
+        assert clock.timepts.size == 9000
+        # No grid is told better than by a resolution over the record.
+        assert clock.step == pytest.approx((1 + 1e-6 * ppm) / rate, rel=1.01 * min(1.0, quantum * rate) / 9000)
+
+    @pytest.mark.parametrize(("rate", "quantum"), COARSE)
+    @pytest.mark.parametrize("way", ["round", "floor"])
+    def test_where_many_rows_share_a_stamp_a_gap_is_found_to_within_the_resolution(
+        self, rate: float, quantum: float, way: str
+    ) -> None:
+        kept = np.delete(np.arange(9000), range(4321, 4338))
+        stamps = self.stamps(rate, quantum, kept, way=way)
+        clock = read_clock(stamps, wave(kept / rate)[None])
+        assert clock.places is not None
+        # A beat with the stamps that is slower than the record leaves one row open.
+        assert abs(clock.places[-1] - 8999) <= 1
+        # The rows that share a stamp with the gap may stand on either side of it.
+        assert np.sum(np.abs(clock.places - kept) > 1) <= 2 * quantum * rate
+
+    @pytest.mark.parametrize(("rate", "quantum"), [(101.3, 1e-2), (433.1, 1e-3), (887.14, 1e-3)])
+    @pytest.mark.parametrize("seed", range(3))
+    def test_jitter_beyond_the_rounding_makes_no_gaps(self, rate: float, quantum: float, seed: int) -> None:
+        rng = np.random.default_rng(seed)
+        kept = np.delete(np.arange(6000), range(2000, 2020))
+        stamps = self.stamps(rate, quantum, kept + 0.05 * rng.standard_normal(kept.size), way="floor")
+        clock = read_clock(stamps, wave(kept / rate, rng)[None])
+        assert clock.places is not None
+        assert clock.places.tolist() == kept.tolist()
+
+    def test_stamps_that_repeat_and_run_backwards_by_jitter_are_late(self) -> None:
+        rng = np.random.default_rng(1)
+        stamps = self.stamps(2000.3, 1e-3, np.arange(9000) + 0.3 * rng.standard_normal(9000), way="floor")
+        assert np.any(np.diff(stamps) < 0)
+        clock = read_clock(stamps, wave(np.arange(9000) / 2000.3)[None])
+        assert kinds(clock) == ["jittering stamps"]
+        assert clock.places is not None
+        assert clock.places.tolist() == list(range(9000))
+
+    @pytest.mark.parametrize(("rate", "quantum"), GRIDS)
+    def test_a_doubled_row_is_dropped(self, rate: float, quantum: float) -> None:
+        rows = np.insert(np.arange(3000), [700, 2100], [700, 2100])
+        values = wave(np.arange(3000) / rate, np.random.default_rng(0))[rows]
+        clock = read_clock(self.stamps(rate, quantum, rows.astype(float), way="round"), values[None])
+        assert "repeated rows" in kinds(clock)
+        assert clock.places is not None
+        assert clock.places.tolist() == list(range(3000))
+
+    def test_beats_of_a_slow_clock_are_no_missing_rows_but_single_holes_are(self) -> None:
+        # 999.9 Hz in stamps of 1 ms: one step of 2 ms in ten seconds, evenly spaced.
+        rows = np.arange(60_000.0)
+        slow = read_clock(self.stamps(999.9, 1e-3, rows, way="floor"), wave(rows / 1e3)[None])
+        assert kinds(slow) == ["rounded stamps"]
+        assert 1 / slow.step == pytest.approx(999.9, rel=2e-5)
+        kept = np.delete(np.arange(9000.0), [1000, 5000])
+        lost = read_clock(self.stamps(1000.0, 1e-3, kept, way="floor"), wave(kept / 1e3)[None])
+        assert kinds(lost) == ["missing rows"]
+
+    @pytest.mark.parametrize(("rate", "quantum"), GRIDS)
+    def test_the_list_of_channels_states_the_same_rate(self, rate: float, quantum: float) -> None:
+        kept = np.delete(np.arange(4000.0), range(1000, 1003))
+        stamps = self.stamps(rate, quantum, kept, way="round")
+        raw = RawChannel(name="seat", unit="m", timepts=stamps, values=wave(kept / rate), rate=None)
+        assert raw.mean_rate == pytest.approx(1 / read_clock(stamps, raw.values[None]).step, rel=1e-9)
+        assert raw.gaps == 1
+
+
+class TestARateThatOverrides:
+    def test_stamps_that_agree_still_tell_of_missing_rows(self) -> None:
+        kept = np.delete(np.arange(1000), [300, 301, 600])
+        clock = read_clock(np.round(kept / 333, 3), wave(kept / 333)[None], rate=333.0, override=True)
+        assert clock.places is not None
+        assert clock.places.tolist() == kept.tolist()
+
+    @pytest.mark.parametrize("rate", [330.0, 100.0, 666.0])
+    def test_it_replaces_others_and_says_how_far_they_are_apart(self, rate: float) -> None:
+        stamps = 5.0 + np.arange(1000) / 333
+        clock = read_clock(stamps, wave(stamps)[None], rate=rate, override=True)
+        assert clock.timepts.tolist() == (5.0 + np.arange(1000) / rate).tolist()
+        (finding,) = clock.findings
+        assert finding.kind is Defect.OVERRIDDEN_STAMPS
+        assert finding.remark.numbers["stamps_rate"] == pytest.approx(333)
+        assert finding.remark.numbers["apart"] == pytest.approx(999 / 333 - 999 / rate)
+
+    def test_stamps_without_sense_do_not_matter(self) -> None:
+        stamps = np.full(500, np.nan)
+        clock = read_clock(stamps, wave(np.arange(500) / 50)[None], rate=50.0, override=True)
+        assert clock.timepts.tolist() == (np.arange(500) / 50).tolist()
+        assert "states none" in clock.findings[0].text
+
+
+class TestShareFollowed:
+    """The share by which samples follow their stamps is the true one, with the spread that is stated."""
+
+    def test_share_and_its_spread(self) -> None:
+        rng = np.random.default_rng(0)
+        shares, stds = [], []
+        for _ in range(200):
+            off = rng.uniform(-0.3, 0.3, 600)
+            times = (np.arange(600) + 0.5 * off) / 100
+            values = np.sin(2 * np.pi * 4 * times) + 0.005 * rng.standard_normal(600)
+            share, std = share_followed(values[None], off, np.arange(600))
+            shares.append(share)
+            stds.append(std)
+        # The slope is taken from uniform samples, which leaves a few hundredths of offsets of 0.3 steps.
+        assert np.mean(shares) == pytest.approx(0.5, abs=0.03)
+        # Neighbouring misses share samples. Taken as independent, they give a std that is too small by sqrt(2).
+        assert np.mean(stds) / np.std(shares) == pytest.approx(1.0, abs=0.2)
 
 
 class TestTheRateStated:

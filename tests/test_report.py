@@ -32,7 +32,7 @@ from suspid import (
     reconstruct,
 )
 from suspid.analysis.judgement import judge
-from suspid.cleaning.clean import Cleaned, Finding
+from suspid.cleaning import Cleaned, Finding
 from suspid.decays import Decay
 from suspid.identification.identify_repeats import identify_repeats
 from suspid.identification.modes_json import read_modes

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from playwright.sync_api import Browser, Page, sync_playwright
 
 from suspid import add_noise, free_decay, identify, reconstruct
-from suspid.cleaning.clean import Cleaned, Finding
+from suspid.cleaning import Cleaned, Finding
 from suspid.decays import Decay
 from suspid.reporting import Source, report
 from suspid.signals import as_response, as_signal

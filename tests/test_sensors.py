@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from suspid.cleaning.sensors import scaled, to_si, vertical
+from suspid.cleaning import scaled, to_si, vertical
 from suspid.errors import InputError, RecordError
 from suspid.signals import as_response
 from suspid.units import RealArray

@@ -1,17 +1,18 @@
-"""From a recording as stored to a record that can be used.
+"""From a recording as stored to a record on a uniform clock.
 
 `clean` puts all channels on one uniform clock and repairs what can be repaired safely: time stamps, gaps,
 outliers, sentinels. Each repair, and each defect left alone, is a `Finding`. `read_record` reads and cleans a
-file in one step. `vertical`, `scaled` and `to_si` turn sensor axes and units into what is wanted.
+file in one step. `vertical` combines the axes of a tilted accelerometer, `scaled` and `to_si` convert units.
 """
 
-from suspid.cleaning.clean import Cleaned, clean
-from suspid.cleaning.conversions import to_si
+from suspid.cleaning.clean import clean
+from suspid.cleaning.cleaned import Cleaned
+from suspid.cleaning.clipping import CLIPPED, clipped_run
+from suspid.cleaning.conversions import scaled, to_si
 from suspid.cleaning.findings import Finding
 from suspid.cleaning.gaps import runs
-from suspid.cleaning.inspection import CLIPPED, clipped_run
 from suspid.cleaning.read_record import read_record
-from suspid.cleaning.sensors import Vertical, scaled, vertical
+from suspid.cleaning.sensors import Vertical, vertical
 
 __all__ = [
     "CLIPPED",

@@ -1,18 +1,25 @@
-"""Conversions: units as they stand in files, to SI."""
+"""Conversions: units of files to SI, and factors for channels."""
 
 from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from suspid.errors import InputError
 from suspid.files import printable
+from suspid.signals import as_response, as_signal
 from suspid.units import RealArray
 from suspid.values import nearest_names
 
+if TYPE_CHECKING:
+    import control
+
 STANDARD_GRAVITY = 9.80665
 INCH, POUND_FORCE, KNOT = 0.0254, 4.4482216152605, 1852 / 3600
-# Units by name: factor and the SI unit it leads to.
+# Factor and SI unit of each unit.
 UNITS: dict[str, tuple[float, str]] = {
     "m": (1.0, "m"), "dm": (0.1, "m"), "cm": (1e-2, "m"), "mm": (1e-3, "m"), "um": (1e-6, "m"), "nm": (1e-9, "m"),
     "in": (INCH, "m"), "inch": (INCH, "m"), "mil": (1e-3 * INCH, "m"), "ft": (12 * INCH, "m"),
@@ -35,7 +42,7 @@ UNITS: dict[str, tuple[float, str]] = {
 }  # fmt: skip
 
 
-# Other ways of writing them, replaced in this order.
+# Other spellings and what replaces them, in this order.
 SPELLINGS = (
     ("²", "2"), ("⁻", "-"), ("^", ""), ("**", ""), ("µ", "u"), ("μ", "u"), ("·", ""), ("*", ""), (" ", ""),
     ("/sec", "/s"), ("/s/s", "/s2"), ("s-2", "/s2"), ("s-1", "/s"), ("//", "/"),
@@ -74,3 +81,36 @@ def to_si(values: ArrayLike, unit: str) -> tuple[RealArray, str]:
         raise InputError(f"the unit {printable(unit)!r} is not known.{nearest_names(plain, known)}")
     factor, si = UNITS[key]
     return np.array(np.asarray(values, float) * factor), si
+
+
+def scaled(response: control.TimeResponseData, factors: Mapping[str, float]) -> control.TimeResponseData:
+    """Return a record with some channels multiplied: a sign, a sensitivity, a unit.
+
+    Parameters
+    ----------
+    response : control.TimeResponseData
+        The record.
+    factors : mapping of str to float
+        Factor by channel; the other channels stay as they are.
+
+    Raises
+    ------
+    InputError
+        If a channel is not there, or a factor is zero or not finite.
+
+    Examples
+    --------
+    >>> record = as_response(np.arange(3) / 10, np.array([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]), ["seat", "tire"])
+    >>> scaled(record, {"tire": -0.5}).y
+    array([[ 1. ,  2. ,  3. ],
+           [-2. , -2.5, -3. ]])
+    """
+    signal = as_signal(response)
+    for name, factor in factors.items():
+        if name not in signal.channels:
+            raise InputError(f"there is no channel {name!r}.{nearest_names(name, signal.channels)}")
+        if not np.isfinite(factor) or factor == 0:
+            raise InputError(f"the factor of channel {name!r}, {factor}, must be finite and not zero")
+    by = np.array([factors.get(name, 1.0) for name in signal.channels])
+    title = getattr(response, "title", None) or ""
+    return as_response(np.asarray(response.time), signal.values * by[:, None], signal.channels, title=title)

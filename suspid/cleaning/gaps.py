@@ -1,4 +1,4 @@
-"""Gaps: runs of missing samples, filled where the record itself shows that it errs little."""
+"""Gaps: runs of missing samples, filled where neighbouring samples show that the error is small."""
 
 from __future__ import annotations
 
@@ -15,13 +15,14 @@ from suspid.words import Defect, Number
 
 Flags: TypeAlias = NDArray[np.bool_]
 
-# The longest gap that is filled [samples].
+# Longest gap that is filled [samples]. Its error is measured, so that this only bounds the work.
 LONGEST = 20
-# The error of filling, as a share of the channel's motion, and how much larger than that of one sample it may be.
+# Largest error of filling: this share of the rms motion plus this multiple of the error for a single sample, which
+# is noise. Larger values fill longer gaps with less of the motion in them.
 TOLERATED, WORSE = 0.05, 1.5
-# Samples on each side of a gap over which its error is measured.
+# Samples on each side of a gap over which the error is measured: enough for a mean square, near enough for a decay.
 NEARBY = 200
-# Share of a channel that may be filled.
+# Share of a channel that may be filled. Above it the noise of the record is no longer that of the sensor.
 MOST_FILLED = 0.1
 
 
@@ -34,7 +35,7 @@ class Filled:
     values : ndarray (sample,)
         NaN where a gap was left.
     findings : tuple of Finding
-        What was filled, with the error of it.
+        The gaps filled, with the error.
     """
 
     values: RealArray
@@ -42,7 +43,7 @@ class Filled:
 
 
 def runs(flags: Flags) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Return where runs of true begin and where they have ended.
+    """Return the first index of each run of true, and the index after its last.
 
     Examples
     --------
@@ -55,14 +56,13 @@ def runs(flags: Flags) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
 
 
 def fill(name: str, times: RealArray, values: RealArray) -> Filled:
-    """Return a channel with its short gaps filled, and by how much that errs.
+    """Return a channel with its short gaps filled, and the error of that.
 
-    A gap is filled by the cubic through two samples on each side, or by the line through one on each,
-    whichever errs less. The error is measured: samples nearby are predicted in the same way from
-    theirs, as if they were missing. A gap of one sample is always filled; a longer one if the error
-    is below a twentieth of the channel's motion or little more than that of one sample (which is noise).
-    A sinusoid bears gaps of about a third of its period; what has no structure bears few samples.
-    Gaps at the ends are left.
+    A gap is filled by the cubic through two samples on each side, or by the line through one on each, whichever has
+    the smaller error. The error is measured: neighbouring samples are predicted in the same way as if they were
+    missing. A gap of one sample is always filled; a longer one if the error is below a twentieth of the rms motion,
+    or little more than that for one sample (which is noise). In a sinusoid, gaps up to about a third of the period
+    are filled; in noise, few samples. Gaps at the ends are left.
 
     Parameters
     ----------

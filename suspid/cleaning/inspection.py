@@ -1,4 +1,4 @@
-"""Suspect samples: values that no sensor gives, and stretches in which a channel does not say what moves."""
+"""Inspection: impossible samples, dropouts, held samples, offsets and drifts of a channel."""
 
 from __future__ import annotations
 
@@ -6,42 +6,41 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from suspid.cleaning.clipping import CHANCE, clipping
 from suspid.cleaning.findings import Finding, found
 from suspid.units import RealArray
 from suspid.values import frozen_real
 from suspid.words import Defect, Number
 
-# So many samples on end at the largest value, left by a jump, are clipped.
-CLIPPED = 3
-# Among so many samples on each side equal ones are counted: a run that these make likely is none.
-BESIDE, CHANCE = 20, 1e-3
-# Values that stand for no value in the files of loggers.
+# Values that loggers write for a missing sample.
 MARKS = (-9999.0, 9999.0, -999.0, 999.0, -99999.0, 99999.0, -999999.0, 999999.0)
 FULL_SCALE = tuple(
     float(sign * 2**bits + shift) for bits in (15, 16, 23, 24, 31, 32) for sign in (-1, 1) for shift in (-1, 0, 1)
 )
 # No quantity in SI units is as large as this.
 IMPOSSIBLE = 1e30
-# How far beyond the range of all other samples a value lies that cannot be motion: any value, and one that is a mark.
+# Distance beyond the range of all other samples, as a share of that range, from which a value cannot be motion: for
+# any value, and for a mark. Smaller values strike out the first sample of a blow.
 BEYOND, MARK_BEYOND = 3.0, 0.25
 # A channel of fewer levels than this is a switch or a counter: a far value is one of its states.
 FEWEST_LEVELS = 3
-# So many equal samples on end, entered and left by a jump, are a dropout.
+# Equal samples in a row, entered and left by a jump, from which on they are a dropout.
 FROZEN = 4
-# Share of the line in a channel's variance, of ten blocks how many must go its way, for a drift.
+# Share of a straight line in the variance of a channel, number of blocks, and number of their medians that must
+# follow each other in its direction, from which on it is a drift. A free decay explains less.
 DRIFTING, BLOCKS, ONE_WAY = 0.6, 10, 8
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Inspected:
-    """A channel with the samples that cannot be its own struck out.
+    """A channel with its impossible samples removed.
 
     Parameters
     ----------
     values : ndarray (sample,)
         NaN where there was no number or an impossible one.
     findings : tuple of Finding
-        What was met.
+        Defects of the channel.
     """
 
     values: RealArray
@@ -49,10 +48,9 @@ class Inspected:
 
 
 def inspect(name: str, times: RealArray, values: RealArray) -> Inspected:
-    """Return a channel without impossible samples, and what was met in it.
+    """Return a channel without impossible samples, and its defects.
 
-    Struck out are infinities, sentinels and short frozen stretches. Clipping, long frozen
-    stretches, offsets and drifts are only reported.
+    Infinities, sentinels and short dropouts become NaN. Clipping, held samples, offsets and drifts are only reported.
 
     Parameters
     ----------
@@ -74,18 +72,20 @@ def inspect(name: str, times: RealArray, values: RealArray) -> Inspected:
     huge = np.flatnonzero(np.abs(values) >= IMPOSSIBLE) if whole is not values else np.empty(0, np.intp)
     if huge.size:
         findings.append(found(Defect.SENTINEL, times[huge], huge.size, {"limit": IMPOSSIBLE}, channel=name))
-    mended = _without_sentinels(name, times, whole, findings)
+    mended, sentinels = _without_sentinels(name, times, whole)
+    findings += sentinels
     if np.sum(~np.isnan(mended)) >= 8:
-        findings += _clipping(name, *_known(times, mended))
-        mended = _without_frozen(name, times, mended, findings)
+        findings += clipping(name, *_known(times, mended))
+        mended, dropouts = _without_dropouts(name, times, mended)
+        findings += dropouts
         findings += _level(name, *_known(times, mended))
     kept = mended is values and not values.flags.writeable
     return Inspected(values=values if kept else frozen_real(mended), findings=tuple(findings))
 
 
 def possible(values: RealArray) -> RealArray:
-    """Return the samples with NaN for what no sensor gives: infinities and the hugest numbers."""
-    # Of samples among which one is missing the largest is NaN.
+    """Return the samples with NaN for infinities and impossibly large numbers."""
+    # The largest of samples with a NaN is NaN, so that these take the second way.
     if values.size and np.min(values) > -IMPOSSIBLE and np.max(values) < IMPOSSIBLE:
         return values
     return np.where(np.abs(values) < IMPOSSIBLE, values, np.nan)
@@ -97,33 +97,9 @@ def _known(times: RealArray, values: RealArray) -> tuple[RealArray, RealArray]:
     return (times[~missing], values[~missing]) if np.any(missing) else (times, values)
 
 
-def clipped_run(samples: RealArray, *, largest: bool) -> tuple[int, int] | None:
-    """Return the first sample of the longest run at the largest or smallest value and its length, if it is clipped.
-
-    A slow crest in coarse steps stays at its value too, but comes and goes by single steps.
-    """
-    limit = np.max(samples) if largest else np.min(samples)
-    at = np.flatnonzero(samples == limit)
-    starts = np.flatnonzero(np.diff(at, prepend=-9) > 1)
-    lengths = np.diff(np.append(starts, len(at)))
-    longest = int(np.argmax(lengths))
-    first, count = int(at[starts[longest]]), int(lengths[longest])
-    after = first + count
-    if count < CLIPPED or count > 0.5 * len(samples):
-        return None
-    steps = np.abs(np.diff(samples))
-    # What begins with a jump and is left slowly was released from rest.
-    jump = abs(limit - samples[after] if after < len(samples) else limit - samples[first - 1])
-    if jump <= 3 * np.min(steps[steps > 0]) + 1e-3 * np.ptp(samples):
-        return None
-    # Noise of a few steps of the converter repeats a value by chance.
-    near = slice(max(0, first - BESIDE), after + BESIDE)
-    others = steps[near][samples[near][: steps[near].size] != limit]
-    chance = (np.sum(others == 0) + 1) / (others.size + 2)
-    return (first, count) if chance ** (count - 1) < CHANCE else None
-
-
-def _without_sentinels(name: str, times: RealArray, values: RealArray, findings: list[Finding]) -> RealArray:
+def _without_sentinels(name: str, times: RealArray, values: RealArray) -> tuple[RealArray, list[Finding]]:
+    """Return the samples with NaN for values far from all others, and a finding for each such value."""
+    findings: list[Finding] = []
     for _ in range(6):
         some = _known(times, values)[1]
         if some.size < 8:
@@ -136,7 +112,7 @@ def _without_sentinels(name: str, times: RealArray, values: RealArray, findings:
         numbers: dict[str, Number] = {"value": limit, "low": float(np.min(others)), "high": float(np.max(others))}
         findings.append(found(Defect.SENTINEL, times[at], at.size, numbers, channel=name))
         values = np.where(values == limit, np.nan, values)
-    return values
+    return values, findings
 
 
 def _sentinel(some: RealArray) -> float | None:
@@ -152,7 +128,7 @@ def _sentinel(some: RealArray) -> float | None:
             continue
         at = np.flatnonzero(some == limit)
         inside = at[(at > 0) & (at < some.size - 1)]
-        # The first sample of a blow, and what stands before one, are far from what follows, but are motion.
+        # The first sample of a blow, and those before one, are far from what follows, but are motion.
         alone = inside.size > 0 and bool(np.all(np.diff(at) > 1) or limit == 0)
         if (marked or alone) and count < 0.5 * some.size and _levels(others) >= FEWEST_LEVELS:
             return limit
@@ -163,33 +139,15 @@ def _levels(samples: RealArray) -> int:
     return int(np.unique(samples[:4096]).size)
 
 
-def _clipping(name: str, times: RealArray, samples: RealArray) -> list[Finding]:
-    findings = []
-    if np.ptp(samples) > 0:
-        for largest in (True, False):
-            run = clipped_run(samples, largest=largest)
-            if run is not None and run[0] > 0 and run[0] + run[1] < samples.size:
-                at = np.flatnonzero(samples == samples[run[0]])
-                numbers: dict[str, Number] = {
-                    "largest": largest,
-                    "value": float(samples[run[0]]),
-                    "longest": run[1],
-                    "longest_start": float(times[run[0]]),
-                    "last": float(times[at[-1]]),
-                }
-                findings.append(found(Defect.CLIPPED, times[at], at.size, numbers, channel=name, repaired=False))
-    return findings
-
-
-def _without_frozen(name: str, times: RealArray, values: RealArray, findings: list[Finding]) -> RealArray:
-    """Strike out short runs of one value that are entered and left by a jump; report longer ones."""
+def _without_dropouts(name: str, times: RealArray, values: RealArray) -> tuple[RealArray, list[Finding]]:
+    """Remove short runs of one value that are entered and left by a jump; report samples that are held throughout."""
     whole = not np.any(np.isnan(values))
     good = np.arange(values.size) if whole else np.flatnonzero(~np.isnan(values))
     samples = values if whole else values[good]
     change = np.flatnonzero(samples[1:] != samples[:-1]) + 1
     # A run is made of samples that equal the one before.
     if change.size < 8 or samples.size - 1 - change.size < FROZEN - 1:
-        return values
+        return values, []
     starts, stops = np.concatenate([[0], change]), np.concatenate([change, [samples.size]])
     lengths = stops - starts
     steps = np.abs(np.diff(samples))
@@ -197,13 +155,12 @@ def _without_frozen(name: str, times: RealArray, values: RealArray, findings: li
     usual = lengths[1:-1]
     if usual.size and np.median(usual) >= 2 and np.mean(usual == np.median(usual)) > 0.9:
         numbers: dict[str, Number] = {"repeats": float(np.median(usual))}
-        findings.append(found(Defect.HELD_SAMPLES, times[good], samples.size, numbers, channel=name, repaired=False))
-        return values
+        return values, [found(Defect.HELD_SAMPLES, times[good], samples.size, numbers, channel=name, repaired=False)]
     inner = np.flatnonzero(lengths >= FROZEN)
     inner = inner[(inner > 0) & (inner < lengths.size - 1)]
     left, right = samples[starts[inner] - 1], samples[stops[inner] % samples.size]
     entered, released = np.abs(samples[starts[inner]] - left), np.abs(right - samples[starts[inner]])
-    # A crest in coarse steps is left by single steps; a frozen value by what the motion did meanwhile.
+    # A crest in coarse steps is left by a single step; a frozen value by the motion that went on meanwhile.
     far = 5 * quantum
     inner, entered, released = inner[released > far], entered[released > far], released[released > far]
     around = np.array([_pace(samples, int(starts[k]), int(stops[k])) for k in inner]).reshape(-1)
@@ -217,15 +174,14 @@ def _without_frozen(name: str, times: RealArray, values: RealArray, findings: li
     extreme = (samples[starts[inner]] == np.max(samples)) | (samples[starts[inner]] == np.min(samples))
     bad = inner[zero | (held & ~extreme)]
     if not bad.size:
-        return values
+        return values, []
     where = np.concatenate([good[starts[k] : stops[k]] for k in bad])
     longest = int(np.max(lengths[bad]))
     only_zero = bool(np.all(samples[starts[bad]] == 0))
     numbers = {"runs": bad.size, "longest": longest, "zero": only_zero}
-    findings.append(found(Defect.DROPOUT, times[where], where.size, numbers, channel=name))
     cleared = values.copy()
     cleared[where] = np.nan
-    return cleared
+    return cleared, [found(Defect.DROPOUT, times[where], where.size, numbers, channel=name)]
 
 
 def _pace(samples: RealArray, start: int, stop: int) -> float:
@@ -236,7 +192,7 @@ def _pace(samples: RealArray, start: int, stop: int) -> float:
 
 
 def _level(name: str, times: RealArray, samples: RealArray) -> list[Finding]:
-    """Report an offset that is larger than all motion, and a drift that is."""
+    """Report an offset, and a drift, that is larger than the motion."""
     findings: list[Finding] = []
     spread = float(np.ptp(samples))
     if spread > 0 and samples.size >= 8 * BLOCKS:

@@ -1,4 +1,4 @@
-"""Ordering: rows doubled, swapped or wrongly stamped, brought into one order of time."""
+"""Ordering: doubled, swapped and wrongly stamped rows in one order of time."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from suspid.stamps import FEW, Indices, line, resolution
 from suspid.units import Ratio, RealArray
 from suspid.words import Defect
 
-# How far out of order a row may be.
+# Rows by which a row may be out of order; more is a restart of the clock.
 FAR = 8
-# No stamp is later than this [s].
+# Latest possible time stamp [s].
 LATEST = 1e15
 
 
@@ -22,7 +22,7 @@ def stamped(stamps: RealArray) -> tuple[Indices, tuple[Finding, ...]]:
     lost = stamps.size - rows.size
     if rows.size < 2 or lost > max(1, 0.1 * stamps.size):
         raise RecordError(
-            f"{lost} of {stamps.size} time stamps are no times; mend the column of time, or give fs alone"
+            f"{lost} of {stamps.size} time stamps are not numbers; correct the time column, or give fs alone"
         )
     if not lost:
         return rows, ()
@@ -46,12 +46,12 @@ def unrepeated(
 
 
 def ordered(stamps: RealArray, values: RealArray, rows: Indices) -> tuple[RealArray, Indices, tuple[Finding, ...]]:
-    """Return stamps that increase, and the rows they belong to."""
+    """Return increasing stamps, and their rows."""
     rows, repeated = unrepeated(stamps, values, rows)
     findings = list(repeated)
     times = stamps[rows]
     if times.size < 3:
-        raise RecordError(f"only {times.size} rows with different time stamps are left; a record needs more")
+        raise RecordError(f"only {times.size} rows with different time stamps are left; at least 3 are needed")
     if np.all(np.diff(times) > 0):
         return times, rows, tuple(findings)
     order = np.argsort(times, kind="stable")
@@ -69,7 +69,7 @@ def ordered(stamps: RealArray, values: RealArray, rows: Indices) -> tuple[RealAr
 
 
 def _wrongly_stamped(times: RealArray) -> RealArray | None:
-    """Return the stamps with the few that are out of line replaced, or None if that does not explain them."""
+    """Return the stamps with a few outliers replaced, or None if outliers do not explain them."""
     index = np.arange(times.size)
     start, step, _ = line(index, times)
     if step <= 0:
@@ -88,9 +88,8 @@ def _disordered(times: RealArray) -> str:
     if not back.size:
         same = np.flatnonzero(np.diff(times) == 0)
         return (
-            f"{same.size} stamps stand twice with different samples, the first is t = {times[same[0]]:g} s, and they "
-            f"are not merely rounded: which sample is right cannot be told; remove one of each, or give fs alone if "
-            f"the rows are regular"
+            f"{same.size} time stamps occur twice with different samples, the first at t = {times[same[0]]:g} s, and "
+            f"no uniform clock rounds to them; remove one row of each, or give fs if the rows are regular"
         )
     edges = np.concatenate([[0], back + 1, [times.size]])
     longest = int(np.argmax(np.diff(edges)))
@@ -98,6 +97,6 @@ def _disordered(times: RealArray) -> str:
     k = back[0]
     return (
         f"time runs backwards at {back.size} of {times.size} rows, the first after row {k + 1} (from {times[k]:g} s to "
-        f"{times[k + 1]:g} s): the clock restarted, or the file is several recordings; the longest that runs forwards "
-        f"is rows {first + 1} to {last + 1}, {times[first]:g} to {times[last]:g} s; keep one of them in the file"
+        f"{times[k + 1]:g} s): the clock restarted, or the file holds several recordings; the longest run is "
+        f"rows {first + 1} to {last + 1}, {times[first]:g} to {times[last]:g} s; keep one of them in the file"
     )

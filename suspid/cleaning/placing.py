@@ -7,11 +7,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from suspid.cleaning.clocks import WIDE, Clock
+from suspid.cleaning.clock import Clock
 from suspid.cleaning.findings import Finding
+from suspid.cleaning.nearest import WIDE
 from suspid.units import Hertz, Ratio, RealArray, Second
 
-# Samples that follow the one before by less than this share of the usual step say nothing more.
+# Share of the usual step below which a stamp nearly duplicates the one before: a spline through both would turn their
+# noise into slope.
 CLOSE = 0.3
 
 
@@ -30,7 +32,7 @@ class Placed:
     values : ndarray (channel, sample)
         Their samples; NaN where missing.
     findings : tuple of Finding
-        What was met on the way.
+        Defects of the stamps and of the channels.
     """
 
     timepts: RealArray
@@ -43,8 +45,8 @@ class Placed:
 def place(clock: Clock, names: Sequence[str], values: RealArray, findings: Sequence[Finding] = ()) -> Placed:
     """Return rows (channel, row) on the grid of their clock.
 
-    Where every row is a sample of the grid, the samples stay as they are and rows that are missing
-    become NaN; else they are interpolated, and the finding says by how much that errs.
+    Where every row is a sample of the grid, the samples stay as they are and missing rows become NaN. Otherwise they
+    are interpolated, and the finding states the error.
 
     Examples
     --------
@@ -110,7 +112,7 @@ def interpolate(wanted: RealArray, times: RealArray, values: RealArray, *, wides
 
 
 def _apart(times: RealArray, values: RealArray) -> tuple[RealArray, RealArray]:
-    """Leave out samples that follow the one before too closely: their noise would become slope."""
+    """Leave out near-duplicate time stamps: the noise of their samples would become slope."""
     steps = np.diff(times)
     if not steps.size:
         return times, values
@@ -119,10 +121,10 @@ def _apart(times: RealArray, values: RealArray) -> tuple[RealArray, RealArray]:
 
 
 def faithful_below(steps: RealArray) -> Hertz:
-    """Return the frequency below which a cubic spline errs by less than 1 % of a sinusoid's amplitude [Hz].
+    """Return the frequency below which the error of a cubic spline is below 1 % of a sinusoid's amplitude [Hz].
 
-    Its error is at most 5/384 h^4 times the largest fourth derivative (Hall and Meyer 1976). The step h that
-    one in a hundred exceeds is taken.
+    The error is at most 5/384 h^4 times the largest fourth derivative (Hall and Meyer 1976). The step h is the 99 %
+    quantile of the steps.
 
     Examples
     --------
@@ -133,9 +135,9 @@ def faithful_below(steps: RealArray) -> Hertz:
 
 
 def halving_error(times: RealArray, values: RealArray) -> Ratio:
-    """Return by how much the spline through every second sample misses those between, as a share of the motion.
+    """Return the rms error of the spline through every second sample at the others, as a share of the motion.
 
-    The spline through all of them errs by less; noise is included, since the record cannot tell.
+    The error of the spline through all samples is smaller. Noise is included.
     """
     known = np.isfinite(values)
     t, y = _apart(times[known], values[known])

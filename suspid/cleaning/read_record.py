@@ -1,4 +1,4 @@
-"""Read a file as a record: read, then cleaned."""
+"""Read a file as a record on a uniform clock."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ def read_record(
 ) -> control.TimeResponseData:
     r"""Return the record that a file holds.
 
-    Its channels are read by `read_recording` and made sound by `suspid.cleaning.clean`; whatever was repaired,
-    left out or merely met is told as a `RecordWarning`.
+    `read_recording` reads its channels and `suspid.clean` repairs them. Each defect, repaired or not, is a
+    `RecordWarning`.
 
     Text (``.csv``, ``.txt``, ``.tsv``, ``.dat``, ``.log``, ``.asc``): a sample a line, in UTF-8, UTF-16 or
     Windows-1252. What parts the cells, the sign before decimals, header, units, and lines that are no samples are

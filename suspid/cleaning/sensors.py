@@ -1,8 +1,8 @@
-"""Sensors: units, signs and scales, and the vertical in a tilted accelerometer."""
+"""Sensors: the vertical in a tilted accelerometer of three axes."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
@@ -19,45 +19,13 @@ from suspid.values import frozen_real, nearest_names
 if TYPE_CHECKING:
     import control
 
-# What is measured at rest is gravity if it is that of the earth to within this share.
+# Relative difference from standard gravity up to which the mean of three axes is gravity: more than sensors' errors of
+# scale, and far less than the factor between units.
 GRAVITY = 0.15
-# Parts of the record over which the spread of a direction is counted.
+# Parts of the record whose spread gives the standard deviation of a direction; samples of one part may be correlated.
 BLOCKS = 20
-# Gravity and the motion agree if they are no further apart than this, or than three standard deviations [deg].
+# Angle between gravity and motion up to which they agree, if it is more than three standard deviations [deg].
 AGREE = 10.0
-
-
-def scaled(response: control.TimeResponseData, factors: Mapping[str, float]) -> control.TimeResponseData:
-    """Return a record with some channels multiplied: a sign, a sensitivity, a unit.
-
-    Parameters
-    ----------
-    response : control.TimeResponseData
-        The record.
-    factors : mapping of str to float
-        Factor by channel; the other channels stay as they are.
-
-    Raises
-    ------
-    InputError
-        If a channel is not there, or a factor is zero or not finite.
-
-    Examples
-    --------
-    >>> record = as_response(np.arange(3) / 10, np.array([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]), ["seat", "tire"])
-    >>> scaled(record, {"tire": -0.5}).y
-    array([[ 1. ,  2. ,  3. ],
-           [-2. , -2.5, -3. ]])
-    """
-    signal = as_signal(response)
-    for name, factor in factors.items():
-        if name not in signal.channels:
-            raise InputError(f"there is no channel {name!r}.{nearest_names(name, signal.channels)}")
-        if not np.isfinite(factor) or factor == 0:
-            raise InputError(f"the factor of channel {name!r}, {factor}, must be finite and not zero")
-    by = np.array([factors.get(name, 1.0) for name in signal.channels])
-    title = getattr(response, "title", None) or ""
-    return as_response(np.asarray(response.time), signal.values * by[:, None], signal.channels, title=title)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -130,8 +98,8 @@ class Vertical:
                 f"gravity: not measured (the mean of the three channels is {self.gravity:.4g}); up may be down"
             )
         lines.append(
-            f"largest motion: {100 * self.principal_explained:.1f} % along an axis {self.apart_deg:.2f} deg from up: "
-            f"{'they agree' if self.agree else 'they do not agree: the motion is not mainly vertical'}"
+            f"largest motion: {100 * self.principal_explained:.1f} % along an axis {self.apart_deg:.2f} deg from up; "
+            f"{'they agree' if self.agree else 'they do not agree, the motion is not mainly vertical'}"
         )
         return "\n".join(lines)
 

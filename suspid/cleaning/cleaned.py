@@ -1,0 +1,63 @@
+"""Cleaned: a record with the list of all that was found in the recording and repaired."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from tabulate import tabulate
+
+from suspid.cleaning.findings import Finding
+from suspid.files import printable
+from suspid.words import Cleaning, Remark, Verdict
+
+if TYPE_CHECKING:
+    import control
+
+
+# Characters of a line in which a finding is explained.
+WIDTH = 60
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Cleaned:
+    """A record that can be used, and what was done to make it so.
+
+    Parameters
+    ----------
+    record : control.TimeResponseData
+        Finite samples on a uniform clock.
+    units : tuple of str
+        Units of the channels as the file states them.
+    findings : tuple of Finding
+        What was met; none for a clean recording, whose samples and stamps are unchanged to the last bit.
+    """
+
+    record: control.TimeResponseData
+    units: tuple[str, ...]
+    findings: tuple[Finding, ...]
+
+    @property
+    def verdict(self) -> Verdict:
+        """Whether the record can be used as it is: defects left alone call for care, repairs are notes."""
+        repaired = sum(finding.repaired for finding in self.findings)
+        headline = Remark(Cleaning.UNCHANGED)
+        if self.findings:
+            headline = Remark(Cleaning.REPAIRED, {"repaired": repaired, "left": len(self.findings) - repaired})
+        return Verdict(headline, tuple(finding.check for finding in self.findings))
+
+    def __str__(self) -> str:
+        if not self.findings:
+            return str(self.verdict)
+        columns = {
+            "found": [str(finding.kind) for finding in self.findings],
+            "channel": [printable(finding.channel) or "(time)" for finding in self.findings],
+            "from [s]": [f"{finding.start:.6g}" for finding in self.findings],
+            "to [s]": [f"{finding.stop:.6g}" for finding in self.findings],
+            "samples": [str(finding.samples) for finding in self.findings],
+            "repaired": ["yes" if finding.repaired else "no" for finding in self.findings],
+            "what": [printable(finding.text) for finding in self.findings],
+        }
+        widths = [None, 24, *[None] * 4, WIDTH]
+        table = tabulate(columns, headers="keys", disable_numparse=True, maxcolwidths=widths)
+        return f"{printable(str(self.verdict))}\n\n{table}"

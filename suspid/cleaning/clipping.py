@@ -1,0 +1,61 @@
+"""Clipping: runs of samples at the largest or smallest value of a channel."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from suspid.cleaning.findings import Finding, found
+from suspid.units import RealArray
+from suspid.words import Defect, Number
+
+# Samples in a row at the largest value, left by a jump, from which on they are clipped. With two, the crest of any
+# sampled sinusoid would be clipped.
+CLIPPED = 3
+# Samples on each side in which equal neighbours are counted, and the probability below which a run of equal samples
+# is not due to the resolution. Larger values call the crests of coarsely digitised signals clipped.
+BESIDE, CHANCE = 20, 1e-3
+
+
+def clipped_run(samples: RealArray, *, largest: bool) -> tuple[int, int] | None:
+    """Return the first sample of the longest run at the largest or smallest value and its length, if it is clipped.
+
+    A slow crest in coarse steps stays at its value too, but comes and goes by single steps.
+    """
+    limit = np.max(samples) if largest else np.min(samples)
+    at = np.flatnonzero(samples == limit)
+    starts = np.flatnonzero(np.diff(at, prepend=-9) > 1)
+    lengths = np.diff(np.append(starts, len(at)))
+    longest = int(np.argmax(lengths))
+    first, count = int(at[starts[longest]]), int(lengths[longest])
+    after = first + count
+    if count < CLIPPED or count > 0.5 * len(samples):
+        return None
+    steps = np.abs(np.diff(samples))
+    # What begins with a jump and is left slowly was released from rest.
+    jump = abs(limit - samples[after] if after < len(samples) else limit - samples[first - 1])
+    if jump <= 3 * np.min(steps[steps > 0]) + 1e-3 * np.ptp(samples):
+        return None
+    # Noise of a few steps of the converter repeats a value by chance.
+    near = slice(max(0, first - BESIDE), after + BESIDE)
+    others = steps[near][samples[near][: steps[near].size] != limit]
+    chance = (np.sum(others == 0) + 1) / (others.size + 2)
+    return (first, count) if chance ** (count - 1) < CHANCE else None
+
+
+def clipping(name: str, times: RealArray, samples: RealArray) -> list[Finding]:
+    """Return a finding for each limit at which a channel is clipped."""
+    findings = []
+    if np.ptp(samples) > 0:
+        for largest in (True, False):
+            run = clipped_run(samples, largest=largest)
+            if run is not None and run[0] > 0 and run[0] + run[1] < samples.size:
+                at = np.flatnonzero(samples == samples[run[0]])
+                numbers: dict[str, Number] = {
+                    "largest": largest,
+                    "value": float(samples[run[0]]),
+                    "longest": run[1],
+                    "longest_start": float(times[run[0]]),
+                    "last": float(times[at[-1]]),
+                }
+                findings.append(found(Defect.CLIPPED, times[at], at.size, numbers, channel=name, repaired=False))
+    return findings

@@ -1,0 +1,86 @@
+"""Clock: the rows of a file on a uniform grid."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from suspid.cleaning.findings import Finding, found
+from suspid.errors import RecordError
+from suspid.stamps import Indices
+from suspid.units import Hertz, RealArray, Second
+from suspid.words import Defect, Number
+
+# Relative difference of two clocks that are meant to be one: that of cheap crystals. Larger values accept a wrong
+# stated rate, smaller ones refuse a right one.
+DRIFT = 1e-4
+# A stamp further from its place in the grid than this, in steps, belongs to another place.
+OFF = 0.5
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Clock:
+    """The rows of a file on a uniform clock.
+
+    Parameters
+    ----------
+    timepts : ndarray (sample,)
+        The uniform grid [s].
+    rows : ndarray (row,)
+        Rows of the file that are used, in order of time.
+    stamps : ndarray (row,)
+        Time of each of these rows [s].
+    places : ndarray (row,) or None
+        Sample of the grid that each of these rows is; None where the grid lies between the rows.
+    findings : tuple of Finding
+        Defects of the stamps.
+    """
+
+    timepts: RealArray
+    rows: Indices
+    stamps: RealArray
+    places: Indices | None
+    findings: tuple[Finding, ...]
+
+    @property
+    def step(self) -> Second:
+        """Step of the grid [s]."""
+        return float(self.timepts[-1] - self.timepts[0]) / (self.timepts.size - 1)
+
+
+def on_grid(
+    start: Second,
+    step: Second,
+    places: Indices,
+    rows: Indices,
+    times: RealArray,
+    kind: Defect | None,
+    numbers: dict[str, Number],
+) -> Clock:
+    """Return the clock of rows of which it is known which samples they are."""
+    timepts = np.asarray(start + step * np.arange(places[-1] + 1))
+    findings: tuple[Finding, ...] = (found(kind, times, times.size, numbers),) if kind else ()
+    lost = int(timepts.size - places.size)
+    if lost:
+        holes = np.flatnonzero(np.diff(places) > 1)
+        counts: dict[str, Number] = {"rows": timepts.size, "places": holes.size}
+        findings += (found(Defect.MISSING_ROWS, times[np.append(holes, holes[-1] + 1)], lost, counts),)
+    return Clock(timepts=timepts, rows=rows, stamps=timepts[places], places=places, findings=findings)
+
+
+def stated(off: Second, rate: Hertz) -> dict[str, Number]:
+    """Return what is said of stamps that lie up to ``off`` [s] from the grid of a stated rate."""
+    return {"off": off, "off_samples": off * rate, "rate": rate}
+
+
+def check_rate(rate: Hertz, mean: Hertz, allowed: float, stamps: RealArray, off: RealArray) -> None:
+    """Refuse a rate that is further than the share allowed from that of the stamps."""
+    if abs(mean - rate) <= allowed * rate:
+        return
+    worst = int(np.argmax(off))
+    raise RecordError(
+        f"fs = {rate:.9g} Hz and the column of time disagree: the stamps run at {mean:.9g} Hz on average, and "
+        f"stamp {worst + 1}, {stamps[worst]:.9g} s, lies {abs(stamps[worst] - stamps[0] - worst / rate) * rate:.3g} "
+        f"samples off"
+    )

@@ -1,0 +1,66 @@
+"""Constant channels: left out, or refused if they were asked for by name."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from suspid.cleaning.findings import Finding, found
+from suspid.cleaning.inspection import possible
+from suspid.errors import RecordError
+from suspid.recordings import RawChannel
+from suspid.units import RealArray
+from suspid.words import Defect, Number, dead
+
+# Share of a channel's samples that must be numbers. Less could not be repaired: at most a tenth is filled.
+FEWEST = 0.5
+
+
+def alive(channels: list[RawChannel], *, by_name: bool) -> tuple[list[RawChannel], list[Finding]]:
+    """Return the channels with motion; the others are left out or, if asked for by name, refused."""
+    kept: list[RawChannel] = []
+    findings: list[Finding] = []
+    for channel in channels:
+        some = possible(channel.values)
+        some = some if some is channel.values else some[np.isfinite(some)]
+        if some.size < max(2, FEWEST * channel.values.size):
+            why: dict[str, Number] = {"finite": some.size}
+        elif _is_constant(some):
+            why = {"constant": float(some[0])}
+        else:
+            kept.append(channel)
+            continue
+        finite = channel.timepts[np.isfinite(channel.timepts)]
+        findings.append(_dead(channel.name, finite, channel.values.size, why, by_name=by_name))
+    if not kept:
+        raise RecordError(_nothing_moves(findings))
+    return kept, findings
+
+
+def stilled(times: RealArray, table: dict[str, RealArray], *, by_name: bool) -> list[Finding]:
+    """Remove from the table the channels that are constant after the repairs."""
+    still = [name for name, values in table.items() if _is_constant(values)]
+    findings = []
+    for name in still:
+        why: dict[str, Number] = {"constant": float(table.pop(name)[0]), "repaired": True}
+        findings.append(_dead(name, times, times.size, why, by_name=by_name))
+    if not table:
+        raise RecordError(_nothing_moves(findings))
+    return findings
+
+
+def _is_constant(some: RealArray) -> bool:
+    low, high, middle = float(np.min(some)), float(np.max(some)), float(np.mean(some))
+    return not max(high - middle, middle - low) > 1e-12 * max(abs(low), abs(high))
+
+
+def _dead(name: str, times: RealArray, samples: int, why: dict[str, Number], *, by_name: bool) -> Finding:
+    """Return the finding of a channel that is left out, or refuse it if it was asked for."""
+    if by_name:
+        raise RecordError(f"channel {name!r} shows no motion: {dead({'samples': samples, **why})}; leave it out")
+    return found(Defect.DEAD_CHANNEL, times if times.size else np.zeros(1), samples, why, channel=name)
+
+
+def _nothing_moves(findings: Sequence[Finding]) -> str:
+    return f"no channel moves: {'; '.join(f'{f.channel!r}: {dead(f.remark.numbers)}' for f in findings)}"

@@ -1,0 +1,141 @@
+"""Joining: channels of one or several clocks on one uniform grid, without holes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from suspid.cleaning.clocks import read_clock
+from suspid.cleaning.findings import Finding, found
+from suspid.cleaning.gaps import MOST_FILLED, fill, runs
+from suspid.cleaning.inspection import inspect, possible
+from suspid.cleaning.placing import Placed, place, resample
+from suspid.errors import RecordError
+from suspid.recordings import RawChannel
+from suspid.units import Hertz, RealArray
+from suspid.values import frozen_real
+from suspid.words import Defect, Number
+
+# Relative difference of two rates up to which they are one. A slower channel is left out unless asked for by name.
+SAME_RATE = 0.01
+# Share of the recording that must be left where its ends are cut off: where a channel is missing at an end, and where
+# a long gap lies near one. Smaller values cut without being asked what the user may have wanted.
+LEAST_LEFT, MOST_LEFT = 0.5, 0.9
+
+
+def by_clock(channels: list[RawChannel]) -> list[list[RawChannel]]:
+    """Return the channels in groups that share their stamps."""
+    groups: list[list[RawChannel]] = []
+    for channel in channels:
+        for group in groups:
+            first = group[0]
+            shared = channel.timepts is first.timepts or np.array_equal(channel.timepts, first.timepts, equal_nan=True)
+            if shared and channel.rate == first.rate:
+                group.append(channel)
+                break
+        else:
+            groups.append([channel])
+    return groups
+
+
+def placed(group: list[RawChannel], fs: Hertz | None) -> Placed:
+    """Return the channels of one clock on their uniform grid."""
+    stated = group[0].rate
+    values = frozen_real([channel.values for channel in group])
+    rate = stated if fs is None else fs
+    clock = read_clock(group[0].timepts, possible(values), rate=rate, override=fs is not None)
+    table = values if np.array_equal(clock.rows, np.arange(values.shape[1])) else values[:, clock.rows]
+    rows = list(table)
+    inspected = [inspect(channel.name, clock.stamps, row) for channel, row in zip(group, rows, strict=True)]
+    if any(channel.values is not row for channel, row in zip(inspected, rows, strict=True)):
+        table = np.array([channel.values for channel in inspected])
+    findings = [finding for channel in inspected for finding in channel.findings]
+    return place(clock, [channel.name for channel in group], table, findings)
+
+
+def one_clock(placed: list[Placed], *, by_name: bool) -> tuple[Placed, list[Finding]]:
+    """Return all channels on the fastest clock; slower ones are left out unless asked for by name."""
+    lead = max(placed, key=lambda part: (1 / part.step, len(part.names)))
+    together = [lead]
+    findings: list[Finding] = []
+    for part in placed:
+        if part is lead:
+            continue
+        slower = part.step > lead.step * (1 + SAME_RATE)
+        numbers: dict[str, Number] = {"channels": part.names, "rate": 1 / part.step, "onto": 1 / lead.step}
+        if by_name or not slower:
+            moved, numbers["error"] = resample(part, lead)
+            together.append(moved)
+        kind = Defect.SLOWER_CLOCK if slower else Defect.SHIFTED_CLOCK
+        findings.append(found(kind, part.timepts[[0, -1]], part.timepts.size, numbers))
+    findings = [finding for part in together for finding in part.findings] + findings
+    first = max(part.timepts[0] for part in together)
+    last = min(part.timepts[-1] for part in together)
+    inside = (lead.timepts >= first - 1e-6 * lead.step) & (lead.timepts <= last + 1e-6 * lead.step)
+    if np.sum(inside) < 2:
+        raise RecordError(
+            f"the channels share no time: {', '.join(map(repr, lead.names))} run from {lead.timepts[0]:g} to "
+            f"{lead.timepts[-1]:g} s; ask for channels that were recorded together"
+        )
+    if np.all(inside) and len(together) == 1:
+        return lead, findings
+    if not np.all(inside):
+        findings.append(_cut(lead.timepts, inside, missing=False))
+    return replace(
+        lead,
+        timepts=lead.timepts[inside],
+        names=tuple(name for part in together for name in part.names),
+        values=np.concatenate([part.values[:, inside] for part in together]),
+    ), findings
+
+
+def whole(placed: Placed) -> tuple[RealArray, dict[str, RealArray], list[Finding]]:
+    """Return all channels with short gaps filled and incomplete ends cut off; refuse longer gaps."""
+    findings: list[Finding] = []
+    times = placed.timepts
+    if not np.any(np.isnan(placed.values)):
+        return times, dict(zip(placed.names, placed.values, strict=True)), findings
+    better: list[RealArray] = []
+    for name, values in zip(placed.names, placed.values, strict=True):
+        filled = fill(name, times, values)
+        findings += filled.findings
+        share = sum(finding.samples for finding in filled.findings) / values.size
+        if share > MOST_FILLED:
+            raise RecordError(
+                f"channel {name!r} has gaps in {100 * share:.2g} % of its samples; up to {100 * MOST_FILLED:.0f} % are "
+                f"filled; leave it out or take a better stretch (start, stop)"
+            )
+        better.append(filled.values)
+    table = np.array(better)
+    holes = np.any(np.isnan(table), axis=0)
+    if np.all(holes):
+        raise RecordError("there is no time at which all channels have samples; leave one out")
+    first, last = int(np.argmin(holes)), int(holes.size - np.argmin(holes[::-1]))
+    starts, stops = runs(~holes)
+    longest = int(np.argmax(stops - starts))
+    if stops[longest] - starts[longest] >= MOST_LEFT * holes.size:
+        first, last = int(starts[longest]), int(stops[longest])
+    if np.any(holes[first:last]) or last - first < LEAST_LEFT * holes.size:
+        begin, end = runs(holes)
+        k = int(np.argmax(end - begin))
+        gaps = [name for name, row in zip(placed.names, table, strict=True) if np.any(np.isnan(row[begin[k] : end[k]]))]
+        low, high = times[starts[longest]], times[stops[longest] - 1]
+        raise RecordError(
+            f"{np.sum(holes)} of {holes.size} samples are missing in {begin.size} gaps too long to fill, the longest "
+            f"in {', '.join(map(repr, gaps))} from {times[begin[k]]:.6g} to {times[end[k] - 1]:.6g} s; the longest "
+            f"stretch without such a gap is {low:.6g} to {high:.6g} s: take it with start={low:.6g}, stop={high:.6g}"
+        )
+    inside = np.zeros(holes.size, bool)
+    inside[first:last] = True
+    if not np.all(inside):
+        findings.append(_cut(times, inside, missing=True))
+    return times[inside], dict(zip(placed.names, table[:, inside], strict=True)), findings
+
+
+def _cut(times: RealArray, inside: NDArray[np.bool_], *, missing: bool) -> Finding:
+    """Return the finding of ends that were cut off."""
+    lost, kept = times[~inside], times[inside]
+    numbers: dict[str, Number] = {"missing": missing, "first": float(kept[0]), "last": float(kept[-1])}
+    return found(Defect.CUT, lost, lost.size, numbers)

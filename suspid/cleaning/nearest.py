@@ -1,0 +1,92 @@
+"""Nearest clock: for increasing stamps that jitter, or that tell of irregular sampling."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from suspid.cleaning.clock import DRIFT, OFF, Clock, check_rate, on_grid, stated
+from suspid.cleaning.findings import found
+from suspid.cleaning.following import late_or_irregular
+from suspid.errors import RecordError
+from suspid.signals import JITTER
+from suspid.stamps import FEW, HOLE, SHORTEST, Indices, line, nearest_grid
+from suspid.stamps import resolution as resolution_of
+from suspid.units import Hertz, RealArray, Second
+from suspid.words import Defect, Number
+
+# Relative difference between a stated rate and that of irregular stamps up to which the stated one is taken.
+APART = 0.02
+# Steps between samples above which nothing is interpolated, and share of the time that such holes may take. Wider
+# holes would be filled with what the record does not say.
+WIDE, HOLLOW = 2.5, 0.2
+# Samples that a grid may hold for each row that is there; a wrong stamp must not ask for all the memory.
+MOST_ROWS = 20
+
+
+def nearest_clock(times: RealArray, values: RealArray, rows: Indices, rate: Hertz | None) -> Clock:
+    """Return the clock of increasing stamps that jitter or are irregular, of which some may be missing."""
+    steps = np.diff(times)
+    usual = float(np.median(steps))
+    hollow = not 0 < times[-1] - times[0] <= MOST_ROWS * times.size * usual or usual < SHORTEST
+    near = None if hollow else nearest_grid(times)
+    if near is None:
+        raise RecordError(_hollow(steps, (WIDE if hollow else HOLE) * usual))
+    places, start, step = near
+    if rate is not None:
+        check_rate(rate, 1 / step, APART, times, np.abs(times - times[0] - places / rate))
+        places = np.concatenate([[0], np.cumsum(np.maximum(1, np.round(steps * rate)))]).astype(np.intp)
+        step = 1 / rate
+        start = float(np.median(times - step * places))
+    off = times - (start + step * places)
+    worst = float(np.max(np.abs(off)))
+    within = 0.5 * resolution_of(times) + DRIFT * float(times[-1] - times[0])
+    kind: Defect | None = None
+    numbers: dict[str, Number] = {}
+    if worst > JITTER * step:
+        if rate is not None and worst <= min(within, OFF * step):
+            kind, numbers = Defect.ROUNDED_STAMPS, stated(worst, rate)
+        elif worst <= step and np.mean(np.abs(off) > OFF * step) <= FEW:
+            kind, numbers = late_or_irregular(values, places, step, off)
+        else:
+            kind, numbers = Defect.IRREGULAR_STAMPS, {"largest": worst / step}
+    if kind is Defect.IRREGULAR_STAMPS:
+        return _irregular(times, rows, rate, numbers)
+    if places[-1] >= MOST_ROWS * times.size:
+        raise RecordError(_hollow(steps, WIDE * usual))
+    return on_grid(start, step, places, rows, times, kind, numbers)
+
+
+def dispersed(times: RealArray, values: RealArray, rows: Indices) -> Clock | None:
+    """Return the clock of rows in order whose stamps jitter so far that some repeat or run backwards, or None."""
+    places = np.arange(times.size)
+    start, step, _ = line(places, times)
+    off = times - start - step * places
+    slack = 0.5 * resolution_of(times)
+    if step < SHORTEST or np.max(np.abs(off)) > slack + step or np.mean(np.abs(off) > slack + OFF * step) > FEW:
+        return None
+    _, numbers = late_or_irregular(values, places, step, off)
+    return on_grid(start, step, places, rows, times, Defect.JITTERING_STAMPS, numbers)
+
+
+def _irregular(times: RealArray, rows: Indices, rate: Hertz | None, numbers: dict[str, Number]) -> Clock:
+    """Return a uniform grid between irregular stamps."""
+    steps = np.diff(times)
+    usual = float(np.median(steps))
+    step = float(np.mean(steps[steps <= WIDE * usual])) if rate is None else 1 / rate
+    if np.sum(steps[steps > WIDE * step]) > HOLLOW * (times[-1] - times[0]):
+        raise RecordError(_hollow(steps, WIDE * step))
+    count = int(np.floor((times[-1] - times[0]) / step * (1 + 1e-12))) + 1
+    said = found(Defect.IRREGULAR_STAMPS, times, times.size, {**numbers, "rate": 1 / step})
+    timepts = np.asarray(times[0] + step * np.arange(count))
+    return Clock(timepts=timepts, rows=rows, stamps=times, places=None, findings=(said,))
+
+
+def _hollow(steps: RealArray, wide: Second) -> str:
+    share = 100 * float(np.sum(steps[steps > wide])) / max(float(np.sum(steps)), SHORTEST)
+    longest = int(np.argmax(steps))
+    return (
+        f"the time stamps are too irregular for a uniform record: half of the steps are below "
+        f"{np.median(steps):.3g} s, but {share:.2g} % of the time is in steps above {wide:.3g} s, the longest "
+        f"{steps[longest]:.3g} s after row {longest + 1}; record at a constant rate, or take a stretch without such "
+        f"holes (start, stop)"
+    )
