@@ -25,7 +25,7 @@ LEAST_SHARE = 0.5
 # Growing motion has at most this share of the energy: beyond that the motion is driven.
 GROWN = 0.1
 # Relative standard deviation of the best decay rate, at most. A higher limit accepts bumps of noise.
-WORST_KNOWN = 0.1
+WORST_KNOWN = 0.14
 # Share of the motion that may remain as a coloured residual without doubt.
 DRIVEN = 0.03
 
@@ -37,8 +37,7 @@ def refused(trial: Trial) -> Refusal | None:
         return DecayRemark.NO_MODE, {"others": tuple(others)}
     if trial.poles > MOST_POLES:
         return DecayRemark.MANY_POLES, {"poles": trial.poles, "most": MOST_POLES}
-    # The relative standard deviation of a decay rate is about sqrt(2 / E), with E the energy over the noise variance.
-    spread = float(np.sqrt(2 / np.max(trial.strengths)))
+    spread = float(np.min(trial.rate_std))
     if spread > WORST_KNOWN:
         return DecayRemark.WEAK, {"share": spread}
     early = max(1, trial.motion.shape[1] // 3)

@@ -105,8 +105,9 @@ class Trial:
         early = max(1, self.residual.shape[1] // 3)
         coloured = correlated(lag_one(self.residual), self.residual.shape[1], level=COLOUR_LEVEL)
         motion = np.sum(self.motion[:, :early] ** 2, axis=1)
-        share = np.sqrt(np.sum(self.residual[:, :early] ** 2, axis=1) / np.maximum(motion, 1e-300))
-        return np.where(coloured, share, 0.0)
+        left = np.sum(self.residual[:, :early] ** 2, axis=1)
+        share = np.divide(left, motion, out=np.full_like(left, np.inf), where=motion > 1e-200 * left)
+        return np.where(coloured, np.sqrt(share), 0.0)
 
     @property
     def strengths(self) -> RealArray:
@@ -114,6 +115,14 @@ class Trial:
         fit, rows = self.selection.fit, self.modes
         power = np.sum(np.abs(2 * fit.amplitudes[rows]) ** 2 / self.noise_std**2, axis=1)
         return np.asarray(power / (4 * -fit.poles.pairs[rows].real))
+
+    @property
+    def rate_std(self) -> RealArray:
+        """Relative standard deviation of the decay rate of each mode at the Cramér-Rao bound [1], (mode,).
+
+        It is ``2 / sqrt(E)`` with E the strength of the mode, for many cycles in the time of decay.
+        """
+        return np.asarray(2 / np.sqrt(self.strengths))
 
     @property
     def cycles(self) -> RealArray:

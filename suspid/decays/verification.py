@@ -17,7 +17,7 @@ LATEST_VERIFIED = 0.4
 STRONG = 0.05
 # A mode is found again within this share of its frequency plus this many of its standard deviations. Wider limits
 # accept another mode, narrower ones refuse weak modes.
-NEAR, NEAR_SURE = 0.05, 5.0
+NEAR, NEAR_SURE = 0.05, 3.5
 # The residual near a mode is at most this many times as loud as white noise; beyond that the motion is driven or
 # nonlinear.
 LOUDEST = 4.0
@@ -68,7 +68,7 @@ def _doubt(trial: Trial, found: Identification) -> Remark | None:
     """Return a doubt if an identification does not find the modes of a trial, or finds them in a loud residual."""
     strong = trial.strengths >= STRONG * np.max(trial.strengths)
     poles = trial.selection.fit.poles.pairs[trial.modes][strong] / trial.step
-    spread = -poles.real * np.sqrt(2 / trial.strengths[strong])
+    spread = -poles.real * trial.rate_std[strong]
     reach = NEAR * np.abs(poles) + NEAR_SURE * spread
     missing, loudest = list[float](), 1.0
     for pole, most in zip(poles, reach, strict=True):
