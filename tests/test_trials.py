@@ -89,6 +89,7 @@ class TestTrial:
         # A residual of +-1 has power 1; 12 of 300 blocks make the first part, and 5 standard deviations of a variance
         # from 12 values are 5 sqrt(2 / 12).
         residual = np.sign(noise(2, 300))
+        residual *= np.array([[1.0], [0.1]])
         residual[0, :12] *= 2
         found = replace(trial(decay() + 0.01 * noise(1)), residual=residual)
         assert found.excess == pytest.approx(4 / (1 + 5 * np.sqrt(2 / 12)))
