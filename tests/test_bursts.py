@@ -90,8 +90,9 @@ class TestLevels:
 def bands(*levels: Real, threshold: float = 20.0, step: float = 0.1) -> Envelopes:
     """Levels by hand: the highest band has a period of one point."""
     count = len(levels[0])
-    centres = 1 / step / 2.0 ** np.arange(len(levels))
-    return Envelopes(timepts=step * np.arange(count), centres=centres, levels=np.array(levels), threshold=threshold)
+    centres = np.asarray(1 / step / 2.0 ** np.arange(len(levels)), float)
+    time = np.asarray(step * np.arange(count), float)
+    return Envelopes(timepts=time, centres=centres, levels=np.array(levels), threshold=threshold)
 
 
 class TestEvents:
@@ -101,11 +102,12 @@ class TestEvents:
         level = np.full(400, 0.0)
         level[100:150] = 50.0 - np.arange(50)
         (burst,) = find_bursts(bands(level))
-        assert (burst.onset, burst.peak, burst.level) == (pytest.approx(10.0), pytest.approx(10.0), 50.0)
+        assert (burst.onset, burst.peak, burst.level) == pytest.approx((10.0, 10.0, 50.0))
         # Below the threshold less OVER after 50 - (20 - 8) + 1 = 39 points, and half of that again.
         over = 50 - (20 - OVER) + 1
         assert burst.stop == pytest.approx(10.0 + 0.1 * int(over * (1 + AFTERWARDS)), abs=1e-9)
-        assert (burst.cut, burst.width) == (False, pytest.approx(0.1))
+        assert burst.width == pytest.approx(0.1)
+        assert not burst.cut
 
     @pytest.mark.parametrize(("rise", "events"), [(RISE - 0.5, 1), (RISE + 0.5, 2)])
     def test_a_second_one_begins_where_the_level_rises_enough(self, rise: float, events: int) -> None:
