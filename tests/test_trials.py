@@ -11,7 +11,7 @@ from suspid.decays.doubts import clipped_samples, doubts_of, doubts_of_backgroun
 from suspid.decays.kinds import kind_of
 from suspid.decays.refusals import fits, refused
 from suspid.decays.starts import find_start
-from suspid.decays.trials import Trial, background_loudness, block_size, quiet_variance, tried
+from suspid.decays.trials import Trial, background_ratio, block_size, quiet_variance, tried
 from suspid.decays.verification import verified
 from suspid.signals import Signal
 from suspid.words import DecayDoubt, DecayKind, DecayRemark
@@ -117,16 +117,16 @@ class TestNoiseOfARecording:
         found = quiet_variance(noise(1, 600), size=4, length=400, finest=np.array([0.2, 0.4]))
         np.testing.assert_allclose(found, [0.01, 0.04])
 
-    def test_white_background_is_as_loud_as_white_noise(self) -> None:
+    def test_white_background_has_the_power_of_white_noise(self) -> None:
         values = 0.01 * noise(5, 60000)
         values[:, -600:] += decay()
         found = trial(values[:, -600:])
         # The quantile 0.2 of 100 exponential values scatters by sqrt(0.2 / 0.8 / 100) / -log(0.8) = 22 %.
-        loud = background_loudness(values, found, size=2, length=600)
-        assert loud[0] == pytest.approx(1.0, abs=3 * 0.25)
+        ratio = background_ratio(values, found, size=2, length=600)
+        assert ratio[0] == pytest.approx(1.0, abs=3 * 0.25)
         assert doubts_of_background(signal(values), found, size=2, length=600) == ()
 
-    def test_a_resonant_background_is_louder_by_its_spectrum(self) -> None:
+    def test_a_resonant_background_has_the_power_of_its_spectrum(self) -> None:
         from scipy.signal import lfilter
 
         values = 0.01 * noise(6, 60000)
@@ -138,8 +138,8 @@ class TestNoiseOfARecording:
         response = 1 / abs(np.array([1.0, -2 * 0.99 * np.cos(POLE.imag * STEP), 0.99**2]) @ turn) ** 2
         expected = 1 + (0.004 / 0.01) ** 2 * response
         # The window is 300 blocks of 2 samples, 0.33 Hz wide at its half, and the resonance 0.32 Hz: some 2 dB.
-        loud = background_loudness(values, found, size=2, length=600)
-        assert abs(10 * np.log10(loud[0] / expected)) < 4
+        ratio = background_ratio(values, found, size=2, length=600)
+        assert abs(10 * np.log10(ratio[0] / expected)) < 4
         (doubt,) = doubts_of_background(signal(values), found, size=2, length=600)
         assert doubt.code is DecayDoubt.BACKGROUND
 

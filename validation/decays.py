@@ -1,4 +1,4 @@
-"""Whether decays are found where they are, start after the forcing, and give modes within their intervals."""
+"""Found decays against known ones: place, start after the excitation, and coverage of the intervals."""
 
 from __future__ import annotations
 
@@ -26,15 +26,15 @@ if TYPE_CHECKING:
 MASSES = ("seat", "chassis", "tire")
 RATE: Hertz = 250.0
 DURATION: Second = 180.0
-# Recordings of each kind, and seeds none of which served to develop the method.
+# Recordings of each kind, and seeds that were not used during development.
 RECORDINGS = 5
 FIRST_SEED = 910_000
-# Repeats beside their bound: seeds, samples of each decay.
+# Repeats against their bound: seeds, samples of each decay.
 SEEDS = 100
 LENGTHS = (1500, 2500, 2000, 900)
-# A find belongs to a bump if it starts from so long before its end to so long after.
+# A decay that starts this long before the end of a bump [s], or this long after it, belongs to it.
 BEFORE, AFTER = 0.1, 1.0
-# Errors over their bounds; whether the intervals of poles hold, those of shapes, and whether repeats disagree.
+# Errors over their bounds; coverage by the intervals of poles and of shapes; disagreement of repeats.
 Judged = tuple[RealArray, RealArray, RealArray, RealArray]
 
 
@@ -50,7 +50,7 @@ class Case:
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Outcome:
-    """What came of one recording: bumps found, start errors, finds that are none, and which intervals hold."""
+    """Result for one recording: bumps found, errors of the starts, false decays, coverage of the intervals."""
 
     bumps: int
     found: int
@@ -62,7 +62,7 @@ class Outcome:
     joint: RealArray
 
 
-# The road while rolling is a random walk of its height; 1 is some 3 mm / sqrt(s), and it goes on during the decays.
+# The height of the road is a random walk, 3 mm / sqrt(s) at 1, during the decays as well.
 CASES = tuple(
     Case(quantity=quantity, rolling=rolling, snr_db=snr)
     for quantity, rolling, snr in (
@@ -122,7 +122,7 @@ def report(*, recordings: int = RECORDINGS, seeds: int = SEEDS) -> str:
 
 
 def outcome(case: Case, seed: int) -> Outcome:
-    """Return what comes of one recording."""
+    """Return the result for one recording."""
     car, record, ends = recording(case, seed=seed)
     truth = eigenmodes(car)
     found = find_decays(record)
@@ -203,7 +203,7 @@ def _match(decay: Decay, ends: Sequence[Second]) -> int | None:
 
 
 def _covered(found: ModalSet, truth: ModalSet) -> RealArray:
-    """Return which 95 % intervals hold, of the modes that lie near a true one."""
+    """Return which 95 % intervals contain the truth, for modes near a true one."""
     if not len(found):
         return np.zeros(0)
     interval, out = found.interval(0.95), []
@@ -234,7 +234,7 @@ def _row(case: Case, outcomes: Sequence[Outcome]) -> list[str]:
 
 
 def repeated(car: Suspension, seed: int) -> Judged | None:
-    """Return errors over the joint bound, and which intervals of poles and of shapes hold; None for another count."""
+    """Return errors over the joint bound and coverage of poles and shapes, or None if the number of modes is wrong."""
     system, truth = statespace(car), eigenmodes(car)
     rng, shaken = np.random.default_rng(5), np.random.default_rng(seed)
     states = [{"v_tire": rng.normal(), "v_chassis": 0.5 * rng.normal(), "z_seat": 0.01 * rng.normal()} for _ in LENGTHS]

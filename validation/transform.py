@@ -1,4 +1,4 @@
-"""What the wavelet transform costs beside its peers, and how far the ridges lie from the Cramér-Rao bound."""
+"""Cost of the wavelet transform compared with other libraries, and errors of the ridges over the Cramér-Rao bound."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from suspid.units import RealArray
 from validation.bounds import cramer_rao, decay_amplitudes
 
 ROWS, BANDWIDTH, CENTER = 100, 1.5, 2 * np.pi
-# Above this many samples the peers' memory for a hundred rows at full rate is not asked of the machine.
+# Longest record for the other libraries, which need memory for a hundred rows at full rate.
 PEERS_UP_TO = 100_000
 START = {"v_tire": 1.0}
 

@@ -21,7 +21,7 @@ GRAVE = frozenset(
         DecayDoubt.COMPANY,
         DecayDoubt.NOT_IDENTIFIED,
         DecayDoubt.MODES_MISSING,
-        DecayDoubt.LOUD_RESIDUAL,
+        DecayDoubt.HIGH_RESIDUAL,
     }
 )
 

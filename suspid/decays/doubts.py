@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from suspid.cleaning import CLIPPED, clipped_run, runs
 from suspid.decays.bursts import Burst
 from suspid.decays.refusals import DRIVEN
-from suspid.decays.trials import Trial, background_loudness
+from suspid.decays.trials import Trial, background_ratio
 from suspid.signals import Signal
 from suspid.units import RealArray
 from suspid.words import DecayDoubt, Reason, Remark
@@ -26,7 +26,7 @@ FEW_BLOCKS = 40
 MANY_REFUSED = 4
 # Ratio of the power of the background at a mode to that of white noise, from which it is said. Intervals that assume
 # white noise are then too narrow by a factor of 2.
-LOUD = 4.0
+HIGH_BACKGROUND = 4.0
 
 
 def doubts_of(
@@ -72,13 +72,13 @@ def doubts_of_company(refusals: int, looked: int) -> tuple[Remark, ...]:
 
 
 def doubts_of_background(signal: Signal, trial: Trial, *, size: int, length: int) -> tuple[Remark, ...]:
-    """Return the doubt that the background excites the modes, if it is louder than white noise at one of them."""
-    loud = background_loudness(signal.values, trial, size=size, length=length)
-    worst = int(np.argmax(loud))
-    if loud[worst] < LOUD:
+    """Return the doubt that the background excites the modes, if it is stronger than white noise at one of them."""
+    ratio = background_ratio(signal.values, trial, size=size, length=length)
+    worst = int(np.argmax(ratio))
+    if ratio[worst] < HIGH_BACKGROUND:
         return ()
     frequency = float(trial.selection.fit.poles.pairs[trial.modes[worst]].imag) / (2 * np.pi * trial.step)
-    return (Remark(DecayDoubt.BACKGROUND, {"hertz": frequency, "decibel": float(10 * np.log10(loud[worst]))}),)
+    return (Remark(DecayDoubt.BACKGROUND, {"hertz": frequency, "decibel": float(10 * np.log10(ratio[worst]))}),)
 
 
 def clipped_samples(values: RealArray) -> NDArray[np.bool_]:

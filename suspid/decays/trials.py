@@ -164,7 +164,7 @@ def quiet_variance(values: RealArray, *, size: int, length: int, finest: RealArr
     return np.asarray(np.maximum(least, QUIET_SHARE * quiet))
 
 
-def background_loudness(values: RealArray, trial: Trial, *, size: int, length: int) -> RealArray:
+def background_ratio(values: RealArray, trial: Trial, *, size: int, length: int) -> RealArray:
     """Return the background power of the recording at each mode over that of white noise like the fit's, (mode,).
 
     It is a low quantile of the power at the frequency of the mode (Hann window) in stretches as long as the decay, in
@@ -181,9 +181,9 @@ def background_loudness(values: RealArray, trial: Trial, *, size: int, length: i
     power = np.abs((means - means.mean(axis=2, keepdims=True)) @ turns) ** 2
     white = trial.noise_std[:, None] ** 2 * float(window @ window)
     # The power of noise is exponentially distributed.
-    loud = np.quantile(power, CALM, axis=1) / -np.log1p(-CALM) / white
+    ratio = np.quantile(power, CALM, axis=1) / -np.log1p(-CALM) / white
     strongest = np.argmax(np.abs(fit.amplitudes[rows]).T / trial.noise_std[:, None], axis=0)
-    return np.asarray(loud[strongest, np.arange(len(rows))])
+    return np.asarray(ratio[strongest, np.arange(len(rows))])
 
 
 def tried(values: RealArray, *, step: Second, size: int, least: RealArray, most: int = MOST_BLOCKS) -> Trial | None:

@@ -18,9 +18,9 @@ STRONG = 0.05
 # A mode is found again within this share of its frequency plus this many of its standard deviations. Wider limits
 # accept another mode, narrower ones refuse weak modes.
 NEAR, NEAR_SURE = 0.05, 3.5
-# The residual near a mode is at most this many times as loud as white noise; beyond that the motion is driven or
+# The residual near a mode is at most this many times that of white noise; beyond that the motion is driven or
 # nonlinear.
-LOUDEST = 4.0
+MOST_RESIDUAL = 4.0
 
 
 def verified(
@@ -65,20 +65,20 @@ def verified(
 
 
 def _doubt(trial: Trial, found: Identification) -> Remark | None:
-    """Return a doubt if an identification does not find the modes of a trial, or finds them in a loud residual."""
+    """Return a doubt if an identification does not find the modes of a trial, or leaves a high residual near them."""
     strong = trial.strengths >= STRONG * np.max(trial.strengths)
     poles = trial.selection.fit.poles.pairs[trial.modes][strong] / trial.step
     spread = -poles.real * trial.rate_std[strong]
     reach = NEAR * np.abs(poles) + NEAR_SURE * spread
-    missing, loudest = list[float](), 1.0
+    missing, highest = list[float](), 1.0
     for pole, most in zip(poles, reach, strict=True):
         apart = np.abs(found.modes.poles - pole)
         if not apart.size or np.min(apart) > most:
             missing.append(float(abs(pole)) / (2 * np.pi))
             continue
-        loudest = max(loudest, float(found.loudness[np.argmin(apart)]))
+        highest = max(highest, float(found.loudness[np.argmin(apart)]))
     if missing:
         return Remark(DecayDoubt.MODES_MISSING, {"hertz": tuple(missing)})
-    if loudest > LOUDEST:
-        return Remark(DecayDoubt.LOUD_RESIDUAL, {"decibel": float(10 * np.log10(loudest))})
+    if highest > MOST_RESIDUAL:
+        return Remark(DecayDoubt.HIGH_RESIDUAL, {"decibel": float(10 * np.log10(highest))})
     return None

@@ -39,7 +39,8 @@ def ridge_at(signal: Signal, omega: float, wavelet: Morlet, noise: RealArray, fi
     row = transform(signal, omega=np.array([omega]), wavelet=wavelet)
     skeleton, time, cone = row.rows[0], row.timepts(0), float(row.cone[0])
     largest = np.max(np.abs(skeleton), axis=1)
-    rounding = CUT * np.max(np.abs(signal.values), axis=1) * float(wavelet.gain(1j * omega, row.scale[0]).real)
+    gain = float(wavelet.gain(1j * omega, row.scale[0]).real)
+    rounding = CUT * np.max(np.abs(signal.values), axis=1) * gain
     white = noise * np.sqrt(signal.step) * wavelet.noise_gain()
     floor = np.maximum(white, np.maximum(rounding, 1e-12 * np.max(largest)))
     floor = np.where(floor > 0, floor, 1.0)
@@ -52,8 +53,8 @@ def ridge_at(signal: Signal, omega: float, wavelet: Morlet, noise: RealArray, fi
     # Decay within the envelope shifts its weight to earlier times, so the edge effect reaches further.
     shift = decay * cone**2 / 2
     # The edge effect is that of the whole signal, not of this mode alone.
-    loudest = np.max(np.abs(signal.values), axis=1) * float(wavelet.gain(1j * omega, row.scale[0]).real) / floor
-    reach = cone * edge_cones(EDGE_SHARE / max(1.0, float(np.max(loudest)))) + shift
+    largest_over_noise = np.max(np.abs(signal.values), axis=1) * gain / floor
+    reach = cone * edge_cones(EDGE_SHARE / max(1.0, float(np.max(largest_over_noise)))) + shift
     end = signal.start + signal.duration
     after = (time >= onset + reach) & (strength < ABOVE_NOISE)
     noise_floor = float(time[np.argmax(after)]) if np.any(after) else np.inf
@@ -62,10 +63,9 @@ def ridge_at(signal: Signal, omega: float, wavelet: Morlet, noise: RealArray, fi
     room = end - onset
     reach_on, reach_off = min(reach, 0.5 * room), min(reach, 0.25 * room)
     at_end = np.max(np.abs(signal.values[:, -max(1, int(cone / signal.step)) :]), axis=1)
-    loudest_at_end = at_end * float(wavelet.gain(1j * omega, row.scale[0]).real) / floor
     excess = np.maximum(
-        loudest * edge_effect((reach_on - shift) / cone) if reach_on < reach else 0.0,
-        loudest_at_end * edge_effect(reach_off / cone) if reach_off < reach else 0.0,
+        largest_over_noise * edge_effect((reach_on - shift) / cone) if reach_on < reach else 0.0,
+        at_end * gain / floor * edge_effect(reach_off / cone) if reach_off < reach else 0.0,
     )
     floor = floor * np.maximum(1.0, excess / EDGE_SHARE)
     window = Window(onset_edge=onset + reach_on, record_end=end - reach_off, noise_floor=noise_floor)

@@ -94,8 +94,8 @@ class DecayDoubt(Code):
     )
     NOT_IDENTIFIED = "not identified", "identify fails on this stretch: {error}"
     MODES_MISSING = "modes missing", _missing
-    LOUD_RESIDUAL = (
-        "loud residual",
+    HIGH_RESIDUAL = (
+        "high residual",
         "identify leaves a residual {decibel:.0f} dB above white noise near the modes: still driven, or nonlinear",
     )
 
