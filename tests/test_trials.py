@@ -68,7 +68,7 @@ class TestTrial:
 
     def test_energy_over_noise_bounds_the_decay_rate(self) -> None:
         """The least relative standard deviation of the decay rate is 2 / sqrt(E), by the Cramér-Rao bound."""
-        found, time = trial(decay() + 0.01 * noise(1)), STEP * np.arange(600)
+        found, time = trial(decay() + 0.01 * noise(1)), np.asarray(STEP * np.arange(600), float)
         bound = cramer_rao(np.array([POLE]), np.array([[1.0], [-0.5]]), time, noise_std=np.full(2, 0.01))
         # To order zeta the relative deviation of zeta is that of the decay rate.
         assert found.rate_std[0] == pytest.approx(float(bound.zeta_std[0]) / ZETA, rel=ZETA)
