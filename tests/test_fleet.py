@@ -286,7 +286,7 @@ class TestFindings:
 
 class TestWhatIsRefused:
     def test_other_settings(self, fleet: Path, run: FleetRun) -> None:
-        with pytest.raises(InputError, match=r"settings.modes was None, is 2; go on as it was begun, or"):
+        with pytest.raises(InputError, match=r"settings.modes was None, is 2; continue as it was begun, or"):
             identify_many(fleet, output=run.output, car=CAR, workers=1, chunk=CHUNK, settings=Settings(modes=2))
 
     def test_another_version(self, fleet: Path, run: FleetRun, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -30,6 +30,7 @@ from suspid.fleet.trends import trends_of
 from suspid.fleet.vehicles import read_vehicles, vehicles_from_names
 from suspid.model.car_files import write_car
 from suspid.units import RealArray
+from suspid.words import Failure, Step
 
 
 @pytest.fixture(autouse=True)
@@ -119,6 +120,31 @@ class TestDistributionsAndOutliers:
         unsure = np.where(np.arange(60) == 7, 0.25, 0.01)
         vague = fleet_summary(results(tmp_path / "b", np.full((60, 1), 2.0), zeta, names=names, std=unsure))
         assert not vague.outliers
+
+
+class TestCounts:
+    def test_failures_by_code_and_verdicts_by_level(self, tmp_path: Path) -> None:
+        """Counts are those of the rows, whatever their words say; a record with two modes has one verdict."""
+        one = dict.fromkeys(COLUMNS["failures"])
+        failures = [
+            one | {"record": f"f{k}", "step": str(Step.READ), "code": str(code), "reason": f"words {k}"}
+            for k, code in enumerate([Failure.UNUSABLE, Failure.MEMORY, Failure.UNUSABLE])
+        ]
+        blank = dict.fromkeys(COLUMNS["modes"]) | {"f_hz": 1.0, "zeta": 0.1}
+        modes = [
+            blank | {"record": f"r{k}", "mode": mode, "verdict": verdict, "doubts": doubts}
+            for k, (verdict, doubts) in enumerate([("care", ["a", "b"]), ("sound", []), ("care", ["b"])])
+            for mode in (1, 2)
+        ]
+        results(tmp_path, np.ones((1, 1)), np.ones((1, 1)), names=["x"])
+        write_part(tmp_path, 0, as_part(Rows(modes=tuple(modes), failures=tuple(failures), records=6, failed=3)))
+        summary = fleet_summary(tmp_path)
+        assert [(f.step, f.code, f.count, f.example) for f in summary.failures] == [
+            (Step.READ, Failure.UNUSABLE, 2, "f0: words 0"),
+            (Step.READ, Failure.MEMORY, 1, "f1: words 1"),
+        ]
+        assert summary.verdicts == {"care": 2, "sound": 1}
+        assert summary.doubts == {"b": 2, "a": 1}
 
 
 class TestTrends:
@@ -295,7 +321,7 @@ class TestCommand:
         assert run(tmp_path / "in", "-o", tmp_path / "out", "--workers", 1).stdout == first.stdout
         other = run(tmp_path / "in", "-o", tmp_path / "out", "--modes", 1)
         assert other.exit_code == 1
-        assert "begun otherwise: settings.modes was None, is 1" in other.stderr
+        assert "begun with other settings: settings.modes was None, is 1" in other.stderr
 
     def test_nothing_could_be_identified(self, tmp_path: Path) -> None:
         (tmp_path / "in").mkdir()

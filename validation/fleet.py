@@ -1,4 +1,4 @@
-"""What a fleet costs: beside a plain loop, with one worker and two, on Dask, against the number of records."""
+"""Cost of a fleet: against a plain loop, with one worker and two, on Dask, against the number of records."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ from validation import cars
 
 RECORDS, GROWTH, ON_DASK = 2000, (100, 1000, 10_000), 1000
 SAMPLES, RATE, SNR_DB = 2000, 500.0, 20.0
-# So many records are made; where more are asked for, their files have several names.
+# Records that are made; larger fleets are hard links to them.
 MADE = 1000
 THREADS = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
 
 # Every run is a process of its own, from its start to its end: imports count, and memory is its own.
 PLAIN = """
 import os
-from suspid import identify, read_record
+from suspid import analyse
 
 for name in sorted(os.listdir(folder)):
-    identify(read_record(os.path.join(folder, name)))
+    analyse(os.path.join(folder, name)).verdict
 """
 FLEET = """
 from suspid.fleet import identify_many
@@ -114,7 +114,7 @@ def report(*, records: int = RECORDS, growth: Sequence[int] = GROWTH, on_dask: i
                 f"to its end "
                 f"(imports and the start of workers count); BLAS has one thread. {os.cpu_count()} processors.",
                 "## Beside a plain loop, and with two workers",
-                "The plain loop calls `identify(read_record(path))` and keeps nothing. Processor time is that of "
+                "The plain loop calls `analyse(path).verdict` and keeps nothing. Processor time is that of "
                 "all processes "
                 "together: it is what work costs where other programs load the machine.",
                 workers_table(records, plain, one, two, on_dask, dask),
@@ -148,7 +148,7 @@ def make_records(folder: Path, count: int) -> list[Path]:
 
 
 def named(made: Sequence[Path], folder: Path, count: int) -> Path:
-    """Return a folder with so many names of the records that were made."""
+    """Return a folder with ``count`` names of the records that were made."""
     folder.mkdir()
     for k in range(count):
         os.link(made[k % len(made)], folder / f"{k:06d}.parquet")
@@ -166,7 +166,7 @@ def measured(body: str, folder: Path, output: Path, *, workers: int = 1) -> Cost
 
 
 def digest(output: Path) -> str:
-    """Return a number that is another if a byte of a table is."""
+    """Return the sha256 of all tables."""
     content = hashlib.sha256()
     for path in sorted(output.rglob("part-*.parquet")):
         content.update(str(path.relative_to(output)).encode() + path.read_bytes())

@@ -1,4 +1,4 @@
-"""Modes of many records in families: which mode of one record is which of another."""
+"""Families of modes: which mode of one record corresponds to which of another."""
 
 from __future__ import annotations
 
@@ -14,23 +14,28 @@ if TYPE_CHECKING:
 
     from suspid.model import ModalSet
 
+# The label of a mode that belongs to no family.
 OTHERS = -1
-# The density of log frequency: its bandwidth and grid, and what makes a peak one of its own.
+# Bandwidth of the density of log frequency: modes 8 % apart blur into one peak. Larger merges families, smaller splits
+# one family by its scatter.
 BANDWIDTH = 0.08
+# Grid of the density: an eighth of the bandwidth.
 STEP = 0.01
+# Least prominence of a peak relative to its height. Larger merges neighbours, smaller splits a peak by chance.
 DEEP = 0.3
-# A family holds this share of the records at least, and three.
+# A family holds at least this share of the records, and three. Smaller makes families of spurious modes.
 LEAST_SHARE = 0.02
-# Nearness to a car's modes: how much a difference of damping counts beside one of frequency; what is further is none.
+# Weight of a difference of log damping against one of log frequency: damping varies more between vehicles and tests.
 DAMPING_COUNTS = 0.2
+# Largest difference of log frequency to a mode of the car (a factor of 1.6); larger takes spurious modes for it.
 BEYOND = 0.5
 
 
 def families_by_density(f: RealArray, zeta: RealArray, record: NDArray[np.int64]) -> NDArray[np.int64]:
     """Return the family of each mode, numbered from 0 in order of frequency; `OTHERS` where there are too few.
 
-    A family is a peak of the density of log frequency. Where most records have two modes or more in one peak these
-    are told apart by damping or by frequency, whichever parts them better.
+    A family is a peak of the density of log frequency. Where most records have two or more modes in one peak, these
+    are separated by damping or by frequency, whichever separates them better.
 
     Parameters
     ----------
@@ -66,10 +71,10 @@ def families_by_density(f: RealArray, zeta: RealArray, record: NDArray[np.int64]
 
 
 def families_of_car(f: RealArray, zeta: RealArray, record: NDArray[np.int64], modes: ModalSet) -> NDArray[np.int64]:
-    """Return for each row the mode of the car, from 0, that it is; `OTHERS` where it is none of them.
+    """Return for each row the number of the car's mode that it is, from 0; `OTHERS` where it is none of them.
 
-    Each mode of a record is given to the nearest mode of the car in log frequency and log damping, each of these
-    takes one mode of a record, the nearest.
+    Each mode of a record is assigned to the nearest mode of the car in log frequency and log damping. Each mode of the
+    car takes at most one mode of a record, the nearest.
 
     Examples
     --------
@@ -86,7 +91,7 @@ def families_of_car(f: RealArray, zeta: RealArray, record: NDArray[np.int64], mo
     nearest = np.argmin(far, axis=1)
     rows = np.arange(len(f))
     label = np.where(apart[rows, nearest] < BEYOND, nearest, OTHERS)
-    # Of several rows of one record that are nearest to one mode, the nearest has it.
+    # Of several rows of one record that are nearest to one mode, only the nearest is assigned.
     order = np.lexsort((far[rows, nearest], label, record))
     same = (record[order][1:] == record[order][:-1]) & (label[order][1:] == label[order][:-1])
     label[order[1:][same]] = OTHERS
@@ -94,7 +99,7 @@ def families_of_car(f: RealArray, zeta: RealArray, record: NDArray[np.int64], mo
 
 
 def _valleys(x: RealArray) -> RealArray:
-    """Return the places where the density of x is least between peaks that stand apart."""
+    """Return the minima of the density of x between separate peaks."""
     from scipy.ndimage import gaussian_filter1d
     from scipy.signal import find_peaks
 
@@ -108,7 +113,7 @@ def _valleys(x: RealArray) -> RealArray:
 
 
 def _told_apart(x: RealArray, y: RealArray, record: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return which of the modes that most records have here each row is, from 0."""
+    """Return the number of each row among the modes that most records have in this peak, from 0."""
     _, place, counts = np.unique(record, return_inverse=True, return_counts=True)
     many = int(np.median(counts))
     if many < 2:
@@ -125,7 +130,7 @@ def _told_apart(x: RealArray, y: RealArray, record: NDArray[np.int64]) -> NDArra
     assert best is not None
     _, values, middle = best
     label = np.argmin(np.abs(values[:, None] - middle), axis=1)
-    # Within a record that has them all, rank is surer than nearness.
+    # Within a record that has all of them, the order is more reliable than the distance.
     rows = np.flatnonzero(full)
     order = rows[np.lexsort((values[full], place[full]))]
     label[order] = np.tile(np.arange(many), len(order) // many)

@@ -49,14 +49,14 @@ class Listing:
 
 
 def listing(records: Records, *, output: Path) -> Listing:
-    """Return where the records come from; nothing is read yet.
+    """Return the source of the records; no file is read yet.
 
     Parameters
     ----------
     records : folder, glob, address, sequence of these, or iterable of responses
         See `identify_many`.
     output : path
-        The folder of the results, which is not looked into.
+        The folder of the results, which is skipped.
 
     Raises
     ------

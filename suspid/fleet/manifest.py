@@ -1,4 +1,4 @@
-"""The manifest of a fleet's run: what was asked for, by which versions; and files that are complete or absent."""
+"""The manifest of a fleet's run: its settings and versions; and files that are complete or absent."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def read_manifest(folder: Path) -> dict[str, object]:
 
 
 def check_same(folder: Path, begun: Mapping[str, object], asked: Mapping[str, object]) -> None:
-    """Refuse to go on with a run that was begun with other settings or by other versions.
+    """Refuse to continue a run that was begun with other settings or by other versions.
 
     Raises
     ------
@@ -57,8 +57,8 @@ def check_same(folder: Path, begun: Mapping[str, object], asked: Mapping[str, ob
         shown = "; ".join(f"{key} was {then.get(key)!r:.80}, is {now.get(key)!r:.80}" for key in different[:4])
         more = f"; and {len(different) - 4} more" if len(different) > 4 else ""
         raise InputError(
-            f"{printable(str(folder))}: this run was begun otherwise: {printable(shown)}{more}; "
-            f"go on as it was begun, or give another folder for the results"
+            f"{printable(str(folder))}: this run was begun with other settings: {printable(shown)}{more}; "
+            f"continue as it was begun, or give another folder for the results"
         )
 
 
@@ -70,7 +70,7 @@ def durable_write(path: Path, content: bytes) -> None:
     InputError
         If the file cannot be written.
     """
-    # One name for the draft: what a killed run leaves is overwritten by the next.
+    # The draft has a fixed name, so that the next run overwrites what a killed one left.
     draft = path.with_name(f".{path.name}.draft")
     try:
         with draft.open("wb") as stream:
@@ -87,7 +87,7 @@ def durable_write(path: Path, content: bytes) -> None:
 
 
 def sync_folder(folder: Path) -> None:
-    """Make the names in a folder last; where folders cannot be opened (Windows) there is nothing to do."""
+    """Flush the names in a folder to disk; where folders cannot be opened (Windows) there is nothing to do."""
     if hasattr(os, "O_DIRECTORY"):
         handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
         try:

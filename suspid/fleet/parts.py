@@ -1,15 +1,15 @@
-"""The tables that a fleet's run leaves: Parquet parts that are complete or absent, and the manifest before them.
+"""The files of a fleet's results: Parquet parts that are complete or absent.
 
 A folder of results holds
 
-- ``manifest.json``: what the run was asked for and by which versions; written first;
+- ``manifest.json``: settings and versions; written first;
 - ``records.jsonl``: the records of a folder, a glob or a list, one ``[path, name, bytes]`` a line;
 - ``modes/part-000000.parquet`` …: one row per record and mode;
 - ``springs/part-….parquet``: one row per record and parameter of the car, where a car was given;
 - ``failures/part-….parquet``: one row per record, step and reason, where something failed.
 
-Part number k of each table comes from the k-th chunk of records. The part of ``modes`` is written last (perhaps
-without rows): a chunk is done if that one is there. Nothing in these files depends on the clock or on who did the work.
+Part number k of each table comes from the k-th chunk of records. The part of ``modes`` is written last, with or without
+rows: it marks the chunk as complete. Nothing in these files depends on the clock or on the worker.
 """
 
 from __future__ import annotations
@@ -56,13 +56,13 @@ def as_part(rows: Rows) -> Part:
 
 
 def write_part(folder: Path, number: int, part: Part) -> None:
-    """Write a chunk's tables, each under another name first; the modes last, which makes the chunk complete."""
+    """Write a chunk's tables, each complete or absent; the modes last, which marks the chunk as complete."""
     for table in TABLES:
         path, content = part_path(folder, table, number), getattr(part, table)
         if content:
             durable_write(path, content)
         else:
-            # What a run that was killed here may have left: this one has no such rows.
+            # A killed run may have left a part here; this chunk has no such rows.
             path.unlink(missing_ok=True)
 
 
@@ -145,6 +145,6 @@ def _parquet(table: TableName, rows: Sequence[Row], counts: bytes) -> bytes:
     arrays = [pa.array([row[name] for row in rows], type=schema.field(name).type) for name in schema.names]
     content = pa.Table.from_arrays(arrays, schema=schema.with_metadata({COUNTS: counts}))
     stream = io.BytesIO()
-    # Everything that decides the bytes is named here, not left to a default.
+    # Everything that decides the bytes is given here, not left to a default.
     parquet.write_table(content, stream, compression="zstd", compression_level=3, version="2.6", row_group_size=1 << 20)
     return stream.getvalue()

@@ -15,14 +15,15 @@ from suspid.units import RealArray
 from suspid.words import Remark
 
 LIST = "records.jsonl"
-# A chunk ends before it has more bytes of files, or of samples, than these: long records must not fill the memory.
+# A chunk ends before it has more bytes of files, or of samples, than these. Larger limits cost memory of the
+# workers, and with long records make chunks of many minutes.
 MOST_BYTES = 64_000_000
 MOST_SAMPLE_BYTES = 8_000_000
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Samples:
-    """A response as it travels: arrays, which can be pickled."""
+    """A response as arrays, which can be pickled."""
 
     timepts: RealArray
     values: RealArray
@@ -36,7 +37,7 @@ class Entry:
     Parameters
     ----------
     name : str
-        What the record is called in the results.
+        Name of the record in the results.
     path : str or None
         A path, or an address that fsspec knows; None if the samples travel.
     size : int or None

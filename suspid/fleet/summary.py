@@ -142,8 +142,8 @@ def _trends_in_words(trends: Sequence[Trend], unplaced: int) -> str:
     changing = [one for one in trends if one.changes]
     vehicles = len({one.vehicle for one in trends})
     said = (
-        f"{len(trends)} trends of {vehicles} vehicles (at least four tests each); of {len(changing)} the end no longer "
-        f"holds the start (5 % of these by chance at most)"
+        f"{len(trends)} trends of {vehicles} vehicles (at least four tests each); {len(changing)} changes are "
+        f"significant (at most 5 % of these by chance)"
     )
     if unplaced:
         said += f"; {unplaced} records have no vehicle and date"

@@ -1,4 +1,4 @@
-"""Change over time of a quantity that was measured several times, each time with its uncertainty."""
+"""Trends: change over time of a quantity that was measured several times, each time with its uncertainty."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ Measured: TypeAlias = "tuple[RealArray, RealArray, RealArray]"
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Trend:
-    """The straight line through measurements over time, and whether its change is more than chance.
+    """The straight line through measurements over time, and whether its change is significant.
 
     Parameters
     ----------
     vehicle : str
-        Whose they are.
+        The vehicle.
     quantity : str
         What was measured.
     count : int
@@ -41,9 +41,9 @@ class Trend:
     change : (float, float)
         Ends of the 95 % interval of ``end - start``.
     p : float
-        Probability of such a change, or a larger one, where there is none.
+        Probability of such a change, or a larger one, without a trend.
     p_adjusted : float
-        The same with regard to how many trends were looked at (Benjamini and Hochberg).
+        The same, adjusted for the number of trends (Benjamini and Hochberg).
     scatter : float
         Standard deviation from test to test, beyond the stated ones.
     """
@@ -61,21 +61,22 @@ class Trend:
 
     @property
     def changes(self) -> bool:
-        """Whether the end no longer holds the start: less than 5 % of the trends of which this is said are chance."""
+        """Whether the change is significant: less than 5 % of the trends that are reported so are chance."""
         return self.p_adjusted < 1 - LEVEL
 
     @property
     def direction(self) -> str:
-        """``"falls"``, ``"rises"``, or ``"holds"`` if the interval still holds the start."""
+        """``"falls"``, ``"rises"``, or ``"holds"`` if the change is not significant."""
         return ("falls" if self.end < self.start else "rises") if self.changes else "holds"
 
 
 def trends_of(quantity: str, tests: Mapping[str, Measured]) -> tuple[Trend, ...]:
     """Return the weighted line through each vehicle's measurements over time; vehicles with too few are left out.
 
-    Each value counts by its own variance plus one that all tests share (temperature, load), which makes the residuals
-    of all vehicles together as large as they are; of a vehicle whose residuals are larger still, as large as its own.
-    The interval is that of Student's t, with the degrees of freedom that this variance rests on.
+    Each value is weighted by its own variance plus one that all tests share (temperature, load). The shared variance
+    is estimated from the residuals of all vehicles, without those that scatter far more; a vehicle with larger
+    residuals has the shared variance of its own residuals. The interval is that of Student's t, with the degrees of
+    freedom of that estimate.
 
     Parameters
     ----------
@@ -118,7 +119,7 @@ def trends_of(quantity: str, tests: Mapping[str, Measured]) -> tuple[Trend, ...]
 
 
 def adjusted(trends: Sequence[Trend]) -> tuple[Trend, ...]:
-    """Return the trends with their probabilities adjusted for how many they are, the surest change first.
+    """Return the trends with their probabilities adjusted for their number, the most significant change first.
 
     Examples
     --------
@@ -148,7 +149,7 @@ def _trend(vehicle: str, quantity: str, one: Measured, everyone: float, freedom:
     start, end = (np.array([[1.0, np.min(t)], [1.0, np.max(t)]]) @ line).tolist()
     std = float(np.ptp(t) * np.sqrt(covariance[1, 1]))
     reach = float(stats.t.ppf((1 + LEVEL) / 2, freedom)) * std
-    # Without any scatter, whatever changes is no chance.
+    # Without any scatter every change is significant.
     p = float(2 * stats.t.sf(abs(end - start) / std, freedom)) if std > 0 else float(end == start)
     return Trend(
         vehicle=vehicle,
@@ -165,7 +166,7 @@ def _trend(vehicle: str, quantity: str, one: Measured, everyone: float, freedom:
 
 
 def _alike(groups: Sequence[Measured]) -> tuple[list[Measured], float]:
-    """Return the vehicles of common scatter, and its variance: those that scatter far more are left out."""
+    """Return the vehicles with a common scatter, and its variance; those that scatter far more are left out."""
     from scipy import stats
 
     kept = list(groups)
@@ -178,7 +179,7 @@ def _alike(groups: Sequence[Measured]) -> tuple[list[Measured], float]:
 
 
 def _shared_variance(groups: Sequence[Measured]) -> float:
-    """Return the variance that, added to each value's own, makes the residuals as large as they should be."""
+    """Return the variance that, added to each value's own, makes chi-square equal to its degrees of freedom."""
     from scipy.optimize import brentq
 
     freedom = sum(len(t) - 2 for t, _, _ in groups)
@@ -199,7 +200,7 @@ def _shared_variance(groups: Sequence[Measured]) -> float:
 
 
 def _line(t: RealArray, v: RealArray, variance: RealArray) -> tuple[RealArray, RealArray, float]:
-    """Return the weighted line (value at 0, slope), its covariance, and the sum of weighted squares left."""
+    """Return the weighted line (value at 0, slope), its covariance, and the weighted sum of squared residuals."""
     largest = float(np.max(variance))
     weight = 1 / np.maximum(variance, 1e-12 * largest) if largest > 0 else np.ones(len(t))
     middle = float(weight @ t / np.sum(weight))

@@ -1,4 +1,4 @@
-"""Which vehicle a record is of, and when it was taken: from a table, or from the record's name."""
+"""Vehicle and date of each record: from a table, or from the record's name."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ SECONDS_PER_YEAR = 365.25 * 86400
 def read_vehicles(path: str | os.PathLike[str]) -> dict[str, tuple[str, float]]:
     r"""Return vehicle and time of each record from a CSV with the columns ``record``, ``vehicle`` and ``date``.
 
-    A date as ``2024-05-31`` or ``2024-05-31T12:00`` becomes years; a plain number (a mileage) stays what it is.
+    A date such as ``2024-05-31`` or ``2024-05-31T12:00`` is converted to years; a plain number (a mileage) is kept.
 
     Raises
     ------
     InputError
-        If the file cannot be read, a column is missing, a date is none, or dates and numbers are mixed.
+        If the file cannot be read, a column is missing, a date is invalid, or dates and numbers are mixed.
 
     Examples
     --------
@@ -60,17 +60,17 @@ def read_vehicles(path: str | os.PathLike[str]) -> dict[str, tuple[str, float]]:
         kinds.add(kind)
         found[record] = printable(vehicle), when
     if len(kinds) > 1:
-        raise InputError(f"{name}: some dates are dates, others numbers; write all of them in one way")
+        raise InputError(f"{name}: some dates are calendar dates, others numbers; write all of them in one way")
     return found
 
 
 def vehicles_from_names(names: Iterable[str], pattern: str) -> dict[str, tuple[str, float]]:
-    r"""Return vehicle and time of each record whose name holds them, by a pattern with these two groups.
+    r"""Return vehicle and time of each record whose name matches a pattern with these two groups.
 
     Raises
     ------
     InputError
-        If the pattern is none, or has no groups ``vehicle`` and ``date``.
+        If the pattern is invalid, or has no groups ``vehicle`` and ``date``.
 
     Examples
     --------
