@@ -94,7 +94,7 @@ class TestWhatAnalyseSays:
         names = sorted(path.relative_to(fleet).as_posix() for path in fleet.rglob("*.csv"))
         assert list(dict.fromkeys(row["record"] for row in table)) == names
         for name in names:
-            found = analyse(fleet / name)
+            found = analyse(fleet / name, car=CAR)
             mine = [row for row in table if row["record"] == name]
             assert [row["mode"] for row in mine] == list(range(1, len(found.modes) + 1))
             # The same code on the same bytes; another number of threads may round otherwise.
