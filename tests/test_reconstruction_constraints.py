@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import cvxpy
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
 from suspid import InputError, ModalSet, ReconstructionError, Strut, Suspension, eigenmodes
+from suspid.cli.main import main
+from suspid.model import car_to_toml, read_car, read_constraints
 from suspid.reconstruction.reconstruct import Reconstruction, reconstruct
 from suspid.reconstruction.unknowns import parameter_names, parameter_vector
 from suspid.words import ReconstructionCheck, ReconstructionNote
@@ -204,6 +208,41 @@ class TestPenalty:
         assert values(found) == pytest.approx(
             dict(zip(parameter_names(PAPER), parameter_vector(PAPER).tolist(), strict=True)), rel=1e-5
         )
+
+
+class TestCarFiles:
+    TEXT = 'constraints = ["tire.stiffness >= 4.1 * seat.stiffness"]\n'
+
+    def test_constraints_stand_above_the_car(self, tmp_path: Path) -> None:
+        path = tmp_path / "car.toml"
+        path.write_text(self.TEXT + car_to_toml(nominal(PAPER)), encoding="utf-8")
+        assert read_car(path) == nominal(PAPER)
+        assert read_constraints(path) == ("tire.stiffness >= 4.1 * seat.stiffness",)
+        path.write_text(self.TEXT + "[quarter_car]\nchassis_mass = 400\ntire_mass = 40\nchassis_stiffness = 20e3\n"
+                        "tire_stiffness = 200e3\nchassis_damping = 1500\n", encoding="utf-8")  # fmt: skip
+        assert read_car(path).coordinates == ("chassis", "tire")
+
+    @pytest.mark.parametrize("wrong", ["3", '"a <= b"', "[3]"])
+    def test_what_is_no_list_of_texts(self, tmp_path: Path, wrong: str) -> None:
+        path = tmp_path / "car.toml"
+        path.write_text(f"constraints = {wrong}\n", encoding="utf-8")
+        with pytest.raises(InputError, match="must be a list of texts"):
+            read_constraints(path)
+
+    def test_the_command_keeps_to_them(self, tmp_path: Path) -> None:
+        path, modes, found = (tmp_path / name for name in ("car.toml", "modes.toml", "found.toml"))
+        path.write_text(self.TEXT + car_to_toml(nominal(PAPER)), encoding="utf-8")
+        exact = eigenmodes(PAPER)
+        tables = [
+            f"[[modes]]\nfrequency_hz = {wn / (2 * np.pi)!r}\nwn_rad_per_s = {wn!r}\nzeta = {zeta!r}\n"
+            for wn, zeta in zip(exact.wn.tolist(), exact.zeta.tolist(), strict=True)
+        ]
+        modes.write_text("\n".join(tables), encoding="utf-8")
+        result = CliRunner().invoke(main, ["reconstruct", str(modes), str(path), "-o", str(found)])
+        assert result.exit_code in (0, 3), result.output
+        k = {s.name: s.stiffness for s in read_car(found).struts}
+        assert k["tire"] >= 4.1 * k["seat"] * (1 - 1e-9)
+        assert "active constraint: tire.stiffness >= 4.1 * seat.stiffness" in result.output
 
 
 class TestRefusals:

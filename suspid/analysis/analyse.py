@@ -211,6 +211,7 @@ def _springs(modes: ModalSet, car: Suspension, settings: Settings) -> tuple[Reco
             free_masses=how.free_masses,
             tolerance=how.tolerance,
             search=how.search,
+            constraints=how.constraints,
         )
     except (ReconstructionError, InputError) as error:
         return None, [Remark(Note.NO_SPRINGS, {"why": str(error)})]

@@ -34,6 +34,7 @@ class CarSettings:
     added_masses: Mapping[str, Kilogram] = field(default_factory=dict)
     tolerance: Ratio | None = None
     search: bool = True
+    constraints: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -60,7 +60,7 @@ def fleet_command(
     The exit code is 1 if no record could be identified, and 130 after Ctrl-C.
     """
     from suspid.fleet import CHUNK, fleet_summary, identify_many
-    from suspid.model import read_car
+    from suspid.model import read_car, read_constraints
 
     if table is not None and pattern is not None:
         raise click.UsageError("Give --table or --vehicle-from, not both.")
@@ -73,12 +73,13 @@ def fleet_command(
         raise click.UsageError("Missing option '-o': the folder of the results.")
     if workers is not None and scheduler is not None:
         raise click.UsageError("Give --workers or --scheduler, not both.")
+    constraints = () if car is None else read_constraints(car)
     with said_warnings() as said, goes_on(), progress_bar() as progress:
         run = identify_many(
             folder,
             output=output,
             car=None if car is None else read_car(car),
-            settings=replace(settings, springs=CarSettings(fixed=fixed)),
+            settings=replace(settings, springs=CarSettings(fixed=fixed, constraints=constraints)),
             time_limit=time_limit,
             chunk=CHUNK if chunk is None else chunk,
             workers=workers,

@@ -96,7 +96,7 @@ def reconstruct_command(
     Ends with 3 if the car that was found does not explain the modes within their uncertainty.
     """
     from suspid.identification import read_modes, to_json
-    from suspid.model import car_to_toml, read_car
+    from suspid.model import car_to_toml, read_car, read_constraints
     from suspid.reconstruction import ModalTest, reconstruct, reconstruction_to_dict
 
     if len({path.resolve() for path in modes}) < len(modes):
@@ -116,6 +116,7 @@ def reconstruct_command(
             free_masses=free_masses,
             tolerance=tolerance,
             search=not no_search,
+            constraints=read_constraints(car),
         )
         text = str(found) if level is None else f"{found}\n\n{interval_table(found, level)}"
         if not found.explains:

@@ -89,7 +89,7 @@ def report_command(
 ) -> None:
     """Write a page on the modes in FILE: one HTML file to print or to send, with all that the result rests on."""
     from suspid.identification import to_json
-    from suspid.model import read_car
+    from suspid.model import read_car, read_constraints
     from suspid.reporting import drawable, report, report_to_dict, source_of
 
     if output.suffix.lower() not in (".html", ".htm"):
@@ -100,7 +100,9 @@ def report_command(
         draft = outputs.enter_context(replacing(output))
         json_draft = outputs.enter_context(replacing(json_file)) if json_file else None
         suspension = None if car is None else read_car(car)
-        found = analyse(file, car=suspension, settings=replace(settings, level=level), progress=step)
+        constraints = () if car is None else read_constraints(car)
+        settings = replace(settings, level=level, springs=replace(settings.springs, constraints=constraints))
+        found = analyse(file, car=suspension, settings=settings, progress=step)
         source = source_of(file, command=_command_line(), created=created)
         step("drawing")
         parts: Any = {

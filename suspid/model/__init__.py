@@ -6,7 +6,7 @@
 of either kind. `read_car` and `write_car` keep a suspension as TOML.
 """
 
-from suspid.model.car_files import car_from_toml, car_to_toml, parsed_toml, read_car, write_car
+from suspid.model.car_files import car_from_toml, car_to_toml, parsed_toml, read_car, read_constraints, write_car
 from suspid.model.compare import compare
 from suspid.model.comparison import Comparison
 from suspid.model.eigenmodes import eigenmodes, scaled_shapes
@@ -38,6 +38,7 @@ __all__ = [
     "pole_distances",
     "quarter_car",
     "read_car",
+    "read_constraints",
     "scaled_shapes",
     "statespace",
     "write_car",

@@ -117,7 +117,8 @@ def car_from_toml(text: str) -> Suspension:
     {'chassis': 400.0, 'tire': 40.0}
     """
     content = parsed_toml(text)
-    _check_keys("the file", content, ("masses", "struts", *PRESETS))
+    _check_keys("the file", content, ("constraints", "masses", "struts", *PRESETS))
+    content.pop("constraints", None)
     short = next((name for name in PRESETS if name in content), None)
     if short:
         if len(content) > 1:
@@ -135,6 +136,33 @@ def car_from_toml(text: str) -> Suspension:
         raise InputError("[struts] must be a list of tables; write [[struts]] before each strut")
     struts = [_strut(f"[[struts]] number {k}", table) for k, table in enumerate(content["struts"], start=1)]
     return Suspension(masses=masses, struts=struts)
+
+
+def read_constraints(path: str | os.PathLike[str]) -> tuple[str, ...]:
+    """Return the constraints on stiffness and damping in a car file, for `reconstruct`; they are parsed there.
+
+    They stand at the top of the file: ``constraints = ["tire.stiffness >= 8 * chassis.stiffness"]``.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, is not TOML, or ``constraints`` is not a list of texts.
+
+    Examples
+    --------
+    >>> read_constraints("examples/car.toml")
+    ()
+    """
+    try:
+        found = parsed_toml(read_text(Path(path))).get("constraints", [])
+        if not isinstance(found, list) or not all(isinstance(one, str) for one in found):
+            raise InputError(
+                f"constraints = {reprlib.repr(found)} must be a list of texts, such as "
+                f'["tire.stiffness >= 8 * chassis.stiffness"]'
+            )
+    except InputError as error:
+        raise InputError(f"{printable(str(path))}: {error}") from None
+    return tuple(found)
 
 
 def car_to_toml(suspension: Suspension) -> str:
