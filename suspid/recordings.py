@@ -15,21 +15,21 @@ from suspid.words import Remark
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class RawChannel:
-    """What a file says of one channel; nothing is checked or changed yet.
+    """A channel as stored in a file; nothing is checked or changed.
 
     Parameters
     ----------
     name : str
         Its name in the file; unique within the recording.
     unit : str
-        Its unit as the file states it; empty where it does not.
+        Its unit as stated in the file; empty where it is not.
     timepts : ndarray (sample,)
-        The stamps [s] as they stand: perhaps rounded, repeated, backwards or not a number. Channels of one
+        The stamps [s] as stored: possibly rounded, repeated, decreasing or not a number. Channels of one
         clock share one array.
     values : ndarray (sample,)
-        The samples, perhaps not a number.
+        The samples, possibly not a number.
     rate : float or None
-        Sampling rate [Hz] that the file or the user states; None: only the stamps tell.
+        Sampling rate [Hz] stated by the file or the user; None where there are only stamps.
     """
 
     name: str

@@ -95,7 +95,7 @@ class TestWrittenThenReadIsTheSame:
         assert list(tmp_path.iterdir()) == []
 
     def test_two_channels_of_one_name_are_refused(self, tmp_path: Path) -> None:
-        with pytest.raises(RecordError, match="stands twice"):
+        with pytest.raises(RecordError, match="occurs twice"):
             write_record(as_response(np.arange(3.0), np.ones((2, 3)), ["seat", "seat"]), tmp_path / "r.csv")
 
     @pytest.mark.parametrize("name", ["r.csv", "r.parquet", "r.pq"])
@@ -273,7 +273,7 @@ REFUSED: list[tuple[str, str | bytes, dict[str, Any], str]] = [
     ("r.mat", matlab(s="text", c=1 + 2j, k=3.0), {}, r"holds no real vector: 's' is text, 'c' is complex"),
     ("r.mat", matlab(x=np.ones(3), t=np.arange(3.0), M=np.eye(3)), {"channels": ["M"]}, "'M' is a matrix of 3 x 3"),
     ("r.mat", matlab(x=X[:3], t=X[:3], f=X), {"channels": ["x", "f"]}, "'f' has 4 samples, 't' has 3"),
-    ("r.mat", matlab(t=X[:3], f=X), {}, "no channel as long as time, 't': 3 samples"),
+    ("r.mat", matlab(t=X[:3], f=X), {}, "no channel is as long as time, 't': 3 samples"),
     ("r.mat", matlab(x=X, Fs=10.0), {"fs": 20}, "'fs' says 20 Hz, 'Fs' in the file 10 Hz"),
     ("r.mat", matlab(s={"x": X, "Fs": 10.0}), {"fs": 20}, "'fs' says 20 Hz, 's' in the file 10 Hz"),
     ("r.mat", matlab(s={"x": X, "Fs": 10.0, "dt": 2.0}), {}, "states several sampling rates: 'Fs' 10 Hz, 'dt' 0.5 Hz"),
@@ -307,7 +307,7 @@ REFUSED: list[tuple[str, str | bytes, dict[str, Any], str]] = [
     ("r.csv", 't,seat\n0,1\n1,"2,3\n', {}, "line 3"),
     ("r.csv", "t,time\n0,1\n1,7\n2,3\n", {}, "'t', 'time' all read like a time"),
     ("r.csv", "0,up\n1,2\n", {"fs": 1}, "line 1 is neither a header nor data: cell 2 is 'up'"),
-    ("r.csv", "t\n0\n1\n", {}, "no channel as long as time"),
+    ("r.csv", "t\n0\n1\n", {}, "no channel is as long as time"),
     ("r.csv", "Time,x\n05/03/2024 23:59:59,1\n05/04/2024 00:00:00,2\n", {}, "day and month cannot be told apart"),
     ("r.csv", "Time,x\n30.02.2024 23:59:59,1\n01.03.2024 00:00:00,2\n", {}, "there is no date '30.02.2024'"),
     ("r.doc", GOOD, {}, r"type '.doc' are not known; known: .csv"),

@@ -36,9 +36,9 @@ def read_record(
     found out; without a header the columns are named ``column 1``, ``column 2`` …. MATLAB (``.mat``) and HDF5
     (``.h5``, ``.hdf5``): every real vector, and every column of a matrix, is a column, those of a structure by
     dotted names; a number named like ``Fs`` or ``dt`` is the rate. Further: Parquet (``.parquet``, ``.pq``),
-    universal files (``.uff``, ``.unv``, ``.uf``, ``.58``), TDMS (``.tdms``), ASAM MDF (``.mf4``, ``.mdf``,
-    ``.dat``), and WAV (``.wav``, ``.wave``); what some of them need is named where it is missing. A file of another
-    name is read if its first bytes say what it is.
+    NumPy (``.npy``, ``.npz``), universal files (``.uff``, ``.unv``, ``.uf``, ``.58``), TDMS (``.tdms``), ASAM MDF
+    (``.mf4``, ``.mdf``, ``.dat``), and WAV (``.wav``, ``.wave``); what some of them need is named where it is
+    missing. A file of another name is read if its first bytes say what it is.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Foreign readers: their failures become one line, what they print, log and warn is dropped."""
+"""Calls of foreign libraries: a failure becomes one line; what they print, log and warn of is suppressed."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ LONGEST = 160
 
 
 def sheltered(read: Callable[[], T], *, extra: str, library: str, suffix: str, doing: str = "reading") -> T:
-    r"""Return what a library reads; whatever else comes of it is a `RecordError` of one line.
+    r"""Return what a library reads; turn every failure into a `RecordError` of one line.
 
     Parameters
     ----------
@@ -31,12 +31,12 @@ def sheltered(read: Callable[[], T], *, extra: str, library: str, suffix: str, d
     extra, library, suffix : str
         The extra of suspid that brings the library, the name of its module, and what it reads, such as ``".tdms"``.
     doing : str
-        What it is that needs the library.
+        What needs the library.
 
     Raises
     ------
     RecordError
-        If the library is not there, or fails, on whatever ground.
+        If the library is not installed, or fails for any reason.
 
     Examples
     --------
@@ -54,19 +54,19 @@ def sheltered(read: Callable[[], T], *, extra: str, library: str, suffix: str, d
         except ModuleNotFoundError as refusal:
             missing = refusal.name or library
             message = f"{doing} {suffix} needs {missing}: {install_line(extra)}"
-        # A damaged file is met with errors of every kind, MemoryError and RecursionError among them.
+        # A damaged file causes errors of every kind, MemoryError and RecursionError among them.
         except Exception as refusal:
             words = printable(" ".join(str(refusal).split()))
             words = words if len(words) <= LONGEST else f"{words[:LONGEST]} …"
             message = f"is damaged: {type(refusal).__name__}{f': {words}' if words else ''}"
-        # What the failed reader holds open goes here, while nobody is told of it: the error that is
-        # raised below has no context, in which the reader's frames would live on.
+        # Files that the failed reader holds open are closed here, where warnings are suppressed. The error below is
+        # raised outside the handler, so that it does not keep the frames of the reader alive.
         gc.collect()
     raise RecordError(message)
 
 
 def install_line(extra: str) -> str:
-    """Return the line that installs what an extra of suspid brings, wherever suspid itself came from.
+    """Return the command that installs the requirements of an extra of suspid.
 
     Examples
     --------
@@ -89,7 +89,7 @@ def _silence() -> Iterator[None]:
     ):
         warnings.simplefilter("ignore")
         logging.disable(logging.CRITICAL)
-        # Where a reader failed half-way, so may its destructor.
+        # The destructor of a reader that failed may fail as well.
         sys.unraisablehook = lambda _: None
         try:
             yield

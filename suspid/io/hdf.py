@@ -1,4 +1,4 @@
-"""HDF5 as tables: MATLAB v7.3, and files of other programs, with groups as MATLAB's structures."""
+"""HDF5 files, MATLAB v7.3 among them: groups are read as structures."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 INTERNAL = ("#refs#", "#subsystem#")
 UNIT_NAMES = ("unit", "units", "Unit", "Units", "UNIT", "UNITS")
-# Deeper or more numerous groups are no records; a damaged file may seem to have them.
+# Limits of a record; a damaged file may seem to have deeper or more numerous groups.
 DEEPEST = 16
 MOST_VARIABLES = 20_000
-# A data set of more bytes must not unpack to more than this many times what the file holds of it.
+# A data set of more than LARGE bytes must not unpack to more than MOST_PACKED times its size in the file.
 LARGE, MOST_PACKED = 1 << 28, 2000
 
 
@@ -36,12 +36,12 @@ def read_hdf(path: Path) -> Table:
     """Return the table of an HDF5 file, that of MATLAB v7.3 among them: its real vectors, rates and times.
 
     Groups become dotted names (``run1.seat``), arrays of structures are numbered (``run[2].seat``), matrices are
-    split into columns. Attributes named like units and rates are obeyed. Links to other files are not followed.
+    split into columns. Attributes named like units and rates are used. Links to other files are not followed.
 
     Raises
     ------
     RecordError
-        If h5py is not there, the file is damaged or of another kind, or holds no real vector.
+        If h5py is not installed, the file is damaged or of another kind, or it holds no real vector.
     """
     content = read_bytes(path, error=RecordError)
     return as_table(_sheltered(lambda: _content(content)))
@@ -80,7 +80,7 @@ def _group(group: h5py.Group, depth: int, count: Iterator[int], around: frozense
 
 
 def _value(thing: object, depth: int, count: Iterator[int], around: frozenset[int]) -> Value:
-    """Return what a group or data set holds, or why that is of no use."""
+    """Return what a group or data set holds, or why it is left out."""
     import h5py
 
     if next(count) > MOST_VARIABLES:
@@ -99,7 +99,7 @@ def _value(thing: object, depth: int, count: Iterator[int], around: frozenset[in
 
 
 def _structures(group: h5py.Group, depth: int, count: Iterator[int], around: frozenset[int]) -> Group | None:
-    """Return the elements of an array of structures, which MATLAB keeps field by field as references."""
+    """Return the elements of an array of structures, which MATLAB stores by field as references."""
     import h5py
 
     fields = {name: group[name] for name in group if isinstance(group.get(name, getlink=True), h5py.HardLink)}
@@ -125,7 +125,7 @@ def _refers(thing: object) -> bool:
 
 
 def _dataset(data: h5py.Dataset) -> Value:
-    """Return the numbers of a data set, to be read later, or why there are none."""
+    """Return the numbers of a data set, to be read later, or why it has none."""
     import h5py
 
     kind = data.dtype.kind

@@ -1,8 +1,8 @@
-"""MATLAB files up to v7 as tables, with structures as groups.
+"""MATLAB files up to v7: structures are read as groups.
 
-scipy's reader trusts the types and sizes that a file states, and a damaged file ends the whole process there. So
-files of v5 to v7 are read here, where every size is checked before it is used; scipy reads v4 alone, which knows
-but matrices.
+`scipy.io.loadmat` does not check the types and sizes that a file states: a damaged file can crash the process. Files
+of v5 to v7 are therefore read here, and each size is checked before it is used. scipy reads v4, which has only
+matrices.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from suspid.words import LeftOut, Remark
 
 HEADER = 128
 MATRIX, COMPRESSED, UINT32, INT32, INT8, UTF8 = 14, 15, 6, 5, 1, 16
-# What one number is, by the code of its type.
+# Type of a number by its code.
 ITEMS = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8"}
 TEXTS = {2: "latin1", 4: "utf-16", 16: "utf-8", 17: "utf-16", 18: "utf-32"}
 NUMERIC_CLASSES = range(6, 16)
@@ -33,12 +33,12 @@ CELL, STRUCT, OBJECT, CHAR, SPARSE = 1, 2, 3, 4, 5
 OTHER_CLASSES = {CELL: LeftOut.CELLS, OBJECT: LeftOut.OBJECT, SPARSE: LeftOut.SPARSE}
 COMPLEX_FLAG = 0x08
 MOST_BYTES = 1 << 31
-# Deeper structures are no records; a damaged file may seem to have them.
+# Limit of a record; a damaged file may seem to have deeper structures.
 DEEPEST = 16
 
 
 def read_matlab(path: Path) -> Table:
-    """Return the table of a MATLAB file up to v7: its real vectors, and the rates and times it states.
+    """Return the table of a MATLAB file up to v7: its real vectors, rates and times.
 
     Structures become dotted names (``run1.seat``), their arrays are numbered (``run[2].seat``), matrices are split
     into columns.
@@ -51,7 +51,7 @@ def read_matlab(path: Path) -> Table:
     content = read_bytes(path, error=RecordError)
     try:
         return as_table(_matrices(content) if _version(content) == 4 else _variables(content))
-    # Sizes that no memory holds are met where they are used.
+    # A size that does not fit into memory fails where it is used.
     except (zlib.error, struct.error, MemoryError, OverflowError, RecursionError) as refusal:
         raise RecordError(f"is damaged: {type(refusal).__name__}: {printable(str(refusal))}") from None
 
@@ -62,12 +62,12 @@ def _matrices(content: bytes) -> Group:
 
     try:
         with warnings.catch_warnings():
-            # What scipy warns of, such as numbers it may have read wrongly or a name that stands twice, is no record.
+            # scipy warns where it may have read numbers wrongly, or a name occurs twice.
             warnings.simplefilter("error", UserWarning)
             variables = loadmat(io.BytesIO(content))  # type: ignore[arg-type]  # the stubs know paths only
     except KeyboardInterrupt:
         raise
-    # The parsers meet a damaged file with errors of every kind, MemoryError among them.
+    # A damaged file causes errors of every kind, MemoryError among them.
     except Exception as refusal:
         raise RecordError(f"is damaged: {type(refusal).__name__}: {printable(str(refusal))}") from None
     found: dict[str, Value] = {}
@@ -81,14 +81,14 @@ def _matrices(content: bytes) -> Group:
 
 
 def _version(content: bytes) -> int:
-    # A text stands at the head of v5, numbers at that of v4.
+    # Files of v5 begin with text, those of v4 with numbers.
     if 0 in content[:4]:
         return 4
     order = content[126:128]
     if len(content) < HEADER or order not in (b"IM", b"MI"):
-        raise RecordError("is not a MATLAB file: its head is not that of one")
+        raise RecordError("is not a MATLAB file: it has no MATLAB header")
     if content[125 if order == b"IM" else 124] == 2:
-        raise RecordError("is a damaged MATLAB v7.3 file: the HDF5 part is not there")
+        raise RecordError("is a damaged MATLAB v7.3 file: its HDF5 part is missing")
     return 5
 
 
@@ -98,7 +98,7 @@ def _variables(content: bytes) -> Group:
     Raises
     ------
     RecordError
-        If one is damaged, or a name stands twice.
+        If one is damaged, or two have the same name.
     """
     order = "<" if content[126:128] == b"IM" else ">"
     found: dict[str, Value] = {}
@@ -113,9 +113,9 @@ def _variables(content: bytes) -> Group:
                 raise RecordError(f"holds a variable of more than {MOST_BYTES >> 30} GiB")
             kind, body = _element(matrix, 0, order)
         if kind != MATRIX:
-            raise RecordError(f"is damaged: an element of type {kind} stands where a variable should")
+            raise RecordError(f"is damaged: element of type {kind} in place of a variable")
         name, value = _value(body, order, 0)
-        # What MATLAB keeps for its objects has no name.
+        # Data that MATLAB stores for its objects have no name.
         if name in found and name:
             raise RecordError(f"holds two variables named {name!r}")
         found[name or f"without a name ({len(found) + 1})"] = value
@@ -123,7 +123,7 @@ def _variables(content: bytes) -> Group:
 
 
 def _value(body: bytes, order: str, depth: int) -> tuple[str, Value]:
-    """Return the name of a variable or field, and what it holds or why that is of no use."""
+    """Return the name of a variable or field, and what it holds or why it is left out."""
     if not body:
         return "", Remark(LeftOut.EMPTY)
     parts = _elements(body, order)
@@ -132,7 +132,7 @@ def _value(body: bytes, order: str, depth: int) -> tuple[str, Value]:
         raise RecordError("is damaged: a variable lacks its flags")
     word = struct.unpack(order + "I", flags[:4])[0]
     class_code = word & 0xFF
-    # Objects of newer kinds have no size here.
+    # Objects of newer classes state no size here.
     if class_code > NUMERIC_CLASSES[-1]:
         name_kind, name = next(parts, (0, b""))
         text = name.decode("latin1") if name_kind in (INT8, UTF8) else ""
@@ -161,7 +161,7 @@ def _array(
     kind, numbers = next(parts, (0, b""))
     item = np.dtype(order + ITEMS.get(kind, "V1"))
     if kind not in ITEMS or math.prod(shape) * item.itemsize != len(numbers):
-        raise RecordError(f"is damaged: variable {name!r} does not hold what its size {shape} says")
+        raise RecordError(f"is damaged: variable {name!r} does not hold as many numbers as its size {shape} says")
     if complex_:
         return Remark(LeftOut.COMPLEX)
     return _variable(np.frombuffer(numbers, item).reshape(shape, order="F"))
@@ -187,7 +187,7 @@ def _structure(parts: Iterator[tuple[int, bytes]], shape: tuple[int, ...], order
         raise RecordError("is damaged: a structure lacks the names of its fields")
     width = struct.unpack(order + "i", length)[0]
     if width <= 0 or len(names) % width:
-        raise RecordError("is damaged: the names of the fields of a structure have no length")
+        raise RecordError("is damaged: the field names of a structure have no length")
     fields = [names[k : k + width].split(b"\0")[0].decode("latin1") for k in range(0, len(names), width)]
     if len(set(fields)) < len(fields):
         raise RecordError("is damaged: a structure has two fields of one name")
@@ -199,7 +199,7 @@ def _structure(parts: Iterator[tuple[int, bytes]], shape: tuple[int, ...], order
         for field in fields:
             kind, body = next(parts, (0, b""))
             if kind != MATRIX:
-                raise RecordError(f"is damaged: field {field!r} of a structure is not there")
+                raise RecordError(f"is damaged: field {field!r} of a structure is missing")
             one[field] = _value(body, order, depth + 1)[1]
         found.append(one)
     if len(found) == 1:
@@ -218,7 +218,7 @@ def _elements(body: bytes, order: str) -> Iterator[tuple[int, bytes]]:
 
 
 def _element(data: bytes, position: int, order: str) -> tuple[int, bytes]:
-    """Return type and content of the element at a position; up to four bytes may stand in the tag itself."""
+    """Return type and content of the element at a position; up to four bytes may be in the tag itself."""
     if position + 8 > len(data):
         raise RecordError("is damaged: it ends within a variable")
     kind, size = struct.unpack_from(order + "II", data, position)

@@ -1,4 +1,4 @@
-"""Parquet files: columns of numbers by name, written so that every bit comes back."""
+"""Parquet files: columns of numbers by name, read and written without loss."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ from suspid.words import LeftOut, Remark
 
 TIME = "time [s]"
 UNIT_KEYS = (b"unit", b"units", b"UNIT", b"Unit", b"Units")
-# A few bytes may stand for any number of equal samples; here is where belief ends.
+# A few bytes may encode any number of equal samples; more than this are refused.
 MOST_SAMPLES = 1 << 28
 
 
 def read_parquet(path: Path) -> Table:
     """Return the table of a Parquet file: its columns of numbers, and of dates and durations as seconds.
 
-    Dates and times of day count from the first one there is. Where no column is named like a time, the only
-    one that holds dates, times or durations is the clock of the others. Units stand in the metadata of the
+    Dates and times of day count from the first one. Where no column is named like a time, the only
+    one that holds dates, times or durations is the time base of the others. Units are read from the metadata of the
     fields, under ``unit``.
 
     Raises
@@ -38,7 +38,7 @@ def read_parquet(path: Path) -> Table:
     content = read_bytes(path, error=RecordError)
     if not (len(content) >= 12 and content[:4] == b"PAR1" == content[-4:]):
         cut = content[:4] == b"PAR1"
-        raise RecordError("is cut off: its end is not that of a Parquet file" if cut else "is not a Parquet file")
+        raise RecordError("is cut off: it does not end as a Parquet file" if cut else "is not a Parquet file")
     return sheltered(lambda: _table(content, path.suffix), extra="parquet", library="pyarrow", suffix=path.suffix)
 
 
@@ -51,7 +51,7 @@ def write_parquet(
     units: Sequence[str] | None = None,
     title: str = "",
 ) -> None:
-    """Write a column ``time [s]``, then the channels, in double precision: every bit comes back.
+    """Write a column ``time [s]``, then the channels, in double precision, without loss.
 
     Parameters
     ----------
@@ -64,14 +64,14 @@ def write_parquet(
     channels : sequence of str
         Names that differ.
     units : sequence of str, optional
-        Units by channel, empty where there is none; they stand in the metadata of the fields.
+        Units by channel, empty where there is none; written to the metadata of the fields.
     title : str
-        What the record is called.
+        Title of the record.
 
     Raises
     ------
     RecordError
-        If pyarrow is not there.
+        If pyarrow is not installed.
     OSError
         If the file cannot be written.
 
@@ -170,7 +170,7 @@ def _column(content: bytes, name: str, samples: int) -> Any:
     import pyarrow.parquet as pq
 
     file = pq.ParquetFile(io.BytesIO(content), page_checksum_verification=True)
-    # A name with a point in it may bring members of a struct along.
+    # For a name with a point, pyarrow may return members of a structure as well.
     cells = file.read(columns=[name], use_threads=False).column(name)
     if len(cells) != samples:
         raise RecordError(f"is damaged: column {name!r} holds {len(cells)} samples, not {samples}")
@@ -178,7 +178,7 @@ def _column(content: bytes, name: str, samples: int) -> Any:
 
 
 def _numbers(name: str, kind: Any, cells: Any) -> RealArray:
-    """Return cells as numbers, those of time in seconds, or in the unit that the name promises."""
+    """Return cells as numbers, those of time in seconds, or in the unit that the name states."""
     import pyarrow as pa
 
     if not pa.types.is_temporal(kind):

@@ -22,28 +22,29 @@ def read_recording(
     fs: Hertz | None = None,
     dbc: str | os.PathLike[str] | None = None,
 ) -> Recording:
-    r"""Return what a file holds, channel by channel, with nothing repaired and nothing refused that can be.
+    r"""Return the channels of a file as they are stored; nothing is repaired.
 
     Parameters
     ----------
     path : str or path
-        The file; its suffix says what it is.
+        The file; its suffix states the format.
     channels : sequence of str, optional
         Columns to take, by their names or by these without the unit. Default: all but time that have a clock
         or are as long as time.
     time : str, optional
-        The column of time. Default: the clock of the channel, or the column named like a time (``t``,
-        ``time [s]``, ``t_ms``, …). A unit in its name, or stated by the file, is obeyed.
+        The column of time. Default: the time base of the channel, or the column named like a time (``t``,
+        ``time [s]``, ``t_ms``, …). A unit in its name, or stated by the file, is used. ``"none"``: times in the file
+        are ignored, and a rate in the file or ``fs`` is used.
     fs : float, optional
-        Sampling rate [Hz] of the channels; they start at 0 where nothing in the file tells their time.
+        Sampling rate [Hz] of the channels; they start at 0 where the file states no time.
     dbc : str or path, optional
         Database that decodes the raw CAN frames of an MDF file.
 
     Raises
     ------
     RecordError
-        If the file cannot be read as what its suffix says, a column is not there or holds text, or nothing
-        tells the time. The message begins with the name of the file.
+        If the file cannot be read in its format, a column is missing or holds text, or neither time nor rate is
+        known. The message begins with the name of the file.
 
     Examples
     --------

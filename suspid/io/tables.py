@@ -1,4 +1,4 @@
-"""Tables: named columns of numbers as files hold them, before anyone says which is time."""
+"""Tables: the named columns of numbers of a file, before time and channels are told apart."""
 
 from __future__ import annotations
 
@@ -46,18 +46,18 @@ BRACKETED = re.compile(r"(.*\S)\s*[\[(]\s*(?!\d+\s*[\])])([^\[\]()]*(?:\([^\[\](
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class TimeBase:
-    """When the samples of a column were taken.
+    """The times at which the samples of a column were taken.
 
     Parameters
     ----------
     name : str
-        Name of the clock, such as that of the group of channels that share it.
+        Its name, such as that of the group of channels that share it.
     start : float
         Time of the first sample [s], where there are no stamps.
     rate : float or None
-        Sampling rate that the file states [Hz]; None: only the stamps tell.
+        Sampling rate that the file states [Hz]; None where there are only stamps.
     stamps : callable, optional
-        Returns the stamps [s] as they stand in the file. Default: ``start + arange(sample) / rate``.
+        Returns the stamps [s] as stored in the file. Default: ``start + arange(sample) / rate``.
     """
 
     name: str
@@ -68,7 +68,7 @@ class TimeBase:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Table:
-    """Columns that may be time or channels; their numbers are read when asked for.
+    """Columns that may be time or channels; their numbers are read on demand.
 
     Parameters
     ----------
@@ -80,15 +80,15 @@ class Table:
     unusable : mapping of str to Remark
         What else the file holds, and why it cannot be a column (`suspid.words.LeftOut`).
     rates : mapping of str to float
-        Sampling rates that the file states [Hz], by the name under which they stand; they hold for every
-        column without a clock.
+        Sampling rates that the file states [Hz], by name; they hold for every column without
+        a time base.
     units : mapping of str to str
         Units by column as the file states them; a column without one may be absent.
     clocks : mapping of str to TimeBase
-        Clocks by column. Columns of one clock share one `TimeBase`. Without one, time is the column named
+        Time bases by column; columns that share one have the same object. Without one, time is the column named
         like a time, or follows from the rate.
     title : str
-        What the file calls its content; empty: the name of the file stands for it.
+        Title that the file states; if empty, the name of the file is used.
     """
 
     sizes: Mapping[str, int]
@@ -100,7 +100,7 @@ class Table:
     title: str = ""
 
     def check(self, name: str, *, what: str) -> None:
-        """Refuse a column that is not there."""
+        """Refuse a column that is missing."""
         if name in self.unusable:
             raise RecordError(f"{what} {name!r} {self.unusable[name]}")
         if name not in self.sizes:

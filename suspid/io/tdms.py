@@ -1,4 +1,4 @@
-"""TDMS files of LabVIEW: scaled channels by group, with the waveform clock that each of them states."""
+"""TDMS files of LabVIEW: scaled channels by group, each with the clock of its waveform."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ UNITS = ("unit_string", "NI_UnitDescription", "unit", "Unit")
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class _Entry:
-    """What the head of a file says of one channel; it began at whole seconds and 2^-64 s."""
+    """Metadata of one channel; its start is given in whole seconds and units of 2^-64 s."""
 
     group: str
     channel: str
@@ -96,7 +96,7 @@ def _stamps(columns: Callable[[Sequence[str]], list[RealArray]], time: str, per_
 
 
 def _check_segments(content: bytes) -> None:
-    """Refuse a file whose segments do not end where it ends, before anyone trusts their sizes."""
+    """Refuse a file whose segments do not end where it ends, before their sizes are used."""
     if content[:4] != b"TDSm":
         raise RecordError("is the index of a TDMS file, not the file" if content[:4] == b"TDSh" else "is not TDMS")
     position = 0
@@ -109,7 +109,7 @@ def _check_segments(content: bytes) -> None:
             raise RecordError(f"is damaged: no segment begins at byte {position}")
         position += LEAD_IN + size
         if size == CRASHED or position > len(content):
-            raise RecordError("is cut off: its last segment is not whole; whoever wrote it did not close it")
+            raise RecordError("is cut off: its last segment is not complete; the file was not closed by its writer")
 
 
 def _entries(content: bytes) -> list[_Entry]:
@@ -126,7 +126,7 @@ def _entries(content: bytes) -> list[_Entry]:
 
 
 def _check_scales(properties: Mapping[str, Any]) -> None:
-    """Refuse numbers of scales and coefficients that the properties cannot hold: npTDMS would count up to them."""
+    """Refuse more scales or coefficients than there are properties: npTDMS loops over them."""
     for key, value in properties.items():
         counts = key == "NI_Number_Of_Scales" or (key.startswith("NI_Scale[") and key.endswith("_Size"))
         if counts and not (_is_number(value) and value <= len(properties)):
@@ -136,7 +136,7 @@ def _check_scales(properties: Mapping[str, Any]) -> None:
 def _entry(channel: Any, most: int) -> _Entry:
     size, properties = len(channel), channel.properties
     kind, is_stamp = channel.dtype, channel.data_type is not None and channel.data_type.__name__ == "TimeStamp"
-    # Each number takes at least a byte.
+    # A number takes at least a byte.
     if size < 0 or size > most:
         raise RecordError(f"is damaged: channel {printable(channel.name)!r} states {size} samples in {most} bytes")
     reason: Remark | None
@@ -168,7 +168,7 @@ def _is_number(value: object) -> bool:
 
 
 def _time_of(name: str, usable: dict[str, _Entry]) -> str | None:
-    """Return the channel that tells the time of another: of its group and length, of dates or named so."""
+    """Return the channel of time of another: of its group and length, with dates or named like a time."""
     entry = usable[name]
     if entry.is_stamp or is_time(entry.channel):
         return None
@@ -179,7 +179,7 @@ def _time_of(name: str, usable: dict[str, _Entry]) -> str | None:
 
 
 def _per_second(entry: _Entry) -> float:
-    """Return how many units of a channel of time make a second; 0 if that is not known."""
+    """Return how many units of a channel of time make a second; 0 if the unit is not known."""
     return 1.0 if entry.is_stamp else PER_SECOND.get(entry.unit.lower() or split_unit(entry.channel)[1] or "s", 0.0)
 
 

@@ -14,20 +14,20 @@ from suspid.words import LeftOut, Remark
 
 # Stamps this near to an even grid, in steps, are a time although nothing names them so; fewer stamps do not show it.
 EVEN, FEW_STAMPS = 1e-3, 8
-# Least size of a stamp since 1970, by its unit: those of our time lie near 1.7e12 ms, 1.7e15 us and 1.7e18 ns.
+# Least size of a stamp since 1970, by its unit: present ones are near 1.7e12 ms, 1.7e15 us and 1.7e18 ns.
 EPOCHS = (("ns", 1e17), ("us", 1e14), ("ms", 1e11))
 
 
 def time_column(
     table: Table, channels: Sequence[str], clocks: Mapping[str, TimeBase], fs: Hertz | None
 ) -> tuple[str | None, dict[str, Remark]]:
-    """Return the column of time, and which others tell the same."""
+    """Return the column of time, and other columns of the same time."""
     candidates = [name for name in table.sizes if is_time(name) and name not in channels and name not in clocks]
     if len(candidates) > 1 and len({table.sizes[c] for c in channels}) == 1:
-        # Vectors of another length are another record's time.
+        # Vectors of another length belong to another record.
         candidates = [name for name in candidates if table.sizes[name] == table.sizes[channels[0]]]
     passed_over: dict[str, Remark] = {}
-    # Telephones write the time of day and that since the start.
+    # Telephones write the time of day beside the time since the start.
     while len(candidates) > 1 and _same_time(table, candidates[0], candidates[1]):
         starts = [abs(in_seconds(table, name, table.columns([name])[0])[0]) for name in candidates[:2]]
         worse = candidates.pop(0 if starts[0] > starts[1] else 1)
@@ -98,6 +98,6 @@ def in_seconds(table: Table, time: str, stamps: RealArray) -> RealArray:
 
 
 def epoch_unit(stamps: RealArray) -> str:
-    """Return the unit of stamps without one: s, unless they were then years above 4000."""
+    """Return the unit of stamps without one: s, unless that would be a year beyond 4000."""
     size = float(np.nanmax(np.abs(stamps), initial=0.0))
     return next((name for name, least in EPOCHS if size > least), "s")

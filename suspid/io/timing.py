@@ -1,4 +1,4 @@
-"""Timing: which columns of a table are channels, and what tells the time of each."""
+"""Timing: which columns of a table are channels, and the time of each."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ NO_TIME = "none"
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class _Plan:
-    """Which columns are channels, and what tells their time.
+    """The channels of a table, and the source of their time.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ def as_recording(
     Raises
     ------
     RecordError
-        If a column is not there, nothing tells the time, or channels and time differ in length.
+        If a column is missing, neither time nor rate is known, or channels and time differ in length.
 
     Examples
     --------
@@ -115,7 +115,7 @@ def as_recording(
 
 
 def _plan(table: Table, channels: Sequence[str] | None, time: str | None, fs: Hertz | None) -> _Plan:
-    """Return which columns are channels and what tells their time; refuse what does not fit together."""
+    """Return the channels and the source of their time; refuse what does not fit together."""
     names = [table.full_name(name, what="channel") for name in channels or ()]
     clocks = {name: table.clocks[name] for name in table.sizes if name in table.clocks}
     left_out: dict[str, Remark] = {}
@@ -146,7 +146,7 @@ def _plan(table: Table, channels: Sequence[str] | None, time: str | None, fs: He
 
 
 def _check_followers(table: Table, names: Sequence[str], time: str | None, rate: Hertz | None) -> None:
-    """Refuse channels without a clock of their own where nothing tells their time, or it is not as long."""
+    """Refuse channels without a time base where no time or rate is known, or time has another length."""
     if names and time is None and rate is None:
         raise RecordError(
             f"no column is named like a time: {', '.join(map(repr, table.sizes))}; name one (time), or give the "
@@ -170,7 +170,7 @@ def _stamps(clock: TimeBase, size: int, fs: Hertz | None) -> RealArray:
         return stamps
     rate = clock.rate if clock.rate is not None else fs
     if rate is None:
-        raise RecordError(f"nothing tells the rate of {clock.name!r}; give the sampling rate (fs)")
+        raise RecordError(f"the rate of {clock.name!r} is not known; give the sampling rate (fs)")
     if fs is not None and not abs(fs - rate) <= SAME_RATE * rate:
         raise RecordError(f"'fs' says {fs:g} Hz, {clock.name!r} in the file {rate:g} Hz; leave fs out")
     stamps = np.asarray(clock.start + np.arange(size) / rate)
@@ -198,7 +198,7 @@ def _all_channels(
         others = [name for name in others if table.sizes[name] == table.sizes[time]]
         if not others and not clocks:
             why = "".join(f"; {name!r} {reason}" for name, reason in list(table.unusable.items())[:4])
-            raise RecordError(f"there is no channel as long as time, {time!r}: {table.sizes[time]} samples{why}")
+            raise RecordError(f"no channel is as long as time, {time!r}: {table.sizes[time]} samples{why}")
     elif clocks and rate is None:
         others = []
     else:

@@ -18,7 +18,7 @@ from suspid.units import RealArray
 from suspid.values import frozen_real
 from suspid.words import LeftOut, Remark
 
-# A line that begins or ends a data set, as pyuff sees it.
+# A line that begins or ends a data set, as pyuff recognises it.
 DELIMITER = re.compile(rb"    -1(?=[\r\n]|\Z| {74})")
 TIME, TIME_RESPONSE = 17, 1
 FUNCTIONS = {
@@ -54,7 +54,7 @@ def read_uff(path: Path) -> Table:
     """Return the table of a universal file: a column for each real time history of its data sets 58.
 
     A column is named by node and direction (``12+Z``), else by the label of its axis, else by its first
-    line of text; a name that comes again is followed by that text. Units are those of the label, else
+    line of text; a name that is taken is followed by that text. Units are those of the label, else
     they follow from data set 164.
 
     Raises
@@ -134,7 +134,7 @@ def _why_not(dataset: Mapping[str, Any]) -> Remark | None:
 def _clock(
     dataset: Mapping[str, Any], number: int, clocks: Mapping[str, TimeBase], values: Mapping[str, RealArray]
 ) -> TimeBase:
-    """Return the clock of a data set, the one that it shares with an earlier one if there is such a one."""
+    """Return the time base of a data set; data sets with equal stamps share one."""
     per_second = PER_SECOND[_label(dataset["abscissa_axis_units_lab"]).lower() or "s"]
     if dataset["abscissa_spacing"] == 0:
         stamps = frozen_real(dataset["x"] / per_second)
@@ -152,7 +152,7 @@ def _clock(
 
 
 def _samples(dataset: Mapping[str, Any], number: int) -> RealArray:
-    """Return the samples of a data set, which must be as many as it states; binary ones may be padded to a line."""
+    """Return the samples of a data set, whose number must be the stated one; binary samples may be padded to a line."""
     found, stated = len(dataset["data"]), dataset["num_pts"]
     if not stated <= found <= stated + (PADDING if dataset["binary"] and dataset["abscissa_spacing"] else 0):
         raise RecordError(f"is damaged: data set {number} states {stated} samples and holds {found}")
@@ -176,7 +176,7 @@ def _name(dataset: Mapping[str, Any], number: int, taken: Collection[str]) -> st
 
 
 def _label(text: str) -> str:
-    """Return a label without its blanks; ``NONE`` stands for none."""
+    """Return a label without blanks; ``NONE`` means no label."""
     stripped = printable(text.strip())
     return "" if stripped.upper() == "NONE" else stripped
 

@@ -1,4 +1,4 @@
-"""Variables: named numbers in nested groups, as MATLAB and HDF5 keep them, as the columns of a table."""
+"""Variables: named arrays in nested groups, as in MATLAB and HDF5, as the columns of a table."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from suspid.units import Hertz, RealArray
 from suspid.values import frozen_real
 from suspid.words import LeftOut, Remark
 
-# A matrix with more columns holds no channels but, say, a spectrogram.
+# A matrix with more columns is not a set of channels (it may be a spectrogram).
 MOST_COLUMNS = 256
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Variable:
-    """A real array that is read when asked for.
+    """A real array that is read on demand.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ class Variable:
     unit : str
         Its unit, where the file states one.
     rates : mapping of str to float
-        Sampling rates that the file states of it alone [Hz].
+        Sampling rates that the file states for it alone [Hz].
     """
 
     shape: tuple[int, ...]
@@ -55,13 +55,13 @@ class Variable:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Text:
-    """A text, which may label a signal."""
+    """A text, such as the label of a signal."""
 
     text: str
 
 
 Value: TypeAlias = "Variable | Text | Group | Remark"
-# A group by the names of what it holds: arrays, texts, further groups, or why something is of no use.
+# Content of a group by name: arrays, texts, further groups, or why something is left out.
 Group: TypeAlias = "Mapping[str, Value]"
 
 
@@ -77,7 +77,7 @@ class _Found:
 def as_table(variables: Group, *, rates: Mapping[str, Hertz] | None = None) -> Table:
     """Return every vector and every column of a matrix as a column of a table.
 
-    What stands in a group is named ``group.name``; the columns of a matrix are ``name[1]``, ``name[2]`` …, its
+    A variable in a group is named ``group.name``; the columns of a matrix are ``name[1]``, ``name[2]`` …, its
     longer side being time. A vector of time, or a number that states the rate, holds for all in its group and
     in the groups below it; a group ``time`` and ``signals.values`` is what Simulink writes.
 
@@ -109,7 +109,7 @@ def as_table(variables: Group, *, rates: Mapping[str, Hertz] | None = None) -> T
 
 
 def joined(prefix: str, name: str) -> str:
-    """Return the name of what stands in a group; elements of an array of groups are named by their number alone.
+    """Return the name of a variable in a group; elements of an array of groups are named by their number alone.
 
     Examples
     --------
@@ -120,7 +120,7 @@ def joined(prefix: str, name: str) -> str:
 
 
 def _collect(group: Group, prefix: str, above: TimeBase | None, found: _Found) -> None:
-    """Add what a group holds; ``above`` is the clock of the group that it stands in."""
+    """Add what a group holds; ``above`` is the time base of the group around it."""
     clock = _clock(group, prefix, above) if prefix else None
     time = _time(group)
     for name, value in group.items():

@@ -19,7 +19,7 @@ from suspid.units import RealArray
 from suspid.values import frozen_real
 
 UNIT = "full scale"
-# The size that stands in a file whose writer did not know it, or that stands elsewhere.
+# Stated as the size where the writer did not know it, or where another chunk states it.
 UNKNOWN = 0xFFFFFFFF
 
 
@@ -27,7 +27,7 @@ def read_wav(path: Path) -> Table:
     """Return the table of a WAV file (PCM of 8 to 64 bit, or floating point).
 
     Columns are named ``channel 1``, ``channel 2`` …. Integers are divided by the largest that their type
-    could hold, so that full scale is 1; floating point stands as it is.
+    can hold, so that full scale is 1; floating point is not changed.
 
     Raises
     ------
@@ -61,7 +61,7 @@ def _read(content: bytes) -> tuple[int, np.ndarray[Any, Any]]:
     """Return the rate [Hz] and the samples (sample, channel) as integers or floating point."""
     from scipy.io import wavfile
 
-    # Other warnings speak of chunks that hold no samples.
+    # Other warnings concern chunks without samples.
     warnings.filterwarnings("error", message="Reached EOF|Incomplete")
     rate, samples = wavfile.read(io.BytesIO(content))
     return rate, samples if samples.ndim == 2 else samples[:, None]
@@ -76,7 +76,7 @@ def _fraction(samples: np.ndarray[Any, Any]) -> RealArray:
 
 
 def _check_chunks(content: bytes) -> None:
-    """Refuse a file whose chunks do not end where it ends, before anyone trusts their sizes."""
+    """Refuse a file whose chunks do not end where it ends, before their sizes are used."""
     order = ">" if content[:4] == b"RIFX" else "<"
     if content[:4] not in (b"RIFF", b"RIFX", b"RF64") or content[8:12] != b"WAVE":
         raise RecordError(f"is not a WAV file: it begins with {content[:12]!r}")
@@ -85,14 +85,14 @@ def _check_chunks(content: bytes) -> None:
     else:
         long_size = UNKNOWN
     position, seen = 12, list[bytes]()
-    # One byte may stand beyond the end: chunks are padded to an even size, the last not by everyone.
+    # Chunks are padded to an even size, but some writers do not pad the last one.
     while position + 8 <= len(content):
         name, size = content[position : position + 4], struct.unpack_from(f"{order}I", content, position + 4)[0]
         size = long_size if name == b"data" and size == UNKNOWN else size
         if not (name.isascii() and name.decode("ascii").isprintable()):
             raise RecordError(f"is damaged: at byte {position} there should be a chunk, not {name!r}")
         if name == b"data" and size == UNKNOWN:
-            raise RecordError("does not state how many samples it holds: it was not closed; convert it with sox")
+            raise RecordError("does not state its number of samples, since it was not closed; convert it with sox")
         if position + 8 + size > len(content):
             raise RecordError(
                 f"is cut off: its chunk {name.decode('ascii')!r} should have {size} bytes, there are "

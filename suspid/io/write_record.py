@@ -38,15 +38,15 @@ def write_record(
     path : str or path
         The file, ``.csv``, ``.parquet`` or ``.pq``. It is written under another name and renamed at the end.
     digits : int, optional
-        Significant digits of the samples in CSV. Default: as many as bring every bit back; Parquet always does.
+        Significant digits of the samples in CSV. Default: all, so that nothing is lost; Parquet never loses any.
     units : sequence of str, optional
-        Units by channel, empty where there is none: a row below the names in CSV, metadata in Parquet, where the
-        title stands too.
+        Units by channel, empty where there is none: a row below the names in CSV, metadata in Parquet, as is the
+        title.
 
     Raises
     ------
     RecordError
-        If the record is refused by `as_signal`, or the name of a channel would not come back.
+        If `as_signal` refuses the record, or a name of a channel could not be read back.
     InputError
         If the file cannot be written.
 
@@ -75,7 +75,7 @@ def write_record(
     for name in signal.channels:
         if not name or name != printable(name).strip() or is_time(name) or signal.channels.count(name) > 1:
             raise RecordError(
-                f"channel {name!r} could not be read back under this name: it is empty, stands twice, reads like a "
+                f"channel {name!r} could not be read back under this name: it is empty, occurs twice, reads like a "
                 f"time, or holds control characters or outer spaces; rename it"
             )
     number = repr if digits is None else f"{{:.{digits}g}}".format

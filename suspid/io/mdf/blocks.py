@@ -1,7 +1,7 @@
 """Blocks of MDF files, checked before asammdf follows them.
 
-Its reader trusts every link and size: it goes round in circles, reads beyond its memory, and takes what lies
-beyond the end of a file for empty.
+asammdf does not check links and sizes: in a damaged file it follows links in a circle, reads outside its memory, and
+takes data beyond the end of the file as empty.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from suspid.errors import RecordError
 
 HEAD, HEADER = 64, 24
-# Which links lead on, by the kind of block; each such block is led to once. Other links lead to text and
+# Links to follow, by the kind of block; each such block may be linked once. Other links lead to text and
 # descriptions, which may be shared.
 FOLLOWED: dict[bytes, tuple[int, ...]] = dict.fromkeys((b"##CA", b"##FH", b"##AT", b"##EV", b"##HL"), (0,))
 FOLLOWED |= {b"##HD": (0, 1, 3, 4), b"##DG": (0, 1, 2), b"##CG": (0, 1), b"##CN": (0, 1, 5)}
@@ -26,7 +26,7 @@ LINKS = {b"##HD": (6, 6), b"##DG": (4, 4), b"##CG": (6, 7), b"##CN": (8, 99), b"
 LINKS |= {b"##FH": (2, 2), b"##AT": (4, 4), b"##EV": (5, 1 << 32), **dict.fromkeys((b"##CA", *LISTS), (1, 1 << 32))}
 LEAST = {b"##CG": 32, b"##CN": 24, b"##DG": 1, ZIPPED: 24}
 PARTS = (b"##CN", b"##CA")
-# A composition may be described otherwise, and what a channel points to be a group or an attachment.
+# The same links may lead to other kinds, such as a group or an attachment, which are not followed.
 ONLY_TO = {(b"##CN", 1): PARTS, (b"##CA", 0): PARTS, (b"##CN", 5): (*DATA, *LISTS, ZIPPED, b"##HL")}
 # The same of versions 2 and 3: least size, and the kinds that the links lead to.
 OLD: dict[bytes, tuple[int, tuple[tuple[int, bytes], ...]]] = {
@@ -41,7 +41,7 @@ PIECE = 1 << 20
 
 @dataclass(slots=True)
 class _Sizes:
-    """What blocks state and hold, by the address of the group."""
+    """Sizes that blocks state and hold, by the address of the group."""
 
     # Bytes by data group, and those of samples and of invalidation bits in a record by channel group.
     stated: defaultdict[int, int] = field(default_factory=lambda: defaultdict(int))
@@ -56,7 +56,7 @@ def check_blocks(content: bytes) -> int:
     Returns
     -------
     int
-        How many records all groups state; 0 if the file was not finished, so that it need not state them.
+        Number of records that all groups state; 0 if the file was not finished, where none need be stated.
 
     Raises
     ------
@@ -66,7 +66,7 @@ def check_blocks(content: bytes) -> int:
     if content[:8].strip() not in (b"MDF", b"UnFinMF"):
         raise RecordError(f"is not an MDF file: it begins with {content[:8]!r}")
     if len(content) < HEAD + HEADER:
-        raise RecordError("is cut off: it ends in its head")
+        raise RecordError("is cut off: it ends in its header")
     sizes = _check_old(content) if content[HEAD : HEAD + 2] == b"HD" else _check_new(content)
     if content[:3] != b"MDF":
         return 0
@@ -91,7 +91,7 @@ def _check_new(content: bytes) -> _Sizes:
         for place, target in enumerate(links):
             only_to = ONLY_TO.get((kind, place))
             if target and place in followed and (only_to is None or content[target : target + 4] in only_to):
-                # The samples of a channel are its own, not those of the group.
+                # Samples of a channel do not count for the group.
                 ahead.append((target, {(b"##CN", 5): 0, (b"##CG", 1): address}.get((kind, place), group)))
             elif target:
                 shared.add(target)
@@ -114,7 +114,7 @@ def _block(content: bytes, address: int) -> tuple[bytes, tuple[int, ...]]:
     if address + HEADER > len(content):
         raise RecordError(f"is cut off: a block at byte {address} lies beyond its end")
     kind, _, size, count = struct.unpack_from("<4sIQQ", content, address)
-    # A last data block that was not finished states no size.
+    # The last data block of an unfinished file states no size.
     size = max(size, HEADER) if kind in DATA and content[:3] == b"UnF" else size
     fewest, most = LINKS.get(kind, (0, 1 << 32))
     if kind[:2] != b"##" or not fewest <= count <= most or size < HEADER + 8 * count + LEAST.get(kind, 0):
@@ -125,7 +125,7 @@ def _block(content: bytes, address: int) -> tuple[bytes, tuple[int, ...]]:
 
 
 def _measure(content: bytes, address: int, kind: bytes, links: int, group: int, sizes: _Sizes) -> None:
-    """Note what a channel group states and a data block holds, and refuse channels that stick out of the record."""
+    """Note what a channel group states and a data block holds, and refuse channels that do not fit in the record."""
     body, size = address + HEADER + 8 * links, struct.unpack_from("<Q", content, address + 8)[0]
     if kind == b"##CG":
         _, cycles, flags, _, _, samples, invalid = struct.unpack_from("<QQHHIII", content, body)

@@ -1,4 +1,4 @@
-"""Channels of MDF files: where they stand, what the file says of them, and which are numbers over time."""
+"""Channels of MDF files: their places and metadata, and which are numbers over time."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ ALL_INVALID = 1
 BUS_EVENT, PLAIN_BUS_EVENT, REMOTE_MASTER = 1 << 1, 1 << 2, 1 << 3
 FRAMES = "CAN_DataFrame"
 ID_BITS = 29
-# That of CAN XL.
+# A frame of CAN XL has up to 2048 bytes.
 VARIABLE, LONGEST_FRAME = 1, 2048
 TIME, SYNCHRONOUS = 1, ("", "time", "angle", "distance", "index")
 # By generation of the format: types of data that are numbers, conversions to words, and by formulas.
@@ -30,7 +30,7 @@ BY_FORMULA = {True: 3, False: 10}
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Place:
-    """Where a channel stands, and what the file says of it."""
+    """Place and metadata of a channel."""
 
     group: int
     index: int
@@ -44,10 +44,10 @@ class Place:
 
 @contextlib.contextmanager
 def opened(content: bytes) -> Iterator[Any]:
-    """Give an open file of asammdf's, and close it with whatever it made for itself."""
+    """Open a file with asammdf, and close it with its temporary files."""
     from asammdf import MDF
 
-    # Attachments are left alone, and arrays not split into as many channels as they say.
+    # Attachments are not opened, and arrays not split into channels, whose number a damaged file may inflate.
     options: dict[str, Any] = {"process_bus_logging": False, "add_array_components": False}
     file = MDF(io.BytesIO(content), **options)
     try:
@@ -122,7 +122,7 @@ def _why_not(group: Any, index: int, master: Any, new: bool) -> Remark | None:
 
 
 def check_records(file: Any, stated: int) -> None:
-    """Refuse a file in whose groups fewer records were found than they state."""
+    """Refuse a file with fewer records than its groups state."""
     found = sum(_size(group) for group in file.groups if not getattr(group.channel_group, "flags", 0) & VARIABLE_LENGTH)
     if found < stated:
         raise RecordError(f"is damaged: {found} of {stated} records were found")
@@ -139,7 +139,9 @@ def frame_ids(file: Any, frames: Sequence[int]) -> list[tuple[int, int]]:
     for k in frames:
         channels = file.groups[k].channels
         if any(_conversion(channel) == BY_FORMULA[True] or channel.flags & ALL_INVALID for channel in channels):
-            raise RecordError("marks its CAN frames as invalid, or scales them by a formula, which is not evaluated")
+            raise RecordError(
+                "has CAN frames that are marked as invalid or scaled by a formula, which is not evaluated"
+            )
         _check_payloads(file, k)
         buses, ids = (
             np.asarray(file.get(f"{FRAMES}.{name}", group=k, samples_only=True)[0]).astype(np.int64)
@@ -151,7 +153,7 @@ def frame_ids(file: Any, frames: Sequence[int]) -> list[tuple[int, int]]:
 
 
 def _check_payloads(file: Any, group: int) -> None:
-    """Refuse frames whose bytes do not stand where they should: asammdf would look for them anywhere in memory."""
+    """Refuse frames with wrong offsets of their bytes: asammdf would read outside its memory."""
     for i, channel in enumerate(file.groups[group].channels):
         if channel.channel_type == VARIABLE:
             channel.channel_type = 0

@@ -44,13 +44,13 @@ def read_mdf(path: Path, *, dbc: str | os.PathLike[str] | None = None) -> Table:
     path : path
         The file, of version 2, 3 or 4; all of it is read into memory.
     dbc : str or path, optional
-        CAN database (``.dbc``) that tells what the frames hold.
+        CAN database (``.dbc``) that describes the signals in the frames.
 
     Raises
     ------
     RecordError
-        If the file or the database cannot be read, or there is no channel of numbers: of a file that holds
-        CAN frames alone, the error lists their ids.
+        If the file or the database cannot be read, or there is no channel of numbers; for a file of CAN frames
+        alone, the error lists their ids.
     """
     content = read_bytes(path, error=RecordError)
     records = check_blocks(content)
@@ -89,7 +89,7 @@ def _table(content: bytes, records: int, suffix: str, dbc: Path | None) -> Table
     if not usable:
         listed = ", ".join(f"{name!r} {why}" for name, why in unusable.items())
         raise RecordError(f"holds no channel of numbers: {listed or 'nothing at all'}")
-    # The stamps of a group are read with its channels: opening a file of many groups anew for each takes long.
+    # The stamps of a group are read with its channels, since opening the file again for each group takes long.
     stamps: dict[int, RealArray] = {}
 
     def columns(wanted: Sequence[str]) -> list[RealArray]:
@@ -109,9 +109,9 @@ def _table(content: bytes, records: int, suffix: str, dbc: Path | None) -> Table
     for name, place in usable.items():
         if place.timed:
             late = partial(stamps_of, place.group, name)
-            told = late if name in stored else partial(decoded.timepts.__getitem__, place.group)
+            source = late if name in stored else partial(decoded.timepts.__getitem__, place.group)
             key = (name in stored, place.group)
-            clocks[name] = own.setdefault(key, TimeBase(name=place.group_name, stamps=told))
+            clocks[name] = own.setdefault(key, TimeBase(name=place.group_name, stamps=source))
     return Table(
         sizes={name: place.size for name, place in usable.items()},
         columns=columns,
@@ -129,7 +129,7 @@ def _values(content: bytes, asked: Mapping[str, Place], stamps: dict[int, RealAr
         return read
     with opened(content) as file:
         for name, place in asked.items():
-            # Otherwise it leaves out the samples that are invalid.
+            # Otherwise asammdf leaves out invalid samples.
             samples, invalid = file.get(
                 group=place.group, index=place.index, samples_only=True, ignore_invalidation_bits=True
             )
@@ -176,7 +176,7 @@ def _decoded(file: Any, dbc: Path, ids: Sequence[tuple[int, int]]) -> _Decoded:
     if not samples:
         raise RecordError(f"holds no CAN frame that {printable(dbc.name)} knows; there are {listed_ids(ids)}")
     known = {frame.arbitration_id.id for frame in matrix.frames}
-    # Those of J1939 are known by a part of their id.
+    # Frames of J1939 are known by a part of their id.
     parts = any(frame.is_j1939 for frame in matrix.frames)
     unknown = () if parts else tuple(pair for pair in ids if pair[1] not in known)
     return _Decoded(places=tuple(places), samples=samples, timepts=timepts, unknown=unknown)
