@@ -18,6 +18,7 @@ from suspid.identification.noise import (
     lag_one,
     loss_growth,
     loudness,
+    most_shared,
     noise_of,
     power_beside,
     resolution,
@@ -251,6 +252,13 @@ class TestSharedNoise:
         common, own = white(15, 1, 20_000), white(16, 2, 20_000)
         noise = np.sqrt(share) * common + np.sqrt(1 - share) * own
         assert shared_noise(noise * np.array([[1.0], [1e3]])) == pytest.approx(1 + share, abs=0.02)
+
+    def test_most_shared_are_the_two_channels_of_one_source(self) -> None:
+        noise = white(23, 4, 5000)
+        noise[3] = -0.6 * noise[1] + 0.8 * noise[3]
+        one, other, correlation = most_shared(noise)
+        assert (one, other) == (1, 3)
+        assert correlation == pytest.approx(0.6, abs=0.05)
 
     def test_little_correlation_does_not_count(self) -> None:
         common, own = white(17, 1, 40_000), white(18, 2, 40_000)

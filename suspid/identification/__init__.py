@@ -1,9 +1,10 @@
-"""From a record of a free decay to its modes.
+"""Identify modes from records of free decay.
 
-`identify` fits damped exponentials to all channels jointly (maximum likelihood; variable projection), choosing
-the number of poles by BIC, or runs the wavelet steps. `identify_repeats` fits several decays jointly. Below
-them: `noise` (least variance, likelihood, colour), `exponentials` (sums over the record), `likelihood` (fit and
-covariance), `selection` (model order), `modes_json` (files).
+`identify` fits damped exponentials to all channels jointly by maximum likelihood and selects the number of poles by
+BIC, or runs the wavelet steps. `identify_repeats` fits several decays jointly. Below them: `exponentials` and `poles`
+(inner products), `noise` (least variance, likelihood, colour), `likelihood` and `joint_fit` (fits of one decay and of
+several), `candidates`, `fitting`, `refinement`, `classification` and `selection` (number of poles), `covariance` and
+`modal_estimate` (modes with uncertainty), `halves` and `agreement` (consistency), `modes_json` (files).
 """
 
 from suspid.identification.exponentials import synthesize

@@ -1,4 +1,4 @@
-"""Sums of damped exponentials against each other and against a record, without an exp per sample.
+"""Inner products of damped exponentials with each other and with a record, without an exp per sample.
 
 With ``z = exp(theta)`` and k the number of the sample, every inner product that a fit needs is a sum
 over k of ``(k / n)^j exp(phi k)``: in closed form between two exponentials, and with the record as
@@ -15,7 +15,8 @@ import numpy as np
 from suspid.units import ComplexArray, RealArray
 from suspid.values import frozen_real
 
-# Below this |n phi| the closed forms lose digits and a power series is used, of this many terms.
+# Below this |n phi| the closed forms lose digits, and a power series of this many terms is used: 2^26 / 26! is
+# rounding.
 SERIES_REACH = 2.0
 SERIES_TERMS = 26
 
@@ -68,8 +69,8 @@ def power_sums(phi: ComplexArray, count: int) -> tuple[ComplexArray, ComplexArra
 def cross_sums(left: ComplexArray, right: ComplexArray, count: int) -> ComplexArray:
     """Return ``sum_k exp((left_i + right_j) k)``, (left, right), by outer products of few exponentials.
 
-    Near ``left + right = 0`` it is left to `power_sums`; elsewhere some 4 / (n |left + right|) units of
-    rounding are lost, which does not matter where one looks for poles.
+    Near ``left + right = 0`` it is left to `power_sums`; elsewhere about 4 / (n |left + right|) units of
+    rounding are lost, which does not matter for the choice of candidates.
     """
     phi = left[:, None] + right
     ratio = np.exp(left)[:, None] * np.exp(right) - 1
@@ -85,11 +86,8 @@ def _moments(count: int) -> RealArray:
     """Return ``sum_k (k / n)^(m + j)``, (m, j), for every m of the series and j = 0, 1, 2."""
     power = np.arange(SERIES_TERMS + 2, dtype=float)
     if count > 4096:
-        # Euler-Maclaurin: the sum over a fine grid is its integral and corrections at the ends.
-        m = power
-        sums = count / (m + 1) - 0.5 + np.where(m > 1, m, 0.0) / (12 * count)
-        sums -= np.where(m > 3, m * (m - 1) * (m - 2), 0.0) / (720 * float(count) ** 3)
-        sums += np.where(m > 5, m * (m - 1) * (m - 2) * (m - 3) * (m - 4), 0.0) / (30240 * float(count) ** 5)
+        # Euler-Maclaurin: the integral and corrections at the ends. The next correction is below rounding here.
+        sums = count / (power + 1) - 0.5 + np.where(power > 1, power, 0.0) / (12 * count)
         sums[0] = count
     else:
         sums = np.array([np.sum((np.arange(count) / count) ** m) for m in power])
@@ -144,7 +142,7 @@ def blocks_of(values: RealArray) -> Blocks:
 
 
 def project(values: RealArray, theta: ComplexArray) -> ComplexArray:
-    """Return ``sum_k y_k conj(exp(theta k))``, (channel, exponent), of a record that is asked once."""
+    """Return ``sum_k y_k conj(exp(theta k))``, (channel, exponent), of a record that is used once."""
     channels, count = values.shape
     size = max(8, int(np.sqrt(count)))
     folded = np.zeros((channels, -(-count // size) * size))
