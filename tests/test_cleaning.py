@@ -10,6 +10,8 @@ import pytest
 from suspid import Suspension, add_noise, free_decay, identify
 from suspid.cleaning.clean import clean
 from suspid.cleaning.cleaned import Cleaned
+from suspid.cleaning.gaps import fill
+from suspid.cleaning.inspection import inspect
 from suspid.cleaning.placing import faithful_below, interpolate
 from suspid.errors import RecordError
 from suspid.model import ModalSet
@@ -110,6 +112,21 @@ class TestImpossibleSamples:
         assert "sentinel" in kinds(cleaned) or "dropout" in kinds(cleaned)
         assert np.min(cleaned.record.y) > 9.6
 
+    @pytest.mark.parametrize(("share", "found"), [(0.45, True), (0.55, False)])
+    def test_a_mark_in_more_than_half_of_the_samples_is_a_value(self, share: float, found: bool) -> None:
+        values = decay(T, noise=1e-3)
+        values[: int(share * T.size)] = -9999.0
+        findings = inspect("seat", T, np.random.default_rng(0).permutation(values)).findings
+        assert [(f.kind, f.samples) for f in findings if f.kind is Defect.SENTINEL] == (
+            [(Defect.SENTINEL, int(share * T.size))] if found else []
+        )
+
+
+def lagrange_at(knots: RealArray, at: RealArray) -> RealArray:
+    """Return the weights (at, knot) of the polynomial through the knots, by solving for its coefficients."""
+    powers = np.arange(knots.size)
+    return np.asarray(np.linalg.solve((knots[:, None] ** powers).T, (at[:, None] ** powers).T).T)
+
 
 class TestGaps:
     @pytest.mark.parametrize("length", [1, 2, 3, 5])
@@ -132,6 +149,25 @@ class TestGaps:
         values[500:520] = np.nan
         with pytest.raises(RecordError, match="too long to fill"):
             clean(recording(T, values))
+
+    @pytest.mark.parametrize("period", [15.0, 25.0, 40.0, 100.0])
+    def test_a_gap_is_filled_up_to_five_percent_and_half_again_the_error_of_one_sample(self, period: float) -> None:
+        def error(length: int) -> float:
+            """Rms error, over all phases, of the better of cubic and line across a gap in a sinusoid of rms 1."""
+            turn = np.exp(2j * np.pi * np.arange(-1, length + 3) / period)
+            inside = np.arange(1.0, length + 1)
+            errors = []
+            for knots in ([-1, 0, length + 1, length + 2], [0, length + 1]):
+                fit = lagrange_at(np.array(knots, float), inside) @ turn[np.array(knots) + 1]
+                errors.append(np.sqrt(np.mean(np.abs(fit - turn[2 : length + 2]) ** 2)))
+            return float(min(errors))
+
+        longest = max(length for length in range(2, 21) if error(length) <= 0.05 + 1.5 * error(1))
+        for length, filled in ((longest, True), (longest + 1, False)):
+            times = np.arange(4000) / 200
+            values = np.sin(2 * np.pi * np.arange(4000) / period)
+            values[2000 : 2000 + length] = np.nan
+            assert bool(fill("seat", times, values).findings) is filled
 
     def test_long_ones_at_the_ends_are_cut_off(self) -> None:
         values, other = decay(T), decay(T, frequency=5)

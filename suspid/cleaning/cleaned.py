@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 # Characters of a line in which a finding is explained.
-WIDTH = 60
+TEXT_WIDTH = 60
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -58,6 +58,6 @@ class Cleaned:
             "repaired": ["yes" if finding.repaired else "no" for finding in self.findings],
             "what": [printable(finding.text) for finding in self.findings],
         }
-        widths = [None, 24, *[None] * 4, WIDTH]
+        widths = [None, 24, *[None] * 4, TEXT_WIDTH]
         table = tabulate(columns, headers="keys", disable_numparse=True, maxcolwidths=widths)
         return f"{printable(str(self.verdict))}\n\n{table}"

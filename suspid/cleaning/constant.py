@@ -14,7 +14,7 @@ from suspid.units import RealArray
 from suspid.words import Defect, Number, dead
 
 # Share of a channel's samples that must be numbers. Less could not be repaired: at most a tenth is filled.
-FEWEST = 0.5
+LEAST_FINITE = 0.5
 
 
 def alive(channels: list[RawChannel], *, by_name: bool) -> tuple[list[RawChannel], list[Finding]]:
@@ -24,7 +24,7 @@ def alive(channels: list[RawChannel], *, by_name: bool) -> tuple[list[RawChannel
     for channel in channels:
         some = possible(channel.values)
         some = some if some is channel.values else some[np.isfinite(some)]
-        if some.size < max(2, FEWEST * channel.values.size):
+        if some.size < max(2, LEAST_FINITE * channel.values.size):
             why: dict[str, Number] = {"finite": some.size}
         elif _is_constant(some):
             why = {"constant": float(some[0])}

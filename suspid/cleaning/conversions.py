@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 STANDARD_GRAVITY = 9.80665
 INCH, POUND_FORCE, KNOT = 0.0254, 4.4482216152605, 1852 / 3600
 # Factor and SI unit of each unit.
-UNITS: dict[str, tuple[float, str]] = {
+FACTORS: dict[str, tuple[float, str]] = {
     "m": (1.0, "m"), "dm": (0.1, "m"), "cm": (1e-2, "m"), "mm": (1e-3, "m"), "um": (1e-6, "m"), "nm": (1e-9, "m"),
     "in": (INCH, "m"), "inch": (INCH, "m"), "mil": (1e-3 * INCH, "m"), "ft": (12 * INCH, "m"),
     "m/s": (1.0, "m/s"), "cm/s": (1e-2, "m/s"), "mm/s": (1e-3, "m/s"), "in/s": (INCH, "m/s"), "ips": (INCH, "m/s"),
@@ -75,11 +75,11 @@ def to_si(values: ArrayLike, unit: str) -> tuple[RealArray, str]:
     for old, new in SPELLINGS:
         plain = plain.replace(old, new)
     # kN and kn (knot), N and n: the only units that differ in case alone.
-    key = "kn_force" if plain == "kN" else plain if plain in UNITS else plain.lower()
-    if key not in UNITS:
-        known = ["kN" if name == "kn_force" else name for name in UNITS]
+    key = "kn_force" if plain == "kN" else plain if plain in FACTORS else plain.lower()
+    if key not in FACTORS:
+        known = ["kN" if name == "kn_force" else name for name in FACTORS]
         raise InputError(f"the unit {printable(unit)!r} is not known.{nearest_names(plain, known)}")
-    factor, si = UNITS[key]
+    factor, si = FACTORS[key]
     return np.array(np.asarray(values, float) * factor), si
 
 

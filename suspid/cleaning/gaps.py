@@ -16,7 +16,7 @@ from suspid.words import Defect, Number
 Flags: TypeAlias = NDArray[np.bool_]
 
 # Longest gap that is filled [samples]. Its error is measured, so that this only bounds the work.
-LONGEST = 20
+LONGEST_FILLED = 20
 # Largest error of filling: this share of the rms motion plus this multiple of the error for a single sample, which
 # is noise. Larger values fill longer gaps with less of the motion in them.
 TOLERATED, WORSE = 0.05, 1.5
@@ -94,7 +94,7 @@ def fill(name: str, times: RealArray, values: RealArray) -> Filled:
     where: list[RealArray] = []
     one = _errors(values, 1, first)
     for length in np.unique(after - first):
-        if length > LONGEST:
+        if length > LONGEST_FILLED:
             continue
         chosen = np.flatnonzero(after - first == length)
         cubic, line = _errors(values, int(length), first[chosen])

@@ -21,7 +21,7 @@ FULL_SCALE = tuple(
 IMPOSSIBLE = 1e30
 # Distance beyond the range of all other samples, as a share of that range, from which a value cannot be motion: for
 # any value, and for a mark. Smaller values strike out the first sample of a blow.
-BEYOND, MARK_BEYOND = 3.0, 0.25
+VALUE_BEYOND, MARK_BEYOND = 3.0, 0.25
 # A channel of fewer levels than this is a switch or a counter: a far value is one of its states.
 FEWEST_LEVELS = 3
 # Equal samples in a row, entered and left by a jump, from which on they are a dropout.
@@ -72,15 +72,15 @@ def inspect(name: str, times: RealArray, values: RealArray) -> Inspected:
     huge = np.flatnonzero(np.abs(values) >= IMPOSSIBLE) if whole is not values else np.empty(0, np.intp)
     if huge.size:
         findings.append(found(Defect.SENTINEL, times[huge], huge.size, {"limit": IMPOSSIBLE}, channel=name))
-    mended, sentinels = _without_sentinels(name, times, whole)
+    repaired, sentinels = _without_sentinels(name, times, whole)
     findings += sentinels
-    if np.sum(~np.isnan(mended)) >= 8:
-        findings += clipping(name, *_known(times, mended))
-        mended, dropouts = _without_dropouts(name, times, mended)
+    if np.sum(~np.isnan(repaired)) >= 8:
+        findings += clipping(name, *_known(times, repaired))
+        repaired, dropouts = _without_dropouts(name, times, repaired)
         findings += dropouts
-        findings += _level(name, *_known(times, mended))
-    kept = mended is values and not values.flags.writeable
-    return Inspected(values=values if kept else frozen_real(mended), findings=tuple(findings))
+        findings += _level(name, *_known(times, repaired))
+    kept = repaired is values and not values.flags.writeable
+    return Inspected(values=values if kept else frozen_real(repaired), findings=tuple(findings))
 
 
 def possible(values: RealArray) -> RealArray:
@@ -124,7 +124,7 @@ def _sentinel(some: RealArray) -> float | None:
         beyond = min(abs(limit - low), abs(limit - high))
         spread = high - low
         marked = limit in MARKS or limit in FULL_SCALE
-        if others.size < 8 or spread == 0 or beyond <= (MARK_BEYOND if marked else BEYOND) * spread:
+        if others.size < 8 or spread == 0 or beyond <= (MARK_BEYOND if marked else VALUE_BEYOND) * spread:
             continue
         at = np.flatnonzero(some == limit)
         inside = at[(at > 0) & (at < some.size - 1)]

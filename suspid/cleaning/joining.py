@@ -19,7 +19,7 @@ from suspid.values import frozen_real
 from suspid.words import Defect, Number
 
 # Relative difference of two rates up to which they are one. A slower channel is left out unless asked for by name.
-SAME_RATE = 0.01
+ONE_RATE = 0.01
 # Share of the recording that must be left where its ends are cut off: where a channel is missing at an end, and where
 # a long gap lies near one. Smaller values cut without being asked what the user may have wanted.
 LEAST_LEFT, MOST_LEFT = 0.5, 0.9
@@ -63,7 +63,7 @@ def one_clock(placed: list[Placed], *, by_name: bool) -> tuple[Placed, list[Find
     for part in placed:
         if part is lead:
             continue
-        slower = part.step > lead.step * (1 + SAME_RATE)
+        slower = part.step > lead.step * (1 + ONE_RATE)
         numbers: dict[str, Number] = {"channels": part.names, "rate": 1 / part.step, "onto": 1 / lead.step}
         if by_name or not slower:
             moved, numbers["error"] = resample(part, lead)

@@ -1,4 +1,4 @@
-"""Nearest clock: for increasing stamps that jitter, or that tell of irregular sampling."""
+"""Nearest clock: for increasing stamps that jitter, or belong to irregular sampling."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from suspid.units import Hertz, RealArray, Second
 from suspid.words import Defect, Number
 
 # Relative difference between a stated rate and that of irregular stamps up to which the stated one is taken.
-APART = 0.02
+RATES_APART = 0.02
 # Steps between samples above which nothing is interpolated, and share of the time that such holes may take. Wider
 # holes would be filled with what the record does not say.
 WIDE, HOLLOW = 2.5, 0.2
@@ -33,7 +33,7 @@ def nearest_clock(times: RealArray, values: RealArray, rows: Indices, rate: Hert
         raise RecordError(_hollow(steps, (WIDE if hollow else HOLE) * usual))
     places, start, step = near
     if rate is not None:
-        check_rate(rate, 1 / step, APART, times, np.abs(times - times[0] - places / rate))
+        check_rate(rate, 1 / step, RATES_APART, times, np.abs(times - times[0] - places / rate))
         places = np.concatenate([[0], np.cumsum(np.maximum(1, np.round(steps * rate)))]).astype(np.intp)
         step = 1 / rate
         start = float(np.median(times - step * places))

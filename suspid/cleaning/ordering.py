@@ -60,11 +60,11 @@ def ordered(stamps: RealArray, values: RealArray, rows: Indices) -> tuple[RealAr
     if moved.size and near and np.all(np.diff(times[order]) > 0.5 * np.median(np.diff(times))):
         findings.append(found(Defect.SWAPPED_ROWS, times[order][moved], moved.size))
         return times[order], rows[order], tuple(findings)
-    mended = _wrongly_stamped(times)
-    if mended is not None:
-        wrong = np.flatnonzero(mended != times)
-        findings.append(found(Defect.WRONG_STAMPS, mended[wrong], wrong.size, {"first": float(times[wrong[0]])}))
-        return mended, rows, tuple(findings)
+    repaired = _wrongly_stamped(times)
+    if repaired is not None:
+        wrong = np.flatnonzero(repaired != times)
+        findings.append(found(Defect.WRONG_STAMPS, repaired[wrong], wrong.size, {"first": float(times[wrong[0]])}))
+        return repaired, rows, tuple(findings)
     raise RecordError(_disordered(times))
 
 
@@ -79,8 +79,8 @@ def _wrongly_stamped(times: RealArray) -> RealArray | None:
     wrong = np.abs(times - there) > 0.3 * step + 0.5 * resolution(times)
     if np.sum(wrong) > max(2, FEW * times.size):
         return None
-    mended = np.where(wrong, there, times)
-    return mended if np.all(np.diff(mended) > 0) else None
+    repaired = np.where(wrong, there, times)
+    return repaired if np.all(np.diff(repaired) > 0) else None
 
 
 def _disordered(times: RealArray) -> str:

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 # scale, and far less than the factor between units.
 GRAVITY = 0.15
 # Parts of the record whose spread gives the standard deviation of a direction; samples of one part may be correlated.
-BLOCKS = 20
+PARTS = 20
 # Angle between gravity and motion up to which they agree, if it is more than three standard deviations [deg].
 AGREE = 10.0
 
@@ -153,7 +153,7 @@ def vertical(
     >>> bool(np.std(up.y[0] - bounce) < 1e-9)
     True
     """
-    signal = as_signal(response, least=2 * BLOCKS)
+    signal = as_signal(response, least=2 * PARTS)
     values, names = _three(signal, axes)
     if by not in (None, "gravity", "motion"):
         raise InputError(f"{by=} is unknown; it is 'gravity' or 'motion'")
@@ -215,10 +215,10 @@ def _std_deg(along: RealArray, motion: RealArray, axis: RealArray, *, power: flo
     """
     across = motion - np.outer(axis, axis @ motion)
     weight = np.cumsum(along**2)
-    edges = np.searchsorted(weight, weight[-1] * np.arange(1, BLOCKS) / BLOCKS)
+    edges = np.searchsorted(weight, weight[-1] * np.arange(1, PARTS) / PARTS)
     sums = np.array([part.sum(axis=1) for part in np.split(along * across, edges, axis=1)])
     # One direction was taken from the sums themselves.
-    variance = float(np.sum(sums**2)) / 2 * BLOCKS / (BLOCKS - 1)
+    variance = float(np.sum(sums**2)) / 2 * PARTS / (PARTS - 1)
     return float(np.degrees(np.sqrt(variance) / power))
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from suspid.signals import JITTER
-from suspid.stamps.lines import FEWEST, band, missing_rows, narrowest_line
+from suspid.stamps.lines import FEWEST_POINTS, band, missing_rows, narrowest_line
 from suspid.stamps.rounding import Indices, resolution
 from suspid.units import RealArray, Second
 
@@ -68,12 +68,12 @@ def grid_of(stamps: RealArray) -> Grid | None:
     ('887.14 Hz', True)
     """
     steps = np.diff(stamps)
-    if stamps.size < FEWEST or np.any(steps < 0) or not stamps[-1] > stamps[0]:
+    if stamps.size < FEWEST_POINTS or np.any(steps < 0) or not stamps[-1] > stamps[0]:
         return None
     changed = np.flatnonzero(steps > 0) + 1
     quantum = _quantum(stamps, steps[changed - 1])
     points = np.arange(stamps.size) if changed.size == steps.size else changed
-    if points.size < FEWEST or quantum <= JITTER * float(np.median(steps[changed - 1])):
+    if points.size < FEWEST_POINTS or quantum <= JITTER * float(np.median(steps[changed - 1])):
         return None
     rows, times = points.astype(float), stamps[points]
     holes = _holes(steps, quantum)

@@ -8,11 +8,11 @@ from suspid.stamps.rounding import line
 from suspid.units import RealArray, Second
 
 # Points that a line must fit before anything is concluded from it; fewer fit by chance.
-FEWEST = 12
+FEWEST_POINTS = 12
 # Points looked at beyond the fitted ones, as a share of these: the step is known well enough for that.
-AHEAD = 0.25
+LOOK_AHEAD = 0.25
 # Points before a jump among which the row that was missing is looked for.
-NEARBY = 1000
+LOOK_BACK = 1000
 
 
 def band(step: Second, quantum: Second, jitter: float, times: RealArray) -> Second:
@@ -45,7 +45,7 @@ def narrowest_line(rows: RealArray, times: RealArray, quantum: Second, jitter: f
 def missing_rows(rows: RealArray, times: RealArray, quantum: Second, jitter: float) -> RealArray | None:
     """Return how many rows are missing before each point, or None if gaps do not explain the stamps."""
     first, after = _longest(rows, times, quantum, jitter)
-    if after - first < FEWEST:
+    if after - first < FEWEST_POINTS:
         return None
     right = _follow(rows[first:], times[first:], after - first, quantum, jitter)
     left = _follow(-rows[:after][::-1], -times[:after][::-1], after - first, quantum, jitter)
@@ -59,7 +59,7 @@ def _longest(rows: RealArray, times: RealArray, quantum: Second, jitter: float) 
     """Return the first point, and the one after the last, of the longest stretch that one line explains."""
     best, first = (0, 0), 0
     while rows.size - first > best[1] - best[0]:
-        size = FEWEST
+        size = FEWEST_POINTS
         while first + size < rows.size and _fits(rows, times, first, first + size, quantum, jitter):
             size *= 2
         fits, fails = size // 2, min(size, rows.size - first + 1)
@@ -91,7 +91,7 @@ def _follow(rows: RealArray, times: RealArray, known: int, quantum: Second, jitt
         centre, step = fitted
         if known == rows.size:
             return missing
-        ahead = min(rows.size, known + max(FEWEST, int(AHEAD * known)))
+        ahead = min(rows.size, known + max(FEWEST_POINTS, int(LOOK_AHEAD * known)))
         reach = 0.5 * band(step, quantum, jitter, times) + 0.25 * min(quantum, step)
         at = known
         while True:
@@ -105,7 +105,7 @@ def _follow(rows: RealArray, times: RealArray, known: int, quantum: Second, jitt
             jump = max(1.0, float(np.ceil((off[k] - reach) / step)))
             at += k
             # The residuals of the rows before the jump may already be nearer to those after it.
-            low = max(since, at - NEARBY)
+            low = max(since, at - LOOK_BACK)
             back = times[low:at] - centre - step * (rows[low:at] + missing[low:at]) - 0.5 * jump * step
             nearer = np.cumsum(back[::-1])
             earlier = int(np.argmax(nearer)) + 1 if back.size and np.max(nearer) > 0 else 0
