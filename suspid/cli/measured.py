@@ -29,7 +29,12 @@ MOST_LEFT_OUT = 3
 
 @click.command("channels")
 @click.argument("file", type=FILE)
-@click.option("--time", "time", metavar="NAME", help="Column of time, if it is not named like one.")
+@click.option(
+    "--time",
+    "time",
+    metavar="NAME",
+    help="Column of time, if it is not named like one; none ignores times in the file.",
+)
 @click.option("--fs", type=Positive("Hz"), metavar="HZ", help="Sampling rate, if the file does not tell it.")
 @click.option("--dbc", type=FILE, metavar="FILE", help="Database that decodes the CAN frames of an MDF file.")
 def channels_command(file: Path, time: str | None, fs: float | None, dbc: Path | None) -> None:

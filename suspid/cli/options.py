@@ -47,7 +47,12 @@ READING = (
     ),
     click.option("--vertical", metavar="X,Y,Z", help="Add the vertical of a tilted accelerometer, and drop its axes."),
     click.option("--si", is_flag=True, help="Convert channels to SI by the units that the file states."),
-    click.option("--time", "time", metavar="NAME", help="Column of time, if it is not named like one."),
+    click.option(
+        "--time",
+        "time",
+        metavar="NAME",
+        help="Column of time, if it is not named like one; none ignores times in the file.",
+    ),
     click.option(
         "--fs",
         type=Positive("Hz"),
