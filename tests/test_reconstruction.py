@@ -15,7 +15,8 @@ from hypothesis import strategies as st
 from suspid import InputError, ModalSet, ReconstructionError, Strut, Suspension, eigenmodes, quarter_car
 from suspid.model import pole_distances
 from suspid.reconstruction import programs
-from suspid.reconstruction.programs import Limits, Optimum, Program, compiled, cone_of, least_squares, optimality, solve
+from suspid.reconstruction.cones import cone_of, optimality
+from suspid.reconstruction.programs import Limits, Optimum, Program, compiled, least_squares, solve
 from suspid.reconstruction.reconstruct import Reconstruction, reconstruct
 from suspid.units import RealArray
 

@@ -11,11 +11,12 @@ from suspid.errors import InputError, ReconstructionError
 from suspid.model import Suspension, pole_distances
 from suspid.reconstruction.asked import Bounds, unknowns_of
 from suspid.reconstruction.contradictions import contradiction
+from suspid.reconstruction.convexity import Maker
 from suspid.reconstruction.equations import Observed, all_poles
 from suspid.reconstruction.observations import ModalTest, observe, printed, unweighted
 from suspid.reconstruction.problem import Problem
 from suspid.reconstruction.unknowns import Unknowns
-from suspid.reconstruction.wishes import Constraints, Maker, Wishes, wishes_of
+from suspid.reconstruction.wishes import Constraints, Wishes, wishes_of
 from suspid.units import Ratio
 from suspid.words import ReconstructionNote, Remark
 

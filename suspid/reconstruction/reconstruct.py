@@ -20,6 +20,7 @@ from suspid.reconstruction.checks import (
     pole_errors,
     remarks,
 )
+from suspid.reconstruction.convexity import Maker
 from suspid.reconstruction.observations import ModalTest, modal_tests
 from suspid.reconstruction.posed import Asked, posed
 from suspid.reconstruction.problem import NEAR_MISS, Problem
@@ -27,7 +28,7 @@ from suspid.reconstruction.programs import Optimum
 from suspid.reconstruction.results import Reconstruction
 from suspid.reconstruction.suspects import suspects
 from suspid.reconstruction.unknowns import parameter_names
-from suspid.reconstruction.wishes import Constraints, Maker
+from suspid.reconstruction.wishes import Constraints
 from suspid.units import Ratio, RealArray
 from suspid.values import FrozenMapping, frozen_real
 from suspid.words import ReconstructionNote, Remark

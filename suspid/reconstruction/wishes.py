@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any, TypeAlias
@@ -11,14 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from suspid.errors import InputError
+from suspid.reconstruction.convexity import ByStrut, Maker, called, check, check_penalty, constraint, is_equation
 from suspid.reconstruction.programs import Program, build
 from suspid.reconstruction.texts import constraint_of
 from suspid.reconstruction.unknowns import Unknowns, parameter_names
 from suspid.units import RealArray
 
-# Of k and of c by strut name, cvxpy expressions in N/m and N s/m.
-ByStrut: TypeAlias = Mapping[str, Any]
-Maker: TypeAlias = Callable[[ByStrut, ByStrut], Any]
 Constraints: TypeAlias = str | Maker | Sequence[str | Maker]
 
 ACTS = 1e-7  # distance from a constraint, in units of the unknowns, below which it acts: the programs' accuracy
@@ -143,18 +141,18 @@ def wishes_of(constraints: Constraints | None, penalty: Maker | None, unknowns: 
     curved: list[int] = []
     for one in given:
         for maker, text in _expanded(one, unknowns, k, c):
-            made, number = _constraint(maker, k, c, text, len(labels) + 1), len(labels)
+            made, number = constraint(maker, k, c, text, len(labels) + 1), len(labels)
             labels.append(text or str(made))
             makers.append(maker)
-            _check(made, f"constraint {number + 1} ({labels[-1]})", [*k.values(), *c.values()])
+            check(made, f"constraint {number + 1} ({labels[-1]})", [*k.values(), *c.values()])
             if made.args and all(side.is_affine() for side in made.args) and hasattr(made, "expr"):
-                rows += [(*row, _is_equation(made), number) for row in _rows(made.expr, unknowns, k, c)]
+                rows += [(*row, is_equation(made), number) for row in _rows(made.expr, unknowns, k, c)]
             elif hasattr(made, "expr") and len(made.args) == 2:
                 curved.append(number)
             else:
                 raise InputError(f"constraint {number + 1} ({labels[-1]}): write it with <=, >= or ==")
     if penalty is not None:
-        _check_penalty(penalty, k, c)
+        check_penalty(penalty, k, c)
     for row, limit, equal, number in rows:
         if not np.any(row) and (abs(limit) if equal else -limit) > 1e-9:
             raise InputError(f"constraint {number + 1} ({labels[number]}) holds parameters alone, and they violate it")
@@ -222,7 +220,7 @@ def _expanded(one: Any, unknowns: Unknowns, k: ByStrut, c: ByStrut) -> list[tupl
             f'constraints: {one!r} is neither text nor a function; write "front.stiffness >= 1.5 * rear.stiffness" '
             f"or lambda k, c: [k['front'] >= 1.5 * k['rear']]"
         )
-    found = _called(one, k, c)
+    found = called(one, k, c)
     if not isinstance(found, list | tuple):
         return [(one, "")]
     return [(partial(_one_of, one, i), "") for i in range(len(found))]
@@ -231,57 +229,6 @@ def _expanded(one: Any, unknowns: Unknowns, k: ByStrut, c: ByStrut) -> list[tupl
 def _one_of(maker: Maker, number: int, k: ByStrut, c: ByStrut) -> Any:
     """Return one of the constraints that a function makes."""
     return maker(k, c)[number]
-
-
-def _called(maker: Maker, k: ByStrut, c: ByStrut) -> Any:
-    """Return what a function of the user makes of k and c."""
-    try:
-        return maker(k, c)
-    except KeyError as error:
-        raise InputError(f"constraints: there is no strut {error}. Known: {', '.join(k)}") from None
-    except NotImplementedError as error:  # cvxpy's, for < and >
-        raise InputError(f"constraints: {error}") from None
-
-
-def _constraint(maker: Maker, k: ByStrut, c: ByStrut, text: str, number: int) -> Any:
-    """Return the constraint that a function makes."""
-    made = _called(maker, k, c)
-    if not hasattr(made, "is_dcp") or not hasattr(made, "args") or hasattr(made, "curvature"):
-        raise InputError(
-            f"constraint {number} ({text or made!r}) is no constraint of cvxpy; write one with <=, >= or == in k and c"
-        )
-    return made
-
-
-def _check(made: Any, where: str, own: Sequence[Any]) -> None:
-    """Raise if a constraint or a penalty is not convex, or has variables that are not k and c."""
-    foreign = {v.id for v in made.variables()} - {v.id for one in own for v in one.variables()}
-    if foreign:
-        raise InputError(f"{where} uses a variable of its own; write it in k and c alone")
-    if made.parameters():
-        raise InputError(f"{where} uses a cvxpy Parameter; put its value there")
-    if made.is_dcp():
-        return
-    if hasattr(made, "curvature"):
-        raise InputError(f"{where} is not convex: its curvature is {made.curvature.lower()}")
-    kinds = [side.curvature.lower() for side in made.args]
-    needed = "both sides must be linear" if _is_equation(made) else "the lower side must be convex, the upper concave"
-    raise InputError(f"{where} is not convex: {needed}, but they are {' and '.join(kinds)}")
-
-
-def _check_penalty(penalty: Maker, k: ByStrut, c: ByStrut) -> None:
-    term = _called(penalty, k, c)
-    if not hasattr(term, "curvature") or term.size != 1:
-        raise InputError(f"penalty: {term!r} is no number of cvxpy; return one term in k and c, such as a cp.norm1")
-    _check(term, f"penalty ({term})", [*k.values(), *c.values()])
-    if not term.is_convex():
-        raise InputError(f"penalty ({term}) is not convex: its curvature is {term.curvature.lower()}")
-    if not term.is_nonneg():
-        raise InputError(f"penalty ({term}) must be a term that is never negative, such as a sum of absolute values")
-
-
-def _is_equation(made: Any) -> bool:
-    return type(made).__name__ in ("Equality", "Zero")
 
 
 def _rows(expression: Any, unknowns: Unknowns, k: ByStrut, c: ByStrut) -> list[tuple[RealArray, float]]:
