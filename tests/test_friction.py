@@ -1,0 +1,59 @@
+"""The simulator of rigs with friction, by the laws of one mass on a spring with Coulomb friction, and by energy."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from suspid import read_record
+from suspid.signals import as_signal
+from validation.friction import Rig, release, released, write
+
+
+class TestOneMass:
+    RIG = Rig(mass=(1.0,), stiffness=(100.0,), damping=(0.0,), friction=(1.0,))
+
+    def test_turns_every_half_period_closer_by_twice_friction_over_stiffness(self) -> None:
+        time = np.asarray(np.arange(6) * np.pi / 10, float)
+        motion, stop = released(self.RIG, np.array([0.105]), time)
+        np.testing.assert_allclose(motion[0], [0.105, -0.085, 0.065, -0.045, 0.025, -0.005], atol=1e-12)
+        # At 0.005 m the spring pulls with 0.5 N against a friction of 1 N.
+        assert stop == pytest.approx(5 * np.pi / 10, abs=1e-12)
+
+    def test_stays_where_friction_holds_it(self) -> None:
+        motion, stop = released(self.RIG, np.array([0.0099]), np.linspace(0, 1, 11))
+        np.testing.assert_array_equal(motion, 0.0099)
+        assert stop == 0.0
+
+    def test_without_friction_it_decays_as_damped_oscillators_do(self) -> None:
+        rig = Rig(mass=(2.0,), stiffness=(200.0,), damping=(4.0,), friction=(0.0,))
+        time = np.linspace(0, 3, 301)
+        motion, stop = released(rig, np.array([0.1]), time)
+        turn = np.sqrt(99.0)
+        exact = 0.1 * np.exp(-time) * (np.cos(turn * time) + np.sin(turn * time) / turn)
+        np.testing.assert_allclose(motion[0], exact, atol=1e-12)
+        assert stop == np.inf
+
+
+class TestTwoMasses:
+    @pytest.mark.parametrize("seed", range(3))
+    def test_the_energy_lost_is_the_work_of_friction_and_dampers(self, seed: int) -> None:
+        rig = release(2, 12, seed=seed).rig
+        bare = Rig(mass=rig.mass, stiffness=rig.stiffness, damping=(0.0, 0.0), friction=rig.friction)
+        start, time = np.array([0.02, 0.03]), np.linspace(0, 0.4, 20001)
+        motion, _ = released(bare, start, time)
+        speed = np.gradient(motion, time, axis=1)
+        stretch = np.diff(motion, axis=0, prepend=0.0)
+        energy = 0.5 * (np.array(rig.mass) @ speed**2 + np.array(rig.stiffness) @ stretch**2)
+        path = np.cumsum(np.abs(np.diff(motion, axis=1)), axis=1)
+        lost = np.array(rig.friction) @ path
+        # Differences over 20 us leave the speed off by (wn h)^2, and by half a step of friction at each turn.
+        np.testing.assert_allclose(energy[1:-1], energy[1] - (lost[:-1] - lost[0]), atol=2e-3 * energy[1])
+
+
+def test_files_hold_the_record(tmp_path: Path) -> None:
+    record = release(2, 10, seed=1)
+    write(record, tmp_path / "release.csv")
+    signal = as_signal(read_record(tmp_path / "release.csv"))
+    np.testing.assert_allclose(signal.values, record.position, atol=1e-9)
+    assert len(np.unique(record.position[0])) <= 2**10
