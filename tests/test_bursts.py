@@ -87,10 +87,10 @@ class TestLevels:
         assert finest(between[None])[0] == pytest.approx(step / np.sqrt(12), rel=1e-9)
 
 
-def bands(*levels: Real, threshold: float = 20.0, step: float = 0.1) -> Envelopes:
-    """Levels by hand: the highest band has a period of one point."""
+def bands(*levels: Real, threshold: float = 20.0, step: float = 0.1, period: int = 1) -> Envelopes:
+    """Levels by hand: the highest band has a period of this many points."""
     count = len(levels[0])
-    centres = np.asarray(1 / step / 2.0 ** np.arange(len(levels)), float)
+    centres = np.asarray(1 / (period * step) / 2.0 ** np.arange(len(levels)), float)
     time = np.asarray(step * np.arange(count), float)
     return Envelopes(timepts=time, centres=centres, levels=np.array(levels), threshold=threshold)
 
@@ -134,3 +134,13 @@ class TestEvents:
         (burst,) = find_bursts(bands(high, low))
         assert burst.top == pytest.approx(5.0)
         assert burst.width == pytest.approx(0.1)
+
+    @pytest.mark.parametrize(("periods", "rings"), [(2.0, False), (3.5, True)])
+    def test_a_band_rings_if_it_passes_the_threshold_for_half_of_1_5_to_4_periods(
+        self, periods: float, rings: bool
+    ) -> None:
+        high, low = np.full(800, 0.0), np.full(800, 0.0)
+        high[200 : 200 + int(10 * periods)] = 60.0
+        low[200:360] = 60.0 - 0.25 * np.arange(160)
+        (burst,) = find_bursts(bands(high, low, period=10))
+        assert burst.top == pytest.approx(1.0 if rings else 0.5)

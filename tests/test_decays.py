@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from suspid import RecordError, eigenmodes, free_decay, identify, quarter_car, statespace
 from suspid.decays import Decay, Decays, find_decays
 from suspid.signals import as_response, cut
-from suspid.words import DecayDoubt, DecayKind, DecayRemark, Level
+from suspid.words import DecayDoubt, DecayKind, DecayRemark, Level, Remark
 from validation import cars
 
 DATA = Path(__file__).resolve().parents[2] / "shared" / "data"
@@ -225,6 +225,20 @@ class TestKind:
 
 
 class TestResult:
+    def test_text_shows_frequencies_in_hertz_and_what_set_it_off(self) -> None:
+        wn, zeta = 2 * np.pi * np.array([1.5, 12.25]), np.array([0.1, 0.2])
+        one, other = (
+            Decay(
+                start=1.0, stop=2.0, rank=rank, kind=kind, level=30.0, cycles=4.0, strength=50.0, wn=wn, zeta=zeta,
+                doubts=doubts,
+            )
+            for rank, kind, doubts in ((1, DecayKind.STEP, ()), (2, None, (Remark(DecayDoubt.GROWING),)))
+        )  # fmt: skip
+        rows = str(Decays((one, other))).splitlines()[-2:]
+        assert rows[0].split() == ["1", "1", "2", "step", "30", "4.0", "1.5,", "12.2", "none"]
+        assert "?" in rows[1]
+        assert rows[1].endswith("part of the motion grows: still driven")
+
     def test_decays_are_a_sequence_that_survives_pickling(self) -> None:
         import pickle
 

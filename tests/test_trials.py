@@ -259,6 +259,14 @@ class TestStart:
         assert start.driven
         assert start.trial is None
 
+    def test_forced_samples_are_left_out_by_less_than_a_block(self) -> None:
+        values = decay(700) + 1e-3 * noise(4, 700)
+        found = trial(values, size=8)
+        values[:, :3] += np.array([[0.7, -1.2, 0.4], [-0.9, 0.5, 1.1]])
+        begin, doubt = verified(signal(values), found, 0, 700, 8, moved=True)
+        assert 3 <= begin < 8
+        assert doubt is None
+
     def test_identify_verifies_the_modes_of_a_trial(self) -> None:
         values = decay(700) + 1e-3 * noise(4, 700)
         assert verified(signal(values), trial(values), 0, 700, 2, moved=True) == (0, None)
