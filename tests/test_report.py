@@ -31,10 +31,10 @@ from suspid import (
     quarter_car,
     reconstruct,
 )
-from suspid.analysis.judgement import judge
+from suspid.analysis import analyse
 from suspid.cleaning import Cleaned, Finding
 from suspid.decays import Decay
-from suspid.identification.identify_repeats import identify_repeats
+from suspid.identification import identify_repeats, verdict_of
 from suspid.identification.modes_json import read_modes
 from suspid.reporting import Source, report, report_to_dict, source_of
 from suspid.reporting.axes import shown
@@ -46,7 +46,7 @@ from suspid.reporting.svg import page_style, svg_of
 from suspid.reporting.thinning import MOST_SAMPLES, drawable, is_whole
 from suspid.signals import as_response, as_signal
 from suspid.units import RealArray
-from suspid.words import DecayDoubt, Defect, Number, Remark
+from suspid.words import DecayDoubt, Defect, ModeCheck, Number, ReconstructionCheck, RecordCheck, Remark
 from validation import cars
 
 HOSTILE = (
@@ -82,6 +82,14 @@ def stretch(start: float, stop: float, *, kind: Any = None, cycles: float = 5.0,
         zeta=zeta,
         doubts=tuple(Remark(DecayDoubt.NOT_IDENTIFIED, {"error": text}) for text in doubts),
     )
+
+
+def codes_of(content: dict[str, Any]) -> set[str]:
+    return {check["code"] for check in content["verdict"]["checks"]}
+
+
+def level_of(content: dict[str, Any]) -> str:
+    return str(content["verdict"]["level"])
 
 
 class Page(HTMLParser):
@@ -201,96 +209,70 @@ def points(path: str) -> RealArray:
 
 
 class TestVerdict:
-    def test_a_clean_decay_is_trusted(self, found: Identification) -> None:
-        verdict = judge(found)
-        assert (verdict.headline, verdict.trust, verdict.doubts) == ("3 modes found", "sound", ())
+    """What each check says has its own tests; here is that the page and the JSON show them."""
+
+    def test_an_identification_has_its_own_verdict(self, found: Identification, nothing: Identification) -> None:
+        for each in (found, nothing):
+            assert report_to_dict(each)["verdict"] == json.loads(json.dumps(verdict_of(each).to_dict()))
+
+    def test_the_page_says_headline_level_and_every_check(self, found: Identification, nothing: Identification) -> None:
+        for each in (found, nothing):
+            verdict, text = verdict_of(each), Page(report(each)).text
+            for said in (
+                str(verdict.headline).capitalize(),
+                verdict.meaning,
+                *map(str, verdict.doubts + verdict.support),
+            ):
+                assert said in text
 
     def test_noise_holds_no_mode_and_the_page_says_why(self, nothing: Identification) -> None:
-        verdict = judge(nothing)
-        assert (verdict.headline, verdict.trust) == ("No mode found", "none")
-        assert "stands above its noise" in Page(report(nothing)).text
-
-    def test_a_decay_drowned_in_noise_is_doubtful(self) -> None:
-        # At -6 dB four fifths of the energy are noise.
-        verdict = judge(identify(paper_record(snr_db=-6.0, duration=20.0), candidates=[4.0]))
-        assert verdict.trust == "doubtful"
-        assert any("most of what moves" in text for text in verdict.doubts)
-
-    def test_a_spring_that_is_not_linear_is_a_remark(self) -> None:
-        t = np.arange(0, 10, 0.005)
-        amplitude = np.exp(-0.3 * t)
-        # The frequency falls by two parts in a hundred as the amplitude does.
-        phase = 2 * np.pi * 4 * np.cumsum(1 + 0.02 * amplitude**2) * 0.005
-        noise = 1e-3 * np.random.default_rng(0).normal(size=t.size)
-        verdict = judge(identify(as_response(t, (amplitude * np.cos(phase) + noise)[None], ["y"]), modes=1))
-        assert verdict.trust == "care"
-        assert any("disagree" in text for text in verdict.doubts)
-
-    def test_a_tone_is_told(self) -> None:
-        signal = as_signal(paper_record(snr_db=40.0))
-        hum = 0.002 * np.sin(2 * np.pi * 50 * signal.timepts)
-        verdict = judge(identify(as_response(signal.timepts, signal.values + hum, signal.channels)))
-        assert any("1 steady tone (50 Hz)" in text for text in verdict.notes)
-
-    def test_a_line_that_comes_and_goes_is_no_mode(self) -> None:
-        # A shaft whose speed wanders: a line, but not one steady tone that could be taken out.
-        rng = np.random.default_rng(5)
-        t = np.arange(6000) / 1000
-        phase = 2 * np.pi * 181.7 * t + np.cumsum(rng.normal(size=t.size)) * 0.1
-        amplitude = 1 + 0.5 * np.convolve(rng.normal(size=t.size), np.ones(300) / 20, mode="same")
-        noise = 0.3 * rng.normal(size=t.size)
-        found = identify(as_response(t, (amplitude * np.cos(phase) + noise)[None], ["y"]), candidates=[4.0])
-        assert judge(found).trust == "none"
-        said = re.search(r"at (\S+) Hz, does not decay: a steady line", Page(report(found)).text)
-        assert said
-        # The line is as wide as its phase wanders: 0.1 radians in a millisecond, some 1 Hz.
-        assert float(said.group(1)) == pytest.approx(181.7, abs=2.0)
+        assert str(ModeCheck.NOTHING_DECAYS.words) in Page(report(nothing)).text
 
     def test_an_offset_left_alone_is_harmless(self, found: Identification) -> None:
         offset = finding(kind=Defect.OFFSET, repaired=False)
         cleaned = Cleaned(record=found.response, units=("m",) * 3, findings=(offset,))
-        verdict = report_to_dict(found, cleaned=cleaned)["verdict"]
-        assert isinstance(verdict, dict)
-        assert verdict["trust"] == "sound"
-
-    def test_many_poles_in_few_samples_are_doubtful(self) -> None:
-        # Heavily damped modes in 36 samples: no half holds one alone.
-        car = quarter_car(
-            chassis_mass=400, tire_mass=40, chassis_stiffness=20e3, tire_stiffness=200e3, chassis_damping=1500
-        )
-        record = free_decay(car, np.arange(36) / 60, initial_state={"v_tire": 1.0})
-        verdict = judge(identify(add_noise(record, snr_db=30, rng=np.random.default_rng(1)), candidates=[1.0]))
-        assert verdict.trust == "doubtful"
-        assert any(text.startswith("The record has 36 samples for") for text in verdict.doubts)
+        assert level_of(report_to_dict(found, cleaned=cleaned)) == level_of(report_to_dict(found))
 
     def test_repeats_that_agree_speak_for_it(self, found: Identification) -> None:
         once, again = (as_signal(paper_record(duration=6.0, seed=seed)) for seed in (1, 2))
         values = np.asarray(np.concatenate([once.values, again.values], axis=1), np.float64)
         both = as_response(np.arange(values.shape[1], dtype=np.float64) * once.step, values, once.channels)
         repeats = identify_repeats(both, [(0.0, 5.9), (6.0, 11.9)])
-        assert any("2 decays agree" in text for text in judge(found, repeats=repeats).support)
         text = Page(report(found, repeats=repeats)).text
         assert "6 … 11.9" in text
+        assert "2 decays agree" in text
         content = report_to_dict(found, repeats=repeats)
         Draft202012Validator(report_schema()).validate(content)
+        assert ModeCheck.REPEATS_AGREE.value in codes_of(content)
         apart = replace(repeats, consistency=tuple(replace(a, widening=2.0) for a in repeats.consistency))
-        assert any("disagree on joint mode" in text for text in judge(found, repeats=apart).doubts)
+        assert ModeCheck.REPEATS_DISAGREE.value in codes_of(report_to_dict(found, repeats=apart))
 
     def test_doubts_about_the_decay_and_the_recording_count(self, found: Identification) -> None:
-        verdict = judge(found, decay_doubts=("still driven",), unrepaired=2)
-        assert verdict.trust == "care"
-        assert verdict.doubts[0] == "Still driven."
-        assert verdict.doubts[1].startswith("2 defects of the recording were seen and left alone")
+        defects = (finding(repaired=False), finding(repaired=False))
+        cleaned = Cleaned(record=found.response, units=("m",) * 3, findings=defects)
+        content = report_to_dict(found, cleaned=cleaned, decays=(stretch(0.0, 10.0, doubts=("only 1.5 cycles",)),))
+        assert level_of(content) == "care"
+        assert {RecordCheck.DECAY.value, RecordCheck.DEFECTS.value} <= codes_of(content)
 
-    def test_twins_are_a_remark(self, found: Identification, springs: Reconstruction) -> None:
-        twins = replace(springs, alternatives=(cars.PAPER,), distances=(1.0,), told_apart=("",))
-        assert any("1 other set of springs" in text for text in judge(found, reconstruction=twins).doubts)
+    def test_a_car_that_does_not_explain_the_modes_counts(self, found: Identification, springs: Reconstruction) -> None:
+        content = report_to_dict(found, reconstruction=replace(springs, explains=False))
+        assert ReconstructionCheck.UNEXPLAINED.value in codes_of(content)
+        assert level_of(content) != "sound"
 
-    def test_a_car_that_does_not_explain_the_modes_is_a_remark(
-        self, found: Identification, springs: Reconstruction
-    ) -> None:
-        verdict = judge(found, reconstruction=replace(springs, explains=False))
-        assert any("does not explain" in text for text in verdict.doubts)
+    def test_an_analysis_brings_everything(self) -> None:
+        analysis = analyse(paper_record(), car=cars.PAPER)
+        content = report_to_dict(analysis)
+        Draft202012Validator(report_schema()).validate(content)
+        assert content["verdict"] == json.loads(json.dumps(analysis.verdict.to_dict()))
+        parts = report_to_dict(
+            analysis.identification,
+            cleaned=analysis.cleaned,
+            decays=analysis.decays,
+            repeats=analysis.repeats,
+            reconstruction=analysis.reconstruction,
+        )
+        assert content == parts
+        assert "Springs and dampers" in Page(report(analysis)).text
 
 
 class TestRounding:
@@ -411,7 +393,7 @@ class TestWhatIsThere:
         text = Page(report(found, cleaned=cleaned, decays=decays, reconstruction=springs)).text
         for said in (
             "'seat' at 2 Hz, the others at 100 Hz; left out",
-            "1 defect of the recording was seen and left alone",
+            "1 defect of the recording was found and not repaired",
             "Stretch 2 of 2 was used",
             "only 1.5 cycles",
             "Chi-square",
@@ -450,11 +432,12 @@ class TestWhatIsThere:
     def test_any_number_of_channels(self, count: int) -> None:
         names = tuple(f"channel {k}" for k in range(count))
         found = identify(renamed(paper_record(duration=4.0), names), candidates=[4.0])
-        text = Page(report(found)).text
+        page = report(found)
+        text = Page(page).text
         assert ("Mode shapes" in text) == (count > 1)
         for name in names:
             assert name in text
-        assert len(report(found).encode()) < 2e6
+        assert len(page.encode()) < 2e6
 
 
 class TestLongRecords:
@@ -634,5 +617,5 @@ class TestJson:
         text = Page(report(found, reconstruction=springs)).text
         verdict = content["verdict"]
         assert isinstance(verdict, dict)
-        for said in (verdict["headline"], verdict["said"], *verdict["support"], *verdict["doubts"]):
+        for said in (verdict["headline"]["text"].capitalize(), *(check["text"] for check in verdict["checks"])):
             assert said in text

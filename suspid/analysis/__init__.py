@@ -5,20 +5,14 @@ result, and the verdict on all. The commands, the report and the fleet call it a
 """
 
 from suspid.analysis.analyse import STEPS, Analysis, analyse
-from suspid.analysis.checks import LEAST_EXPLAINED, as_sentence
-from suspid.analysis.judgement import Judgement, judge
 from suspid.analysis.reading import channel_named
 from suspid.analysis.settings import CarSettings, Settings
 
 __all__ = [
-    "LEAST_EXPLAINED",
     "STEPS",
     "Analysis",
     "CarSettings",
-    "Judgement",
     "Settings",
     "analyse",
-    "as_sentence",
     "channel_named",
-    "judge",
 ]

@@ -7,7 +7,7 @@ from contextlib import ExitStack
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -18,7 +18,7 @@ from suspid.errors import InputError
 from suspid.files import printable, replacing
 from suspid.identification import Identification
 from suspid.signals import as_signal
-from suspid.words import Note, count
+from suspid.words import count
 
 if TYPE_CHECKING:
     import control
@@ -110,19 +110,11 @@ def report_command(
         found = analyse(file, car=suspension, settings=settings, progress=step)
         source = source_of(file, command=_command_line(), created=created)
         step("drawing")
-        parts: Any = {
-            "source": source,
-            "cleaned": found.cleaned,
-            "decays": found.decays,
-            "repeats": found.repeats,
-            "reconstruction": found.reconstruction,
-            "level": level,
-            "warnings": [str(note) for note in found.notes if note.code is Note.NO_SPRINGS],
-        }
-        identification = drawable(found.identification)
-        draft.write_text(report(identification, title=title, **parts), encoding="utf-8")
+        # Page and JSON show the same transform: made once.
+        found = replace(found, identification=drawable(found.identification))
+        draft.write_text(report(found, source=source, title=title), encoding="utf-8")
         if json_draft:
-            json_draft.write_text(to_json(report_to_dict(identification, **parts)), encoding="utf-8")
+            json_draft.write_text(to_json(report_to_dict(found, source=source)), encoding="utf-8")
         said += said_of(found)
     modes = count(len(found.modes), "mode") if len(found.modes) else "no mode"
     say(f"{printable(str(output))}: {modes} in {printable(str(file))}")

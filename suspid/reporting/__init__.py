@@ -8,7 +8,6 @@ To add a picture to the page: draw it on Axes in a module of its own, as in ``pl
 ``{{ figure(pictures.…) }}``. Take colours from ``colours.py``: they have counterparts for dark screens.
 """
 
-from suspid.reporting.content import judgement_of
 from suspid.reporting.plot_entropy import plot_entropy
 from suspid.reporting.plot_fit import plot_fit
 from suspid.reporting.plot_identification import PAGE, plot_identification
@@ -25,7 +24,6 @@ __all__ = [
     "PAGE",
     "Source",
     "drawable",
-    "judgement_of",
     "plot_entropy",
     "plot_fit",
     "plot_identification",

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from suspid.analysis import Judgement, judge
+from suspid.analysis import Analysis, Settings
+from suspid.cleaning import Cleaned
 from suspid.reporting.source import Source
 from suspid.reporting.thinning import drawable
 from suspid.signals import as_signal
 from suspid.units import Ratio
+from suspid.words import Note
 
 if TYPE_CHECKING:
     import control
 
-    from suspid.cleaning import Cleaned
     from suspid.decays import Decay
     from suspid.identification import Identification, Repeats
     from suspid.reconstruction import Reconstruction
@@ -24,56 +25,57 @@ if TYPE_CHECKING:
 SAME_START = 1.5
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
+@dataclass(frozen=True, kw_only=True)
 class Content:
-    """Everything that a report shows; see `report` for the fields.
+    """An analysis and where it comes from.
 
-    The identification has a wavelet transform that is quickly drawn; see `drawable`.
+    Parameters
+    ----------
+    analysis : Analysis
+        What was found. Its identification has a wavelet transform that is quickly drawn; see `drawable`.
+    source : Source or None
+        The file and the command.
+    cleaned : Cleaned or None
+        The whole recording; None if it is not known, and the analysis has the record alone.
+    warnings : sequence of str
+        Warnings that were given on the way.
     """
 
-    identification: Identification
+    analysis: Analysis
     source: Source | None
     cleaned: Cleaned | None
-    decays: Sequence[Decay]
-    repeats: Repeats | None
-    reconstruction: Reconstruction | None
-    level: Ratio
     warnings: Sequence[str]
+
+    @property
+    def identification(self) -> Identification:
+        """Modes of the record."""
+        return self.analysis.identification
+
+    @property
+    def level(self) -> Ratio:
+        """Probability of all intervals [1]."""
+        return self.analysis.settings.level
 
     @property
     def used(self) -> int | None:
         """Which of the decays the record is."""
-        return used_decay(self.identification.response, self.decays)
+        return used_decay(self.identification.response, self.analysis.decays)
 
     @property
     def units(self) -> tuple[str, ...]:
         """The unit of each channel of the record; empty where it is not known."""
-        names = as_signal(self.identification.response).channels
-        if self.cleaned is None:
-            return ("",) * len(names)
-        known = dict(zip(as_signal(self.cleaned.record).channels, self.cleaned.units, strict=True))
+        names, whole = as_signal(self.identification.response).channels, self.analysis.cleaned
+        known = dict(zip(as_signal(whole.record).channels, whole.units, strict=True))
         return tuple(known.get(name, "") for name in names)
 
     @property
     def remarks(self) -> tuple[str, ...]:
         """What was said of stretches that are no decay, if the decays come with remarks."""
-        return tuple(str(remark) for remark in getattr(self.decays, "remarks", ()))
-
-    @property
-    def judgement(self) -> Judgement:
-        """The verdict on all of it."""
-        return judgement_of(
-            self.identification,
-            cleaned=self.cleaned,
-            decays=self.decays,
-            repeats=self.repeats,
-            reconstruction=self.reconstruction,
-            level=self.level,
-        )
+        return tuple(str(remark) for remark in getattr(self.analysis.decays, "remarks", ()))
 
 
 def content_of(
-    identification: Identification,
+    found: Identification | Analysis,
     *,
     source: Source | None,
     cleaned: Cleaned | None,
@@ -84,37 +86,24 @@ def content_of(
     warnings: Sequence[str],
 ) -> Content:
     """Return the content of a report; the parameters are those of `report`."""
-    return Content(
-        identification=drawable(identification),
-        source=source,
-        cleaned=cleaned,
-        decays=decays,
+    if isinstance(found, Analysis):
+        no_springs = [str(note) for note in found.notes if note.code is Note.NO_SPRINGS]
+        analysis = replace(found, identification=drawable(found.identification))
+        return Content(analysis=analysis, source=source, cleaned=found.cleaned, warnings=(*no_springs, *warnings))
+    response = found.response
+    used = used_decay(response, decays)
+    analysis = Analysis(
+        settings=Settings(level=level),
+        recording=None,
+        cleaned=cleaned or Cleaned(record=response, units=("",) * len(as_signal(response).channels), findings=()),
+        decays=tuple(decays),
+        used=() if used is None else (decays[used],),
+        identification=drawable(found),
         repeats=repeats,
         reconstruction=reconstruction,
-        level=level,
-        warnings=warnings,
+        notes=(),
     )
-
-
-def judgement_of(
-    identification: Identification,
-    *,
-    cleaned: Cleaned | None,
-    decays: Sequence[Decay],
-    repeats: Repeats | None,
-    reconstruction: Reconstruction | None,
-    level: Ratio,
-) -> Judgement:
-    """Return the verdict on everything that a report is given."""
-    used = used_decay(identification.response, decays)
-    return judge(
-        identification,
-        decay_doubts=() if used is None else [str(doubt) for doubt in decays[used].doubts],
-        unrepaired=0 if cleaned is None else len(cleaned.verdict.doubts),
-        repeats=repeats,
-        reconstruction=reconstruction,
-        level=level,
-    )
+    return Content(analysis=analysis, source=source, cleaned=cleaned, warnings=warnings)
 
 
 def used_decay(response: control.TimeResponseData, decays: Sequence[Decay]) -> int | None:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from suspid.reporting.axes import frequency_ticks, pieces_across, position, shown, thinned
-from suspid.reporting.colours import BLACK, GREEN, GREY, VERMILION
+from suspid.reporting.colours import BLACK, GREEN, GREY, VERMILION, WHITE
 from suspid.reporting.thinning import pooled, power_weights, row_edges
 from suspid.units import RealArray
 from suspid.wavelets import Ridge
@@ -144,8 +144,8 @@ def _mark_modes(ax: Axes, modes: ModalSet) -> None:
     ax.plot(at, hertz[numbers], color=GREEN, marker="<", linestyle="none", label="mode", clip_on=False)
     for k in numbers:
         ax.annotate(
-            f"{k + 1}", (end, hertz[k]), xytext=(-6, 0), textcoords="offset points", ha="right", va="center",
-            color=GREEN, fontsize="small", fontweight="bold",
+            f"{k + 1}", (end, hertz[k]), xytext=(-8, 0), textcoords="offset points", ha="right", va="center",
+            fontsize="small", bbox={"facecolor": WHITE, "edgecolor": GREEN, "linewidth": 0.6, "pad": 1.5},
         )  # fmt: skip
 
 

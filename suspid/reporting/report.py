@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from suspid.analysis import as_sentence
 from suspid.files import printable
 from suspid.reporting.colours import TONES
 from suspid.reporting.content import Content, content_of
@@ -23,6 +22,7 @@ from suspid.signals import as_signal
 from suspid.units import Ratio
 
 if TYPE_CHECKING:
+    from suspid.analysis import Analysis
     from suspid.cleaning import Cleaned
     from suspid.decays import Decay
     from suspid.identification import Identification, Repeats
@@ -35,7 +35,7 @@ MOST_LETTERS = 40
 
 
 def report(
-    identification: Identification,
+    found: Identification | Analysis,
     *,
     source: Source | None = None,
     cleaned: Cleaned | None = None,
@@ -50,8 +50,8 @@ def report(
 
     Parameters
     ----------
-    identification : Identification
-        What was found; perhaps no mode.
+    found : Identification or Analysis
+        What was found; perhaps no mode. An `Analysis` brings cleaned, decays, repeats, reconstruction and level.
     source : Source, optional
         The file and the command; see `source_of`.
     cleaned : Cleaned, optional
@@ -90,7 +90,7 @@ def report(
     (True, True)
     """
     content = content_of(
-        identification,
+        found,
         source=source,
         cleaned=cleaned,
         decays=decays,
@@ -106,7 +106,8 @@ def page_of(content: Content, *, title: str | None = None) -> str:
     """Return the page on the content of a report; see `report`."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
-    found, source, repeats, car = content.identification, content.source, content.repeats, content.reconstruction
+    found, source, analysis = content.identification, content.source, content.analysis
+    repeats, car = analysis.repeats, analysis.reconstruction
     names, level = as_signal(found.response).channels, content.level
     heading = title or (source.file if source else str(found.response.title or "")) or "Record"
     environment = Environment(
@@ -122,14 +123,14 @@ def page_of(content: Content, *, title: str | None = None) -> str:
         source=source,
         size="" if source is None else _in_bytes(source.size),
         record=_record_facts(found),
-        verdict=content.judgement,
+        verdict=analysis.verdict,
         cards=_cards(found),
         level=f"{100 * level:g} %",
         method=found.method,
         modes=mode_rows(found, level),
         channels=channel_rows(found, content.units),
         pictures=pictures_of(
-            found, cleaned=content.cleaned, decays=content.decays, units=content.units, used=content.used
+            found, cleaned=content.cleaned, decays=analysis.decays, units=content.units, used=content.used
         ),
         tones=TONES,
         view=_view(found),
@@ -137,7 +138,7 @@ def page_of(content: Content, *, title: str | None = None) -> str:
         hidden_channels=max(0, len(names) - MOST_CHANNELS),
         names=[_short(name) for name in names],
         cleaned=content.cleaned,
-        decays=content.decays,
+        decays=analysis.decays,
         remarks=content.remarks,
         used=content.used,
         poles=pole_rows(found)[:MOST_POLES],
@@ -146,7 +147,7 @@ def page_of(content: Content, *, title: str | None = None) -> str:
         reconstruction=car,
         parameters=[] if car is None else parameter_rows(car, level),
         chi_square="" if car is None else _chi_square(car),
-        status="" if car is None else as_sentence(car.status),
+        status="" if car is None else _sentence(car.status),
         twins=[] if car is None else _twins(car),
         warnings=[_shown(text) for text in content.warnings],
         versions=versions(),
@@ -156,6 +157,12 @@ def page_of(content: Content, *, title: str | None = None) -> str:
 def _shown(text: object) -> str:
     """Return a text on one line, with nothing in it that a reader does not see; the template escapes it."""
     return printable(" ".join(str(text).split()))
+
+
+def _sentence(text: str) -> str:
+    """Return the text with a capital and a full stop."""
+    text = _shown(text)
+    return text[:1].upper() + text[1:] + "." * (not text.endswith((".", "!", "?")))
 
 
 def _short(name: str) -> str:

@@ -21,16 +21,17 @@ from suspid.reporting.thinning import is_whole
 from suspid.units import Ratio
 
 if TYPE_CHECKING:
+    from suspid.analysis import Analysis
     from suspid.cleaning import Cleaned
     from suspid.decays import Decay
     from suspid.identification import Identification, Repeats
     from suspid.reconstruction import Reconstruction
 
-FORMAT = "suspid report 1"
+FORMAT = "suspid report 2"
 
 
 def report_to_dict(
-    identification: Identification,
+    found: Identification | Analysis,
     *,
     source: Source | None = None,
     cleaned: Cleaned | None = None,
@@ -50,11 +51,11 @@ def report_to_dict(
     >>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3,
     ...                   tire_stiffness=200e3, chassis_damping=200)
     >>> found = identify(free_decay(car, np.arange(0, 10, 0.005), initial_state={"v_chassis": 1.0}))
-    >>> report_to_dict(found)["verdict"]["headline"]
-    '2 modes found'
+    >>> report_to_dict(found)["verdict"]["level"]
+    'sound'
     """
     content = content_of(
-        identification,
+        found,
         source=source,
         cleaned=cleaned,
         decays=decays,
@@ -68,12 +69,13 @@ def report_to_dict(
 
 def content_to_dict(content: Content) -> dict[str, object]:
     """Return the content of a report as plain lists and numbers; see `report_to_dict`."""
-    shown, source, repeats, car = content.identification, content.source, content.repeats, content.reconstruction
+    shown, source, analysis = content.identification, content.source, content.analysis
+    repeats, car = analysis.repeats, analysis.reconstruction
     fields = identification_to_dict(shown, file=source.file if source else "", warnings=content.warnings)
     fields |= {
         "report": FORMAT,
         "level": content.level,
-        "verdict": _verdict(content),
+        "verdict": analysis.verdict.to_dict(),
         "quality": _quality(shown, content.level),
         "units": list(content.units),
         "lag_1_correlation": shown.whiteness.tolist(),
@@ -89,18 +91,6 @@ def content_to_dict(content: Content) -> dict[str, object]:
     }
     plain: dict[str, object] = json.loads(to_json(fields))
     return plain
-
-
-def _verdict(content: Content) -> dict[str, object]:
-    judgement = content.judgement
-    return {
-        "headline": judgement.headline,
-        "trust": judgement.trust,
-        "said": judgement.said,
-        "support": list(judgement.support),
-        "doubts": list(judgement.doubts),
-        "notes": list(judgement.notes),
-    }
 
 
 def _quality(shown: Identification, level: Ratio) -> list[dict[str, object]]:
@@ -161,7 +151,7 @@ def _decays(content: Content) -> list[dict[str, object]]:
             "doubts": [str(doubt) for doubt in decay.doubts],
             "used": i == used,
         }
-        for i, decay in enumerate(content.decays)
+        for i, decay in enumerate(content.analysis.decays)
     ]
 
 

@@ -76,6 +76,11 @@ class Verdict:
         return Level.SOUND if least is Level.NOTE else least
 
     @property
+    def meaning(self) -> str:
+        """What the level means, as a sentence."""
+        return MEANING[self.level]
+
+    @property
     def support(self) -> tuple[Remark, ...]:
         """What speaks for the result."""
         return tuple(c.remark for c in self.checks if c.level is Level.SOUND)
@@ -96,7 +101,7 @@ class Verdict:
         return Verdict(self.headline, (*self.checks, *checks))
 
     def __str__(self) -> str:
-        lines = [f"Verdict: {self.headline}: {self.level.label}. {MEANING[self.level]}"]
+        lines = [f"Verdict: {self.headline}: {self.level.label}. {self.meaning}"]
         return "\n".join([*lines, *(f"- {doubt}" for doubt in self.doubts), *(f"note: {n}" for n in self.notes)])
 
     def to_dict(self) -> dict[str, object]:
