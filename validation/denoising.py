@@ -169,7 +169,7 @@ def zeta_bound(case: Case) -> RealArray:
     nuisance = np.linalg.qr(basis)[0]
     information = np.zeros((2 * len(truth), 2 * len(truth)))
     for samples in signal.values:
-        parts = np.linalg.lstsq(basis, samples)[0]
+        parts = np.linalg.lstsq(basis, samples, rcond=None)[0]
         moved = signal.timepts[:, None] * waves * (parts[: len(truth)] + 1j * parts[len(truth) :])
         slopes = np.stack([moved.real, -moved.imag], axis=2).reshape(len(samples), -1)
         slopes -= nuisance @ (nuisance.T @ slopes)
