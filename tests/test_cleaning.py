@@ -121,6 +121,21 @@ class TestImpossibleSamples:
             [(Defect.SENTINEL, int(share * T.size))] if found else []
         )
 
+    @pytest.mark.parametrize(
+        ("beyond", "mark", "found"), [(2.9, False, False), (3.1, False, True), (0.2, True, False), (0.3, True, True)]
+    )
+    def test_a_lone_value_is_far_from_three_ranges_on_and_a_mark_from_a_quarter(
+        self, beyond: float, mark: bool, found: bool
+    ) -> None:
+        values = np.sin(2 * np.pi * 3 * T + 0.1)
+        span = float(np.ptp(values))
+        far = float(np.max(values)) + beyond * span
+        scale = 9999.0 / far if mark else 1.0
+        values = scale * values
+        values[700] = 9999.0 if mark else far
+        kinds_found = [f.kind for f in inspect("seat", T, values).findings]
+        assert (Defect.SENTINEL in kinds_found) is found
+
 
 def lagrange_at(knots: RealArray, at: RealArray) -> RealArray:
     """Return the weights (at, knot) of the polynomial through the knots, by solving for its coefficients."""
