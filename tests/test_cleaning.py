@@ -230,6 +230,21 @@ class TestReportedAndLeft:
         cleaned = clean(recording(T, 0.5 * T + 0.1 * decay(T)))
         assert "drift" in kinds(cleaned)
 
+    @pytest.mark.parametrize(("share", "told"), [(0.55, False), (0.65, True)])
+    def test_a_drift_is_told_from_the_share_of_the_energy_on(self, share: float, told: bool) -> None:
+        # A ramp of range s has the variance s^2 / 12, an oscillation of amplitude a has a^2 / 2.
+        times = np.arange(4000) / 100
+        ramp = np.sqrt(12 * share / (1 - share) / 2) * times / times[-1]
+        cleaned = clean(recording(times, ramp + np.sin(2 * np.pi * 3.0 * times) - 1.0))
+        assert ("drift" in kinds(cleaned)) is told
+
+    @pytest.mark.parametrize(("rate", "slower"), [(99.3, False), (98.0, True)])
+    def test_one_part_in_a_hundred_is_another_rate(self, rate: float, slower: bool) -> None:
+        fast, slow = np.arange(1000) / 100, np.arange(round(9.98 * rate)) / rate
+        channels = (channel("a", fast, decay(fast)), channel("b", slow, decay(slow)))
+        cleaned = clean(Recording(title="two clocks", channels=channels))
+        assert (Defect.SLOWER_CLOCK in [finding.kind for finding in cleaned.findings]) is slower
+
     def test_held_samples(self) -> None:
         cleaned = clean(recording(T, np.repeat(decay(T)[::4], 4)))
         assert kinds(cleaned) == ["held samples"]

@@ -326,6 +326,17 @@ class TestShareFollowed:
 
 
 class TestTheRateStated:
+    @pytest.mark.parametrize(("ppm", "one"), [(-90, True), (90, True), (-130, False), (130, False)])
+    def test_two_crystals_may_differ_by_a_hundred_millionths(self, ppm: float, one: bool) -> None:
+        # A thousand rows at 100 ppm end a tenth of a step off, ten times the jitter that is allowed besides.
+        stamps = np.arange(1000) / (333 * (1 + 1e-6 * ppm))
+        if one:
+            clock = read_clock(stamps, wave(stamps)[None], rate=333.0)
+            assert clock.timepts.tolist() == (np.arange(1000) / 333).tolist()
+        else:
+            with pytest.raises(RecordError, match="disagree"):
+                read_clock(stamps, wave(stamps)[None], rate=333.0)
+
     def test_its_grid_stands_in_for_stamps_that_agree(self) -> None:
         stamps = np.round(np.arange(1000) / 333, 3)
         clock = read_clock(stamps, wave(stamps)[None], rate=333.0)
