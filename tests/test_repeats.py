@@ -140,3 +140,42 @@ class TestRefusals:
     def test_a_stretch_outside_is_named(self) -> None:
         with pytest.raises(RecordError, match="the decay 90"):
             identify_repeats(record(decays(), std=1e-4, seed=1), [(90.0, 95.0)])
+
+
+class TestSeveralRecords:
+    """Decays of several recordings are those of one in which they stand one after another."""
+
+    def test_same_as_stretches_of_one(self) -> None:
+        noisy = record(decays(), std=1e-4, seed=5)
+        values = np.asarray(noisy.y)
+        edges = np.cumsum((0, *LENGTHS))
+        # Each file begins at a time of its own.
+        several = [
+            as_response(7.0 * k + np.arange(b - a) / FS, values[:, a:b], MASSES)
+            for k, (a, b) in enumerate(pairwise(edges.tolist()))
+        ]
+        one, many = identify_repeats(noisy, spans()), identify_repeats(several)
+        np.testing.assert_allclose(many.modes.poles, one.modes.poles, rtol=1e-12)
+        assert many.modes.covariance is not None
+        assert one.modes.covariance is not None
+        np.testing.assert_allclose(many.modes.covariance, one.modes.covariance, rtol=1e-6)
+        assert [start for start, _ in many.spans] == pytest.approx([0.0, 7.0, 14.0])
+
+    def test_other_channels_are_no_repeat(self) -> None:
+        first = record(decays()[:1], std=1e-4, seed=5)
+        second = as_response(np.asarray(first.time), np.asarray(first.y), ("seat", "tire", "chassis"))
+        with pytest.raises(InputError, match="record 2 has the channels seat, tire, chassis"):
+            identify_repeats([first, second])
+
+    def test_another_rate_is_no_repeat(self) -> None:
+        first = record(decays()[:1], std=1e-4, seed=5)
+        second = as_response(1.001 * np.asarray(first.time), np.asarray(first.y), MASSES)
+        with pytest.raises(InputError, match=r"record 2 is sampled at 249.75 Hz, record 1 at 250 Hz"):
+            identify_repeats([first, second])
+
+    def test_stretches_belong_to_one_recording(self) -> None:
+        first = record(decays()[:1], std=1e-4, seed=5)
+        with pytest.raises(InputError, match="stretches of one recording"):
+            identify_repeats([first], [(0.0, 1.0)])
+        with pytest.raises(InputError, match="no decay is given"):
+            identify_repeats(first)

@@ -33,6 +33,8 @@ if TYPE_CHECKING:
 
 # Poles are sought in the repeats at least this long, relative to the median, side by side over their common length.
 LONG_ENOUGH = 0.5
+# Relative difference of the steps of records that are joined; a larger one would shift every pole by as much.
+SAME_STEP = 1e-6
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -93,8 +95,8 @@ def tables_of_repeats(found: Repeats) -> str:
 
 
 def identify_repeats(
-    response: control.TimeResponseData,
-    decays: Sequence[Stretch | tuple[Second, Second]],
+    response: control.TimeResponseData | Sequence[control.TimeResponseData],
+    decays: Sequence[Stretch | tuple[Second, Second]] | None = None,
     *,
     modes: int | None = None,
     band: tuple[RadianPerSecond, RadianPerSecond] | None = None,
@@ -110,10 +112,11 @@ def identify_repeats(
 
     Parameters
     ----------
-    response : control.TimeResponseData
-        The recording.
-    decays : sequence of Decay or (float, float)
-        The stretches of free decay, or their first and last times [s].
+    response : control.TimeResponseData, or several
+        One recording with several decays, or several records with the same channels and rate, each a decay from its
+        first sample on.
+    decays : sequence of Decay or (float, float), optional
+        The stretches of free decay in one recording, or their first and last times [s].
     modes : int, optional
         How many modes: the strongest. Default: all that the decays support.
     band : (float, float), optional
@@ -145,13 +148,12 @@ def identify_repeats(
     >>> (found.modes.wn / (2 * np.pi)).round(2)
     array([ 1.08, 11.68])
     """
-    spans = tuple((d.start, d.stop) if not isinstance(d, tuple) else (float(d[0]), float(d[1])) for d in decays)
-    if not spans:
-        raise InputError("no decay is given; give at least one, as from find_decays, or (start, stop) in seconds")
     if modes is not None and modes < 1:
         raise InputError(f"{modes=}: ask for at least one mode, or leave it out to find out")
-    each = tuple(_identified(response, start, stop, band) for start, stop in spans)
+    parts = _stretches(response, decays)
+    each = tuple(_identified(name, part, band) for name, part in parts)
     signals = [as_signal(found.response, least=FEWEST_SAMPLES) for found in each]
+    spans = tuple((s.start, s.start + s.step * (s.values.shape[1] - 1)) for s in signals)
     step, channels = signals[0].step, signals[0].channels
     values = [s.values - s.values.mean(axis=1, keepdims=True) for s in signals]
     noises = [noise_of(s.values) for s in signals]
@@ -190,18 +192,57 @@ def identify_repeats(
     )
 
 
+def _stretches(
+    response: control.TimeResponseData | Sequence[control.TimeResponseData],
+    decays: Sequence[Stretch | tuple[Second, Second]] | None,
+) -> list[tuple[str, control.TimeResponseData]]:
+    """Return each decay with its name in messages."""
+    if isinstance(response, list | tuple):
+        if decays is not None:
+            raise InputError("decays are stretches of one recording; several records are decays as they are")
+        parts = [(f"record {number}", one) for number, one in enumerate(response, 1)]
+        _check_alike(parts)
+    else:
+        spans = [(d.start, d.stop) if not isinstance(d, tuple) else (float(d[0]), float(d[1])) for d in decays or ()]
+        names = [f"the decay {start:g} … {stop:g} s" for start, stop in spans]
+        parts = [(name, _cut(name, response, *span)) for name, span in zip(names, spans, strict=True)]
+    if not parts:
+        raise InputError("no decay is given; give at least one, as from find_decays, or (start, stop) in seconds")
+    return parts
+
+
+def _check_alike(parts: Sequence[tuple[str, control.TimeResponseData]]) -> None:
+    """Refuse records of other channels or of another rate: they are not repeats of one test."""
+    signals = [as_signal(part) for _, part in parts]
+    for (name, _), signal in zip(parts, signals, strict=True):
+        if signal.channels != signals[0].channels:
+            raise InputError(
+                f"{name} has the channels {', '.join(signal.channels)}, record 1 has {', '.join(signals[0].channels)}; "
+                f"choose the same channels, in the same order, from each"
+            )
+        if abs(signal.step - signals[0].step) > SAME_STEP * signals[0].step:
+            raise InputError(
+                f"{name} is sampled at {1 / signal.step:.6g} Hz, record 1 at {1 / signals[0].step:.6g} Hz; repeats "
+                f"are joined at one rate only: identify them one by one and compare"
+            )
+
+
+def _cut(name: str, response: control.TimeResponseData, start: Second, stop: Second) -> control.TimeResponseData:
+    try:
+        return cut(response, start=start, stop=stop)
+    except RecordError as error:
+        raise RecordError(f"{name} cannot be used: {error}") from error
+
+
 def _identified(
-    response: control.TimeResponseData,
-    start: Second,
-    stop: Second,
-    band: tuple[RadianPerSecond, RadianPerSecond] | None,
+    name: str, part: control.TimeResponseData, band: tuple[RadianPerSecond, RadianPerSecond] | None
 ) -> Identification:
     try:
-        return identify(cut(response, start=start, stop=stop), band=band)
+        return identify(part, band=band)
     except RecordError as error:
-        raise RecordError(f"the decay {start:g} … {stop:g} s cannot be used: {error}") from error
+        raise RecordError(f"{name} cannot be used: {error}") from error
     except IdentificationError as error:
-        raise IdentificationError(f"the decay {start:g} … {stop:g} s: {error}", found=error.found) from error
+        raise IdentificationError(f"{name}: {error}", found=error.found) from error
 
 
 def _end_to_end(residual: RealArray, *, repeats: int) -> RealArray:
