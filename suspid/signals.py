@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 # Largest distance of a time stamp from the uniform grid, in sampling steps. At the highest frequency of use, a tenth
 # of the rate, it moves a sample by 0.6 % of the amplitude.
 JITTER = 0.01
+# The largest motion counts as late after this share of the record.
+LATE = 0.02
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -188,3 +190,11 @@ def cut(
             f"to {time[-1]:g} s"
         )
     return as_response(time[keep], signal.values[:, keep], signal.channels)
+
+
+def late_start(signal: Signal) -> Second | None:
+    """Return the time of the largest motion [s], if that is after a fiftieth of the record, else None."""
+    about = np.abs(signal.values - signal.values.mean(axis=1, keepdims=True))
+    strength = np.sum((about / np.maximum(about.max(axis=1, keepdims=True), 1e-300)) ** 2, axis=0)
+    peak = int(np.argmax(strength))
+    return float(signal.timepts[peak]) if peak > LATE * signal.values.shape[1] else None

@@ -78,7 +78,7 @@ class TestLevels:
         found = envelopes(signal(noise(6, samples=5000, channels=2)))
         assert found.threshold == pytest.approx(10 * np.log10(4 * np.log(1e4 * 1000)))
 
-    @pytest.mark.parametrize("step", [0.125, np.e])
+    @pytest.mark.parametrize("step", [0.125, float(np.exp(1.0))])
     def test_a_resampled_quantised_sensor_has_the_deviation_of_its_steps(self, step: float) -> None:
         held = np.repeat(step * np.round(3 * noise(7, samples=500)[0]), 4)
         between = np.repeat(held, 2)

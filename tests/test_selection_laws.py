@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.signal import lfilter
 
 from suspid import identify
-from suspid.identification.candidates import candidates
+from suspid.identification.candidates import ranked, searched
 from suspid.identification.exponentials import blocks_of
 from suspid.identification.likelihood import bic_penalty, evaluate, maximize
 from suspid.identification.noise import WhiteNoise, noise_colour
@@ -210,7 +210,7 @@ class TestGains:
         q, _ = np.linalg.qr(columns(known))
         residual = values - (values @ q) @ q.T
         variance = np.mean(residual**2, axis=1)
-        found = candidates(fit, residual, variance)
+        found = ranked(fit, variance, searched(fit, residual, variance))
         assert len(found) >= 3
         assert {one.real for one in found[:4]} == {True, False}
         for one in found:

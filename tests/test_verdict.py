@@ -16,11 +16,10 @@ from suspid.identification.verdict import (
     ROUGH_ZETA,
     SAMPLES_EACH,
     UNKNOWN_ZETA,
-    late_start,
     verdict_of,
 )
 from suspid.model import ModalSet
-from suspid.signals import Signal, as_response, as_signal
+from suspid.signals import Signal, as_response, as_signal, late_start
 from suspid.units import RealArray
 from suspid.words import Check, Code, ModeCheck, Reason, Remark
 from validation import cars

@@ -10,8 +10,7 @@ import numpy as np
 from suspid.analysis.settings import Settings
 from suspid.decays import Decay, Decays, find_decays
 from suspid.errors import RecordError
-from suspid.identification import late_start
-from suspid.signals import as_response, as_signal, cut
+from suspid.signals import as_response, as_signal, cut, late_start
 from suspid.words import Note, Remark
 
 if TYPE_CHECKING:

@@ -23,32 +23,16 @@ RINGING: Decibel = 3.0
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Burst:
-    """An event: a stretch whose power rises above the background.
+    """An event: a stretch whose power rises above the background."""
 
-    Parameters
-    ----------
-    onset, peak, stop : float
-        Its beginning, its peak, and its end or the beginning of the next one [s].
-    level : float
-        Power over background at the peak, in the strongest band and channel [dB].
-    top : float
-        Centre frequency of the highest band that rings after the onset [Hz].
-    width : float
-        Uncertainty of the onset: one period of the highest band that passes the threshold [s].
-    cut : bool
-        Whether the next event begins before this one is over.
-    again : tuple of float
-        Times at which one of its bands rises again while others still decay [s].
-    """
-
-    onset: Second
-    peak: Second
-    stop: Second
-    level: Decibel
-    top: Hertz
-    width: Second
-    cut: bool
-    again: tuple[Second, ...] = ()
+    onset: Second  # its beginning [s]
+    peak: Second  # its peak [s]
+    stop: Second  # its end or the beginning of the next one [s]
+    level: Decibel  # power over background at the peak, in the strongest band and channel [dB]
+    top: Hertz  # centre frequency of the highest band that rings after the onset [Hz]
+    width: Second  # uncertainty of the onset: one period of the highest band that passes the threshold [s]
+    cut: bool  # whether the next event begins before this one is over
+    again: tuple[Second, ...] = ()  # times at which one of its bands rises again while others still decay [s]
 
 
 def find_bursts(found: Envelopes) -> tuple[Burst, ...]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from suspid.decays.bursts import Burst
 from suspid.decays.decay import Decay
-from suspid.decays.doubts import COUNTS, clipped_samples, doubts_of, doubts_of_background
+from suspid.decays.doubts import COUNTING_SHARE, clipped_samples, doubts_of, doubts_of_background
 from suspid.decays.envelopes import Envelopes
 from suspid.decays.kinds import kind_of
 from suspid.decays.refusals import Refusal, drowned, fits, refused
@@ -34,21 +34,11 @@ Found: TypeAlias = tuple[tuple[Decay, ...], tuple[Remark, ...]]
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Recording:
-    """A recording with what every event in it needs.
+    """A recording with what every event in it needs."""
 
-    Parameters
-    ----------
-    signal : Signal
-        The recording.
-    bands : Envelopes
-        Power of its octave bands above the background.
-    finest : ndarray (channel,)
-        Standard deviation of the rounding and quantisation error.
-    """
-
-    signal: Signal
-    bands: Envelopes
-    finest: RealArray
+    signal: Signal  # the recording
+    bands: Envelopes  # power of its octave bands above the background
+    finest: RealArray  # (channel,): standard deviation of the rounding and quantisation error
 
 
 def decays_after(recording: Recording, burst: Burst) -> Found:
@@ -75,14 +65,7 @@ def decays_after(recording: Recording, burst: Burst) -> Found:
 def examined(recording: Recording, burst: Burst, *, moved: bool) -> Found:
     """Return the decay after an event, or the reason why there is none.
 
-    Parameters
-    ----------
-    recording : Recording
-        The recording.
-    burst : Burst
-        The event.
-    moved : bool
-        Whether the start is searched; otherwise it is that of the event.
+    Unless the start is ``moved``, the decay begins with the event.
     """
     signal = recording.signal
     first = max(0, int(np.ceil((burst.onset - signal.start) / signal.step - 1e-6)))
@@ -142,7 +125,7 @@ def _refusal(recording: Recording, start: Start) -> Refusal | None:
 
 def _cycles(trial: Trial) -> float:
     """Return the most cycles of a mode that counts."""
-    return float(np.max(trial.cycles[trial.strengths >= COUNTS * np.max(trial.strengths)]))
+    return float(np.max(trial.cycles[trial.strengths >= COUNTING_SHARE * np.max(trial.strengths)]))
 
 
 def _decay(

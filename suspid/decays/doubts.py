@@ -16,9 +16,9 @@ from suspid.units import RealArray
 from suspid.words import DecayDoubt, Reason, Remark
 
 # Fewer cycles than these, of the mode that makes most or of the slowest one, are doubted.
-FEW_CYCLES = 2.0
+DOUBTED_CYCLES = 2.0
 # Modes with this share of the energy of the strongest count. With a smaller share, traces of noise cast doubts.
-COUNTS = 0.01
+COUNTING_SHARE = 0.01
 # Blocks that each mode needs, about five cycles of the highest one.
 FEW_BLOCKS = 40
 # If at least this many events, and more than half of all examined, are no decays, the others are doubted. A lower
@@ -43,12 +43,12 @@ def doubts_of(
 
 
 def _doubts_of_length(trial: Trial, cycles: float) -> Iterator[Remark]:
-    if cycles < FEW_CYCLES:
+    if cycles < DOUBTED_CYCLES:
         yield Remark(DecayDoubt.FEW_CYCLES, {"cycles": cycles})
-    strong = trial.strengths >= COUNTS * np.max(trial.strengths)
+    strong = trial.strengths >= COUNTING_SHARE * np.max(trial.strengths)
     blocks = trial.residual.shape[1]
     slowest = float(np.min(trial.selection.fit.poles.pairs[trial.modes][strong].imag)) / (2 * np.pi)
-    if slowest * blocks < FEW_CYCLES:
+    if slowest * blocks < DOUBTED_CYCLES:
         yield Remark(DecayDoubt.TOO_SHORT, {"hertz": slowest / trial.step, "cycles": slowest * blocks})
     if blocks < FEW_BLOCKS * len(trial.modes):
         yield Remark(DecayDoubt.FEW_SAMPLES, {"samples": blocks, "modes": len(trial.modes)})

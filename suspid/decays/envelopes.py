@@ -15,7 +15,7 @@ from suspid.values import frozen_real
 # onset in time.
 OCTAVES = 0.4
 # The lowest band makes this many cycles in the record. With fewer cycles its background cannot be estimated.
-LEAST_CYCLES = 8.0
+LOWEST_BAND = 8.0
 # Within this many periods of either end a band shows the mirrored signal. Fewer periods give false events at the ends.
 FOLD = 1.5
 # The background estimate of a band scatters by as much again when it rests on this many cycles; its levels are lowered
@@ -28,7 +28,7 @@ QUANTILE = 0.25
 DYNAMIC = 1e-7
 # Probability that Gaussian noise alone passes the threshold anywhere in the record, and the factor in power above that
 # threshold at which an event begins. The factor allows for noise that is not Gaussian, such as rolling on a road.
-CHANCE, MARGIN = 1e-3, 4.0
+FALSE_EVENT, MARGIN = 1e-3, 4.0
 # Longest envelope [points]. It bounds time and memory for long recordings, and limits the resolution in time there.
 MOST_POINTS = 2**17
 # A sensor that changes this often between values that it holds is taken to be quantised. Fewer changes are chance.
@@ -37,24 +37,12 @@ FEWEST_CHANGES = 8
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Envelopes:
-    """Power of octave bands over the background, maximum over the channels.
+    """Power of octave bands over the background, maximum over the channels."""
 
-    Parameters
-    ----------
-    timepts : ndarray (point,)
-        Times [s].
-    centres : ndarray (band,)
-        Centre frequencies of the bands [Hz], descending.
-    levels : ndarray (band, point)
-        Power over background [dB].
-    threshold : float
-        Level that noise does not reach [dB].
-    """
-
-    timepts: RealArray
-    centres: RealArray
-    levels: RealArray
-    threshold: Decibel
+    timepts: RealArray  # (point,): times [s]
+    centres: RealArray  # (band,): centre frequencies of the bands [Hz], descending
+    levels: RealArray  # (band, point): power over background [dB]
+    threshold: Decibel  # level that noise does not reach [dB]
 
     @property
     def level(self) -> RealArray:
@@ -72,11 +60,6 @@ def envelopes(signal: Signal) -> Envelopes:
 
     The record is mirrored at its end so that its Fourier transform sees no jump. Each band is the inverse transform of
     its own bins alone, so low bands cost little.
-
-    Parameters
-    ----------
-    signal : Signal
-        The record.
 
     Examples
     --------
@@ -111,7 +94,7 @@ def envelopes(signal: Signal) -> Envelopes:
         levels[band, :edge] = levels[band, edge]
         levels[band, points - edge :] = levels[band, points - edge - 1]
         levels[band] -= 10 * np.log10(1 + UNCERTAIN_CYCLES / (centre * signal.duration))
-    chances = count * len(signal.values) / CHANCE
+    chances = count * len(signal.values) / FALSE_EVENT
     return Envelopes(
         timepts=frozen_real(signal.start + signal.step * at),
         centres=frozen_real(centres),
@@ -153,7 +136,7 @@ def finest(values: RealArray) -> RealArray:
 
 
 def _centres(signal: Signal) -> RealArray:
-    top, bottom = 0.25 / signal.step, LEAST_CYCLES / signal.duration
+    top, bottom = 0.25 / signal.step, LOWEST_BAND / signal.duration
     return np.asarray(top / 2.0 ** np.arange(max(1, int(np.floor(np.log2(top / bottom))) + 1)))
 
 

@@ -24,14 +24,7 @@ SURE_SHIFT, SURE_SPIKE = 5.0, 10.0
 def kind_of(signal: Signal, trial: Trial, first: int, begin: int) -> DecayKind | None:
     """Return what set a decay off, or None if neither the rest positions before and after nor a spike show it.
 
-    Parameters
-    ----------
-    signal : Signal
-        The recording.
-    trial : Trial
-        The fit from ``begin`` on.
-    first, begin : int
-        First sample of the event and of the decay.
+    The event begins at sample ``first``, the decay at sample ``begin``, from which the trial is fitted.
     """
     quiet = signal.values[:, max(0, first - int(BEFORE / signal.step)) : first]
     if quiet.shape[1] < FEWEST_SAMPLES:

@@ -19,9 +19,9 @@ Refusal: TypeAlias = tuple[DecayRemark, Mapping[str, Number]]
 # weak decays; a larger one accepts modes of the background that a click elsewhere made visible.
 OWN_BAND: Decibel = 6.0
 # A fit of more poles follows noise or driven motion. A car with seat has 3 pairs, and drifts and tones take some more.
-MOST_POLES = 10
+MOST_DECAY_POLES = 10
 # Decaying modes explain at least this share of the first third of the motion, and leave no more than that.
-LEAST_SHARE = 0.5
+DECAYING_SHARE = 0.5
 # Growing motion has at most this share of the energy: beyond that the motion is driven.
 GROWN = 0.1
 # Relative standard deviation of the best decay rate, at most. A higher limit accepts bumps of noise.
@@ -35,8 +35,8 @@ def refused(trial: Trial) -> Refusal | None:
     if not len(trial.modes):
         others = sorted({str(reason) for reason in trial.selection.reasons if reason is not None})
         return DecayRemark.NO_MODE, {"others": tuple(others)}
-    if trial.poles > MOST_POLES:
-        return DecayRemark.MANY_POLES, {"poles": trial.poles, "most": MOST_POLES}
+    if trial.poles > MOST_DECAY_POLES:
+        return DecayRemark.MANY_POLES, {"poles": trial.poles, "most": MOST_DECAY_POLES}
     spread = float(np.min(trial.rate_std))
     if spread > WORST_KNOWN:
         return DecayRemark.WEAK, {"share": spread}
@@ -48,9 +48,9 @@ def refused(trial: Trial) -> Refusal | None:
     if grown[best] > GROWN:
         return DecayRemark.GROWING, {"share": float(grown[best])}
     left = float(trial.left[best])
-    if left > LEAST_SHARE:
+    if left > DECAYING_SHARE:
         return DecayRemark.LEFT_OVER, {"share": left}
-    if share[best] < LEAST_SHARE:
+    if share[best] < DECAYING_SHARE:
         return DecayRemark.UNEXPLAINED, {"share": float(share[best])}
     return None
 

@@ -18,14 +18,8 @@ def clearly_driven(values: RealArray, *, size: int) -> bool:
     """Return whether 20 damped exponentials fail to follow a stretch in at least half of its channels.
 
     The exponentials come from the shift of the signal subspace (ESPRIT); growing ones are reflected to decaying ones.
-    They follow a free decay down to its noise in all channels, but not driven motion.
-
-    Parameters
-    ----------
-    values : ndarray (channel, sample)
-        The stretch.
-    size : int
-        Samples per block, see `suspid.decays.trials.block_size`.
+    They follow a free decay down to its noise in all channels, but not driven motion. The samples are averaged in
+    blocks of ``size``, see `suspid.decays.trials.block_size`.
 
     Examples
     --------

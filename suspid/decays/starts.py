@@ -19,35 +19,25 @@ from suspid.units import RealArray
 # Starts are tried at delays that grow by this factor, up to this share of the stretch. Then the interval between the
 # last start that fails and the first that holds is halved this often. A smaller factor and more halvings give a more
 # precise start and cost time.
-LATER, LATEST, HALVINGS = 1.4, 0.4, 2
+LATER, LATEST_START, HALVINGS = 1.4, 0.4, 2
 # These starts are tried first, over this many blocks. The stretch is refused if each of them is.
 LOOKS, LOOK_BLOCKS = (1, 6, 11), 300
 # A start holds if this many later starts need no fewer poles, because poles that fit the excitation disappear then.
 NEXT = 2
 # If no start holds, the search ends this many periods of the highest band after the start with the least residual, if
 # that leaves less than this share of the motion.
-PATIENCE, FITTING = 4, 0.5
+MORE_PERIODS, FITTING = 4, 0.5
 # A start that does not hold is as good as the best if its residual is at most this many times as large.
 AS_GOOD = 1.5
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Start:
-    """The first sample from which an event decays freely.
+    """The first sample from which an event decays freely."""
 
-    Parameters
-    ----------
-    begin : int
-        Its number.
-    trial : Trial or None
-        The fit from there; None if there is none.
-    driven : bool
-        Whether the event is driven motion throughout.
-    """
-
-    begin: int
-    trial: Trial | None
-    driven: bool = False
+    begin: int  # its number
+    trial: Trial | None  # the fit from there; None if there is none
+    driven: bool = False  # whether the event is driven motion throughout
 
 
 def find_start(
@@ -55,20 +45,8 @@ def find_start(
 ) -> Start:
     """Return the first sample from which an event decays freely.
 
-    Parameters
-    ----------
-    signal : Signal
-        The recording.
-    least : ndarray (channel,)
-        Lower bound of the variance of the noise in a block.
-    burst : Burst
-        The event.
-    first, last : int
-        Its first sample, and the one after its last.
-    size : int
-        Samples per block.
-    clipped : ndarray (sample,)
-        Which samples are clipped: those early in the stretch are left out.
+    The event has the samples ``first`` to ``last`` (excluded), averaged in blocks of ``size``; ``least`` is the lower
+    bound of the variance of the noise in a block, (channel,). Clipped samples early in the event are left out.
     """
 
     @cache
@@ -89,7 +67,7 @@ def find_start(
     promising, seen = _look([places[n] for n in LOOKS if n < len(places)], look, driven)
     if not promising and len(places) > 1:
         return Start(begin=begin, trial=seen, driven=seen is None)
-    found, residuals = _search(places, at, driven, patience=PATIENCE * burst.width / signal.step)
+    found, residuals = _search(places, at, driven, patience=MORE_PERIODS * burst.width / signal.step)
     if found is not None:
         return found
     if not residuals:
@@ -105,7 +83,7 @@ def find_start(
 def _places(begin: int, last: int, *, pace: float) -> list[int]:
     """Return the starts to try: delays that grow from ``pace`` samples on."""
     delays = [0.0, pace]
-    while delays[-1] * LATER < LATEST * (last - begin):
+    while delays[-1] * LATER < LATEST_START * (last - begin):
         delays.append(delays[-1] * LATER)
     return list(dict.fromkeys(begin + round(delay) for delay in delays))
 

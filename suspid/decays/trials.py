@@ -20,18 +20,18 @@ MOST_BLOCKS = 600
 FEWEST_BLOCKS = 32
 # The residual of the first of this many parts is compared with the others, of at least this many blocks each. Longer
 # parts dilute a forced beginning; shorter ones scatter.
-PARTS, FEWEST_EARLY = 24, 6
+TRIAL_PARTS, FEWEST_EARLY = 24, 6
 # Standard deviations of chance by which the first part may exceed the others. A lower limit moves starts too late and
 # doubts good decays; a higher one lets forcing pass.
 EARLY_SURE = 5.0
 # A residual below this share of the motion is not compared: the fit is exact to rounding.
-NEGLIGIBLE = 1e-4
+EXACT_RESIDUAL = 1e-4
 # The noise has at least this share of the variance of a stretch at this quantile of the recording, if there are this
 # many stretches. Without it the fit spends poles on the background.
 QUIET_SHARE, QUIET_QUANTILE, FEWEST_STRETCHES = 0.5, 0.25, 4
 # Probability with which a white residual is called coloured by its correlation over one block (5 standard deviations).
 # It is small because a stretch is tried from many starts.
-COLOUR_LEVEL = 5.733e-7
+TRIAL_COLOUR_LEVEL = 5.733e-7
 # Quantile of the power over the stretches that counts as background. The median is too high where decays fill half of
 # the recording.
 CALM = 0.2
@@ -39,30 +39,14 @@ CALM = 0.2
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Trial:
-    """Fit of damped exponentials to a stretch from its first sample on.
+    """Fit of damped exponentials to a stretch from its first sample on."""
 
-    Parameters
-    ----------
-    step : float
-        Length of a block [s]; the means over blocks are fitted.
-    selection : Selection
-        The poles, per block.
-    motion : ndarray (channel, block)
-        Motion explained by the modes among them.
-    growing : ndarray (channel, block)
-        Motion explained by growing poles.
-    residual : ndarray (channel, block)
-        Motion explained by neither.
-    noise_std : ndarray (channel,)
-        Standard deviation of the residual.
-    """
-
-    step: Second
-    selection: Selection
-    motion: RealArray
-    growing: RealArray
-    residual: RealArray
-    noise_std: RealArray
+    step: Second  # length of a block [s]; the means over blocks are fitted
+    selection: Selection  # the poles, per block
+    motion: RealArray  # (channel, block): motion explained by the modes among them
+    growing: RealArray  # (channel, block): motion explained by growing poles
+    residual: RealArray  # (channel, block): motion explained by neither
+    noise_std: RealArray  # (channel,): standard deviation of the residual
 
     @property
     def modes(self) -> NDArray[np.intp]:
@@ -78,7 +62,7 @@ class Trial:
     @property
     def parts(self) -> RealArray:
         """Mean square of the residual in each part over the median of the parts, (channel, part)."""
-        size = max(FEWEST_EARLY, self.residual.shape[1] // PARTS)
+        size = max(FEWEST_EARLY, self.residual.shape[1] // TRIAL_PARTS)
         count = max(1, self.residual.shape[1] // size)
         power = np.mean(self.residual[:, : count * size].reshape(len(self.residual), count, size) ** 2, axis=2)
         least = np.maximum(np.median(power[:, 1:] if count > 1 else power, axis=1), 1e-12 * self.noise_std**2 + 1e-300)
@@ -87,15 +71,15 @@ class Trial:
     @property
     def excess(self) -> float:
         """Residual power of the first part over the median of the parts, relative to the limit of chance [1]."""
-        size = max(FEWEST_EARLY, self.residual.shape[1] // PARTS)
+        size = max(FEWEST_EARLY, self.residual.shape[1] // TRIAL_PARTS)
         early = np.sum(self.residual[:, :size] ** 2, axis=1)
-        matters = early > NEGLIGIBLE**2 * np.sum(self.motion[:, :size] ** 2, axis=1)
+        matters = early > EXACT_RESIDUAL**2 * np.sum(self.motion[:, :size] ** 2, axis=1)
         return float(np.max(self.parts[:, 0] * matters) / (1 + EARLY_SURE * np.sqrt(2 / size)))
 
     @property
     def early(self) -> float:
         """Residual over motion in the first part, root mean square, largest over the channels [1]."""
-        size = max(FEWEST_EARLY, self.residual.shape[1] // PARTS)
+        size = max(FEWEST_EARLY, self.residual.shape[1] // TRIAL_PARTS)
         motion = np.sum(self.motion[:, :size] ** 2, axis=1)
         return float(np.sqrt(np.max(np.sum(self.residual[:, :size] ** 2, axis=1) / np.maximum(motion, 1e-300))))
 
@@ -103,7 +87,7 @@ class Trial:
     def left(self) -> RealArray:
         """Residual over motion in the first third, root mean square, or 0 where the residual is white, (channel,)."""
         early = max(1, self.residual.shape[1] // 3)
-        coloured = correlated(lag_one(self.residual), self.residual.shape[1], level=COLOUR_LEVEL)
+        coloured = correlated(lag_one(self.residual), self.residual.shape[1], level=TRIAL_COLOUR_LEVEL)
         motion = np.sum(self.motion[:, :early] ** 2, axis=1)
         left = np.sum(self.residual[:, :early] ** 2, axis=1)
         share = np.divide(left, motion, out=np.full_like(left, np.inf), where=motion > 1e-200 * left)
@@ -141,18 +125,10 @@ def block_size(step: Second, top: Hertz) -> int:
 
 
 def quiet_variance(values: RealArray, *, size: int, length: int, finest: RealArray) -> RealArray:
-    """Return a lower bound of the variance of the noise in the means over blocks, (channel,).
+    """Return a lower bound of the variance of the noise in the means over blocks of ``size`` samples, (channel,).
 
-    Parameters
-    ----------
-    values : ndarray (channel, sample)
-        The recording.
-    size : int
-        Samples per block.
-    length : int
-        Samples of the stretch.
-    finest : ndarray (channel,)
-        Standard deviation of the rounding and quantisation error.
+    It is `QUIET_SHARE` of a low quantile over stretches of the recording of ``length`` samples, and at least the
+    variance of the rounding and quantisation error, whose standard deviation is ``finest``.
     """
     blocks = max(length // size, FEWEST_BLOCKS)
     stretches = values.shape[1] // (blocks * size)
@@ -189,21 +165,8 @@ def background_ratio(values: RealArray, trial: Trial, *, size: int, length: int)
 def tried(values: RealArray, *, step: Second, size: int, least: RealArray, most: int = MOST_BLOCKS) -> Trial | None:
     """Return the fit to a stretch, or None if it is too short or a channel is constant.
 
-    Means over blocks keep the poles of exponentials and the whiteness of noise. Unlike a filter they do not mix in
-    samples from before the stretch.
-
-    Parameters
-    ----------
-    values : ndarray (channel, sample)
-        The stretch.
-    step : float
-        Sampling step [s].
-    size : int
-        Samples per block.
-    least : ndarray (channel,)
-        Lower bound of the variance of the noise in a block, see `quiet_variance`.
-    most : int
-        Most blocks to use, the first ones.
+    Means over blocks of ``size`` samples, the first ``most`` of them, keep the poles of exponentials and the whiteness
+    of noise. Unlike a filter they do not mix in samples from before the stretch. ``least`` is from `quiet_variance`.
     """
     count = min(values.shape[1] // size, most)
     if count < FEWEST_BLOCKS:

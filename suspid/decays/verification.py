@@ -28,20 +28,9 @@ def verified(
 ) -> tuple[int, Remark | None]:
     """Return a start from which `identify` finds the modes of a trial, and a doubt if there is none.
 
-    A trial fits means over blocks, which hide a few forced samples; `identify` fits all samples.
-
-    Parameters
-    ----------
-    signal : Signal
-        The moving channels of the recording.
-    trial : Trial
-        The fit that found the decay.
-    begin, last : int
-        First sample of the decay, and the one after its last.
-    size : int
-        Samples per block.
-    moved : bool
-        Whether later starts may be tried.
+    A trial fits means over blocks of ``size`` samples, which hide a few forced samples; `identify` fits all samples.
+    The signal holds the moving channels; the decay has the samples ``begin`` to ``last`` (excluded). Later starts are
+    tried if it may be ``moved``.
     """
     first_doubt: Remark | None = None
     usable: int | None = None

@@ -3,8 +3,8 @@
 `identify` fits damped exponentials to all channels jointly by maximum likelihood and selects the number of poles by
 BIC, or runs the wavelet steps. `identify_repeats` fits several decays jointly. Below them: `exponentials` and `poles`
 (inner products), `noise` (least variance, likelihood, colour), `likelihood` and `joint_fit` (fits of one decay and of
-several), `candidates`, `fitting`, `refinement`, `classification` and `selection` (number of poles), `covariance` and
-`modal_estimate` (modes with uncertainty), `halves` and `agreement` (consistency), `modes_json` (files).
+several), `candidates`, `fitting`, `refinement`, `classification`, `selection` (number of poles), `covariance`,
+`halves` and `agreement` (consistency), `modes_json` (files). Samples are (channel, sample), poles per sample.
 """
 
 from suspid.identification.exponentials import synthesize
@@ -23,7 +23,7 @@ from suspid.identification.noise import (
 )
 from suspid.identification.selection import Selection, select
 from suspid.identification.steps import FourSteps
-from suspid.identification.verdict import late_start, verdict_of, verdict_of_repeats
+from suspid.identification.verdict import verdict_of, verdict_of_repeats
 
 __all__ = [
     "FEWEST_SAMPLES",
@@ -41,7 +41,6 @@ __all__ = [
     "identify",
     "identify_repeats",
     "lag_one",
-    "late_start",
     "modes_to_dict",
     "read_modes",
     "resolution",

@@ -20,7 +20,7 @@ DECAY_FACTOR = 4.0
 # Local maxima whose gain is computed exactly, beyond the points beside fitted poles. More cost time.
 LOCAL_MAXIMA = 48
 # The largest number of candidates, and of those that are fitted before the search ends.
-MOST_CANDIDATES, TRIES = 12, 3
+MOST_CANDIDATES, CANDIDATES_TRIED = 12, 3
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -32,41 +32,14 @@ class Candidate:
     gain: float
 
 
-def candidates(fit: DecayFit, residual: RealArray, variance: RealArray) -> list[Candidate]:
-    """Return poles in order of gain less BIC penalty, no two within a linewidth of each other.
-
-    Parameters
-    ----------
-    fit : DecayFit
-        The poles fitted so far; a gain counts the part orthogonal to them.
-    residual : ndarray (channel, sample)
-        Residual of the fit.
-    variance : ndarray (channel,)
-        Mean square of the residual.
-    """
-    return ranked(fit, variance, searched(fit, residual, variance))
-
-
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Points:
-    """Grid points with a large residual.
+    """Grid points with a large residual."""
 
-    Parameters
-    ----------
-    theta : ndarray (point,)
-        Exponents per sample, the first ones real.
-    inner : ndarray (channel, point)
-        Inner products with the record.
-    reals : int
-        Number of real exponents.
-    count : int
-        Samples per channel.
-    """
-
-    theta: ComplexArray
-    inner: ComplexArray
-    reals: int
-    count: int
+    theta: ComplexArray  # (point,): exponents per sample, the first ones real
+    inner: ComplexArray  # (channel, point): inner products with the record
+    reals: int  # number of real exponents
+    count: int  # samples per channel
 
 
 def searched(fit: DecayFit, residual: RealArray, variance: RealArray) -> Points:
@@ -80,7 +53,10 @@ def searched(fit: DecayFit, residual: RealArray, variance: RealArray) -> Points:
 
 
 def ranked(fit: DecayFit, variance: RealArray, points: Points) -> list[Candidate]:
-    """Return the candidates among grid points, see `candidates`."""
+    """Return grid points in order of gain less BIC penalty, no two within a linewidth of each other.
+
+    A gain counts the part orthogonal to the poles fitted so far.
+    """
     theta, count, reals, channels = points.theta, points.count, points.reals, len(variance)
     cross = cross_sums(fit.poles.exponents.conj(), theta, count)
     solved = np.linalg.inv(fit.gram) @ cross
@@ -99,7 +75,7 @@ def ranked(fit: DecayFit, variance: RealArray, points: Points) -> list[Candidate
     distinct: list[Candidate] = []
     for _ in range(MOST_CANDIDATES):
         best = int(net.argmax())
-        if net[best] == -np.inf or (net[best] < 0 and len(distinct) >= TRIES):
+        if net[best] == -np.inf or (net[best] < 0 and len(distinct) >= CANDIDATES_TRIED):
             break
         distinct.append(Candidate(theta=complex(theta[best]), real=best < reals, gain=float(gains[best])))
         near = np.abs(theta.imag - theta[best].imag) <= np.maximum(reach, reach[best])

@@ -27,12 +27,7 @@ REAL_SURE, PAIR_LEVEL = 150.0, 0.14
 def reasons_of(fit: DecayFit, band: tuple[float, float]) -> tuple[Reason | None, ...]:
     """Return why each free pole (pairs, then reals) is no mode, None for a mode.
 
-    Parameters
-    ----------
-    fit : DecayFit
-        The fit.
-    band : (float, float)
-        Angular frequencies per sample between which a pole can be a mode.
+    The band holds the angular frequencies per sample between which a pole can be a mode.
     """
     spread, pairs = np.sqrt(np.diag(inverse_information(fit.information))), len(fit.poles.pairs)
     of_pairs = [_reason_of_pair(p, s, fit.count, band) for p, s in zip(fit.poles.pairs, spread[::2], strict=False)]
@@ -64,18 +59,9 @@ def _reason_of_pair(theta: complex, spread: float, count: int, band: tuple[float
 
 
 def ambiguous(gains: RealArray, pair_gains: RealArray, *, channels: int) -> RealArray:
-    """Return which real poles could as well be heavily damped pairs, (real,).
+    """Return which real poles could as well be heavily damped pairs, (real,), from what each and such a pair gains.
 
     By chance a pair gains a chi-square with as many degrees of freedom as it has more parameters.
-
-    Parameters
-    ----------
-    gains : ndarray (real,)
-        What each real pole is worth, in twice the log likelihood.
-    pair_gains : ndarray (real,)
-        What a pair in its place gains.
-    channels : int
-        Number of channels.
     """
     from scipy.special import chdtri
 

@@ -22,21 +22,11 @@ LEAST_VARIANCE = 1e-13
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class JointEstimate:
-    """Poles per sample and shapes with their joint covariance.
+    """Poles per sample and shapes with their joint covariance."""
 
-    Parameters
-    ----------
-    exponents : ndarray (mode,)
-        Exponents per sample.
-    shapes : ndarray (channel, mode)
-        Amplitudes over the amplitude of the strongest channel.
-    covariance : ndarray
-        In the order of `ModalSet.covariance`, poles per sample.
-    """
-
-    exponents: ComplexArray
-    shapes: ComplexArray
-    covariance: RealArray
+    exponents: ComplexArray  # (mode,): exponents per sample
+    shapes: ComplexArray  # (channel, mode): amplitudes over the amplitude of the strongest channel
+    covariance: RealArray  # in the order of `ModalSet.covariance`, poles per sample
 
     def modes(self, *, step: Second, channels: tuple[str, ...]) -> ModalSet:
         """Return the modes in SI units."""
@@ -62,14 +52,8 @@ def joint_covariance(fits: Sequence[DecayFit], kept: NDArray[np.intp], inflation
     covariance of (poles, shapes) is ``[I; L D] P [I; L D]^T + [0; L] N [0; L]^T``. For one decay the shapes are
     ratios of amplitudes; for several, generalised least squares with the covariance ``N + D P D^T``.
 
-    Parameters
-    ----------
-    fits : sequence of DecayFit
-        The decays, fitted with common poles.
-    kept : ndarray of int
-        Which of the free poles (pairs, then reals) are wanted.
-    inflation : ndarray (mode,)
-        Factor by which the variance of each wanted pole is widened.
+    The fits have common poles. ``kept`` are the wanted among the free poles (pairs, then reals); the variance of each
+    is widened by ``inflation``, (mode,).
     """
     poles, channels, size = fits[0].poles, len(fits[0].squares), 2 * len(kept)
     if not len(kept):

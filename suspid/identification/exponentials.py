@@ -22,18 +22,11 @@ SERIES_TERMS = 26
 
 
 def power_sums(phi: ComplexArray, count: int) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
-    """Return ``sum_k (k / n)^j exp(phi k)`` over k = 0 … n - 1, for j = 0, 1, 2.
+    """Return ``sum_k (k / n)^j exp(phi k)`` over k = 0 … n - 1, for j = 0, 1, 2 and exponents per sample phi.
 
     Geometric series and its derivatives: with ``u = exp(phi)`` and ``E = exp(n phi)``,
     ``S0 = (E - 1) / (u - 1)``, ``S1 = (n E - u S0) / (u - 1)``,
     ``S2 = (n^2 E - u (2 S1 + S0)) / (u - 1)``, each over n^j; near ``phi = 0`` a power series.
-
-    Parameters
-    ----------
-    phi : ndarray
-        Exponents per sample [1].
-    count : int
-        Number of samples n.
 
     Examples
     --------
@@ -96,24 +89,13 @@ def _moments(count: int) -> RealArray:
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Blocks:
-    """A record cut into blocks, ready for inner products with exponentials.
+    """A record cut into blocks, ready for inner products with exponentials."""
 
-    Parameters
-    ----------
-    count : int
-        Number of samples n.
-    size : int
-        Samples per block B.
-    folded : ndarray (2 channel * block, B)
-        The record, then the record times ``k / n``; zeros after the last sample.
-    energy : ndarray (channel,)
-        Sum of squares of each channel.
-    """
-
-    count: int
-    size: int
+    count: int  # number of samples n
+    size: int  # samples per block B
+    # (2 channel * block, B): the record, then the record times ``k / n``; zeros after the last sample.
     folded: RealArray
-    energy: RealArray
+    energy: RealArray  # (channel,): sum of squares of each channel
 
     @property
     def channels(self) -> int:

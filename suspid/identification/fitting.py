@@ -30,21 +30,11 @@ SPLIT_ALIKE, ALIKE_MAC, OTHER_FREQUENCY = 2.0, 0.9, 1.35
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Problem:
-    """A record to fit.
+    """A record to fit."""
 
-    Parameters
-    ----------
-    values : ndarray (channel, sample)
-        The record less its mean.
-    blocks : Blocks
-        The record cut into blocks.
-    noise : WhiteNoise
-        The noise model.
-    """
-
-    values: RealArray
-    blocks: Blocks
-    noise: WhiteNoise
+    values: RealArray  # (channel, sample): the record less its mean
+    blocks: Blocks  # the record cut into blocks
+    noise: WhiteNoise  # the noise model
 
     def fitted(self, start: Poles | DecayFit, *, rough: bool = False) -> Fit | None:
         """Return the fit of greatest likelihood near given poles, or None if they are linearly dependent."""
@@ -96,18 +86,10 @@ class Problem:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Fit:
-    """A fit and its residual, each quantity computed when first asked for.
+    """A fit and its residual, each quantity computed when first asked for."""
 
-    Parameters
-    ----------
-    problem : Problem
-        The record.
-    solution : DecayFit
-        Poles and amplitudes.
-    """
-
-    problem: Problem
-    solution: DecayFit
+    problem: Problem  # the record
+    solution: DecayFit  # poles and amplitudes
 
     @property
     def poles(self) -> Poles:

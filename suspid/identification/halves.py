@@ -15,16 +15,9 @@ FEWEST_SAMPLES = 32
 
 
 def halfway(decay: float, count: int) -> int:
-    """Return the sample before which half of the information on a pole lies.
+    """Return the sample before which half of the information on a pole lies, for a decay rate per sample.
 
     The information of sample k goes as ``k^2 exp(-2 decay k)``.
-
-    Parameters
-    ----------
-    decay : float
-        Decay rate per sample.
-    count : int
-        Number of samples.
     """
     k = np.arange(count)
     information = np.cumsum(k**2.0 * np.exp(-2 * decay * k))
@@ -34,18 +27,8 @@ def halfway(decay: float, count: int) -> int:
 def disagreement(values: RealArray, poles: Poles, which: int, noise_std: RealArray) -> float:
     """Return the distance of a pair in the two halves of the decay over its standard deviation.
 
-    It is the root mean square of real and imaginary part, NaN where a half does not determine the pair.
-
-    Parameters
-    ----------
-    values : ndarray (channel, sample)
-        The record.
-    poles : Poles
-        Poles fitted to the whole record.
-    which : int
-        Index of the pair.
-    noise_std : ndarray (channel,)
-        Standard deviation of the noise.
+    It is the root mean square of real and imaginary part, NaN where a half does not determine the pair. The poles are
+    fitted to the whole record; ``noise_std`` is that of each channel.
     """
     decay = max(0.0, -float(poles.pairs[which].real))
     cut = halfway(decay, values.shape[1])

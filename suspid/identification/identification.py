@@ -15,17 +15,17 @@ from suspid.identification.poles import Poles
 from suspid.identification.steps import FourSteps
 from suspid.identification.verdict import verdict_of
 from suspid.model import ModalSet
-from suspid.signals import Signal, as_signal
+from suspid.signals import as_signal
 from suspid.units import RealArray
 from suspid.values import frozen_real, text_table
-from suspid.wavelets import BandwidthSearch, Ridge, Scalogram, SkeletonFit, fit_ridges, fit_skeleton
+from suspid.wavelets import BandwidthSearch, Ridge, Scalogram, SkeletonFit, fit_skeleton
 from suspid.words import Remark, Verdict
 
 if TYPE_CHECKING:
     import control
 
 # Rejected poles that the table shows; the rest is counted.
-MOST_SHOWN = 6
+REJECTED_SHOWN = 6
 
 Method = Literal["likelihood", "ridge"]
 
@@ -110,11 +110,6 @@ class Identification:
             return ()
 
     @property
-    def ridge_modes(self) -> ModalSet:
-        """The modes from the ridges alone; perhaps none."""
-        return fit_ridges(self.ridges) if self.ridges else no_modes(as_signal(self.response))
-
-    @property
     def lines(self) -> tuple[SkeletonFit, ...]:
         """The lines through log modulus and phase of each ridge."""
         return tuple(fit_skeleton(ridge) for ridge in self.ridges)
@@ -193,7 +188,7 @@ def tables_of(found: Identification) -> str:
     }
     parts.append(text_table(channels))
     if found.considered:
-        shown = found.considered[:MOST_SHOWN]
+        shown = found.considered[:REJECTED_SHOWN]
         others = {
             "rejected: wn [rad/s]": [f"{abs(c.pole):.5g}" for c in shown],
             "zeta [1]": [f"{-c.pole.real / max(abs(c.pole), 1e-300):.3g}" for c in shown],
@@ -202,12 +197,6 @@ def tables_of(found: Identification) -> str:
         more = len(found.considered) - len(shown)
         parts.append(text_table(others) + (f"\n… and {more} more in .considered" if more else ""))
     return "\n\n".join(parts)
-
-
-def no_modes(signal: Signal) -> ModalSet:
-    """Return a set without modes."""
-    shapes = np.zeros((len(signal.channels), 0), complex)
-    return ModalSet(poles=np.zeros(0, complex), shapes=shapes, channels=signal.channels)
 
 
 def _ridge_columns(ridges: tuple[Ridge, ...]) -> dict[str, list[str]]:

@@ -10,15 +10,15 @@ import numpy as np
 
 from suspid.cleaning import clipped_run
 from suspid.errors import IdentificationError, InputError, RecordError
-from suspid.identification.halves import FEWEST_SAMPLES
+from suspid.identification.covariance import joint_covariance
+from suspid.identification.halves import FEWEST_SAMPLES, disagreement
 from suspid.identification.identification import Considered, Identification, Method
-from suspid.identification.modal_estimate import modes_of
-from suspid.identification.noise import noise_of
+from suspid.identification.noise import noise_of, shared_noise
 from suspid.identification.selection import Selection, select
 from suspid.identification.steps import FourSteps
 from suspid.model import ModalSet
 from suspid.signals import Signal, as_response, as_signal
-from suspid.units import ComplexArray, RadianPerSecond, RealArray
+from suspid.units import ComplexArray, RadianPerSecond, RealArray, Second
 from suspid.values import frozen_real
 from suspid.wavelets import sample_noise
 from suspid.words import Remark
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     import control
 
 # Ridges are searched from this many cycles in the record to this share of the Nyquist frequency.
-LEAST_CYCLES, HIGHEST = 4.0, 0.9
+RIDGE_CYCLES, RIDGE_HIGHEST = 4.0, 0.9
 
 
 def identify(
@@ -142,7 +142,7 @@ def _by_likelihood(
         centred, noise=noise_of(signal.values), modes=steps.count, band=(low * signal.step, high * signal.step)
     )
     left = selection.residual
-    modes, loudness = modes_of(selection, centred, step=signal.step, channels=signal.channels)
+    modes, loudness = _modes_of(selection, centred, step=signal.step, channels=signal.channels)
     if steps.count is not None and len(modes) < steps.count:
         where = f", at {', '.join(f'{wn:.4g}' for wn in modes.wn)} rad/s" if len(modes) else ""
         raise IdentificationError(
@@ -161,6 +161,25 @@ def _by_likelihood(
         considered=_considered(selection, signal),
         steps=steps,
     )
+
+
+def _modes_of(
+    selection: Selection, values: RealArray, *, step: Second, channels: tuple[str, ...]
+) -> tuple[ModalSet, RealArray]:
+    """Return the modes of one decay and how loud the residual is near each, (mode,).
+
+    The variances of a mode are widened by its loudness, or by the square of the disagreement of the two halves of
+    the decay where that is more, and by noise that the channels share.
+    """
+    fit, kept = selection.fit, selection.modes
+    loudness = selection.loudness[kept]
+    widening = loudness * shared_noise(selection.residual)
+    noise_std = np.sqrt(fit.squares / fit.count)
+    for k in np.flatnonzero((loudness > 1) & (kept < len(fit.poles.pairs))):
+        widening[k] = np.nanmax([widening[k], disagreement(values, fit.poles, int(kept[k]), noise_std) ** 2])
+    joint = joint_covariance([fit], kept, widening)
+    order = np.argsort(np.abs(joint.exponents), kind="stable")
+    return joint.modes(step=step, channels=channels), frozen_real(loudness[order])
 
 
 def _considered(selection: Selection, signal: Signal) -> tuple[Considered, ...]:
@@ -199,7 +218,7 @@ def _band(
 ) -> tuple[RadianPerSecond, RadianPerSecond]:
     """Return the angular frequencies between which ridges are looked for."""
     nyquist = np.pi / signal.step
-    low, high = band or (2 * np.pi * LEAST_CYCLES / signal.duration, HIGHEST * nyquist)
+    low, high = band or (2 * np.pi * RIDGE_CYCLES / signal.duration, RIDGE_HIGHEST * nyquist)
     if not 0 < low < high <= nyquist:
         raise InputError(
             f"the band {low:g} … {high:g} rad/s must be two increasing angular frequencies between 0 and "

@@ -14,19 +14,8 @@ from suspid.identification.poles import Poles
 def maximize_jointly(blocks: list[Blocks], start: list[Poles], noises: list[WhiteNoise]) -> list[DecayFit]:
     """Return the fits of all decays at the poles of greatest joint likelihood, by Gauss-Newton steps.
 
-    Parameters
-    ----------
-    blocks : list of Blocks
-        The records.
-    start : list of Poles
-        Where to start: the same poles for all decays; their nuisances may differ.
-    noises : list of WhiteNoise
-        The noise model of each record.
-
-    Raises
-    ------
-    IdentificationError
-        If the poles cannot be distinguished in one of the records.
+    The start is the same for all decays except for the nuisances. An `IdentificationError` says that the poles cannot
+    be distinguished in one of the records.
     """
     found = _all_fits(blocks, start, noises)
     if found is None:

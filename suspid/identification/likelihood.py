@@ -31,41 +31,21 @@ PRODUCT_ROUNDING = 4e-15
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class DecayFit:
-    """Poles, the amplitudes that fit a record best at these poles, and what a Gauss-Newton step needs.
+    """Poles, the amplitudes that fit a record best at these poles, and what a Gauss-Newton step needs."""
 
-    Parameters
-    ----------
-    poles : Poles
-        The exponents.
-    count : int
-        Samples per channel.
-    amplitudes : ndarray (exponent, channel)
-        Complex amplitudes at the first sample; conjugate for conjugate exponents.
-    squares : ndarray (channel,)
-        Residual sum of squares.
-    rounding : ndarray (channel,)
-        Rounding error of that sum; `squares` is not less.
-    information : ndarray (parameter, parameter)
-        Fisher information of the poles' real parameters (Re and Im per sample), with unknown amplitudes.
-    gradient : ndarray (parameter,)
-        Gradient of the log likelihood by the poles' real parameters.
-    gram : ndarray (exponent, exponent)
-        Inner products of the exponentials.
-    tilt : ndarray (exponent, exponent)
-        Inner products of the exponentials with their derivatives.
-    sharpness : ndarray (exponent, exponent)
-        Inner products of the parts of the derivatives that are orthogonal to the exponentials.
-    """
-
-    poles: Poles
-    count: int
+    poles: Poles  # the exponents
+    count: int  # samples per channel
+    # (exponent, channel): complex amplitudes at the first sample; conjugate for conjugate exponents.
     amplitudes: ComplexArray
-    squares: RealArray
-    rounding: RealArray
+    squares: RealArray  # (channel,): residual sum of squares
+    rounding: RealArray  # (channel,): rounding error of that sum; `squares` is not less
+    # (parameter, parameter): fisher information of the poles' real parameters (Re and Im per sample), with unknown
+    # amplitudes.
     information: RealArray
-    gradient: RealArray
-    gram: ComplexArray
-    tilt: ComplexArray
+    gradient: RealArray  # (parameter,): gradient of the log likelihood by the poles' real parameters
+    gram: ComplexArray  # (exponent, exponent): inner products of the exponentials
+    tilt: ComplexArray  # (exponent, exponent): inner products of the exponentials with their derivatives
+    # (exponent, exponent): inner products of the parts of the derivatives that are orthogonal to the exponentials.
     sharpness: ComplexArray
 
     @property
@@ -77,17 +57,7 @@ class DecayFit:
 
 
 def evaluate(blocks: Blocks, poles: Poles, noise: WhiteNoise) -> DecayFit | None:
-    """Return the fit at given poles, or None where their exponentials are linearly dependent.
-
-    Parameters
-    ----------
-    blocks : Blocks
-        The record.
-    poles : Poles
-        The exponents.
-    noise : WhiteNoise
-        The noise model.
-    """
+    """Return the fit at given poles, or None where their exponentials are linearly dependent."""
     from scipy.linalg.lapack import zpotrf, ztrtri
 
     theta, count, pairs = poles.exponents, blocks.count, len(poles.pairs)
@@ -150,14 +120,8 @@ def _information(
 def bic_penalty(channels: int, samples: int, *, real: bool = False) -> float:
     """Return the BIC penalty of a pair, or of a real pole, in twice the log likelihood: ``log(samples)`` per parameter.
 
-    Parameters
-    ----------
-    channels : int
-        Number of channels: amplitude and phase in each are parameters, beside frequency and decay rate.
-    samples : int
-        Samples of all channels together.
-    real : bool
-        Whether the pole is real: half the parameters.
+    The parameters of a pair are frequency, decay rate, and amplitude and phase in each channel; a real pole has half
+    as many. The samples are those of all channels together.
     """
     return (1 if real else 2) * (1 + channels) * float(np.log(samples))
 
@@ -172,18 +136,8 @@ def maximize(
 ) -> DecayFit | None:
     """Return the fit of greatest likelihood near given poles, by damped Gauss-Newton steps.
 
-    Parameters
-    ----------
-    blocks : Blocks
-        The record.
-    start : Poles or DecayFit
-        Where to start. A fit must have been evaluated with the same record and noise.
-    noise : WhiteNoise
-        The noise model.
-    steps : int
-        Largest number of steps.
-    negligible : float
-        The search ends when a step promises less than this in twice the log likelihood.
+    A fit to start from must have been evaluated with the same record and noise. The search ends when a step promises
+    less than ``negligible`` in twice the log likelihood.
     """
     from scipy.linalg.lapack import dposv
 

@@ -11,24 +11,17 @@ from suspid.units import Hertz, RealArray, Second
 # Probability with which white noise shows a line. A larger level reports chance in long records.
 LINE_LEVEL = 1e-6
 # The level beside a line is the median over this many bins on each side, without the bins that the window fills.
-BESIDE, FILLED = 24, 3
+BINS_BESIDE, BINS_FILLED = 24, 3
 # Power this many bins from the peak, relative to it, above which the peak is broad: a mode or coloured noise.
 BROAD_AT, BROAD = (4, 5, 6), 0.05
-FEWEST_SAMPLES = 128
+FEWEST_OF_LINE = 128
 
 
 def clear_line(values: RealArray, step: Second) -> Hertz | None:
-    """Return the frequency of the clearest steady line in any channel [Hz], or None.
+    """Return the frequency of the clearest steady line in any channel (channel, sample) [Hz], or None.
 
     The Hann-windowed periodogram is compared with its median nearby. In white noise a bin is exponentially
     distributed, so a ratio above ``ln(bins / level)`` has the probability ``level`` in a record.
-
-    Parameters
-    ----------
-    values : ndarray (channel, sample)
-        Samples, such as a residual.
-    step : float
-        Sampling step [s].
 
     Examples
     --------
@@ -40,11 +33,11 @@ def clear_line(values: RealArray, step: Second) -> Hertz | None:
     12.0
     """
     count = values.shape[1]
-    if count < FEWEST_SAMPLES:
+    if count < FEWEST_OF_LINE:
         return None
     window = np.hanning(count + 2)[1:-1]
     power = np.abs(np.fft.rfft((values - values.mean(axis=1, keepdims=True)) * window, axis=1)) ** 2
-    power[:, : FILLED + 1] = 0.0
+    power[:, : BINS_FILLED + 1] = 0.0
     best: tuple[float, int] | None = None
     limit = math.log(values.size / 2 / LINE_LEVEL)
     for row in power:
@@ -58,11 +51,11 @@ def clear_line(values: RealArray, step: Second) -> Hertz | None:
 
 def _ratio(row: RealArray, k: int) -> float:
     """Return the power of a bin over that nearby; 0 if the peak is broad or no peak."""
-    low, high = max(FILLED + 1, k - BESIDE), min(len(row), k + BESIDE + 1)
-    beside = np.concatenate([row[low : max(low, k - FILLED)], row[k + FILLED + 1 : high]])
+    low, high = max(BINS_FILLED + 1, k - BINS_BESIDE), min(len(row), k + BINS_BESIDE + 1)
+    beside = np.concatenate([row[low : max(low, k - BINS_FILLED)], row[k + BINS_FILLED + 1 : high]])
     near = [row[k + d] for offset in BROAD_AT for d in (offset, -offset) if 0 <= k + d < len(row)]
     peak = row[max(0, k - 1) : k + 2].max() == row[k]
-    if not peak or beside.size < BESIDE or max(near) > BROAD * row[k]:
+    if not peak or beside.size < BINS_BESIDE or max(near) > BROAD * row[k]:
         return 0.0
     level = float(np.median(beside)) / math.log(2)
     return float(row[k]) / level if level > 0 else math.inf

@@ -40,7 +40,7 @@ from suspid.model import ModalSet, parsed_toml
 from suspid.signals import as_signal
 from suspid.values import nearest_names
 
-FORMAT = "suspid modes 1"
+MODES_FORMAT = "suspid modes 1"
 MODE_KEYS = ("frequency_hz", "wn_rad_per_s", "zeta", "wn_std_rad_per_s", "zeta_std", "pole_rad_per_s", "shape")
 # A value written by hand beside a pole must mean the same pole.
 AGREEMENT = 1e-6
@@ -68,7 +68,7 @@ def modes_to_dict(modes: ModalSet) -> dict[str, object]:
         for k in range(len(modes))
     ]
     return {
-        "format": FORMAT,
+        "format": MODES_FORMAT,
         "modes": entries,
         "channels": list(modes.channels),
         "covariance": None if modes.covariance is None else modes.covariance.tolist(),
@@ -115,18 +115,13 @@ def to_json(content: Mapping[str, object]) -> str:
 def modes_from_dict(content: Mapping[str, object]) -> ModalSet:
     """Return the modes that were written by `modes_to_dict`, or by hand.
 
-    Raises
-    ------
-    InputError
-        If a key is missing or unknown, or a value is not what it should be.
-
     Examples
     --------
     >>> modes_from_dict({"modes": [{"frequency_hz": 2.0, "zeta": 0.3}]}).zeta
     array([0.3])
     """
-    if content.get("format", FORMAT) != FORMAT:
-        raise InputError(f"format {reprlib.repr(content['format'])} is not known; known: {FORMAT!r}")
+    if content.get("format", MODES_FORMAT) != MODES_FORMAT:
+        raise InputError(f"format {reprlib.repr(content['format'])} is not known; known: {MODES_FORMAT!r}")
     entries = content.get("modes")
     if not isinstance(entries, list) or not entries:
         raise InputError(f"there are no modes: a list of objects with {', '.join(MODE_KEYS[:3])} is needed")

@@ -21,21 +21,11 @@ LEAST_SWING = 1e-2
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Poles:
-    """Exponents per sample, ``pole * step``.
+    """Exponents per sample, ``pole * step``."""
 
-    Parameters
-    ----------
-    pairs : ndarray (pair,)
-        Of complex pairs, the one in the upper half plane.
-    reals : ndarray (real,)
-        Of real poles.
-    nuisances : ndarray (nuisance,)
-        Of the offset and drift, held fixed.
-    """
-
-    pairs: ComplexArray
-    reals: RealArray
-    nuisances: RealArray
+    pairs: ComplexArray  # (pair,): of complex pairs, the one in the upper half plane
+    reals: RealArray  # (real,): of real poles
+    nuisances: RealArray  # (nuisance,): of the offset and drift, held fixed
 
     @property
     def exponents(self) -> ComplexArray:
@@ -91,15 +81,7 @@ class Poles:
         return Poles(pairs=self.pairs, reals=np.delete(self.reals, index - pairs), nuisances=self.nuisances)
 
     def moved_within(self, step: RealArray, count: int) -> Poles:
-        """Return the poles after a step shortened to the range of a quadratic model, and kept within bounds.
-
-        Parameters
-        ----------
-        step : ndarray (parameter,)
-            Change of Re and Im of each pair and of each real pole.
-        count : int
-            Number of samples.
-        """
+        """Return the poles after a step shortened to the range of a quadratic model, and kept within bounds."""
         pairs, slack = len(self.pairs), 1.5 / count
         reach = np.abs(np.concatenate([self.pairs.real.repeat(2), self.reals])) + slack
         share = float((np.abs(step) / reach).max())

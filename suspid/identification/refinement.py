@@ -57,14 +57,7 @@ def thinned(problem: Problem, fit: Fit) -> tuple[Fit, RealArray, Rejected]:
 def straightened(problem: Problem, fit: Fit, reach: float) -> tuple[Fit, Rejected]:
     """Return the fit with slow poles replaced by a parabola, if that fits as well, and the poles replaced.
 
-    Parameters
-    ----------
-    problem : Problem
-        The record.
-    fit : Fit
-        Its fit.
-    reach : float
-        Poles whose modulus over the record is below this are slow.
+    Poles are slow whose modulus over the record is below ``reach``.
     """
     count, poles = problem.blocks.count, fit.poles
     slow = np.flatnonzero(np.abs(poles.every) * count < reach)

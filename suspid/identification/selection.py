@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from suspid.identification.candidates import TRIES, Candidate, Points, ranked, searched
+from suspid.identification.candidates import CANDIDATES_TRIED, Candidate, Points, ranked, searched
 from suspid.identification.classification import ambiguous, reasons_of
 from suspid.identification.exponentials import blocks_of
 from suspid.identification.fitting import Fit, Problem, linewidths_apart
@@ -34,30 +34,15 @@ STILL, CREEPING = 0.3, 3.0
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Selection:
-    """The poles of a record.
+    """The poles of a record."""
 
-    Parameters
-    ----------
-    fit : DecayFit
-        All poles: modes, other motions and nuisances.
-    reasons : tuple of Reason or None
-        Why each free pole (pairs, then reals) is no mode; None for a mode.
-    gains : ndarray (pole,)
-        What each is worth in twice the log likelihood: the loss without it, less the loss with it.
-    loudness : ndarray (pole,)
-        Power of the residual near each pole over that of the noise; 1 where they agree.
-    residual : ndarray (channel, sample)
-        The record less the fitted motion.
-    rejected : tuple of (Candidate, Remark)
-        Poles that were tried and not kept, and why.
-    """
-
-    fit: DecayFit
-    reasons: tuple[Reason | None, ...]
+    fit: DecayFit  # all poles: modes, other motions and nuisances
+    reasons: tuple[Reason | None, ...]  # why each free pole (pairs, then reals) is no mode; None for a mode
+    # (pole,): what each is worth in twice the log likelihood: the loss without it, less the loss with it.
     gains: RealArray
-    loudness: RealArray
-    residual: RealArray
-    rejected: Rejected
+    loudness: RealArray  # (pole,): power of the residual near each pole over that of the noise; 1 where they agree
+    residual: RealArray  # (channel, sample): the record less the fitted motion
+    rejected: Rejected  # poles that were tried and not kept, and why
 
     @property
     def modes(self) -> NDArray[np.intp]:
@@ -78,16 +63,8 @@ def select(
     fitted so far. Then all poles are refitted together. A pole stays if its gain exceeds its BIC penalty times the
     loudness of the residual near it.
 
-    Parameters
-    ----------
-    values : ndarray (channel, sample)
-        The record less its mean.
-    noise : WhiteNoise
-        The noise model, with the least variance of each channel.
-    modes : int, optional
-        Keep this many modes, the strongest.
-    band : (float, float)
-        Angular frequencies per sample between which a pole can be a mode.
+    The values are the record less its mean. With a number of modes, the strongest are kept. The band holds the angular
+    frequencies per sample between which a pole can be a mode.
     """
     blocks = blocks_of(values)
     problem = Problem(values=values, blocks=blocks, noise=noise.rounded(blocks.energy, blocks.count))
@@ -156,7 +133,7 @@ def _extended(problem: Problem, fit: Fit, found: list[Candidate]) -> tuple[Fit |
     if together is not None:
         return together, ()
     rejected: Rejected = ()
-    for candidate in found[:TRIES]:
+    for candidate in found[:CANDIDATES_TRIED]:
         penalty = problem.penalty(real=candidate.real)
         if candidate.gain < HOPELESS * penalty:
             break

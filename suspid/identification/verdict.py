@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from suspid.files import printable
 from suspid.identification.lines import clear_line
 from suspid.identification.noise import most_shared, resolution, shared_noise
-from suspid.signals import Signal, as_signal
+from suspid.signals import Signal, as_signal, late_start
 from suspid.units import Ratio
 from suspid.words import Check, Headline, Level, ModeCheck, Number, Reason, Remark, Verdict
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 # Below this share of its energy a channel counts as unexplained. Lower: a wrong model passes on a loud channel.
 LEAST_EXPLAINED = 0.5
 # Disagreement of the halves [sd] beyond which it is no chance: 0.3 % for a Gaussian.
-APART = 3.0
+HALVES_APART = 3.0
 # Half widths of the interval, as shares of the value, from which on zeta is unknown, zeta is rough, wn is rough.
 UNKNOWN_ZETA, ROUGH_ZETA, ROUGH_WN = 1.0, 0.25, 0.05
 # Fewer samples per unknown of a channel than this: the fit follows any motion.
@@ -37,20 +37,11 @@ COLOURED = 0.5
 # Residuals within this factor of the resolution are rounding, whose colour says nothing.
 ABOVE_RESOLUTION = 4.0
 # A mode with fewer cycles in the record than this, that has not decayed by as many nepers, is known from few cycles.
-FEW_CYCLES = 3.0
-# The largest motion counts as late after this share of the record.
-LATE = 0.02
+CYCLES_SEEN = 3.0
 
 
 def verdict_of(found: Identification, level: Ratio = 0.95) -> Verdict:
-    """Return the verdict on an identification.
-
-    Parameters
-    ----------
-    found : Identification
-        What was found.
-    level : float
-        Probability of the intervals that the checks of precision look at [1].
+    """Return the verdict on an identification; ``level`` is that of the intervals whose width is checked.
 
     Examples
     --------
@@ -69,24 +60,26 @@ def verdict_of(found: Identification, level: Ratio = 0.95) -> Verdict:
 
 
 def _checks(found: Identification, level: Ratio) -> Iterator[Check]:
-    best = float(np.max(found.explained))
     yield from _explained(found)
-    yield from _little_explained(found)
-    yield from _growing(found)
+    growing = _numbers(found.modes.poles.real > 0)
+    if growing:
+        yield _of(ModeCheck.GROWING, Level.DOUBTFUL, {"modes": growing})
     yield from _halves(found)
-    yield from _residual(found)
+    if found.method != "ridge":
+        yield from _residual(found)
     rough = list(_precision(found, level))
     yield from rough
     yield from _few_cycles(found)
     few = list(_few_samples(found))
     yield from few
-    blind = _not_cross_checked(found)
-    if blind is not None:
+    blind = _numbers(~np.isfinite(found.halves) & (np.array(found.modes.kinds) == "pair"))
+    if blind:
         # Where nothing but the fit itself supports the modes, a loose fit is not enough.
         alone = not np.any(np.isfinite(found.halves))
         loose = few or any(check.level < Level.NOTE for check in rough)
-        yield Check(blind, Level.NOTE if not alone else Level.DOUBTFUL if loose else Level.CARE)
-    if best >= LEAST_EXPLAINED:
+        weight = Level.NOTE if not alone else Level.DOUBTFUL if loose else Level.CARE
+        yield _of(ModeCheck.NOT_CROSS_CHECKED, weight, {"modes": blind})
+    if np.max(found.explained) >= LEAST_EXPLAINED:
         yield from _unexplained(found)
     yield from _out_of_phase(found)
     yield from _steady_tones(found)
@@ -94,7 +87,7 @@ def _checks(found: Identification, level: Ratio) -> Iterator[Check]:
         yield from _late_motion(found)
 
 
-def _of(code: ModeCheck, level: Level, numbers: dict[str, Number] | None = None) -> Check:
+def _of(code: ModeCheck, level: Level, numbers: Mapping[str, Number] | None = None) -> Check:
     return Check(Remark(code, numbers or {}), level)
 
 
@@ -109,21 +102,12 @@ def _why_none(found: Identification) -> Iterator[Check]:
     else:
         yield _of(ModeCheck.NOTHING_DECAYS, Level.NONE)
         strongest = considered[0].pole if considered else 0j
-        duration = as_signal(found.response).duration
-        steady = abs(strongest.real) * duration < STEADY_NEPERS
         signal = as_signal(found.response)
         line = clear_line(signal.values, signal.step)
-        near = line is not None and abs(2 * np.pi * line - strongest.imag) < 4 * np.pi / duration
-        if steady and near and strongest.imag * duration > 2 * np.pi * STEADY_CYCLES:
+        near = line is not None and abs(2 * np.pi * line - strongest.imag) < 4 * np.pi / signal.duration
+        steady = abs(strongest.real) * signal.duration < STEADY_NEPERS
+        if steady and near and strongest.imag * signal.duration > 2 * np.pi * STEADY_CYCLES:
             yield _of(ModeCheck.STEADY_LINE, Level.NONE, {"hertz": strongest.imag / (2 * np.pi)})
-
-
-def late_start(signal: Signal) -> float | None:
-    """Return the time of the largest motion [s], if that is after a fiftieth of the record, else None."""
-    about = np.abs(signal.values - signal.values.mean(axis=1, keepdims=True))
-    strength = np.sum((about / np.maximum(about.max(axis=1, keepdims=True), 1e-300)) ** 2, axis=0)
-    peak = int(np.argmax(strength))
-    return float(signal.timepts[peak]) if peak > LATE * signal.values.shape[1] else None
 
 
 def _late_motion(found: Identification) -> Iterator[Check]:
@@ -142,6 +126,8 @@ def _explained(found: Identification) -> Iterator[Check]:
         yield _of(ModeCheck.BEST_EXPLAINED, Level.SOUND, {"most": most})
     else:
         yield _of(ModeCheck.EXPLAINED, Level.SOUND, {"least": least, "most": most, "channels": len(share)})
+    if LEAST_EXPLAINED <= most < WELL_EXPLAINED:
+        yield _of(ModeCheck.LITTLE_EXPLAINED, Level.CARE, {"most": most})
 
 
 def _unexplained(found: Identification) -> Iterator[Check]:
@@ -155,27 +141,15 @@ def _unexplained(found: Identification) -> Iterator[Check]:
         yield _of(ModeCheck.CHANNELS_UNEXPLAINED, Level.CARE, {"channels": ", ".join(weak)})
 
 
-def _growing(found: Identification) -> Iterator[Check]:
-    growing = _numbers(found.modes.poles.real > 0)
-    if growing:
-        yield _of(ModeCheck.GROWING, Level.DOUBTFUL, {"modes": growing})
-
-
 def _halves(found: Identification) -> Iterator[Check]:
     apart = found.halves
     known = np.isfinite(apart)
     for mode, value in enumerate(apart.tolist(), 1):
-        if value > APART:
+        if value > HALVES_APART:
             yield _of(ModeCheck.HALVES_DISAGREE, Level.CARE, {"mode": mode, "apart": value})
-    if np.any(known) and np.nanmax(apart) <= APART:
+    if np.any(known) and np.nanmax(apart) <= HALVES_APART:
         which = "every mode" if np.all(known) else f"mode {', '.join(map(str, _numbers(known)))}"
         yield _of(ModeCheck.HALVES_AGREE, Level.SOUND, {"which": which, "most": float(np.nanmax(apart))})
-
-
-def _not_cross_checked(found: Identification) -> Remark | None:
-    pairs = np.array(found.modes.kinds) == "pair"
-    blind = _numbers(~np.isfinite(found.halves) & pairs)
-    return Remark(ModeCheck.NOT_CROSS_CHECKED, {"modes": blind}) if blind else None
 
 
 def _few_samples(found: Identification) -> Iterator[Check]:
@@ -187,15 +161,12 @@ def _few_samples(found: Identification) -> Iterator[Check]:
 
 
 def _out_of_phase(found: Identification) -> Iterator[Check]:
-    pairs = np.array(found.modes.kinds) == "pair"
-    if len(found.modes.channels) > 1 and np.any(pairs & (found.collinearity < OUT_OF_PHASE)):
-        modes = _numbers(pairs & (found.collinearity < OUT_OF_PHASE))
+    modes = _numbers((np.array(found.modes.kinds) == "pair") & (found.collinearity < OUT_OF_PHASE))
+    if len(found.modes.channels) > 1 and modes:
         yield _of(ModeCheck.OUT_OF_PHASE, Level.NOTE, {"modes": modes})
 
 
 def _residual(found: Identification) -> Iterator[Check]:
-    if found.method == "ridge":
-        return
     loud = [f"{k} ({value:.2g} times)" for k, value in enumerate(found.loudness, 1) if value > 1]
     if loud:
         yield _of(ModeCheck.RESIDUAL_LOUD, Level.CARE, {"modes": tuple(loud)})
@@ -205,9 +176,8 @@ def _residual(found: Identification) -> Iterator[Check]:
     yield from _structure(found, residual)
     if shared_noise(residual.values) > 1:
         one, other, correlation = most_shared(residual.values)
-        names = residual.channels
-        numbers: dict[str, Number] = {"one": names[one], "other": names[other], "correlation": correlation}
-        yield _of(ModeCheck.SHARED_NOISE, Level.NOTE, numbers)
+        pair = {"one": residual.channels[one], "other": residual.channels[other]}
+        yield _of(ModeCheck.SHARED_NOISE, Level.NOTE, {**pair, "correlation": correlation})
 
 
 def _structure(found: Identification, residual: Signal) -> Iterator[Check]:
@@ -217,24 +187,19 @@ def _structure(found: Identification, residual: Signal) -> Iterator[Check]:
     lag = np.where(rough, found.whiteness, 0.0)
     worst = int(np.argmax(np.abs(lag)))
     if abs(lag[worst]) > COLOURED:
-        numbers: dict[str, Number] = {"correlation": float(lag[worst]), "channel": residual.channels[worst]}
-        yield _of(ModeCheck.RESIDUAL_COLOURED, Level.CARE, numbers)
+        where: dict[str, Number] = {"correlation": float(lag[worst]), "channel": residual.channels[worst]}
+        yield _of(ModeCheck.RESIDUAL_COLOURED, Level.CARE, where)
     line = clear_line(residual.values[rough], residual.step) if np.any(rough) else None
     if line is not None:
         yield _of(ModeCheck.RESIDUAL_LINE, Level.CARE, {"hertz": line})
-
-
-def _little_explained(found: Identification) -> Iterator[Check]:
-    most = float(np.max(found.explained))
-    if LEAST_EXPLAINED <= most < WELL_EXPLAINED:
-        yield _of(ModeCheck.LITTLE_EXPLAINED, Level.CARE, {"most": most})
 
 
 def _few_cycles(found: Identification) -> Iterator[Check]:
     """Check that each oscillation is seen over several cycles or until it has decayed, and that there is one."""
     poles, duration = found.modes.poles, as_signal(found.response).duration
     cycles = np.abs(poles.imag) * duration / (2 * np.pi)
-    for k in np.flatnonzero((poles.imag != 0) & (cycles < FEW_CYCLES) & (-poles.real * duration < FEW_CYCLES)).tolist():
+    few = (poles.imag != 0) & (cycles < CYCLES_SEEN) & (-poles.real * duration < CYCLES_SEEN)
+    for k in np.flatnonzero(few).tolist():
         yield _of(ModeCheck.FEW_CYCLES, Level.CARE, {"mode": k + 1, "cycles": float(cycles[k])})
     if not np.any(poles.imag != 0):
         yield _of(ModeCheck.REAL_ONLY, Level.CARE)
@@ -253,11 +218,10 @@ def _precision(found: Identification, level: Ratio) -> Iterator[Check]:
     if np.any(vague):
         yield _of(ModeCheck.DAMPING_UNKNOWN, Level.CARE, {"modes": _numbers(vague)})
     for k in np.flatnonzero(rough).tolist():
-        numbers: dict[str, Number] = {"mode": k + 1, "wn": float(wn[k]), "zeta": float(zeta[k])}
-        yield _of(ModeCheck.KNOWN_ROUGHLY, Level.CARE, numbers)
+        yield _of(ModeCheck.KNOWN_ROUGHLY, Level.CARE, {"mode": k + 1, "wn": float(wn[k]), "zeta": float(zeta[k])})
     if np.any(pairs) and not np.any(vague | rough):
         most = {"wn": float(np.max(wn[pairs])), "zeta": float(np.max(zeta[pairs])), "level": float(level)}
-        yield _of(ModeCheck.KNOWN, Level.SOUND, {**most})
+        yield _of(ModeCheck.KNOWN, Level.SOUND, most)
 
 
 def _steady_tones(found: Identification) -> Iterator[Check]:
@@ -268,26 +232,16 @@ def _steady_tones(found: Identification) -> Iterator[Check]:
 
 
 def verdict_of_repeats(repeats: Repeats, level: Ratio = 0.95) -> Verdict:
-    """Return the verdict on several decays jointly: their agreement beside the checks of the first decay.
-
-    Parameters
-    ----------
-    repeats : Repeats
-        What was found.
-    level : float
-        Probability of the intervals that the checks of precision look at [1].
-    """
+    """Return the verdict on several decays jointly: their agreement beside the checks of the first decay."""
     decays = len(repeats.spans)
     first = verdict_of(repeats.each[0], level)
     if not len(repeats.modes):
         none = _of(ModeCheck.NO_COMMON_MODE, Level.NONE, {"decays": decays})
         return Verdict(Remark(Headline.NO_MODE), (none, *first.checks))
     apart = _numbers(np.array([agreement.widening > 1 for agreement in repeats.consistency]))
-    check = (
-        _of(ModeCheck.REPEATS_DISAGREE, Level.CARE, {"decays": decays, "modes": apart})
-        if apart
-        else _of(ModeCheck.REPEATS_AGREE, Level.SOUND, {"decays": decays})
-    )
+    check = _of(ModeCheck.REPEATS_AGREE, Level.SOUND, {"decays": decays})
+    if apart:
+        check = _of(ModeCheck.REPEATS_DISAGREE, Level.CARE, {"decays": decays, "modes": apart})
     return Verdict(Remark(Headline.MODES, {"modes": len(repeats.modes)}), (check, *first.checks))
 
 

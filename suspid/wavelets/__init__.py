@@ -8,12 +8,12 @@ their trusted windows, and `fit_ridges` fits the modes to the slopes of log modu
 from suspid.wavelets.best_bandwidth import BandwidthSearch, best_bandwidth
 from suspid.wavelets.cwt import cwt
 from suspid.wavelets.denoise import denoise
+from suspid.wavelets.filter_bank import sample_noise
 from suspid.wavelets.find_ridges import find_ridges
 from suspid.wavelets.fit_ridges import SkeletonFit, fit_ridges, fit_skeleton
 from suspid.wavelets.morlet import Morlet
 from suspid.wavelets.ridge import Ridge, Window
 from suspid.wavelets.ridge_at import ABOVE_NOISE
-from suspid.wavelets.sample_noise import sample_noise
 from suspid.wavelets.scalogram import Scalogram
 
 __all__ = [

@@ -24,7 +24,7 @@ CUT = 1e-13
 # Most samples of all rows that are transformed at once. More are no faster and take more memory.
 BLOCK = 2**21
 # Longest envelope of a wavelet [records]. A longer wavelet sees only the ends of the record.
-LONGEST = 10.0
+LONGEST_ENVELOPE = 10.0
 
 
 def cwt(
@@ -178,10 +178,11 @@ def _check_rows(signal: Signal, omega: RealArray, wavelet: Morlet) -> None:
             f"and the Nyquist frequency {nyquist:g} rad/s of the record"
         )
     longest = float(np.max(wavelet.envelope(omega)))
-    if longest > LONGEST * signal.duration:
+    if longest > LONGEST_ENVELOPE * signal.duration:
         raise InputError(
-            f"at omega = {np.min(omega):g} rad/s the envelope of the wavelet lasts {longest:g} s, over {LONGEST:g} "
-            f"times the {signal.duration:g} s of the record; raise the lowest omega, or lower bandwidth or center"
+            f"at omega = {np.min(omega):g} rad/s the envelope of the wavelet lasts {longest:g} s, over "
+            f"{LONGEST_ENVELOPE:g} times the {signal.duration:g} s of the record; raise the lowest omega, or lower "
+            f"bandwidth or center"
         )
 
 

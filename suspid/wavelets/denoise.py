@@ -31,7 +31,7 @@ TransformName: TypeAlias = Literal["stationary", "decimated"]
 # a median over the dozen coefficients of the coarsest level stays below it; a higher ratio shrinks modes.
 DENSE = 3.0
 # Noise below this share of the largest sample is rounding: the record is clean.
-ROUNDING = 64 * float(np.finfo(np.float64).eps)
+ROUNDED_NOISE = 64 * float(np.finfo(np.float64).eps)
 
 
 def denoise(
@@ -132,7 +132,7 @@ def denoise(
         std = noise_std(details, filters)
         # Wavelets of two vanishing moments or more do not see the line; "haar" does, with or without it.
         std[0] = min(std[0], noise_std(split(samples, filters, 1)[0], filters)[0])
-        if std[0] <= ROUNDING * np.max(np.abs(samples)):
+        if std[0] <= ROUNDED_NOISE * np.max(np.abs(samples)):
             out[:] = samples
             continue
         dense = np.flatnonzero(std > DENSE * std[0]) if level is None else np.array([], int)

@@ -9,35 +9,29 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.errors import InputError, RecordError
+from suspid.signals import Signal
 from suspid.units import ComplexArray, RealArray
-from suspid.wavelets.sample_noise import NORMAL_MEDIAN
 
 if TYPE_CHECKING:
     import pywt
 
+# Median of |z| for standard normal z: the median absolute coefficient is 0.6745 standard deviations.
+NORMAL_MEDIAN = 0.6744897501960817
+# A shorter record has no finest details of the 16 taps of "sym8".
+FEWEST_OF_NOISE = 16
+
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class FilterBank:
-    """Filters of a wavelet for records of one length.
+    """Filters of a wavelet for records of one length."""
 
-    Parameters
-    ----------
-    wavelet : pywt.Wavelet
-        The wavelet with the taps of its filters.
-    count : int
-        Length of the record; reflected at its ends it has twice that period.
-    depth : int
-        The deepest possible level.
-    spectra : ndarray (filter, bin)
-        Discrete Fourier transforms of the analysis (low, high) and synthesis (low, high) filters over that period.
-    gains : ndarray (level,)
-        Gain of the standard deviation of white noise from record to coefficients; 1 for orthogonal wavelets.
-    """
-
-    wavelet: pywt.Wavelet
-    count: int
-    depth: int
+    wavelet: pywt.Wavelet  # the wavelet with the taps of its filters
+    count: int  # length of the record; reflected at its ends it has twice that period
+    depth: int  # the deepest possible level
+    # (filter, bin): discrete Fourier transforms of the analysis (low, high) and synthesis (low, high) filters over that
+    # period.
     spectra: ComplexArray
+    # (level,): gain of the standard deviation of white noise from record to coefficients; 1 for orthogonal wavelets.
     gains: RealArray
 
     def at(self, level: int) -> ComplexArray:
@@ -47,15 +41,7 @@ class FilterBank:
 
 
 def filter_bank(name: str, count: int) -> FilterBank:
-    """Return the filters of a wavelet for records of ``count`` samples.
-
-    Raises
-    ------
-    InputError
-        If no discrete wavelet has that name.
-    RecordError
-        If the record is too short for a single level.
-    """
+    """Return the filters of a wavelet for records of ``count`` samples."""
     import pywt
 
     names = pywt.wavelist(kind="discrete")
@@ -79,6 +65,16 @@ def noise_std(details: list[RealArray], filters: FilterBank) -> RealArray:
     """Return the noise deviation of the record estimated at each level: ``median(|x|) / 0.6745 / gain``."""
     median = np.array([np.median(np.abs(d)) for d in details])
     return np.asarray(median / NORMAL_MEDIAN / filters.gains[: len(details)])
+
+
+def sample_noise(signal: Signal) -> RealArray:
+    """Return the standard deviation of white noise in each channel, from the median of its finest wavelet details."""
+    import pywt
+
+    if signal.values.shape[1] < FEWEST_OF_NOISE:
+        return np.zeros(len(signal.values))
+    _, details = pywt.dwt(signal.values, "sym8", mode="symmetric", axis=1)
+    return np.asarray(np.median(np.abs(details), axis=1) / NORMAL_MEDIAN)
 
 
 def stationary_details(samples: RealArray, filters: FilterBank, depth: int) -> tuple[list[RealArray], RealArray]:

@@ -11,11 +11,11 @@ from suspid.signals import Signal
 from suspid.units import RealArray
 from suspid.values import frozen_real
 from suspid.wavelets.cwt import transform
+from suspid.wavelets.filter_bank import sample_noise
 from suspid.wavelets.fit_ridges import fit_ridges, fit_skeleton
 from suspid.wavelets.morlet import Morlet
 from suspid.wavelets.ridge import Ridge
 from suspid.wavelets.ridge_at import ridge_at
-from suspid.wavelets.sample_noise import sample_noise
 from suspid.wavelets.scalogram import Scalogram
 
 # Rows are compared by their energy further than this from both ends [cones]. Nearer to them the edge effect makes
@@ -26,14 +26,14 @@ SEARCH_CONES = 1.2
 PROMINENCE, PROMINENCE_ASKED = 2.0, 1.05
 # Modulus over noise that a ridge reaches in its trusted window. Noise exceeds it among a million samples with
 # probability e^(-25 + 14) = 2e-5.
-SIGNIFICANT = 5.0
+RIDGE_SIGNIFICANT = 5.0
 # Modulus over the edge effect that a ridge reaches there. A smaller ratio accepts clicks.
 OVER_EDGE = 2.0
 # Standard deviations by which a decay may grow: more than that is no decay.
 GROWTH = 5.0
 # Largest distance, in the logarithm, of the frequency of the skeleton from that of the maximum, and largest share of
 # the energy that the fitted lines may leave in the trusted window. Larger limits accept noise as modes.
-FARTHEST, MISFIT = 0.1, 0.25
+RIDGE_FARTHEST, MISFIT = 0.1, 0.25
 
 
 def find_ridges(scalogram: Scalogram, *, count: int | None = None) -> tuple[Ridge, ...]:
@@ -144,7 +144,7 @@ def _refined(signal: Signal, omega: float, wavelet: Morlet, noise: RealArray) ->
         if np.sum(ridge.trusted) < 4:
             return None
         fit = fit_skeleton(ridge)
-        if abs(np.log(max(fit.pole.imag, 1e-3 * omega) / omega)) > FARTHEST:
+        if abs(np.log(max(fit.pole.imag, 1e-3 * omega) / omega)) > RIDGE_FARTHEST:
             return None
         ridge = ridge_at(signal, fit.pole.imag, wavelet, noise, fit)
     if np.sum(ridge.trusted) < 4:
@@ -160,7 +160,7 @@ def _is_significant(signal: Signal, ridge: Ridge) -> bool:
 
     In the trusted window it must rise above the noise, have more energy than the rows beside it, and not grow.
     """
-    if np.max(ridge.strength[ridge.trusted]) < SIGNIFICANT:
+    if np.max(ridge.strength[ridge.trusted]) < RIDGE_SIGNIFICANT:
         return False
     fit = fit_skeleton(ridge)
     if fit.pole.real > GROWTH * np.sqrt(fit.variance):

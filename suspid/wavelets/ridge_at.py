@@ -21,20 +21,10 @@ EDGE_SHARE = 3.0
 
 
 def ridge_at(signal: Signal, omega: float, wavelet: Morlet, noise: RealArray, fit: SkeletonFit | None = None) -> Ridge:
-    """Return the skeleton at a frequency with its noise and its trusted window.
+    """Return the skeleton at an angular frequency [rad/s] with its noise and its trusted window.
 
-    Parameters
-    ----------
-    signal : Signal
-        The record.
-    omega : float
-        Angular frequency [rad/s].
-    wavelet : Morlet
-        The wavelet.
-    noise : ndarray (channel,)
-        Standard deviation of white noise in the samples.
-    fit : SkeletonFit, optional
-        The lines through an earlier skeleton near by; they tell how far the onset reaches and what else is in the row.
+    ``noise`` is the standard deviation of white noise in the samples of each channel. The lines through an earlier
+    skeleton near by, ``fit``, tell how far the onset reaches and what else is in the row.
     """
     row = transform(signal, omega=np.array([omega]), wavelet=wavelet)
     skeleton, time, cone = row.rows[0], row.timepts(0), float(row.cone[0])

@@ -53,13 +53,6 @@ def sure_threshold(details: RealArray, *, rule: RuleName = "soft") -> Ratio:
     ``sum(1 + t^2)`` for the soft rule and ``sum(1 + t^4 / x^2 + 2 t^2 / x^2)`` for the garrote. It increases between
     the coefficients, so its minimum is at one of them or at zero. The hard rule is discontinuous and has no such
     estimate; it uses the threshold of the garrote, which also keeps large coefficients.
-
-    Parameters
-    ----------
-    details : ndarray
-        Coefficients in units of their noise.
-    rule : {"garrote", "soft", "hard"}
-        See `shrink`.
     """
     size = np.sort(np.abs(details))
     within = np.searchsorted(size, universal_threshold(size.size), side="right")

@@ -16,7 +16,7 @@ COLOUR_LEVEL = 6.334e-5
 # Order of the autoregression that describes a coloured residual. A higher order follows chance in short records.
 COLOUR_ORDER = 8
 # The power beside a pole is the mean over these offsets, in linewidths; the pole's own line is left out.
-BESIDE = np.array([-8.0, -6.0, -4.0, -2.0, 2.0, 4.0, 6.0, 8.0])
+OFFSETS = np.array([-8.0, -6.0, -4.0, -2.0, 2.0, 4.0, 6.0, 8.0])
 # Power beside a pole that counts as excess over a white residual: the mean of 8 independent exponential variables
 # exceeds it with probability 8e-4. A lower value widens intervals that are right.
 LOUD = 2.5
@@ -25,12 +25,7 @@ LOUD = 2.5
 def lag_one(residual: RealArray, power: RealArray | None = None) -> RealArray:
     """Return the correlation of each residual with itself one sample later [1], (channel,): 0 for white noise.
 
-    Parameters
-    ----------
-    residual : ndarray (channel, sample)
-        What a fit leaves.
-    power : ndarray (channel,), optional
-        Sum of squares to divide by; default: that of the residual.
+    The sum of products is divided by ``power``, by default the sum of squares.
     """
     power = np.einsum("ck,ck->c", residual, residual) if power is None else power
     products = np.einsum("ck,ck->c", residual[:, 1:], residual[:, :-1])
@@ -54,14 +49,7 @@ def noise_colour(residual: RealArray, omega: RealArray) -> RealArray:
     """Return the power density of a residual over that of white noise of its variance, (channel, frequency).
 
     From an autoregression of order `COLOUR_ORDER` (Yule-Walker): ``1 / |1 - sum_k a_k exp(-j omega k)|^2`` over
-    its mean.
-
-    Parameters
-    ----------
-    residual : ndarray (channel, sample)
-        What a fit leaves.
-    omega : ndarray (frequency,)
-        Angular frequencies per sample.
+    its mean, at angular frequencies per sample.
     """
     from scipy.linalg import solve_toeplitz
 
@@ -82,20 +70,13 @@ def noise_colour(residual: RealArray, omega: RealArray) -> RealArray:
 
 
 def power_beside(residual: RealArray, variance: RealArray, theta: ComplexArray) -> RealArray:
-    """Return the power of a residual beside each pole over that of white noise, (channel, pole).
+    """Return the power of a residual beside each pole over that of white noise of its variance, (channel, pole).
 
-    Parameters
-    ----------
-    residual : ndarray (channel, sample)
-        What a fit leaves.
-    variance : ndarray (channel,)
-        Its variance.
-    theta : ndarray (pole,)
-        Exponents per sample; the residual is weighted by the decay of each.
+    The residual is weighted by the decay of each pole.
     """
     count = residual.shape[1]
     decay = np.maximum(-theta.real, 0.25 / count)
-    offsets = (decay + np.pi / count)[:, None] * BESIDE
+    offsets = (decay + np.pi / count)[:, None] * OFFSETS
     omega = np.minimum(np.maximum(np.abs(theta.imag[:, None] + offsets), np.pi / count), np.pi)
     spread = project(residual, (1j * omega - decay[:, None]).ravel())
     expected = np.expm1(-2 * decay * count) / np.expm1(-2 * decay)
@@ -108,18 +89,8 @@ def loudness(
 ) -> RealArray:
     """Return the power of a residual near each pole over that of white noise, (pole,): 1 where they agree.
 
-    Parameters
-    ----------
-    residual : ndarray (channel, sample)
-        What a fit leaves.
-    variance : ndarray (channel,)
-        Its variance.
-    theta : ndarray (pole,)
-        Exponents per sample.
-    beside : ndarray (channel, pole)
-        Power beside each pole, from `power_beside`.
-    weights : ndarray (channel, pole)
-        Weights of the channels: their share of what is known of the pole.
+    ``beside`` is from `power_beside`; ``weights`` are the shares of the channels in what is known of each pole, both
+    (channel, pole).
     """
     # In a white residual the power beside a pole is mostly chance. In a coloured one it underestimates the noise
     # where the spectrum peaks at the pole itself.

@@ -24,11 +24,6 @@ def resolution(values: RealArray) -> RealArray:
     The largest of: rounding of the floating-point format, ``step / sqrt(12)`` where all samples are multiples of a
     step, and one unit of the last digit where all samples have few significant digits.
 
-    Parameters
-    ----------
-    values : ndarray (channel, sample)
-        The record, in any unit.
-
     Examples
     --------
     >>> rng = np.random.default_rng(1)

@@ -18,11 +18,6 @@ def shared_noise(residual: RealArray) -> float:
     The fit treats the noise of the channels as independent. If their correlation matrix is R, no variance is larger
     than that of independent noise times the largest eigenvalue of R: twice for a channel that is given twice.
 
-    Parameters
-    ----------
-    residual : ndarray (channel, sample)
-        What the fit leaves.
-
     Examples
     --------
     >>> noise = np.random.default_rng(1).standard_normal((2, 1000))

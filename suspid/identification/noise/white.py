@@ -33,15 +33,7 @@ class WhiteNoise:
         return np.asarray(np.maximum(squares / count, self.least))
 
     def loss(self, squares: RealArray, count: int) -> float:
-        """Return minus twice the log likelihood less a constant, ``n sum_c log variance_c`` at the likeliest variance.
-
-        Parameters
-        ----------
-        squares : ndarray (channel,)
-            Residual sums of squares.
-        count : int
-            Samples per channel n.
-        """
+        """Return minus twice the log likelihood less a constant: ``n sum_c log variance_c`` at the best variance."""
         return float(count * np.log(self.variance(squares, count)).sum())
 
     def at_least(self, variance: RealArray) -> WhiteNoise:
@@ -51,14 +43,8 @@ class WhiteNoise:
     def rounded(self, energy: RealArray, count: int, *, of_energies: bool = False) -> WhiteNoise:
         """Return the noise with the least variance raised to the rounding errors of a residual.
 
-        Parameters
-        ----------
-        energy : ndarray (channel,)
-            Sum of squares of the record.
-        count : int
-            Samples per channel.
-        of_energies : bool
-            Whether residual sums of squares are differences of energies instead of sums over samples.
+        They are those of a record of given energy (channel,), where residual sums of squares are sums over samples or
+        differences of energies.
         """
         share = ROUNDING_OF_ENERGIES if of_energies else ROUNDING_OF_SAMPLES
         return self.at_least(share * energy / count)
@@ -72,15 +58,8 @@ def noise_of(values: RealArray) -> WhiteNoise:
 def loss_growth(more: RealArray, count: int) -> RealArray:
     """Return by how much the loss rises where the residual energy of each channel grows by a share, (…).
 
-    ``n sum_c log(1 + more_c)``: `WhiteNoise.loss` far above the least variance. The fall of the loss where a share s
-    of the residual is explained is ``-loss_growth(-s, n)``.
-
-    Parameters
-    ----------
-    more : ndarray (channel, …)
-        Increase of the residual energy over the residual energy, above -1.
-    count : int
-        Samples per channel n.
+    ``n sum_c log(1 + more_c)`` with ``more`` (channel, …): `WhiteNoise.loss` far above the least variance. The fall of
+    the loss where a share s of the residual is explained is ``-loss_growth(-s, n)``.
     """
     return np.asarray(count * np.log1p(more).sum(axis=0))
 
@@ -88,15 +67,6 @@ def loss_growth(more: RealArray, count: int) -> RealArray:
 def degrees_of_freedom(samples: int, *, amplitudes: int, poles: int, channels: int) -> float:
     """Return the degrees of freedom of the residual of one channel, at least 1.
 
-    Parameters
-    ----------
-    samples : int
-        Samples per channel.
-    amplitudes : int
-        Real amplitudes fitted in every channel.
-    poles : int
-        Real parameters of the poles, which all channels share.
-    channels : int
-        Number of channels.
+    The real amplitudes are fitted in every channel; the real parameters of the poles are shared by all channels.
     """
     return max(samples - amplitudes - poles / channels, 1.0)
