@@ -16,7 +16,7 @@ from suspid.fleet.records import Entry
 from suspid.fleet.sources import RefusedError, Seen, source_of
 from suspid.fleet.tables import Row, Rows
 from suspid.model import car_from_toml
-from suspid.reconstruction import compiled, reconstruction_to_dict
+from suspid.reconstruction import reconstruction_to_dict
 from suspid.signals import as_signal
 from suspid.words import Failure, Note, Remark, Step
 
@@ -47,8 +47,6 @@ def record_rows(job: Job, entry: Entry, tell: Callable[[Seen], None]) -> Rows:
         with warnings.catch_warnings(), source_of(entry, know) as source:
             # What is found in a record has its columns.
             warnings.simplefilter("ignore")
-            # A solver keeps what it met before; the bytes of a record's rows must not depend on the records before it.
-            compiled.cache_clear()
             found = analyse(
                 source,
                 car=None if job.car is None else car_from_toml(job.car),

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
-from suspid.reconstruction.descent import descend
+from suspid.reconstruction.descent import Equations, descend, slope_left
 from suspid.reconstruction.equations import EXACT, Observed, deciding, linear, spectral
 from suspid.reconstruction.programs import Limits, Optimum, least_squares
 from suspid.reconstruction.sequence import converged, feasible
 from suspid.reconstruction.unknowns import Unknowns
 from suspid.reconstruction.wishes import Wishes
 from suspid.units import Ratio, RealArray
+from suspid.values import frozen_real
 from suspid.words import ReconstructionNote, Remark
 
 PULL = 0.01  # towards the nominal values, beside relative errors of poles, where there are too few poles
@@ -22,6 +23,7 @@ LARGEST = 1e9  # of the scale of an unknown: where there is no bound
 NEGLIGIBLE = 1e-8  # of chi-square: no step is worth so little
 UNLIKELY_TWIN = 1e-4  # probability of the rise of chi-square from the best suspension to another
 VAGUE = 0.05  # standard deviation of a shape's component above which shapes may not choose one suspension
+CERTIFIED = 1e-9  # of the squared residual: an alternative from which a step gains less needs no program of its own
 NEAR_MISS = 5e-3  # relative distance from exact poles at which another suspension is mentioned
 DATA_AGAINST_PRIOR = 1e6  # weight of modes without covariance, which are exact, beside a nominal car's
 
@@ -118,16 +120,25 @@ class Problem:
         residual, slope = self.linear
         return bool(np.linalg.norm(residual + slope @ x) <= EXACT)
 
-    def deciding(self, x: RealArray) -> tuple[RealArray, RealArray]:
-        """Return the residual that judges x, weighted, and its derivatives."""
-        p, arms, spread = self.unknowns.parameters(x), self.unknowns.arms, self.unknowns.spread
-        parts = [(r, s @ spread) for r, s in (deciding(test, arms, p) for test in self.tests)]
-        if self.has_nominal:
-            weight = 1.0 if self.weighted else DATA_AGAINST_PRIOR
-            parts = [(weight * r, weight * s) for r, s in parts]
-        if self.unknowns.has_prior.any():
-            parts.append(self.unknowns.prior(x))
-        return np.concatenate([r for r, _ in parts]), np.concatenate([s for _, s in parts])
+    @cached_property
+    def deciding(self) -> Equations:
+        """The residual that judges x, weighted, with its derivatives; search, fit and checks ask at the same points."""
+
+        @lru_cache(maxsize=64)  # of the last points: all that checks come back to
+        def at(point: bytes) -> tuple[RealArray, RealArray]:
+            x = np.frombuffer(point)
+            p, arms, spread = self.unknowns.parameters(x), self.unknowns.arms, self.unknowns.spread
+            parts = [(r, s @ spread) for r, s in (deciding(test, arms, p) for test in self.tests)]
+            if self.has_nominal:
+                weight = 1.0 if self.weighted else DATA_AGAINST_PRIOR
+                parts = [(weight * r, weight * s) for r, s in parts]
+            if self.unknowns.has_prior.any():
+                parts.append(self.unknowns.prior(x))
+            return frozen_real(np.concatenate([r for r, _ in parts])), frozen_real(
+                np.concatenate([s for _, s in parts])
+            )
+
+        return lambda x: at(x.tobytes())
 
     def spectral(self, x: RealArray) -> tuple[RealArray, RealArray]:
         """Return the characteristic polynomials at the poles, and their derivatives; a pull to nominal if too few."""
@@ -177,6 +188,15 @@ class Problem:
             wishes=self.wishes,
         )
         return replace(best, x=u.settled(best.x))
+
+    def alternative(self, x: RealArray, cost: float) -> RealArray:
+        """Return the minimum at x: x itself if it meets the conditions of an optimum, else that of a program."""
+        if self.wishes is not None or cost <= EXACT:
+            return x
+        left = slope_left(self.deciding, x, self.unknowns.lower, self.unknowns.upper)
+        if left * cost**2 <= (NEGLIGIBLE if self.weighted else CERTIFIED * cost**2):
+            return x
+        return self.answer(x).x
 
     def feasible(self, x: RealArray) -> RealArray:
         """Return the point nearest to x that keeps to the constraints."""

@@ -61,7 +61,8 @@ def reconstruct(
     convex program, which needs no start and has a unique solution. If the modes are not exact, it is the start of a
     sequence. Otherwise poles (and shapes of at least two channels) are fitted by a sequence of convex programs,
     started at the nominal suspension and at the minima that a reproducible search around it finds. The last program,
-    which gives the answer, is solved by cvxpy and its optimality is tested. Always k > 0, c >= 0 and mass > 0.
+    which gives the answer, is solved by cvxpy; its optimality is tested, and that of the alternatives. Always k > 0,
+    c >= 0 and mass > 0.
 
     Modes with a covariance are weighted by it, poles and shapes jointly; without one they count as exact, relative
     errors of poles ten times those of shapes. If it covers the poles alone, the shapes choose the suspension and the
@@ -177,8 +178,7 @@ def reconstruct(
 
     points, costs = candidates(problem, search=search)
     accepted = _accepted(problem, points, costs)
-    answers = [problem.answer(points[i]) for i in accepted]
-    best, nearest = answers[0], int(np.argmin(costs))
+    best, nearest = problem.answer(points[accepted[0]]), int(np.argmin(costs))
     cost, car = problem.cost(best.x), problem.unknowns.suspension(best.x)
     notes += check_seen(problem, best.x, car)
     try:
@@ -191,9 +191,10 @@ def reconstruct(
     if mac is not None and not problem.exact(best.x):
         notes.append(Remark(ReconstructionNote.LEAST_MAC, {"mac": mac}))
     notes += remarks(problem, best, cost)
-    others = [problem.unknowns.suspension(answer.x) for answer in answers[1:]]
+    minima = [problem.alternative(points[i], costs[i]) for i in accepted[1:]]
+    others = [problem.unknowns.suspension(x) for x in minima]
     if problem.weighted:
-        distances = tuple(problem.cost(answer.x) ** 2 for answer in answers[1:])
+        distances = tuple(problem.cost(x) ** 2 for x in minima)
     else:
         distances = tuple(max(float(pole_errors(test, other).max()) for test in tests) for other in others)
         missed = [c for i, c in enumerate(costs) if i not in accepted]
