@@ -44,11 +44,6 @@ def read(source: str | os.PathLike[str] | Recording | control.TimeResponseData, 
         A response is taken as it is: it is on a uniform clock already.
     settings : Settings
         Which channels, on which clock, scaled and named how.
-
-    Raises
-    ------
-    RecordError, InputError
-        If the source cannot be used; the message begins with the name of the file.
     """
     if isinstance(source, str | os.PathLike):
         recording = read_recording(

@@ -31,13 +31,7 @@ class Used:
 
 
 def stretch_of(record: control.TimeResponseData, settings: Settings) -> Used:
-    """Return the stretch of a record that the settings ask for.
-
-    Raises
-    ------
-    RecordError
-        If a decay is asked for and there is none, or none of that rank.
-    """
+    """Return the stretch of a record that the settings ask for."""
     if settings.start is not None or settings.stop is not None:
         part = cut(record, start=settings.start, stop=settings.stop)
         return Used(record=part, decays=(), used=(), notes=())

@@ -25,13 +25,7 @@ FIRST_WORKER: Second = 60.0
 
 @contextmanager
 def dask_engine(scheduler: str | Client) -> Iterator[Engine]:
-    """Give the workers of a Dask cluster, by the address of its scheduler or a client that is connected.
-
-    Raises
-    ------
-    InputError
-        If Dask is not installed, the scheduler does not answer, or no worker comes.
-    """
+    """Give the workers of a Dask cluster, by the address of its scheduler or a client that is connected."""
     try:
         connect: Any = importlib.import_module("distributed").Client
     except ImportError:

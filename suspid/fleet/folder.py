@@ -117,13 +117,7 @@ def check_part(folder: Path, number: int, chunk: Sequence[Entry], *, listed: boo
 
 
 def check_end(folder: Path, parts: int) -> None:
-    """Refuse to end a run whose folder holds parts beyond its last one.
-
-    Raises
-    ------
-    InputError
-        If fewer records came than when the run began.
-    """
+    """Refuse to end a run whose folder holds parts beyond its last one."""
     beyond = [number for number in part_numbers(folder, "modes") if number >= parts]
     if beyond:
         raise InputError(

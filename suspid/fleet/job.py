@@ -47,13 +47,7 @@ class Job:
 
 
 def check_job(job: Job, car: Suspension | None) -> None:
-    """Refuse at once what would be every record's failure.
-
-    Raises
-    ------
-    InputError
-        If a setting cannot be used.
-    """
+    """Refuse at once what would be every record's failure."""
     settings = job.settings
     if settings.method not in get_args(Method):
         raise InputError(f"method={settings.method!r} is unknown; the methods are {', '.join(get_args(Method))}")

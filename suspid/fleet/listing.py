@@ -57,11 +57,6 @@ def listing(records: Records, *, output: Path) -> Listing:
         See `identify_many`.
     output : path
         The folder of the results, which is skipped.
-
-    Raises
-    ------
-    InputError
-        If there is no such folder or file, or a list names a record twice.
     """
     left_out: Counter[str] = Counter()
     if isinstance(records, (str, os.PathLike)):

@@ -20,11 +20,6 @@ def local_engine(workers: int | None) -> Iterator[Engine]:
     ----------
     workers : int or None
         How many; None takes one for each core that this process may use.
-
-    Raises
-    ------
-    InputError
-        If the number of workers is not positive.
     """
     if workers is not None and (isinstance(workers, bool) or not isinstance(workers, int) or workers < 1):
         raise InputError(f"{workers=} must be a number of processes, 1 or more")

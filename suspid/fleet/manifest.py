@@ -23,13 +23,7 @@ def environment() -> dict[str, str]:
 
 
 def read_manifest(folder: Path) -> dict[str, object]:
-    """Return the manifest of a folder of results.
-
-    Raises
-    ------
-    InputError
-        If there is none, or it is not one.
-    """
+    """Return the manifest of a folder of results."""
     path = folder / "manifest.json"
     if not path.exists():
         raise InputError(f"{printable(str(folder))}: holds no results of a fleet: there is no manifest.json in it")
@@ -63,13 +57,7 @@ def check_same(folder: Path, begun: Mapping[str, object], asked: Mapping[str, ob
 
 
 def durable_write(path: Path, content: bytes) -> None:
-    """Write a file so that it is complete or absent, even if the power fails: write, sync, rename, sync.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be written.
-    """
+    """Write a file so that it is complete or absent, even if the power fails: write, sync, rename, sync."""
     # The draft has a fixed name, so that the next run overwrites what a killed one left.
     draft = path.with_name(f".{path.name}.draft")
     try:

@@ -85,11 +85,6 @@ def trends_of(quantity: str, tests: Mapping[str, Measured]) -> tuple[Trend, ...]
     tests : mapping of str to (ndarray, ndarray, ndarray)
         By vehicle: times, values and their standard deviations (NaN where there is none).
 
-    Raises
-    ------
-    InputError
-        If the arrays of a vehicle differ in length.
-
     Examples
     --------
     >>> time, noise = np.arange(6.0), np.array([3.0, -5, 4, 1, -2, 3])

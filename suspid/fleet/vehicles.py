@@ -23,11 +23,6 @@ def read_vehicles(path: str | os.PathLike[str]) -> dict[str, tuple[str, float]]:
 
     A date such as ``2024-05-31`` or ``2024-05-31T12:00`` is converted to years; a plain number (a mileage) is kept.
 
-    Raises
-    ------
-    InputError
-        If the file cannot be read, a column is missing, a date is invalid, or dates and numbers are mixed.
-
     Examples
     --------
     >>> import tempfile
@@ -66,11 +61,6 @@ def read_vehicles(path: str | os.PathLike[str]) -> dict[str, tuple[str, float]]:
 
 def vehicles_from_names(names: Iterable[str], pattern: str) -> dict[str, tuple[str, float]]:
     r"""Return vehicle and time of each record whose name matches a pattern with these two groups.
-
-    Raises
-    ------
-    InputError
-        If the pattern is invalid, or has no groups ``vehicle`` and ``date``.
 
     Examples
     --------

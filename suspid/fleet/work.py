@@ -34,13 +34,7 @@ class TimeUp(BaseException):
 
 
 def work(job: Job, chunk: Sequence[Entry]) -> Part:
-    """Return the tables of a chunk of records.
-
-    Raises
-    ------
-    InputError
-        If this worker has other versions than the client.
-    """
+    """Return the tables of a chunk of records."""
     check_versions(job)
     return tables_of(job, chunk, {}, done=lambda: None)
 

@@ -33,11 +33,6 @@ def sheltered(read: Callable[[], T], *, extra: str, library: str, suffix: str, d
     doing : str
         What needs the library.
 
-    Raises
-    ------
-    RecordError
-        If the library is not installed, or fails for any reason.
-
     Examples
     --------
     >>> def read():

@@ -92,13 +92,7 @@ def reader_of(path: Path, dbc: str | os.PathLike[str] | None) -> Reader:
 
 
 def format_of(path: Path) -> Format:
-    """Return the format of a file; a folder or a missing file of unknown suffix counts as text.
-
-    Raises
-    ------
-    RecordError
-        If neither suffix nor first bytes are known.
-    """
+    """Return the format of a file; a folder or a missing file of unknown suffix counts as text."""
     suffix = path.suffix.lower()
     if suffix not in BY_SUFFIX and not path.is_dir():
         marked = marked_format(path)

@@ -37,11 +37,6 @@ def read_hdf(path: Path) -> Table:
 
     Groups become dotted names (``run1.seat``), arrays of structures are numbered (``run[2].seat``), matrices are
     split into columns. Attributes named like units and rates are used. Links to other files are not followed.
-
-    Raises
-    ------
-    RecordError
-        If h5py is not installed, the file is damaged or of another kind, or it holds no real vector.
     """
     content = read_bytes(path, error=RecordError)
     return as_table(_sheltered(lambda: _content(content)))

@@ -42,11 +42,6 @@ def read_matlab(path: Path) -> Table:
 
     Structures become dotted names (``run1.seat``), their arrays are numbered (``run[2].seat``), matrices are split
     into columns.
-
-    Raises
-    ------
-    RecordError
-        If the file is of another kind, damaged, or holds no real vector.
     """
     content = read_bytes(path, error=RecordError)
     try:
@@ -93,13 +88,7 @@ def _version(content: bytes) -> int:
 
 
 def _variables(content: bytes) -> Group:
-    """Return the variables of a file of v5 to v7.
-
-    Raises
-    ------
-    RecordError
-        If one is damaged, or two have the same name.
-    """
+    """Return the variables of a file of v5 to v7."""
     order = "<" if content[126:128] == b"IM" else ">"
     found: dict[str, Value] = {}
     position = HEADER

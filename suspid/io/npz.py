@@ -28,11 +28,6 @@ def read_npz(path: Path) -> Table:
     The columns of a single array are named ``column 1``, ``column 2`` …, its longer side being time; those of a
     structured array have the names of its fields.
 
-    Raises
-    ------
-    RecordError
-        If the file is of another kind, damaged, or holds no real vector.
-
     Examples
     --------
     >>> import tempfile

@@ -29,11 +29,6 @@ def read_parquet(path: Path) -> Table:
     Dates and times of day count from the first one. Where no column is named like a time, the only
     one that holds dates, times or durations is the time base of the others. Units are read from the metadata of the
     fields, under ``unit``.
-
-    Raises
-    ------
-    RecordError
-        If the file is of another kind, damaged, or holds no column of numbers.
     """
     content = read_bytes(path, error=RecordError)
     if not (len(content) >= 12 and content[:4] == b"PAR1" == content[-4:]):
@@ -67,13 +62,6 @@ def write_parquet(
         Units by channel, empty where there is none; written to the metadata of the fields.
     title : str
         Title of the record.
-
-    Raises
-    ------
-    RecordError
-        If pyarrow is not installed.
-    OSError
-        If the file cannot be written.
 
     Examples
     --------

@@ -48,11 +48,6 @@ def read_tdms(path: Path) -> Table:
     A name that two groups have becomes ``group/name``. The clock of a channel is that of its waveform
     (``wf_increment``, ``wf_start_offset``, and ``wf_start_time`` since the earliest there is), else the
     channel of its group that holds dates or is named like a time.
-
-    Raises
-    ------
-    RecordError
-        If the file is of another kind, damaged, cut off, or holds no channel of numbers.
     """
     content = read_bytes(path, error=RecordError)
     _check_segments(content)

@@ -61,11 +61,6 @@ def as_recording(
 ) -> Recording:
     """Return the channels of a table, each with its stamps; see `suspid.read_recording`.
 
-    Raises
-    ------
-    RecordError
-        If a column is missing, neither time nor rate is known, or channels and time differ in length.
-
     Examples
     --------
     >>> import numpy as np

@@ -56,11 +56,6 @@ def read_uff(path: Path) -> Table:
     A column is named by node and direction (``12+Z``), else by the label of its axis, else by its first
     line of text; a name that is taken is followed by that text. Units are those of the label, else
     they follow from data set 164.
-
-    Raises
-    ------
-    RecordError
-        If the file is of another kind, damaged or cut off, or holds no time history.
     """
     content = read_bytes(path, error=RecordError)
     if re.match(rb"[\r\n]*    -1[\r\n ]", content) is None:

@@ -81,11 +81,6 @@ def as_table(variables: Group, *, rates: Mapping[str, Hertz] | None = None) -> T
     longer side being time. A vector of time, or a number that states the rate, holds for all in its group and
     in the groups below it; a group ``time`` and ``signals.values`` is what Simulink writes.
 
-    Raises
-    ------
-    RecordError
-        If there is no real vector.
-
     Examples
     --------
     >>> seat = Variable(shape=(3, 1), read=lambda: np.ones((3, 1)))

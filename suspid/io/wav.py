@@ -28,11 +28,6 @@ def read_wav(path: Path) -> Table:
 
     Columns are named ``channel 1``, ``channel 2`` …. Integers are divided by the largest that their type
     can hold, so that full scale is 1; floating point is not changed.
-
-    Raises
-    ------
-    RecordError
-        If the file is of another kind, cut off, compressed or otherwise not to be read.
     """
     content = read_bytes(path, error=RecordError)
     _check_chunks(content)

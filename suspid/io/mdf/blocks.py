@@ -57,11 +57,6 @@ def check_blocks(content: bytes) -> int:
     -------
     int
         Number of records that all groups state; 0 if the file was not finished, where none need be stated.
-
-    Raises
-    ------
-    RecordError
-        If the file is no MDF file, damaged, or cut off.
     """
     if content[:8].strip() not in (b"MDF", b"UnFinMF"):
         raise RecordError(f"is not an MDF file: it begins with {content[:8]!r}")

@@ -45,12 +45,6 @@ def read_mdf(path: Path, *, dbc: str | os.PathLike[str] | None = None) -> Table:
         The file, of version 2, 3 or 4; all of it is read into memory.
     dbc : str or path, optional
         CAN database (``.dbc``) that describes the signals in the frames.
-
-    Raises
-    ------
-    RecordError
-        If the file or the database cannot be read, or there is no channel of numbers; for a file of CAN frames
-        alone, the error lists their ids.
     """
     content = read_bytes(path, error=RecordError)
     records = check_blocks(content)

@@ -67,12 +67,8 @@ def number(cell: str, *, comma: bool) -> float | None:
 def seconds(cells: Iterable[str]) -> RealArray:
     """Return dates and times of day [s] since the first one, exact to the nanosecond; NaN where one is missing.
 
-    Times of day without a date continue after midnight.
-
-    Raises
-    ------
-    RecordError
-        If a date does not exist, or day and month cannot be told apart.
+    Times of day without a date continue after midnight. Dates that do not exist, or whose day and month cannot be told
+    apart, are refused.
 
     Examples
     --------

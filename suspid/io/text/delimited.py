@@ -19,13 +19,7 @@ LONGEST_LINE = 1 << 20
 
 
 def read_delimited(path: Path) -> Table:
-    """Return the table of a text file; delimiter, decimal sign, header and units are detected.
-
-    Raises
-    ------
-    RecordError
-        If the file is not text, holds no rows of numbers, or a line between the rows is not a row.
-    """
+    """Return the table of a text file; delimiter, decimal sign, header and units are detected."""
     text, left_out = decoded(read_bytes(path, error=RecordError))
     head = text[:HEAD_BYTES].split(b"\n", HEAD_LINES)
     middle: list[bytes] = []

@@ -103,13 +103,7 @@ def shapes(lines: Sequence[str]) -> Counter[str]:
 
 
 def find_dialect(head: Sequence[str], sample: Sequence[str], counted: Mapping[str, int]) -> tuple[Dialect, int]:
-    """Return the dialect in which most lines of a sample are rows of numbers, and the number of cells of a row.
-
-    Raises
-    ------
-    RecordError
-        If no line holds a number, or a comma may separate decimals as well as cells.
-    """
+    """Return the dialect in which most lines of a sample are rows of numbers, and the number of cells of a row."""
     trials = [trial for dialect in DIALECTS if (trial := _tried(dialect, counted))]
     if not trials:
         raise RecordError("holds no row of numbers; a record needs at least 2 samples, one a line")

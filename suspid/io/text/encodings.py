@@ -27,11 +27,6 @@ BRACKETS = re.compile(OPENING + rb"(?=[^\S\n]*(?:[-+.\d]|$))|(?:;|\];?)[^\S\n]*$
 def decoded(content: bytes) -> tuple[bytes, dict[str, Remark]]:
     r"""Return a text as UTF-8 with newlines, and its encoding where that is another one.
 
-    Raises
-    ------
-    RecordError
-        If it is not text, or its encoding is not known.
-
     Examples
     --------
     >>> str(decoded("seat [°]\r\n".encode("cp1252"))[1]["encoding"])

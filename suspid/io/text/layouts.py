@@ -55,13 +55,7 @@ class Layout:
 
 
 def find_layout(head: Sequence[str], sample: Sequence[str]) -> Layout:
-    """Return the layout of a file from its first lines and a sample of lines from all over it.
-
-    Raises
-    ------
-    RecordError
-        If no line holds numbers, the header does not fit the rows, or two dialects fit.
-    """
+    """Return the layout of a file from its first lines and a sample of lines from all over it."""
     columns = _columns(head, sample)
     first = next((k for k, line in enumerate(head) if columns.are_data(line)), None)
     if first is None:
