@@ -22,8 +22,7 @@ from fleets import CAR, content, make_fleet, time_limit, write_decay
 from suspid import InputError, eigenmodes, free_decay
 from suspid.analysis import CarSettings, Settings, analyse
 from suspid.fleet.engine import Engine
-from suspid.fleet.fleet_run import FleetRun
-from suspid.fleet.identify_many import identify_many
+from suspid.fleet.identify_many import FleetRun, identify_many
 from suspid.fleet.parts import read_table
 from suspid.fleet.work import work
 from suspid.words import Defect, Failure

@@ -214,6 +214,6 @@ class TestDask:
         assert content(tmp_path) == expected
 
     def test_nobody_answers(self, fleet: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-        monkeypatch.setattr("suspid.fleet.cluster.FIRST_WORKER", 0.5)
+        monkeypatch.setattr("suspid.fleet.workers.FIRST_WORKER", 0.5)
         with pytest.raises(InputError, match="no Dask scheduler answers"):
             identify_many(fleet, output=tmp_path, scheduler="tcp://127.0.0.1:9")

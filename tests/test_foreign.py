@@ -31,13 +31,13 @@ class TestSilence:
     def test_only_the_result_comes_through(
         self, capsys: pytest.CaptureFixture[str], caplog: pytest.LogCaptureFixture
     ) -> None:
-        assert sheltered(noisy, extra="mdf", library="a", suffix=".a") == 7
+        assert sheltered(noisy, extra="mdf", suffix=".a") == 7
         assert capsys.readouterr() == ("", "")
         assert not caplog.records
 
     def test_ends_with_the_reading(self, caplog: pytest.LogCaptureFixture) -> None:
         hook = sys.unraisablehook
-        sheltered(noisy, extra="mdf", library="a", suffix=".a")
+        sheltered(noisy, extra="mdf", suffix=".a")
         logging.getLogger("a.library").error("an entry")
         assert [record.message for record in caplog.records] == ["an entry"]
         assert sys.unraisablehook is hook
@@ -52,7 +52,7 @@ class TestFailures:
             raise kind("here\nand\x1b[2J there")
 
         with pytest.raises(RecordError, match=f"^is damaged: {kind.__name__}: .*here") as caught:
-            sheltered(read, extra="mdf", library="a", suffix=".a")
+            sheltered(read, extra="mdf", suffix=".a")
         assert str(caught.value).isprintable()
         # The frames of the reader, and what they hold open, are gone.
         assert caught.value.__context__ is None
@@ -63,7 +63,7 @@ class TestFailures:
             raise ValueError(str(type(reader)))
 
         with pytest.raises(RecordError):
-            sheltered(read, extra="mdf", library="a", suffix=".a")
+            sheltered(read, extra="mdf", suffix=".a")
         assert capsys.readouterr() == ("", "")
 
     def test_of_our_own_stay(self) -> None:
@@ -71,14 +71,14 @@ class TestFailures:
             raise RecordError("is cut off")
 
         with pytest.raises(RecordError, match="^is cut off$"):
-            sheltered(read, extra="mdf", library="a", suffix=".a")
+            sheltered(read, extra="mdf", suffix=".a")
 
     def test_a_long_message_is_cut(self) -> None:
         def read() -> None:
             raise ValueError("x" * 10_000)
 
         with pytest.raises(RecordError) as caught:
-            sheltered(read, extra="mdf", library="a", suffix=".a")
+            sheltered(read, extra="mdf", suffix=".a")
         assert len(str(caught.value)) < 300
 
 

@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from suspid.analysis.reading import Read, read
-from suspid.analysis.settings import Settings
+from suspid.analysis.settings import CarSettings, Settings
 from suspid.analysis.stretch import Used, stretch_of
 from suspid.decays import Decay, Decays
 from suspid.errors import InputError, ReconstructionError
@@ -149,7 +149,7 @@ def analyse(
     True
     """
     settings = settings or Settings()
-    begin = progress or _silent
+    begin = progress or (lambda _: None)
     begin(STEPS[0])
     opened = read(source, settings)
     begin(STEPS[1])
@@ -176,10 +176,6 @@ def analyse(
     )
 
 
-def _silent(step: str) -> None:
-    """Ignore progress."""
-
-
 def _identified(opened: Read, stretch: Used, settings: Settings) -> tuple[Identification, Repeats | None]:
     """Return the identification of the decay and, where several are used, that of all jointly."""
     if len(stretch.used) < 2:
@@ -198,24 +194,26 @@ def _identified(opened: Read, stretch: Used, settings: Settings) -> tuple[Identi
 
 def _springs(modes: ModalSet, car: Suspension, settings: Settings) -> tuple[Reconstruction | None, list[Remark]]:
     """Return springs and dampers, or a note on why there are none."""
-    how = settings.springs
-    test = ModalTest(modes=modes, added_masses=how.added_masses)
     try:
-        found = reconstruct(
-            [test],
-            car,
-            fixed=how.fixed,
-            bounds=how.bounds,
-            ties=how.ties,
-            nominal_std=how.nominal_std,
-            free_masses=how.free_masses,
-            tolerance=how.tolerance,
-            search=how.search,
-            constraints=how.constraints,
-        )
+        return reconstruct_as(settings.springs, modes, car), []
     except (ReconstructionError, InputError) as error:
         return None, [Remark(Note.NO_SPRINGS, {"why": str(error)})]
-    return found, []
+
+
+def reconstruct_as(how: CarSettings, modes: ModalSet, car: Suspension) -> Reconstruction:
+    """Return springs and dampers, reconstructed as the settings say."""
+    return reconstruct(
+        [ModalTest(modes=modes, added_masses=how.added_masses)],
+        car,
+        fixed=how.fixed,
+        bounds=how.bounds,
+        ties=how.ties,
+        nominal_std=how.nominal_std,
+        free_masses=how.free_masses,
+        tolerance=how.tolerance,
+        search=how.search,
+        constraints=how.constraints,
+    )
 
 
 def _of_recording(cleaned: Cleaned, used: tuple[Decay, ...]) -> Iterator[Check]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
@@ -36,15 +35,7 @@ class Read:
 
 
 def read(source: str | os.PathLike[str] | Recording | control.TimeResponseData, settings: Settings) -> Read:
-    """Return a source as a cleaned record.
-
-    Parameters
-    ----------
-    source : path, Recording or control.TimeResponseData
-        A response is taken as it is: it is on a uniform clock already.
-    settings : Settings
-        Which channels, on which clock, scaled and named how.
-    """
+    """Return a source as a cleaned record; a response is on a uniform clock already."""
     if isinstance(source, str | os.PathLike):
         recording = read_recording(
             source, channels=settings.channels, time=settings.time, fs=settings.fs, dbc=settings.dbc
@@ -168,8 +159,3 @@ def _by_channel(values: Mapping[str, Value], cleaned: Cleaned) -> dict[str, Valu
 
 def _title(response: control.TimeResponseData) -> str:
     return str(getattr(response, "title", None) or "")
-
-
-def file_of(source: object) -> Path | None:
-    """Return the path of a source, or None if it is no file."""
-    return Path(source) if isinstance(source, str | os.PathLike) else None

@@ -16,7 +16,7 @@ import numpy as np
 
 from suspid.cli.fleet import fleet_command
 from suspid.cli.measured import channels_command, identify_command, record_in_words, report_command
-from suspid.cli.options import FILE
+from suspid.cli.options import FILE, pairs
 from suspid.cli.support import (
     Commands,
     Positive,
@@ -165,7 +165,7 @@ def simulate_command(
     count = round(fs * duration) if fs * duration <= MOST_SAMPLES else 0
     if count < 2:
         raise click.UsageError(f"{fs:g} Hz for {duration:g} s must be between 2 and {MOST_SAMPLES} samples.")
-    state = _initial_state(initial)
+    state = pairs(initial, "--initial", float)
     check_record_name(output)
     check_apart([car], [output])
     with replacing(output) as draft, said_warnings() as said:
@@ -197,17 +197,3 @@ def modes_command(car: Path, json_file: Path | None) -> None:
         if draft:
             draft.write_text(to_json(modes_to_dict(modes)), encoding="utf-8")
     say(str(modes))
-
-
-def _initial_state(given: tuple[str, ...]) -> dict[str, float]:
-    state: dict[str, float] = {}
-    for text in given:
-        name, equals, value = text.rpartition("=")
-        try:
-            number = float(value)
-        except ValueError:
-            equals = ""
-        if not equals or not name or name in state:
-            raise click.BadParameter(f"{text!r}: write STATE=VALUE, each state once.", param_hint="'--initial'")
-        state[name] = number
-    return state

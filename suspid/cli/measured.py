@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import click
 
 from suspid.analysis import STEPS, Analysis, Settings, analyse
-from suspid.cli.options import FILE, analysing, progress
+from suspid.cli.options import DBC, FILE, TIME, analysing, progress
 from suspid.cli.support import ARGUMENTS, Positive, check_apart, said_warnings, say
 from suspid.errors import InputError
 from suspid.files import printable, replacing
@@ -29,14 +29,9 @@ MOST_LEFT_OUT = 3
 
 @click.command("channels")
 @click.argument("file", type=FILE)
-@click.option(
-    "--time",
-    "time",
-    metavar="NAME",
-    help="Column of time, if it is not named like one; none ignores times in the file.",
-)
+@TIME
 @click.option("--fs", type=Positive("Hz"), metavar="HZ", help="Sampling rate, if the file does not tell it.")
-@click.option("--dbc", type=FILE, metavar="FILE", help="Database that decodes the CAN frames of an MDF file.")
+@DBC
 def channels_command(file: Path, time: str | None, fs: float | None, dbc: Path | None) -> None:
     """List the channels in FILE: names, units, rates, lengths, gaps, and what else it holds."""
     from suspid.io import read_recording
@@ -108,7 +103,8 @@ def report_command(
         constraints = () if car is None else read_constraints(car)
         settings = replace(settings, level=level, springs=replace(settings.springs, constraints=constraints))
         found = analyse(file, car=suspension, settings=settings, progress=step)
-        source = source_of(file, command=_command_line(), created=created)
+        command = shlex.join(["suspid", *click.get_current_context().meta.get(ARGUMENTS, [])])
+        source = source_of(file, command=command, created=created)
         step("drawing")
         # Page and JSON show the same transform: made once.
         found = replace(found, identification=drawable(found.identification))
@@ -127,11 +123,6 @@ def said_of(found: Analysis) -> list[str]:
     if len(left_out) > MOST_LEFT_OUT:
         said.append(f"in the file: {len(left_out) - MOST_LEFT_OUT} more things are no channels; see `suspid channels`")
     return [*said, *map(str, found.cleaned.findings), *map(str, found.notes)]
-
-
-def _command_line() -> str:
-    arguments = click.get_current_context().meta.get(ARGUMENTS, [])
-    return shlex.join(["suspid", *arguments])
 
 
 def record_in_words(record: control.TimeResponseData) -> str:

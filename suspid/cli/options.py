@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import wraps
@@ -12,11 +13,15 @@ from typing import Any, Literal, TypeVar, cast, get_args
 import click
 
 from suspid.analysis import Settings
-from suspid.cli.support import Positive, angular_band
+from suspid.cli.support import Positive
 from suspid.errors import InputError
 from suspid.identification import Method, identify
 
 FILE = click.Path(path_type=Path)
+TIME = click.option(
+    "--time", metavar="NAME", help="Column of time, if it is not named like one; none ignores times in the file."
+)
+DBC = click.option("--dbc", type=FILE, metavar="FILE", help="Database that decodes the CAN frames of an MDF file.")
 # Work that takes longer than this [s] shows a progress bar, on a terminal only.
 PATIENCE = 1.0
 
@@ -38,7 +43,7 @@ class Which(click.ParamType[str]):
 
 READING = (
     click.option("--channel", "channels", metavar="NAME", multiple=True, help="Channel to use; repeat. [all]"),
-    click.option("--without", "without", metavar="NAME", multiple=True, help="Channel to leave out; repeat."),
+    click.option("--without", metavar="NAME", multiple=True, help="Channel to leave out; repeat."),
     click.option(
         "--rename", "renames", metavar="OLD=NEW", multiple=True, help="Call a channel by another name; repeat."
     ),
@@ -47,19 +52,11 @@ READING = (
     ),
     click.option("--vertical", metavar="X,Y,Z", help="Add the vertical of a tilted accelerometer, and drop its axes."),
     click.option("--si", is_flag=True, help="Convert channels to SI by the units that the file states."),
+    TIME,
     click.option(
-        "--time",
-        "time",
-        metavar="NAME",
-        help="Column of time, if it is not named like one; none ignores times in the file.",
+        "--fs", type=Positive("Hz"), metavar="HZ", help="Sampling rate; it replaces the time in the file, if any."
     ),
-    click.option(
-        "--fs",
-        type=Positive("Hz"),
-        metavar="HZ",
-        help="Sampling rate; it replaces the time in the file, if any.",
-    ),
-    click.option("--dbc", type=FILE, metavar="FILE", help="Database that decodes the CAN frames of an MDF file."),
+    DBC,
 )
 STRETCH = (
     click.option("--from", "start", type=float, metavar="SECONDS", help="Time at which the decay begins."),
@@ -114,7 +111,8 @@ def settings_of(
         raise click.BadParameter(f"{vertical!r}: name three axes, as X,Y,Z.", param_hint="'--vertical'")
     decay = int(which) if which.isdecimal() else cast("Literal['auto', 'whole', 'all']", which)
     rename, scale = pairs(renames, "--rename", str), pairs(scales, "--scale", float)
-    angular = angular_band(band)
+    if band and not band[0] < band[1]:
+        raise click.BadParameter(f"{band[0]:g} Hz is not below {band[1]:g} Hz.", param_hint="'--band'")
     try:
         return Settings(
             channels=channels or None,
@@ -131,7 +129,7 @@ def settings_of(
             decay=decay,
             modes=modes,
             method=method,
-            band=angular,
+            band=(2 * math.pi * band[0], 2 * math.pi * band[1]) if band else None,
         )
     except InputError as error:
         raise click.UsageError(f"{error}.") from None

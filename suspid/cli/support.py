@@ -104,13 +104,6 @@ def said_warnings() -> Iterator[list[str]]:
         click.echo(f"suspid: warning: {printable(text)}", err=True)
 
 
-def angular_band(band: tuple[float, float] | None) -> tuple[float, float] | None:
-    """Return a band that was given in Hz in rad/s, or refuse it as a usage error."""
-    if band and not band[0] < band[1]:
-        raise click.BadParameter(f"{band[0]:g} Hz is not below {band[1]:g} Hz.", param_hint="'--band'")
-    return (2 * math.pi * band[0], 2 * math.pi * band[1]) if band else None
-
-
 def added_masses(given: Sequence[str], files: Sequence[Path]) -> list[dict[str, float]]:
     """Return the masses [kg] added in the test of each file, from texts as ``FILE:NAME=KG``."""
     tests: list[dict[str, float]] = [{} for _ in files]

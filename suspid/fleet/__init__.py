@@ -2,13 +2,12 @@
 
 `identify_many` passes every record of a list or folder to `analyse`, on local cores or a Dask cluster, resumable, into
 Parquet tables. `fleet_summary` reads them: failures, verdicts, distributions, outliers, trends of each vehicle. Below
-them: `listing` and `records` (what to do), `job` (how), `rows` and `tables` (results), `engine` with `local`,
-`children` and `cluster` (who), `parts`, `manifest` and `folder` (what makes a run resumable).
+them: `listing` and `records` (what to do), `job` (how), `rows` and `tables` (results), `engine` with `workers`
+and `children` (who), `parts`, `manifest` and `folder` (what makes a run resumable).
 """
 
-from suspid.fleet.fleet_run import FleetRun
 from suspid.fleet.fleet_summary import fleet_summary
-from suspid.fleet.identify_many import CHUNK, Progress, identify_many
+from suspid.fleet.identify_many import CHUNK, FleetRun, Progress, identify_many
 from suspid.fleet.summary import FleetSummary
 
 __all__ = ["CHUNK", "FleetRun", "FleetSummary", "Progress", "fleet_summary", "identify_many"]

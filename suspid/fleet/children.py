@@ -22,9 +22,8 @@ from typing import IO, TypeAlias
 from suspid.errors import SuspidError
 from suspid.fleet.job import Job
 from suspid.fleet.parts import Part
-from suspid.fleet.records import Entry
+from suspid.fleet.records import Entry, Seen
 from suspid.fleet.rows import failure
-from suspid.fleet.sources import Seen
 from suspid.fleet.tables import Rows
 from suspid.fleet.work import TIME_UP, check_versions, tables_of
 from suspid.units import Second
@@ -42,20 +41,12 @@ Process: TypeAlias = "subprocess.Popen[bytes]"
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Children:
-    """The worker processes of one run.
-
-    Parameters
-    ----------
-    idle : queue of processes
-        Those that wait for a chunk.
-    living : list of processes
-        All that were started and not seen to end.
-    stopped : Event
-        Set when no more work is wanted.
-    """
+    """The worker processes of one run."""
 
     idle: queue.SimpleQueue[Process] = field(default_factory=queue.SimpleQueue)
+    # All that were started and not seen to end.
     living: list[Process] = field(default_factory=list)
+    # Set when no more work is wanted.
     stopped: threading.Event = field(default_factory=threading.Event)
 
 

@@ -10,11 +10,12 @@ from dataclasses import dataclass, replace
 from suspid.errors import SuspidError
 from suspid.files import printable
 from suspid.fleet.job import Job
-from suspid.fleet.parts import Part
-from suspid.fleet.records import Entry
-from suspid.fleet.work import lost
+from suspid.fleet.parts import Part, as_part
+from suspid.fleet.records import Entry, Seen
+from suspid.fleet.rows import failure
+from suspid.fleet.tables import joined
 from suspid.units import Second
-from suspid.words import Failure, Remark
+from suspid.words import Failure, Remark, Step
 
 # Chunks under way per worker: one at work and one waiting. With one alone workers idle while results are written;
 # more only cost memory.
@@ -28,25 +29,15 @@ LOST = "the cluster was lost; what is written is complete, and the same command 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Engine:
-    """A way to have chunks worked on.
+    """A way to have chunks worked on."""
 
-    Parameters
-    ----------
-    submit : callable
-        Give away a chunk; the last argument says that its worker has died before.
-    stop : callable
-        End the workers; the argument says whether chunks under way are given up.
-    workers : callable
-        How many chunks can be worked on at once now.
-    alive : callable
-        Whether results can still come.
-    note : str
-        What the user should know; perhaps empty.
-    """
-
+    # Give away a chunk; the last argument says that its worker has died before.
     submit: Callable[[Job, tuple[Entry, ...], bool], Future[Part]]
+    # End the workers; the argument says whether chunks under way are given up.
     stop: Callable[[bool], None]
+    # How many chunks can be worked on at once now.
     workers: Callable[[], int]
+    # Whether results can still come.
     alive: Callable[[], bool]
     note: str = ""
 
@@ -68,13 +59,13 @@ def finished(engine: Engine, job: Job, chunks: Iterable[tuple[int, tuple[Entry, 
     SuspidError
         If the cluster is lost, or a worker has other versions than the client.
     """
-    source, again = iter(chunks), deque[Task]()
+    source, again = (Task(number=number, chunk=chunk) for number, chunk in chunks), deque[Task]()
     under_way: dict[Future[Part], Task] = {}
     complete = False
     try:
         while True:
             while len(under_way) < AHEAD * engine.workers():
-                task = again.popleft() if again else _next(source)
+                task = again.popleft() if again else next(source, None)
                 if task is None:
                     break
                 under_way[engine.submit(job, task.chunk, task.deaths > 0)] = task
@@ -110,9 +101,4 @@ def _outcome(engine: Engine, future: Future[Part]) -> tuple[Part | None, BaseExc
 
 def _lost(job: Job, task: Task, error: BaseException | None) -> Part:
     why = Remark(Failure.WORKER_LOST, {"times": TRIES, "why": printable(str(error))})
-    return lost(job, task.chunk, why)
-
-
-def _next(source: Iterator[tuple[int, tuple[Entry, ...]]]) -> Task | None:
-    found = next(source, None)
-    return None if found is None else Task(number=found[0], chunk=found[1])
+    return as_part(joined([failure(job, entry, Seen(step=Step.WORK), why) for entry in task.chunk]))

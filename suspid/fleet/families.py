@@ -35,16 +35,8 @@ def families_by_density(f: RealArray, zeta: RealArray, record: NDArray[np.int64]
     """Return the family of each mode, numbered from 0 in order of frequency; `OTHERS` where there are too few.
 
     A family is a peak of the density of log frequency. Where most records have two or more modes in one peak, these
-    are separated by damping or by frequency, whichever separates them better.
-
-    Parameters
-    ----------
-    f : ndarray (row,)
-        Natural frequencies, in any unit.
-    zeta : ndarray (row,)
-        Damping ratios [1].
-    record : ndarray (row,)
-        Number of the record of each row.
+    are separated by damping or by frequency, whichever separates them better. Each row of ``f`` (in any unit), ``zeta``
+    and ``record`` (its number) is one mode.
 
     Examples
     --------

@@ -4,26 +4,26 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
 from suspid.analysis import Settings
 from suspid.errors import InputError
-from suspid.fleet.cluster import dask_engine
+from suspid.files import printable
 from suspid.fleet.engine import finished
-from suspid.fleet.fleet_run import FleetRun
 from suspid.fleet.folder import begun, check_end, check_part, only_others, own, taken, write_manifest
 from suspid.fleet.job import Job, check_job
 from suspid.fleet.listing import Records, listing
-from suspid.fleet.local import local_engine
 from suspid.fleet.manifest import FORMAT, require_fleet
-from suspid.fleet.parts import part_counts, write_part
+from suspid.fleet.parts import part_counts, read_table, write_part
 from suspid.fleet.records import Entry, in_chunks
+from suspid.fleet.workers import dask_engine, local_engine
 from suspid.model import Suspension, car_to_toml
 from suspid.units import Second
 
 if TYPE_CHECKING:
+    import pyarrow as pa
     from distributed import Client
 
 # Records in a chunk: at 0.02 s each, a task takes 0.6 s and its handling 10 ms. Fewer cost more handling and files;
@@ -31,6 +31,56 @@ if TYPE_CHECKING:
 CHUNK = 32
 
 Progress: TypeAlias = Callable[[int, int, int | None], None]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class FleetRun:
+    """What a run left in its folder.
+
+    Parameters
+    ----------
+    output : path
+        The folder of the results.
+    records : int
+        How many records there are.
+    failed : int
+        How many of them have a row among the failures.
+    kept : int
+        How many were done by an earlier run that was interrupted.
+    notes : tuple of str
+        What the user should know of the run.
+    """
+
+    output: Path
+    records: int
+    failed: int
+    kept: int = 0
+    notes: tuple[str, ...] = ()
+
+    @property
+    def modes(self) -> pa.Table:
+        """One row per record and mode."""
+        return read_table(self.output, "modes")
+
+    @property
+    def springs(self) -> pa.Table:
+        """One row per record and parameter of the car; none without a car."""
+        return read_table(self.output, "springs")
+
+    @property
+    def failures(self) -> pa.Table:
+        """One row per record that failed, with the step and the reason."""
+        return read_table(self.output, "failures")
+
+    def __str__(self) -> str:
+        kept = f", {self.kept} of them by an earlier run" if self.kept else ""
+        return "\n".join(
+            [
+                f"{printable(str(self.output))}: {self.records} records{kept}; {self.records - self.failed} without "
+                f"failure, {self.failed} with",
+                *self.notes,
+            ]
+        )
 
 
 def identify_many(

@@ -3,37 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import get_args
 
-from suspid.analysis import CarSettings, Settings
+from suspid.analysis import CarSettings, Settings, reconstruct_as
 from suspid.errors import InputError, ReconstructionError
 from suspid.fleet.manifest import environment
 from suspid.identification import Method
 from suspid.model import Suspension, eigenmodes
-from suspid.reconstruction import reconstruct
 from suspid.units import Second
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Job:
-    """What is done with every record.
-
-    Parameters
-    ----------
-    settings : Settings
-        As `analyse` takes them.
-    car : str or None
-        The car as TOML: python-control's models cannot be pickled, and the manifest holds text.
-    time_limit : float or None
-        Longest time for one record [s].
-    environment : mapping of str to str
-        Versions of the client, which those of every worker must equal.
-    """
+    """What is done with every record."""
 
     settings: Settings = field(default_factory=Settings)
+    # The car as TOML: python-control's models cannot be pickled, and the manifest holds text.
     car: str | None = None
     time_limit: Second | None = None
+    # Versions of the client, which those of every worker must equal.
     environment: Mapping[str, str] = field(default_factory=environment)
 
     def to_dict(self) -> dict[str, object]:
@@ -61,20 +50,9 @@ def check_job(job: Job, car: Suspension | None) -> None:
         if settings.springs != CarSettings():
             raise InputError("settings.springs is of use only with a car")
         return
-    how = settings.springs
     try:
         # The car's own modes, without a search: what is refused here is refused for every record.
-        reconstruct(
-            eigenmodes(car),
-            car,
-            fixed=how.fixed,
-            bounds=how.bounds,
-            ties=how.ties,
-            nominal_std=how.nominal_std,
-            free_masses=how.free_masses,
-            tolerance=how.tolerance,
-            search=False,
-        )
+        reconstruct_as(replace(settings.springs, added_masses={}, search=False), eigenmodes(car), car)
     except ReconstructionError:
         # A record's modes may determine what these do not.
         return

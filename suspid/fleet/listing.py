@@ -28,36 +28,20 @@ Records: TypeAlias = "Address | Iterable[Record]"
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Listing:
-    """Where a run's records come from.
+    """Where a run's records come from."""
 
-    Parameters
-    ----------
-    source : mapping
-        What was asked for, as the manifest has it.
-    entries : iterable of Entry
-        The records in the order of the results; taken once.
-    listed : bool
-        Whether these are files, whose list can be kept, or a stream.
-    left_out : Counter
-        How many files of other kinds were met, by suffix; filled as the entries are taken.
-    """
-
+    # What was asked for, as the manifest has it.
     source: Mapping[str, object]
+    # The records in the order of the results; taken once.
     entries: Iterable[Entry]
+    # Whether these are files, whose list can be kept, or a stream.
     listed: bool
+    # How many files of other kinds were met, by suffix; filled as the entries are taken.
     left_out: Counter[str] = field(default_factory=Counter)
 
 
 def listing(records: Records, *, output: Path) -> Listing:
-    """Return the source of the records; no file is read yet.
-
-    Parameters
-    ----------
-    records : folder, glob, address, sequence of these, or iterable of responses
-        See `identify_many`.
-    output : path
-        The folder of the results, which is skipped.
-    """
+    """Return the source of the records of `identify_many`, without its folder of results; no file is read yet."""
     left_out: Counter[str] = Counter()
     if isinstance(records, (str, os.PathLike)):
         text = os.fspath(records)

@@ -17,7 +17,7 @@ from __future__ import annotations
 import io
 import json
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -113,28 +113,14 @@ def read_table(folder: str | os.PathLike[str], table: TableName, *, columns: Seq
     """
     require_fleet()
     import pyarrow as pa
-
-    read_manifest(Path(folder))
-    parts = [part for _, part in table_parts(Path(folder), table, columns=columns)]
-    if parts:
-        return pa.concat_tables(parts)
-    return schema_of(table).empty_table().select(list(columns or COLUMNS[table]))
-
-
-def table_parts(
-    folder: Path, table: TableName, *, columns: Sequence[str] | None = None
-) -> Iterator[tuple[int, pa.Table]]:
-    """Yield the number and the content of each part of a table."""
     from pyarrow import parquet
 
-    for number in part_numbers(folder, table):
-        # Metadata differ from part to part; without them the tables join.
-        yield (
-            number,
-            parquet.ParquetFile(part_path(folder, table, number))
-            .read(columns=None if columns is None else list(columns))
-            .replace_schema_metadata(),
-        )
+    read_manifest(Path(folder))
+    paths = [part_path(Path(folder), table, number) for number in part_numbers(Path(folder), table)]
+    wanted = list(columns or COLUMNS[table])
+    # Metadata differ from part to part; without them the tables join.
+    parts = [parquet.ParquetFile(path).read(columns=wanted).replace_schema_metadata() for path in paths]
+    return pa.concat_tables(parts) if parts else schema_of(table).empty_table().select(wanted)
 
 
 def _parquet(table: TableName, rows: Sequence[Row], counts: bytes) -> bytes:

@@ -12,8 +12,7 @@ from suspid.analysis import STEPS, Analysis, analyse
 from suspid.errors import IdentificationError, RecordError, SuspidError
 from suspid.files import printable
 from suspid.fleet.job import Job
-from suspid.fleet.records import Entry
-from suspid.fleet.sources import RefusedError, Seen, source_of
+from suspid.fleet.records import Entry, RefusedError, Seen, source_of
 from suspid.fleet.tables import Row, Rows
 from suspid.model import car_from_toml
 from suspid.reconstruction import reconstruction_to_dict
@@ -28,14 +27,7 @@ STEP_OF = dict(zip(STEPS, (Step.READ, Step.FIND_DECAYS, Step.IDENTIFY, Step.RECO
 def record_rows(job: Job, entry: Entry, tell: Callable[[Seen], None]) -> Rows:
     """Return the rows of one record: those of `analyse`; what goes wrong becomes a row among the failures.
 
-    Parameters
-    ----------
-    job : Job
-        What to do.
-    entry : Entry
-        The record.
-    tell : callable
-        Called with what is known of the record as soon as it is known.
+    ``tell`` is called with what is known of the record as soon as it is known.
     """
     seen = [Seen()]
 

@@ -14,53 +14,33 @@ TableName = Literal["modes", "springs", "failures"]
 TABLES: tuple[TableName, ...] = ("failures", "springs", "modes")
 Row = Mapping[str, object]
 
-WHICH = {"record": "string", "sha256": "string", "suspid": "string"}
+WHICH = dict.fromkeys(("record", "sha256", "suspid"), "string")
 COLUMNS: dict[TableName, dict[str, str]] = {
     "modes": {
         **WHICH,
-        "mode": "int32",
-        "modes": "int32",
+        **dict.fromkeys(("mode", "modes"), "int32"),
         "kind": "string",
-        "f_hz": "double",
-        "wn_rad_per_s": "double",
-        "wn_std_rad_per_s": "double",
-        "wn_low_rad_per_s": "double",
-        "wn_high_rad_per_s": "double",
-        "zeta": "double",
-        "zeta_std": "double",
-        "zeta_low": "double",
-        "zeta_high": "double",
-        "pole_real_rad_per_s": "double",
-        "pole_imag_rad_per_s": "double",
-        "collinearity": "double",
-        "loudness": "double",
-        "halves_apart": "double",
-        "explained_least": "double",
+        **dict.fromkeys(
+            ("f_hz", "wn_rad_per_s", "wn_std_rad_per_s", "wn_low_rad_per_s", "wn_high_rad_per_s"), "double"
+        ),
+        **dict.fromkeys(("zeta", "zeta_std", "zeta_low", "zeta_high"), "double"),
+        **dict.fromkeys(("pole_real_rad_per_s", "pole_imag_rad_per_s", "collinearity"), "double"),
+        **dict.fromkeys(("loudness", "halves_apart", "explained_least"), "double"),
         "decays": "int32",
         "start_s": "double",
         "samples": "int64",
         "rate_hz": "double",
         "channels": "strings",
-        "explained": "numbers",
-        "noise_std": "numbers",
-        "shape_real": "numbers",
-        "shape_imag": "numbers",
+        **dict.fromkeys(("explained", "noise_std", "shape_real", "shape_imag"), "numbers"),
         "verdict": "string",
-        "doubts": "strings",
-        "findings": "strings",
-        "notes": "strings",
+        **dict.fromkeys(("doubts", "findings", "notes"), "strings"),
         "remarks": "string",
     },
     "springs": {
         **WHICH,
-        "parameter": "string",
-        "unit": "string",
-        "value": "double",
-        "std": "double",
-        "low": "double",
-        "high": "double",
-        "held": "bool",
-        "explains": "bool",
+        **dict.fromkeys(("parameter", "unit"), "string"),
+        **dict.fromkeys(("value", "std", "low", "high"), "double"),
+        **dict.fromkeys(("held", "explains"), "bool"),
         "chi_square": "double",
         "freedom": "int32",
         "residual": "double",
@@ -73,22 +53,13 @@ COLUMNS: dict[TableName, dict[str, str]] = {
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Rows:
-    """What some records gave: rows of each table, and how many records they are.
-
-    Parameters
-    ----------
-    modes, springs, failures : tuple of mappings
-        Rows, with the columns of `COLUMNS`.
-    records : int
-        How many records gave them.
-    failed : int
-        How many of these have a row among the failures.
-    """
+    """What some records gave: rows of each table, and how many records they are."""
 
     modes: tuple[Row, ...] = ()
     springs: tuple[Row, ...] = ()
     failures: tuple[Row, ...] = ()
     records: int = 1
+    # How many of these have a row among the failures.
     failed: int = 0
 
 

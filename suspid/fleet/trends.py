@@ -78,12 +78,7 @@ def trends_of(quantity: str, tests: Mapping[str, Measured]) -> tuple[Trend, ...]
     residuals has the shared variance of its own residuals. The interval is that of Student's t, with the degrees of
     freedom of that estimate.
 
-    Parameters
-    ----------
-    quantity : str
-        What was measured.
-    tests : mapping of str to (ndarray, ndarray, ndarray)
-        By vehicle: times, values and their standard deviations (NaN where there is none).
+    ``tests`` holds times, values and their standard deviations (NaN where there is none) by vehicle.
 
     Examples
     --------

@@ -13,12 +13,11 @@ from suspid.errors import InputError
 from suspid.fleet.job import Job
 from suspid.fleet.manifest import environment
 from suspid.fleet.parts import Part, as_part
-from suspid.fleet.records import Entry
+from suspid.fleet.records import Entry, Seen
 from suspid.fleet.rows import failure, record_rows
-from suspid.fleet.sources import Seen
 from suspid.fleet.tables import Rows, joined
 from suspid.units import Second
-from suspid.words import Failure, Remark, Step
+from suspid.words import Failure, Remark
 
 # Native code cannot be interrupted: its process is ended at this multiple of the time limit. Less would end
 # processes that are about to answer.
@@ -47,11 +46,6 @@ def tables_of(job: Job, chunk: Sequence[Entry], known: Mapping[int, Rows], *, do
             rows.append(known[k] if k in known else rows_of(job, entry))
             done()
         return as_part(joined(rows))
-
-
-def lost(job: Job, chunk: Sequence[Entry], why: Remark) -> Part:
-    """Return the tables of a chunk that no worker brings home."""
-    return as_part(joined([failure(job, entry, Seen(step=Step.WORK), why) for entry in chunk]))
 
 
 def rows_of(job: Job, entry: Entry) -> Rows:

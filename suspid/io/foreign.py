@@ -21,23 +21,14 @@ T = TypeVar("T")
 LONGEST = 160
 
 
-def sheltered(read: Callable[[], T], *, extra: str, library: str, suffix: str, doing: str = "reading") -> T:
-    r"""Return what a library reads; turn every failure into a `RecordError` of one line.
-
-    Parameters
-    ----------
-    read : callable
-        Imports the library and reads.
-    extra, library, suffix : str
-        The extra of suspid that brings the library, the name of its module, and what it reads, such as ``".tdms"``.
-    doing : str
-        What needs the library.
+def sheltered(read: Callable[[], T], *, extra: str, suffix: str, doing: str = "reading") -> T:
+    r"""Return what a library reads, ``extra`` being suspid's that brings it; turn every failure into one line.
 
     Examples
     --------
     >>> def read():
     ...     raise MemoryError("line 1\nline 2")
-    >>> sheltered(read, extra="tdms", library="nptdms", suffix=".tdms")
+    >>> sheltered(read, extra="tdms", suffix=".tdms")
     Traceback (most recent call last):
     suspid.errors.RecordError: is damaged: MemoryError: line 1 line 2
     """
@@ -47,8 +38,7 @@ def sheltered(read: Callable[[], T], *, extra: str, library: str, suffix: str, d
         except RecordError:
             raise
         except ModuleNotFoundError as refusal:
-            missing = refusal.name or library
-            message = f"{doing} {suffix} needs {missing}: {install_line(extra)}"
+            message = f"{doing} {suffix} needs {refusal.name or extra}: {install_line(extra)}"
         # A damaged file causes errors of every kind, MemoryError and RecursionError among them.
         except Exception as refusal:
             words = printable(" ".join(str(refusal).split()))

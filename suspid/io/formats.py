@@ -4,7 +4,7 @@ To add a format ``x``:
 
 1. Write ``suspid/io/x.py`` with ``read_x(path) -> Table``; read the bytes with `suspid.files.read_bytes`.
 2. Refuse damage with `RecordError`, as a predicate of the file (``"is cut off: …"``); call a foreign library through
-   `suspid.io.foreign.sheltered`, which turns its failures into such a line.
+   `suspid.io.foreign.sheltered`, which turns its failures into such a line. No reader raises any other error.
 3. State units, rates and time bases in the `Table`; name what is not a channel with a `suspid.words.LeftOut`.
 4. Add one line to `FORMATS` below: module, suffixes, what a file is called, and the bytes that mark it.
 5. Add a writer of a small file to ``tests/test_any_file.py``, which damages it; nothing else needs to know the format.
@@ -31,23 +31,13 @@ HEAD = 1024
 
 @dataclass(frozen=True, slots=True)
 class Format:
-    """A kind of file.
+    """A kind of file."""
 
-    Parameters
-    ----------
-    module : str
-        The module of this package that reads it with ``read_<module>``; imported with the first such file.
-    suffixes : tuple of str
-        Suffixes of such files in lower case.
-    name : str
-        What such a file is called.
-    marks : tuple of (int, bytes)
-        Positions and bytes, each of which identifies such a file.
-    """
-
+    # The module of this package that reads it with ``read_<module>``; imported with the first such file.
     module: str
     suffixes: tuple[str, ...]
     name: str
+    # Positions and bytes, each of which identifies such a file.
     marks: tuple[tuple[int, bytes], ...] = ()
 
     def read(self, path: Path) -> Table:

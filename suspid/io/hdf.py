@@ -43,7 +43,7 @@ def read_hdf(path: Path) -> Table:
 
 
 def _sheltered(read: Callable[[], T]) -> T:
-    return sheltered(read, extra="hdf", library="h5py", suffix=".h5")
+    return sheltered(read, extra="hdf", suffix=".h5")
 
 
 def _content(content: bytes) -> Group:

@@ -39,7 +39,7 @@ def read_npz(path: Path) -> Table:
     ({'seat': 3}, {'fs': 50.0})
     """
     content = read_bytes(path, error=RecordError)
-    group = sheltered(lambda: _group(content), extra="formats", library="numpy", suffix=path.suffix)
+    group = sheltered(lambda: _group(content), extra="formats", suffix=path.suffix)
     return as_table(group)
 
 

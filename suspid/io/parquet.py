@@ -34,7 +34,7 @@ def read_parquet(path: Path) -> Table:
     if not (len(content) >= 12 and content[:4] == b"PAR1" == content[-4:]):
         cut = content[:4] == b"PAR1"
         raise RecordError("is cut off: it does not end as a Parquet file" if cut else "is not a Parquet file")
-    return sheltered(lambda: _table(content, path.suffix), extra="parquet", library="pyarrow", suffix=path.suffix)
+    return sheltered(lambda: _table(content, path.suffix), extra="parquet", suffix=path.suffix)
 
 
 def write_parquet(
@@ -46,22 +46,9 @@ def write_parquet(
     units: Sequence[str] | None = None,
     title: str = "",
 ) -> None:
-    """Write a column ``time [s]``, then the channels, in double precision, without loss.
+    """Write a column ``time [s]``, then the channels (channel, sample), in double precision, without loss.
 
-    Parameters
-    ----------
-    path : path
-        The file, which is overwritten.
-    timepts : ndarray (sample,)
-        Time of each sample [s].
-    values : ndarray (channel, sample)
-        The samples.
-    channels : sequence of str
-        Names that differ.
-    units : sequence of str, optional
-        Units by channel, empty where there is none; written to the metadata of the fields.
-    title : str
-        Title of the record.
+    Units and title are written to the metadata of the fields and of the table.
 
     Examples
     --------
@@ -77,7 +64,6 @@ def write_parquet(
         lambda: _written(timepts, values, channels, units or [""] * len(channels), title),
         doing="writing",
         extra="parquet",
-        library="pyarrow",
         suffix=".parquet",
     )
     path.write_bytes(content)
@@ -119,7 +105,6 @@ def _table(content: bytes, suffix: str) -> Table:
         return sheltered(
             lambda: [_numbers(name, types[name], _column(content, name, samples)) for name in wanted],
             extra="parquet",
-            library="pyarrow",
             suffix=suffix,
         )
 
@@ -131,9 +116,7 @@ def _table(content: bytes, suffix: str) -> Table:
     units = {name: unit for name in usable if name not in temporal and (unit := _unit(schema.field(name).metadata))}
     title = (schema.metadata or {}).get(b"title", b"").decode("utf-8", "replace")
     sizes = dict.fromkeys(usable, samples)
-    return Table(
-        sizes=sizes, columns=columns, unusable=unusable, rates={}, units=units, clocks=clocks, title=printable(title)
-    )
+    return Table(sizes=sizes, columns=columns, unusable=unusable, units=units, clocks=clocks, title=printable(title))
 
 
 def _why_not(kind: Any, types: Any) -> Remark | None:

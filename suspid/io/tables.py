@@ -23,17 +23,8 @@ PER_SECOND = {
     **dict.fromkeys(("min", "minute", "minutes"), 1 / 60),
 }
 TIME_NAMES = {"t", "time", "timepts", "timestamp", "timestamps", "timedomain", "timevector", "elapsed", "elapsedtime"}
-TIME_NAMES |= {
-    "zeit",
-    "temps",
-    "tiempo",
-    "uhrzeit",
-    "zeitstempel",
-    "datetime",
-    "date/time",
-    "secondselapsed",
-    "xvalue",
-} | {name for name in PER_SECOND if len(name) > 2 and name != "min"}
+TIME_NAMES |= {"zeit", "temps", "tiempo", "uhrzeit", "zeitstempel", "datetime", "date/time", "secondselapsed", "xvalue"}
+TIME_NAMES |= {name for name in PER_SECOND if len(name) > 2 and name != "min"}
 RATE_NAMES = {"fs", "samplerate", "samplingrate", "timesamplerate", "samplefrequency", "samplingfrequency"}
 RATE_NAMES |= {"actualrate", "actualsamplerate", "actualsamplingrate", "scanrate", "acquisitionrate"}
 RATE_NAMES |= {"samplespersecond", "samplefreq", "samplingfreq", "srate", "abtastrate"}
@@ -46,57 +37,37 @@ BRACKETED = re.compile(r"(.*\S)\s*[\[(]\s*(?!\d+\s*[\])])([^\[\]()]*(?:\([^\[\](
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class TimeBase:
-    """The times at which the samples of a column were taken.
+    """The times at which the samples of a column were taken."""
 
-    Parameters
-    ----------
-    name : str
-        Its name, such as that of the group of channels that share it.
-    start : float
-        Time of the first sample [s], where there are no stamps.
-    rate : float or None
-        Sampling rate that the file states [Hz]; None where there are only stamps.
-    stamps : callable, optional
-        Returns the stamps [s] as stored in the file. Default: ``start + arange(sample) / rate``.
-    """
-
+    # Its name, such as that of the group of channels that share it.
     name: str
+    # Time of the first sample [s], where there are no stamps.
     start: Second = 0.0
+    # Sampling rate that the file states [Hz]; None where there are only stamps.
     rate: Hertz | None = None
+    # Returns the stamps [s] as stored in the file. Default: ``start + arange(sample) / rate``.
     stamps: Callable[[], RealArray] | None = None
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Table:
-    """Columns that may be time or channels; their numbers are read on demand.
+    """Columns that may be time or channels; their numbers are read on demand."""
 
-    Parameters
-    ----------
-    sizes : mapping of str to int
-        Number of samples by column, in the order of the file.
-    columns : callable
-        Returns the numbers of the named columns, one read-only array each, NaN where one is missing; refuses
-        text cells.
-    unusable : mapping of str to Remark
-        What else the file holds, and why it cannot be a column (`suspid.words.LeftOut`).
-    rates : mapping of str to float
-        Sampling rates that the file states [Hz], by name; they hold for every column without
-        a time base.
-    units : mapping of str to str
-        Units by column as the file states them; a column without one may be absent.
-    clocks : mapping of str to TimeBase
-        Time bases by column; columns that share one have the same object. Without one, time is the column named
-        like a time, or follows from the rate.
-    title : str
-        Title that the file states; if empty, the name of the file is used.
-    """
-
+    # Number of samples by column, in the order of the file.
     sizes: Mapping[str, int]
+    # Returns the numbers of the named columns, one read-only array each, NaN where one is missing; refuses text
+    # cells.
     columns: Callable[[Sequence[str]], list[RealArray]]
-    unusable: Mapping[str, Remark]
-    rates: Mapping[str, Hertz]
+    # What else the file holds, and why it cannot be a column (`suspid.words.LeftOut`).
+    unusable: Mapping[str, Remark] = field(default_factory=dict)
+    # Sampling rates that the file states [Hz], by name; they hold for every column without a time base.
+    rates: Mapping[str, Hertz] = field(default_factory=dict)
+    # Units by column as the file states them; a column without one may be absent.
     units: Mapping[str, str] = field(default_factory=dict)
+    # Time bases by column; columns that share one have the same object. Without one, time is the column named like a
+    # time, or follows from the rate.
     clocks: Mapping[str, TimeBase] = field(default_factory=dict)
+    # Title that the file states; if empty, the name of the file is used.
     title: str = ""
 
     def check(self, name: str, *, what: str) -> None:

@@ -54,9 +54,9 @@ def read_tdms(path: Path) -> Table:
 
     def columns(wanted: Sequence[str]) -> list[RealArray]:
         asked = {places[name]: by_name[name] for name in wanted}
-        return sheltered(lambda: _values(content, asked), extra="tdms", library="nptdms", suffix=path.suffix)
+        return sheltered(lambda: _values(content, asked), extra="tdms", suffix=path.suffix)
 
-    entries = sheltered(lambda: _entries(content), extra="tdms", library="nptdms", suffix=path.suffix)
+    entries = sheltered(lambda: _entries(content), extra="tdms", suffix=path.suffix)
     names = unique_names([(entry.group, entry.channel) for entry in entries])
     by_name = dict(zip(names, entries, strict=True))
     places = {name: k for k, name in enumerate(names)}
@@ -80,7 +80,6 @@ def read_tdms(path: Path) -> Table:
         sizes={name: entry.size for name, entry in usable.items()},
         columns=columns,
         unusable=unusable,
-        rates={},
         units={name: entry.unit for name, entry in usable.items() if entry.unit},
         clocks=clocks,
     )

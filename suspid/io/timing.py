@@ -23,26 +23,15 @@ NO_TIME = "none"
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class _Plan:
-    """The channels of a table, and the source of their time.
-
-    Parameters
-    ----------
-    channels : tuple of str
-        The channels.
-    time : str or None
-        The column of time of the channels without a clock.
-    clocks : mapping of str to TimeBase
-        Clocks by column.
-    rate : float or None
-        Sampling rate of the channels without a clock [Hz], given or stated.
-    left_out : mapping of str to Remark
-        Columns that are neither, and why.
-    """
+    """The channels of a table, and the source of their time."""
 
     channels: tuple[str, ...]
+    # The column of time of the channels without a clock.
     time: str | None
     clocks: Mapping[str, TimeBase]
+    # Sampling rate of the channels without a clock [Hz], given or stated.
     rate: Hertz | None
+    # Columns that are neither, and why.
     left_out: Mapping[str, Remark]
 
     @property
@@ -65,7 +54,7 @@ def as_recording(
     --------
     >>> import numpy as np
     >>> sizes = {"t [ms]": 3, "seat": 3}
-    >>> table = Table(sizes=sizes, columns=lambda names: [np.arange(3.0) for _ in names], unusable={}, rates={})
+    >>> table = Table(sizes=sizes, columns=lambda names: [np.arange(3.0) for _ in names])
     >>> as_recording(table)["seat"].timepts
     array([0.   , 0.001, 0.002])
     """

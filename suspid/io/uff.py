@@ -63,7 +63,7 @@ def read_uff(path: Path) -> Table:
     if len(DELIMITER.findall(content)) % 2 or not content.rstrip(b"\0\x1a \r\n\t").endswith(b"    -1"):
         raise RecordError("is cut off: its last data set does not end")
     del content
-    numbered = sheltered(lambda: _data_sets(path), extra="uff", library="pyuff", suffix=path.suffix)
+    numbered = sheltered(lambda: _data_sets(path), extra="uff", suffix=path.suffix)
     system = next((s["units_code"] for _, s in numbered if s["type"] == 164), None)
     values: dict[str, RealArray] = {}
     clocks: dict[str, TimeBase] = {}
@@ -92,7 +92,6 @@ def read_uff(path: Path) -> Table:
         sizes={name: v.size for name, v in values.items()},
         columns=columns,
         unusable=unusable,
-        rates={},
         units={name: unit for name, unit in units.items() if unit},
         clocks=clocks,
         title=next((t for _, s in numbered if s["type"] == 151 and (t := _label(s["model_name"]))), ""),

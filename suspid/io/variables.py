@@ -23,23 +23,12 @@ MOST_COLUMNS = 256
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Variable:
-    """A real array that is read on demand.
-
-    Parameters
-    ----------
-    shape : tuple of int
-        Its shape.
-    read : callable
-        Returns it.
-    unit : str
-        Its unit, where the file states one.
-    rates : mapping of str to float
-        Sampling rates that the file states for it alone [Hz].
-    """
+    """A real array that is read on demand."""
 
     shape: tuple[int, ...]
     read: Callable[[], NDArray[Any]]
     unit: str = ""
+    # Sampling rates that the file states for it alone [Hz].
     rates: Mapping[str, Hertz] = field(default_factory=dict)
 
     @property

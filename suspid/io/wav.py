@@ -31,7 +31,7 @@ def read_wav(path: Path) -> Table:
     """
     content = read_bytes(path, error=RecordError)
     _check_chunks(content)
-    rate, samples = sheltered(lambda: _read(content), extra="formats", library="scipy", suffix=path.suffix)
+    rate, samples = sheltered(lambda: _read(content), extra="formats", suffix=path.suffix)
     if not rate > 0:
         raise RecordError(f"is damaged: it states a sampling rate of {rate} Hz")
     if not samples.size:
@@ -45,8 +45,6 @@ def read_wav(path: Path) -> Table:
     return Table(
         sizes=dict.fromkeys(names, len(samples)),
         columns=columns,
-        unusable={},
-        rates={},
         units=dict.fromkeys(names, UNIT),
         clocks=dict.fromkeys(names, clock),
     )

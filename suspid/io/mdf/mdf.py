@@ -38,22 +38,13 @@ def read_mdf(path: Path, *, dbc: str | os.PathLike[str] | None = None) -> Table:
     A name that two groups have becomes ``group/name``. Samples that the file marks as invalid are NaN.
     Raw CAN frames are decoded with a database, and left out without one. Formulas in the file are not
     evaluated, and attachments not opened.
-
-    Parameters
-    ----------
-    path : path
-        The file, of version 2, 3 or 4; all of it is read into memory.
-    dbc : str or path, optional
-        CAN database (``.dbc``) that describes the signals in the frames.
     """
     content = read_bytes(path, error=RecordError)
     records = check_blocks(content)
     database = None if dbc is None else Path(dbc)
     if database is not None:
         _check_database(database)
-    return sheltered(
-        lambda: _table(content, records, path.suffix, database), extra="mdf", library="asammdf", suffix=path.suffix
-    )
+    return sheltered(lambda: _table(content, records, path.suffix, database), extra="mdf", suffix=path.suffix)
 
 
 def _check_database(dbc: Path) -> None:
@@ -88,7 +79,7 @@ def _table(content: bytes, records: int, suffix: str, dbc: Path | None) -> Table
 
     def columns(wanted: Sequence[str]) -> list[RealArray]:
         asked = {name: by_name[name] for name in wanted if name in stored}
-        read = sheltered(lambda: _values(content, asked, stamps), extra="mdf", library="asammdf", suffix=suffix)
+        read = sheltered(lambda: _values(content, asked, stamps), extra="mdf", suffix=suffix)
         return [
             read[name] if name in stored else _marked(*decoded.samples[signals[name]], signals[name]) for name in wanted
         ]
@@ -110,7 +101,6 @@ def _table(content: bytes, records: int, suffix: str, dbc: Path | None) -> Table
         sizes={name: place.size for name, place in usable.items()},
         columns=columns,
         unusable=unusable,
-        rates={},
         units={name: place.unit for name, place in usable.items() if place.unit},
         clocks=clocks,
     )
@@ -151,7 +141,7 @@ def _decoded(file: Any, dbc: Path, ids: Sequence[tuple[int, int]]) -> _Decoded:
     from asammdf.blocks.utils import load_can_database
 
     try:
-        matrix = sheltered(lambda: load_can_database(dbc), extra="mdf", library="canmatrix", suffix=".dbc")
+        matrix = sheltered(lambda: load_can_database(dbc), extra="mdf", suffix=".dbc")
     except RecordError as error:
         raise RecordError(f"CAN database {printable(str(dbc))}: {error}") from None
     if matrix is None or not matrix.frames:

@@ -23,17 +23,7 @@ UNIT = re.compile(
 
 @dataclass(frozen=True, slots=True)
 class Columns:
-    """The columns of the rows of a file.
-
-    Parameters
-    ----------
-    dialect : Dialect
-        How a row is split.
-    kinds : tuple of str
-        What each cell of a row holds.
-    row : str
-        The first row.
-    """
+    """The columns of the rows of a file."""
 
     dialect: Dialect
     kinds: tuple[Kind, ...]

@@ -26,17 +26,11 @@ DELIMITERS = {"\t": "tabs", ";": "semicolons", ",": "commas", " ": "blanks"}
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Dialect:
-    """How a line is split into cells.
+    """How a line is split into cells."""
 
-    Parameters
-    ----------
-    delimiter : str
-        The character between two cells; a blank stands for any run of blanks and tabs.
-    comma : bool
-        Whether decimals follow a comma.
-    """
-
+    # The character between two cells; a blank stands for any run of blanks and tabs.
     delimiter: str
+    # Whether decimals follow a comma.
     comma: bool
 
     def cells(self, line: str) -> list[str]:

@@ -25,32 +25,17 @@ KEY_VALUE = re.compile(
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Layout:
-    """What the top of a text file says of the rows below it.
-
-    Parameters
-    ----------
-    dialect : Dialect
-        How a row is split.
-    names : tuple of str
-        Names of the columns in their order; an empty last one stands for a delimiter at the end of each row.
-    units : mapping of str to str
-        Units by column.
-    kinds : mapping of str to str
-        What each column holds.
-    first : int
-        Index of the first line of data.
-    rates : mapping of str to float
-        Sampling rates that lines above the data state [Hz].
-    left_out : mapping of str to Remark
-        Lines above the data that are neither names nor units, and names that were changed.
-    """
+    """What the top of a text file says of the rows below it."""
 
     dialect: Dialect
+    # Names of the columns in their order; an empty last one stands for a delimiter at the end of each row.
     names: tuple[str, ...]
     units: Mapping[str, str]
     kinds: Mapping[str, Kind]
     first: int
+    # Sampling rates that lines above the data state [Hz].
     rates: Mapping[str, Hertz]
+    # Lines above the data that are neither names nor units, and names that were changed.
     left_out: Mapping[str, Remark]
 
 

@@ -30,25 +30,14 @@ MARKS = np.isin(np.arange(256), np.frombuffer(b"#%/", np.uint8))
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Rows:
-    """The rows of a text file below its header.
+    """The rows of a text file below its header."""
 
-    Parameters
-    ----------
-    body : bytes
-        The lines from the first row on, as UTF-8, each ended by a newline.
-    first : int
-        Number of the first line of the body in the file.
-    layout : Layout
-        What the header says of them.
-    skipped : frozenset of int
-        Numbers of the lines that are not rows.
-    size : int
-        Number of rows.
-    """
-
+    # The lines from the first row on, as UTF-8, each ended by a newline.
     body: bytes
+    # Number of the first line of the body in the file.
     first: int
     layout: Layout
+    # Numbers of the lines that are not rows.
     skipped: frozenset[int]
     size: int
 

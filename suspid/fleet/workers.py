@@ -1,16 +1,18 @@
-"""A Dask cluster as workers of a fleet."""
+"""The workers of a fleet: processes on this machine, or a Dask cluster."""
 
 from __future__ import annotations
 
 import importlib
+import os
 import time
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from suspid.errors import InputError
 from suspid.files import printable
-from suspid.fleet.children import work_apart
+from suspid.fleet.children import Children, close, give_up, work_apart, work_in_child
 from suspid.fleet.engine import ASK, Engine
 from suspid.fleet.manifest import INSTALL
 from suspid.fleet.work import work
@@ -21,6 +23,30 @@ if TYPE_CHECKING:
 
 # How long to wait for the scheduler to answer and for the first worker: a queue of jobs may start workers late.
 FIRST_WORKER: Second = 60.0
+
+
+@contextmanager
+def local_engine(workers: int | None) -> Iterator[Engine]:
+    """Give worker processes on this machine, one for each core by default; a thread waits for each."""
+    if workers is not None and (isinstance(workers, bool) or not isinstance(workers, int) or workers < 1):
+        raise InputError(f"{workers=} must be a number of processes, 1 or more")
+    # The cores that this process may use, where the system tells.
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    number = workers or cores or 1
+    children, threads = Children(), ThreadPoolExecutor(number, thread_name_prefix="suspid-fleet")
+
+    def stop(now: bool) -> None:
+        if now:
+            give_up(children)
+        threads.shutdown(wait=True, cancel_futures=now)
+        close(children)
+
+    yield Engine(
+        submit=lambda job, chunk, _: threads.submit(work_in_child, children, job, chunk),
+        stop=stop,
+        workers=lambda: number,
+        alive=lambda: True,
+    )
 
 
 @contextmanager
