@@ -109,15 +109,15 @@ class TestSound:
 class TestDamaged:
     @FUZZ
     @given(suffix=st.sampled_from(sorted(READERS)), content=st.binary(max_size=300))
-    def test_random_bytes(self, tmp_path: Path, suffix: str, content: bytes) -> None:
-        path = tmp_path / f"r{suffix}"
+    def test_random_bytes(self, scratch: Path, suffix: str, content: bytes) -> None:
+        path = scratch / f"r{suffix}"
         path.write_bytes(content)
         read(path)
 
     @FUZZ
     @given(kind=st.sampled_from(KINDS), data=st.data())
-    def test_cut_flipped_or_misnamed(self, tmp_path: Path, kind: str, data: st.DataObject) -> None:
-        content = bytearray(true_file(kind, tmp_path))
+    def test_cut_flipped_or_misnamed(self, scratch: Path, kind: str, data: st.DataObject) -> None:
+        content = bytearray(true_file(kind, scratch))
         how = data.draw(st.sampled_from(["cut", "flip", "name", "number"]))
         suffix = data.draw(st.sampled_from(sorted(READERS))) if how == "name" else kind
         place = data.draw(st.integers(0, len(content) - 1))
@@ -127,6 +127,6 @@ class TestDamaged:
             content[place] ^= 1 << data.draw(st.integers(0, 7))
         elif how == "number":
             content[place : place + 4] = struct.pack("<I", data.draw(st.sampled_from([0, 1, 0x7FFFFFFF, 0xFFFFFFFF])))
-        path = tmp_path / f"r{suffix}"
+        path = scratch / f"r{suffix}"
         path.write_bytes(bytes(content))
         read(path)

@@ -259,22 +259,22 @@ class TestAnyDamage:
 
     @FUZZ
     @given(data=st.data(), compressed=st.booleans())
-    def test_structures_of_v5(self, tmp_path: Path, data: st.DataObject, compressed: bool) -> None:
+    def test_structures_of_v5(self, scratch: Path, data: st.DataObject, compressed: bool) -> None:
         stream = io.BytesIO()
         content = {
             "run": {"t": T, "x": X, "in": {"y": X, "s": "text"}},
             "r": of_structures({"z": [X, X], "n": [1.0, "b"]}),
         }
         savemat(stream, content, do_compression=compressed)  # type: ignore[arg-type]  # the stubs know paths only
-        self.recording_or_refusal(tmp_path / "r.mat", stream.getvalue(), data)
+        self.recording_or_refusal(scratch / "r.mat", stream.getvalue(), data)
 
     @settings(FUZZ, max_examples=40)
     @given(data=st.data())
-    def test_v73(self, tmp_path: Path, data: st.DataObject) -> None:
-        sound = tmp_path / "s.mat"
+    def test_v73(self, scratch: Path, data: st.DataObject) -> None:
+        sound = scratch / "s.mat"
         if not sound.exists():
             written_v73(sound, LAYOUTS["an array of structures"][0] | LAYOUTS["a structure with a rate"][0])
-        self.recording_or_refusal(tmp_path / "r.mat", sound.read_bytes(), data)
+        self.recording_or_refusal(scratch / "r.mat", sound.read_bytes(), data)
 
     @staticmethod
     def recording_or_refusal(path: Path, content: bytes, data: st.DataObject) -> None:

@@ -264,11 +264,11 @@ class TestDamage:
     @pytest.mark.parametrize("content", [WHOLE, ZIPPED, OLD], ids=["4", "zipped", "3"])
     @FUZZ
     @given(data=st.data(), byte=st.integers(0, 255))
-    def test_a_flipped_byte(self, tmp_path: Path, content: bytes, data: st.DataObject, byte: int) -> None:
+    def test_a_flipped_byte(self, scratch: Path, content: bytes, data: st.DataObject, byte: int) -> None:
         flipped = bytearray(content)
         flipped[data.draw(st.integers(0, len(content) - 1))] = byte
         with contextlib.suppress(SuspidError):
-            table = read_mdf(put(tmp_path, bytes(flipped)))
+            table = read_mdf(put(scratch, bytes(flipped)))
             table.columns(list(table.sizes))
 
     def test_a_flipped_byte_of_compressed_samples_is_found(self, tmp_path: Path) -> None:

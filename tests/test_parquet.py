@@ -168,14 +168,15 @@ class TestTime:
         assert table.columns(["time"])[0].tolist() == [0.0, 5e-4]
 
 
-class TestDamage:
-    @pytest.fixture
-    def content(self) -> bytes:
-        stream = io.BytesIO()
-        table = pa.table({"time": np.arange(40) / 8, "x": np.arange(40.0), "n": ["a"] * 40})
-        pq.write_table(table, stream, write_page_checksum=True)
-        return stream.getvalue()
+@pytest.fixture(scope="module")
+def content() -> bytes:
+    stream = io.BytesIO()
+    table = pa.table({"time": np.arange(40) / 8, "x": np.arange(40.0), "n": ["a"] * 40})
+    pq.write_table(table, stream, write_page_checksum=True)
+    return stream.getvalue()
 
+
+class TestDamage:
     def test_every_truncation_is_refused(self, tmp_path: Path, content: bytes) -> None:
         path = tmp_path / "a.parquet"
         for length in [*range(60), *range(60, len(content), 7), len(content) - 1]:
@@ -185,12 +186,12 @@ class TestDamage:
 
     @FUZZ
     @given(data=st.data(), byte=st.integers(0, 255))
-    def test_a_flipped_byte(self, tmp_path: Path, content: bytes, data: st.DataObject, byte: int) -> None:
+    def test_a_flipped_byte(self, scratch: Path, content: bytes, data: st.DataObject, byte: int) -> None:
         flipped = bytearray(content)
         flipped[data.draw(st.integers(0, len(content) - 1))] = byte
-        (tmp_path / "a.parquet").write_bytes(flipped)
+        (scratch / "a.parquet").write_bytes(flipped)
         with contextlib.suppress(SuspidError):
-            table = read_parquet(tmp_path / "a.parquet")
+            table = read_parquet(scratch / "a.parquet")
             table.columns(list(table.sizes))
 
     def test_a_flipped_bit_of_a_sample_is_found(self, tmp_path: Path) -> None:

@@ -54,24 +54,24 @@ class TestWrittenThenReadIsTheSame:
         start=st.floats(-1e3, 1e3),
     )
     def test_every_bit_of_samples_and_time(
-        self, tmp_path: Path, values: list[tuple[float, float]], step: float, start: float
+        self, scratch: Path, values: list[tuple[float, float]], step: float, start: float
     ) -> None:
         time = np.asarray(start + step * np.arange(len(values)), float)
         if np.any(np.diff(time) < 0.999 * step):
             return  # the step drowns in the start: no uniform grid in double precision
         record = as_response(time, np.array(values).T, ["seat", "tire"])
         for name in ("r.csv", "r.parquet"):
-            write_record(record, tmp_path / name)
-            back = read_recording(tmp_path / name)
+            write_record(record, scratch / name)
+            back = read_recording(scratch / name)
             assert [channel.values.tobytes() for channel in back.channels] == [row.tobytes() for row in record.y]
             assert back.channels[0].timepts.tobytes() == time.tobytes()
 
     @FUZZ
     @given(names=st.lists(NAMES, min_size=1, max_size=4, unique=True))
-    def test_names_of_channels_or_they_are_refused(self, tmp_path: Path, names: list[str]) -> None:
+    def test_names_of_channels_or_they_are_refused(self, scratch: Path, names: list[str]) -> None:
         record = as_response(np.arange(3.0), np.arange(3.0 * len(names)).reshape(len(names), 3), names)
         try:
-            write_record(record, tmp_path / "r.csv")
+            write_record(record, scratch / "r.csv")
         except RecordError as error:
             message = str(error)
         else:
@@ -79,7 +79,7 @@ class TestWrittenThenReadIsTheSame:
         if message:
             assert "could not be read back" in message
             return
-        assert list(read_recording(tmp_path / "r.csv").names) == names
+        assert list(read_recording(scratch / "r.csv").names) == names
 
     @pytest.mark.parametrize("digits", [1, 5, 17])
     def test_printed_digits(self, tmp_path: Path, digits: int) -> None:
@@ -356,17 +356,17 @@ class TestAnyBytes:
 
     @FUZZ
     @given(content=st.binary(max_size=400), suffix=st.sampled_from([".csv", ".txt", ".tsv", ".mat"]))
-    def test_random_bytes(self, tmp_path: Path, content: bytes, suffix: str) -> None:
-        self.record_or_refusal(tmp_path, suffix, content)
+    def test_random_bytes(self, scratch: Path, content: bytes, suffix: str) -> None:
+        self.record_or_refusal(scratch, suffix, content)
 
     @FUZZ
     @given(text=st.text("0123456789.,;\t\n\r\"'-+ enaifxt_#µ\u2028", max_size=80))
-    def test_random_text(self, tmp_path: Path, text: str) -> None:
-        self.record_or_refusal(tmp_path, ".csv", text.encode())
+    def test_random_text(self, scratch: Path, text: str) -> None:
+        self.record_or_refusal(scratch, ".csv", text.encode())
 
     @FUZZ
     @given(data=st.data(), compressed=st.booleans())
-    def test_damaged_matlab_files(self, tmp_path: Path, data: st.DataObject, compressed: bool) -> None:
+    def test_damaged_matlab_files(self, scratch: Path, data: st.DataObject, compressed: bool) -> None:
         stream = io.BytesIO()
         content = {"t": np.arange(9.0), "x": np.ones(9), "s": {"a": [1, "b"]}, "c": np.array(["u", 2], object)}
         savemat(
@@ -377,13 +377,13 @@ class TestAnyBytes:
         damaged = bytearray(stream.getvalue())
         for _ in range(data.draw(st.integers(1, 4))):
             damaged[data.draw(st.integers(0, len(damaged) - 1))] = data.draw(st.integers(0, 255))
-        self.record_or_refusal(tmp_path, ".mat", bytes(damaged))
+        self.record_or_refusal(scratch, ".mat", bytes(damaged))
 
     @FUZZ
     @given(content=st.binary(max_size=200))
-    def test_random_bytes_behind_a_true_matlab_header(self, tmp_path: Path, content: bytes) -> None:
+    def test_random_bytes_behind_a_true_matlab_header(self, scratch: Path, content: bytes) -> None:
         header = b"MATLAB 5.0 MAT-file".ljust(124) + struct.pack("<HH", 0x0100, 0x4D49)
-        self.record_or_refusal(tmp_path, ".mat", header + content)
+        self.record_or_refusal(scratch, ".mat", header + content)
 
     @pytest.mark.parametrize("suffix", sorted({*READERS} - {".mf4", ".mdf"}))
     @pytest.mark.parametrize("content", [b"\x93\x00rubbish\xff" * 40, b"\n", b"x", bytes(range(256)) * 8])

@@ -147,7 +147,7 @@ class TestEveryDialectSaysTheSame:
     )
     def test_any_numbers(
         self,
-        tmp_path: Path,
+        scratch: Path,
         rows: list[tuple[float, ...]],
         delimiter: str,
         comma: bool,
@@ -162,7 +162,7 @@ class TestEveryDialectSaysTheSame:
         head = [["x", "y", "z"], *([["m", "m/s", "g"]] if units else [])]
         if all(value != value for row in rows for value in row):
             return  # no row of numbers
-        recording = read(tmp_path, end.join(delimiter.join(line) for line in [*head, *lines]), fs=10)
+        recording = read(scratch, end.join(delimiter.join(line) for line in [*head, *lines]), fs=10)
         assert recording.names == ("x", "y", "z")
         np.testing.assert_array_equal([channel.values for channel in recording.channels], np.array(rows).T)
 
@@ -315,8 +315,8 @@ class TestAnyText:
         end=st.sampled_from(["\n", "\r\n", "\r", "\n\n"]),
         encoding=st.sampled_from(["utf-8", "utf-16", "utf-8-sig", "cp1252"]),
     )
-    def test_lines_of_all_kinds(self, tmp_path: Path, lines: list[str], end: str, encoding: str) -> None:
-        path = tmp_path / "r.txt"
+    def test_lines_of_all_kinds(self, scratch: Path, lines: list[str], end: str, encoding: str) -> None:
+        path = scratch / "r.txt"
         path.write_bytes(end.join(lines).encode(encoding, errors="replace"))
         columns: list[int] = []
         try:

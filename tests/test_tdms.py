@@ -202,12 +202,12 @@ class TestDamage:
 
     @FUZZ
     @given(data=st.data(), byte=st.integers(0, 255))
-    def test_a_flipped_byte(self, tmp_path: Path, data: st.DataObject, byte: int) -> None:
+    def test_a_flipped_byte(self, scratch: Path, data: st.DataObject, byte: int) -> None:
         flipped = bytearray(WHOLE)
         flipped[data.draw(st.integers(0, len(WHOLE) - 1))] = byte
-        (tmp_path / "a.tdms").write_bytes(flipped)
+        (scratch / "a.tdms").write_bytes(flipped)
         with contextlib.suppress(SuspidError):
-            table = read_tdms(tmp_path / "a.tdms")
+            table = read_tdms(scratch / "a.tdms")
             table.columns(list(table.sizes))
 
     @pytest.mark.parametrize("count", [1 << 20, 1 << 40, (1 << 64) - 1])

@@ -261,13 +261,14 @@ class TestRecordsOfOthers:
         assert (values.size, table.clocks["1x"].rate, table.units["1x"]) == (13, 20000.0, "m/s²")
 
 
-class TestDamage:
-    @pytest.fixture(params=[0, 1], ids=["ascii", "binary"])
-    def content(self, tmp_path: Path, request: pytest.FixtureRequest) -> bytes:
-        values = np.random.default_rng(3).normal(size=(2, 30))
-        sets = [dataset(values[k], binary=request.param, rsp_node=k + 1) for k in range(2)]
-        return put(tmp_path, *sets).read_bytes()
+@pytest.fixture(scope="module", params=[0, 1], ids=["ascii", "binary"])
+def content(scratch: Path, request: pytest.FixtureRequest) -> bytes:
+    values = np.random.default_rng(3).normal(size=(2, 30))
+    sets = [dataset(values[k], binary=request.param, rsp_node=k + 1) for k in range(2)]
+    return put(scratch, *sets).read_bytes()
 
+
+class TestDamage:
     def test_every_truncation_is_refused_or_ends_a_data_set(self, tmp_path: Path, content: bytes) -> None:
         (tmp_path / "b.uff").write_bytes(content)
         whole = read_uff(tmp_path / "b.uff")
@@ -282,12 +283,12 @@ class TestDamage:
 
     @FUZZ
     @given(data=st.data(), byte=st.integers(0, 255))
-    def test_a_flipped_byte(self, tmp_path: Path, content: bytes, data: st.DataObject, byte: int) -> None:
+    def test_a_flipped_byte(self, scratch: Path, content: bytes, data: st.DataObject, byte: int) -> None:
         flipped = bytearray(content)
         flipped[data.draw(st.integers(0, len(content) - 1))] = byte
-        (tmp_path / "b.uff").write_bytes(flipped)
+        (scratch / "b.uff").write_bytes(flipped)
         with contextlib.suppress(SuspidError):
-            table = read_uff(tmp_path / "b.uff")
+            table = read_uff(scratch / "b.uff")
             assert set(table.sizes.values()) == {30}
 
     @pytest.mark.parametrize(

@@ -98,18 +98,18 @@ class TestDamage:
 
     @FUZZ
     @given(place=st.integers(0, 43), byte=st.integers(0, 255))
-    def test_a_flipped_byte_of_the_head(self, tmp_path: Path, place: int, byte: int) -> None:
+    def test_a_flipped_byte_of_the_head(self, scratch: Path, place: int, byte: int) -> None:
         content = bytearray(wav(np.arange(40, dtype=np.int16).reshape(-1, 2)))
         content[place] = byte
         with contextlib.suppress(SuspidError):
-            table = read_wav(put(tmp_path, bytes(content)))
+            table = read_wav(put(scratch, bytes(content)))
             table.columns(list(table.sizes))
 
     @FUZZ
     @given(content=st.binary(max_size=80))
-    def test_rubbish(self, tmp_path: Path, content: bytes) -> None:
+    def test_rubbish(self, scratch: Path, content: bytes) -> None:
         with pytest.raises(SuspidError):
-            read_wav(put(tmp_path, b"RIFF" + content))
+            read_wav(put(scratch, b"RIFF" + content))
 
     def test_no_sample(self, tmp_path: Path) -> None:
         with pytest.raises(RecordError, match="holds no sample"):
