@@ -274,6 +274,15 @@ class TestSharedNoise:
         assert shared_noise(np.array([one, other + 0.6 * one])) == 1.0
         assert shared_noise(np.array([one, other + 1.6 * one])) > 1.0
 
+    @pytest.mark.parametrize("sds", [5.95, 6.05])
+    def test_channels_share_from_six_standard_deviations_of_chance_on(self, sds: float) -> None:
+        # Two channels of exact correlation r over n samples: chance scatters r by 1 / sqrt(n).
+        count = 400
+        one, other = np.linalg.qr(white(24, 2, count).T)[0].T
+        correlation = sds / np.sqrt(count)
+        found = shared_noise(np.array([one, correlation * one + np.sqrt(1 - correlation**2) * other]))
+        assert found == pytest.approx(1 + correlation if sds > 6 else 1.0)
+
     @pytest.mark.parametrize("level", [1.0, 0.3])
     def test_a_channel_given_twice_says_no_more_than_once(self, level: float) -> None:
         # The second decay has noise of its own level: what channels share counts decay by decay.
@@ -324,5 +333,19 @@ class TestReasons:
         slow = Poles(pairs=np.zeros(0, complex), reals=np.full(1, -decay / self.COUNT), nuisances=np.zeros(1))
         values = 5 * np.exp(-decay * np.arange(self.COUNT) / self.COUNT) + 0.01 * white(20, 1, self.COUNT)
         fit = evaluate(blocks_of(values), slow, ANY)
+        assert fit is not None
+        assert reasons_of(fit, (0.0, np.pi)) == (reason,)
+
+    @pytest.mark.parametrize(("sds", "reason"), [(9.8, Reason.TONE), (10.2, None)])
+    def test_a_pair_of_a_fifth_of_an_e_folding_is_a_tone_below_ten_standard_deviations(
+        self, sds: float, reason: Reason | None
+    ) -> None:
+        # Cramér-Rao bound of the decay rate, amplitude and phase unknown: 2 sigma^2 over the spread of k, weighted.
+        k, decay = np.arange(self.COUNT), 0.2 / self.COUNT
+        weight = np.exp(-2 * decay * k)
+        spread = np.sum(weight * k**2) - np.sum(weight * k) ** 2 / np.sum(weight)
+        std = decay / sds * np.sqrt(spread / 2)
+        values = (np.exp(-decay * k) * np.cos(0.4 * k))[None]
+        fit = evaluate(blocks_of(values), poles(-decay + 0.4j), WhiteNoise(least=np.full(1, std**2)))
         assert fit is not None
         assert reasons_of(fit, (0.0, np.pi)) == (reason,)

@@ -218,6 +218,30 @@ class TestGains:
             assert one.gain == pytest.approx(-COUNT * np.sum(np.log(with_it / COUNT / variance)), rel=1e-3, abs=0.01)
 
 
+class TestCandidates:
+    def test_no_two_lie_within_a_linewidth(self) -> None:
+        values = decays(np.array([-0.05 + 0.4j, -0.002 + 1.2j]), np.array([[1.0, 0.2]])) + white(11, 0.01)
+        none = Poles(pairs=np.zeros(0, complex), reals=np.zeros(0), nuisances=np.zeros(1))
+        fit = evaluate(blocks_of(values), none, WhiteNoise(least=np.full(1, 1e-12)))
+        assert fit is not None
+        variance = np.mean(values**2, axis=1)
+        found = ranked(fit, variance, searched(fit, values, variance))
+        theta = np.array([one.theta for one in found if not one.real])
+        assert len(theta) > 3
+        one, other = np.triu_indices(len(theta), 1)
+        # Full width at half power of the broader of the two: twice its decay rate.
+        width = 2 * np.maximum(-theta.real[one], -theta.real[other])
+        assert np.all(np.abs(theta.imag[one] - theta.imag[other]) > width)
+
+    def test_a_record_of_twenty_modes_is_fitted_with_the_sixteen_strongest(self) -> None:
+        # Modes far apart, each 20 % weaker than the one before it.
+        poles: Complex = -0.003 + 1j * np.linspace(0.1, 2.9, 20)
+        sizes = 0.8 ** np.random.default_rng(12).permutation(20)
+        found = selected(decays(poles, sizes[None]) + white(12, 1e-4))
+        strongest = np.sort(poles.imag[np.argsort(-sizes)[:16]])
+        np.testing.assert_allclose(np.sort(found.fit.poles.pairs.imag), strongest, atol=1e-3)
+
+
 class TestColour:
     @pytest.mark.parametrize("memory", [0.5, 0.9, -0.7])
     def test_density_of_a_noise_with_memory(self, memory: float) -> None:

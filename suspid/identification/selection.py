@@ -162,7 +162,7 @@ def _together(problem: Problem, fit: Fit, found: list[Candidate]) -> Fit | None:
         c.theta
         for i, c in enumerate(strong)
         if all(abs(c.theta.imag - strong[j].theta.imag) > max(reach[i], reach[j]) for j in range(i))
-    ]
+    ][: MOST_PAIRS - len(fit.poles.pairs)]
     if len(taken) < 2:
         return None
     while taken:
