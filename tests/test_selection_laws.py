@@ -235,9 +235,9 @@ class TestCandidates:
 
     def test_a_record_of_twenty_modes_is_fitted_with_the_sixteen_strongest(self) -> None:
         # Modes far apart, each 20 % weaker than the one before it.
-        poles: Complex = -0.003 + 1j * np.linspace(0.1, 2.9, 20)
+        poles: Complex = np.asarray(-0.003 + 1j * np.linspace(0.1, 2.9, 20), complex)
         sizes = 0.8 ** np.random.default_rng(12).permutation(20)
-        found = selected(decays(poles, sizes[None]) + white(12, 1e-4))
+        found = selected(decays(poles, sizes[None].astype(complex)) + white(12, 1e-4))
         strongest = np.sort(poles.imag[np.argsort(-sizes)[:16]])
         np.testing.assert_allclose(np.sort(found.fit.poles.pairs.imag), strongest, atol=1e-3)
 

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from suspid.errors import IdentificationError, InputError, RecordError
 from suspid.identification.agreement import Agreement, agreement
@@ -19,7 +18,6 @@ from suspid.identification.identification import Identification
 from suspid.identification.identify import identify
 from suspid.identification.joint_fit import maximize_jointly
 from suspid.identification.noise import WhiteNoise, noise_of, shared_noise
-from suspid.identification.poles import Poles
 from suspid.identification.selection import select
 from suspid.identification.verdict import verdict_of_repeats
 from suspid.model import ModalSet
@@ -170,7 +168,10 @@ def identify_repeats(
     )
     blocks = [blocks_of(v) for v in values]
     noises = [noise.rounded(b.energy, b.count, of_energies=True) for noise, b in zip(noises, blocks, strict=True)]
-    fits = maximize_jointly(blocks, _scaled(selection.fit.poles, common, lengths), noises)
+    poles = selection.fit.poles
+    # A drift is as slow as its repeat is long.
+    start = [replace(poles, nuisances=poles.nuisances * (common / length)) for length in lengths]
+    fits = maximize_jointly(blocks, start, noises)
     kept = selection.modes
     agreements = [agreement(blocks, fits, noises, int(index)) for index in kept]
     loudness = selection.loudness[kept]
@@ -250,10 +251,3 @@ def _end_to_end(residual: RealArray, *, repeats: int) -> RealArray:
     power = np.sqrt(np.mean(residual**2, axis=1, keepdims=True))
     unit = residual / np.where(power > 0, power, 1.0)
     return unit.reshape(repeats, -1, residual.shape[1]).transpose(1, 0, 2).reshape(len(residual) // repeats, -1)
-
-
-def _scaled(poles: Poles, common: int, lengths: NDArray[np.intp]) -> list[Poles]:
-    """Return the poles for each repeat: a drift is as slow as the repeat is long."""
-    return [
-        Poles(pairs=poles.pairs, reals=poles.reals, nuisances=poles.nuisances * (common / length)) for length in lengths
-    ]

@@ -5,20 +5,20 @@ An object with
 - ``format``: ``"suspid modes 1"``;
 - ``modes``: a list, ascending in frequency, of objects with
 
-  - ``frequency_hz``, ``wn_rad_per_s``, ``zeta``: natural frequency twice, and damping ratio [1];
+  - ``frequency_hz``, ``wn_rad_per_s``, ``zeta``: natural frequency in both units, and damping ratio [1];
   - ``wn_std_rad_per_s``, ``zeta_std``: standard deviations, or null for exact modes;
   - ``pole_rad_per_s``: real and imaginary part;
   - ``shape``: real and imaginary part at each channel, in the order of ``channels``, or null;
 
 - ``channels``: names of the channels of the shapes;
-- ``covariance``: joint covariance of (Re, Im of each pole [rad/s]; then, if it is that large, mode by mode and
-  channel by channel Re, Im of the shapes), or null.
+- ``covariance``: joint covariance of Re and Im of each pole [rad/s] and, in a larger matrix, of Re and Im of the
+  shapes, mode by mode and channel by channel; or null.
 
 The command adds ``record`` (file, channels, samples, ``rate_hz``, ``start_s``), ``method``, ``noise_std`` and
 ``explained`` by channel of the record, ``ridges`` with the window of each (``start_s``, ``stop_s``, ``ends_at``),
 ``warnings``, and the version as ``suspid``.
 
-Written by hand, in JSON or TOML, ``modes`` alone will do, each with ``zeta`` and either ``wn_rad_per_s`` or
+A file written by hand, in JSON or TOML, needs ``modes`` alone, each with ``zeta`` and ``wn_rad_per_s`` or
 ``frequency_hz``, and with both standard deviations or neither.
 """
 
@@ -42,7 +42,7 @@ from suspid.values import nearest_names
 
 MODES_FORMAT = "suspid modes 1"
 MODE_KEYS = ("frequency_hz", "wn_rad_per_s", "zeta", "wn_std_rad_per_s", "zeta_std", "pole_rad_per_s", "shape")
-# A value written by hand beside a pole must mean the same pole.
+# Relative error that a value written by hand may have beside a pole. A smaller one refuses rounded values.
 AGREEMENT = 1e-6
 
 
@@ -76,7 +76,7 @@ def modes_to_dict(modes: ModalSet) -> dict[str, object]:
 
 
 def identification_to_dict(identification: Identification, *, file: str, warnings: Sequence[str]) -> dict[str, object]:
-    """Return what `modes_from_dict` reads, with the record, the settings and the windows beside it."""
+    """Return the modes with the record, the settings, the noise and the windows of the ridges."""
     from importlib.metadata import version
 
     signal = as_signal(identification.response)
@@ -108,7 +108,7 @@ def identification_to_dict(identification: Identification, *, file: str, warning
 
 
 def to_json(content: Mapping[str, object]) -> str:
-    """Return the text of a file; numbers that are not finite, which JSON does not know, become null."""
+    """Return the text of a JSON file; numbers that are not finite become null."""
     return json.dumps(_null_if_not_finite(content), indent=1, allow_nan=False) + "\n"
 
 
@@ -124,46 +124,32 @@ def modes_from_dict(content: Mapping[str, object]) -> ModalSet:
         raise InputError(f"format {reprlib.repr(content['format'])} is not known; known: {MODES_FORMAT!r}")
     entries = content.get("modes")
     if not isinstance(entries, list) or not entries:
-        raise InputError(f"there are no modes: a list of objects with {', '.join(MODE_KEYS[:3])} is needed")
-    modes = [_mode(f"mode {k}", entry) for k, entry in enumerate(entries, start=1)]
+        raise InputError(f"modes is missing or empty; give a list of objects with {', '.join(MODE_KEYS[:3])}")
+    found, shapes, stds = zip(*[_mode(f"mode {k}", entry) for k, entry in enumerate(entries, start=1)], strict=True)
     channels = content.get("channels") or ()
     if not isinstance(channels, (list, tuple)) or not all(isinstance(name, str) for name in channels):
         raise InputError(f"channels = {reprlib.repr(channels)} must be a list of names")
-    shapes = [shape for _, shape, _ in modes if shape is not None]
-    if len(shapes) not in (0, len(modes)) or len({len(shape) for shape in shapes}) > 1:
-        raise InputError("either every mode has a shape, all of one length, or none has")
-    stds = [std for _, _, std in modes if std is not None]
-    if len(stds) not in (0, len(modes)):
-        raise InputError("either every mode has standard deviations, or none has")
-    poles = np.array([pole for pole, _, _ in modes])
+    if len({None if shape is None else len(shape) for shape in shapes}) > 1:
+        raise InputError("some modes have no shape, or one of another length; give all modes shapes of one length")
+    if any(std is None for std in stds) and any(std is not None for std in stds):
+        raise InputError("some modes have no standard deviations; give them for all modes or for none")
+    poles = np.array(found)
     covariance = content.get("covariance")
     if covariance is not None:
         covariance = np.array(_numbers("covariance", covariance))
-    elif stds:
+    elif stds[0] is not None:
         if np.any(poles.imag <= 0):
             raise InputError("standard deviations of an overdamped mode can only be given as covariance")
-        wn = np.abs(poles)
-        exact = ModalSet.from_wn_zeta(wn, -poles.real / wn, wn_std=[s[0] for s in stds], zeta_std=[s[1] for s in stds])
-        # That set is in order of frequency, this one in order of the file.
-        back = np.argsort(np.argsort(wn, kind="stable"), kind="stable")
-        index = np.stack([2 * back, 2 * back + 1], axis=1).ravel()
-        covariance = None if exact.covariance is None else exact.covariance[np.ix_(index, index)]
-    return ModalSet(
-        poles=poles,
-        shapes=np.array(shapes).T if shapes else None,
-        channels=channels,
-        covariance=covariance,
-    )
+        covariance = np.zeros((2 * len(poles), 2 * len(poles)))
+        for k, (pole, (wn_std, zeta_std)) in enumerate(zip(found, stds, strict=True)):
+            alone = ModalSet.from_wn_zeta([abs(pole)], [-pole.real / abs(pole)], wn_std=[wn_std], zeta_std=[zeta_std])
+            covariance[2 * k : 2 * k + 2, 2 * k : 2 * k + 2] = alone.covariance
+    shape = None if shapes[0] is None else np.array(shapes).T
+    return ModalSet(poles=poles, shapes=shape, channels=channels, covariance=covariance)
 
 
 def read_modes(path: str | os.PathLike[str]) -> ModalSet:
-    """Return the modes in a JSON or TOML file; see the module for its form.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read, or is not such a description; the message begins with its name.
-    """
+    """Return the modes in a JSON or TOML file of the form above; an `InputError` begins with the name of the file."""
     file = Path(path)
     text = read_text(file)
     try:
@@ -179,7 +165,7 @@ def _parsed_json(text: str) -> dict[str, object]:
     except (ValueError, RecursionError) as error:
         raise InputError(f"is not JSON: {printable(str(error))}") from None
     if not isinstance(content, dict):
-        raise InputError("must hold a JSON object with the key 'modes'")
+        raise InputError("must contain a JSON object with the key 'modes'")
     return content
 
 
@@ -189,7 +175,7 @@ def _mode(where: str, entry: object) -> tuple[complex, list[complex] | None, tup
         raise InputError(f"{where} must be an object with {', '.join(MODE_KEYS[:3])}, not {reprlib.repr(entry)}")
     for key in entry:
         if key not in MODE_KEYS:
-            raise InputError(f"{where} has no use for {key!r}.{nearest_names(key, MODE_KEYS)}")
+            raise InputError(f"{where} has the unknown key {key!r}.{nearest_names(key, MODE_KEYS)}")
     given = {key: _number(f"{where}: {key}", entry[key]) for key in MODE_KEYS[:5] if entry.get(key) is not None}
     if entry.get("pole_rad_per_s") is not None:
         pole = _complex(f"{where}: pole_rad_per_s", entry["pole_rad_per_s"])
@@ -198,13 +184,13 @@ def _mode(where: str, entry: object) -> tuple[complex, list[complex] | None, tup
         if "zeta" not in given or not ("wn_rad_per_s" in given or "frequency_hz" in given):
             raise InputError(f"{where} needs zeta, and wn_rad_per_s or frequency_hz")
         if wn <= 0 or not abs(given["zeta"]) < 1:
-            raise InputError(f"{where}: {wn = :g} rad/s must be positive, zeta = {given['zeta']:g} a ratio below 1")
+            raise InputError(f"{where}: {wn = :g} rad/s must be positive, zeta = {given['zeta']:g} between -1 and 1")
         pole = complex(ModalSet.from_wn_zeta([wn], [given["zeta"]]).poles[0])
     alone = ModalSet(poles=np.array([pole]))
     means = {"frequency_hz": alone.wn[0] / (2 * np.pi), "wn_rad_per_s": alone.wn[0], "zeta": alone.zeta[0]}
     for key, meant in means.items():
         if not math.isclose(given.get(key, meant), meant, rel_tol=AGREEMENT, abs_tol=AGREEMENT):
-            raise InputError(f"{where}: {key} = {given[key]:g} is at odds with the rest, which says {meant:.9g}")
+            raise InputError(f"{where}: {key} = {given[key]:g} contradicts the other keys, which give {meant:.9g}")
     stds = [given.get(key) for key in MODE_KEYS[3:5]]
     if (stds[0] is None) != (stds[1] is None):
         raise InputError(f"{where}: give both wn_std_rad_per_s and zeta_std, or neither")

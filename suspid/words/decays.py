@@ -14,39 +14,13 @@ def _percent(share: Number) -> str:
     return f"{100 * share:.2g} %" if share < 0.995 else f"{100 * share:.0f} %"
 
 
-def _few_samples(numbers: Mapping[str, Number]) -> str:
-    modes = numbers["modes"]
-    assert isinstance(modes, int)
-    return f"too few samples ({numbers['samples']} after averaging) for {count(modes, 'mode')}"
-
-
-def _clipped(numbers: Mapping[str, Number]) -> str:
-    samples = numbers["samples"]
-    assert isinstance(samples, int)
-    return f"{count(samples, 'sample')} clipped"
-
-
-def _missing(numbers: Mapping[str, Number]) -> str:
-    hertz = numbers["hertz"]
-    assert isinstance(hertz, tuple)
-    return f"identify finds no mode at {', '.join(f'{f:.3g}' for f in hertz)} Hz in this stretch"
-
-
 def _event(numbers: Mapping[str, Number]) -> str:
     return f"t = {numbers['time']:.6g} s, {numbers['level']:.0f} dB above the background: "
 
 
-def _no_mode(numbers: Mapping[str, Number]) -> str:
-    others = numbers["others"]
-    assert isinstance(others, tuple)
-    seen = f" ({', '.join(map(str, others))})" if others else ""
-    return f"{_event(numbers)}no decaying mode{seen}."
-
-
-def _found(numbers: Mapping[str, Number]) -> str:
-    decays = numbers["decays"]
-    assert isinstance(decays, int)
-    return f"{count(decays, 'free decay')} found"
+def _names(names: Number, form: str = "") -> str:
+    assert isinstance(names, tuple)
+    return ", ".join(format(name, form) for name in names)
 
 
 class DecayKind(StrEnum):
@@ -63,7 +37,10 @@ class DecayDoubt(Code):
 
     FEW_CYCLES = "few cycles", "only {cycles:.1f} cycles"
     TOO_SHORT = "too short", "too short for the mode at {hertz:.3g} Hz: {cycles:.1f} cycles of it"
-    FEW_SAMPLES = "few samples", _few_samples
+    FEW_SAMPLES = (
+        "few samples",
+        lambda n: f"too few samples ({n['samples']} after averaging) for {count(int(str(n['modes'])), 'mode')}",
+    )
     FORCED = (
         "forced",
         lambda n: (
@@ -79,7 +56,7 @@ class DecayDoubt(Code):
         ),
     )
     GROWING = "growing", "part of the motion grows: still driven"
-    CLIPPED = "clipped", _clipped
+    CLIPPED = "clipped", lambda n: f"{count(int(str(n['samples'])), 'sample')} clipped"
     AT_START = "at start", "the decay starts at the first sample, so the excitation may still be acting"
     CUT_OFF = "cut off", "the next event begins before the decay has reached the background"
     COMPANY = (
@@ -93,7 +70,10 @@ class DecayDoubt(Code):
         "decay, and the intervals are too narrow",
     )
     NOT_IDENTIFIED = "not identified", "identify fails on this stretch: {error}"
-    MODES_MISSING = "modes missing", _missing
+    MODES_MISSING = (
+        "modes missing",
+        lambda n: f"identify finds no mode at {_names(n['hertz'], '.3g')} Hz in this stretch",
+    )
     HIGH_RESIDUAL = (
         "high residual",
         "identify leaves a residual {decibel:.0f} dB above white noise near the modes: still driven, or nonlinear",
@@ -103,7 +83,7 @@ class DecayDoubt(Code):
 class DecayRemark(Code):
     """What was found in a recording, and why an event is no free decay."""
 
-    FOUND = "found", _found
+    FOUND = "found", lambda n: f"{count(int(str(n['decays'])), 'free decay')} found"
     NONE = "none", "no free decay found"
     NO_EVENT = (
         "no event",
@@ -117,7 +97,10 @@ class DecayRemark(Code):
     )
     DRIVEN = "driven", lambda n: f"{_event(n)}driven motion; no sum of damped exponentials follows it."
     TOO_SHORT = "too short", lambda n: f"{_event(n)}too short for a decay."
-    NO_MODE = "no mode", _no_mode
+    NO_MODE = (
+        "no mode",
+        lambda n: f"{_event(n)}no decaying mode" + (f" ({_names(n['others'])})" if n["others"] else "") + ".",
+    )
     MANY_POLES = (
         "many poles",
         lambda n: f"{_event(n)}{n['poles']} poles needed, more than the {n['most']} of a decay of a few modes.",
