@@ -1,4 +1,4 @@
-"""Springs and dampers from noisy records, beside the Cramér-Rao bound of the physical model itself."""
+"""Errors of springs and dampers from noisy records, compared with the Cramér-Rao bound of the physical model."""
 
 from __future__ import annotations
 
@@ -33,26 +33,14 @@ REPEATS = 1000
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Study:
-    """What many draws of the noise gave, by parameter.
+    """Errors over many draws of the noise, by parameter."""
 
-    Parameters
-    ----------
-    names : tuple of str
-        Stiffnesses [N/m], then dampings [N s/m].
-    truth, rmse, bound : ndarray (parameter,)
-        In the units of the parameters.
-    coverage : ndarray (parameter,)
-        Share of the 95 % intervals that hold the truth [1].
-    explained : float
-        Share of the draws in which chi-square is not improbably large [1].
-    """
-
-    names: tuple[str, ...]
+    names: tuple[str, ...]  # stiffnesses [N/m], then dampings [N s/m]
     truth: RealArray
     rmse: RealArray
     bound: RealArray
-    coverage: RealArray
-    explained: float
+    coverage: RealArray  # share of the 95 % intervals that contain the truth
+    explained: float  # share of the draws in which chi-square is not improbably large
 
 
 def physical_bound(
@@ -63,21 +51,8 @@ def physical_bound(
     Unknown are k and c of every strut and the initial state. The sensitivities s of the state x to each obey
     ``s' = A s + (dA/dp) x``; the exponential of ``[[A, 0], [dA/dp, A]]`` over one step is exact.
 
-    Parameters
-    ----------
-    car : Suspension
-        The true car.
-    timepts : ndarray (sample,)
-        Uniform sampling times from 0 [s].
-    initial_state : mapping of str to float
-        State at t = 0 by label; others zero.
-    noise_std : array_like (coordinate,)
-        Standard deviation of the noise of each channel [m].
-
-    Returns
-    -------
-    ndarray (parameter,)
-        Of k of every strut [N/m], then of c [N s/m].
+    The record starts at t = 0 from `initial_state` (labels of states; others zero); `noise_std` is that of each channel
+    [m]. The result is k of every strut [N/m], then c [N s/m].
     """
     from scipy.linalg import expm
 
@@ -215,9 +190,9 @@ def report() -> str:
     """Return the tables of all cars."""
     parts = [
         f"# Springs and dampers from records at {SNR_DB:g} dB",
-        f"Three channels, {TIMES[-1] + TIMES[1]:g} s at {1 / TIMES[1]:g} Hz, a blow on the tire, through `identify` "
-        f"and `reconstruct` from a nominal car 30 % off; {SEEDS} draws of the noise. The bound is Cramér-Rao's for the "
-        f"physical model: k, c and the initial state are unknown.",
+        f"Three channels, {TIMES[-1] + TIMES[1]:g} s at {1 / TIMES[1]:g} Hz, initial velocity of the tire, through "
+        f"`identify` and `reconstruct` from a nominal car 30 % off; {SEEDS} draws of the noise. The bound is "
+        f"Cramér-Rao's for the physical model: k, c and the initial state are unknown.",
     ]
     for name, car in CARS.items():
         found = study(car)

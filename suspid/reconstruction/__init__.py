@@ -3,7 +3,7 @@
 `reconstruct` finds stiffness and damping from poles and shapes by convex programs, with the covariance carried
 through, and lists every other suspension that the same modes allow. Below it: `observations` (modes as data),
 `unknowns` (parameters and bounds), `equations` and `polynomials` (residuals), `programs` (solvers),
-`alternatives`, `suspects` and `verdicts`.
+`alternatives`, `suspects` and `results`.
 """
 
 from suspid.reconstruction.asked import Bounds

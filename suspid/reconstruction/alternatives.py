@@ -1,4 +1,4 @@
-"""Other suspensions with the same modes: where to look for them, and what would tell them apart."""
+"""Search for other suspensions with the same modes, and measurements that would distinguish them."""
 
 from __future__ import annotations
 
@@ -14,25 +14,25 @@ from suspid.reconstruction.polynomials import characteristic
 from suspid.reconstruction.unknowns import Unknowns
 from suspid.units import ComplexArray, Ratio, RealArray
 
-STARTS_PER_UNKNOWN, MORE_STARTS = 12, 48  # of a quarter car, and of what has more unknowns than it
+STARTS_PER_UNKNOWN, MORE_STARTS = 12, 48  # up to a quarter car, and beyond; fewer miss rare minima, more cost time
 QUARTER_CAR = 6  # unknowns
-ROUNDS = 4  # of starts at most
-OFTEN = 3  # times that every minimum is met, before the search ends
-STEPS = 40
-LONGEST = 1.5  # step, in the logarithm of springs and masses and in dampers themselves
-STRAGGLERS = 0.2  # of the starts: so few are not waited for
-MET = 1e-13  # squared distance from the poles at which a start has arrived
-LITTLE = 1e-3  # share of the squared distance that a step takes where a start rests
-DECADES = 1.5  # springs and masses from a thirtieth to thirty times nominal: rare minima lie far out
-FARTHEST = 1e4  # times nominal, where the search turns back
-SAME = 1e-3  # relative difference of parameters below which two suspensions are one
-HARDLY_THERE = 1e-2  # of nominal: springs and masses below it differ only by shares of it
-ROUNDING = 1e-11  # costs below it are equal
-ADDED_SHARE = 0.3  # of a coordinate's mass, in the test that is proposed
+ROUNDS = 4  # largest number of rounds of starts
+OFTEN = 3  # the search ends when every minimum was reached this often; at 1 rare minima are missed
+STEPS = 40  # largest number per start; most need 10 to 15
+LONGEST = 1.5  # longest step, in the logarithm of springs and masses, and in dampers themselves
+STRAGGLERS = 0.2  # share of the starts at which a round ends: waiting for the slowest costs more than it finds
+MET = 1e-13  # squared distance from the poles at which a start has converged
+LITTLE = 1e-3  # relative reduction of the squared distance by one step below which a start stops
+DECADES = 1.5  # starts lie between 1/30 and 30 times nominal springs and masses, because rare minima are far away
+FARTHEST = 1e4  # largest value in the search, times nominal
+SAME = 1e-3  # relative difference of parameters below which two suspensions count as one
+HARDLY_THERE = 1e-2  # of nominal: smaller springs and masses are compared relative to this
+ROUNDING = 1e-11  # costs below it count as equal
+ADDED_SHARE = 0.3  # mass added in the proposed test, relative to that of the coordinate
 
 
 def even_starts(unknowns: Unknowns, count: int) -> RealArray:
-    """Return points that fill the surroundings of the nominal values evenly, the same ones each time, (start, unknown).
+    """Return a fixed low-discrepancy sequence of points around the nominal values, (start, unknown).
 
     An additive recurrence by powers of the root of ``g^(d+1) = g + 1``: springs and masses within `DECADES` of nominal,
     dampers from none to a strong one.
@@ -49,9 +49,8 @@ def even_starts(unknowns: Unknowns, count: int) -> RealArray:
 def spectral_minima(tests: Sequence[Observed], unknowns: Unknowns, *, reach: Ratio) -> list[RealArray]:
     """Return distinct minima of the distance from the poles, nearest first, from starts spread around nominal.
 
-    The nominal values are the first start. More are added until every minimum was met several times, or no new one
-    came: then few are left that were never met. Minima further from the poles than ``reach`` are left out, but for
-    the nearest.
+    The nominal values are the first start. Starts are added until every minimum was reached `OFTEN` times or a round
+    finds no new one. Minima farther from the poles than ``reach`` are dropped, except the nearest.
     """
     equations = polynomial_equations(tests, unknowns)
     count = len(unknowns) * (STARTS_PER_UNKNOWN if len(unknowns) <= QUARTER_CAR else MORE_STARTS)
@@ -70,7 +69,7 @@ def spectral_minima(tests: Sequence[Observed], unknowns: Unknowns, *, reach: Rat
 
 
 def polynomial_equations(tests: Sequence[Observed], unknowns: Unknowns) -> Equations:
-    """Return the residual of all tests' poles and its derivatives, of many points at once."""
+    """Return the residual of the poles of all tests, with derivatives, as a function of many points."""
     arms, spread = unknowns.arms, unknowns.spread
 
     def by_determinants(test: Observed) -> Equations:
@@ -90,10 +89,9 @@ def polynomial_equations(tests: Sequence[Observed], unknowns: Unknowns) -> Equat
 
 
 def descend_together(equations: Equations, x: RealArray, unknowns: Unknowns) -> tuple[RealArray, RealArray]:
-    """Return where many points end that move at once towards minima of the equations, and the costs there.
+    """Minimise from many points at once by damped Gauss-Newton steps within bounds; return the ends and their costs.
 
-    Damped Gauss-Newton steps, kept between bounds; a point rests as soon as a step brings it little, and the last few
-    are not waited for: what is near a minimum still has to be sharpened.
+    A point stops when a step reduces its cost little, and the slowest points are cut off: the ends are refined later.
     """
     x, positive = x.copy(), unknowns.positive
     lower, upper = unknowns.lower, np.minimum(unknowns.upper, FARTHEST)
@@ -111,7 +109,7 @@ def descend_together(equations: Equations, x: RealArray, unknowns: Unknowns) -> 
         normal = scaled.swapaxes(1, 2) @ scaled
         diagonal = normal[:, own, own]
         largest = diagonal.max(axis=1, keepdims=True)
-        # What has no slope at all must not make the matrix singular.
+        # Unknowns without any slope must not make the matrix singular.
         normal[:, own, own] += damping[:, None] * np.maximum(diagonal, 1e-6 * largest) + stuck + (largest <= 0)
         step = np.maximum(np.minimum(np.linalg.solve(normal, -gradient[..., None])[..., 0], LONGEST), -LONGEST)
         trial = x + step
@@ -138,7 +136,7 @@ def descend_together(equations: Equations, x: RealArray, unknowns: Unknowns) -> 
 def gathered(
     points: RealArray, costs: RealArray, unknowns: Unknowns, reach: Ratio
 ) -> tuple[list[RealArray], list[int]]:
-    """Return the distinct points within reach, or the nearest, by ascending cost, and how often each was met."""
+    """Return the distinct points within reach, at least the nearest, by ascending cost, and how often each was met."""
     order = np.argsort(np.maximum(costs, ROUNDING**2), kind="stable")
     left = points[order[costs[order] <= max(reach**2, float(np.min(costs)))]]
     minima: list[RealArray] = []
@@ -152,7 +150,7 @@ def gathered(
 
 
 def distinct(points: Sequence[RealArray], costs: Sequence[float], unknowns: Unknowns) -> list[int]:
-    """Return which points are not the same as one of lower cost, by ascending cost; of equals the first."""
+    """Return the indices of distinct points by ascending cost; of equal points the first."""
     kept: list[int] = []
     for i in np.argsort(np.maximum(costs, ROUNDING), kind="stable").tolist():
         if not any(same(points[i], points[j], unknowns) for j in kept):
@@ -161,9 +159,9 @@ def distinct(points: Sequence[RealArray], costs: Sequence[float], unknowns: Unkn
 
 
 def same(a: RealArray, b: RealArray, unknowns: Unknowns) -> NDArray[np.bool_]:
-    """Return whether two points (or one and each of many) are one suspension.
+    """Return whether two points (or one and each of many) are the same suspension.
 
-    Springs and masses relative, dampers to the strongest.
+    Springs and masses are compared with themselves, dampers with the strongest damper.
     """
     larger = np.maximum(a, b)
     springs = np.maximum(larger, HARDLY_THERE)
@@ -172,20 +170,15 @@ def same(a: RealArray, b: RealArray, unknowns: Unknowns) -> NDArray[np.bool_]:
 
 
 def farness(x: RealArray, unknowns: Unknowns) -> float:
-    """Return how far x is from nominal: root mean square over the unknowns of ``2 |a - b| / (a + b)``, at most 2."""
+    """Return the distance of x from nominal: root mean square of ``2 |a - b| / (a + b)``, at most 2."""
     total = x + unknowns.nominal
     return float(np.sqrt(np.mean((2 * (x - unknowns.nominal) / np.where(total > 0, total, 1.0)) ** 2)))
 
 
 def told_apart(car: Suspension, other: Suspension, observed: Sequence[str]) -> str:
-    """Return, in words, the two sensors and the added mass that show the difference of two suspensions best.
+    """Return, in words, the pair of sensors and the added mass that distinguish two suspensions best.
 
-    Parameters
-    ----------
-    car, other : Suspension
-        Two suspensions of one topology.
-    observed : sequence of str
-        Coordinates whose ratio is known already; other pairs are proposed.
+    Pairs of coordinates that are ``observed`` already are not proposed.
     """
     said = []
     ours, theirs = eigenmodes(car), eigenmodes(other)
@@ -220,7 +213,7 @@ def told_apart(car: Suspension, other: Suspension, observed: Sequence[str]) -> s
 
 
 def _loaded_poles(car: Suspension, added: RealArray) -> ComplexArray:
-    """Return the poles with each mass added alone, (coordinate, pole)."""
+    """Return the poles with the mass added to one coordinate at a time, (coordinate, pole)."""
     n = len(added)
     masses = np.diag(car.M) + np.diag(added)  # (coordinate loaded, coordinate)
     A = np.zeros((n, 2 * n, 2 * n))

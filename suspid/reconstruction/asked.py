@@ -31,15 +31,7 @@ def unknowns_of(
 ) -> Unknowns:
     """Return what is to be found, checked; see `reconstruct` for the arguments.
 
-    Parameters
-    ----------
-    rate : float
-        Angular frequency [rad/s] by which dampings are scaled.
-
-    Raises
-    ------
-    InputError
-        If a name is unknown, wishes contradict each other, or nothing is left to find.
+    Dampings are scaled by the angular ``rate`` [rad/s].
     """
     every, p = parameter_names(car), parameter_vector(car)
     named = nominal_std if isinstance(nominal_std, Mapping) else {}

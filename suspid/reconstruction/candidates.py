@@ -49,13 +49,7 @@ class Collected:
 
 
 def candidates(problem: Problem, *, search: bool) -> tuple[list[RealArray], list[float]]:
-    """Return the distinct suspensions, as unknowns, that may have the modes, and the norms of their residuals.
-
-    Raises
-    ------
-    ReconstructionError
-        If every search fails.
-    """
+    """Return the distinct suspensions, as unknowns, that may have the modes, and the norms of their residuals."""
     found = _unconstrained(problem, search=search)
     if problem.wishes is not None:
         within = Collected(problem, failures=found.failures)

@@ -10,6 +10,8 @@ An object with
 - ``held``: the strut parameters held, a list of objects with ``name``, ``value`` and ``unit``;
 - ``covariance``: joint covariance of the parameters, in their order and units, or null;
 - ``chi_square`` (or null), ``freedom``, ``explains``, ``residual`` (worst pole, relative [1]), ``status``;
+- ``remarks``: how it was found and its limits, a list of objects with ``code``, ``numbers`` and ``text``;
+- ``verdict``: ``level``, ``headline`` (a remark) and ``checks``, a list of remarks with a ``level`` each;
 - ``alternatives``: every other car that has the modes, a list of objects with ``parameters`` (value by name),
   ``distance`` (chi-square if the modes carry a covariance, else the worst pole, relative [1]) and ``told_apart``;
 - ``suspid``: the version.
@@ -28,11 +30,6 @@ UNITS = {"stiffness": "N/m", "damping": "N s/m", "mass": "kg"}
 
 def reconstruction_to_dict(found: Reconstruction, *, level: Ratio = 0.95) -> dict[str, object]:
     """Return what was found as plain lists and numbers, every bit kept.
-
-    Raises
-    ------
-    InputError
-        If the level is not between 0 and 1.
 
     Examples
     --------
@@ -71,6 +68,8 @@ def reconstruction_to_dict(found: Reconstruction, *, level: Ratio = 0.95) -> dic
         "explains": found.explains,
         "residual": found.residual,
         "status": found.status,
+        "remarks": [remark.to_dict() for remark in found.remarks],
+        "verdict": found.verdict.to_dict(),
         "alternatives": [
             {
                 "parameters": {name: parameter_values(car)[name] for name in found.parameters},

@@ -29,13 +29,7 @@ LOST = 1e-2  # share of the squared residual that a step at an optimum cannot ta
 
 
 def check_seen(problem: Problem, x: RealArray, car: Suspension) -> list[Remark]:
-    """Return what the nominal values, or the penalty, determine and the modes do not.
-
-    Raises
-    ------
-    ReconstructionError
-        If neither modes nor nominal values nor equations nor a penalty determine some combination of the unknowns.
-    """
+    """Return what the nominal values, or the penalty, determine and the modes do not."""
     u = problem.unknowns
     p = u.parameters(x)
     if problem.exact(x):
@@ -166,13 +160,7 @@ def shape_mac(seen: Observed, car: Suspension) -> RealArray:
 
 
 def remarks(problem: Problem, best: Optimum, cost: float) -> list[Remark]:
-    """Return remarks on an optimum: bounds and constraints that act, and how sharp it is.
-
-    Raises
-    ------
-    ReconstructionError
-        If it is no optimum.
-    """
+    """Return remarks on an optimum: bounds and constraints that act, and how sharp it is."""
     u, x, notes = problem.unknowns, best.x, []
     size = np.maximum(np.abs(x), 1e-9)
     ends = (x <= u.lower + 1e-9 * size) | (x >= u.upper - 1e-9 * size)

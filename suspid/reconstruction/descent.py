@@ -28,18 +28,7 @@ def descend(
 ) -> RealArray:
     """Return a minimum of the norm of the equations between bounds, by Gauss-Newton steps in a trust region.
 
-    Parameters
-    ----------
-    equations : callable
-        From unknowns to residual and Jacobian.
-    x : ndarray (unknown,)
-        Where to start.
-    positive : ndarray (unknown,)
-        Which unknowns are stepped in their logarithm.
-    lower, upper : ndarray (unknown,)
-        Bounds.
-    negligible : float
-        Gain of the squared norm that is not worth a step.
+    What is ``positive`` is stepped in its logarithm; a gain of the squared norm up to ``negligible`` ends the descent.
 
     Examples
     --------

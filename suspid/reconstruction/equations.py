@@ -1,4 +1,4 @@
-"""What modes say of a suspension's parameters: residuals of poles and shapes, and their derivatives.
+"""Residuals of poles and shapes as functions of the parameters of a suspension, with derivatives.
 
 The parameters are one vector p of stiffnesses [N/m], dampings [N s/m] and masses [kg], see
 `suspid.reconstruction.unknowns`; every function takes the arms (strut, coordinate) and p, and returns a dimensionless
@@ -16,47 +16,25 @@ from numpy.typing import NDArray
 from suspid.model import pole_distances
 from suspid.units import ComplexArray, RealArray
 
-EXACT = 1e-8  # relative error of poles that counts as none
-SHAPE_WEIGHT = 0.1  # of errors of shapes against relative errors of poles, which are always known better
+EXACT = 1e-8  # relative pole error that counts as zero: the accuracy of an eigenvalue solver, with a margin
+SHAPE_WEIGHT = 0.1  # weight of errors of shapes relative to those of poles, which are about ten times smaller
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Observed:
-    """The modes of one test, as equations for the parameters.
+    """The modes of one test, as equations for the parameters."""
 
-    Parameters
-    ----------
-    poles : ndarray (mode,)
-        Those not at zero [rad/s].
-    rigid : int
-        How many are at zero.
-    real : ndarray (mode,)
-        Overdamped ones: no imaginary part, nor one of the shape.
-    shapes : ndarray (channel, mode), or None
-        Velocities over the modulus of the pole, accelerations over its square; then the largest component of each 1.
-    orders : ndarray (channel,)
-        0, 1, 2 for displacements, velocities, accelerations.
-    weights : ndarray (channel, coordinate)
-        What each channel shows, per unit of each coordinate.
-    added : ndarray (coordinate,)
-        Known masses added in this test [kg].
-    whiten : ndarray, or None
-        Makes what `sensitivities` returns uncorrelated and of variance 1.
-    poles_alone : bool
-        Whether the poles alone are weighed; the shapes then only choose among suspensions.
-    nodes, target, spacing : ndarray (mode,)
-        Where `spectral` takes the determinant, what it should be there, and what it is divided by.
-    """
-
-    poles: ComplexArray
-    rigid: int
-    real: NDArray[np.bool_]
+    poles: ComplexArray  # those not at zero, (mode,) [rad/s]
+    rigid: int  # number of those at zero
+    real: NDArray[np.bool_]  # overdamped modes: neither pole nor shape has an imaginary part
+    # (channel, mode): velocities over the modulus of the pole, accelerations over its square; largest component 1
     shapes: ComplexArray | None
-    orders: NDArray[np.intp]
-    weights: RealArray
-    added: RealArray
-    whiten: RealArray | None
-    poles_alone: bool
+    orders: NDArray[np.intp]  # (channel,): 0, 1, 2 for displacement, velocity, acceleration
+    weights: RealArray  # (channel, coordinate): what each channel shows, per unit of each coordinate
+    added: RealArray  # (coordinate,): known masses added in this test [kg]
+    whiten: RealArray | None  # makes the rows of `sensitivities` uncorrelated and of variance 1
+    poles_alone: bool  # only the poles are weighed; the shapes then only choose among suspensions
+    # (mode,): where `spectral` takes the determinant, its value there, and what it is divided by
     nodes: ComplexArray
     target: ComplexArray
     spacing: ComplexArray
@@ -88,7 +66,7 @@ class Observed:
 
 
 def partners(poles: ComplexArray, found: ComplexArray) -> NDArray[np.intp]:
-    """Return, for each pole, the index of its partner among the found ones; no partner twice."""
+    """Return, for each pole, the index of its partner among those found; each partner is used once."""
     distances = pole_distances(poles, found)
     nearest = np.argmin(distances, axis=1)
     if len(set(nearest.tolist())) == len(nearest):
@@ -99,12 +77,12 @@ def partners(poles: ComplexArray, found: ComplexArray) -> NDArray[np.intp]:
 
 
 def all_poles(poles: ComplexArray) -> ComplexArray:
-    """Return the poles with the conjugate partners of those that have one."""
+    """Return the poles, followed by the conjugates of the complex ones."""
     return np.concatenate([poles, poles[poles.imag != 0].conj()])
 
 
 def deciding(test: Observed, arms: RealArray, p: RealArray) -> tuple[RealArray, RealArray]:
-    """Return the residual that judges p, weighted, and its derivatives by p."""
+    """Return the weighted residual that is minimised, and its derivatives by p."""
     if test.whiten is None and test.shapes is None:
         return spectral(test, arms, p)
     residual, slope = sensitivities(test, arms, p)
@@ -117,7 +95,7 @@ def deciding(test: Observed, arms: RealArray, p: RealArray) -> tuple[RealArray, 
 def linear(test: Observed, arms: RealArray, masses: RealArray) -> tuple[RealArray, RealArray]:
     """Return ``(lambda^2 M + lambda C + K) psi`` at p = 0, relative to its first term, and its derivatives by p.
 
-    It is linear in p, and so exact everywhere. ``masses`` [kg] are those that make it dimensionless.
+    It is linear in p, so this holds for any p. ``masses`` [kg] make it dimensionless.
     """
     motion, roots = motion_of(test), np.sqrt(masses + test.added)
     motion = motion / np.linalg.norm(motion * roots, axis=1, keepdims=True)
@@ -133,7 +111,7 @@ def linear(test: Observed, arms: RealArray, masses: RealArray) -> tuple[RealArra
 
 
 def motion_of(test: Observed) -> ComplexArray:
-    """Return the motion of every coordinate in each mode, (mode, coordinate), from channels that show it all."""
+    """Return the motion of every coordinate, (mode, coordinate), from channels that determine it."""
     assert test.shapes is not None
     displacements = test.shapes.T / (test.poles / np.abs(test.poles))[:, None] ** test.orders
     return np.asarray(np.linalg.lstsq(test.weights.astype(complex), displacements.T, rcond=None)[0].T)
@@ -142,8 +120,8 @@ def motion_of(test: Observed) -> ComplexArray:
 def spectral(test: Observed, arms: RealArray, p: RealArray) -> tuple[RealArray, RealArray]:
     """Return ``det(lambda^2 M + lambda C + K) / det M`` at the given poles, and its derivatives by p, (…, parameter).
 
-    Divided by the product of the distances to all other poles it is, near a solution, the relative error of
-    the pole; being a polynomial, it needs no pairing of poles and does not mind pairs turning overdamped.
+    Divided by the product of the distances to all other poles, it is the relative error of the pole near a solution.
+    As a polynomial it needs no pairing of poles and stays smooth where a pair becomes overdamped.
     """
     struts, n = arms.shape
     nodes, masses = test.nodes, p[..., 2 * struts :] + test.added
@@ -172,8 +150,8 @@ def spectral_nodes(
 ) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
     """Return `Observed.nodes`, `target` and `spacing`.
 
-    Nodes are the poles, targets zero. Where poles meet (critical damping), the value at one says nothing of the
-    others: as long as all poles are known, points around them do as well.
+    The nodes are the poles and the targets zero. Where poles coincide (critical damping), the value at one does not
+    determine the others; if all poles are known, distinct points near them serve as nodes instead.
     """
     size = np.abs(poles)
     everything = all_poles(np.concatenate([poles, np.zeros(rigid)]))
@@ -206,7 +184,7 @@ def sensitivities(test: Observed, arms: RealArray, p: RealArray) -> tuple[RealAr
     modes = np.arange(len(pole))
     reference = np.argmax(np.abs(motion), axis=1)
     motion = motion / motion[modes, reference][:, None]
-    # Poles and shapes together: the dynamic matrix bordered by "the largest coordinate does not move".
+    # Derivatives of pole and shape together: the dynamic matrix, bordered by a fixed largest component.
     bordered = np.zeros((len(pole), n + 1, n + 1), complex)
     bordered[:, :n, :n] = pole[:, None, None] ** 2 * np.eye(n) + pole[:, None, None] * damping + stiffness
     bordered[:, :n, n] = 2 * pole[:, None] * motion + motion @ damping
@@ -217,15 +195,15 @@ def sensitivities(test: Observed, arms: RealArray, p: RealArray) -> tuple[RealAr
     load[:, np.arange(n), 2 * struts + np.arange(n)] = -(pole[:, None] ** 2) * motion / masses
     try:
         slope = np.linalg.solve(bordered, load)
-    except np.linalg.LinAlgError:  # poles that meet
+    except np.linalg.LinAlgError:  # poles that coincide
         slope = np.asarray(np.linalg.pinv(bordered) @ load, complex)
     size = np.abs(test.poles)
     errors = [_real_rows((pole - test.poles) / size, test.real)]
     slopes = [_real_rows(slope[:, n] / size[:, None], test.real)]
     shapes = test.weighed_shapes
     if shapes is not None:
-        # What the channels show, (mode, channel), and its derivatives. Mass-scaled motion changes its unit with
-        # the masses, but at given roots the derivatives above are those of the displacements times these roots.
+        # The components seen by the channels, (mode, channel), and their derivatives. The motion is scaled by the
+        # roots of the masses; for fixed roots its derivatives are those of the displacements times the roots.
         largest = np.argmax(np.abs(shapes), axis=0)
         show = test.weights / roots
         power = (pole / size)[:, None] ** test.orders

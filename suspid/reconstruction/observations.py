@@ -1,4 +1,4 @@
-"""The modes of one or several tests of one suspension, checked and made into equations."""
+"""Modes of one or several tests of one suspension: checks, and conversion to equations."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from suspid.units import ComplexArray, Kilogram, RealArray
 from suspid.values import FrozenMapping, nearest_names
 from suspid.words import ReconstructionNote, Remark
 
-FEW_DIGITS = 8  # significant ones: numbers that a person printed; computed ones have 15 to 17
+FEW_DIGITS = 8  # significant digits of printed numbers, at most; computed ones have 15 to 17
 HERTZ = 2 * np.pi  # rad/s
 
 
@@ -62,7 +62,7 @@ class ModalTest:
 
 
 def modal_tests(modes: object, suspension: object) -> tuple[ModalTest, ...]:
-    """Return the tests, whatever the form they were given in, checked against the suspension."""
+    """Return the modes as tests, checked against the suspension."""
     given = [modes] if isinstance(modes, ModalSet | ModalTest) or not isinstance(modes, Sequence) else list(modes)
     tests = []
     for one in given:
@@ -91,13 +91,7 @@ def modal_tests(modes: object, suspension: object) -> tuple[ModalTest, ...]:
 
 
 def observe(test: ModalTest, suspension: Suspension) -> tuple[Observed, list[Remark]]:
-    """Return the equations of one test, and remarks on them.
-
-    Raises
-    ------
-    InputError
-        If there are more poles than the suspension has, or a pole, a shape or the covariance cannot be used.
-    """
+    """Return the equations of one test, and remarks on them."""
     modes, n = test.modes, len(suspension.coordinates)
     total = len(all_poles(modes.poles))
     if total > 2 * n:
@@ -108,7 +102,9 @@ def observe(test: ModalTest, suspension: Suspension) -> tuple[Observed, list[Rem
     moving = modes.poles != 0
     poles = modes.poles[moving]
     if not len(poles):
-        raise InputError(f"of {len(modes)} modes none says anything about k and c; give modes that are not rigid")
+        raise InputError(
+            f"all {len(modes)} modes have a pole at zero, which does not depend on k and c; give others too"
+        )
     real = poles.imag == 0
     shapes, orders, weights, notes = _usable_shapes(modes, suspension, moving)
     poles_alone = modes.covariance is not None and (shapes is None or len(modes.covariance) == 2 * len(modes))
@@ -133,7 +129,7 @@ def observe(test: ModalTest, suspension: Suspension) -> tuple[Observed, list[Rem
 def printed(modes: ModalSet) -> bool:
     """Return whether the modes were printed: all frequencies and damping ratios, or all poles, are of few digits.
 
-    Who prints six digits has measured or rounded; a computed number has few digits by chance once in millions.
+    Numbers of few digits were measured or rounded; a computed number has few digits by chance once in millions.
 
     Examples
     --------
@@ -149,7 +145,7 @@ def printed(modes: ModalSet) -> bool:
 
 
 def _few_digits(values: RealArray) -> bool:
-    """Return whether all values are decimal numbers of few digits, but for the rounding of a few operations."""
+    """Return whether all values are decimal numbers of few digits, up to the rounding of a few operations."""
     short = np.array([float(f"{value:.{FEW_DIGITS - 1}e}") for value in values])
     return bool(np.all(np.abs(values - short) <= 1e-14 * np.abs(values)))
 
@@ -162,7 +158,7 @@ def unweighted(seen: Observed) -> Observed:
 def _usable_shapes(
     modes: ModalSet, suspension: Suspension, moving: NDArray[np.bool_]
 ) -> tuple[ComplexArray | None, NDArray[np.intp], RealArray, list[Remark]]:
-    """Return the shapes whose channels the suspension has, what these are, and why not others."""
+    """Return the usable shapes with orders and weights of their channels, and remarks on why they are not used."""
     nothing = None, np.zeros(0, int), np.zeros((0, len(suspension.coordinates)))
     if modes.shapes is None:
         return *nothing, []
@@ -179,12 +175,12 @@ def _usable_shapes(
     if len(channels) < 2:
         return *nothing, [Remark(ReconstructionNote.ONE_CHANNEL)]
     orders, weights = np.array([s[0] for s in selections]), np.array([s[1] for s in selections])
-    # Velocities and accelerations over the frequency and its square: as large as the displacements.
+    # Velocities over the frequency, accelerations over its square: of the size of displacements.
     shapes = modes.shapes[:, moving] / modes.wn[moving] ** orders[:, None]
     for i, shape in enumerate(shapes.T):
         largest = shape[np.argmax(np.abs(shape))]
         if not np.all(np.isfinite(shape)) or largest == 0:
-            raise InputError(f"mode {i + 1} has the shape {shape}, which is not finite or zero; leave the mode out")
+            raise InputError(f"mode {i + 1} has the shape {shape}, which is zero or not finite; leave the mode out")
         shapes[:, i] = shape / largest
     real = modes.poles[moving].imag == 0
     return np.where(real, shapes.real, shapes), orders, weights, []
@@ -195,8 +191,8 @@ def _whitening(
 ) -> RealArray:
     """Return the inverse root of the covariance of what `sensitivities` returns.
 
-    The shapes of a `ModalSet` are free of scale: of each, one component carries no information, and its variance
-    may be zero. Ratios to the largest component are free of that.
+    The scale of a shape is arbitrary: one component carries no information, and its variance may be zero. Ratios to
+    the largest component avoid that.
     """
     assert modes.covariance is not None
     if not np.all(np.isfinite(modes.covariance)):
@@ -224,7 +220,7 @@ def _whitening(
     is_pole = np.tile(np.arange(len(change)) < len(index), 2)
     order = np.concatenate([np.flatnonzero(shown & is_pole), np.flatnonzero(shown & ~is_pole)])
     covariance = spread[order] @ modes.covariance @ spread[order].T
-    # A variance of zero means as exact as the poles of a matrix are.
+    # A variance of zero counts as the accuracy of an eigenvalue solver.
     std = np.sqrt(np.diag(covariance) + 1e-24)
     values, vectors = np.linalg.eigh(covariance / np.outer(std, std))
     return np.asarray((vectors / np.sqrt(np.maximum(values, 1e-10))).T / std)

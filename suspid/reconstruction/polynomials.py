@@ -1,4 +1,4 @@
-"""The characteristic polynomial as a sum over sets of struts: many suspensions at once, without a matrix in sight.
+"""The characteristic polynomial as a sum over sets of struts, for many suspensions at once.
 
 By the theorem of Cauchy and Binet
 
@@ -19,37 +19,23 @@ from suspid.reconstruction.equations import Observed
 from suspid.reconstruction.unknowns import Unknowns
 from suspid.units import ComplexArray, RealArray
 
-MOST_STRUTS = 9  # 512 sets: beyond it determinants are cheaper
+MOST_STRUTS = 9  # 512 sets; determinants are cheaper beyond
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Characteristic:
-    """The polynomial of one test at its nodes, as a function of the unknowns.
+    """The polynomial of one test at its nodes, as a function of the unknowns."""
 
-    Parameters
-    ----------
-    nodes : ndarray (node,)
-        Where it is taken [rad/s].
-    real : ndarray (node,)
-        Nodes whose imaginary part says nothing.
-    base, spread : ndarray (node, strut), (node, strut, unknown)
-        Force of each strut [N/m]: ``base + spread @ x``.
-    terms : ndarray (node, set, unknown + 1)
-        Times the products of the forces in each set: the derivatives by the unknowns, and the value.
-    target : ndarray (node,)
-        What the value should be.
-    """
-
-    real: NDArray[np.bool_]
-    base: ComplexArray
-    spread: ComplexArray
-    terms: ComplexArray
-    target: ComplexArray
+    real: NDArray[np.bool_]  # nodes whose imaginary part carries no information
+    base: ComplexArray  # force of each strut [N/m]: base + spread @ x, (node, strut)
+    spread: ComplexArray  # (node, strut, unknown)
+    terms: ComplexArray  # (node, set, unknown + 1): derivatives by the unknowns, and the value, per product of forces
+    target: ComplexArray  # (node,)
 
     def __call__(self, x: RealArray) -> tuple[RealArray, RealArray]:
         """Return the residual (start, row) and its derivatives (start, row, unknown) at many points (start, unknown).
 
-        The same as `suspid.reconstruction.equations.spectral` gives, but for rounding.
+        It equals `suspid.reconstruction.equations.spectral` up to rounding.
         """
         forces = self.base[:, None, :] + x @ self.spread.swapaxes(1, 2)  # (node, start, strut)
         products = np.ones((*forces.shape[:2], 1 << forces.shape[2]), complex)
@@ -71,7 +57,7 @@ def characteristic(test: Observed, unknowns: Unknowns) -> Characteristic | None:
     masses = unknowns.base[2 * struts :] + test.added
     minors, sizes = principal_minors((arms / masses) @ arms.T), _sizes(struts)
     left = np.maximum(len(masses) - sizes, 0)
-    # More struts than masses have no minor; rounding would give them one.
+    # Minors of more struts than masses are zero; rounding would make them small numbers.
     value = np.where(sizes <= len(masses), minors, 0.0) * test.nodes[:, None] ** (2 * left) / test.spacing[:, None]
     base = unknowns.base[:struts] + test.nodes[:, None] * unknowns.base[struts : 2 * struts]
     spread = (
@@ -87,7 +73,7 @@ def characteristic(test: Observed, unknowns: Unknowns) -> Characteristic | None:
 
 
 def principal_minors(G: RealArray) -> RealArray:
-    """Return the determinants of all principal submatrices, by the set's binary number.
+    """Return the determinants of all principal submatrices, indexed by the bits of the set.
 
     Examples
     --------
@@ -100,5 +86,5 @@ def principal_minors(G: RealArray) -> RealArray:
 
 
 def _sizes(count: int) -> NDArray[np.intp]:
-    """Return how many members each set has."""
+    """Return the number of members of each set."""
     return np.array([number.bit_count() for number in range(1 << count)])

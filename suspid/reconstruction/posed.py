@@ -4,20 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from suspid.errors import InputError, ReconstructionError
 from suspid.model import Suspension, pole_distances
 from suspid.reconstruction.asked import Bounds, unknowns_of
-from suspid.reconstruction.contradictions import contradiction
 from suspid.reconstruction.convexity import Maker
 from suspid.reconstruction.equations import Observed, all_poles
 from suspid.reconstruction.observations import ModalTest, observe, printed, unweighted
 from suspid.reconstruction.problem import Problem
+from suspid.reconstruction.programs import SOLVER
 from suspid.reconstruction.unknowns import Unknowns
 from suspid.reconstruction.wishes import Constraints, Wishes, wishes_of
-from suspid.units import Ratio
+from suspid.units import Ratio, RealArray
 from suspid.words import ReconstructionNote, Remark
 
 PRINTED = 5e-3  # of a pole's modulus: what printed modes are known to, if nothing else is said
@@ -38,15 +39,7 @@ class Asked:
 
 
 def posed(tests: Sequence[ModalTest], suspension: Suspension, asked: Asked) -> tuple[Problem, list[Remark]]:
-    """Return the checked, dimensionless problem, and remarks on it.
-
-    Raises
-    ------
-    InputError
-        If a name is unknown, wishes contradict each other, or modes cannot be used.
-    ReconstructionError
-        If there are fewer equations than unknowns.
-    """
+    """Return the checked, dimensionless problem, and remarks on it."""
     notes: list[Remark] = []
     seen: list[Observed] = []
     for test in tests:
@@ -86,7 +79,7 @@ def _consistent(wishes: Wishes | None, unknowns: Unknowns) -> Wishes | None:
     """Return the wishes, if some suspension between the bounds keeps to them."""
     if wishes is None or wishes.violation(unknowns.nominal) <= 0:
         return wishes
-    against = contradiction(wishes, unknowns.lower, unknowns.upper)
+    against = _contradiction(wishes, unknowns.lower, unknowns.upper)
     if against:
         raise InputError(f"constraints contradict each other: {', '.join(against)} cannot all hold; drop or relax one")
     return wishes
@@ -115,3 +108,51 @@ def _without_meeting(one: Observed, unknowns: Unknowns) -> Observed:
     if not len(alone.unseen(alone.linear[1], unknowns.nominal, 1e-4)):
         return one
     return replace(one, shapes=None, weights=one.weights[:0], orders=one.orders[:0])
+
+
+def _contradiction(wishes: Wishes, lower: RealArray, upper: RealArray) -> list[str]:
+    """Return, in words, constraints and bounds that cannot all hold and none of which can be missed; else nothing."""
+    labels = wishes.unknowns.labels
+    items: list[tuple[str, int]] = [("constraint", i) for i in range(len(wishes.labels))]
+    items += [("low", i) for i in range(len(lower))] + [
+        ("high", i) for i in np.flatnonzero(np.isfinite(upper)).tolist()
+    ]
+    if not _impossible(wishes, items, lower, upper):
+        return []
+    for item in list(items)[::-1]:
+        rest = [other for other in items if other != item]
+        if _impossible(wishes, rest, lower, upper):
+            items = rest
+    words = []
+    for kind, i in items:
+        end = {"low": lower, "high": upper}.get(kind)
+        if end is None:
+            words.append(f'"{wishes.labels[i]}"')
+        else:
+            value = end[i] * wishes.unknowns.scale[i]
+            words.append(f"{labels[i]} {'>=' if kind == 'low' else '<='} {value:.6g}")
+    return words
+
+
+def _impossible(wishes: Wishes, items: list[tuple[str, int]], lower: RealArray, upper: RealArray) -> bool:
+    """Return whether these constraints and bounds cannot all hold: the least largest violation is not zero."""
+    import cvxpy
+
+    cp: Any = cvxpy
+    x, worst = cp.Variable(len(lower)), cp.Variable(nonneg=True)
+    chosen = {i for kind, i in items if kind == "constraint"}
+    limits = [x[i] >= lower[i] - worst for kind, i in items if kind == "low"]
+    limits += [x[i] <= upper[i] + worst for kind, i in items if kind == "high"]
+    for row, limit, equal, owner in zip(wishes.matrix, wishes.limit, wishes.equal, wishes.owner, strict=True):
+        if owner in chosen:
+            off = row @ x - limit
+            limits += [off <= worst, -off <= worst] if equal else [off <= worst]
+    limits += wishes.terms(wishes.unknowns.base + wishes.unknowns.spread @ x, chosen)[0]
+    problem = cp.Problem(cp.Minimize(worst), limits)
+    try:
+        problem.solve(solver=SOLVER)
+    except cp.error.SolverError as error:
+        raise ReconstructionError(
+            f"whether the constraints contradict each other could not be found: {error}"
+        ) from None
+    return worst.value is None or float(worst.value) > 1e-6

@@ -33,21 +33,11 @@ FARTHEST = 1e3  # bounds in units of the step: those further away do not act, an
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Program:
-    """A compiled convex program.
+    """A compiled convex program: least ``|A y - b|`` for y between low and high."""
 
-    Parameters
-    ----------
-    problem : cvxpy.Problem
-        Disciplined in its parameters.
-    values : mapping of str to cvxpy.Parameter
-        ``A``, ``b``, ``low``, ``high``: least ``|A y - b|`` for y between low and high.
-    step : cvxpy.Variable
-        Its unknowns, y.
-    """
-
-    problem: Any
-    values: Mapping[str, Any]
-    step: Any
+    problem: Any  # a cvxpy.Problem, disciplined in its parameters
+    values: Mapping[str, Any]  # its parameters, by name
+    step: Any  # its variable y
 
 
 # From the parameters of the suspension, an affine expression, to constraints and a penalty or None.
@@ -56,21 +46,11 @@ Terms: TypeAlias = Callable[[Any], tuple[list[Any], Any]]
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Optimum:
-    """The solution of a convex program.
-
-    Parameters
-    ----------
-    x : ndarray (unknown,)
-        The unknowns.
-    left : float
-        Residual of the conditions of an optimum, in the program scaled to 1 [1].
-    free : int
-        Number of directions in which the solution could move without leaving a constraint that acts.
-    """
+    """The solution of a convex program."""
 
     x: RealArray
-    left: float
-    free: int
+    left: float  # residual of the optimality conditions, in the program scaled to 1
+    free: int  # number of directions in which x could move without leaving an active constraint
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -100,11 +80,6 @@ class Limits:
 def least_squares(A: RealArray, b: RealArray, limits: Limits, *, smallest: float = SMALLEST) -> Optimum:
     """Return the x within limits of least ``|A x - b|``, by cvxpy.
 
-    Raises
-    ------
-    ReconstructionError
-        If the solution does not meet the conditions of an optimum.
-
     Examples
     --------
     >>> found = least_squares(np.eye(2), np.array([3.0, -1.0]), Limits(low=np.zeros(2), high=np.full(2, np.inf)))
@@ -124,13 +99,7 @@ def least_squares(A: RealArray, b: RealArray, limits: Limits, *, smallest: float
 
 
 def solve(program: Program, numbers: Mapping[str, RealArray | float]) -> Optimum:
-    """Return the solution of a compiled program for these numbers, proven to be the optimum.
-
-    Raises
-    ------
-    ReconstructionError
-        If the solution does not meet the conditions of an optimum.
-    """
+    """Return the solution of a compiled program for these numbers, proven to be the optimum."""
     for name, value in numbers.items():
         program.values[name].value = value
     with warnings.catch_warnings():
@@ -174,18 +143,9 @@ def compiled(size: int, thread: int, equal: int = 0, below: int = 0) -> Program:
 
 
 def build(size: int, equal: int = 0, below: int = 0, *, parameters: int = 0, terms: Terms | None = None) -> Program:
-    """Return a compiled program: least ``|A y - b|^2`` plus a penalty, under constraints.
+    """Return a compiled program: least ``|A y - b|^2`` plus a penalty, under bounds, ``E y == e`` and ``F y <= f``.
 
-    Parameters
-    ----------
-    size : int
-        Number of unknowns y.
-    equal, below : int
-        Number of rows ``E y == e`` and ``F y <= f``.
-    parameters : int
-        Number of parameters ``p = at + gain @ y`` that further terms are made of.
-    terms : callable, optional
-        From p to further convex constraints, and a penalty or None.
+    Further ``terms`` are made of the parameters ``p = at + gain @ y`` of the suspension.
     """
     import cvxpy
 

@@ -104,8 +104,9 @@ def reconstruct(
     penalty : callable, optional
         ``lambda k, c: …``, a convex term in k and c that is never negative, added to chi-square [1]: a penalty of 1
         weighs as much as one standard deviation of one measured value. Divide by what counts as one: ``lambda k, c:
-        10 * sum(cp.abs(c[s] / c0[s] - 1) for s in c0)`` charges 1 for a change by 10 %. Modes without a covariance
-        are fitted as if exact, so the penalty only decides what they leave open.
+        10 * sum(cp.abs(c[s] / c0[s] - 1) for s in c0)`` charges 1 for a change by 10 %. To name the single parameter
+        that changed, divide by conditional standard deviations (see the examples). Modes without a covariance are
+        fitted as if exact, so the penalty only decides what they leave open.
 
     Returns
     -------
@@ -158,6 +159,24 @@ def reconstruct(
     >>> k = {strut.name: strut.stiffness for strut in held.suspension.struts}
     >>> round(k["tire"] / k["chassis"], 6)
     11.0
+
+    An l1 penalty names the one parameter that changed, here a damper, where parameters are strongly correlated only if
+    each change is divided by the conditional standard deviation of the parameter, which is that with all others known:
+
+    >>> import numpy as np
+    >>> import cvxpy as cp
+    >>> from suspid import ModalSet
+    >>> exact = eigenmodes(car.with_parameters(damping={"chassis": 900}))
+    >>> modes = ModalSet.from_wn_zeta(exact.wn, exact.zeta, wn_std=1e-3 * exact.wn, zeta_std=1e-2 * exact.zeta)
+    >>> free = reconstruct(modes, car)
+    >>> sd = dict(zip(free.parameters, np.diag(np.linalg.inv(free.covariance)) ** -0.5))
+    >>> def l1(k, c):
+    ...     changes = [(k[s.name] - s.stiffness) / sd[f"{s.name}.stiffness"] for s in car.struts]
+    ...     changes += [(c[s.name] - s.damping) / sd[f"{s.name}.damping"] for s in car.struts]
+    ...     return 10 * cp.norm1(cp.hstack(changes))
+    >>> found = reconstruct(modes, car, penalty=l1).suspension
+    >>> [s.name for s, was in zip(found.struts, car.struts) if abs(s.damping - was.damping) > 1]
+    ['chassis']
     """
     tests = modal_tests(modes, suspension)
     asked = Asked(

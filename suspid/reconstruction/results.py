@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,10 +10,30 @@ import numpy as np
 from suspid.errors import InputError
 from suspid.model import Suspension
 from suspid.reconstruction.unknowns import QUANTITIES, parameter_names, parameter_vector
-from suspid.reconstruction.verdict import verdict_of
 from suspid.units import Kilogram, NewtonPerMetre, NewtonSecondPerMetre, Ratio, RealArray
 from suspid.values import rounded, spread, text_table
-from suspid.words import Remark, Verdict
+from suspid.words import (
+    Check,
+    Level,
+    ReconstructionCheck,
+    ReconstructionHeadline,
+    ReconstructionNote,
+    Remark,
+    Verdict,
+)
+
+# Remarks of a result that are checks as well, and what they say of it.
+AGAINST = {
+    ReconstructionNote.VANISHED: (ReconstructionCheck.VANISHED, Level.CARE),
+    ReconstructionNote.AT_BOUND: (ReconstructionCheck.AT_BOUND, Level.NOTE),
+    ReconstructionNote.ACTIVE: (ReconstructionCheck.ACTIVE, Level.NOTE),
+    ReconstructionNote.PENALTY: (ReconstructionCheck.PENALTY, Level.NOTE),
+    ReconstructionNote.SPLIT_BY_NOMINAL: (ReconstructionCheck.BY_NOMINAL, Level.CARE),
+    ReconstructionNote.UNSEEN: (ReconstructionCheck.BY_NOMINAL, Level.CARE),
+    ReconstructionNote.NOT_SHARP: (ReconstructionCheck.NOT_SHARP, Level.CARE),
+    ReconstructionNote.NEAR_MISS: (ReconstructionCheck.NEAR_MISS, Level.CARE),
+}
+VAGUE = 1.96  # standard deviations of 95 %: a parameter smaller than that of its own is hardly known
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -148,3 +168,57 @@ def _with_spread(
     known = np.array([stds[name] for name in names])
     # Columns need names of their own: the unit tells them apart.
     return {title: rounded(values, known), spread_title: [spread(std) for std in known]}
+
+
+def verdict_of(found: Reconstruction) -> Verdict:
+    """Return how far springs and dampers can be trusted.
+
+    That they explain the modes speaks for them only where that was tested: with an uncertainty of the modes, or a
+    tolerance, and more equations than unknowns.
+    """
+    headline = Remark(ReconstructionHeadline.FOUND, {"parameters": len(found.parameters)})
+    return Verdict(headline, (_fit(found), *_others(found), *_remarked(found), *_vague(found)))
+
+
+def _fit(found: Reconstruction) -> Check:
+    """Return whether the car explains the modes."""
+    if not found.explains:
+        return Check(Remark(ReconstructionCheck.UNEXPLAINED), Level.CARE)
+    if found.freedom <= 0:
+        return Check(Remark(ReconstructionCheck.NOT_JUDGED), Level.NOTE)
+    if found.chi_square is not None:
+        numbers = {"chi_square": found.chi_square, "freedom": found.freedom}
+        return Check(Remark(ReconstructionCheck.EXPLAINS, numbers), Level.SOUND)
+    misfit = next((r.numbers["misfit"] for r in found.remarks if r.code is ReconstructionNote.MISFIT), 0.0)
+    return Check(Remark(ReconstructionCheck.WITHIN_TOLERANCE, {"misfit": misfit}), Level.SOUND)
+
+
+def _others(found: Reconstruction) -> Iterator[Check]:
+    """Yield what is known of other suspensions with the same modes, and of intervals."""
+    if found.alternatives:
+        yield Check(Remark(ReconstructionCheck.ALTERNATIVES, {"count": len(found.alternatives)}), Level.CARE)
+    elif not found.searched:
+        yield Check(Remark(ReconstructionCheck.NOT_SEARCHED), Level.NOTE)
+    else:
+        yield Check(Remark(ReconstructionCheck.NO_ALTERNATIVES), Level.SOUND)
+    if found.chi_square is None:
+        yield Check(Remark(ReconstructionCheck.NO_UNCERTAINTY), Level.NOTE)
+
+
+def _remarked(found: Reconstruction) -> Iterator[Check]:
+    """Yield the remarks that speak against the result."""
+    for remark in found.remarks:
+        if remark.code in AGAINST:
+            code, level = AGAINST[remark.code]
+            yield Check(Remark(code, remark.numbers), level)
+
+
+def _vague(found: Reconstruction) -> Iterator[Check]:
+    """Yield which parameters are not known from zero."""
+    if found.covariance is None:
+        return
+    values = dict(zip(parameter_names(found.suspension), parameter_vector(found.suspension).tolist(), strict=True))
+    std = found.covariance.diagonal() ** 0.5
+    vague = tuple(n for n, s in zip(found.parameters, std, strict=True) if 0 < values[n] < VAGUE * s)
+    if vague:
+        yield Check(Remark(ReconstructionCheck.VAGUE, {"names": vague}), Level.CARE)

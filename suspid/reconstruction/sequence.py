@@ -33,30 +33,9 @@ def converged(
 ) -> Optimum:
     """Return the minimum near x of the squared norm of the equations plus the penalty; the last program proves it.
 
-    Parameters
-    ----------
-    equations : callable
-        From unknowns to residual and Jacobian.
-    x : ndarray (unknown,)
-        Where to start; it keeps to the constraints.
-    positive : ndarray (unknown,)
-        Which unknowns are scaled by their own value.
-    lower, upper : ndarray (unknown,)
-        Bounds.
-    negligible : float
-        Gain of the squared norm that is not worth a step.
-    wishes : Wishes, optional
-        Further constraints, and a penalty.
-
-    Returns
-    -------
-    Optimum
-        Its ``left`` is the share of the objective that the last program still promised.
-
-    Raises
-    ------
-    ReconstructionError
-        If the solver finds no optimum of one of the programs.
+    The start keeps to the constraints. What is ``positive`` is scaled by its own value; a gain of the objective up to
+    ``negligible`` is not worth a step. The ``left`` of the result is the share of the objective that the last program
+    still promised.
     """
     radius = LARGEST_STEP
     residual, slope = equations(x)
@@ -82,13 +61,7 @@ def converged(
 
 
 def feasible(x: RealArray, lower: RealArray, upper: RealArray, wishes: Wishes) -> RealArray:
-    """Return the point nearest to x, relative to its size, that keeps to bounds and constraints.
-
-    Raises
-    ------
-    ReconstructionError
-        If the solver finds none.
-    """
+    """Return the point nearest to x, relative to its size, that keeps to bounds and constraints."""
     if wishes.violation(x) <= 0 and np.all((x >= lower) & (x <= upper)):
         return x
     unit = np.maximum(np.abs(x), 0.1)

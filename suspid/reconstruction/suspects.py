@@ -1,4 +1,4 @@
-"""Suspects where no suspension explains the modes: the gain of a channel, a mass, a channel, a mode.
+"""Possible causes where no suspension explains the modes: the gain of a channel, a mass, a channel, a mode.
 
 Each is tried as one more unknown. To first order, a direction d of the whitened residual z takes ``(d' z)^2 / d' d``
 off chi-square; d and z less what the parameters can follow. What promises most is then refitted.
@@ -22,8 +22,8 @@ from suspid.units import ComplexArray, Ratio, RealArray
 from suspid.words import Number, Remark, Suspect
 
 UNLIKELY = 1e-3  # probability of a chi-square below which the topology does not explain the modes
-TRIED = 4  # single causes that are refitted
-REFITS = 3
+TRIED = 4  # single causes that are refitted, the most promising first
+REFITS = 3  # Gauss-Newton steps for the size of a cause
 FARTHEST = 0.6  # error of a gain or a mass beyond which something else is likelier [1]
 MOST = 0.5  # share of chi-square that a channel or a mode takes along, to be named
 APART = 1e-3  # share of a direction that the parameters cannot follow, to be told from them
@@ -33,34 +33,14 @@ Pose: TypeAlias = Callable[[Sequence[ModalTest], Suspension], Problem]
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Cause:
-    """One thing that may be wrong: the gain of a channel, or the mass of a coordinate.
-
-    Parameters
-    ----------
-    name : str
-        Of the channel or the coordinate.
-    mass : bool
-        Whether it is a mass.
-    """
+    """One thing that may be wrong: the gain of a channel, or the mass of a coordinate."""
 
     name: str
     mass: bool
 
 
 def suspects(tests: Sequence[ModalTest], car: Suspension, pose: Pose, x: RealArray) -> list[Remark]:
-    """Return the single causes that would explain the modes; else where most of chi-square sits.
-
-    Parameters
-    ----------
-    tests : sequence of ModalTest
-        The tests; their modes carry a covariance.
-    car : Suspension
-        The nominal suspension.
-    pose : callable
-        From tests and nominal suspension to the problem.
-    x : ndarray (unknown,)
-        The optimum.
-    """
+    """Return the single causes that would explain the modes; else where most of chi-square sits; x is the optimum."""
     problem = pose(tests, car)
     z, base = _unexplained(problem, x)
     freedom = problem.rows - len(problem.unknowns)
@@ -136,33 +116,29 @@ def _direction(cause: Cause, problem: Problem, tests: Sequence[ModalTest], x: Re
             parts.append(
                 -seen.whiten @ sensitivities(seen, u.arms, u.parameters(x))[1][:, at] * u.car.masses[cause.name]
             )
+        elif seen.weighed_shapes is None or cause.name not in test.modes.channels:
+            parts.append(np.zeros(len(seen.whiten)))
         else:
-            parts.append(_rows(seen, *_of_gain(seen, list(test.modes.channels), cause.name)))
+            parts.append(_rows(seen, _of_gain(seen, test.modes.channels, cause.name)))
     return np.concatenate([*parts, np.zeros(problem.rows - sum(len(p) for p in parts))])
 
 
-def _of_gain(seen: Observed, channels: Sequence[str], name: str) -> tuple[ComplexArray, ComplexArray]:
-    """Return the changes of the errors of poles and shapes if a channel reads too much, per relative error."""
-    poles = np.zeros(len(seen.poles), complex)
-    if seen.weighed_shapes is None or name not in channels:
-        return poles, np.zeros((len(poles), 0), complex)
+def _of_gain(seen: Observed, channels: Sequence[str], name: str) -> ComplexArray:
+    """Return the errors of the shapes per relative error of the gain of a channel, (mode, channel)."""
+    assert seen.weighed_shapes is not None
     channel, ratios = channels.index(name), seen.weighed_shapes.T
-    reference = np.argmax(np.abs(ratios), axis=1)
     change = np.zeros_like(ratios)
     change[:, channel] = -ratios[:, channel]
-    return poles, np.where((reference == channel)[:, None], ratios, change)
+    return np.where((np.argmax(np.abs(ratios), axis=1) == channel)[:, None], ratios, change)
 
 
-def _rows(seen: Observed, poles: ComplexArray, shapes: ComplexArray) -> RealArray:
-    """Return changes of the errors of the poles (mode,) and of the shapes (mode, channel) as whitened rows."""
+def _rows(seen: Observed, shapes: ComplexArray) -> RealArray:
+    """Return changes of the errors of the shapes, (mode, channel), as whitened rows."""
     assert seen.whiten is not None
-    parts = [poles.real, poles.imag[~seen.real]]
-    if seen.weighed_shapes is not None and shapes.size:
-        others = np.arange(shapes.shape[1]) != np.argmax(np.abs(seen.weighed_shapes), axis=0)[:, None]
-        flat, real = shapes[others], np.repeat(seen.real, shapes.shape[1] - 1)
-        parts += [flat.real, flat.imag[~real]]
-    rows = np.concatenate(parts)
-    return np.asarray(seen.whiten[:, : len(rows)] @ rows)
+    assert seen.weighed_shapes is not None
+    others = np.arange(shapes.shape[1]) != np.argmax(np.abs(seen.weighed_shapes), axis=0)[:, None]
+    flat, real = shapes[others], np.repeat(seen.real, shapes.shape[1] - 1)
+    return np.asarray(seen.whiten[:, seen.pole_equations :] @ np.concatenate([flat.real, flat.imag[~real]]))
 
 
 def _refitted(
@@ -212,34 +188,21 @@ def _blocks(problem: Problem, tests: Sequence[ModalTest]) -> Iterator[tuple[Susp
     before = 0
     for number, (test, seen) in enumerate(zip(tests, problem.tests, strict=True), 1):
         assert seen.whiten is not None
-        where = f" of test {number}" * (len(tests) > 1)
-        modes, count = len(seen.poles), len(seen.whiten)
-        ratios = seen.weighed_shapes.T if seen.weighed_shapes is not None else np.zeros((modes, 0), complex)
-        moving = np.flatnonzero(test.modes.poles != 0)
+        where, count = f" of test {number}" * (len(tests) > 1), len(seen.whiten)
 
-        def whole(columns: list[RealArray], first: int = before) -> RealArray:
-            block = np.zeros((problem.rows, len(columns)))
-            block[first : first + len(columns[0])] = np.stack(columns, axis=1)
+        def whole(directions: RealArray, first: int = before) -> RealArray:
+            block = np.zeros((problem.rows, directions.shape[1]))
+            block[first : first + len(directions)] = directions
             return block
 
-        nothing, none = np.zeros(modes, complex), np.zeros_like(ratios)
-        for m in range(modes):
-            columns = []
-            for unit in (1.0, 1.0j):
-                one = nothing.copy()
-                one[m] = unit
-                columns.append(_rows(seen, one, none))
-                for c in range(ratios.shape[1]):
-                    each = none.copy()
-                    each[m, c] = unit
-                    columns.append(_rows(seen, nothing, each))
-            yield Suspect.MODE, f"{moving[m] + 1}{where}", whole(columns)
-        for name in test.modes.channels if ratios.size else ():
-            _, change = _of_gain(seen, list(test.modes.channels), name)
-            columns = []
-            for m in range(modes):
-                each = np.zeros_like(change)
-                each[m] = change[m]
-                columns += [_rows(seen, nothing, unit * each) for unit in (1.0, 1.0j)]
-            yield Suspect.CHANNEL, f"{name}{where}", whole(columns)
+        shapes, modes = seen.weighed_shapes, np.arange(len(seen.poles))
+        # The mode that each row before whitening belongs to.
+        own = np.repeat(modes, 0 if shapes is None else len(shapes) - 1)
+        own = np.concatenate([modes, modes[~seen.real], own, own[~seen.real[own]]])
+        for m, original in enumerate(np.flatnonzero(test.modes.poles != 0)):
+            yield Suspect.MODE, f"{original + 1}{where}", whole(seen.whiten[:, own == m])
+        for name in () if shapes is None else test.modes.channels:
+            change = _of_gain(seen, test.modes.channels, name)
+            errors = [unit * change * (modes == m)[:, None] for m in modes for unit in (1.0, 1.0j)]
+            yield Suspect.CHANNEL, f"{name}{where}", whole(np.stack([_rows(seen, e) for e in errors], axis=1))
         before += count

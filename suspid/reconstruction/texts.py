@@ -28,19 +28,8 @@ LONGEST = 1000  # characters
 def constraint_of(text: str, struts: Sequence[str]) -> Callable[[Mapping[str, Any], Mapping[str, Any]], Any]:
     """Return a linear constraint as a function of k and c by strut name.
 
-    Parameters
-    ----------
-    text : str
-        Two sides with ``<=``, ``>=`` or ``==`` between them. Parameters are ``strut.stiffness`` [N/m] and
-        ``strut.damping`` [N s/m]; a strut whose name is no plain word stands in quotes:
-        ``"front left.stiffness" <= 3e4``.
-    struts : sequence of str
-        Names that may occur.
-
-    Raises
-    ------
-    InputError
-        If the text is no such comparison, a strut is unknown, or a side is not linear.
+    Its parameters are ``strut.stiffness`` [N/m] and ``strut.damping`` [N s/m]; a strut whose name is no plain word
+    stands in quotes: ``"front left.stiffness" <= 3e4``.
 
     Examples
     --------

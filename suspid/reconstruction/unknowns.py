@@ -20,46 +20,21 @@ class Unknowns:
     """Dimensionless unknowns x, each the value of one parameter (or of several tied ones) over its scale.
 
     All parameters of a suspension are one vector p: k of every strut, c of every strut, every mass.
-
-    Parameters
-    ----------
-    car : Suspension
-        The nominal suspension.
-    names : tuple of str
-        Of the parameters that are not held, in the order of p.
-    rows : list of int
-        Where each of `names` stands in p.
-    column : list of int
-        Which unknown each of `names` is; tied ones share theirs.
-    scale : ndarray (unknown,)
-        What 1 means [N/m, N s/m or kg].
-    nominal : ndarray (unknown,)
-        Nominal values over `scale`.
-    positive : ndarray (unknown,)
-        Which are stiffnesses or masses: stepped in their logarithm.
-    lower, upper : ndarray (unknown,)
-        Bounds over `scale`.
-    prior_std : ndarray (unknown,)
-        Standard deviation of the nominal value over `scale`; infinite where none is stated.
-    base, spread : ndarray (parameter,), (parameter, unknown)
-        ``p = base + spread @ x``.
-    arms : ndarray (strut, coordinate)
-        Elongation of each strut per unit of each coordinate.
     """
 
-    car: Suspension
-    names: tuple[str, ...]
-    rows: list[int]
-    column: list[int]
-    scale: RealArray
+    car: Suspension  # the nominal suspension
+    names: tuple[str, ...]  # of the free parameters, in the order of p
+    rows: list[int]  # where each of `names` stands in p
+    column: list[int]  # which unknown each of `names` is; tied ones share theirs
+    scale: RealArray  # (unknown,): what 1 means [N/m, N s/m or kg]
     nominal: RealArray
-    positive: NDArray[np.bool_]
+    positive: NDArray[np.bool_]  # stiffnesses and masses: stepped in their logarithm
     lower: RealArray
     upper: RealArray
-    prior_std: RealArray
-    base: RealArray
-    spread: RealArray
-    arms: RealArray
+    prior_std: RealArray  # of the nominal value; infinite where none is stated
+    base: RealArray  # p = base + spread @ x, (parameter,)
+    spread: RealArray  # (parameter, unknown)
+    arms: RealArray  # (strut, coordinate): elongation of each strut per unit of each coordinate
 
     def __len__(self) -> int:
         return len(self.scale)

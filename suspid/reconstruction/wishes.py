@@ -24,35 +24,15 @@ ACTS = 1e-7  # distance from a constraint, in units of the unknowns, below which
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Wishes:
-    """Constraints and a penalty, checked to be convex.
+    """Constraints and a penalty, checked to be convex."""
 
-    Parameters
-    ----------
-    labels : tuple of str
-        The constraints as text, in the order given.
-    matrix, limit : ndarray (row, unknown), (row,)
-        Linear rows of unit length: ``matrix @ x <= limit``, with equality where ``equal``.
-    equal : ndarray of bool (row,)
-        Which rows are equations.
-    owner : ndarray of int (row,)
-        Which constraint each row belongs to.
-    curved : tuple of int
-        The constraints that are convex and not linear.
-    makers : tuple of callable
-        All constraints again, as functions of k and c.
-    penalty : callable, or None
-        The penalty as a function of k and c.
-    unknowns : Unknowns
-        What x means.
-    """
-
-    labels: tuple[str, ...]
-    matrix: RealArray
+    labels: tuple[str, ...]  # the constraints as text, in the order given
+    matrix: RealArray  # (row, unknown), rows of unit length: matrix @ x <= limit, with equality where `equal`
     limit: RealArray
     equal: NDArray[np.bool_]
-    owner: NDArray[np.intp]
-    curved: tuple[int, ...]
-    makers: tuple[Maker, ...]
+    owner: NDArray[np.intp]  # which constraint each row belongs to
+    curved: tuple[int, ...]  # the constraints that are convex and not linear
+    makers: tuple[Maker, ...]  # all constraints, as functions of k and c
     penalty: Maker | None
     unknowns: Unknowns
 
@@ -124,13 +104,7 @@ class Wishes:
 
 
 def wishes_of(constraints: Constraints | None, penalty: Maker | None, unknowns: Unknowns) -> Wishes | None:
-    """Return the user's constraints and penalty, checked; None if there are none.
-
-    Raises
-    ------
-    InputError
-        If one is no constraint, is not convex, or uses variables of its own.
-    """
+    """Return the user's constraints and penalty, checked; None if there are none."""
     given: Sequence[Any] = [constraints] if isinstance(constraints, str) or callable(constraints) else constraints or []
     if not given and penalty is None:
         return None

@@ -3,23 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from typing import Any, TypeAlias
 
-from suspid.words.remarks import Code, Number, count, in_a_row
+from suspid.words.remarks import Code, count, in_a_row
 
-
-def _names(numbers: Mapping[str, Number]) -> tuple[str, ...]:
-    names = numbers["names"]
-    assert isinstance(names, tuple)
-    return tuple(str(name) for name in names)
+Numbers: TypeAlias = Mapping[str, Any]
 
 
-def _listed(text: str) -> Callable[[Mapping[str, Number]], str]:
+def _listed(text: str) -> Callable[[Numbers], str]:
     """Return words with the names in place of ``{names}``, joined by commas."""
-    return lambda numbers: text.format_map({**numbers, "names": ", ".join(_names(numbers))})
+    return lambda numbers: text.format_map({**numbers, "names": ", ".join(numbers["names"])})
 
 
-def _split_by_nominal(numbers: Mapping[str, Number]) -> str:
-    names = _names(numbers)
+def _split_by_nominal(numbers: Numbers) -> str:
+    names = numbers["names"]
     if len(names) == 1:
         return f"{names[0]} is known from the nominal values alone"
     return (
@@ -27,40 +24,35 @@ def _split_by_nominal(numbers: Mapping[str, Number]) -> str:
     )
 
 
-def _linear(numbers: Mapping[str, Number]) -> str:
+def _linear(numbers: Numbers) -> str:
     unique = " (unique solution)" if numbers["unique"] else ""
     return f"linear convex fit of poles and shapes{unique}" + ", then refined" * (not numbers["exact"])
 
 
-def _chi_square(numbers: Mapping[str, Number]) -> str:
+def _chi_square(numbers: Numbers) -> str:
     freedom, value = numbers["freedom"], numbers["chi_square"]
-    assert isinstance(freedom, int)
-    assert isinstance(value, float)
     return f"chi-square {value if value > 1e-6 else 0:.3g} at {count(freedom, 'degree')} of freedom"
 
 
-def _acting(numbers: Mapping[str, Number]) -> str:
-    names = _names(numbers)
+def _acting(numbers: Numbers) -> str:
+    names = numbers["names"]
     return f"active constraint{'s' * (len(names) > 1)}: {'; '.join(names)}"
 
 
-def _mass(numbers: Mapping[str, Number]) -> str:
+def _mass(numbers: Numbers) -> str:
     error = numbers["error"]
-    assert isinstance(error, float)
     what = f"the mass of {numbers['name']} being {abs(error):.1%} {'larger' if error > 0 else 'smaller'} than given"
     return f"{what} would explain the modes (chi-square {numbers['chi_square']:.3g} at {numbers['freedom']})"
 
 
-def _others(numbers: Mapping[str, Number]) -> str:
+def _others(numbers: Numbers) -> str:
     number = numbers["count"]
-    assert isinstance(number, int)
     have = "has" if number == 1 else "have"
     return f"{count(number, 'other set')} of springs and dampers {have} the same modes: see what tells them apart."
 
 
-def _found(numbers: Mapping[str, Number]) -> str:
+def _found(numbers: Numbers) -> str:
     parameters = numbers["parameters"]
-    assert isinstance(parameters, int)
     return f"{count(parameters, 'parameter')} of the car found"
 
 
