@@ -3,9 +3,8 @@ import pytest
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
-from suspid.identification.agreement import Agreement, agreement
 from suspid.identification.exponentials import blocks_of
-from suspid.identification.joint_fit import maximize_jointly
+from suspid.identification.joint_fit import Agreement, agreement, maximize_jointly
 from suspid.identification.noise import WhiteNoise
 from suspid.identification.poles import Poles
 

@@ -4,7 +4,7 @@
 BIC, or runs the wavelet steps. `identify_repeats` fits several decays jointly. Below them: `exponentials` and `poles`
 (inner products), `noise` (least variance, likelihood, colour), `likelihood` and `joint_fit` (fits of one decay and of
 several), `candidates`, `fitting`, `refinement`, `classification`, `selection` (number of poles), `covariance`,
-`halves` and `agreement` (consistency), `modes_json` (files). Samples are (channel, sample), poles per sample.
+`halves` (linearity), `modes_json` (files). Samples are (channel, sample), poles per sample.
 """
 
 from suspid.identification.exponentials import synthesize

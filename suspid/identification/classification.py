@@ -14,6 +14,8 @@ SURE = 3.0
 # A pole that decays by less than this over the record is a tone unless its decay rate is this many standard deviations
 # above zero. Real tones drift, which shows as a slight decay or growth.
 TONE_DECAY, TONE_SURE = 0.25, 10.0
+# A real pole that decays by less than this over the record is a drift. A larger value takes slow real modes for drifts.
+LEAST_NEPERS = 3.0
 # A pole that decays by more than this per sample has gone before it can be seen to oscillate.
 MOST_DECAY = 0.5
 # Frequencies above this share of the Nyquist frequency are not modes: a sampled motion there cannot be told from a
@@ -30,25 +32,18 @@ def reasons_of(fit: DecayFit, band: tuple[float, float]) -> tuple[Reason | None,
     The band holds the angular frequencies per sample between which a pole can be a mode.
     """
     spread, pairs = np.sqrt(np.diag(inverse_information(fit.information))), len(fit.poles.pairs)
-    of_pairs = [_reason_of_pair(p, s, fit.count, band) for p, s in zip(fit.poles.pairs, spread[::2], strict=False)]
-    of_reals = [_reason_of_real(r, s, fit.count) for r, s in zip(fit.poles.reals, spread[2 * pairs :], strict=True)]
-    return (*of_pairs, *of_reals)
+    of_rates = np.concatenate([spread[: 2 * pairs : 2], spread[2 * pairs :]])
+    return tuple(_reason(p, s, fit.count, band) for p, s in zip(fit.poles.every, of_rates, strict=True))
 
 
-def _reason_of_real(theta: float, spread: float, count: int) -> Reason | None:
-    if -theta < -SURE * spread:
-        return Reason.GROWING
-    if -theta > MOST_DECAY:
-        return Reason.A_FEW_SAMPLES
-    return Reason.DRIFT if -theta * count < 3 else None
-
-
-def _reason_of_pair(theta: complex, spread: float, count: int, band: tuple[float, float]) -> Reason | None:
+def _reason(theta: complex, spread: float, count: int, band: tuple[float, float]) -> Reason | None:
     decay = -theta.real
     if decay < -SURE * spread:
         return Reason.GROWING
     if decay > MOST_DECAY:
         return Reason.A_FEW_SAMPLES
+    if theta.imag == 0:
+        return Reason.DRIFT if decay * count < LEAST_NEPERS else None
     if abs(theta.imag) * count < 2 * np.pi:
         return Reason.UNDER_A_CYCLE
     if decay * count < (1.0 if decay < SURE * spread else TONE_DECAY if decay < TONE_SURE * spread else 0.0):

@@ -10,13 +10,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.errors import IdentificationError, InputError, RecordError
-from suspid.identification.agreement import Agreement, agreement
 from suspid.identification.covariance import joint_covariance
 from suspid.identification.exponentials import blocks_of
 from suspid.identification.halves import FEWEST_SAMPLES
 from suspid.identification.identification import Identification
 from suspid.identification.identify import identify
-from suspid.identification.joint_fit import maximize_jointly
+from suspid.identification.joint_fit import Agreement, agreement, maximize_jointly
 from suspid.identification.noise import WhiteNoise, noise_of, shared_noise
 from suspid.identification.selection import select
 from suspid.identification.verdict import verdict_of_repeats
