@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from suspid import InputError, ModalSet, ReconstructionError, Strut, Suspension, eigenmodes, quarter_car
 from suspid.model import pole_distances
 from suspid.reconstruction import programs
-from suspid.reconstruction.cones import cone_of, optimality
+from suspid.reconstruction.cones import Cone, cone_of, optimality
 from suspid.reconstruction.programs import Limits, Optimum, Program, compiled, least_squares, solve
 from suspid.reconstruction.reconstruct import Reconstruction, reconstruct
 from suspid.reconstruction.unknowns import parameter_vector
@@ -535,6 +535,30 @@ class TestProgram:
         for i in range(len(dual)):
             assert optimality(cone, primal, dual - 0.01 * np.eye(len(dual))[i]) > 1e-4, "another multiplier"
         assert optimality(cone, np.full(len(primal), np.nan), dual) == np.inf
+
+    @pytest.mark.parametrize(
+        ("rows", "limits", "equations", "y", "dual"),
+        [
+            ([-1, 1], [0, 5], 0, 3, [0, 0]),  # not stationary
+            ([1], [5], 1, 2, [0]),  # y == 5 is violated
+            ([-1, 1], [0, 1], 0, 2, [0, 0]),  # y <= 1 is violated
+            ([-1, 1], [0, 5], 0, 0, [-4, 0]),  # the bound y >= 0 would have to pull
+            ([-1, 1], [0, 5], 0, 3, [2, 0]),  # a force of a bound that is not reached
+        ],
+    )
+    def test_each_condition_of_an_optimum_counts_alone(
+        self, rows: list[float], limits: list[float], equations: int, y: float, dual: list[float]
+    ) -> None:
+        """Least (y - 2)^2: each point violates one condition of Karush, Kuhn and Tucker and meets the other four."""
+        cone = Cone(
+            P=np.array([[2.0]]),
+            c=np.array([-4.0]),
+            A=np.array(rows, float)[:, None],
+            b=np.array(limits, float),
+            zero=equations,
+            nonneg=len(rows) - equations,
+        )
+        assert optimality(cone, np.array([float(y)]), np.array(dual, float)) > 0.1
 
     def test_the_answer_is_that_of_a_program_of_cvxpy(self, monkeypatch: pytest.MonkeyPatch) -> None:
         """The suspension that is returned comes out of a program; the condition of its optimum is met."""
