@@ -22,10 +22,10 @@ from suspid.cli.support import Commands
 from suspid.fleet.families import OTHERS, families_by_density, families_of_car
 from suspid.fleet.fleet_summary import fleet_summary
 from suspid.fleet.identify_many import identify_many
-from suspid.fleet.manifest import FORMAT, environment
+from suspid.fleet.manifest import FLEET_FORMAT, environment
 from suspid.fleet.parts import as_part, write_part
 from suspid.fleet.summary import FleetSummary
-from suspid.fleet.tables import COLUMNS, Rows
+from suspid.fleet.tables import TABLE_COLUMNS, Rows
 from suspid.fleet.trends import trends_of
 from suspid.fleet.vehicles import read_vehicles, vehicles_from_names
 from suspid.model.car_files import write_car
@@ -43,11 +43,11 @@ def results(
     folder: Path, f: RealArray, zeta: RealArray, *, names: Sequence[str], std: RealArray | float = 0.01
 ) -> Path:
     """Write results as a run leaves them: one row per record and mode, (record, mode) arrays."""
-    for table in COLUMNS:
+    for table in TABLE_COLUMNS:
         (folder / table).mkdir(parents=True)
-    (folder / "manifest.json").write_text(json.dumps({"format": FORMAT, "environment": environment()}))
+    (folder / "manifest.json").write_text(json.dumps({"format": FLEET_FORMAT, "environment": environment()}))
     share = np.broadcast_to(std, len(names))
-    blank = dict.fromkeys(COLUMNS["modes"])
+    blank = dict.fromkeys(TABLE_COLUMNS["modes"])
     modes = [
         blank
         | {"record": name, "mode": k + 1, "f_hz": f[r, k], "zeta": zeta[r, k]}
@@ -125,12 +125,12 @@ class TestDistributionsAndOutliers:
 class TestCounts:
     def test_failures_by_code_and_verdicts_by_level(self, tmp_path: Path) -> None:
         """Counts are those of the rows, whatever their words say; a record with two modes has one verdict."""
-        one = dict.fromkeys(COLUMNS["failures"])
+        one = dict.fromkeys(TABLE_COLUMNS["failures"])
         failures = [
             one | {"record": f"f{k}", "step": str(Step.READ), "code": str(code), "reason": f"words {k}"}
             for k, code in enumerate([Failure.UNUSABLE, Failure.MEMORY, Failure.UNUSABLE])
         ]
-        blank = dict.fromkeys(COLUMNS["modes"]) | {"f_hz": 1.0, "zeta": 0.1}
+        blank = dict.fromkeys(TABLE_COLUMNS["modes"]) | {"f_hz": 1.0, "zeta": 0.1}
         modes = [
             blank | {"record": f"r{k}", "mode": mode, "verdict": verdict, "doubts": doubts}
             for k, (verdict, doubts) in enumerate([("care", ["a", "b"]), ("sound", []), ("care", ["b"])])

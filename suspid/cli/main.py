@@ -33,9 +33,8 @@ from suspid.files import printable, replacing
 if TYPE_CHECKING:
     from suspid.model import ModalSet
 
-MOST_SAMPLES = 50_000_000
-LEVEL = 0.95
-UNEXPLAINED = 3
+MOST_SIMULATED = 50_000_000
+EXIT_UNEXPLAINED = 3
 
 
 @click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
@@ -124,10 +123,10 @@ def reconstruct_command(
         if draft:
             draft.write_text(car_to_toml(found.suspension), encoding="utf-8")
         if json_draft:
-            json_draft.write_text(to_json(reconstruction_to_dict(found, level=level or LEVEL)), encoding="utf-8")
+            json_draft.write_text(to_json(reconstruction_to_dict(found, level=level or 0.95)), encoding="utf-8")
     say(text)
     if not found.explains:
-        click.get_current_context().exit(UNEXPLAINED)
+        click.get_current_context().exit(EXIT_UNEXPLAINED)
 
 
 @main.command("simulate")
@@ -162,9 +161,9 @@ def simulate_command(
         raise click.UsageError("Give either --impulse or --initial.")
     if (snr is None) != (seed is None):
         raise click.UsageError("Give --snr and --seed together: the same seed makes the same noise.")
-    count = round(fs * duration) if fs * duration <= MOST_SAMPLES else 0
+    count = round(fs * duration) if fs * duration <= MOST_SIMULATED else 0
     if count < 2:
-        raise click.UsageError(f"{fs:g} Hz for {duration:g} s must be between 2 and {MOST_SAMPLES} samples.")
+        raise click.UsageError(f"{fs:g} Hz for {duration:g} s must be between 2 and {MOST_SIMULATED} samples.")
     state = pairs(initial, "--initial", float)
     check_record_name(output)
     check_apart([car], [output])

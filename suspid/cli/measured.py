@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import click
 
 from suspid.analysis import STEPS, Analysis, Settings, analyse
-from suspid.cli.options import DBC, FILE, TIME, analysing, progress
+from suspid.cli.options import DBC_OPTION, FILE, TIME_OPTION, analysing, progress
 from suspid.cli.support import ARGUMENTS, Positive, check_apart, said_warnings, say
 from suspid.errors import InputError
 from suspid.files import printable, replacing
@@ -29,9 +29,9 @@ MOST_LEFT_OUT = 3
 
 @click.command("channels")
 @click.argument("file", type=FILE)
-@TIME
+@TIME_OPTION
 @click.option("--fs", type=Positive("Hz"), metavar="HZ", help="Sampling rate, if the file does not tell it.")
-@DBC
+@DBC_OPTION
 def channels_command(file: Path, time: str | None, fs: float | None, dbc: Path | None) -> None:
     """List the channels in FILE: names, units, rates, lengths, gaps, and what else it holds."""
     from suspid.io import read_recording

@@ -18,10 +18,12 @@ from suspid.errors import InputError
 from suspid.identification import Method, identify
 
 FILE = click.Path(path_type=Path)
-TIME = click.option(
+TIME_OPTION = click.option(
     "--time", metavar="NAME", help="Column of time, if it is not named like one; none ignores times in the file."
 )
-DBC = click.option("--dbc", type=FILE, metavar="FILE", help="Database that decodes the CAN frames of an MDF file.")
+DBC_OPTION = click.option(
+    "--dbc", type=FILE, metavar="FILE", help="Database that decodes the CAN frames of an MDF file."
+)
 # Work that takes longer than this [s] shows a progress bar, on a terminal only.
 PATIENCE = 1.0
 
@@ -52,11 +54,11 @@ READING = (
     ),
     click.option("--vertical", metavar="X,Y,Z", help="Add the vertical of a tilted accelerometer, and drop its axes."),
     click.option("--si", is_flag=True, help="Convert channels to SI by the units that the file states."),
-    TIME,
+    TIME_OPTION,
     click.option(
         "--fs", type=Positive("Hz"), metavar="HZ", help="Sampling rate; it replaces the time in the file, if any."
     ),
-    DBC,
+    DBC_OPTION,
 )
 STRETCH = (
     click.option("--from", "start", type=float, metavar="SECONDS", help="Time at which the decay begins."),

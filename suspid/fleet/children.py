@@ -30,7 +30,7 @@ from suspid.units import Second
 from suspid.words import Failure, Remark, Step
 
 # A process may die for a reason other than its record (the system was short of memory): one more try costs little.
-TRIES = 2
+RECORD_TRIES = 2
 # How often a worker checks that its client still lives. This is how long an orphan can outlive a killed client.
 WATCH: Second = 1.0
 # BLAS threads of several workers would compete for the cores, and change the order of sums.
@@ -73,7 +73,7 @@ def work_in_child(children: Children, job: Job, chunk: Sequence[Entry]) -> Part:
             raise CancelledError
         deaths = deaths + 1 if answer == last else 1
         last = answer
-        if deaths == TRIES or code == TIME_UP:
+        if deaths == RECORD_TRIES or code == TIME_UP:
             known[answer] = _death(job, chunk[answer], code)
             last, deaths = -1, 0
 
@@ -123,7 +123,7 @@ def _idle(children: Children) -> Process:
         return children.idle.get_nowait()
     except queue.Empty:
         pass
-    for _ in range(TRIES):
+    for _ in range(RECORD_TRIES):
         process = _started()
         children.living.append(process)
         if children.stopped.is_set():
@@ -209,7 +209,7 @@ def _send(stream: IO[bytes], message: object) -> None:
 
 
 def _death(job: Job, entry: Entry, code: int) -> Rows:
-    why = Remark(Failure.WORKER_DIED, {"times": TRIES, "how": _how(code)})
+    why = Remark(Failure.WORKER_DIED, {"times": RECORD_TRIES, "how": _how(code)})
     if code == TIME_UP:
         why = Remark(Failure.TIME_NATIVE, {"limit": job.time_limit})
     return failure(job, entry, Seen(step=Step.WORK), why)

@@ -10,7 +10,7 @@ import numpy as np
 from suspid.units import RealArray
 
 # With fewer values the scatter is not known well enough for a record to stand out: 8 know it to a fourth.
-FEWEST = 8
+FEWEST_RECORDS = 8
 # Of each distribution: the ends of 95 % and of the middle half.
 QUANTILES = (0.025, 0.25, 0.75, 0.975)
 # Expected number of outliers of one quantity in a fleet without any. Larger: more false alarms.
@@ -88,7 +88,7 @@ def outliers_of(quantity: str, who: Sequence[str], values: RealArray, stds: Real
     """Return the values further off than chance explains."""
     from scipy import stats
 
-    if len(values) < FEWEST:
+    if len(values) < FEWEST_RECORDS:
         return []
     own = np.nan_to_num(stds, nan=0.0) ** 2
     median = float(np.median(values))

@@ -21,10 +21,10 @@ from suspid.words import Failure, Remark, Step
 # more only cost memory.
 AHEAD = 2
 # How often a chunk is given away before its records are failures: once as it is, then with a process for it alone.
-TRIES = 4
+CHUNK_TRIES = 4
 # How long to wait for a result before asking whether the cluster still lives.
 ASK: Second = 5.0
-LOST = "the cluster was lost; what is written is complete, and the same command continues from there"
+CLUSTER_LOST = "the cluster was lost; what is written is complete, and the same command continues from there"
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -74,11 +74,11 @@ def finished(engine: Engine, job: Job, chunks: Iterable[tuple[int, tuple[Entry, 
                 return
             done = wait(under_way, timeout=ASK, return_when=FIRST_COMPLETED).done
             if not done and not engine.alive():
-                raise SuspidError(LOST)
+                raise SuspidError(CLUSTER_LOST)
             for future in done:
                 task = under_way.pop(future)
                 part, error = _outcome(engine, future)
-                if part is None and task.deaths + 1 < TRIES:
+                if part is None and task.deaths + 1 < CHUNK_TRIES:
                     again.append(replace(task, deaths=task.deaths + 1))
                     continue
                 yield task.number, part or _lost(job, task, error)
@@ -95,10 +95,10 @@ def _outcome(engine: Engine, future: Future[Part]) -> tuple[Part | None, BaseExc
         raise
     except BaseException as error:
         if isinstance(error, CancelledError) or not engine.alive():
-            raise SuspidError(LOST) from error
+            raise SuspidError(CLUSTER_LOST) from error
         return None, error
 
 
 def _lost(job: Job, task: Task, error: BaseException | None) -> Part:
-    why = Remark(Failure.WORKER_LOST, {"times": TRIES, "why": printable(str(error))})
+    why = Remark(Failure.WORKER_LOST, {"times": CHUNK_TRIES, "why": printable(str(error))})
     return as_part(joined([failure(job, entry, Seen(step=Step.WORK), why) for entry in task.chunk]))

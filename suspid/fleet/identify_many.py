@@ -15,7 +15,7 @@ from suspid.fleet.engine import finished
 from suspid.fleet.folder import begun, check_end, check_part, only_others, own, taken, write_manifest
 from suspid.fleet.job import Job, check_job
 from suspid.fleet.listing import Records, listing
-from suspid.fleet.manifest import FORMAT, require_fleet
+from suspid.fleet.manifest import FLEET_FORMAT, require_fleet
 from suspid.fleet.parts import part_counts, read_table, write_part
 from suspid.fleet.records import Entry, in_chunks
 from suspid.fleet.workers import dask_engine, local_engine
@@ -167,7 +167,7 @@ def identify_many(
     source = listing(records, output=folder)
     engine = local_engine(workers) if scheduler is None else dask_engine(scheduler)
     with own(folder), engine as hands:
-        manifest = begun(folder, {"format": FORMAT, **job.to_dict(), "chunk": chunk, "records": source.source})
+        manifest = begun(folder, {"format": FLEET_FORMAT, **job.to_dict(), "chunk": chunk, "records": source.source})
         entries, total, notes = taken(folder, source)
         counts = {"records": 0, "failed": 0, "kept": 0, "parts": 0}
 

@@ -11,7 +11,7 @@ from suspid.errors import InputError
 from suspid.files import printable, read_text
 from suspid.io import install_line
 
-FORMAT = "suspid fleet 2"
+FLEET_FORMAT = "suspid fleet 2"
 INSTALL = install_line("fleet")
 
 
@@ -31,8 +31,8 @@ def read_manifest(folder: Path) -> dict[str, object]:
         content = json.loads(read_text(path))
     except ValueError as error:
         raise InputError(f"{printable(str(path))}: is not a manifest: {printable(str(error))}") from None
-    if not isinstance(content, dict) or content.get("format") != FORMAT:
-        raise InputError(f"{printable(str(path))}: is not a manifest of {FORMAT!r}")
+    if not isinstance(content, dict) or content.get("format") != FLEET_FORMAT:
+        raise InputError(f"{printable(str(path))}: is not a manifest of {FLEET_FORMAT!r}")
     return content
 
 

@@ -23,7 +23,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from suspid.fleet.manifest import durable_write, read_manifest, require_fleet
-from suspid.fleet.tables import COLUMNS, TABLES, Row, Rows, TableName, schema_of
+from suspid.fleet.tables import TABLE_COLUMNS, TABLES, Row, Rows, TableName, schema_of
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -117,7 +117,7 @@ def read_table(folder: str | os.PathLike[str], table: TableName, *, columns: Seq
 
     read_manifest(Path(folder))
     paths = [part_path(Path(folder), table, number) for number in part_numbers(Path(folder), table)]
-    wanted = list(columns or COLUMNS[table])
+    wanted = list(columns or TABLE_COLUMNS[table])
     # Metadata differ from part to part; without them the tables join.
     parts = [parquet.ParquetFile(path).read(columns=wanted).replace_schema_metadata() for path in paths]
     return pa.concat_tables(parts) if parts else schema_of(table).empty_table().select(wanted)

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 LIST = "records.jsonl"
 # A chunk ends before it has more bytes of files, or of samples, than these. Larger limits cost memory of the
 # workers, and with long records make chunks of many minutes.
-MOST_BYTES = 64_000_000
+MOST_FILE_BYTES = 64_000_000
 MOST_SAMPLE_BYTES = 8_000_000
 
 
@@ -87,7 +87,7 @@ def in_chunks(entries: Iterable[Entry], most: int) -> Iterator[tuple[Entry, ...]
         if entry.samples is not None:
             share = entry.samples.values.nbytes / MOST_SAMPLE_BYTES
         else:
-            share = (entry.size or 0) / MOST_BYTES
+            share = (entry.size or 0) / MOST_FILE_BYTES
         if chunk and (len(chunk) == most or size + share > 1):
             yield tuple(chunk)
             chunk, size = [], 0.0

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -81,13 +81,10 @@ def _mode_rows(job: Job, entry: Entry, seen: Seen, found: Analysis) -> tuple[Row
     if not len(modes):
         return ()
     signal = as_signal(single.response)
-    nothing = [None] * len(modes)
     certain = modes.wn_std is None or modes.zeta_std is None
     ends = None if certain else modes.interval(job.settings.level)
-    loudness, collinearity, halves = single.loudness, single.collinearity.tolist(), single.halves.tolist()
-    if found.repeats is not None:
-        # Those of one decay are not those of the joint modes.
-        loudness, collinearity, halves = found.repeats.loudness, nothing, nothing
+    # Those of one decay are not those of the joint modes.
+    alone = found.repeats is None
     shapes = modes.shapes
     assert shapes is not None
     shared = {
@@ -103,30 +100,30 @@ def _mode_rows(job: Job, entry: Entry, seen: Seen, found: Analysis) -> tuple[Row
         "noise_std": single.noise_std.tolist(),
         **_said(found, seen.place),
     }
-    return tuple(
-        {
-            **shared,
-            "mode": k + 1,
-            "kind": modes.kinds[k],
-            "f_hz": float(modes.wn[k] / (2 * np.pi)),
-            "wn_rad_per_s": float(modes.wn[k]),
-            "wn_std_rad_per_s": None if modes.wn_std is None else float(modes.wn_std[k]),
-            "wn_low_rad_per_s": None if ends is None else float(ends.wn[k, 0]),
-            "wn_high_rad_per_s": None if ends is None else float(ends.wn[k, 1]),
-            "zeta": float(modes.zeta[k]),
-            "zeta_std": None if modes.zeta_std is None else float(modes.zeta_std[k]),
-            "zeta_low": None if ends is None else float(ends.zeta[k, 0]),
-            "zeta_high": None if ends is None else float(ends.zeta[k, 1]),
-            "pole_real_rad_per_s": float(modes.poles[k].real),
-            "pole_imag_rad_per_s": float(modes.poles[k].imag),
-            "collinearity": collinearity[k],
-            "loudness": float(loudness[k]),
-            "halves_apart": halves[k],
-            "shape_real": shapes[:, k].real.tolist(),
-            "shape_imag": shapes[:, k].imag.tolist(),
-        }
-        for k in range(len(modes))
-    )
+    columns: dict[str, Iterable[object]] = {
+        "mode": range(1, len(modes) + 1),
+        "kind": modes.kinds,
+        "shape_real": shapes.T.real.tolist(),
+        "shape_imag": shapes.T.imag.tolist(),
+    }
+    numbers = {
+        "f_hz": modes.wn / (2 * np.pi),
+        "wn_rad_per_s": modes.wn,
+        "wn_std_rad_per_s": modes.wn_std,
+        "wn_low_rad_per_s": None if ends is None else ends.wn[:, 0],
+        "wn_high_rad_per_s": None if ends is None else ends.wn[:, 1],
+        "zeta": modes.zeta,
+        "zeta_std": modes.zeta_std,
+        "zeta_low": None if ends is None else ends.zeta[:, 0],
+        "zeta_high": None if ends is None else ends.zeta[:, 1],
+        "pole_real_rad_per_s": modes.poles.real,
+        "pole_imag_rad_per_s": modes.poles.imag,
+        "collinearity": single.collinearity if alone else None,
+        "loudness": (found.repeats or single).loudness,
+        "halves_apart": single.halves if alone else None,
+    }
+    columns |= {name: [None] * len(modes) if one is None else one.tolist() for name, one in numbers.items()}
+    return tuple(shared | dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True))
 
 
 def _said(found: Analysis, place: str) -> dict[str, object]:

@@ -15,7 +15,7 @@ TABLES: tuple[TableName, ...] = ("failures", "springs", "modes")
 Row = Mapping[str, object]
 
 WHICH = dict.fromkeys(("record", "sha256", "suspid"), "string")
-COLUMNS: dict[TableName, dict[str, str]] = {
+TABLE_COLUMNS: dict[TableName, dict[str, str]] = {
     "modes": {
         **WHICH,
         **dict.fromkeys(("mode", "modes"), "int32"),
@@ -87,4 +87,4 @@ def schema_of(table: TableName) -> pa.Schema:
         "strings": pa.list_(pa.string()),
         "numbers": pa.list_(pa.float64()),
     }
-    return pa.schema([(name, types[kind]) for name, kind in COLUMNS[table].items()])
+    return pa.schema([(name, types[kind]) for name, kind in TABLE_COLUMNS[table].items()])

@@ -12,9 +12,9 @@ from suspid.errors import InputError
 from suspid.units import Ratio, RealArray
 
 # A line through three tests leaves one degree of freedom, whose interval (Student's t: 12.7 sd) shows no change.
-FEWEST = 4
+FEWEST_TESTS = 4
 # Probability of the intervals; also one minus the share of reported trends that are chance.
-LEVEL = 0.95
+TREND_LEVEL = 0.95
 # A vehicle whose residuals are this improbable has a scatter of its own. Larger: healthy vehicles leave the common
 # estimate, which then is too small. Smaller: one bad logger widens the intervals of all vehicles.
 NOISY = 1e-3
@@ -62,7 +62,7 @@ class Trend:
     @property
     def changes(self) -> bool:
         """Whether the change is significant: less than 5 % of the trends that are reported so are chance."""
-        return self.p_adjusted < 1 - LEVEL
+        return self.p_adjusted < 1 - TREND_LEVEL
 
     @property
     def direction(self) -> str:
@@ -98,7 +98,7 @@ def trends_of(quantity: str, tests: Mapping[str, Measured]) -> tuple[Trend, ...]
         if not len(time) == len(values) == len(stds):
             raise InputError(f"{vehicle}: {len(time)} times, {len(values)} values and {len(stds)} standard deviations")
         known = np.isfinite(time) & np.isfinite(values)
-        if np.sum(known) >= FEWEST and np.ptp(time[known]) > 0:
+        if np.sum(known) >= FEWEST_TESTS and np.ptp(time[known]) > 0:
             own = np.nan_to_num(np.asarray(stds[known], float), nan=0.0) ** 2
             usable[vehicle] = np.asarray(time[known], float), np.asarray(values[known], float), own
     if not usable:
@@ -138,7 +138,7 @@ def _trend(vehicle: str, quantity: str, one: Measured, everyone: float, freedom:
     line, covariance, _ = _line(t, v, own + shared)
     start, end = (np.array([[1.0, np.min(t)], [1.0, np.max(t)]]) @ line).tolist()
     std = float(np.ptp(t) * np.sqrt(covariance[1, 1]))
-    reach = float(stats.t.ppf((1 + LEVEL) / 2, freedom)) * std
+    reach = float(stats.t.ppf((1 + TREND_LEVEL) / 2, freedom)) * std
     # Without any scatter every change is significant.
     p = float(2 * stats.t.sf(abs(end - start) / std, freedom)) if std > 0 else float(end == start)
     return Trend(

@@ -14,7 +14,7 @@ from suspid.errors import InputError
 from suspid.files import printable, read_text
 from suspid.values import nearest_names
 
-COLUMNS = ("record", "vehicle", "date")
+VEHICLE_COLUMNS = ("record", "vehicle", "date")
 SECONDS_PER_YEAR = 365.25 * 86400
 
 
@@ -36,14 +36,14 @@ def read_vehicles(path: str | os.PathLike[str]) -> dict[str, tuple[str, float]]:
     name = printable(str(path))
     rows = csv.DictReader(read_text(Path(path)).split("\n"))
     known = [column.strip() for column in rows.fieldnames or ()]
-    for column in COLUMNS:
+    for column in VEHICLE_COLUMNS:
         if column not in known:
-            raise InputError(f"{name}: there is no column {column!r}; it needs {', '.join(COLUMNS)}")
+            raise InputError(f"{name}: there is no column {column!r}; it needs {', '.join(VEHICLE_COLUMNS)}")
     rows.fieldnames = known
     found: dict[str, tuple[str, float]] = {}
     kinds: set[str] = set()
     for number, row in enumerate(rows, start=2):
-        record, vehicle, date = ((row.get(column) or "").strip() for column in COLUMNS)
+        record, vehicle, date = ((row.get(column) or "").strip() for column in VEHICLE_COLUMNS)
         if record in found:
             raise InputError(f"{name}: line {number}: record {printable(record)!r} stands there twice")
         try:
@@ -72,7 +72,7 @@ def vehicles_from_names(names: Iterable[str], pattern: str) -> dict[str, tuple[s
         groups = re.compile(pattern)
     except re.error as error:
         raise InputError(f"{pattern=} is no regular expression: {error}") from None
-    for group in COLUMNS[1:]:
+    for group in VEHICLE_COLUMNS[1:]:
         if group not in groups.groupindex:
             raise InputError(f"{pattern=} has no group (?P<{group}>…).{nearest_names(group, groups.groupindex)}")
     found: dict[str, tuple[str, float]] = {}

@@ -18,7 +18,7 @@ from suspid.errors import RecordError
 from suspid.files import printable
 
 T = TypeVar("T")
-LONGEST = 160
+LONGEST_MESSAGE = 160
 
 
 def sheltered(read: Callable[[], T], *, extra: str, suffix: str, doing: str = "reading") -> T:
@@ -42,7 +42,7 @@ def sheltered(read: Callable[[], T], *, extra: str, suffix: str, doing: str = "r
         # A damaged file causes errors of every kind, MemoryError and RecursionError among them.
         except Exception as refusal:
             words = printable(" ".join(str(refusal).split()))
-            words = words if len(words) <= LONGEST else f"{words[:LONGEST]} …"
+            words = words if len(words) <= LONGEST_MESSAGE else f"{words[:LONGEST_MESSAGE]} …"
             message = f"is damaged: {type(refusal).__name__}{f': {words}' if words else ''}"
         # Files that the failed reader holds open are closed here, where warnings are suppressed. The error below is
         # raised outside the handler, so that it does not keep the frames of the reader alive.

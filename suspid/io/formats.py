@@ -25,8 +25,6 @@ from suspid.io.tables import Table
 Reader: TypeAlias = Callable[[Path], Table]
 
 HDF5 = b"\x89HDF\r\n\x1a\n"
-# How much of a file is searched for marks.
-HEAD = 1024
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,9 +45,9 @@ class Format:
         return table
 
 
-TEXT = Format("text.delimited", (".csv", ".txt", ".tsv", ".dat", ".log", ".asc"), "text")
+PLAIN_TEXT = Format("text.delimited", (".csv", ".txt", ".tsv", ".dat", ".log", ".asc"), "text")
 FORMATS = (
-    TEXT,
+    PLAIN_TEXT,
     Format("matlab", (".mat",), "a MATLAB file", ((0, b"MATLAB 5.0 MAT-file"),)),
     Format("hdf", (".h5", ".hdf5"), "an HDF5 file", ((0, HDF5), (512, HDF5))),
     Format("parquet", (".parquet", ".pq"), "a Parquet file", ((0, b"PAR1"),)),
@@ -62,7 +60,7 @@ FORMATS = (
 BY_SUFFIX = {suffix: kind for kind in FORMATS for suffix in kind.suffixes}
 READERS: dict[str, Reader] = {suffix: kind.read for suffix, kind in BY_SUFFIX.items()}
 # What cannot be read, and what to do.
-OTHERS = (
+UNREADABLE = (
     (b"PK\x03\x04", "a spreadsheet or an archive (export the sheet as CSV)"),
     (b"\xd0\xcf\x11\xe0", "an old spreadsheet (export the sheet as CSV)"),
     (b"\x1f\x8b", "compressed with gzip (unpack it)"),
@@ -96,7 +94,7 @@ def format_of(path: Path) -> Format:
     # MATLAB v7.3 writes HDF5 after 512 bytes of its own, and .dat is a suffix of MDF as well as of text.
     if suffix in (".mat", ".dat") and (marked := marked_format(path)) in (HDF, MDF):
         return marked
-    return BY_SUFFIX.get(suffix, TEXT)
+    return BY_SUFFIX.get(suffix, PLAIN_TEXT)
 
 
 def marked_format(path: Path) -> Format | None:
@@ -118,7 +116,7 @@ def marked_format(path: Path) -> Format | None:
 def appearance(path: Path) -> str:
     """Return what a file of no known format looks like; empty if that is not known either."""
     head = _head(path)
-    for mark, name in OTHERS:
+    for mark, name in UNREADABLE:
         if head.startswith(mark):
             return name
     text = head and not set(head) & set(b"\x00\x01\x02\x03\x04\x05\x06\x07\x08\x0e\x0f")
@@ -130,6 +128,6 @@ def _head(path: Path) -> bytes:
         if not path.is_file():
             return b""
         with path.open("rb") as stream:
-            return stream.read(HEAD)
+            return stream.read(1024)
     except (OSError, ValueError):
         return b""

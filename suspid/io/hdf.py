@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import itertools
 from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -15,7 +16,7 @@ from suspid.errors import RecordError
 from suspid.files import printable, read_bytes
 from suspid.io.foreign import sheltered
 from suspid.io.tables import Table, stated_rate
-from suspid.io.variables import Group, Text, Value, Variable, as_table
+from suspid.io.variables import DEEPEST, Group, Text, Value, Variable, as_table
 from suspid.units import Hertz
 from suspid.words import LeftOut, Remark
 
@@ -25,8 +26,7 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 INTERNAL = ("#refs#", "#subsystem#")
 UNIT_NAMES = ("unit", "units", "Unit", "Units", "UNIT", "UNITS")
-# Limits of a record; a damaged file may seem to have deeper or more numerous groups.
-DEEPEST = 16
+# Limit of a record; a damaged file may seem to have more groups.
 MOST_VARIABLES = 20_000
 # A data set of more than LARGE bytes must not unpack to more than MOST_PACKED times its size in the file.
 LARGE, MOST_PACKED = 1 << 28, 2000
@@ -70,7 +70,7 @@ def _group(group: h5py.Group, depth: int, count: Iterator[int], around: frozense
             found[name] = _value(group[name], depth + 1, count, around)
     for name, number in _numbers(group).items():
         if stated_rate(name, number) is not None:
-            found.setdefault(name, _single(number))
+            found.setdefault(name, Variable(shape=(), read=partial(np.array, number)))
     return found
 
 
@@ -155,10 +155,6 @@ def _variable(data: h5py.Dataset, field: str | None) -> Variable:
         return np.asarray(_sheltered(lambda: np.array(data[()] if field is None else data[field])))
 
     return Variable(shape=tuple(data.shape), read=read, unit=unit, rates=rates)
-
-
-def _single(number: float) -> Variable:
-    return Variable(shape=(), read=lambda: np.array(number))
 
 
 def _numbers(thing: h5py.Group | h5py.Dataset) -> dict[str, float]:

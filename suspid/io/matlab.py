@@ -20,7 +20,7 @@ import numpy as np
 from suspid.errors import RecordError
 from suspid.files import printable, read_bytes
 from suspid.io.tables import Table
-from suspid.io.variables import Group, Text, Value, Variable, as_table
+from suspid.io.variables import DEEPEST, MOST_BYTES, Group, Text, Value, Variable, as_table
 from suspid.words import LeftOut, Remark
 
 HEADER = 128
@@ -32,9 +32,6 @@ NUMERIC_CLASSES = range(6, 16)
 CELL, STRUCT, OBJECT, CHAR, SPARSE = 1, 2, 3, 4, 5
 OTHER_CLASSES = {CELL: LeftOut.CELLS, OBJECT: LeftOut.OBJECT, SPARSE: LeftOut.SPARSE}
 COMPLEX_FLAG = 0x08
-MOST_BYTES = 1 << 31
-# Limit of a record; a damaged file may seem to have deeper structures.
-DEEPEST = 16
 
 
 def read_matlab(path: Path) -> Table:

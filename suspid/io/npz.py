@@ -15,10 +15,9 @@ from suspid.errors import RecordError
 from suspid.files import printable, read_bytes
 from suspid.io.foreign import sheltered
 from suspid.io.tables import Table
-from suspid.io.variables import Group, Value, Variable, as_table
+from suspid.io.variables import MOST_BYTES, Group, Value, Variable, as_table
 from suspid.words import LeftOut, Remark
 
-MOST_BYTES = 1 << 31
 HEADERS = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0}
 
 

@@ -17,10 +17,10 @@ from suspid.units import RealArray
 from suspid.values import frozen_real
 from suspid.words import LeftOut, Remark
 
-TIME = "time [s]"
+TIME_COLUMN = "time [s]"
 UNIT_KEYS = (b"unit", b"units", b"UNIT", b"Unit", b"Units")
 # A few bytes may encode any number of equal samples; more than this are refused.
-MOST_SAMPLES = 1 << 28
+MOST_ROWS = 1 << 28
 
 
 def read_parquet(path: Path) -> Table:
@@ -75,7 +75,7 @@ def _written(timepts: RealArray, values: RealArray, channels: Sequence[str], uni
 
     fields = [
         pa.field(name, pa.float64(), nullable=False, metadata={"unit": unit} if unit else None)
-        for name, unit in zip([TIME, *channels], ["s", *units], strict=True)
+        for name, unit in zip([TIME_COLUMN, *channels], ["s", *units], strict=True)
     ]
     schema = pa.schema(fields, metadata={"title": title, "writer": "suspid"})
     stream = io.BytesIO()
@@ -89,8 +89,8 @@ def _table(content: bytes, suffix: str) -> Table:
 
     file = pq.ParquetFile(io.BytesIO(content), page_checksum_verification=True)
     schema, samples = file.schema_arrow, file.metadata.num_rows
-    if not 0 <= samples <= MOST_SAMPLES:
-        raise RecordError(f"states {samples} samples a column; at most {MOST_SAMPLES} are read")
+    if not 0 <= samples <= MOST_ROWS:
+        raise RecordError(f"states {samples} samples a column; at most {MOST_ROWS} are read")
     twice = next((name for name in schema.names if schema.names.count(name) > 1), None)
     if twice is not None:
         raise RecordError(f"holds {schema.names.count(twice)} columns {twice!r}; names must differ")

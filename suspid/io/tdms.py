@@ -24,7 +24,7 @@ from suspid.words import LeftOut, Remark
 LEAD_IN = 28
 BIG_ENDIAN = 1 << 6
 CRASHED = 0xFFFFFFFFFFFFFFFF
-UNITS = ("unit_string", "NI_UnitDescription", "unit", "Unit")
+UNIT_PROPERTIES = ("unit_string", "NI_UnitDescription", "unit", "Unit")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -149,7 +149,7 @@ def _entry(channel: Any, most: int) -> _Entry:
         channel=printable(channel.name),
         size=size,
         reason=reason,
-        unit=next((printable(str(properties[key]).strip()) for key in UNITS if key in properties), ""),
+        unit=next((printable(str(properties[key]).strip()) for key in UNIT_PROPERTIES if key in properties), ""),
         offset=float(offset) if _is_number(offset) else 0.0,
         step=float(step) if _is_number(step) and step > 0 else None,
         began=(int(began.seconds), int(began.second_fractions)) if hasattr(began, "second_fractions") else None,

@@ -20,7 +20,7 @@ from suspid.words import LeftOut, Remark
 
 # A line that begins or ends a data set, as pyuff recognises it.
 DELIMITER = re.compile(rb"    -1(?=[\r\n]|\Z| {74})")
-TIME, TIME_RESPONSE = 17, 1
+TIME_AXIS, TIME_RESPONSE = 17, 1
 FUNCTIONS = {
     2: "an auto spectrum",
     3: "a cross spectrum",
@@ -117,7 +117,7 @@ def _why_not(dataset: Mapping[str, Any]) -> Remark | None:
         return Remark(LeftOut.COMPLEX_FUNCTION, {"function": name})
     if function in FUNCTIONS:
         return Remark(LeftOut.FUNCTION, {"function": FUNCTIONS[function]})
-    if abscissa != TIME and not (abscissa == 0 and function == TIME_RESPONSE):
+    if abscissa != TIME_AXIS and not (abscissa == 0 and function == TIME_RESPONSE):
         return Remark(LeftOut.ABSCISSA, {"type": abscissa})
     unit = _label(dataset["abscissa_axis_units_lab"])
     if unit and unit.lower() not in PER_SECOND:

@@ -19,6 +19,8 @@ from suspid.words import LeftOut, Remark
 
 # A matrix with more columns is not a set of channels (it may be a spectrogram).
 MOST_COLUMNS = 256
+# Limits of a record; damaged files state deeper structures and larger arrays.
+DEEPEST, MOST_BYTES = 16, 1 << 31
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -167,15 +169,11 @@ def _add(name: str, value: Variable, clock: TimeBase | None, time: Variable | No
     elif not shape:
         found.unusable[name] = Remark(LeftOut.NUMBER)
     elif len(shape) > 2:
-        found.unusable[name] = Remark(LeftOut.ARRAY, {"shape": _by(value.shape)})
+        found.unusable[name] = Remark(LeftOut.ARRAY, {"shape": " x ".join(map(str, value.shape))})
     elif len(shape) == 1:
         _add_column(name, value, lambda: np.ravel(value.read()), value.size, clock, found)
     else:
         _add_matrix(name, value, shape, clock, time, found)
-
-
-def _by(shape: Sequence[int]) -> str:
-    return " x ".join(map(str, shape))
 
 
 def _add_matrix(
@@ -184,7 +182,7 @@ def _add_matrix(
     matching = [axis for axis in (0, 1) if time is not None and shape[axis] == time.size]
     along = matching[0] if len(matching) == 1 else int(np.argmax(shape))
     if (shape[0] == shape[1] and len(matching) != 1) or shape[1 - along] > MOST_COLUMNS:
-        found.unusable[name] = Remark(LeftOut.MATRIX, {"shape": _by(value.shape)})
+        found.unusable[name] = Remark(LeftOut.MATRIX, {"shape": " x ".join(map(str, value.shape))})
         return
     whole = functools.cache(lambda: np.reshape(value.read(), shape))
     for k in range(shape[1 - along]):

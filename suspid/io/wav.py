@@ -18,7 +18,6 @@ from suspid.io.tables import Table, TimeBase
 from suspid.units import RealArray
 from suspid.values import frozen_real
 
-UNIT = "full scale"
 # Stated as the size where the writer did not know it, or where another chunk states it.
 UNKNOWN = 0xFFFFFFFF
 
@@ -45,7 +44,7 @@ def read_wav(path: Path) -> Table:
     return Table(
         sizes=dict.fromkeys(names, len(samples)),
         columns=columns,
-        units=dict.fromkeys(names, UNIT),
+        units=dict.fromkeys(names, "full scale"),
         clocks=dict.fromkeys(names, clock),
     )
 

@@ -13,21 +13,21 @@ from dataclasses import dataclass, field
 
 from suspid.errors import RecordError
 
-HEAD, HEADER = 64, 24
+FIRST_BLOCK, BLOCK_HEADER = 64, 24
 # Links to follow, by the kind of block; each such block may be linked once. Other links lead to text and
 # descriptions, which may be shared.
-FOLLOWED: dict[bytes, tuple[int, ...]] = dict.fromkeys((b"##CA", b"##FH", b"##AT", b"##EV", b"##HL"), (0,))
-FOLLOWED |= {b"##HD": (0, 1, 3, 4), b"##DG": (0, 1, 2), b"##CG": (0, 1), b"##CN": (0, 1, 5)}
+FOLLOWED_LINKS: dict[bytes, tuple[int, ...]] = dict.fromkeys((b"##CA", b"##FH", b"##AT", b"##EV", b"##HL"), (0,))
+FOLLOWED_LINKS |= {b"##HD": (0, 1, 3, 4), b"##DG": (0, 1, 2), b"##CG": (0, 1), b"##CN": (0, 1, 5)}
 LISTS = (b"##DL", b"##LD")
 DATA = (b"##DT", b"##DV", b"##DI", b"##SD", b"##RD")
 ZIPPED = b"##DZ"
 # Fewest and most links, and least bytes after them.
 LINKS = {b"##HD": (6, 6), b"##DG": (4, 4), b"##CG": (6, 7), b"##CN": (8, 99), b"##HL": (1, 1), ZIPPED: (0, 0)}
 LINKS |= {b"##FH": (2, 2), b"##AT": (4, 4), b"##EV": (5, 1 << 32), **dict.fromkeys((b"##CA", *LISTS), (1, 1 << 32))}
-LEAST = {b"##CG": 32, b"##CN": 24, b"##DG": 1, ZIPPED: 24}
-PARTS = (b"##CN", b"##CA")
+LEAST_BODY = {b"##CG": 32, b"##CN": 24, b"##DG": 1, ZIPPED: 24}
+CHANNEL_PARTS = (b"##CN", b"##CA")
 # The same links may lead to other kinds, such as a group or an attachment, which are not followed.
-ONLY_TO = {(b"##CN", 1): PARTS, (b"##CA", 0): PARTS, (b"##CN", 5): (*DATA, *LISTS, ZIPPED, b"##HL")}
+ONLY_TO = {(b"##CN", 1): CHANNEL_PARTS, (b"##CA", 0): CHANNEL_PARTS, (b"##CN", 5): (*DATA, *LISTS, ZIPPED, b"##HL")}
 # The same of versions 2 and 3: least size, and the kinds that the links lead to.
 OLD: dict[bytes, tuple[int, tuple[tuple[int, bytes], ...]]] = {
     b"HD": (20, ((0, b"DG"),)),
@@ -36,7 +36,7 @@ OLD: dict[bytes, tuple[int, tuple[tuple[int, bytes], ...]]] = {
     b"CN": (218, ((0, b"CN"),)),
 }
 VARIABLE_LENGTH, REMOTE_MASTER, INVALID, VIRTUAL = 1, 8, 2, (3, 6)
-PIECE = 1 << 20
+INFLATED_AT_ONCE = 1 << 20
 
 
 @dataclass(slots=True)
@@ -60,9 +60,9 @@ def check_blocks(content: bytes) -> int:
     """
     if content[:8].strip() not in (b"MDF", b"UnFinMF"):
         raise RecordError(f"is not an MDF file: it begins with {content[:8]!r}")
-    if len(content) < HEAD + HEADER:
+    if len(content) < FIRST_BLOCK + BLOCK_HEADER:
         raise RecordError("is cut off: it ends in its header")
-    sizes = _check_old(content) if content[HEAD : HEAD + 2] == b"HD" else _check_new(content)
+    sizes = _check_old(content) if content[FIRST_BLOCK : FIRST_BLOCK + 2] == b"HD" else _check_new(content)
     if content[:3] != b"MDF":
         return 0
     for group, stated in sizes.stated.items():
@@ -75,14 +75,14 @@ def _check_new(content: bytes) -> _Sizes:
     """Check a file of version 4."""
     sizes, seen, shared = _Sizes(), set[int](), set[int]()
     # A block belongs to the group at the address beside it: channels to their channel group, others to the data group.
-    ahead = [(HEAD, 0)]
+    ahead = [(FIRST_BLOCK, 0)]
     while ahead:
         address, group = ahead.pop()
         kind, links = _block(content, address)
         _refuse_again(address, seen)
         group = address if kind == b"##DG" else group
         _measure(content, address, kind, len(links), group, sizes)
-        followed = range(len(links)) if kind in LISTS else FOLLOWED.get(kind, ())
+        followed = range(len(links)) if kind in LISTS else FOLLOWED_LINKS.get(kind, ())
         for place, target in enumerate(links):
             only_to = ONLY_TO.get((kind, place))
             if target and place in followed and (only_to is None or content[target : target + 4] in only_to):
@@ -106,29 +106,29 @@ def _refuse_again(address: int, seen: set[int]) -> None:
 
 def _block(content: bytes, address: int) -> tuple[bytes, tuple[int, ...]]:
     """Return kind and links of a block of version 4 that lies within the file."""
-    if address + HEADER > len(content):
+    if address + BLOCK_HEADER > len(content):
         raise RecordError(f"is cut off: a block at byte {address} lies beyond its end")
     kind, _, size, count = struct.unpack_from("<4sIQQ", content, address)
     # The last data block of an unfinished file states no size.
-    size = max(size, HEADER) if kind in DATA and content[:3] == b"UnF" else size
+    size = max(size, BLOCK_HEADER) if kind in DATA and content[:3] == b"UnF" else size
     fewest, most = LINKS.get(kind, (0, 1 << 32))
-    if kind[:2] != b"##" or not fewest <= count <= most or size < HEADER + 8 * count + LEAST.get(kind, 0):
+    if kind[:2] != b"##" or not fewest <= count <= most or size < BLOCK_HEADER + 8 * count + LEAST_BODY.get(kind, 0):
         raise RecordError(f"is damaged: there is no whole block at byte {address}")
     if address + size > len(content):
         raise RecordError(f"is cut off: it ends in the block {kind[2:].decode('latin1')!r} at byte {address}")
-    return kind, struct.unpack_from(f"<{count}Q", content, address + HEADER)
+    return kind, struct.unpack_from(f"<{count}Q", content, address + BLOCK_HEADER)
 
 
 def _measure(content: bytes, address: int, kind: bytes, links: int, group: int, sizes: _Sizes) -> None:
     """Note what a channel group states and a data block holds, and refuse channels that do not fit in the record."""
-    body, size = address + HEADER + 8 * links, struct.unpack_from("<Q", content, address + 8)[0]
+    body, size = address + BLOCK_HEADER + 8 * links, struct.unpack_from("<Q", content, address + 8)[0]
     if kind == b"##CG":
         _, cycles, flags, _, _, samples, invalid = struct.unpack_from("<QQHHIII", content, body)
         if (links == 7) != bool(flags & REMOTE_MASTER):
             raise RecordError(f"is damaged: the channel group at byte {address} has {links} links")
         sizes.records[address] = (0, 0) if flags & VARIABLE_LENGTH else (samples, invalid)
         if not flags & VARIABLE_LENGTH:
-            record_id = content[group + HEADER + 8 * struct.unpack_from("<Q", content, group + 16)[0]]
+            record_id = content[group + BLOCK_HEADER + 8 * struct.unpack_from("<Q", content, group + 16)[0]]
             sizes.stated[group] += cycles * (samples + invalid + record_id)
             sizes.cycles += cycles
     elif kind == b"##CN":
@@ -138,13 +138,13 @@ def _measure(content: bytes, address: int, kind: bytes, links: int, group: int, 
         _check_fits(address, mark + 1 if flags & INVALID or (flags and invalid) else 0, invalid)
     elif kind == ZIPPED:
         method, whole, zipped = struct.unpack_from("<2xB5xQQ", content, body)
-        if zipped > size - (body - address) - LEAST[ZIPPED]:
+        if zipped > size - (body - address) - LEAST_BODY[ZIPPED]:
             raise RecordError(f"is damaged: the block at byte {address} states {zipped} compressed bytes")
-        if method < 2 and _inflated(content[body + LEAST[ZIPPED] :][:zipped], whole) != whole:
+        if method < 2 and _inflated(content[body + LEAST_BODY[ZIPPED] :][:zipped], whole) != whole:
             raise RecordError(f"is damaged: the block at byte {address} does not hold {whole} bytes")
         sizes.held[group] += whole
     elif kind in DATA:
-        sizes.held[group] += max(0, size - HEADER)
+        sizes.held[group] += max(0, size - BLOCK_HEADER)
 
 
 def _check_fits(address: int, bits: int, record: int) -> None:
@@ -157,7 +157,7 @@ def _inflated(zipped: bytes, most: int) -> int:
     inflater, piece, size = zlib.decompressobj(), b"", 0
     try:
         while (zipped or piece) and not inflater.eof and size <= most:
-            piece = inflater.decompress(zipped, PIECE)
+            piece = inflater.decompress(zipped, INFLATED_AT_ONCE)
             zipped, size = inflater.unconsumed_tail, size + len(piece)
     except zlib.error as refusal:
         raise RecordError(f"is damaged: its samples cannot be decompressed: {refusal}") from None
@@ -168,7 +168,7 @@ def _check_old(content: bytes) -> _Sizes:
     """Check a file of version 2 or 3."""
     order = ">" if content[24:26] not in (b"\0\0", b"  ") else "<"
     sizes, seen = _Sizes(), set[int]()
-    ahead = [(HEAD, 0, b"HD")]
+    ahead = [(FIRST_BLOCK, 0, b"HD")]
     while ahead:
         address, group, expected = ahead.pop()
         _refuse_again(address, seen)

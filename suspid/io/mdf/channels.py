@@ -12,16 +12,16 @@ import numpy as np
 
 from suspid.errors import RecordError
 from suspid.files import printable
+from suspid.io.mdf.blocks import REMOTE_MASTER, VARIABLE_LENGTH
 from suspid.words import LeftOut, Remark
 
-VARIABLE_LENGTH = 1
 ALL_INVALID = 1
-BUS_EVENT, PLAIN_BUS_EVENT, REMOTE_MASTER = 1 << 1, 1 << 2, 1 << 3
+BUS_EVENT, PLAIN_BUS_EVENT = 1 << 1, 1 << 2
 FRAMES = "CAN_DataFrame"
 ID_BITS = 29
 # A frame of CAN XL has up to 2048 bytes.
 VARIABLE, LONGEST_FRAME = 1, 2048
-TIME, SYNCHRONOUS = 1, ("", "time", "angle", "distance", "index")
+BY_TIME, SYNCHRONOUS = 1, ("", "time", "angle", "distance", "index")
 # By generation of the format: types of data that are numbers, conversions to words, and by formulas.
 NUMBERS = {True: range(6), False: (0, 1, 2, 3, 9, 10, 11, 12, 13, 14, 15, 16)}
 TO_WORDS = {True: (7, 8, 9, 10, 11), False: (11, 12)}
@@ -102,10 +102,10 @@ def _why_not(group: Any, index: int, master: Any, new: bool) -> Remark | None:
     """Return why a channel is not numbers over time, None if it is."""
     channel = group.channels[index]
     kind = _conversion(channel)
-    sync = getattr(master, "sync_type", TIME)
+    sync = getattr(master, "sync_type", BY_TIME)
     if not _size(group):
         return Remark(LeftOut.EMPTY)
-    if sync != TIME:
+    if sync != BY_TIME:
         axis = SYNCHRONOUS[sync] if sync < len(SYNCHRONOUS) else f"axis {sync}"
         return Remark(LeftOut.NOT_OVER_TIME, {"axis": axis})
     if new and channel.flags & ALL_INVALID:

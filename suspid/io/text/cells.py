@@ -20,19 +20,19 @@ MISSING |= {"***", "nan(ind)", "nan(snan)", "1.#qnan", "1.#ind", "1.#snan"}
 MISSING |= {"#value!", "#wert!", "#div/0!", "#num!", "#zahl!"}
 POINT_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][+-]?\d+)?|[+-]?inf(?:inity)?", re.I | re.A)
 COMMA_NUMBER = re.compile(POINT_NUMBER.pattern.replace(r"\d+\.?\d*|\.\d+", r"\d+(?:,\d+)?|,\d+"), re.I | re.A)
-TIME = (
+TIME_OF_DAY = (
     r"(?:(?P<hour>\d\d?):)?(?P<minute>\d\d?):(?P<second>\d\d)(?:[.,](?P<part>\d+))?(?:\s*(?P<half>[AaPp])\.?[Mm]\.?)?"
 )
 DATE = r"(?P<date>\d{4}[-/.]\d\d?[-/.]\d\d?|\d\d?[-/.]\d\d?[-/.]\d{4})"
 ZONE = r"(?P<zone>Z|UTC|[+-]\d\d:?\d\d)?"
-STAMP, DATE_ALONE = re.compile(rf"(?:{DATE}(?:[T\s]|,\s*))?\s*{TIME}\s*{ZONE}", re.A), re.compile(DATE, re.A)
+STAMP, DATE_ALONE = re.compile(rf"(?:{DATE}(?:[T\s]|,\s*))?\s*{TIME_OF_DAY}\s*{ZONE}", re.A), re.compile(DATE, re.A)
 NANO = 10**9
 DAY = 86400 * NANO
 # Nanoseconds since 1970 overflow 64 bits outside these years.
 YEARS = range(1700, 2260)
 UNIX_DAY = datetime.date(1970, 1, 1).toordinal()
 # In place of the number of a date.
-NO_DATE, NOTHING = -1, -2
+NO_DATE, NO_STAMP = -1, -2
 
 
 def kind_of(cell: str, *, comma: bool) -> Kind:
@@ -77,7 +77,7 @@ def seconds(cells: Iterable[str]) -> RealArray:
     """
     dates: dict[str, int] = {}
     nanos, date_of = np.fromiter(_parts(cells, dates), np.dtype((np.int64, 2))).T
-    there = date_of > NOTHING
+    there = date_of > NO_STAMP
     days = np.array([*(_days(list(dates)) if dates else []), 0])
     found = nanos[there] + DAY * days[date_of[there]]
     if not dates:
@@ -93,7 +93,7 @@ def _parts(cells: Iterable[str], dates: dict[str, int]) -> Iterator[tuple[int, i
     for cell in cells:
         match = STAMP.fullmatch(cell.strip())
         if match is None:
-            yield 0, NOTHING
+            yield 0, NO_STAMP
         else:
             date = match["date"]
             yield _nanos(match), dates.setdefault(date, len(dates)) if date else NO_DATE

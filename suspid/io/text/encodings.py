@@ -12,15 +12,15 @@ import re
 from suspid.errors import RecordError
 from suspid.words import LeftOut, Remark
 
-HEAD = 1 << 16
+TOP = 1 << 16
 PIECE = 1 << 22
 CONTROL = bytes([*range(9), *range(0x0E, 0x20), 0x7F])
-TEXT = bytes(set(range(256)) - set(CONTROL))
+ALLOWED = bytes(set(range(256)) - set(CONTROL))
 
 
 # A matrix as it is printed in brackets, with a semicolon after each row; a name may stand before it.
 OPENING = rb"^[^\S\n]*(?:[A-Za-z]\w*[^\S\n]*=[^\S\n]*)?\["
-MATRIX = re.compile(OPENING + rb"[^\S\n]*\n?[^\[\];\n]*\d[^\[\];\n]*;[^\S\n]*$", re.M)
+PRINTED_MATRIX = re.compile(OPENING + rb"[^\S\n]*\n?[^\[\];\n]*\d[^\[\];\n]*;[^\S\n]*$", re.M)
 BRACKETS = re.compile(OPENING + rb"(?=[^\S\n]*(?:[-+.\d]|$))|(?:;|\];?)[^\S\n]*$", re.M)
 
 
@@ -57,9 +57,9 @@ def decoded(content: bytes) -> tuple[bytes, dict[str, Remark]]:
         content = content.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
     # The serial monitor of Arduino writes an arrow between stamp and text.
     if re.match(rb"\d\d:\d\d:\d\d\.\d+ -> ", content):
-        start = content[:HEAD]
+        start = content[:TOP]
         content = content.replace(b" -> ", next((d for d in (b"\t", b";", b",") if d in start), b"\t"))
-    if MATRIX.search(content[:HEAD]):
+    if PRINTED_MATRIX.search(content[:TOP]):
         content = BRACKETS.sub(lambda found: b" " * len(found[0]), content)
     return content if content.endswith(b"\n") else content + b"\n", said
 
@@ -67,7 +67,7 @@ def decoded(content: bytes) -> tuple[bytes, dict[str, Remark]]:
 def _refuse_control(content: bytes) -> None:
     # Deleting the bytes of text is ten times faster than searching for others.
     for start in range(0, len(content), PIECE):
-        odd = content[start : start + PIECE].translate(None, TEXT)
+        odd = content[start : start + PIECE].translate(None, ALLOWED)
         if odd:
             what = "zero bytes" if odd[0] == 0 else f"the control byte 0x{odd[0]:02x}"
             line = content.count(b"\n", 0, content.index(odd[:1], start)) + 1

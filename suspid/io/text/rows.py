@@ -14,18 +14,18 @@ import numpy as np
 from suspid.errors import RecordError
 from suspid.io.text.cells import COMMA_NUMBER, kind_of, number
 from suspid.io.text.dialects import shortened
+from suspid.io.text.encodings import PIECE
 from suspid.io.text.layouts import Layout
 from suspid.units import RealArray
 from suspid.words import LeftOut, Remark
 
-PIECE = 1 << 22
 MOST_FOOTER = 20
 # Rows that are read cell by cell as soon as numpy refuses one of them.
 FEW_ROWS = 16
 NUMERALS = b"0123456789+-.eE "
 DIGITS = np.isin(np.arange(256), np.frombuffer(b"0123456789", np.uint8))
-STARTS = np.isin(np.arange(256), np.frombuffer(b"0123456789+-.", np.uint8))
-MARKS = np.isin(np.arange(256), np.frombuffer(b"#%/", np.uint8))
+NUMBER_STARTS = np.isin(np.arange(256), np.frombuffer(b"0123456789+-.", np.uint8))
+COMMENT_MARKS = np.isin(np.arange(256), np.frombuffer(b"#%/", np.uint8))
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -129,9 +129,9 @@ def _suspects(piece: bytes, layout: Layout) -> list[int]:
     def found(which: np.ndarray[tuple[int], np.dtype[np.bool]]) -> np.ndarray[tuple[int], np.dtype[np.int32]]:
         return np.add.reduceat(which, starts, dtype=np.int32)
 
-    suspect = (found(codes == ord(delimiter)) != width - 1) | (found(DIGITS[codes]) == 0) | MARKS[codes[starts]]
+    suspect = (found(codes == ord(delimiter)) != width - 1) | (found(DIGITS[codes]) == 0) | COMMENT_MARKS[codes[starts]]
     if width == 1:
-        suspect |= ~STARTS[codes[starts]]
+        suspect |= ~NUMBER_STARTS[codes[starts]]
     if b'"' in piece:
         suspect |= found(codes == ord('"')) > 0
     if trailing:
