@@ -12,6 +12,7 @@ from suspid import (
     IdentificationError,
     InputError,
     ModalSet,
+    RecordError,
     RecordWarning,
     Suspension,
     add_noise,
@@ -93,6 +94,29 @@ def assert_within(found: ModalSet, truth: ModalSet, *, std: float) -> None:
     assert zeta_std is not None
     assert np.all(np.abs(found.wn - truth.wn) < std * wn_std), (found.wn, truth.wn, wn_std)
     assert np.all(np.abs(found.zeta - truth.zeta) < std * zeta_std), (found.zeta, truth.zeta, zeta_std)
+
+
+class TestSize:
+    """Multiplying a record by a power of two changes no pole, as long as its squares can be held."""
+
+    @pytest.mark.parametrize("exponent", [-320, 320])
+    def test_poles_stay(self, exponent: int) -> None:
+        rng = np.random.default_rng(1)
+        decay = free_decay(cars.PAPER, np.arange(1250) * 0.004, initial_state={"v_tire": 1.0})
+        signal = as_signal(add_noise(decay, snr_db=30.0, rng=rng))
+        plain = identify(as_response(signal.timepts, signal.values, signal.channels), candidates=[4.0])
+        values = np.ldexp(signal.values, exponent)
+        scaled = identify(as_response(signal.timepts, values, signal.channels), candidates=[4.0])
+        np.testing.assert_allclose(scaled.modes.poles, plain.modes.poles, rtol=1e-9)
+        np.testing.assert_allclose(np.ldexp(scaled.noise_std, -exponent), plain.noise_std, rtol=1e-9)
+        assert str(scaled.verdict) == str(plain.verdict)
+
+    @pytest.mark.parametrize("factor", [1e-250, 1e250])
+    def test_beyond_that_a_channel_is_refused_by_name(self, factor: float) -> None:
+        signal = as_signal(free_decay(cars.PAPER, np.arange(1250) * 0.004, initial_state={"v_tire": 1.0}))
+        values = signal.values * np.array([[1.0], [factor], [1.0]])
+        with pytest.raises(RecordError, match="channel 'chassis' has a peak"):
+            identify(as_response(signal.timepts, values, signal.channels))
 
 
 class TestBoundItself:

@@ -86,6 +86,11 @@ class TestPrecision:
         # What a report calls roughly known: 5 % in frequency, 25 % in damping; unknown: an interval that reaches zero.
         assert (ROUGH_WN, ROUGH_ZETA, UNKNOWN_ZETA) == (0.05, 0.25, 1.0)
 
+    def test_the_words_name_the_quantity(self, found: Identification) -> None:
+        (check,) = said(verdict_of(known_to(found, wn=1e-6, zeta=0.4)), ModeCheck.KNOWN_ROUGHLY)
+        assert "damping ratio is known only to 40 %" in str(check)
+        assert "frequency" not in str(check)
+
 
 class TestShare:
     @pytest.mark.parametrize("over", [-0.02, 0.02])
@@ -193,6 +198,13 @@ class TestPoles:
         (check,) = said(verdict_of(replace(found, considered=(tone, tone))), ModeCheck.STEADY_TONES)
         assert (check.level, check.remark.numbers["number"]) == (Level.NOTE, 2)
         assert "12.5" in str(check)
+
+    def test_a_significant_pole_beyond_the_number_asked_for_is_told(self, found: Identification) -> None:
+        beyond = Considered(pole=complex(-1.0, 2 * np.pi * 12.5), remark=Remark(Reason.BEYOND), removed=True)
+        verdict = verdict_of(replace(found, considered=(beyond,)))
+        (check,) = said(verdict, ModeCheck.DROPPED)
+        assert (check.level, check.remark.numbers["number"]) == (Level.CARE, 1)
+        assert "12.5 Hz" in str(check)
 
     def test_a_mode_that_grows_is_doubtful(self, found: Identification) -> None:
         poles = found.modes.poles.copy()

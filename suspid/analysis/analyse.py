@@ -26,7 +26,7 @@ from suspid.identification import (
 from suspid.model import ModalSet, Suspension
 from suspid.reconstruction import ModalTest, Reconstruction, reconstruct
 from suspid.recordings import Recording
-from suspid.words import Check, Level, Note, RecordCheck, Remark, Verdict
+from suspid.words import Check, Level, ModeCheck, Note, RecordCheck, Remark, Verdict
 
 if TYPE_CHECKING:
     import control
@@ -91,6 +91,10 @@ class Analysis:
         if self.repeats is not None:
             found = verdict_of_repeats(self.repeats, level)
         failed = [Check(note, Level.CARE) for note in self.notes if note.code is Note.NO_SPRINGS]
+        if len(self.decays) or any(note.code is Note.WHOLE_RECORD for note in self.notes):
+            # The search for decays has answered what a late motion would suggest.
+            kept = (check for check in found.checks if check.remark.code is not ModeCheck.LATE_MOTION)
+            found = Verdict(found.headline, tuple(kept))
         springs = () if self.reconstruction is None else self.reconstruction.verdict.checks
         return found.with_checks([*_of_recording(self.cleaned, self.used), *springs, *failed])
 

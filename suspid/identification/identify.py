@@ -29,6 +29,9 @@ if TYPE_CHECKING:
 # Ridges are searched from this many cycles in the record to this share of the Nyquist frequency.
 RIDGE_CYCLES, RIDGE_HIGHEST = 4.0, 0.9
 
+# Largest peak of a channel, and inverse of the least: sums of squares must stay within double precision.
+LARGEST = 1e100
+
 
 def identify(
     response: control.TimeResponseData,
@@ -98,6 +101,7 @@ def identify(
     if modes is not None and modes < 1:
         raise InputError(f"{modes=}: ask for at least one mode, or leave it out to find out")
     signal = as_signal(response, least=FEWEST_SAMPLES)
+    _check_size(signal)
     centred = signal.values - signal.values.mean(axis=1, keepdims=True)
     for name, samples, about in zip(signal.channels, signal.values, centred, strict=True):
         if not max(about.max(), -about.min()) > 1e-12 * max(samples.max(), -samples.min()):
@@ -113,6 +117,16 @@ def identify(
     if method == "ridge":
         return _by_ridges(response, signal, steps)
     return _by_likelihood(response, signal, centred, steps, band)
+
+
+def _check_size(signal: Signal) -> None:
+    """Refuse samples so large or small that their squares are beyond double precision."""
+    for name, peak in zip(signal.channels, np.max(np.abs(signal.values), axis=1).tolist(), strict=True):
+        if peak and not 1 / LARGEST < peak < LARGEST:
+            raise RecordError(
+                f"channel {name!r} has a peak of {peak:.3g}; samples between {1 / LARGEST:g} and {LARGEST:g} can be "
+                f"identified: scale the channel, or leave it out"
+            )
 
 
 def _by_ridges(response: control.TimeResponseData, signal: Signal, steps: FourSteps) -> Identification:

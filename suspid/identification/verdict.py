@@ -12,7 +12,7 @@ from suspid.identification.lines import clear_line
 from suspid.identification.noise import most_shared, resolution, shared_noise
 from suspid.signals import Signal, as_signal, late_start
 from suspid.units import Ratio
-from suspid.words import Check, Headline, Level, ModeCheck, Number, Reason, Remark, Verdict
+from suspid.words import Check, Headline, Level, ModeCheck, Number, Reason, Remark, Verdict, amount
 
 if TYPE_CHECKING:
     from suspid.identification.identification import Identification
@@ -61,6 +61,7 @@ def verdict_of(found: Identification, level: Ratio = 0.95) -> Verdict:
 
 def _checks(found: Identification, level: Ratio) -> Iterator[Check]:
     yield from _explained(found)
+    yield from _dropped(found)
     growing = _numbers(found.modes.poles.real > 0)
     if growing:
         yield _of(ModeCheck.GROWING, Level.DOUBTFUL, {"modes": growing})
@@ -167,7 +168,7 @@ def _out_of_phase(found: Identification) -> Iterator[Check]:
 
 
 def _residual(found: Identification) -> Iterator[Check]:
-    loud = [f"{k} ({value:.2g} times)" for k, value in enumerate(found.loudness, 1) if value > 1]
+    loud = [f"{k} ({amount(value)} times)" for k, value in enumerate(found.loudness, 1) if value > 1]
     if loud:
         yield _of(ModeCheck.RESIDUAL_LOUD, Level.CARE, {"modes": tuple(loud)})
     else:
@@ -218,7 +219,10 @@ def _precision(found: Identification, level: Ratio) -> Iterator[Check]:
     if np.any(vague):
         yield _of(ModeCheck.DAMPING_UNKNOWN, Level.CARE, {"modes": _numbers(vague)})
     for k in np.flatnonzero(rough).tolist():
-        yield _of(ModeCheck.KNOWN_ROUGHLY, Level.CARE, {"mode": k + 1, "wn": float(wn[k]), "zeta": float(zeta[k])})
+        numbers: dict[str, Number] = {"mode": k + 1}
+        numbers |= {"wn": float(wn[k])} if wn[k] > ROUGH_WN else {}
+        numbers |= {"zeta": float(zeta[k])} if ROUGH_ZETA < zeta[k] <= UNKNOWN_ZETA else {}
+        yield _of(ModeCheck.KNOWN_ROUGHLY, Level.CARE, numbers)
     if np.any(pairs) and not np.any(vague | rough):
         most = {"wn": float(np.max(wn[pairs])), "zeta": float(np.max(zeta[pairs])), "level": float(level)}
         yield _of(ModeCheck.KNOWN, Level.SOUND, most)
@@ -229,6 +233,14 @@ def _steady_tones(found: Identification) -> Iterator[Check]:
     if tones:
         hertz = ", ".join([f"{abs(c.pole) / (2 * np.pi):.4g}" for c in tones[:4]] + ["…"] * (len(tones) > 4))
         yield _of(ModeCheck.STEADY_TONES, Level.NOTE, {"number": len(tones), "hertz": hertz})
+
+
+def _dropped(found: Identification) -> Iterator[Check]:
+    """Check that no significant pole was left out because fewer modes were asked for."""
+    beyond = [abs(c.pole) / (2 * np.pi) for c in found.considered if c.remark.code is Reason.BEYOND]
+    if beyond:
+        hertz = ", ".join(f"{value:.4g}" for value in beyond)
+        yield _of(ModeCheck.DROPPED, Level.CARE, {"number": len(beyond), "hertz": hertz})
 
 
 def verdict_of_repeats(repeats: Repeats, level: Ratio = 0.95) -> Verdict:

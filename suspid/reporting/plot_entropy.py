@@ -52,7 +52,7 @@ def plot_entropy(search: BandwidthSearch, *, ax: Axes) -> Axes:
     ax.set(xlabel="bandwidth N [1]", ylabel="wavelet entropy [nat]")
     title = f"least entropy at N = {search.best:.4g}"
     if search.at_end:
-        ax.set_title(f"{title},\nan end of the range: widen it", loc="left", color=VERMILION)
+        ax.set_title(f"{title},\nthe end of the range searched", loc="left", color=VERMILION)
     else:
         ax.set_title(title, loc="left")
     return ax

@@ -13,7 +13,7 @@ from suspid.words.fleet import Failure, Step
 from suspid.words.identification import Headline, ModeCheck, Reason
 from suspid.words.io import DAMAGE, LeftOut
 from suspid.words.reconstruction import ReconstructionCheck, ReconstructionHeadline, ReconstructionNote, Suspect
-from suspid.words.remarks import Code, Number, Remark, count, in_a_row
+from suspid.words.remarks import Code, Number, Remark, amount, count, in_a_row
 from suspid.words.verdicts import Check, Level, Verdict
 
 __all__ = [
@@ -41,6 +41,7 @@ __all__ = [
     "Step",
     "Suspect",
     "Verdict",
+    "amount",
     "count",
     "dead",
     "in_a_row",

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from suspid.words.remarks import Code, Number, count, in_a_row
+from collections.abc import Mapping
+
+from suspid.words.remarks import Code, Number, amount, count, in_a_row
 
 
 def _percent(number: Number, digits: int = 4) -> str:
@@ -16,6 +18,11 @@ def _names(number: Number) -> str:
 
 def _several(number: Number) -> bool:
     return isinstance(number, tuple) and len(number) > 1
+
+
+def _rough(n: Mapping[str, Number]) -> list[str]:
+    names = {"wn": "frequency", "zeta": "damping ratio"}
+    return [f"the {name} is known only to {_percent(n[key], 2)}" for key, name in names.items() if key in n]
 
 
 class Reason(Code):
@@ -52,11 +59,11 @@ class ModeCheck(Code):
     NO_FREE_DECAY = (
         "no free decay",
         lambda n: (
-            f"Something moves ({_percent(n['explained'])} of the best channel is explained), but it is not a free "
-            f"decay: see the rejected poles."
+            f"The motion ({_percent(n['explained'])} of the best channel is explained) is not a free decay of modes: "
+            f"see the rejected poles."
         ),
     )
-    NOTHING_DECAYS = "nothing decays", "Nothing in the record decays like a mode and stands above the noise."
+    NOTHING_DECAYS = "nothing decays", "No sum of decaying modes describes the record better than noise does."
     STEADY_LINE = (
         "steady line",
         "The strongest pole, at {hertz:.4g} Hz, does not decay: a steady line of rotating parts or hum, not a mode.",
@@ -99,8 +106,11 @@ class ModeCheck(Code):
     )
     HALVES_DISAGREE = (
         "halves disagree",
-        "The first and second half of the decay disagree on mode {mode} by {apart:.2g} standard deviations: friction, "
-        "a nonlinear spring, or an excitation that still acts.",
+        lambda n: (
+            f"The first and second half of the decay disagree on mode {n['mode']} by "
+            f"{amount(float(str(n['apart'])))} standard deviations: friction, a nonlinear spring, or an excitation "
+            f"that still acts."
+        ),
     )
     NOT_CROSS_CHECKED = (
         "not cross-checked",
@@ -167,9 +177,13 @@ class ModeCheck(Code):
     )
     KNOWN_ROUGHLY = (
         "known roughly",
+        lambda n: f"Mode {n['mode']}: {in_a_row(_rough(n))} of its value.",
+    )
+    DROPPED = (
+        "dropped",
         lambda n: (
-            f"Mode {n['mode']} is known only roughly: frequency to {_percent(n['wn'], 2)}, damping ratio to "
-            f"{_percent(n['zeta'], 2)} of its value."
+            f"{count(int(str(n['number'])), 'significant pole')} beyond the modes asked for, at {n['hertz']} Hz; the "
+            f"explained share contains {'it' if n['number'] == 1 else 'them'}."
         ),
     )
     STEADY_TONES = (

@@ -91,6 +91,17 @@ def count(number: int, noun: str) -> str:
     return f"{number} {noun}{'s' * (number != 1)}"
 
 
+def amount(value: float) -> str:
+    """Return a number with two digits, or all digits before the point, without an exponent.
+
+    Examples
+    --------
+    >>> amount(2.53), amount(183.4), amount(13500.0)
+    ('2.5', '183', '13500')
+    """
+    return f"{value:.0f}" if abs(value) >= 10 else f"{value:.2g}"
+
+
 def in_a_row(parts: Sequence[object]) -> str:
     """Return names in a row, the last one after an "and".
 

@@ -26,9 +26,9 @@ class Level(IntEnum):
 
 # What each level means, as a sentence.
 MEANING = {
-    Level.NONE: "There is no result to be trusted.",
+    Level.NONE: "There is no result.",
     Level.DOUBTFUL: "Do not use it without further evidence.",
-    Level.CARE: "Use it with care: see the doubts.",
+    Level.CARE: "Read the doubts before use.",
     Level.NOTE: "Every check that could be made was passed.",
     Level.SOUND: "Every check that could be made was passed.",
 }

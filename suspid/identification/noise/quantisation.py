@@ -31,7 +31,8 @@ def resolution(values: RealArray) -> RealArray:
     0.125
     """
     peak = np.max(np.abs(values), axis=1)
-    single = np.all(values == values.astype(np.float32), axis=1)
+    with np.errstate(over="ignore"):  # What single precision cannot hold was not stored in it.
+        single = np.all(values == values.astype(np.float32), axis=1)
     rounding = np.where(single, 2.0**-24, 2.0**-52) * peak
     coarse = [_coarseness(samples[:SEARCHED], float(top)) for samples, top in zip(values, peak, strict=True)]
     return np.asarray(np.maximum(np.maximum(4 * rounding, FINEST * peak), coarse))
