@@ -560,6 +560,15 @@ class TestProgram:
         )
         assert optimality(cone, np.array([float(y)]), np.array(dual, float)) > 0.1
 
+    @pytest.mark.parametrize("condition", [1e2, 1e4, 1e6])
+    def test_its_error_is_that_of_the_data_times_their_condition(self, condition: float) -> None:
+        """The optimality conditions hold the square of the condition number; refinement takes that back."""
+        rng = np.random.default_rng(0)
+        U, V = (np.linalg.qr(rng.normal(size=(n, 5)))[0] for n in (12, 5))
+        A, x = U @ np.diag(np.geomspace(1, 1 / condition, 5)) @ V, rng.normal(size=5)
+        found = least_squares(A, A @ x, Limits(low=np.full(5, -10.0), high=np.full(5, 10.0))).x
+        np.testing.assert_allclose(found, x, rtol=0, atol=100 * np.finfo(float).eps * condition)
+
     def test_the_answer_is_that_of_a_program_of_cvxpy(self, monkeypatch: pytest.MonkeyPatch) -> None:
         """The suspension that is returned comes out of a program; the condition of its optimum is met."""
         asked: list[Optimum] = []

@@ -337,6 +337,14 @@ class TestKnowledge:
         assert error(answer.suspension, other) < 1e-8
         assert answer.alternatives == ()
 
+    def test_a_bound_below_zero_allows_no_negative_spring(self) -> None:
+        """Stiffnesses stay positive and dampings not negative, whatever lower bound is asked for."""
+        car = SALOON
+        every = {f"{s.name}.{q}": (-1e6, None) for s in car.struts for q in ("stiffness", "damping")}
+        free, low = (reconstruct(eigenmodes(car), car, bounds=bounds).ranges[:, 0] for bounds in (None, every))
+        np.testing.assert_array_equal(low, free)
+        assert np.all(low >= 0)
+
     def test_an_upper_bound_holds_back(self) -> None:
         """Of Table 1's two chains the bound leaves the one that is not quite passive."""
         answer = reconstruct(poles_of(eigenmodes(PAPER)), nominal(PAPER), bounds={"tire.stiffness": (None, 540e3)})
