@@ -188,6 +188,17 @@ class TestPenalty:
         found = values(reconstruct(plain(11, repaired), PAPER))
         assert all(abs(found[f"{s}.stiffness"] / K[s] - 1) > 1e-6 for s in K), "what the test above is for"
 
+    def test_it_decides_between_cars_that_the_data_hold_equally_likely(self) -> None:
+        """From w and zeta alone two cars have the same modes; the one further from nominal is wished for."""
+        exact = eigenmodes(PAPER)
+        modes = ModalSet.from_wn_zeta(exact.wn, exact.zeta, wn_std=1e-4 * exact.wn, zeta_std=1e-2 * exact.zeta)
+        other = reconstruct(modes, PAPER).alternatives[0]
+        k0 = {s.name: s.stiffness for s in other.struts}
+        found = reconstruct(modes, PAPER, penalty=lambda k, c: 100 * sum(cp.abs(k[s] / k0[s] - 1) for s in k0))  # noqa: ARG005
+        for s in found.suspension.struts:
+            assert s.stiffness == pytest.approx(k0[s.name], rel=1e-3)
+            assert abs(s.stiffness / K[s.name] - 1) > 0.01
+
     def test_a_square_is_a_nominal_value_with_a_standard_deviation(self) -> None:
         """Weight and unit: ((c - c0) / std)^2 is the very term of nominal_std."""
         off = nominal(PAPER)
