@@ -118,6 +118,27 @@ class TestRows:
         assert clock.rows.tolist() == list(range(1000))
         assert clock.timepts == pytest.approx(np.arange(1000) / 100, abs=1e-4)  # a hundredth of a step
 
+    @pytest.mark.parametrize("wrong", [-999.0, -1e10, 1e12, np.inf, -np.inf, np.nan])
+    @pytest.mark.parametrize("start", [0.0, 1.7e9])
+    @pytest.mark.parametrize("rows", [[0], [999], [0, 1, 2], [0, 998, 999]])
+    def test_wrong_stamps_at_the_ends_leave_the_other_rows_their_clock(
+        self, wrong: float, start: float, rows: list[int]
+    ) -> None:
+        stamps = start + np.arange(1000) / 200
+        kept = np.delete(np.arange(1000), rows)
+        values = wave(stamps - start)[None]
+        stamps[rows] = wrong
+        clock = read_clock(stamps, values)
+        assert clock.rows.tolist() == kept.tolist()
+        assert clock.timepts == pytest.approx(stamps[kept], abs=1e-6)
+        assert kinds(clock) == (["wrong stamps"] if abs(wrong) < np.inf else ["no stamp"])
+
+    def test_a_gap_that_asks_for_more_memory_than_the_rows_deserve_is_refused(self) -> None:
+        stamps = np.arange(1000) / 200
+        stamps[500:] += 1e9
+        with pytest.raises(RecordError, match=r"1e\+09 s after row 500, 2.495 s"):
+            read_clock(stamps, wave(np.arange(1000) / 200)[None])
+
     def test_those_without_a_stamp_are_missing(self) -> None:
         stamps = np.arange(500) / 100
         stamps[77] = np.nan

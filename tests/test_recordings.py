@@ -7,11 +7,12 @@ from collections.abc import Sequence
 
 import numpy as np
 import pytest
+from numpy.typing import ArrayLike
 
 from suspid import RecordError
 from suspid.io.tables import Table, TimeBase, stated_rate
 from suspid.io.timing import as_recording
-from suspid.recordings import RawChannel
+from suspid.recordings import RawChannel, Recording
 from suspid.units import RealArray
 from suspid.words import LeftOut, Remark
 
@@ -120,6 +121,38 @@ class TestWhatIsNoChannel:
     @pytest.mark.parametrize("name", ["ActualRate", "Sample_Rate", "fs", "SamplingFrequency", "scan rate"])
     def test_a_number_that_states_the_rate(self, name: str) -> None:
         assert stated_rate(name, 887.14) == 887.14
+
+
+class TestUnitsOfTime:
+    @staticmethod
+    def read(name: str, stamps: ArrayLike, fs: float | None = None) -> Recording:
+        columns = {name: np.asarray(stamps, float), "seat": np.ones(np.size(stamps))}
+        sizes = {column: values.size for column, values in columns.items()}
+        return as_recording(Table(sizes=sizes, columns=lambda names: [columns[n] for n in names]), fs=fs)
+
+    @pytest.mark.parametrize(("unit", "seconds"), [("h", 3600), ("hours", 3600), ("min", 60), ("days", 86_400)])
+    def test_long_units_are_multiples_of_a_second(self, unit: str, seconds: float) -> None:
+        stamps = self.read(f"time [{unit}]", np.arange(9.0))["seat"].timepts
+        assert stamps == pytest.approx(seconds * np.arange(9))
+
+    def test_an_unknown_unit_is_refused_with_those_that_are_known(self) -> None:
+        with pytest.raises(RecordError, match=r"unit of time in 'time \[furlong\]' is not known; known: s, ms"):
+            self.read("time [furlong]", np.arange(9.0))
+
+    @pytest.mark.parametrize("wrong", [np.inf, -np.inf, np.nan, 1e12, 1e18])
+    def test_one_wrong_stamp_does_not_change_the_unit(self, wrong: float) -> None:
+        stamps = np.arange(99) / 100
+        stamps[50] = wrong
+        assert np.delete(self.read("time", stamps)["seat"].timepts, 50).tolist() == np.delete(stamps, 50).tolist()
+
+    def test_whole_numbers_without_a_unit_are_said_to_be_taken_as_seconds(self) -> None:
+        for name, stamps, said in (
+            ("time", np.arange(20.0), True), ("timestamp", 5 * np.arange(20.0), True),
+            ("time [s]", np.arange(20.0), False), ("time", np.arange(20) / 10, False),
+            ("time", np.floor(np.arange(200) / 10), False), ("time", 1.7e12 + 5 * np.arange(20), False),
+        ):  # fmt: skip
+            codes = [remark.code for _, remark in self.read(name, stamps).left_out]
+            assert (LeftOut.SECONDS in codes) == said
 
 
 class TestNothingIsChanged:

@@ -230,7 +230,7 @@ class TestLeftOut:
             "2+Z": "is complex (a frequency response); a record is real",
             "3+Z": "is a power spectral density, not a time history",
             "4+Z": "is not sampled over time (abscissa type 19)",
-            "5+Z": "has its time in 'rev'; known: s, ms, us, ns, min",
+            "5+Z": "has its time in 'rev'; known: s, ms, us, ns, min, h, days",
         }
 
     def test_all_of_it_is_an_error(self, tmp_path: Path) -> None:

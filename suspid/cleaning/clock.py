@@ -17,6 +17,8 @@ from suspid.words import Defect, Number
 DRIFT = 1e-4
 # A stamp further from its place in the grid than this, in steps, belongs to another place.
 OFF = 0.5
+# Samples that a grid may hold for each row that is there; a wrong stamp must not ask for all the memory.
+MOST_ROWS = 20
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -58,7 +60,9 @@ def on_grid(
     kind: Defect | None,
     numbers: dict[str, Number],
 ) -> Clock:
-    """Return the clock of rows of which it is known which samples they are."""
+    """Return the clock of rows of which it is known which samples they are; refuse one that is nearly empty."""
+    if places[-1] >= MOST_ROWS * places.size:
+        raise RecordError(_empty(step, places, times))
     timepts = np.asarray(start + step * np.arange(places[-1] + 1))
     findings: tuple[Finding, ...] = (found(kind, times, times.size, numbers),) if kind else ()
     lost = int(timepts.size - places.size)
@@ -67,6 +71,15 @@ def on_grid(
         counts: dict[str, Number] = {"rows": timepts.size, "places": holes.size}
         findings += (found(Defect.MISSING_ROWS, times[np.append(holes, holes[-1] + 1)], lost, counts),)
     return Clock(timepts=timepts, rows=rows, stamps=timepts[places], places=places, findings=findings)
+
+
+def _empty(step: Second, places: Indices, times: RealArray) -> str:
+    row = int(np.argmax(np.diff(places)))
+    return (
+        f"the time stamps of {times.size} rows span {places[-1] + 1} samples of {step:.3g} s, most of them in a gap of "
+        f"{times[row + 1] - times[row]:.6g} s after row {row + 1}, {times[row]:.9g} s; correct the stamps beside it, "
+        f"or take the part before or after it (start, stop)"
+    )
 
 
 def stated(off: Second, rate: Hertz) -> dict[str, Number]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from suspid.cleaning.clock import DRIFT, OFF, Clock, check_rate, on_grid, stated
+from suspid.cleaning.clock import DRIFT, MOST_ROWS, OFF, Clock, check_rate, on_grid, stated
 from suspid.cleaning.findings import found
 from suspid.cleaning.following import late_or_irregular
 from suspid.errors import RecordError
@@ -19,8 +19,6 @@ RATES_APART = 0.02
 # Steps between samples above which nothing is interpolated, and share of the time that such holes may take. Wider
 # holes would be filled with what the record does not say.
 WIDE, HOLLOW = 2.5, 0.2
-# Samples that a grid may hold for each row that is there; a wrong stamp must not ask for all the memory.
-MOST_ROWS = 20
 
 
 def nearest_clock(times: RealArray, values: RealArray, rows: Indices, rate: Hertz | None) -> Clock:
@@ -51,8 +49,6 @@ def nearest_clock(times: RealArray, values: RealArray, rows: Indices, rate: Hert
             kind, numbers = Defect.IRREGULAR_STAMPS, {"largest": worst / step}
     if kind is Defect.IRREGULAR_STAMPS:
         return _irregular(times, rows, rate, numbers)
-    if places[-1] >= MOST_ROWS * times.size:
-        raise RecordError(_hollow(steps, WIDE * usual))
     return on_grid(start, step, places, rows, times, kind, numbers)
 
 

@@ -3,30 +3,53 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
+from suspid.cleaning.clock import MOST_ROWS
 from suspid.cleaning.findings import Finding, found
 from suspid.errors import RecordError
 from suspid.stamps import FEW, Indices, line, resolution
 from suspid.units import Ratio, RealArray
-from suspid.words import Defect
+from suspid.words import Defect, Number
 
 # Rows by which a row may be out of order; more is a restart of the clock.
 FAR = 8
+# Rows from which on one can be told to be far from all others.
+FEWEST_ROWS = 12
 # Latest possible time stamp [s].
 LATEST = 1e15
 
 
 def stamped(stamps: RealArray) -> tuple[Indices, tuple[Finding, ...]]:
-    """Return the rows whose stamp is a number."""
+    """Return the rows whose stamp is a number, without those at the ends whose stamps are far from all others."""
     rows = np.flatnonzero(np.abs(stamps) < LATEST)
     lost = stamps.size - rows.size
     if rows.size < 2 or lost > max(1, 0.1 * stamps.size):
         raise RecordError(
             f"{lost} of {stamps.size} time stamps are not numbers; correct the time column, or give fs alone"
         )
-    if not lost:
-        return rows, ()
-    return rows, (found(Defect.NO_STAMP, stamps[rows][[0, -1]], lost),)
+    findings: tuple[Finding, ...] = ()
+    if lost:
+        findings = (found(Defect.NO_STAMP, stamps[rows][[0, -1]], lost),)
+    far = _far_ends(stamps[rows])
+    if not np.any(far):
+        return rows, findings
+    first = float(stamps[rows[far]][0])
+    rows = rows[~far]
+    numbers: dict[str, Number] = {"first": first, "left_out": True}
+    return rows, (*findings, found(Defect.WRONG_STAMPS, stamps[rows][[0, -1]], int(np.sum(far)), numbers))
+
+
+def _far_ends(times: RealArray) -> NDArray[np.bool_]:
+    """Return which of the first and last rows are too far from the others in time for any grid, if these are few."""
+    none = np.zeros(times.size, bool)
+    steps = np.abs(np.diff(times))
+    if times.size < FEWEST_ROWS or not np.any(steps > 0):
+        return none
+    reach = MOST_ROWS * times.size * float(np.median(steps[steps > 0]))
+    far = np.abs(times - np.median(times)) > reach
+    ends = np.logical_and.accumulate(far) | np.logical_and.accumulate(far[::-1])[::-1]
+    return ends if np.sum(ends) <= max(2, FEW * times.size) else none
 
 
 def unrepeated(

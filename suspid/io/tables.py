@@ -21,10 +21,16 @@ PER_SECOND = {
     **dict.fromkeys(("us", "usec", "µs", "μs", "microsecond", "microseconds"), 1e6),
     **dict.fromkeys(("ns", "nsec", "nanosecond", "nanoseconds"), 1e9),
     **dict.fromkeys(("min", "minute", "minutes"), 1 / 60),
+    **dict.fromkeys(("h", "hr", "hrs", "hour", "hours"), 1 / 3600),
+    **dict.fromkeys(("day", "days"), 1 / 86400),
 }
+# These units as a message lists them.
+KNOWN_UNITS = "s, ms, us, ns, min, h, days"
+# Columns of these names are not taken for the time: they are parts of a date.
+DATE_PARTS = {"min", "hr", "hrs", "hour", "hours", "day", "days"}
 TIME_NAMES = {"t", "time", "timepts", "timestamp", "timestamps", "timedomain", "timevector", "elapsed", "elapsedtime"}
 TIME_NAMES |= {"zeit", "temps", "tiempo", "uhrzeit", "zeitstempel", "datetime", "date/time", "secondselapsed", "xvalue"}
-TIME_NAMES |= {name for name in PER_SECOND if len(name) > 2 and name != "min"}
+TIME_NAMES |= {name for name in PER_SECOND if len(name) > 2} - DATE_PARTS
 RATE_NAMES = {"fs", "samplerate", "samplingrate", "timesamplerate", "samplefrequency", "samplingfrequency"}
 RATE_NAMES |= {"actualrate", "actualsamplerate", "actualsamplingrate", "scanrate", "acquisitionrate"}
 RATE_NAMES |= {"samplespersecond", "samplefreq", "samplingfreq", "srate", "abtastrate"}
@@ -134,6 +140,18 @@ def is_time(name: str) -> bool:
     """Whether a column of that name holds time in a unit that is known."""
     stem, unit = split_unit(name)
     return stem in TIME_NAMES and (not unit or unit in PER_SECOND)
+
+
+def is_time_in_unknown_unit(name: str) -> bool:
+    """Whether a column is named time in full, in a unit that is not known.
+
+    Examples
+    --------
+    >>> is_time_in_unknown_unit("time [furlong]"), is_time_in_unknown_unit("time [h]"), is_time_in_unknown_unit("t [C]")
+    (True, False, False)
+    """
+    stem, unit = split_unit(name)
+    return stem in TIME_NAMES and stem != "t" and bool(unit) and unit not in PER_SECOND
 
 
 def stated_rate(name: str, value: float, unit: str = "") -> Hertz | None:

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from suspid.errors import RecordError
-from suspid.io.tables import PER_SECOND, Table, TimeBase, is_count, is_time, split_unit
+from suspid.io.tables import KNOWN_UNITS, PER_SECOND, Table, TimeBase, is_count, is_time, split_unit
 from suspid.units import Hertz, RealArray
 from suspid.words import LeftOut, Remark
 
@@ -93,11 +93,28 @@ def in_seconds(table: Table, time: str, stamps: RealArray) -> RealArray:
     """Return the numbers of a column of time in seconds."""
     unit = time_unit(table, time) or epoch_unit(stamps)
     if unit not in PER_SECOND:
-        raise RecordError(f"the unit of time in {time!r} is not known; known: s, ms, us, ns, min; or give fs alone")
+        raise RecordError(unknown_unit(time))
     return np.asarray(stamps / PER_SECOND[unit])
 
 
+def unknown_unit(time: str) -> str:
+    """Return what is wrong with a column of time in an unknown unit."""
+    return f"the unit of time in {time!r} is not known; known: {KNOWN_UNITS}; rename it, or ignore it and give fs"
+
+
+def is_unusually_slow(table: Table, time: str, stamps: RealArray) -> bool:
+    """Whether stamps without a unit are whole numbers one or more apart: a counter, or another unit than seconds."""
+    some = stamps[np.isfinite(stamps)]
+    if time_unit(table, time) or some.size < FEW_STAMPS or epoch_unit(stamps) != "s":
+        return False
+    return bool(np.all(some == np.round(some)) and np.median(np.diff(some)) >= 1)
+
+
 def epoch_unit(stamps: RealArray) -> str:
-    """Return the unit of stamps without one: s, unless that would be a year beyond 4000."""
-    size = float(np.nanmax(np.abs(stamps), initial=0.0))
+    """Return the unit of stamps without one: s, unless that would be a year beyond 4000.
+
+    The median is compared, so that single wrong stamps do not count.
+    """
+    sizes = np.abs(stamps[np.isfinite(stamps)])
+    size = float(np.median(sizes)) if sizes.size else 0.0
     return next((name for name, least in EPOCHS if size > least), "s")

@@ -9,8 +9,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from suspid.errors import RecordError
-from suspid.io.tables import Table, TimeBase, counts_rows, is_time
-from suspid.io.time_columns import epoch_unit, in_seconds, increasing, time_column, time_unit
+from suspid.io.tables import Table, TimeBase, counts_rows, is_time, is_time_in_unknown_unit
+from suspid.io.time_columns import (
+    epoch_unit,
+    in_seconds,
+    increasing,
+    is_unusually_slow,
+    time_column,
+    time_unit,
+    unknown_unit,
+)
 from suspid.recordings import RawChannel, Recording
 from suspid.units import Hertz, RealArray
 from suspid.words import LeftOut, Number, Remark
@@ -75,6 +83,9 @@ def as_recording(
         stamps = in_seconds(table, times[0], columns[times[0]])
         if not time_unit(table, times[0]) and (unit := epoch_unit(columns[times[0]])) != "s":
             left_out[f"unit of {times[0]!r}"] = Remark(LeftOut.EPOCH, {"unit": unit})
+        elif fs is None and is_unusually_slow(table, times[0], columns[times[0]]):
+            pace = 1 / float(np.nanmedian(np.diff(stamps)))
+            left_out[f"unit of {times[0]!r}"] = Remark(LeftOut.SECONDS, {"rate": pace})
     elif followers:
         stamps = np.arange(table.sizes[followers[0]]) / (plan.rate or 1.0)
     stamps.flags.writeable = False
@@ -131,6 +142,9 @@ def _plan(table: Table, channels: Sequence[str] | None, time: str | None, fs: He
 
 def _check_followers(table: Table, names: Sequence[str], time: str | None, rate: Hertz | None) -> None:
     """Refuse channels without a time base where no time or rate is known, or time has another length."""
+    unclear = [name for name in table.sizes if is_time_in_unknown_unit(name)]
+    if names and time is None and rate is None and unclear:
+        raise RecordError(unknown_unit(unclear[0]))
     if names and time is None and rate is None:
         raise RecordError(
             f"no column is named like a time: {', '.join(map(repr, table.sizes))}; name one (time), or give the "

@@ -205,8 +205,8 @@ class Defect(Code):
     WRONG_STAMPS = (
         "wrong stamps",
         lambda n: (
-            f"{_count(n, 'time stamp')} out of line with all others, the first {n['first']:g} s; replaced by the time "
-            f"that follows from the order of the rows"
+            f"{_count(n, 'time stamp')} out of line with all others, the first {n['first']:g} s; "
+            + ("rows left out" if n.get("left_out") else "replaced by the time that follows from the order of the rows")
         ),
     )
     SENTINEL = "sentinel", _sentinel

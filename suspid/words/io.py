@@ -55,7 +55,7 @@ class LeftOut(Code):
     COMPLEX_FUNCTION = "complex_function", "is complex ({function}); a record is real"
     ABSCISSA = "abscissa", "is not sampled over time (abscissa type {type})"
     NOT_OVER_TIME = "not_over_time", "is sampled over {axis}, not over time"
-    TIME_UNIT = "time_unit", "has its time in {unit!r}; known: s, ms, us, ns, min"
+    TIME_UNIT = "time_unit", "has its time in {unit!r}; known: s, ms, us, ns, min, h, days"
     INVALID = "invalid", "is marked as invalid throughout"
     FORMULA = "formula", "is scaled by a formula; formulas from files are not evaluated"
     # What keeps it from being read.
@@ -79,6 +79,7 @@ class LeftOut(Code):
     LENGTH = "length", "has {samples} samples, the others have {others}"
     IGNORED_TIME = "ignored_time", "is a time, ignored as asked"
     EPOCH = "epoch", "is not stated; stamps of this size are {unit} since 1970"
+    SECONDS = "seconds", "is not stated; taken as seconds, which makes {rate:.4g} Hz; give fs if the rows were faster"
     ROW_COUNTER = "row_counter", "counts the rows"
     # Lines of text files.
     HEADING = "heading", "is above the data: {line}"
