@@ -302,7 +302,7 @@ class TestRoundedAndClipped:
     def test_clipping_is_refused_with_its_time(self, level: float) -> None:
         clean = free_decay(cars.SALOON, np.arange(5000) / 500, initial_state={"v_tire": 1.0})
         limit = level * np.max(np.abs(clean.y), axis=1, keepdims=True)
-        with pytest.raises(RecordError, match=r"clipped: \d+ samples .* on end from t = "):
+        with pytest.raises(RecordError, match=r"clipped: \d+ samples .* consecutive from t = "):
             identify(as_response(clean.time, np.clip(clean.y, -limit, limit), clean.output_labels))
 
     @pytest.mark.parametrize("bits", [8, 12])

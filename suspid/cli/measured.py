@@ -128,7 +128,7 @@ def said_of(found: Analysis) -> list[str]:
 def record_in_words(record: control.TimeResponseData) -> str:
     """Return length, rate, start and channels of a record in one line."""
     signal = as_signal(record)
-    # What is rounding beside a sampling step is nought.
+    # A start within rounding of zero is zero.
     start = signal.start if abs(signal.start) > 1e-9 * signal.step else 0.0
     names = ", ".join(signal.channels[:6]) + (", …" if len(signal.channels) > 6 else "")
     return (

@@ -157,7 +157,7 @@ def analysing(*options: Callable[[Any], Any]) -> Callable[[Command], Command]:
 
 @contextmanager
 def progress(*steps: str) -> Iterator[Callable[[str], None]]:
-    """Give a function that is told which step begins; long work shows a bar, on a terminal only."""
+    """Give a function to call as each step begins; long work shows a bar, on a terminal only."""
     from tqdm import tqdm
 
     with tqdm(total=len(steps), disable=None, delay=PATIENCE, leave=False, bar_format="{l_bar}{bar}| {elapsed}") as bar:

@@ -96,7 +96,7 @@ def give_up(children: Children) -> None:
 
 
 def close(children: Children) -> None:
-    """End all worker processes; nobody waits for an answer any more."""
+    """End all worker processes."""
     give_up(children)
     for process in tuple(children.living):
         _end(children, process)

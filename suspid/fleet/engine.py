@@ -1,4 +1,4 @@
-"""Chunks of records given to whoever works, and taken back as tables; a chunk whose worker dies is given again."""
+"""Distribute chunks of records to workers and collect tables; the chunk of a worker that dies is distributed again."""
 
 from __future__ import annotations
 

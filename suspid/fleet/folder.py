@@ -34,7 +34,7 @@ def own(folder: Path) -> Iterator[None]:
     try:
         import fcntl
     except ImportError:
-        # Windows: then nobody watches.
+        # Windows has no such lock: two runs in one folder are not detected.
         yield
         return
     handle = os.open(folder, os.O_RDONLY)
@@ -46,7 +46,7 @@ def own(folder: Path) -> Iterator[None]:
             f"{name}: another run is writing its results there; wait for it, or give another folder"
         ) from None
     except OSError:
-        # A file system without locks: then nobody watches either.
+        # A file system without locks: two runs in one folder are not detected.
         pass
     try:
         yield

@@ -1,4 +1,4 @@
-"""The records of a fleet: in a list of files, in chunks, and one at hand with what is known of it."""
+"""The records of a fleet: the list of files, its chunks, and one record with its size and hash."""
 
 from __future__ import annotations
 

@@ -222,7 +222,7 @@ def _check_clipping(signal: Signal) -> None:
                 at = np.flatnonzero(samples == limit)
                 raise RecordError(
                     f"channel {name!r} is clipped: {len(at)} samples are at its {word} value {limit:g}, {count} of "
-                    f"them on end from t = {time[first]:g} s; start the record after t = {time[at[-1]]:g} s, "
+                    f"them consecutive from t = {time[first]:g} s; start the record after t = {time[at[-1]]:g} s, "
                     f"or leave the channel out"
                 )
 

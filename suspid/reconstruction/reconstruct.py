@@ -94,7 +94,7 @@ def reconstruct(
         five standard deviations of the pole are accepted as well. Default: 0.02. If given, modes without a
         covariance count as known to it where alternatives are listed. If not, they count as exact; but those that
         were printed (w and zeta, or the poles, are numbers of at most eight digits, w perhaps in Hz) as known to
-        0.005, for nobody knows how they were found.
+        0.005: how they were found is not known.
     search : bool
         Whether to look for alternatives. Without, only the nominal suspension is a start, unless it leads nowhere.
     constraints : str, callable, or sequence of them, optional

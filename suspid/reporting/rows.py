@@ -99,7 +99,7 @@ class RepeatRows:
 
 
 def quantity(value: float, reach: float | None, *, digits: int = 6) -> Quantity:
-    """Return a value rounded to the second digit of its interval; without one, to so many significant digits.
+    """Return a value rounded to the second digit of its interval; without one, to this number of significant digits.
 
     Examples
     --------
@@ -124,7 +124,7 @@ def decimals(reach: float) -> int:
 
 
 def fixed(value: float, places: int) -> str:
-    """Return a value with so many decimals; below none, with that many zeros before the point."""
+    """Return a value with a number of decimals; a negative number rounds before the point."""
     return signed(f"{round(value, places):.{min(max(places, 0), 15)}f}")
 
 
