@@ -4,22 +4,28 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import TypeVar
 
 import numpy as np
 from tabulate import tabulate
 
 from suspid.units import ComplexArray, RealArray
 
+# Names that a message lists; a file may have hundreds of channels.
+MOST_NAMES = 10
 
-class FrozenMapping(Mapping[str, float]):
-    """An ordered, immutable mapping from names to numbers (hashable, picklable)."""
+Value = TypeVar("Value")
+
+
+class FrozenItems(Mapping[str, Value]):
+    """An ordered, immutable mapping from names to hashable values (hashable, picklable)."""
 
     __slots__ = ("_items",)
 
-    def __init__(self, items: Mapping[str, float]) -> None:
-        self._items = {str(name): float(value) for name, value in items.items()}
+    def __init__(self, items: Mapping[str, Value]) -> None:
+        self._items = dict(items)
 
-    def __getitem__(self, name: str) -> float:
+    def __getitem__(self, name: str) -> Value:
         return self._items[name]
 
     def __iter__(self) -> Iterator[str]:
@@ -41,6 +47,15 @@ class FrozenMapping(Mapping[str, float]):
         return repr(self._items)
 
 
+class FrozenMapping(FrozenItems[float]):
+    """An ordered, immutable mapping from names to numbers (hashable, picklable)."""
+
+    __slots__ = ()
+
+    def __init__(self, items: Mapping[str, float]) -> None:
+        super().__init__({str(name): float(value) for name, value in items.items()})
+
+
 def frozen_real(array: object) -> RealArray:
     """Return a read-only float64 copy."""
     copy = np.array(array, dtype=np.float64)
@@ -56,12 +71,19 @@ def frozen_complex(array: object) -> ComplexArray:
 
 
 def nearest_names(name: str, known: Iterable[str]) -> str:
-    """Return ``" Did you mean …?"`` when a known name is close, else the list of known names."""
-    names = list(known)
+    """Return ``" Did you mean …?"`` when a known name is close, else the list of known names, the first ten of many.
+
+    Examples
+    --------
+    >>> nearest_names("sat", ["seat", "tire", "seat"]), nearest_names("x", ["seat", "tire"])
+    (" Did you mean 'seat'?", " Known: 'seat', 'tire'.")
+    """
+    names = list(dict.fromkeys(known))
     close = difflib.get_close_matches(name, names, n=3, cutoff=0.6)
     if close:
         return f" Did you mean {' or '.join(repr(c) for c in close)}?"
-    return f" Known: {', '.join(repr(n) for n in names)}." if names else ""
+    more = f" and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else ""
+    return f" Known: {', '.join(repr(n) for n in names[:MOST_NAMES])}{more}." if names else ""
 
 
 def text_table(columns: Mapping[str, Sequence[str]]) -> str:

@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 import pytest
@@ -320,9 +320,6 @@ class TestWhatIsRefused:
     @pytest.mark.parametrize(
         ("settings", "message"),
         [
-            ({"settings": Settings(method=cast("Any", "magic"))}, "method='magic' is unknown"),
-            ({"settings": Settings(modes=0)}, "at least one mode"),
-            ({"settings": Settings(band=(5.0, 2.0))}, "two increasing"),
             ({"settings": Settings(springs=CarSettings(fixed=("tire",)))}, "of use only with a car"),
             ({"car": CAR, "settings": Settings(springs=CarSettings(fixed=("tyre.damping",)))}, "Did you mean"),
             ({"workers": 0}, "1 or more"),

@@ -136,6 +136,8 @@ def analyse(
 
     Raises
     ------
+    InputError
+        If a setting cannot be meant for this source or this car.
     SuspidError
         If the source cannot be used, or fewer modes than asked for stand out.
 
@@ -152,7 +154,8 @@ def analyse(
     >>> found.reconstruction.explains
     True
     """
-    settings = settings or Settings()
+    settings = Settings() if settings is None else settings
+    _check_types(car, settings)
     begin = progress or (lambda _: None)
     begin(STEPS[0])
     opened = read(source, settings)
@@ -178,6 +181,14 @@ def analyse(
         reconstruction=found,
         notes=tuple(notes),
     )
+
+
+def _check_types(car: object, settings: object) -> None:
+    """Refuse what is neither a car nor settings."""
+    if not isinstance(settings, Settings):
+        raise InputError(f"settings={settings!r:.80} must be Settings, such as Settings(modes=1)")
+    if car is not None and not isinstance(car, Suspension):
+        raise InputError(f"car={car!r:.80} must be a Suspension; read_car reads one from a file")
 
 
 def _identified(opened: Read, stretch: Used, settings: Settings) -> tuple[Identification, Repeats | None]:

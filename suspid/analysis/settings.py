@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
-from typing import Literal, TypeAlias
+from dataclasses import dataclass, field
+from typing import Literal, TypeAlias, get_args
 
+from suspid.analysis import fields
 from suspid.errors import InputError
 from suspid.identification import Method
 from suspid.reconstruction import Bounds
@@ -19,6 +20,11 @@ Factors: TypeAlias = Mapping[str, float] | tuple[tuple[str, float], ...]
 @dataclass(frozen=True, kw_only=True, slots=True)
 class CarSettings:
     """How springs and dampers are reconstructed; the meaning of each is that in `suspid.reconstruct`.
+
+    Raises
+    ------
+    InputError
+        If a value is of the wrong type or cannot be meant; the message names it and says what to give.
 
     Examples
     --------
@@ -35,6 +41,20 @@ class CarSettings:
     tolerance: Ratio | None = None
     search: bool = True
     constraints: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        for name, check in _SPRINGS.items():
+            object.__setattr__(self, name, check(name, getattr(self, name)))
+
+    def to_dict(self) -> dict[str, object]:
+        """Return the settings as plain values, for JSON.
+
+        Examples
+        --------
+        >>> CarSettings(added_masses={"seat": 75}).to_dict()["added_masses"]
+        {'seat': 75.0}
+        """
+        return {name: _plain(getattr(self, name)) for name in _SPRINGS}
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -80,7 +100,8 @@ class Settings:
     Raises
     ------
     InputError
-        If settings contradict each other.
+        If a value is of the wrong type or cannot be meant, or settings contradict each other; the message names the
+        setting and says what to give.
 
     Examples
     --------
@@ -109,19 +130,16 @@ class Settings:
     springs: CarSettings = field(default_factory=CarSettings)
 
     def __post_init__(self) -> None:
-        for name in ("rename", "scale"):
-            given = getattr(self, name)
-            object.__setattr__(self, name, tuple(given.items() if isinstance(given, Mapping) else given))
-        if self.decay not in ("auto", "whole", "all") and not (isinstance(self.decay, int) and self.decay > 0):
-            raise InputError(f"decay={self.decay!r} must be 'auto', 'whole', 'all' or a rank from 1 on")
+        for name, check in _SETTINGS.items():
+            object.__setattr__(self, name, check(name, getattr(self, name)))
+        if self.start is not None and self.stop is not None and not self.start < self.stop:
+            raise InputError(f"start={self.start:g} s must lie before stop={self.stop:g} s")
         if self.decay not in ("auto", "whole") and (self.start is not None or self.stop is not None):
             raise InputError("give either decay, or start and stop")
         if self.decay == "all" and self.method != "likelihood":
             raise InputError(
                 f"decay='all' fits all decays jointly by likelihood; method={self.method!r} takes one decay at a time"
             )
-        if not 0 < self.level < 1:
-            raise InputError(f"level={self.level:g} must lie between 0 and 1")
 
     def to_dict(self) -> dict[str, object]:
         """Return the settings as plain values, for JSON.
@@ -131,9 +149,69 @@ class Settings:
         >>> Settings(scale={"seat": -1.0}).to_dict()["scale"]
         {'seat': -1.0}
         """
-        plain = asdict(self)
-        return plain | {
-            "rename": dict(self.rename),
-            "scale": dict(self.scale),
-            "dbc": None if self.dbc is None else os.fspath(self.dbc),
-        }
+        return {name: _plain(getattr(self, name)) for name in _SETTINGS}
+
+
+def _plain(value: object) -> object:
+    """Return a value of a setting in types that JSON knows."""
+    if isinstance(value, CarSettings):
+        return value.to_dict()
+    if isinstance(value, Mapping):
+        return dict(value)
+    return os.fspath(value) if isinstance(value, os.PathLike) else value
+
+
+def _decay(name: str, value: object) -> str | int:
+    if isinstance(value, str) and value in ("auto", "whole", "all"):
+        return value
+    try:
+        return fields.rank(name, value)
+    except InputError:
+        raise fields.wrong(name, value, "must be 'auto', 'whole', 'all' or a rank from 1 on") from None
+
+
+def _method(name: str, value: object) -> str:
+    if not isinstance(value, str) or value not in get_args(Method):
+        raise fields.wrong(name, value, f"is unknown; the methods are {', '.join(get_args(Method))}")
+    return value
+
+
+def _springs(name: str, value: object) -> CarSettings:
+    if not isinstance(value, CarSettings):
+        raise fields.wrong(name, value, "give CarSettings, such as CarSettings(fixed=('tire.damping',))")
+    return value
+
+
+# How each setting is checked, in the order of the fields.
+_SPRINGS: Mapping[str, fields.Check] = {
+    "fixed": fields.names,
+    "bounds": fields.bounds,
+    "ties": fields.groups,
+    "nominal_std": fields.none_or(fields.relative_stds),
+    "free_masses": fields.names,
+    "added_masses": fields.masses,
+    "tolerance": fields.none_or(fields.positive),
+    "search": fields.flag,
+    "constraints": fields.texts,
+}
+_SETTINGS: Mapping[str, fields.Check] = {
+    "channels": fields.none_or(fields.some_names),
+    "without": fields.names,
+    "rename": fields.new_names,
+    "scale": fields.factors,
+    "vertical": fields.none_or(fields.axes),
+    "si": fields.flag,
+    "time": fields.none_or(fields.text),
+    "fs": fields.none_or(fields.positive),
+    "dbc": fields.none_or(fields.path),
+    "start": fields.none_or(fields.number),
+    "stop": fields.none_or(fields.number),
+    "decay": _decay,
+    "modes": fields.none_or(fields.rank),
+    "method": _method,
+    "band": fields.none_or(fields.limits),
+    "bandwidth": fields.none_or(fields.positive),
+    "candidates": fields.numbers_above_zero,
+    "level": fields.probability,
+    "springs": _springs,
+}

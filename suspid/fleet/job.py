@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import get_args
 
 from suspid.analysis import CarSettings, Settings, reconstruct_as
 from suspid.errors import InputError, ReconstructionError
 from suspid.fleet.manifest import environment
-from suspid.identification import Method
 from suspid.model import Suspension, eigenmodes
 from suspid.units import Second
 
@@ -38,12 +36,6 @@ class Job:
 def check_job(job: Job, car: Suspension | None) -> None:
     """Refuse at once what would be every record's failure."""
     settings = job.settings
-    if settings.method not in get_args(Method):
-        raise InputError(f"method={settings.method!r} is unknown; the methods are {', '.join(get_args(Method))}")
-    if settings.modes is not None and settings.modes < 1:
-        raise InputError(f"modes={settings.modes}: ask for at least one mode, or leave it out to find out")
-    if settings.band is not None and not 0 < settings.band[0] < settings.band[1]:
-        raise InputError(f"band={settings.band}: must be two increasing angular frequencies above 0 [rad/s]")
     if job.time_limit is not None and not job.time_limit > 0:
         raise InputError(f"time_limit={job.time_limit} s must be positive")
     if car is None:

@@ -1,0 +1,152 @@
+"""Settings refuse at once what cannot be meant, and stay frozen values."""
+
+from __future__ import annotations
+
+import json
+import pickle
+from typing import Any
+
+import numpy as np
+import pytest
+
+from suspid import CarSettings, InputError, Settings, analyse, free_decay
+from validation import cars
+
+NAN, INF = float("nan"), float("inf")
+WRONG: list[dict[str, Any]] = [
+    {"channels": (1,)},
+    {"channels": "seat"},
+    {"channels": ()},
+    {"channels": ("seat", "seat")},
+    {"channels": {"seat"}},
+    {"without": None},
+    {"without": "seat"},
+    {"rename": {"seat": 1}},
+    {"rename": "seat"},
+    {"rename": None},
+    {"rename": (("seat", "a"), ("seat", "b"))},
+    {"scale": None},
+    {"scale": {"seat": "2"}},
+    {"scale": {"seat": 2j}},
+    {"scale": {"seat": 0.0}},
+    {"scale": {"seat": NAN}},
+    {"scale": (("seat", 1.0), ("seat", 2.0))},
+    {"vertical": "xyz"},
+    {"vertical": ("x", "y")},
+    {"vertical": ("x", "y", "y")},
+    {"si": "no"},
+    {"time": 1},
+    {"fs": "200"},
+    {"fs": 0},
+    {"fs": -1},
+    {"fs": NAN},
+    {"fs": True},
+    {"dbc": 3},
+    {"start": "1"},
+    {"start": 1j},
+    {"start": NAN},
+    {"stop": INF},
+    {"start": 2.0, "stop": 2.0},
+    {"start": 3.0, "stop": 2.0},
+    {"decay": True},
+    {"decay": "al"},
+    {"decay": 0},
+    {"decay": 1.5},
+    {"decay": "all", "start": 1.0},
+    {"decay": "all", "method": "ridge"},
+    {"modes": 2.5},
+    {"modes": "2"},
+    {"modes": True},
+    {"modes": 0},
+    {"method": "magic"},
+    {"method": ["ridge"]},
+    {"band": (1.0,)},
+    {"band": (1.0, 2.0, 3.0)},
+    {"band": (5.0, 2.0)},
+    {"band": ()},
+    {"band": "ab"},
+    {"band": ("1", "2")},
+    {"bandwidth": 0.0},
+    {"candidates": "12"},
+    {"candidates": ()},
+    {"candidates": (1.0, -2.0)},
+    {"level": "x"},
+    {"level": None},
+    {"level": 1.0},
+    {"springs": None},
+    {"springs": {"fixed": ("seat",)}},
+]
+WRONG_SPRINGS: list[dict[str, Any]] = [
+    {"fixed": "seat"},
+    {"fixed": (1,)},
+    {"fixed": ("seat", "seat")},
+    {"bounds": None},
+    {"bounds": {"tire.stiffness": 1.0}},
+    {"bounds": {"tire.stiffness": (2.0, 1.0)}},
+    {"bounds": {"tire.stiffness": (INF, None)}},
+    {"bounds": {"tire.stiffness": ("1", "2")}},
+    {"ties": ("front.stiffness", "rear.stiffness")},
+    {"ties": (("front.stiffness",),)},
+    {"nominal_std": -1},
+    {"nominal_std": {"tire.stiffness": 0.0}},
+    {"free_masses": "seat"},
+    {"added_masses": {"seat": -1.0}},
+    {"added_masses": None},
+    {"tolerance": -1},
+    {"tolerance": NAN},
+    {"search": "no"},
+    {"constraints": "tire.stiffness >= 1"},
+    {"constraints": (1,)},
+]
+
+
+def label(wrong: dict[str, Any]) -> str:
+    return ", ".join(f"{name}={value!r}" for name, value in wrong.items())
+
+
+@pytest.mark.parametrize("wrong", WRONG, ids=label)
+def test_what_cannot_be_meant_is_refused_by_name(wrong: dict[str, Any]) -> None:
+    with pytest.raises(InputError, match=next(iter(wrong))):
+        Settings(**wrong)
+
+
+@pytest.mark.parametrize("wrong", WRONG_SPRINGS, ids=label)
+def test_of_springs_as_well(wrong: dict[str, Any]) -> None:
+    with pytest.raises(InputError, match=next(iter(wrong))):
+        CarSettings(**wrong)
+
+
+def test_numbers_of_numpy_and_lists_are_taken() -> None:
+    given = Settings(
+        channels=["seat"],  # type: ignore[arg-type]
+        scale={"seat": np.float32(2)},  # type: ignore[dict-item]
+        decay=int(np.int64(1)),
+        modes=np.int64(2),  # type: ignore[arg-type]
+        band=np.array([1.0, 2.0]),  # type: ignore[arg-type]
+        si=np.bool_(False),  # type: ignore[arg-type]
+        candidates=range(1, 4),  # type: ignore[arg-type]
+    )
+    same = Settings(channels=("seat",), scale={"seat": 2.0}, decay=1, modes=2, band=(1, 2), candidates=(1, 2, 3))
+    assert given == same
+    assert hash(given) == hash(same)
+    assert Settings(decay=np.int64(1)) == Settings(decay=1)  # type: ignore[arg-type]
+
+
+def test_they_are_values() -> None:
+    springs = CarSettings(bounds={"tire.stiffness": (None, INF)}, nominal_std={"tire.mass": 0.1}, ties=[["a", "b"]])  # type: ignore[arg-type]
+    given = Settings(rename=(("a", "b"),), scale={"b": 2}, springs=springs)
+    assert len({given, pickle.loads(pickle.dumps(given)), Settings()}) == 2
+    assert dict(given.rename) == {"a": "b"}
+    plain = json.loads(json.dumps(given.to_dict()))
+    assert plain["scale"] == {"b": 2.0}
+    assert plain["springs"]["bounds"] == {"tire.stiffness": [None, None]}
+    with pytest.raises(TypeError):
+        given.scale["b"] = 3.0  # type: ignore[index]
+
+
+def test_a_mapping_is_no_settings() -> None:
+    record = free_decay(cars.PAPER, np.arange(0, 5, 0.002), initial_state={"v_tire": 1.0})
+    with pytest.raises(InputError, match=r"Settings\(modes=1\)"):
+        analyse(record, settings={"modes": 1})  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="car"):
+        analyse(record, car="car.toml")  # type: ignore[arg-type]
