@@ -85,11 +85,13 @@ def as_signal(response: control.TimeResponseData, *, least: int = 2) -> Signal:
     Raises
     ------
     RecordError
-        If the response is empty, too short, irregular in time, or holds values that are not finite.
+        If the response is empty, too short, complex, irregular in time, or holds values that are not finite.
     """
     if not all(hasattr(response, name) for name in ("time", "y", "output_labels")):
         raise RecordError(f"expected a control.TimeResponseData, not {type(response).__name__}")
-    timepts, values = np.asarray(response.time, float), np.asarray(response.y, float)
+    if np.any(np.imag(response.y)):
+        raise RecordError("the response is complex; pass its real or its imaginary part as a response of its own")
+    timepts, values = np.asarray(response.time, float), np.asarray(np.real(response.y), float)
     if values.ndim == 3:
         if values.shape[1] != 1:
             raise RecordError(f"the response holds {values.shape[1]} traces; pass one of them at a time")
@@ -186,10 +188,23 @@ def cut(
     keep = (time >= first) & (time <= last)
     if np.sum(keep) < 2:
         raise RecordError(
-            f"from {first:g} to {last:g} s the record holds {np.sum(keep)} samples; it lasts from {time[0]:g} "
-            f"to {time[-1]:g} s"
+            f"the record has {np.sum(keep)} samples {span(start, stop)}; "
+            f"it lasts from {time[0]:.6g} to {time[-1]:.6g} s"
         )
     return as_response(time[keep], signal.values[:, keep], signal.channels)
+
+
+def span(start: Second | None, stop: Second | None) -> str:
+    """Return in words what lies between two times, of which one may be open.
+
+    Examples
+    --------
+    >>> span(2.0, None), span(None, 3.0), span(2.0, 3.0)
+    ('from 2 s on', 'until 3 s', 'from 2 to 3 s')
+    """
+    if stop is None:
+        return f"from {start:.6g} s on" if start is not None else "in all"
+    return f"until {stop:.6g} s" if start is None else f"from {start:.6g} to {stop:.6g} s"
 
 
 def late_start(signal: Signal) -> Second | None:

@@ -82,8 +82,19 @@ def nearest_names(name: str, known: Iterable[str]) -> str:
     close = difflib.get_close_matches(name, names, n=3, cutoff=0.6)
     if close:
         return f" Did you mean {' or '.join(repr(c) for c in close)}?"
-    more = f" and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else ""
-    return f" Known: {', '.join(repr(n) for n in names[:MOST_NAMES])}{more}." if names else ""
+    return f" Known: {listed(names)}." if names else ""
+
+
+def listed(names: Sequence[str]) -> str:
+    """Return names in quotes, the first ten of many and the number of the others.
+
+    Examples
+    --------
+    >>> listed(["seat", "tire"]), listed([str(k) for k in range(12)])[-16:]
+    ("'seat', 'tire'", "'9' and 2 others")
+    """
+    more = len(names) - MOST_NAMES
+    return ", ".join(map(repr, names[:MOST_NAMES])) + (f" and {more} other{'s' * (more > 1)}" if more > 0 else "")
 
 
 def text_table(columns: Mapping[str, Sequence[str]]) -> str:

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import json
 import pickle
+from pathlib import Path
 from typing import Any
 
+import control
 import numpy as np
 import pytest
 
-from suspid import CarSettings, InputError, Settings, analyse, free_decay
+from suspid import CarSettings, InputError, Settings, analyse, free_decay, write_record
+from suspid.signals import as_response
 from validation import cars
 
 NAN, INF = float("nan"), float("inf")
@@ -150,3 +153,51 @@ def test_a_mapping_is_no_settings() -> None:
         analyse(record, settings={"modes": 1})  # type: ignore[arg-type]
     with pytest.raises(InputError, match="car"):
         analyse(record, car="car.toml")  # type: ignore[arg-type]
+
+
+class TestOnAResponse:
+    RECORD = free_decay(cars.PAPER, np.arange(0, 5, 0.002), initial_state={"v_tire": 1.0})
+
+    @pytest.mark.parametrize("clock", [{"fs": 100.0}, {"time": "t"}, {"dbc": "a.dbc"}], ids=label)
+    def test_its_clock_is_its_own(self, clock: dict[str, Any]) -> None:
+        with pytest.raises(InputError, match=f"a response has .*; leave {next(iter(clock))} out"):
+            analyse(self.RECORD, settings=Settings(**clock))
+
+    def test_one_channel_by_two_names_is_refused(self) -> None:
+        record = as_response(np.arange(100) / 10, np.ones((2, 100)), ["seat [mm]", "tire"])
+        with pytest.raises(InputError, match="asked for twice"):
+            analyse(record, settings=Settings(channels=("seat", "seat [mm]")))
+
+    def test_leaving_out_every_channel(self) -> None:
+        with pytest.raises(InputError, match="leaves no channel; keep at least one of 'chassis'"):
+            analyse(self.RECORD, settings=Settings(channels=("chassis",), without=("chassis",)))
+
+    def test_an_imaginary_part_is_not_lost(self) -> None:
+        made = control.TimeResponseData(
+            time=np.arange(100) / 10, outputs=np.full((1, 100), 1j), output_labels=["a"], issiso=True
+        )
+        with pytest.raises(InputError, match="complex"):
+            analyse(made)
+
+
+@pytest.mark.parametrize(
+    ("springs", "message"),
+    [
+        (CarSettings(fixed=("nope",)), "no strut parameter 'nope'"),
+        (CarSettings(free_masses=("nope",)), "no mass 'nope'"),
+        (CarSettings(added_masses={"nope": 1.0}), "no mass 'nope'"),
+        (CarSettings(bounds={"nope.stiffness": (1.0, 2.0)}), "no parameter 'nope.stiffness'"),
+        (CarSettings(fixed=("tire",), bounds={"tire.stiffness": (1.0, 2.0)}), "is held"),
+        (CarSettings(ties=(("tire.stiffness", "tire.damping"),)), "of one kind"),
+    ],
+)
+def test_mistakes_about_the_car_come_before_the_record_is_read(springs: CarSettings, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        analyse("no such file.csv", car=cars.PAPER, settings=Settings(springs=springs))
+
+
+def test_a_stretch_beyond_the_end_names_the_end(tmp_path: Path) -> None:
+    write_record(TestOnAResponse.RECORD, tmp_path / "r.csv")
+    for source in (tmp_path / "r.csv", TestOnAResponse.RECORD):
+        with pytest.raises(InputError, match=r"0 samples from 20 s on; it lasts from 0 to 4\.998 s"):
+            analyse(source, settings=Settings(start=20.0))

@@ -4,8 +4,8 @@
 result, and the verdict on all. The commands, the report and the fleet call it and nothing else.
 """
 
-from suspid.analysis.analyse import STEPS, Analysis, analyse, reconstruct_as
+from suspid.analysis.analyse import STEPS, Analysis, analyse, check_springs
 from suspid.analysis.reading import channel_named
 from suspid.analysis.settings import CarSettings, Settings
 
-__all__ = ["STEPS", "Analysis", "CarSettings", "Settings", "analyse", "channel_named", "reconstruct_as"]
+__all__ = ["STEPS", "Analysis", "CarSettings", "Settings", "analyse", "channel_named", "check_springs"]

@@ -24,8 +24,9 @@ from suspid.identification import (
     verdict_of_repeats,
 )
 from suspid.model import ModalSet, Suspension
-from suspid.reconstruction import ModalTest, Reconstruction, reconstruct
+from suspid.reconstruction import Asked, ModalTest, Reconstruction, check_asked, reconstruct
 from suspid.recordings import Recording
+from suspid.values import nearest_names
 from suspid.words import Check, Level, ModeCheck, Note, RecordCheck, Remark, Verdict
 
 if TYPE_CHECKING:
@@ -156,6 +157,8 @@ def analyse(
     """
     settings = Settings() if settings is None else settings
     _check_types(car, settings)
+    if car is not None:
+        check_springs(settings.springs, car)
     begin = progress or (lambda _: None)
     begin(STEPS[0])
     opened = read(source, settings)
@@ -213,6 +216,28 @@ def _springs(modes: ModalSet, car: Suspension, settings: Settings) -> tuple[Reco
         return reconstruct_as(settings.springs, modes, car), []
     except (ReconstructionError, InputError) as error:
         return None, [Remark(Note.NO_SPRINGS, {"why": str(error)})]
+
+
+def check_springs(how: CarSettings, car: Suspension) -> None:
+    """Refuse what no modes of this car could be reconstructed with: an unknown name, bounds that leave nothing.
+
+    Raises
+    ------
+    InputError
+        If a name is unknown, settings contradict each other, or nothing is left to find.
+    """
+    for name in how.added_masses:
+        if name not in car.coordinates:
+            raise InputError(f"added_masses: there is no mass {name!r}.{nearest_names(name, car.masses)}")
+    asked = Asked(
+        fixed=how.fixed,
+        bounds=how.bounds,
+        ties=how.ties,
+        nominal_std=how.nominal_std,
+        free_masses=how.free_masses,
+        constraints=how.constraints,
+    )
+    check_asked(car, asked)
 
 
 def reconstruct_as(how: CarSettings, modes: ModalSet, car: Suspension) -> Reconstruction:

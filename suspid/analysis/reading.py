@@ -16,7 +16,7 @@ from suspid.files import printable
 from suspid.io import bare_name, read_recording
 from suspid.recordings import Recording
 from suspid.signals import as_response, as_signal
-from suspid.values import nearest_names
+from suspid.values import listed, nearest_names
 from suspid.words import Note, Remark
 
 if TYPE_CHECKING:
@@ -44,13 +44,15 @@ def read(source: str | os.PathLike[str] | Recording | control.TimeResponseData, 
     elif isinstance(source, Recording):
         recording, name = source, ""
     else:
+        _refuse_clock(settings)
         cleaned = _chosen(source, settings)
         cleaned, notes = _as_wanted(cleaned, settings)
         return Read(recording=None, cleaned=cleaned, notes=notes)
-    dropped = {channel_named(channel, recording.names) for channel in settings.without}
-    recording = replace(recording, channels=tuple(c for c in recording.channels if c.name not in dropped))
-    wanted = settings.channels and tuple(channel_named(channel, recording.names) for channel in settings.channels)
     try:
+        kept = _kept(recording.names, settings)
+        wanted = None if settings.channels is None else kept
+        if wanted is None:
+            recording = replace(recording, channels=tuple(c for c in recording.channels if c.name in kept))
         cleaned = clean(recording, channels=wanted, fs=settings.fs, start=settings.start, stop=settings.stop)
     except RecordError as error:
         raise RecordError(f"{name}{error}") from None
@@ -79,14 +81,33 @@ def channel_named(name: str, channels: Sequence[str]) -> str:
     return short[0]
 
 
+def _refuse_clock(settings: Settings) -> None:
+    """Refuse settings that say how a file is read: a response has its time and its names already."""
+    for name in ("fs", "time", "dbc"):
+        if getattr(settings, name) is not None:
+            what = "no frames to decode" if name == "dbc" else "a clock already"
+            raise InputError(f"{name}={getattr(settings, name)!r}: a response has {what}; leave {name} out")
+
+
+def _kept(channels: tuple[str, ...], settings: Settings) -> tuple[str, ...]:
+    """Return the channels that the settings ask for, each once."""
+    wanted = tuple(channel_named(name, channels) for name in (settings.channels or channels))
+    for name in wanted:
+        if wanted.count(name) > 1 and settings.channels is not None:
+            raise RecordError(f"channel {name!r} is asked for twice")
+    dropped = {channel_named(name, channels) for name in settings.without}
+    kept = tuple(name for name in wanted if name not in dropped)
+    if wanted and not kept:
+        raise RecordError(f"without={settings.without!r} leaves no channel; keep at least one of {listed(wanted)}")
+    return kept
+
+
 def _chosen(response: control.TimeResponseData, settings: Settings) -> Cleaned:
     """Return the channels of a response that the settings ask for."""
     signal = as_signal(response)
-    wanted = [channel_named(name, signal.channels) for name in settings.channels or signal.channels]
-    dropped = {channel_named(name, signal.channels) for name in settings.without}
-    kept = [name for name in wanted if name not in dropped]
+    kept = _kept(signal.channels, settings)
     record = response
-    if kept != list(signal.channels):
+    if kept != signal.channels:
         rows = [signal.channels.index(name) for name in kept]
         record = as_response(signal.timepts, signal.values[rows], kept, title=_title(response))
     return Cleaned(record=record, units=("",) * len(kept), findings=())

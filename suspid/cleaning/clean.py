@@ -12,7 +12,7 @@ from suspid.cleaning.constant import alive, stilled
 from suspid.cleaning.joining import by_clock, one_clock, placed, whole
 from suspid.errors import RecordError
 from suspid.recordings import RawChannel, Recording
-from suspid.signals import as_response, as_signal
+from suspid.signals import as_response, as_signal, span
 from suspid.units import Hertz, Second
 
 
@@ -97,6 +97,8 @@ def _within(channel: RawChannel, start: Second | None, stop: Second | None) -> R
     low, high = -np.inf if start is None else start, np.inf if stop is None else stop
     inside = (channel.timepts >= low) & (channel.timepts <= high)
     if np.sum(inside) < 2:
-        raise RecordError(f"channel {channel.name!r} has {np.sum(inside)} samples between {low:g} and {high:g} s")
+        known = channel.timepts[np.isfinite(channel.timepts)]
+        ends = f"; it lasts from {known.min():.6g} to {known.max():.6g} s" if known.size else ""
+        raise RecordError(f"channel {channel.name!r} has {np.sum(inside)} samples {span(start, stop)}{ends}")
     # One array of stamps stays one array, so that the channels of a clock are known to be of one.
     return replace(channel, timepts=channel.timepts[inside], values=channel.values[inside])

@@ -235,8 +235,9 @@ def _band(
     low, high = band or (2 * np.pi * RIDGE_CYCLES / signal.duration, RIDGE_HIGHEST * nyquist)
     if not 0 < low < high <= nyquist:
         raise InputError(
-            f"the band {low:g} … {high:g} rad/s must be two increasing angular frequencies between 0 and "
-            f"the Nyquist frequency {nyquist:g} rad/s"
+            f"the band {low:.5g} … {high:.5g} rad/s ({low / (2 * np.pi):.5g} … {high / (2 * np.pi):.5g} Hz) must be "
+            f"two increasing angular frequencies between 0 and the Nyquist frequency {nyquist:.5g} rad/s "
+            f"({0.5 / signal.step:.5g} Hz)"
         )
     return float(low), float(min(high, 0.999 * nyquist))
 

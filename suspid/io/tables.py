@@ -81,7 +81,8 @@ class Table:
         if name in self.unusable:
             raise RecordError(f"{what} {name!r} {self.unusable[name]}")
         if name not in self.sizes:
-            raise RecordError(f"there is no {what} {name!r}.{nearest_names(name, self.sizes)}")
+            known = [column for column in self.sizes if what != "channel" or not is_time(column)]
+            raise RecordError(f"there is no {what} {name!r}.{nearest_names(name, known)}")
 
     def full_name(self, name: str, *, what: str) -> str:
         """Return the column of that name, or the only one of that name before its unit."""

@@ -21,6 +21,7 @@ from suspid.io.time_columns import (
 )
 from suspid.recordings import RawChannel, Recording
 from suspid.units import Hertz, RealArray
+from suspid.values import listed
 from suspid.words import LeftOut, Number, Remark
 
 # A rate stored in single precision, or as a rounded step, is still the same rate.
@@ -147,8 +148,8 @@ def _check_followers(table: Table, names: Sequence[str], time: str | None, rate:
         raise RecordError(unknown_unit(unclear[0]))
     if names and time is None and rate is None:
         raise RecordError(
-            f"no column is named like a time: {', '.join(map(repr, table.sizes))}; name one (time), or give the "
-            f"sampling rate (fs){increasing(table)}"
+            f"no column is named like a time: {listed(list(table.sizes))}; name one (time, --time), or give the "
+            f"sampling rate (fs, --fs){increasing(table)}"
         )
     for name in names:
         reference = names[0] if time is None else time
@@ -168,7 +169,7 @@ def _stamps(clock: TimeBase, size: int, fs: Hertz | None) -> RealArray:
         return stamps
     rate = clock.rate if clock.rate is not None else fs
     if rate is None:
-        raise RecordError(f"the rate of {clock.name!r} is not known; give the sampling rate (fs)")
+        raise RecordError(f"the rate of {clock.name!r} is not known; give the sampling rate (fs, --fs)")
     if fs is not None and not abs(fs - rate) <= SAME_RATE * rate:
         raise RecordError(f"'fs' says {fs:g} Hz, {clock.name!r} in the file {rate:g} Hz; leave fs out")
     stamps = np.asarray(clock.start + np.arange(size) / rate)

@@ -9,12 +9,15 @@ through, and lists every other suspension that the same modes allow. Below it: `
 from suspid.reconstruction.asked import Bounds
 from suspid.reconstruction.car_json import parameter_values, reconstruction_to_dict, unit_of
 from suspid.reconstruction.observations import ModalTest
+from suspid.reconstruction.posed import Asked, check_asked
 from suspid.reconstruction.reconstruct import Reconstruction, reconstruct
 
 __all__ = [
+    "Asked",
     "Bounds",
     "ModalTest",
     "Reconstruction",
+    "check_asked",
     "parameter_values",
     "reconstruct",
     "reconstruction_to_dict",

@@ -75,6 +75,26 @@ def posed(tests: Sequence[ModalTest], suspension: Suspension, asked: Asked) -> t
     return problem, notes
 
 
+def check_asked(suspension: Suspension, asked: Asked) -> None:
+    """Refuse what cannot be meant for this suspension, whatever the modes are.
+
+    Raises
+    ------
+    InputError
+        If a name is unknown, wishes contradict each other, or nothing is left to find.
+    """
+    unknowns = unknowns_of(
+        suspension,
+        rate=1.0,
+        fixed=asked.fixed,
+        bounds=asked.bounds,
+        ties=asked.ties,
+        nominal_std=asked.nominal_std,
+        free_masses=asked.free_masses,
+    )
+    _consistent(wishes_of(asked.constraints, asked.penalty, unknowns), unknowns)
+
+
 def _consistent(wishes: Wishes | None, unknowns: Unknowns) -> Wishes | None:
     """Return the wishes, if some suspension between the bounds keeps to them."""
     if wishes is None or wishes.violation(unknowns.nominal) <= 0:
