@@ -152,3 +152,11 @@ class TestVerdict:
         defects = [check for check in found.verdict.checks if check.remark.code is RecordCheck.DEFECTS]
         assert [check.level for check in defects] == [Level.CARE] * held
         assert (found.verdict.level is Level.SOUND) is not held
+
+    def test_a_rate_that_contradicts_the_stamps_is_a_doubt(self, tmp_path: Path) -> None:
+        decay = free_decay(cars.PAPER, np.arange(2000) / 400, initial_state={"v_tire": 1.0})
+        write_record(add_noise(decay, snr_db=40.0, rng=np.random.default_rng(5)), tmp_path / "r.csv")
+        found = analyse(tmp_path / "r.csv", settings=Settings(fs=500.0))
+        assert found.verdict.level is Level.CARE
+        assert any("400 Hz" in str(doubt) for doubt in found.verdict.doubts)
+        assert analyse(tmp_path / "r.csv", settings=Settings(fs=400.0)).verdict.level is Level.SOUND

@@ -186,7 +186,6 @@ BAD: dict[str, tuple[str, Callable[[Path], None], list[object], str]] = {
     "time stands still": ("r.csv", rows("t,seat", "1.0,{y}"), [], "stamps"),
     "unknown channel": ("r.csv", rows("t,seat,tire", "{t},{y},{y}"), ["--channel", "saet"], "'seat'"),
     "no rate": ("r.csv", rows("seat,tire", "{y},{y}"), [], "rate"),
-    "another rate": ("r.csv", rows("t,seat", "{t},{y}"), ["--fs", "500"], "500"),
     "folder": ("r.csv", folder, [], "folder"),
     "unreadable": ("r.csv", unreadable, [], "cannot be read"),
     "not there": ("r.csv", nothing, [], "no such file"),

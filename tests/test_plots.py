@@ -246,7 +246,7 @@ class TestEntropy:
 
     def test_a_minimum_at_the_end_is_told(self) -> None:
         search = BandwidthSearch(candidates=np.array([2.0, 4.0]), entropy=np.array([3.0, 2.5]))
-        assert "an end of the range" in plot_entropy(search, ax=one_axes()).get_title(loc="left")
+        assert "the end of the range" in plot_entropy(search, ax=one_axes()).get_title(loc="left")
 
 
 class TestFit:

@@ -27,7 +27,7 @@ from suspid.model import ModalSet, Suspension
 from suspid.reconstruction import Asked, ModalTest, Reconstruction, check_asked, reconstruct
 from suspid.recordings import Recording
 from suspid.values import nearest_names
-from suspid.words import Check, Level, ModeCheck, Note, RecordCheck, Remark, Verdict
+from suspid.words import Check, Defect, Level, ModeCheck, Note, RecordCheck, Remark, Verdict
 
 if TYPE_CHECKING:
     import control
@@ -261,6 +261,8 @@ def _of_recording(cleaned: Cleaned, used: tuple[Decay, ...]) -> Iterator[Check]:
     if len(used) == 1:
         for doubt in used[0].doubts:
             yield Check(Remark(RecordCheck.DECAY, {"doubt": str(doubt)}), Level.CARE)
-    defects = cleaned.verdict.doubts
-    if defects:
-        yield Check(Remark(RecordCheck.DEFECTS, {"number": len(defects)}), Level.CARE)
+    against = [finding.check for finding in cleaned.findings if finding.check.level < Level.NOTE]
+    overridden = [check for check in against if check.remark.code is Defect.OVERRIDDEN_STAMPS]
+    yield from overridden
+    if len(against) > len(overridden):
+        yield Check(Remark(RecordCheck.DEFECTS, {"number": len(against) - len(overridden)}), Level.CARE)

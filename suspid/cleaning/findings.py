@@ -49,7 +49,7 @@ class Finding:
     def check(self) -> Check:
         """The defect as part of a verdict: a note if repaired, else a reason for care.
 
-        An offset is a note as well: identification allows for it.
+        An offset is a note as well: identification allows for it. A rate that contradicts the stamps is no repair.
         """
         place: dict[str, Number] = {
             "channel": self.channel,
@@ -57,7 +57,7 @@ class Finding:
             "stop": self.stop,
             "samples": self.samples,
         }
-        harmless = self.repaired or self.kind is Defect.OFFSET
+        harmless = self.kind is not Defect.OVERRIDDEN_STAMPS and (self.repaired or self.kind is Defect.OFFSET)
         remark = Remark(self.kind, {**self.remark.numbers, **place})
         return Check(remark, Level.NOTE if harmless else Level.CARE)
 
