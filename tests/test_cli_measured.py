@@ -4,19 +4,25 @@ from __future__ import annotations
 
 import json
 import os
+import subprocess
+import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
-from suspid import Suspension, add_noise, eigenmodes, free_decay, quarter_car, statespace
+from suspid import Settings, Suspension, add_noise, analyse, eigenmodes, free_decay, quarter_car, statespace
+from suspid.cleaning import Finding
 from suspid.cli.main import main
+from suspid.cli.measured import said_of
 from suspid.io.formats import READERS
 from suspid.io.write_record import write_record
 from suspid.model.car_files import write_car
 from suspid.signals import as_response, as_signal
+from suspid.words import LeftOut, Remark
 
 ROOT = Path(__file__).resolve().parents[1]
 DATA = ROOT.parent / "shared" / "data"
@@ -268,3 +274,74 @@ class TestRecordsOfOthers:
         assert "tone" in result.stdout
         if "no mode" not in result.stdout:
             assert all(abs(mode["frequency_hz"] - 181.74) > 1.0 for mode in modes_in(tmp_path / "m.json"))
+
+
+class TestMessages:
+    def test_errors_about_a_file_begin_with_its_name(self, tmp_path: Path) -> None:
+        path = tmp_path / "two.csv"
+        path.write_text("t,seat\n0,1\n0.01,2\n", encoding="utf-8")
+        result = run("identify", path)
+        assert result.exit_code == 1
+        assert result.stderr.startswith(f"suspid: error: {path}: the record has 2 samples")
+
+    @pytest.mark.parametrize("wrong", [("--from", "nan"), ("--to", "inf"), ("--from", "3", "--to", "2")])
+    def test_times_that_cannot_be_meant_are_usage_errors(self, wrong: tuple[str, ...]) -> None:
+        result = run("identify", RECORD, *wrong)
+        assert result.exit_code == 2
+        assert wrong[0] in result.stderr
+
+    def test_a_file_without_time_names_the_options(self, tmp_path: Path) -> None:
+        path = tmp_path / "r.csv"
+        path.write_text("seat,tire\n" + "1,2\n3,5\n" * 40, encoding="utf-8")
+        result = run("channels", path)
+        assert result.exit_code == 1
+        assert "--time" in result.stderr
+        assert "--fs" in result.stderr
+
+    def test_long_lists_of_names_are_cut_and_have_no_time(self, tmp_path: Path) -> None:
+        path = tmp_path / "r.csv"
+        names = [f"ch{k:03d}" for k in range(300)]
+        rows = [",".join(f"{np.sin(i + k):.3f}" for i in range(301)) for k in range(3)]
+        path.write_text("\n".join([",".join(["t", *names]), *rows]), encoding="utf-8")
+        result = run("identify", path, "--channel", "nope")
+        assert "'ch009' and 290 others" in result.stderr
+        assert "'t'" not in result.stderr
+        assert "'ch010'" not in result.stderr
+
+    def test_a_band_beyond_half_the_rate_is_said_in_hertz(self) -> None:
+        assert "(3000 … 4000 Hz)" in run("identify", RECORD, "--band", "3000", "4000").stderr
+
+    def test_few_findings_are_warned_of_and_the_others_counted(self) -> None:
+        found = analyse(RECORD)
+        things = tuple((f"row {k}", Remark(LeftOut.EMPTY)) for k in range(9))
+        assert found.recording is not None
+        one = Finding(remark=Remark(LeftOut.EMPTY), channel="seat", start=0.0, stop=1.0, samples=2, repaired=True)
+        findings = (one,) * 9
+        many = replace(
+            found,
+            recording=replace(found.recording, left_out=things),
+            cleaned=replace(found.cleaned, findings=findings),
+        )
+        brief = said_of(many, most_left_out=3, most_findings=5)
+        assert len(brief) == 3 + 1 + 5 + 1
+        assert "6 more" in brief[3]
+        assert brief[9] == "4 further findings; see the report"
+        assert len(said_of(many)) == 18
+        chosen = replace(many, settings=Settings(channels=("seat",)))
+        assert len(said_of(chosen)) == 9
+
+    @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is full")
+    def test_an_output_that_is_full_is_one_line(self) -> None:
+        with open("/dev/full", "w", encoding="utf-8") as full:
+            told = subprocess.run(
+                [sys.executable, "-m", "suspid", "channels", str(RECORD)],
+                stdout=full, stderr=subprocess.PIPE, text=True, check=False,
+            )  # fmt: skip
+        assert told.returncode == 1
+        assert told.stderr.startswith("suspid: error: the output cannot be written")
+        assert told.stderr.count("\n") == 1
+
+    def test_no_summary_of_a_command_is_cut(self) -> None:
+        shown = run("--help").stdout
+        assert "..." not in shown.split("Commands:")[1]
+        assert "Exit codes" in shown

@@ -17,10 +17,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from fleets import CAR, content, make_fleet, time_limit, write_decay
 
 from suspid import InputError, eigenmodes, free_decay
 from suspid.analysis import CarSettings, Settings, analyse
+from suspid.cli.main import main
 from suspid.fleet.engine import Engine
 from suspid.fleet.identify_many import FleetRun, identify_many
 from suspid.fleet.parts import read_table
@@ -395,6 +397,13 @@ class TestWhereRecordsComeFrom:
         make_fleet(tmp_path / "in", 2)
         for _ in range(2):
             assert identify_many(tmp_path / "in", output=tmp_path / "in" / "results", workers=1).records == 2
+        assert identify_many(tmp_path / "in", output=tmp_path / "others", workers=1).records == 2
+
+    def test_one_record_is_enough(self, tmp_path: Path) -> None:
+        make_fleet(tmp_path / "in", 1)
+        told = CliRunner().invoke(main, ["fleet", str(tmp_path / "in"), "-o", str(tmp_path / "out"), "--workers", "1"])
+        assert told.exit_code == 0
+        assert ": 1 record, 0 of them" in told.stdout
 
 
 class TestManifest:

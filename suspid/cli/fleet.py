@@ -51,7 +51,9 @@ def fleet_command(
     table: Path | None,
     pattern: str | None,
 ) -> None:
-    """Identify all records in FOLDER (or that a pattern or an address names) into Parquet tables in RESULTS.
+    """Identify all records in FOLDER.
+
+    FOLDER may also be a pattern or an address. The results are Parquet tables in RESULTS.
 
     The options are those of `suspid identify`, for every record. If the run is killed, the same command does the
     rest. Afterwards, or with --summary RESULTS, it shows verdicts, how modes and parameters are distributed, which
@@ -89,7 +91,8 @@ def fleet_command(
         said += run.notes
         found = fleet_summary(output, table=table, pattern=pattern)
     say(str(found))
-    if not found.distributions:
+    # Each record that was identified has a verdict; distributions need several records.
+    if not found.verdicts:
         click.echo("suspid: error: no record could be identified", err=True)
         click.get_current_context().exit(1)
 

@@ -40,7 +40,11 @@ EXIT_UNEXPLAINED = 3
 @click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(package_name="suspid", message="suspid %(version)s")
 def main() -> None:
-    """Find the modes of a suspension in its measured free decay, and its springs and dampers from its modes."""
+    """Find the modes of a suspension in its measured free decay, and its springs and dampers from its modes.
+
+    Exit codes: 0 done, also where no mode was found; 1 refused, with one line that says why; 2 the command line is
+    wrong; 3 a car was found that does not explain the modes; 130 stopped by Ctrl-C.
+    """
 
 
 main.add_command(channels_command)
@@ -64,7 +68,10 @@ main.add_command(fleet_command)
 )
 @click.option("--tie", "ties", metavar="A=B", multiple=True, help="Parameters that are equal; repeat.")
 @click.option(
-    "--nominal-std", type=Positive("share"), metavar="SHARE", help="Trust the nominal values to this, as 0.3."
+    "--nominal-std",
+    type=Positive("share"),
+    metavar="SHARE",
+    help="Relative standard deviation of the nominal values, such as 0.3.",
 )
 @click.option("--free-mass", "free_masses", metavar="NAME", multiple=True, help="Mass that is unknown too; repeat.")
 @click.option("--tolerance", type=Positive("share"), metavar="SHARE", help="Largest relative error of a pole. [0.02]")
@@ -87,10 +94,13 @@ def reconstruct_command(
     output: Path | None,
     json_file: Path | None,
 ) -> None:
-    """Find springs and dampers from MODES (JSON of identify, or .toml) and the masses and nominal struts of CAR.
+    """Find springs and dampers from MODES and CAR.
+
+    MODES is the JSON of `suspid identify`, or a .toml; CAR (.toml) has the masses and the nominal struts.
 
     Several MODES are tests of one car, perhaps with masses added: suspid reconstruct empty.json loaded.json car.toml
-    --added loaded.json:chassis=75. FILE is written as among the MODES; if there is one, NAME=KG will do.
+    --added loaded.json:chassis=75. FILE in --added is one of the MODES, written in the same way; with one MODES,
+    NAME=KG is enough.
 
     Ends with 3 if the car that was found does not explain the modes within their uncertainty.
     """

@@ -11,29 +11,34 @@ from typing import TYPE_CHECKING
 
 import click
 
-from suspid.analysis import STEPS, Analysis, Settings, analyse
-from suspid.cli.options import DBC_OPTION, FILE, TIME_OPTION, analysing, progress
-from suspid.cli.support import ARGUMENTS, Positive, check_apart, said_warnings, say
+from suspid.analysis import STEPS, Analysis, Settings, analyse, check_springs
+from suspid.cli.options import DBC_OPTION, FILE, FS_OPTION, TIME_OPTION, analysing, progress
+from suspid.cli.support import ARGUMENTS, check_apart, named, said_warnings, say
 from suspid.errors import InputError
 from suspid.files import printable, replacing
 from suspid.identification import Identification
 from suspid.signals import as_signal
-from suspid.words import count
+from suspid.words import DAMAGE, count
 
 if TYPE_CHECKING:
     import control
 
 # Things in a file that are no channels which are listed; `suspid channels` lists all.
 MOST_LEFT_OUT = 3
+# Findings of the cleaning that are warned of; the report lists all.
+MOST_FINDINGS = 5
 
 
 @click.command("channels")
 @click.argument("file", type=FILE)
 @TIME_OPTION
-@click.option("--fs", type=Positive("Hz"), metavar="HZ", help="Sampling rate, if the file does not tell it.")
+@FS_OPTION
 @DBC_OPTION
 def channels_command(file: Path, time: str | None, fs: float | None, dbc: Path | None) -> None:
-    """List the channels in FILE: names, units, rates, lengths, gaps, and what else it holds."""
+    """List the channels in FILE.
+
+    The list has names, units, rates, lengths and gaps, and says what else the file holds.
+    """
     from suspid.io import read_recording
 
     with said_warnings():
@@ -47,22 +52,26 @@ def channels_command(file: Path, time: str | None, fs: float | None, dbc: Path |
 @click.option("--plot", type=FILE, metavar="FILE", help="Write pictures of the identification (.png, .svg, .pdf).")
 @click.option("--json", "json_file", type=FILE, metavar="FILE", help="Write modes, uncertainty and settings as JSON.")
 def identify_command(file: Path, settings: Settings, plot: Path | None, json_file: Path | None) -> None:
-    """Find the modes in the record FILE, of any format that `suspid channels` reads."""
+    """Find the modes in the record FILE.
+
+    FILE has any format that `suspid channels` reads. No mode is an answer as well: the exit code is then 0.
+    """
     from suspid.identification import identification_to_dict, modes_to_dict, to_json
 
     check_apart([file], [plot, json_file])
     with ExitStack() as outputs, said_warnings() as said, progress(*STEPS[:3]) as step:
         figure_draft = outputs.enter_context(replacing(_checked_picture(plot))) if plot else None
         json_draft = outputs.enter_context(replacing(json_file)) if json_file else None
-        found = analyse(file, settings=settings, progress=step)
-        said += said_of(found)
+        with named(file):
+            found = analyse(file, settings=settings, progress=step)
         if json_draft:
-            content = identification_to_dict(found.identification, file=str(file), warnings=said)
+            content = identification_to_dict(found.identification, file=str(file), warnings=[*said, *said_of(found)])
             content |= {} if found.repeats is None else modes_to_dict(found.repeats.modes)
             content["verdict"] = found.verdict.to_dict()
             json_draft.write_text(to_json(content), encoding="utf-8")
         if figure_draft:
             _draw(found.identification, figure_draft)
+        said += said_of(found, most_left_out=MOST_LEFT_OUT, most_findings=MOST_FINDINGS)
     head = f"{printable(str(file))}: {record_in_words(found.identification.response)}"
     say(f"{head}\n\n{found}")
 
@@ -87,7 +96,10 @@ def report_command(
     title: str | None,
     date: str | None,
 ) -> None:
-    """Write a page on the modes in FILE: one HTML file to print or to send, with all that the result rests on."""
+    """Write a page on the modes in FILE.
+
+    The page is one HTML file to print or to send, with all that the result rests on.
+    """
     from suspid.identification import to_json
     from suspid.model import read_car, read_constraints
     from suspid.reporting import drawable, report, report_to_dict, source_of
@@ -102,7 +114,10 @@ def report_command(
         suspension = None if car is None else read_car(car)
         constraints = () if car is None else read_constraints(car)
         settings = replace(settings, level=level, springs=replace(settings.springs, constraints=constraints))
-        found = analyse(file, car=suspension, settings=settings, progress=step)
+        if suspension is not None:
+            check_springs(settings.springs, suspension)
+        with named(file):
+            found = analyse(file, car=suspension, settings=settings, progress=step)
         command = shlex.join(["suspid", *click.get_current_context().meta.get(ARGUMENTS, [])])
         source = source_of(file, command=command, created=created)
         step("drawing")
@@ -111,18 +126,27 @@ def report_command(
         draft.write_text(report(found, source=source, title=title), encoding="utf-8")
         if json_draft:
             json_draft.write_text(to_json(report_to_dict(found, source=source)), encoding="utf-8")
-        said += said_of(found)
+        said += said_of(found, most_left_out=MOST_LEFT_OUT, most_findings=MOST_FINDINGS)
     modes = count(len(found.modes), "mode") if len(found.modes) else "no mode"
     say(f"{printable(str(output))}: {modes} in {printable(str(file))}")
 
 
-def said_of(found: Analysis) -> list[str]:
-    """Return what was left out, repaired and done on the way, a sentence each."""
-    left_out = () if found.recording is None else found.recording.left_out
-    said = [f"in the file: {name!r} {why}" for name, why in left_out[:MOST_LEFT_OUT]]
-    if len(left_out) > MOST_LEFT_OUT:
-        said.append(f"in the file: {len(left_out) - MOST_LEFT_OUT} more things are no channels; see `suspid channels`")
-    return [*said, *map(str, found.cleaned.findings), *map(str, found.notes)]
+def said_of(found: Analysis, *, most_left_out: int | None = None, most_findings: int | None = None) -> list[str]:
+    """Return what was left out, repaired and done on the way, a sentence each; what is beyond the most is counted.
+
+    Columns that a selection of channels leaves out are not mentioned, damage is.
+    """
+    everything = () if found.recording is None else found.recording.left_out
+    selected = found.settings.channels is not None
+    left_out = [(name, why) for name, why in everything if not selected or why.code in DAMAGE]
+    said = [f"in the file: {name!r} {why}" for name, why in left_out[:most_left_out]]
+    if len(left_out) > len(said):
+        said.append(f"in the file: {len(left_out) - len(said)} more not used as channels; see `suspid channels`")
+    findings = found.cleaned.findings
+    shown = [str(finding) for finding in findings[:most_findings]]
+    if len(findings) > len(shown):
+        shown.append(f"{count(len(findings) - len(shown), 'further finding')}; see the report")
+    return [*said, *shown, *map(str, found.notes)]
 
 
 def record_in_words(record: control.TimeResponseData) -> str:
@@ -133,7 +157,7 @@ def record_in_words(record: control.TimeResponseData) -> str:
     names = ", ".join(signal.channels[:6]) + (", …" if len(signal.channels) > 6 else "")
     return (
         f"{signal.values.shape[1]} samples at {1 / signal.step:.6g} Hz from t = {start:.6g} s, "
-        f"{len(signal.channels)} channel{'s' * (len(signal.channels) > 1)}: {names}"
+        f"{count(len(signal.channels), 'channel')}: {names}"
     )
 
 

@@ -13,13 +13,16 @@ from typing import Any, Literal, TypeVar, cast, get_args
 import click
 
 from suspid.analysis import Settings
-from suspid.cli.support import Positive
+from suspid.cli.support import Finite, Positive
 from suspid.errors import InputError
 from suspid.identification import Method, identify
 
 FILE = click.Path(path_type=Path)
 TIME_OPTION = click.option(
     "--time", metavar="NAME", help="Column of time, if it is not named like one; none ignores times in the file."
+)
+FS_OPTION = click.option(
+    "--fs", type=Positive("Hz"), metavar="HZ", help="Sampling rate; it replaces the time in the file, if any."
 )
 DBC_OPTION = click.option(
     "--dbc", type=FILE, metavar="FILE", help="Database that decodes the CAN frames of an MDF file."
@@ -50,27 +53,29 @@ READING = (
         "--rename", "renames", metavar="OLD=NEW", multiple=True, help="Call a channel by another name; repeat."
     ),
     click.option(
-        "--scale", "scales", metavar="NAME=FACTOR", multiple=True, help="Multiply a channel, as -9.81; repeat."
+        "--scale",
+        "scales",
+        metavar="NAME=FACTOR",
+        multiple=True,
+        help="Multiply a channel: NAME=FACTOR, such as az=-9.81; repeat.",
     ),
     click.option("--vertical", metavar="X,Y,Z", help="Add the vertical of a tilted accelerometer, and drop its axes."),
     click.option("--si", is_flag=True, help="Convert channels to SI by the units that the file states."),
     TIME_OPTION,
-    click.option(
-        "--fs", type=Positive("Hz"), metavar="HZ", help="Sampling rate; it replaces the time in the file, if any."
-    ),
+    FS_OPTION,
     DBC_OPTION,
 )
 STRETCH = (
-    click.option("--from", "start", type=float, metavar="SECONDS", help="Time at which the decay begins."),
-    click.option("--to", "stop", type=float, metavar="SECONDS", help="Last time to use."),
+    click.option("--from", "start", type=Finite("s"), metavar="SECONDS", help="Time at which the decay begins."),
+    click.option("--to", "stop", type=Finite("s"), metavar="SECONDS", help="Last time to use."),
     click.option(
         "--decay",
         "which",
         type=Which(),
         default="auto",
         show_default=True,
-        help="Which of the free decays found in a long recording: the best where the record does not begin with its "
-        "largest motion (auto), none: the whole record (whole), that of rank N, or all of them jointly (all).",
+        help="auto: the best decay if the largest motion comes late; whole: the whole record; all: all decays jointly; "
+        "N: the decay of rank N.",
     ),
 )
 
@@ -113,6 +118,8 @@ def settings_of(
         raise click.BadParameter(f"{vertical!r}: name three axes, as X,Y,Z.", param_hint="'--vertical'")
     decay = int(which) if which.isdecimal() else cast("Literal['auto', 'whole', 'all']", which)
     rename, scale = pairs(renames, "--rename", str), pairs(scales, "--scale", float)
+    if start is not None and stop is not None and not start < stop:
+        raise click.BadParameter(f"{start:g} s is not before {stop:g} s.", param_hint="'--from' / '--to'")
     if band and not band[0] < band[1]:
         raise click.BadParameter(f"{band[0]:g} Hz is not below {band[1]:g} Hz.", param_hint="'--band'")
     try:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import errno
 import io
 import math
+import os
 import sys
 import warnings
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
 
@@ -38,6 +40,23 @@ class Positive(click.ParamType[float]):
             self.fail(f"{value!r} is not a number.", param, ctx)
         if not (number > 0 and math.isfinite(number)):
             self.fail(f"{value} {self.name} must be positive and finite.", param, ctx)
+        return number
+
+
+class Finite(click.ParamType[float]):
+    """A finite number, in the unit that ``name`` says."""
+
+    def __init__(self, unit: str) -> None:
+        self.name = unit
+
+    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        """Return the number, or refuse it as a usage error."""
+        try:
+            number = float(str(value))
+        except ValueError:
+            self.fail(f"{value!r} is not a number.", param, ctx)
+        if not math.isfinite(number):
+            self.fail(f"{value} {self.name} must be finite.", param, ctx)
         return number
 
 
@@ -83,7 +102,26 @@ def check_apart(inputs: list[Path], outputs: list[Path | None]) -> None:
 
 def say(text: str) -> None:
     """Print text whose names may come from a file: nothing in it reaches the terminal as a command."""
-    click.echo("\n".join(printable(line) for line in text.split("\n")))
+    try:
+        click.echo("\n".join(printable(line) for line in text.split("\n")))
+    except OSError as refusal:
+        if refusal.errno == errno.EPIPE:
+            raise
+        # What is still to be written would fail again at the end of the program.
+        with suppress(OSError, ValueError):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        raise _Failure(f"the output cannot be written: {refusal.strerror or refusal}") from None
+
+
+@contextmanager
+def named(file: Path) -> Iterator[None]:
+    """Put the name of a file in front of errors about it that do not have it."""
+    name = printable(str(file))
+    try:
+        yield
+    except SuspidError as error:
+        message = str(error)
+        raise _Failure(message if name in message else f"{name}: {message}") from None
 
 
 @contextmanager

@@ -85,12 +85,17 @@ def _walk(folder: Path, root: Path, output: Path, left_out: Counter[str]) -> Ite
     for one in names:
         path = Path(one.path)
         if one.is_dir(follow_symlinks=False):
-            if path != output:
+            if path != output and not _holds_results(path):
                 yield from _walk(path, root, output, left_out)
         elif path.suffix.lower() in READERS:
             yield _local(one.path, name=path.relative_to(root).as_posix())
         else:
             left_out[path.suffix.lower() or "without suffix"] += 1
+
+
+def _holds_results(folder: Path) -> bool:
+    """Return whether a folder holds results of a fleet, whose tables are no records."""
+    return (folder / "manifest.json").is_file() and (folder / "modes").is_dir()
 
 
 def _matches(pattern: str) -> Iterator[Entry]:

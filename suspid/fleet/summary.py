@@ -10,7 +10,7 @@ from suspid.files import printable
 from suspid.fleet.distributions import QUANTILES, Distribution, Outlier
 from suspid.fleet.trends import Trend
 from suspid.values import text_table
-from suspid.words import Failure, Step
+from suspid.words import Failure, Step, count
 
 # Lines of a table of the text: what fits a screen. All of them are attributes.
 MOST_SHOWN = 20
@@ -83,7 +83,7 @@ class FleetSummary:
 
     def __str__(self) -> str:
         parts = [
-            f"{printable(str(self.folder))}: {self.records} records, {self.failed} of them with a failure"
+            f"{printable(str(self.folder))}: {count(self.records, 'record')}, {self.failed} of them with a failure"
             + ("" if self.complete else "; the run has not ended")
         ]
         if self.failures:
@@ -98,7 +98,10 @@ class FleetSummary:
         if self.distributions:
             parts.append(_distribution_table(self.distributions))
         if self.others:
-            parts.append(f"{self.others} modes belong to no family: too few records have one there")
+            parts.append(
+                f"{count(self.others, 'mode')} {'belongs' if self.others == 1 else 'belong'} to no family: "
+                "too few records have one there"
+            )
         if self.outliers:
             shown = self.outliers[:MOST_SHOWN]
             columns = {
@@ -117,11 +120,11 @@ class FleetSummary:
 
 
 def _verdict_table(verdicts: Mapping[str, int], doubts: Mapping[str, int]) -> str:
-    levels = text_table({"verdict": list(verdicts), "records": [str(count) for count in verdicts.values()]})
+    levels = text_table({"verdict": list(verdicts), "records": [str(number) for number in verdicts.values()]})
     if not doubts:
         return levels
     shown = list(doubts.items())[:MOST_SHOWN]
-    table = text_table({"doubt": [code for code, _ in shown], "records": [str(count) for _, count in shown]})
+    table = text_table({"doubt": [code for code, _ in shown], "records": [str(number) for _, number in shown]})
     return f"{levels}\n\n{table}{_more(len(doubts))}"
 
 
@@ -141,12 +144,13 @@ def _distribution_table(distributions: Sequence[Distribution]) -> str:
 def _trends_in_words(trends: Sequence[Trend], unplaced: int) -> str:
     changing = [one for one in trends if one.changes]
     vehicles = len({one.vehicle for one in trends})
+    are = "is" if len(changing) == 1 else "are"
     said = (
-        f"{len(trends)} trends of {vehicles} vehicles (at least four tests each); {len(changing)} changes are "
-        f"significant (at most 5 % of these by chance)"
+        f"{count(len(trends), 'trend')} of {count(vehicles, 'vehicle')} (at least four tests each); "
+        f"{count(len(changing), 'change')} {are} significant (at most 5 % of these by chance)"
     )
     if unplaced:
-        said += f"; {unplaced} records have no vehicle and date"
+        said += f"; {count(unplaced, 'record')} {'has' if unplaced == 1 else 'have'} no vehicle and date"
     if not changing:
         return said
     shown = changing[:MOST_SHOWN]
@@ -163,5 +167,5 @@ def _trends_in_words(trends: Sequence[Trend], unplaced: int) -> str:
     return f"{said}\n\n{text_table(columns)}{_more(len(changing))}"
 
 
-def _more(count: int) -> str:
-    return f"\n… and {count - MOST_SHOWN} more" if count > MOST_SHOWN else ""
+def _more(number: int) -> str:
+    return f"\n… and {number - MOST_SHOWN} more" if number > MOST_SHOWN else ""

@@ -27,7 +27,12 @@ class Note(Code):
             + (f"; {n['others']} more were found: see --decay" if n["others"] else "")
         ),
     )
-    DECAYS_USED = "decays used", lambda n: f"{n['number']} decays are used, from {n['starts']} s"
+    DECAYS_USED = (
+        "decays used",
+        lambda n: (
+            f"{count(int(str(n['number'])), 'decay')} {'is' if n['number'] == 1 else 'are'} used, from {n['starts']} s"
+        ),
+    )
     DECAYS_LEFT_OUT = (
         "decays left out",
         lambda n: f"{count(int(str(n['number'])), 'decay')} with doubts {'is' if n['number'] == 1 else 'are'} left out",
