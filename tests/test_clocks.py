@@ -294,6 +294,43 @@ class TestAnyGrid:
         lost = read_clock(self.stamps(1000.0, 1e-3, kept, way="floor"), wave(kept / 1e3)[None])
         assert kinds(lost) == ["missing rows"]
 
+    @pytest.mark.parametrize("every", [5, 10, 20, 50, 100, 200])
+    @pytest.mark.parametrize("rate", [100.0, 200.0, 1000.0])
+    @pytest.mark.parametrize("way", ["missing", "without a stamp", "rounded"])
+    def test_rows_missing_at_regular_intervals_are_told_from_a_slower_clock(
+        self, every: int, rate: float, way: str
+    ) -> None:
+        # Both give the same stamps: every Nth row missing, or a clock slower by 1 - 1/N and rounded.
+        kept = np.flatnonzero(np.arange(1000) % every != every // 2)
+        stamps = np.round(kept / rate, 6)
+        rng = np.random.default_rng(every)
+        if way == "rounded":
+            taken = kept[0] / rate + np.arange(kept.size) * every / (every - 1) / rate
+            clock = read_clock(stamps, wave(taken, rng)[None])
+            if "ambiguous stamps" not in kinds(clock):
+                assert kinds(clock)[0] in ("rounded stamps", "jittering stamps")
+                assert 1 / clock.step == pytest.approx(rate * (1 - 1 / every), rel=1e-3)
+            return
+        # More than a tenth of the rows without a stamp is refused.
+        if way == "without a stamp" and every > 5:
+            stamps = np.full(1000, np.nan)
+            stamps[kept] = np.round(kept / rate, 6)
+            kept_rows, values = kept, wave(np.arange(1000) / rate, rng)
+        else:
+            kept_rows, values = np.arange(kept.size), wave(kept / rate, rng)
+        clock = read_clock(stamps, values[None])
+        if "ambiguous stamps" in kinds(clock) and way == "missing" and rate in (100.0, 1000.0):
+            return
+        assert clock.places is not None
+        assert clock.rows.tolist() == kept_rows.tolist()
+        assert clock.places.tolist() == (kept - kept[0]).tolist()
+        assert 1 / clock.step == pytest.approx(rate, rel=1e-6)
+
+    def test_where_the_samples_cannot_tell_a_slower_clock_from_missing_rows_it_is_a_doubt(self) -> None:
+        kept = np.flatnonzero(np.arange(1000) % 20 != 3)
+        clock = read_clock(kept / 200, np.random.default_rng(0).standard_normal((1, kept.size)))
+        assert Defect.AMBIGUOUS_STAMPS in [finding.kind for finding in clock.findings if not finding.repaired]
+
     @pytest.mark.parametrize(("rate", "quantum"), GRIDS)
     def test_the_list_of_channels_states_the_same_rate(self, rate: float, quantum: float) -> None:
         kept = np.delete(np.arange(4000.0), range(1000, 1003))
@@ -304,11 +341,16 @@ class TestAnyGrid:
 
 
 class TestARateThatOverrides:
-    def test_stamps_that_agree_still_tell_of_missing_rows(self) -> None:
-        kept = np.delete(np.arange(1000), [300, 301, 600])
-        clock = read_clock(np.round(kept / 333, 3), wave(kept / 333)[None], rate=333.0, override=True)
-        assert clock.places is not None
-        assert clock.places.tolist() == kept.tolist()
+    @pytest.mark.parametrize("lost", [[300, 301, 600], [*range(400, 500)], [*range(3, 1000, 20)]])
+    def test_missing_rows_are_a_doubt_and_no_exception(self, lost: list[int]) -> None:
+        kept = np.delete(np.arange(1000), lost)
+        clock = read_clock(kept / 200, wave(kept / 200)[None], rate=200.0, override=True)
+        assert clock.timepts == pytest.approx(np.arange(kept.size) / 200)
+        (finding,) = clock.findings
+        assert finding.kind is Defect.OVERRIDDEN_STAMPS
+        assert not finding.repaired
+        assert finding.remark.numbers["missing"] == len(lost)
+        assert f"{len(lost)} rows are missing" in finding.text
 
     @pytest.mark.parametrize("rate", [330.0, 100.0, 666.0])
     def test_it_replaces_others_and_says_how_far_they_are_apart(self, rate: float) -> None:

@@ -70,9 +70,12 @@ class TestClocks:
         assert recording["seat"].timepts.tolist() == COLUMNS["t"].tolist()
         assert as_recording(table({"seat": FAST, "speed": SLOW}), time="slow").names == ("speed",)
 
-    def test_a_rate_at_odds_with_that_of_a_clock_is_refused(self) -> None:
-        with pytest.raises(RecordError, match="'fs' says 5 Hz, 'fast' in the file 4 Hz"):
-            as_recording(table({"seat": FAST}), channels=["seat"], fs=5.0)
+    def test_a_given_rate_replaces_that_of_a_clock_and_of_the_file(self) -> None:
+        for source in (table({"seat": FAST}, names=["seat"]), table(names=["seat"], Fs=4.0)):
+            recording = as_recording(source, fs=5.0)
+            assert np.diff(recording["seat"].timepts) == pytest.approx([0.2] * 3)
+            assert recording["seat"].rate == 5.0
+            assert Remark(LeftOut.OTHER_RATE, {"rate": 4.0, "fs": 5.0}) in dict(recording.left_out).values()
 
     def test_stamps_that_are_too_few_are_refused(self) -> None:
         with pytest.raises(RecordError, match="clock 'slow' has 2 stamps for 4 samples"):

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+import contextlib
 from dataclasses import replace
+from typing import cast
 
 import numpy as np
 
 from suspid.cleaning.clock import DRIFT, OFF, Clock, check_rate, on_grid, stated
 from suspid.cleaning.findings import Finding, found
-from suspid.cleaning.following import late_or_irregular
+from suspid.cleaning.following import late_or_irregular, rows_are_missing
 from suspid.cleaning.nearest import dispersed, nearest_clock
-from suspid.cleaning.ordering import LATEST, ordered, stamped, unrepeated
+from suspid.cleaning.ordering import LATEST, numbered, ordered, stamped, unrepeated
 from suspid.errors import RecordError
 from suspid.signals import JITTER
-from suspid.stamps import FEW, SHORTEST, Grid, Indices, grid_of, is_uniform, rate_and_gaps
+from suspid.stamps import FEW, SHORTEST, Grid, Indices, grid_of, is_uniform, multiples_of, rate_and_gaps
 from suspid.stamps import resolution as resolution_of
 from suspid.units import Hertz, RealArray, Second
 from suspid.words import Defect, Number
@@ -36,7 +38,8 @@ def read_clock(stamps: RealArray, values: RealArray, *, rate: Hertz | None = Non
     rate : float, optional
         The rate that the file or the user states [Hz].
     override : bool
-        Whether the rate replaces stamps that are at odds with it, instead of being refused.
+        Whether the rate replaces stamps that are at odds with it, whatever the reason, instead of being refused. All
+        rows are kept in the order of the file, and a finding says how far rate and stamps disagree.
 
     Raises
     ------
@@ -56,30 +59,41 @@ def read_clock(stamps: RealArray, values: RealArray, *, rate: Hertz | None = Non
             f"fs = {rate:g} Hz and the {stamps.size} time stamps disagree: they run at "
             f"{(stamps.size - 1) / max(SHORTEST, abs(float(stamps[-1]) - float(stamps[0]))):.9g} Hz"
         )
-    try:
-        return _read(stamps, values, rate)
-    except RecordError:
-        if rate is None or not override:
-            raise
-        return _overridden(stamps, rate)
+    if rate is not None and override:
+        agreed = None
+        if _is_rising(stamps):
+            with contextlib.suppress(RecordError):
+                agreed = _uniform(stamps, rate)
+        if agreed is None:
+            return _overridden(stamps, rate)
+        timepts, findings = agreed
+        rows = np.arange(stamps.size)
+        return Clock(timepts=timepts, rows=rows, stamps=timepts, places=rows, findings=findings)
+    return _read(stamps, values, rate)
+
+
+def _is_rising(stamps: RealArray) -> bool:
+    """Whether all stamps are numbers that do not decrease."""
+    return bool(np.all(np.abs(stamps) < LATEST) and stamps.size > 1 and np.all(np.diff(stamps) >= 0))
 
 
 def _read(stamps: RealArray, values: RealArray, rate: Hertz | None) -> Clock:
     rows, findings = stamped(stamps)
+    lost = np.setdiff1d(np.arange(stamps.size), rows)
     rows, repeated = unrepeated(stamps, values, rows, most=FEW)
     findings += repeated
     times = stamps[rows]
-    clock = _regular_clock(times, values, rows, rate)
+    clock = _regular_clock(times, values, rows, numbered(rows, lost), rate)
     if clock is None:
         try:
-            times, rows, further = ordered(stamps, values, rows)
+            times, rows, further = ordered(stamps, values, rows, lost)
         except RecordError:
-            clock = dispersed(times, values[:, rows], rows) if rate is None else None
+            clock = dispersed(times, values[:, rows], rows, numbered(rows, lost)) if rate is None else None
             if clock is None:
                 raise
             return replace(clock, findings=(*findings, *clock.findings))
         findings += further
-        clock = _regular_clock(times, values, rows, rate) if further else None
+        clock = _regular_clock(times, values, rows, numbered(rows, lost), rate) if further else None
     if clock is None:
         clock = nearest_clock(times, values[:, rows], rows, rate)
     return replace(clock, findings=(*findings, *clock.findings))
@@ -93,20 +107,40 @@ def _overridden(stamps: RealArray, rate: Hertz) -> Clock:
     numbers: dict[str, Number] = {"rate": rate, "stamps_rate": rate_and_gaps(usable)[0]}
     if usable.size:
         numbers["apart"] = float(usable[-1] - usable[0]) - (stamps.size - 1) / rate
-    said = found(Defect.OVERRIDDEN_STAMPS, timepts, stamps.size, numbers)
+        exact = multiples_of(usable)
+        if exact is not None:
+            numbers["stamps_rate"] = 1 / exact.step
+        step = 1 / rate
+        same = abs(cast("float", numbers["stamps_rate"]) - rate) <= DRIFT * rate
+        if same and cast("float", numbers["apart"]) > OFF * step:
+            numbers["missing"] = round(cast("float", numbers["apart"]) / step)
+    said = found(Defect.OVERRIDDEN_STAMPS, timepts, stamps.size, numbers, repaired="missing" not in numbers)
     rows = np.arange(stamps.size)
     return Clock(timepts=timepts, rows=rows, stamps=timepts, places=rows, findings=(said,))
 
 
-def _regular_clock(times: RealArray, values: RealArray, rows: Indices, rate: Hertz | None) -> Clock | None:
-    """Return the clock of stamps that are uniform but for their rounding and missing rows, or None."""
-    whole = _uniform(times, rate)
+def _regular_clock(
+    times: RealArray, values: RealArray, rows: Indices, index: Indices, rate: Hertz | None
+) -> Clock | None:
+    """Return the clock of numbered stamps that are uniform but for their rounding and missing rows, or None."""
+    in_a_row = index.size == 0 or bool(index[-1] == index.size - 1)
+    whole = _uniform(times, rate) if in_a_row or is_uniform(times) else None
     if whole is not None:
         timepts, findings = whole
         return Clock(timepts=timepts, rows=rows, stamps=timepts, places=np.arange(rows.size), findings=findings)
-    grid = grid_of(times)
+    grid = grid_of(times, index)
+    if grid is None and not in_a_row:
+        grid = grid_of(times)
     if grid is None:
         return None
+    exact = multiples_of(times)
+    doubt: tuple[Finding, ...] = ()
+    if exact is not None and not np.array_equal(exact.places, grid.places):
+        if rate is not None:
+            follows = abs(1 / exact.step - rate) < abs(1 / grid.step - rate)
+        else:
+            follows, doubt = rows_are_missing(times, values[:, rows], grid, exact)
+        grid = exact if follows else grid
     start, step = grid.start, grid.step
     if rate is not None:
         if abs(1 / step - rate) > DRIFT * rate + 2 * grid.step_std / step**2:
@@ -116,7 +150,8 @@ def _regular_clock(times: RealArray, values: RealArray, rows: Indices, rate: Her
     kind, numbers = _why_off(times, values[:, rows], grid, start, step, rate)
     if kind is Defect.IRREGULAR_STAMPS:
         return None
-    return on_grid(start, step, grid.places, rows, times, kind, numbers)
+    clock = on_grid(start, step, grid.places, rows, times, kind, numbers)
+    return replace(clock, findings=(*clock.findings, *doubt))
 
 
 def _why_off(

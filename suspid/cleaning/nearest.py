@@ -52,9 +52,8 @@ def nearest_clock(times: RealArray, values: RealArray, rows: Indices, rate: Hert
     return on_grid(start, step, places, rows, times, kind, numbers)
 
 
-def dispersed(times: RealArray, values: RealArray, rows: Indices) -> Clock | None:
+def dispersed(times: RealArray, values: RealArray, rows: Indices, places: Indices) -> Clock | None:
     """Return the clock of rows in order whose stamps jitter so far that some repeat or run backwards, or None."""
-    places = np.arange(times.size)
     start, step, _ = line(places, times)
     off = times - start - step * places
     slack = 0.5 * resolution_of(times)

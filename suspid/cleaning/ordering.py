@@ -52,6 +52,14 @@ def _far_ends(times: RealArray) -> NDArray[np.bool_]:
     return ends if np.sum(ends) <= max(2, FEW * times.size) else none
 
 
+def numbered(rows: Indices, lost: Indices) -> Indices:
+    """Return the numbers of rows in order of time, where the lost rows of the file have had numbers of their own."""
+    ordered_rows = np.sort(rows)
+    return np.asarray(
+        np.arange(rows.size) + np.searchsorted(lost, ordered_rows) - np.searchsorted(lost, ordered_rows[0])
+    )
+
+
 def unrepeated(
     stamps: RealArray, values: RealArray, rows: Indices, *, most: Ratio = 1.0
 ) -> tuple[Indices, tuple[Finding, ...]]:
@@ -68,8 +76,10 @@ def unrepeated(
     return np.delete(rows, same), (found(Defect.REPEATED_ROWS, times[same], same.size),)
 
 
-def ordered(stamps: RealArray, values: RealArray, rows: Indices) -> tuple[RealArray, Indices, tuple[Finding, ...]]:
-    """Return increasing stamps, and their rows."""
+def ordered(
+    stamps: RealArray, values: RealArray, rows: Indices, lost: Indices
+) -> tuple[RealArray, Indices, tuple[Finding, ...]]:
+    """Return increasing stamps, and their rows; the lost rows have no stamp."""
     rows, repeated = unrepeated(stamps, values, rows)
     findings = list(repeated)
     times = stamps[rows]
@@ -83,7 +93,7 @@ def ordered(stamps: RealArray, values: RealArray, rows: Indices) -> tuple[RealAr
     if moved.size and near and np.all(np.diff(times[order]) > 0.5 * np.median(np.diff(times))):
         findings.append(found(Defect.SWAPPED_ROWS, times[order][moved], moved.size))
         return times[order], rows[order], tuple(findings)
-    repaired = _wrongly_stamped(times)
+    repaired = _wrongly_stamped(times, numbered(rows, lost))
     if repaired is not None:
         wrong = np.flatnonzero(repaired != times)
         findings.append(found(Defect.WRONG_STAMPS, repaired[wrong], wrong.size, {"first": float(times[wrong[0]])}))
@@ -91,9 +101,8 @@ def ordered(stamps: RealArray, values: RealArray, rows: Indices) -> tuple[RealAr
     raise RecordError(_disordered(times))
 
 
-def _wrongly_stamped(times: RealArray) -> RealArray | None:
+def _wrongly_stamped(times: RealArray, index: Indices) -> RealArray | None:
     """Return the stamps with a few outliers replaced, or None if outliers do not explain them."""
-    index = np.arange(times.size)
     start, step, _ = line(index, times)
     if step <= 0:
         return None

@@ -79,6 +79,9 @@ def as_recording(
     if len(counters) == len(plan.channels):
         counters = []
     left_out |= dict.fromkeys(counters, Remark(LeftOut.ROW_COUNTER))
+    for name, other in table.rates.items():
+        if fs is not None and not abs(fs - other) <= SAME_RATE * other:
+            left_out[f"rate {name!r}"] = Remark(LeftOut.OTHER_RATE, {"rate": other, "fs": fs})
     stamps = np.empty(0)
     if times:
         stamps = in_seconds(table, times[0], columns[times[0]])
@@ -97,13 +100,15 @@ def as_recording(
         if clock is not None and id(clock) not in by_clock:
             by_clock[id(clock)] = _stamps(clock, table.sizes[name], fs)
         own = plan.rate if clock is None else clock.rate
+        if fs is not None and own is not None and clock is not None and not abs(fs - own) <= SAME_RATE * own:
+            left_out[f"rate of {clock.name!r}"] = Remark(LeftOut.OTHER_RATE, {"rate": own, "fs": fs})
         raw.append(
             RawChannel(
                 name=name,
                 unit=table.units.get(name, ""),
                 timepts=stamps if clock is None else by_clock[id(clock)],
                 values=columns[name],
-                rate=fs if own is None else own,
+                rate=own if fs is None else fs,
             )
         )
     kept = tuple(channel for channel in raw if channel.name not in counters)
@@ -167,11 +172,9 @@ def _stamps(clock: TimeBase, size: int, fs: Hertz | None) -> RealArray:
             raise RecordError(f"clock {clock.name!r} has {stamps.size} stamps for {size} samples")
         stamps.flags.writeable = False
         return stamps
-    rate = clock.rate if clock.rate is not None else fs
+    rate = clock.rate if fs is None else fs
     if rate is None:
         raise RecordError(f"the rate of {clock.name!r} is not known; give the sampling rate (fs, --fs)")
-    if fs is not None and not abs(fs - rate) <= SAME_RATE * rate:
-        raise RecordError(f"'fs' says {fs:g} Hz, {clock.name!r} in the file {rate:g} Hz; leave fs out")
     stamps = np.asarray(clock.start + np.arange(size) / rate)
     stamps.flags.writeable = False
     return stamps
@@ -216,10 +219,10 @@ def _of_one_length(table: Table, names: list[str]) -> list[str]:
 
 
 def _rate(table: Table, fs: Hertz | None) -> Hertz | None:
-    """Return the rate that was given and the file states, which must be one."""
-    rates = dict(table.rates) if fs is None else {"fs": fs, **table.rates}
-    if not rates:
-        return None
+    """Return the rate that was given, or else the one that the file states."""
+    rates = dict(table.rates)
+    if fs is not None or not rates:
+        return fs
     given, rate = next(iter(rates.items()))
     for name, other in rates.items():
         if not abs(other - rate) <= SAME_RATE * rate:

@@ -49,7 +49,7 @@ class Grid:
     jitter: float
 
 
-def grid_of(stamps: RealArray) -> Grid | None:
+def grid_of(stamps: RealArray, index: Indices | None = None) -> Grid | None:
     """Return the uniform clock with the fewest missing rows that rounds to the stamps, or None if there is none.
 
     A straight line is fitted first; only rows that lie off it by more than the rounding are a gap. Where several
@@ -59,6 +59,8 @@ def grid_of(stamps: RealArray) -> Grid | None:
     ----------
     stamps : ndarray (row,)
         Times that do not decrease [s].
+    index : ndarray (row,), optional
+        Increasing numbers of the rows, where some are known to be missing. Default: 0, 1, 2, ….
 
     Examples
     --------
@@ -75,19 +77,22 @@ def grid_of(stamps: RealArray) -> Grid | None:
     points = np.arange(stamps.size) if changed.size == steps.size else changed
     if points.size < FEWEST_POINTS or quantum <= JITTER * float(np.median(steps[changed - 1])):
         return None
-    rows, times = points.astype(float), stamps[points]
-    holes = _holes(steps, quantum)
+    if index is None:
+        index = np.arange(stamps.size)
+    index = index - index[0]
+    rows, times = index[points].astype(float), stamps[points]
+    holes = _holes(steps, quantum, np.diff(index))
     if holes is not None:
         missing = missing_rows(rows, times, quantum, 0.0)
         beats = missing is not None and _gaps(missing) <= UNEXPLAINED * _gaps(holes) and _gaps(holes) > FEW_HOLES
-        return _grid(stamps, points, missing if beats and missing is not None else holes, quantum, 0.0)
+        return _grid(stamps, index, points, missing if beats and missing is not None else holes, quantum, 0.0)
     for jitters in JITTERS:
         for jitter in jitters:
             if narrowest_line(rows, times, quantum, jitter) is not None:
-                return _grid(stamps, points, np.zeros(rows.size), quantum, jitter)
+                return _grid(stamps, index, points, np.zeros(rows.size), quantum, jitter)
         for jitter in jitters:
             missing = missing_rows(rows, times, quantum, jitter)
-            grid = None if missing is None else _grid(stamps, points, missing, quantum, jitter)
+            grid = None if missing is None else _grid(stamps, index, points, missing, quantum, jitter)
             if grid is not None:
                 return grid
     return None
@@ -97,12 +102,15 @@ def _gaps(missing: RealArray) -> int:
     return int(np.sum(np.diff(missing) > 0))
 
 
-def _holes(steps: RealArray, quantum: Second) -> RealArray | None:
-    """Return how many rows are missing before each, if the step is the resolution itself but for a few holes."""
-    ratio = np.round(steps / quantum)
-    if np.any(ratio < 1) or np.mean(ratio > 1) > MOST_GAPS:
+def _holes(steps: RealArray, quantum: Second, apart: Indices) -> RealArray | None:
+    """Return how many rows are missing before each, if the step is the resolution itself but for a few holes.
+
+    Rows that are known to be missing make a row and the next one more than one ``apart``.
+    """
+    lost = np.round(steps / quantum) - apart
+    if np.any(lost < 0) or np.mean(lost > 0) > MOST_GAPS:
         return None
-    return np.concatenate([[0.0], np.cumsum(ratio - 1)])
+    return np.concatenate([[0.0], np.cumsum(lost)])
 
 
 def _quantum(stamps: RealArray, steps: RealArray) -> Second:
@@ -115,10 +123,10 @@ def _quantum(stamps: RealArray, steps: RealArray) -> Second:
     return quantum
 
 
-def _merged(before: RealArray, stamps: RealArray, step: Second, lowest: Second) -> RealArray:
+def _merged(before: RealArray, stamps: RealArray, index: Indices, step: Second, lowest: Second) -> RealArray:
     """Return the rows missing before each row, with neighbouring gaps joined if no residual falls below the lowest."""
     before = before.copy()
-    places = np.arange(stamps.size) + np.cumsum(before)
+    places = index + np.cumsum(before)
     gaps = np.flatnonzero(before)
     for one, other in zip(gaps[:-1][::-1], gaps[1:][::-1], strict=True):
         between = slice(one, other)
@@ -129,9 +137,11 @@ def _merged(before: RealArray, stamps: RealArray, step: Second, lowest: Second) 
     return before
 
 
-def _grid(stamps: RealArray, points: Indices, missing: RealArray, quantum: Second, jitter: float) -> Grid | None:
+def _grid(
+    stamps: RealArray, index: Indices, points: Indices, missing: RealArray, quantum: Second, jitter: float
+) -> Grid | None:
     """Return the grid of points of which it is known how many rows are missing before each."""
-    rows = points + missing
+    rows = index[points] + missing
     times = stamps[points]
     fitted = narrowest_line(rows, times, quantum, jitter)
     if fitted is None:
@@ -149,10 +159,10 @@ def _grid(stamps: RealArray, points: Indices, missing: RealArray, quantum: Secon
     before = np.zeros(stamps.size)
     before[points] = np.diff(missing, prepend=0.0)
     lowest = fitted[0] - 0.5 * band(step, quantum, jitter, times) - max(0.0, quantum - step)
-    before = _merged(before, stamps, step, lowest)
+    before = _merged(before, stamps, index, step, lowest)
     if np.sum(before > 0) > max(FEW_HOLES, MOST_GAPS * points.size):
         return None
-    places = (np.arange(stamps.size) + np.cumsum(before)).astype(np.intp)
+    places = (index + np.cumsum(before)).astype(np.intp)
     off = stamps - step * places
     start = float(np.max(off) + np.min(off)) / 2
     if np.max(np.abs(off - off[0])) <= 0.505 * quantum:

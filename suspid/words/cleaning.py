@@ -38,9 +38,9 @@ def _rounded_stamps(numbers: Numbers) -> str:
             "{rate:.8g} ± {rate_std:.1g} Hz and replaces them; samples unchanged"
         ).format_map(numbers)
     return (
-        "time stamps lie up to {off:.2g} s ({off_samples:.2g} samples) off the stated {rate:.9g} Hz; the uniform clock "
-        "of that rate replaces them; samples unchanged"
-    ).format_map(numbers)
+        "time stamps lie up to {off:.2g} s ({plain} samples) off the stated {rate:.9g} Hz; the uniform clock of that "
+        "rate replaces them; samples unchanged"
+    ).format_map({**numbers, "plain": _plain(_number(numbers, "off_samples"))})
 
 
 def _overridden_stamps(numbers: Numbers) -> str:
@@ -49,10 +49,26 @@ def _overridden_stamps(numbers: Numbers) -> str:
     if column != column:
         return f"{text}, which states none"
     percent = 100 * abs(column / _number(numbers, "rate") - 1)
-    return (
-        f"{text}, which states {column:.9g} Hz ({percent:.2g} % off) and ends {abs(_number(numbers, 'apart')):.3g} s "
-        f"{'later' if _number(numbers, 'apart') > 0 else 'earlier'}"
+    apart = _number(numbers, "apart")
+    off = f" ({_plain(percent)} % off)" if percent >= 0.01 else ""
+    ends = f" and ends {abs(apart):.3g} s {'later' if apart > 0 else 'earlier'}" if apart else ""
+    missing = (
+        f"; by the time column, {_count(numbers, 'row', 'missing')} are missing; leave fs out to keep their places"
+        if numbers.get("missing")
+        else ""
     )
+    return f"{text}, which states {column:.9g} Hz{off}{ends}{missing}"
+
+
+def _plain(number: float) -> str:
+    """Return a number to two digits or more, without an exponent unless it is huge.
+
+    Examples
+    --------
+    >>> _plain(100.0), _plain(2.345), _plain(0.012)
+    ('100', '2.3', '0.012')
+    """
+    return f"{number:.0f}" if 10 <= number < 1e6 else f"{number:.2g}"
 
 
 def _jittering_stamps(numbers: Numbers) -> str:
@@ -192,6 +208,12 @@ class Defect(Code):
     OVERRIDDEN_STAMPS = "overridden stamps", _overridden_stamps
     JITTERING_STAMPS = "jittering stamps", _jittering_stamps
     IRREGULAR_STAMPS = "irregular stamps", _irregular_stamps
+    AMBIGUOUS_STAMPS = (
+        "ambiguous stamps",
+        "time stamps fit a clock of {rate:.7g} Hz that was rounded as well as one of {other_rate:.7g} Hz with "
+        "{missing} rows missing; the samples do not tell which (share followed {followed:.2f} ± {followed_std:.2g}); "
+        "{assumed:.7g} Hz assumed; compare it with the rate set in the logger",
+    )
     MISSING_ROWS = (
         "missing rows",
         lambda n: f"{n['samples']} of {n['rows']} rows missing, in {_count(n, 'place', 'places')}",

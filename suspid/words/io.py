@@ -80,6 +80,7 @@ class LeftOut(Code):
     IGNORED_TIME = "ignored_time", "is a time, ignored as asked"
     EPOCH = "epoch", "is not stated; stamps of this size are {unit} since 1970"
     SECONDS = "seconds", "is not stated; taken as seconds, which makes {rate:.4g} Hz; give fs if the rows were faster"
+    OTHER_RATE = "other_rate", "is {rate:.9g} Hz; the given {fs:.9g} Hz replaces it"
     ROW_COUNTER = "row_counter", "counts the rows"
     # Lines of text files.
     HEADING = "heading", "is above the data: {line}"
