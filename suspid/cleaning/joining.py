@@ -16,7 +16,7 @@ from suspid.errors import RecordError
 from suspid.recordings import RawChannel
 from suspid.units import Hertz, RealArray
 from suspid.values import frozen_real
-from suspid.words import Defect, Number
+from suspid.words import Defect, Number, count
 
 # Relative difference of two rates up to which they are one. A slower channel is left out unless asked for by name.
 ONE_RATE = 0.01
@@ -123,9 +123,9 @@ def whole(placed: Placed) -> tuple[RealArray, dict[str, RealArray], list[Finding
         gaps = [name for name, row in zip(placed.names, table, strict=True) if np.any(np.isnan(row[begin[k] : end[k]]))]
         low, high = times[starts[longest]], times[stops[longest] - 1]
         raise RecordError(
-            f"{np.sum(holes)} of {holes.size} samples are missing in {begin.size} gaps too long to fill, the longest "
-            f"in {', '.join(map(repr, gaps))} from {times[begin[k]]:.6g} to {times[end[k] - 1]:.6g} s; the longest "
-            f"stretch without such a gap is {low:.6g} to {high:.6g} s: take it with start={low:.6g}, stop={high:.6g}"
+            f"{np.sum(holes)} of {holes.size} samples are missing in {count(begin.size, 'gap')} too long to fill, "
+            f"the longest in {', '.join(map(repr, gaps))} from {times[begin[k]]:.6g} to {times[end[k] - 1]:.6g} s; "
+            f"the longest stretch without such a gap is {low:.6g} to {high:.6g} s: take it with start={low:.6g}, stop={high:.6g}"
         )
     inside = np.zeros(holes.size, bool)
     inside[first:last] = True
