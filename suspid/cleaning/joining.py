@@ -125,7 +125,8 @@ def whole(placed: Placed) -> tuple[RealArray, dict[str, RealArray], list[Finding
         raise RecordError(
             f"{np.sum(holes)} of {holes.size} samples are missing in {count(begin.size, 'gap')} too long to fill, "
             f"the longest in {', '.join(map(repr, gaps))} from {times[begin[k]]:.6g} to {times[end[k] - 1]:.6g} s; "
-            f"the longest stretch without such a gap is {low:.6g} to {high:.6g} s: take it with start={low:.6g}, stop={high:.6g}"
+            f"the longest stretch without such a gap is {low:.6g} to {high:.6g} s: "
+            f"take it with start={low:.6g}, stop={high:.6g}"
         )
     inside = np.zeros(holes.size, bool)
     inside[first:last] = True
