@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from suspid.signals import JITTER
 from suspid.stamps.grids import grid_of
 from suspid.stamps.rounding import FEW, HOLE, Indices, exact, is_uniform, line, resolution
 from suspid.units import Hertz, RealArray, Second
@@ -12,6 +13,8 @@ from suspid.units import Hertz, RealArray, Second
 SHORTEST = 1e-12
 # Rows in one hole beyond which they are not counted: places must stay integers that doubles hold.
 LONGEST_HOLE = float(1 << 31)
+# Holes up to which stamps on multiples of one step are taken as that clock with rows missing.
+FEW_HOLES = 2
 
 
 def nearest_grid(times: RealArray) -> tuple[Indices, Second, Second] | None:
@@ -113,6 +116,11 @@ def rate_and_gaps(stamps: RealArray) -> tuple[Hertz, int]:
     if grid is not None:
         return 1 / grid.step, int(np.sum(np.diff(grid.places) > 1))
     times = times[np.append(True, np.diff(times) > 0)]
+    # One or two holes in stamps that are otherwise exact are missing rows, not a slower clock rounded to its own step.
+    ticks = np.diff(times) / float(np.min(np.diff(times), initial=np.inf))
+    holes = int(np.sum(np.round(ticks) > 1))
+    if times.size > 2 * holes + 1 and holes <= FEW_HOLES and np.all(np.abs(ticks - np.round(ticks)) < JITTER):
+        return float(np.sum(np.round(ticks)) / (times[-1] - times[0])), holes
     near = nearest_grid(times) if times.size > 2 else None
     if near is None:
         return 1 / float(np.median(np.diff(times))), 0
