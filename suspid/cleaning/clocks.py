@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 from dataclasses import replace
 from typing import cast
 
@@ -60,21 +59,12 @@ def read_clock(stamps: RealArray, values: RealArray, *, rate: Hertz | None = Non
             f"{(stamps.size - 1) / max(SHORTEST, abs(float(stamps[-1]) - float(stamps[0]))):.9g} Hz"
         )
     if rate is not None and override:
-        agreed = None
-        if _is_rising(stamps):
-            with contextlib.suppress(RecordError):
-                agreed = _uniform(stamps, rate)
-        if agreed is None:
+        # Stamps that agree with the rate still tell which rows are missing; only others are replaced.
+        try:
+            return _read(stamps, values, rate)
+        except RecordError:
             return _overridden(stamps, rate)
-        timepts, findings = agreed
-        rows = np.arange(stamps.size)
-        return Clock(timepts=timepts, rows=rows, stamps=timepts, places=rows, findings=findings)
     return _read(stamps, values, rate)
-
-
-def _is_rising(stamps: RealArray) -> bool:
-    """Whether all stamps are numbers that do not decrease."""
-    return bool(np.all(np.abs(stamps) < LATEST) and stamps.size > 1 and np.all(np.diff(stamps) >= 0))
 
 
 def _read(stamps: RealArray, values: RealArray, rate: Hertz | None) -> Clock:
