@@ -22,6 +22,7 @@ from suspid.io.formats import READERS
 from suspid.io.read_recording import read_recording
 from suspid.io.write_record import write_record
 from suspid.signals import as_response
+from suspid.words import LeftOut
 
 DATA = Path(__file__).resolve().parents[2] / "shared" / "data"
 FUZZ = settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.too_slow])
@@ -182,10 +183,21 @@ class TestTimeColumn:
             [0, seconds, 2 * seconds], rel=1e-15, abs=0
         )  # a division, rounded
 
-    @pytest.mark.parametrize("name", ["temperature", "T1", "tire", "s", "rate", "time [samples]", "seat_ms"])
+    @pytest.mark.parametrize("name", ["temperature", "T1", "tire", "s", "rate", "seat_ms"])
     def test_names_of_other_things(self, tmp_path: Path, name: str) -> None:
         with pytest.raises(RecordError, match=r"no column is named like a time: 'seat'.*fs"):
             read_record(written(tmp_path, "r.csv", f"seat,{name}\n1,0\n2,2\n"))
+
+    def test_a_unit_that_is_none_of_time_is_named(self, tmp_path: Path) -> None:
+        with pytest.raises(RecordError, match=r"unit of time in 'time \[samples\]' is not known; known: s, ms"):
+            read_record(written(tmp_path, "r.csv", "seat,time [samples]\n1,0\n2,2\n"))
+
+    def test_a_given_rate_replaces_that_of_the_file(self, tmp_path: Path) -> None:
+        path = tmp_path / "r.mat"
+        path.write_bytes(matlab(x=np.sin(np.arange(50.0)), Fs=10.0))
+        recording = read_recording(path, fs=20)
+        assert recording["x"].rate == 20
+        assert dict(recording.left_out)["Fs"].code is LeftOut.OTHER_RATE
 
     def test_rounded_stamps_give_way_to_the_rate_that_they_round(self, tmp_path: Path) -> None:
         exact = np.arange(100) / 1280
@@ -274,8 +286,6 @@ REFUSED: list[tuple[str, str | bytes, dict[str, Any], str]] = [
     ("r.mat", matlab(x=np.ones(3), t=np.arange(3.0), M=np.eye(3)), {"channels": ["M"]}, "'M' is a matrix of 3 x 3"),
     ("r.mat", matlab(x=X[:3], t=X[:3], f=X), {"channels": ["x", "f"]}, "'f' has 4 samples, 't' has 3"),
     ("r.mat", matlab(t=X[:3], f=X), {}, "no channel is as long as time, 't': 3 samples"),
-    ("r.mat", matlab(x=X, Fs=10.0), {"fs": 20}, "'fs' says 20 Hz, 'Fs' in the file 10 Hz"),
-    ("r.mat", matlab(s={"x": X, "Fs": 10.0}), {"fs": 20}, "'fs' says 20 Hz, 's' in the file 10 Hz"),
     ("r.mat", matlab(s={"x": X, "Fs": 10.0, "dt": 2.0}), {}, "states several sampling rates: 'Fs' 10 Hz, 'dt' 0.5 Hz"),
     ("r.mat", matlab(x=X, t=X, Fs=10.0), {}, "10"),
     ("r.mat", matlab(x=X, t=X, time=-X), {}, "'t', 'time' all read like a time"),

@@ -56,7 +56,7 @@ def install_line(extra: str) -> str:
     Examples
     --------
     >>> install_line("uff")
-    "pip install 'pyuff>=2.4'"
+    "pip install 'pyuff>=...'"
     """
     marker = re.compile(rf"""extra\s*==\s*['"]{re.escape(extra)}['"]""")
     stated = [text.partition(";") for text in requires("suspid") or ()]
