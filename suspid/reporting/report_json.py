@@ -119,6 +119,7 @@ def _considered(shown: Identification) -> list[dict[str, object]]:
             "wn_rad_per_s": abs(c.pole),
             "zeta": -c.pole.real / abs(c.pole) if c.pole else 0.0,
             "reason": c.reason,
+            "remark": c.remark.to_dict(),
             "removed": c.removed,
         }
         for c in shown.considered
@@ -134,6 +135,7 @@ def _findings(cleaned: Cleaned) -> list[dict[str, object]]:
             "stop_s": finding.stop,
             "samples": finding.samples,
             "text": finding.text,
+            "remark": finding.remark.to_dict(),
             "repaired": finding.repaired,
         }
         for finding in cleaned.findings
@@ -149,6 +151,7 @@ def _decays(content: Content) -> list[dict[str, object]]:
             "kind": decay.kind,
             "cycles": decay.cycles,
             "doubts": [str(doubt) for doubt in decay.doubts],
+            "remarks": [doubt.to_dict() for doubt in decay.doubts],
             "used": i == used,
         }
         for i, decay in enumerate(content.analysis.decays)
