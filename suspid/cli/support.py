@@ -26,28 +26,17 @@ if TYPE_CHECKING:
 ARGUMENTS = "suspid.arguments"
 
 
-class Positive(click.ParamType[float]):
-    """A finite number above zero, in the unit that ``name`` says."""
-
-    def __init__(self, unit: str) -> None:
-        self.name = unit
-
-    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> float:
-        """Return the number, or refuse it as a usage error."""
-        try:
-            number = float(str(value))
-        except ValueError:
-            self.fail(f"{value!r} is not a number.", param, ctx)
-        if not (number > 0 and math.isfinite(number)):
-            self.fail(f"{value} {self.name} must be positive and finite.", param, ctx)
-        return number
-
-
 class Finite(click.ParamType[float]):
     """A finite number, in the unit that ``name`` says."""
 
+    required = "finite"
+
     def __init__(self, unit: str) -> None:
         self.name = unit
+
+    def allowed(self, number: float) -> bool:
+        """Return whether the number may be given."""
+        return math.isfinite(number)
 
     def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> float:
         """Return the number, or refuse it as a usage error."""
@@ -55,9 +44,19 @@ class Finite(click.ParamType[float]):
             number = float(str(value))
         except ValueError:
             self.fail(f"{value!r} is not a number.", param, ctx)
-        if not math.isfinite(number):
-            self.fail(f"{value} {self.name} must be finite.", param, ctx)
+        if not self.allowed(number):
+            self.fail(f"{value} {self.name} must be {self.required}.", param, ctx)
         return number
+
+
+class Positive(Finite):
+    """A finite number above zero, in the unit that ``name`` says."""
+
+    required = "positive and finite"
+
+    def allowed(self, number: float) -> bool:
+        """Return whether the number may be given."""
+        return number > 0 and math.isfinite(number)
 
 
 class _Failure(click.ClickException):
