@@ -50,3 +50,17 @@ class ReconstructionError(SuspidError):
     def __init__(self, message: str, *, best: Suspension | None = None) -> None:
         super().__init__(message)
         self.best = best
+
+
+class EstimationError(SuspidError):
+    """The records do not determine the suspension, or no suspension was found that has them.
+
+    Attributes
+    ----------
+    best : Suspension or None
+        The best suspension found.
+    """
+
+    def __init__(self, message: str, *, best: Suspension | None = None) -> None:
+        super().__init__(message)
+        self.best = best

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from suspid.errors import RecordError
 from suspid.stamps import rate_and_gaps
 from suspid.units import Hertz, RealArray, Second
-from suspid.values import nearest_names, text_table
+from suspid.values import listed, nearest_names, text_table
 from suspid.words import Remark
+
+SEVERAL = "The file holds {number} tests. Choose one with --test, such as --test '{first}'; --test all joins them."
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -30,6 +32,8 @@ class RawChannel:
         The samples, possibly not a number.
     rate : float or None
         Sampling rate [Hz] stated by the file or the user; None where there are only stamps.
+    test : str
+        Which of several tests in the file the channel belongs to; empty where the file holds one.
     """
 
     name: str
@@ -37,6 +41,7 @@ class RawChannel:
     timepts: RealArray
     values: RealArray
     rate: Hertz | None
+    test: str = ""
 
     @property
     def mean_rate(self) -> Hertz:
@@ -52,10 +57,13 @@ class RawChannel:
     @property
     def gaps(self) -> int:
         """Number of runs of missing samples: holes in the time stamps, and runs of NaN."""
-        holes = rate_and_gaps(self.timepts)[1]
+        return rate_and_gaps(self.timepts)[1] + self.missing
+
+    @property
+    def missing(self) -> int:
+        """Number of runs of NaN."""
         missing = np.isnan(self.values)
-        runs = int(np.sum(missing[1:] & ~missing[:-1])) + int(missing.size > 0 and missing[0])
-        return holes + runs
+        return int(np.sum(missing[1:] & ~missing[:-1])) + int(missing.size > 0 and missing[0])
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -81,6 +89,24 @@ class Recording:
         """Names of the channels."""
         return tuple(channel.name for channel in self.channels)
 
+    @property
+    def tests(self) -> tuple[str, ...]:
+        """Names of the tests, where the file holds several; else empty."""
+        return tuple(dict.fromkeys(channel.test for channel in self.channels if channel.test))
+
+    def of_test(self, name: str) -> Recording:
+        """Return the channels of one of the tests.
+
+        Raises
+        ------
+        RecordError
+            If there is no such test; the message lists those that there are.
+        """
+        if name not in self.tests:
+            known = f"it holds {listed(self.tests)}" if self.tests else "it holds a single one"
+            raise RecordError(f"there is no test {name!r}: {known}")
+        return replace(self, channels=tuple(channel for channel in self.channels if channel.test == name))
+
     def __getitem__(self, name: str) -> RawChannel:
         """Return the channel of that name, or refuse with the nearest ones."""
         for channel in self.channels:
@@ -89,15 +115,23 @@ class Recording:
         raise RecordError(f"there is no channel {name!r}.{nearest_names(name, self.names)}")
 
     def __str__(self) -> str:
+        clocks = {id(channel.timepts): rate_and_gaps(channel.timepts) for channel in self.channels}
+        read = [clocks[id(channel.timepts)] for channel in self.channels]
+        rates = [channel.rate or rate for channel, (rate, _) in zip(self.channels, read, strict=True)]
         table = text_table(
             {
+                **({"test": [channel.test for channel in self.channels]} if self.tests else {}),
                 "channel": list(self.names),
                 "unit": [channel.unit or "?" for channel in self.channels],
-                "rate [Hz]": [f"{channel.mean_rate:.6g}" for channel in self.channels],
+                "rate [Hz]": ["irregular" if np.isnan(rate) else f"{rate:.6g}" for rate in rates],
                 "samples": [str(channel.values.size) for channel in self.channels],
                 "length [s]": [f"{channel.duration:.6g}" for channel in self.channels],
-                "gaps": [str(channel.gaps) for channel in self.channels],
+                "gaps": [str(holes + channel.missing) for channel, (_, holes) in zip(self.channels, read, strict=True)],
             }
         )
         names, reasons = [name for name, _ in self.left_out], [str(reason) for _, reason in self.left_out]
-        return f"{table}\n\n{text_table({'left out': names, 'because it': reasons})}" if names else table
+        if names:
+            table = f"{table}\n\n{text_table({'left out': names, 'because it': reasons})}"
+        if not self.tests:
+            return table
+        return f"{table}\n\n{SEVERAL.format(number=len(self.tests), first=self.tests[0])}"

@@ -6,7 +6,7 @@ function that made it. `as_signal` checks all of this in one place.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
@@ -142,18 +142,45 @@ def uniform_step(timepts: RealArray) -> Second:
 
 
 def as_response(
-    timepts: RealArray, values: RealArray, channels: Sequence[str], *, title: str = ""
+    timepts: RealArray,
+    values: RealArray,
+    channels: Sequence[str],
+    *,
+    title: str = "",
+    inputs: Mapping[str, RealArray] | None = None,
 ) -> control.TimeResponseData:
-    """Return samples (channel, sample) as a response of one trace, squeezed if it has one channel."""
+    """Return samples (channel, sample) and inputs by name as a response of one trace, squeezed if it has one channel.
+
+    With inputs it is squeezed only where it has one of them too.
+    """
     import control
 
     return control.TimeResponseData(
         time=np.array(timepts, float),
         outputs=np.array(values, float),
         output_labels=list(channels),
-        issiso=len(channels) == 1,
+        inputs=np.array(list(inputs.values()), float) if inputs else None,
+        input_labels=list(inputs) if inputs else None,
+        issiso=len(channels) == 1 and len(inputs or "1") == 1,
         title=title or None,
     )
+
+
+def inputs_of(response: control.TimeResponseData) -> dict[str, RealArray]:
+    """Return the inputs of a response of one trace by name; empty where it has none.
+
+    Examples
+    --------
+    >>> record = as_response(np.arange(2.0), np.ones((1, 2)), ["seat"], inputs={"road": np.array([0.0, 0.1])})
+    >>> inputs_of(record)
+    {'road': array([0. , 0.1])}
+    """
+    samples, labels = getattr(response, "inputs", None), getattr(response, "input_labels", None)
+    if samples is None:
+        return {}
+    table = np.asarray(samples, float)
+    table = table.reshape(-1, table.shape[-1])
+    return dict(zip(labels or [f"u[{i}]" for i in range(len(table))], table, strict=True))
 
 
 def cut(
@@ -191,7 +218,8 @@ def cut(
             f"the record has {np.sum(keep)} samples {span(start, stop)}; "
             f"it lasts from {time[0]:.6g} to {time[-1]:.6g} s"
         )
-    return as_response(time[keep], signal.values[:, keep], signal.channels)
+    inputs = {name: samples[keep] for name, samples in inputs_of(response).items()}
+    return as_response(time[keep], signal.values[:, keep], signal.channels, inputs=inputs)
 
 
 def span(start: Second | None, stop: Second | None) -> str:

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from suspid import InputError, ModalSet, Strut, Suspension, full_car, half_car, quarter_car
 from suspid.identification.modes_json import modes_from_dict, modes_to_dict, read_modes, to_json
-from suspid.model.car_files import car_from_toml, car_to_toml, read_car, write_car
+from suspid.model import car_from_toml, car_to_toml, read_car, write_car
 
 NAMES = st.text(st.characters(codec="utf-8"), min_size=1, max_size=8).filter(lambda n: "." not in n)
 RATES = st.floats(0, 1e300)

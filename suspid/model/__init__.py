@@ -6,7 +6,8 @@
 of either kind. `read_car` and `write_car` keep a suspension as TOML.
 """
 
-from suspid.model.car_files import car_from_toml, car_to_toml, parsed_toml, read_car, read_constraints, write_car
+from suspid.model.car_files import car_from_toml, parsed_toml, read_car, read_constraints, write_car
+from suspid.model.car_text import car_to_toml
 from suspid.model.compare import compare
 from suspid.model.comparison import Comparison
 from suspid.model.eigenmodes import eigenmodes, scaled_shapes
@@ -15,24 +16,31 @@ from suspid.model.half_car import half_car
 from suspid.model.matching import pole_distances
 from suspid.model.modal_table import modal_table
 from suspid.model.modes import Interval, ModalSet
+from suspid.model.outputs import OutputRows, force_weights, output_rows, output_weights
 from suspid.model.quarter_car import quarter_car
-from suspid.model.statespace import output_weights, statespace
+from suspid.model.sensor import Sensor
+from suspid.model.statespace import statespace
 from suspid.model.strut import Strut
-from suspid.model.suspension import Suspension
+from suspid.model.suspension import Suspension, check_plain
 
 __all__ = [
     "Comparison",
     "Interval",
     "ModalSet",
+    "OutputRows",
+    "Sensor",
     "Strut",
     "Suspension",
     "car_from_toml",
     "car_to_toml",
+    "check_plain",
     "compare",
     "eigenmodes",
+    "force_weights",
     "full_car",
     "half_car",
     "modal_table",
+    "output_rows",
     "output_weights",
     "parsed_toml",
     "pole_distances",

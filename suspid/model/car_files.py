@@ -20,25 +20,38 @@ Masses [kg] by coordinate, struts with stiffness [N/m], damping [N s/m] and arms
 
 or, shorter, a table ``[quarter_car]``, ``[half_car]`` or ``[full_car]`` with the arguments of `quarter_car`,
 `half_car` or `full_car`; where `full_car` takes a pair of values, write ``[left, right]``.
+
+Both may be followed by rubber mounts in series with dampers, by strut [N/m], and by the sensors of its records::
+
+    [mounts]
+    front = 1e6
+
+    [sensors]
+    az_seat = { acceleration = "heave", ahead = 0.3, left = 0.4 }  # a point of the body [m]
+    pitch_rate = { velocity = "pitch" }
+    lift = { displacement = { front = 0.5, rear = 0.5 } }
+    damper_pot = { travel = "front" }
 """
 
 from __future__ import annotations
 
 import inspect
-import json
 import os
-import re
 import reprlib
 import tomllib
 from collections.abc import Callable, Collection, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import NoReturn
 
 from suspid.errors import InputError
 from suspid.files import printable, read_text, replacing
+from suspid.model.car_parts import body_arms
+from suspid.model.car_text import car_to_toml
 from suspid.model.full_car import full_car
 from suspid.model.half_car import half_car
 from suspid.model.quarter_car import quarter_car
+from suspid.model.sensor import MOTIONS, Sensor
 from suspid.model.strut import Strut
 from suspid.model.suspension import Suspension
 from suspid.values import nearest_names
@@ -117,8 +130,19 @@ def car_from_toml(text: str) -> Suspension:
     {'chassis': 400.0, 'tire': 40.0}
     """
     content = parsed_toml(text)
-    _check_keys("the file", content, ("constraints", "masses", "struts", *PRESETS))
+    _check_keys("the file", content, ("constraints", "masses", "struts", "mounts", "sensors", *PRESETS))
     content.pop("constraints", None)
+    mounts = _table("[mounts]", content.pop("mounts", {}))
+    sensors = _table("[sensors]", content.pop("sensors", {}))
+    return replace(
+        _car(content).with_parameters(
+            mount_stiffness={name: _number("[mounts]", name, value, "N/m") for name, value in mounts.items()}
+        ),
+        sensors=[_sensor(f"[sensors] {name!r}", name, table) for name, table in sensors.items()],
+    )
+
+
+def _car(content: Mapping[str, object]) -> Suspension:
     short = next((name for name in PRESETS if name in content), None)
     if short:
         if len(content) > 1:
@@ -163,37 +187,6 @@ def read_constraints(path: str | os.PathLike[str]) -> tuple[str, ...]:
     except InputError as error:
         raise InputError(f"{printable(str(path))}: {error}") from None
     return tuple(found)
-
-
-def car_to_toml(suspension: Suspension) -> str:
-    """Return a suspension as TOML text; `car_from_toml` returns the same values, bit for bit.
-
-    Examples
-    --------
-    >>> strut = Strut(name="spring", stiffness=4e3, damping=10.0, arms={"mass": 1.0, "road": -1.0})
-    >>> print(car_to_toml(Suspension(masses={"mass": 10.0}, struts=[strut])))
-    [masses]  # kg
-    mass = 10.0
-    <BLANKLINE>
-    [[struts]]
-    name = "spring"
-    stiffness = 4000.0  # N/m
-    damping = 10.0  # N s/m
-    arms = { mass = 1.0, road = -1.0 }
-    <BLANKLINE>
-    """
-    lines = ["[masses]  # kg", *(f"{_key(name)} = {mass!r}" for name, mass in suspension.masses.items())]
-    for strut in suspension.struts:
-        arms = ", ".join(f"{_key(name)} = {arm!r}" for name, arm in strut.arms.items())
-        lines += [
-            "",
-            "[[struts]]",
-            f"name = {_quoted(strut.name)}",
-            f"stiffness = {strut.stiffness!r}  # N/m",
-            f"damping = {strut.damping!r}  # N s/m",
-            f"arms = {{ {arms} }}",
-        ]
-    return "\n".join([*lines, ""])
 
 
 def parsed_toml(text: str) -> dict[str, object]:
@@ -243,6 +236,25 @@ def _strut(where: str, given: object) -> Strut:
     )
 
 
+def _sensor(where: str, name: str, given: object) -> Sensor:
+    table = _table(where, given)
+    _check_keys(where, table, (*MOTIONS, "ahead", "left"))
+    motions = [motion for motion in MOTIONS if motion in table]
+    if len(motions) != 1:
+        raise InputError(f"{where} must have one of {', '.join(MOTIONS)}, as {{ acceleration = 'heave' }}")
+    of = table[motions[0]]
+    if "ahead" in table or "left" in table:
+        if of != "heave" or motions[0] == "travel":
+            raise InputError(f"{where}: ahead and left place a point on the body; they go with 'heave' alone")
+        ahead, left = (_number(where, key, table.get(key, 0.0), "m") for key in ("ahead", "left"))
+        of = body_arms(ahead, left if "left" in table else None)
+    elif isinstance(of, dict):
+        of = {coordinate: _number(where, coordinate, arm, "1 or m") for coordinate, arm in of.items()}
+    elif not isinstance(of, str):
+        raise InputError(f"{where}: {motions[0]} = {reprlib.repr(of)} must be a name, or a table of arms")
+    return Sensor(name=name, motion=motions[0], of=of)
+
+
 def _table(where: str, value: object) -> dict[str, object]:
     return value if isinstance(value, dict) else _refuse(f"{where} must be a table, not {reprlib.repr(value)}")
 
@@ -260,15 +272,6 @@ def _check_keys(where: str, given: Collection[str], known: Collection[str]) -> N
     for key in given:
         if key not in known:
             raise InputError(f"{where} has an unknown key {key!r}.{nearest_names(key, known)}")
-
-
-def _key(name: str) -> str:
-    return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else _quoted(name)
-
-
-def _quoted(text: str) -> str:
-    """Return a TOML basic string: JSON's, with DEL escaped as well."""
-    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 def _refuse(message: str) -> NoReturn:

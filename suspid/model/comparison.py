@@ -95,7 +95,8 @@ class Comparison:
             "allowed": [_text(row.allowed, 2) for row in self.table],
             "verdict": [row.verdict for row in self.table],
         }
-        mae = ", ".join(f"{name} {value:.3g} {UNITS[name]}" for name, value in self.mae.items())
+        # A ratio has no unit to print behind a number.
+        mae = ", ".join(f"{name} {value:.3g} {UNITS[name]}".removesuffix(" 1") for name, value in self.mae.items())
         notes = [f"mean absolute error: {mae}"]
         if self.mac is not None:
             notes.append(f"MAC by expected mode: {', '.join(f'{m:.6f}' for m in self.mac)}")

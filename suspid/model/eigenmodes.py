@@ -54,8 +54,8 @@ def eigenmodes(system: control.StateSpace | Suspension) -> ModalSet:
     array([21.2737, 50.1386, 83.8549])
     """
     if isinstance(system, Suspension):
-        n = len(system.coordinates)
-        matrix, outputs, channels, dt = state_matrix(system), np.eye(n, 2 * n), system.coordinates, None
+        matrix, channels, dt = state_matrix(system), system.coordinates, None
+        outputs = np.eye(len(channels), len(matrix))
     else:
         if not hasattr(system, "A") or not hasattr(system, "output_labels"):
             raise InputError(f"eigenmodes needs a control.StateSpace or a Suspension, not {type(system).__name__}")

@@ -1,4 +1,4 @@
-"""One strut: a spring and a damper in parallel."""
+"""One strut: a spring and a damper in parallel, the damper perhaps on a mount."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from suspid.errors import InputError
 from suspid.model.checks import check_name, finite_number
-from suspid.units import NewtonPerMetre, NewtonSecondPerMetre
+from suspid.units import NewtonPerMetre, NewtonSecondPerMetre, Second
 from suspid.values import FrozenMapping
 
 
@@ -28,11 +28,14 @@ class Strut:
         Damper rate [N s/m], not negative.
     arms : mapping of str to float
         Elongation per unit of each coordinate, by coordinate [1 or m/rad].
+    mount_stiffness : float, optional
+        Stiffness of a rubber mount in series with the damper [N/m], positive: the strut is then
+        ``k + c s / (1 + (c / mount_stiffness) s)``. Default: the damper is fixed rigidly.
 
     Raises
     ------
     InputError
-        If a rate is negative or not finite, or all arms are zero.
+        If a rate is negative or not finite, a mount is not stiffer than zero, or all arms are zero.
 
     Examples
     --------
@@ -44,6 +47,7 @@ class Strut:
     stiffness: NewtonPerMetre
     damping: NewtonSecondPerMetre
     arms: Mapping[str, float]
+    mount_stiffness: NewtonPerMetre | None = None
 
     def __post_init__(self) -> None:
         check_name("a strut", self.name)
@@ -52,6 +56,14 @@ class Strut:
             if value < 0:
                 raise InputError(f"strut {self.name!r}: {quantity} = {value:g} {unit} is negative; it must be >= 0")
             object.__setattr__(self, quantity, value)
+        if self.mount_stiffness is not None:
+            mount = finite_number(f"strut {self.name!r}: mount_stiffness", self.mount_stiffness, "N/m")
+            if mount <= 0:
+                raise InputError(
+                    f"strut {self.name!r}: mount_stiffness = {mount:g} N/m must be positive; leave it out for a "
+                    f"damper without a mount"
+                )
+            object.__setattr__(self, "mount_stiffness", mount)
         if not isinstance(self.arms, Mapping):
             raise InputError(
                 f"strut {self.name!r}: arms = {self.arms!r} must map coordinates to arms, as {{'seat': 1.0}}"
@@ -62,3 +74,8 @@ class Strut:
         if not any(self.arms.values()):
             raise InputError(f"strut {self.name!r} has no nonzero arm; it connects nothing")
         object.__setattr__(self, "arms", FrozenMapping(self.arms))
+
+    @property
+    def relaxation(self) -> Second:
+        """Time constant of damper and mount, ``damping / mount_stiffness`` [s]; 0 without a mount."""
+        return 0.0 if self.mount_stiffness is None else self.damping / self.mount_stiffness

@@ -11,12 +11,15 @@ import numpy as np
 
 from suspid.errors import InputError
 from suspid.model.checks import check_name, finite_number
+from suspid.model.sensor import Sensor
 from suspid.model.strut import Strut
 from suspid.units import Kilogram, NewtonPerMetre, NewtonSecondPerMetre, RealArray
 from suspid.values import FrozenMapping, nearest_names
 
 # Suffixes of outputs that are time derivatives of a coordinate, with the order of the derivative.
 DERIVATIVES = {"velocity": 1, "acceleration": 2}
+# The same of a road, whose first derivative is an input named so.
+ROAD_DERIVATIVES = {"rate": 1, "acceleration": 2}
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -32,12 +35,14 @@ class Suspension:
         Mass [kg], or moment of inertia [kg m2], by coordinate; positive.
     struts : sequence of Strut
         The struts. A coordinate that is used in an arm and is not in ``masses`` is a road input.
+    sensors : sequence of Sensor
+        Channels of records that are not named like an output of `statespace`.
 
     Raises
     ------
     InputError
-        If a mass is not positive, a name is used twice or has two meanings, a mass has no strut, or the name of a
-        road input is probably a misspelt mass.
+        If a mass is not positive, a name is used twice or has two meanings, a mass has no strut, the name of a
+        road input is probably a misspelt mass, or a sensor is of something that does not exist.
 
     Examples
     --------
@@ -57,13 +62,16 @@ class Suspension:
 
     masses: Mapping[str, Kilogram]
     struts: Sequence[Strut]
+    sensors: Sequence[Sensor] = ()
 
     def __post_init__(self) -> None:
         _check_masses(self.masses)
         _check_struts(self.struts)
         object.__setattr__(self, "masses", FrozenMapping(self.masses))
         object.__setattr__(self, "struts", tuple(self.struts))
-        _check_coordinates(self)
+        object.__setattr__(self, "sensors", tuple(self.sensors))
+        derived = _check_coordinates(self)
+        _check_sensors(self, derived)
 
     @property
     def coordinates(self) -> tuple[str, ...]:
@@ -82,7 +90,8 @@ class Suspension:
 
     @property
     def C(self) -> RealArray:
-        """Damping matrix [N s/m], (coordinate, coordinate)."""
+        """Damping matrix [N s/m], (coordinate, coordinate); refused where a damper is on a mount."""
+        check_plain(self, "a damping matrix")
         arms = self.arms(self.coordinates)
         return np.asarray(arms.T * [s.damping for s in self.struts] @ arms)
 
@@ -95,6 +104,7 @@ class Suspension:
     @property
     def C_road(self) -> RealArray:
         """Force on each coordinate per rate of each road input [N s/m], (coordinate, road)."""
+        check_plain(self, "a damping matrix")
         return np.asarray(-self.arms(self.coordinates).T * [s.damping for s in self.struts] @ self.arms(self.roads))
 
     @property
@@ -113,6 +123,7 @@ class Suspension:
         stiffness: Mapping[str, NewtonPerMetre] | None = None,
         damping: Mapping[str, NewtonSecondPerMetre] | None = None,
         masses: Mapping[str, Kilogram] | None = None,
+        mount_stiffness: Mapping[str, NewtonPerMetre] | None = None,
     ) -> Suspension:
         """Return a copy with some parameters changed, by name of strut or of mass.
 
@@ -129,22 +140,35 @@ class Suspension:
         >>> car.with_parameters(damping={"chassis": 900}).struts[0].damping
         900.0
         """
-        stiffness, damping, masses = stiffness or {}, damping or {}, masses or {}
+        stiffness, damping, masses, mounts = stiffness or {}, damping or {}, masses or {}, mount_stiffness or {}
         struts = [s.name for s in self.struts]
-        for kind, given, known in (("strut", {**stiffness, **damping}, struts), ("mass", masses, self.coordinates)):
+        by_strut = {**stiffness, **damping, **mounts}
+        for kind, given, known in (("strut", by_strut, struts), ("mass", masses, self.coordinates)):
             for name in given:
                 if name not in known:
                     raise InputError(f"there is no {kind} {name!r}.{nearest_names(name, known)}")
-        return Suspension(
+        return replace(
+            self,
             masses={**self.masses, **masses},
             struts=tuple(
                 replace(
                     s,
                     stiffness=stiffness.get(s.name, s.stiffness),
                     damping=damping.get(s.name, s.damping),
+                    mount_stiffness=mounts.get(s.name, s.mount_stiffness),
                 )
                 for s in self.struts
             ),
+        )
+
+
+def check_plain(suspension: Suspension, what: str) -> None:
+    """Refuse a suspension with a damper on a mount where only springs and dampers in parallel are meant."""
+    mounted = [strut.name for strut in suspension.struts if strut.relaxation]
+    if mounted:
+        raise InputError(
+            f"{what} needs struts of a spring and a damper in parallel, but the damper of strut {mounted[0]!r} is on a "
+            f"mount; remove mount_stiffness, or use statespace, eigenmodes or estimate"
         )
 
 
@@ -170,11 +194,11 @@ def _check_struts(struts: Sequence[Strut]) -> None:
         raise InputError(f"strut name {twice[0]!r} is used {names.count(twice[0])} times; names must be unique")
 
 
-def _check_coordinates(suspension: Suspension) -> None:
-    """Refuse names with two meanings, probable misspellings and masses without a strut."""
+def _check_coordinates(suspension: Suspension) -> set[str]:
+    """Refuse names with two meanings, probable misspellings and masses without a strut; return all names taken."""
     masses, roads, struts = suspension.masses, suspension.roads, suspension.struts
     derived = {f"{c}_{d}" for c in masses for d in DERIVATIVES} | {f"{strut.name}_travel" for strut in struts}
-    derived |= {f"{road}_rate" for road in roads}
+    derived |= {f"{road}_{d}" for road in roads for d in ROAD_DERIVATIVES}
     ambiguous = sorted(derived & {*masses, *roads})
     if ambiguous:
         raise InputError(f"coordinate {ambiguous[0]!r} has the name of an input or output; give it another name")
@@ -191,6 +215,26 @@ def _check_coordinates(suspension: Suspension) -> None:
                 f"mass {coordinate!r} = {mass:g} kg is not connected: "
                 f"no strut with stiffness or damping has an arm on it"
             )
+    return derived | {*masses, *roads}
+
+
+def _check_sensors(suspension: Suspension, taken: set[str]) -> None:
+    """Refuse sensors of unknown coordinates or struts, and names with two meanings."""
+    struts = [strut.name for strut in suspension.struts]
+    coordinates = (*suspension.coordinates, *suspension.roads)
+    names: list[str] = []
+    for sensor in suspension.sensors:
+        if not isinstance(sensor, Sensor):
+            raise InputError(f"sensors contains {sensor!r}; every item must be a Sensor")
+        if sensor.name in names:
+            raise InputError(f"sensor name {sensor.name!r} is used twice; names must be unique")
+        if sensor.name in taken:
+            raise InputError(f"sensor {sensor.name!r} has the name of an input or output; give it another name")
+        names.append(sensor.name)
+        kind, known = ("strut", struts) if isinstance(sensor.of, str) else ("coordinate", coordinates)
+        for name in [sensor.of] if isinstance(sensor.of, str) else sensor.of:
+            if name not in known:
+                raise InputError(f"sensor {sensor.name!r}: there is no {kind} {name!r}.{nearest_names(name, known)}")
 
 
 def _probably_meant(road: str, coordinates: Sequence[str]) -> str | None:

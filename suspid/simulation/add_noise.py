@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.errors import InputError
-from suspid.signals import as_response, as_signal
+from suspid.signals import as_response, as_signal, inputs_of
 from suspid.units import Decibel
 
 if TYPE_CHECKING:
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 def add_noise(
     response: control.TimeResponseData, *, snr_db: Decibel, rng: np.random.Generator
 ) -> control.TimeResponseData:
-    """Return the response with white Gaussian noise on every channel.
+    """Return the response with white Gaussian noise on every channel; inputs stay as they are.
 
     Parameters
     ----------
@@ -55,4 +55,6 @@ def add_noise(
         raise InputError(f"channel {silent[0]!r} is zero throughout: no noise gives it an SNR of {snr_db:g} dB")
     std = np.sqrt(power * 10 ** (-snr_db / 10))
     noisy = signal.values + std[:, None] * rng.standard_normal(signal.values.shape)
-    return as_response(np.asarray(response.time), noisy, signal.channels, title=f"{snr_db:g} dB")
+    return as_response(
+        np.asarray(response.time), noisy, signal.channels, title=f"{snr_db:g} dB", inputs=inputs_of(response)
+    )

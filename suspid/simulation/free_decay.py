@@ -66,10 +66,7 @@ def free_decay(
     """
     if isinstance(system, Suspension):
         system = statespace(system)
-    if not hasattr(system, "A") or not hasattr(system, "state_labels"):
-        raise InputError(f"free_decay needs a control.StateSpace or a Suspension, not {type(system).__name__}")
-    if system.dt:
-        raise InputError(f"free_decay needs a continuous-time system; this one is sampled (dt = {system.dt})")
+    check_continuous(system, "free_decay")
     time = np.asarray(timepts, float)
     if time.ndim != 1 or time.size < 1:
         raise InputError(f"timepts must be a vector of at least one time; got shape {time.shape}")
@@ -78,7 +75,7 @@ def free_decay(
     if (initial_state is None) == (impulse is None):
         raise InputError("give either initial_state or impulse")
     A, C = np.asarray(system.A, float), np.asarray(system.C, float)
-    start = _initial_state(system, initial_state) if impulse is None else _impulse_state(system, impulse)
+    start = state_of(system, initial_state) if impulse is None else _impulse_state(system, impulse)
     # Times within 8 floats of a uniform grid count as uniform: rounding moves them by no more.
     step = (time[-1] - time[0]) / max(time.size - 1, 1)
     deviation = np.max(np.abs(time - (time[0] + step * np.arange(time.size))))
@@ -97,7 +94,16 @@ def free_decay(
     return as_response(time, values, system.output_labels, title="Free decay")
 
 
-def _initial_state(system: control.StateSpace, given: Mapping[str, float] | ArrayLike | None) -> RealArray:
+def check_continuous(system: control.StateSpace, verb: str) -> None:
+    """Refuse what is no continuous-time system."""
+    if not hasattr(system, "A") or not hasattr(system, "state_labels"):
+        raise InputError(f"{verb} needs a control.StateSpace or a Suspension, not {type(system).__name__}")
+    if system.dt:
+        raise InputError(f"{verb} needs a continuous-time system; this one is sampled (dt = {system.dt})")
+
+
+def state_of(system: control.StateSpace, given: Mapping[str, float] | ArrayLike | None) -> RealArray:
+    """Return a state that is given by label, the others zero, or as a vector."""
     labels = list(system.state_labels)
     if isinstance(given, Mapping):
         for name in given:

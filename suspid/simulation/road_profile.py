@@ -1,0 +1,99 @@
+"""Random roads of ISO 8608."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from suspid.errors import InputError
+from suspid.units import Metre, Ratio, RealArray
+from suspid.values import FrozenMapping
+
+# Geometric mean of the displacement spectral density of each class at REFERENCE [m3], ISO 8608.
+ROUGHNESS: Mapping[str, float] = FrozenMapping({name: 16e-6 * 4**k for k, name in enumerate("ABCDEFGH")})
+REFERENCE = 0.1  # cycle/m, to which the classes refer
+# Wavelengths of a road [m]: shorter ones are levelled by the contact patch of a tyre, longer ones by the road itself.
+WAVELENGTHS = (0.1, 100.0)
+# Grid points per shortest wavelength: cubic interpolation between them is right to 1e-3 of its amplitude.
+POINTS = 8
+MOST_POINTS = 2**26
+
+
+def road_profile(
+    distance: ArrayLike,
+    *,
+    roughness: str | float,
+    rng: np.random.Generator,
+    exponent: Ratio = 2.0,
+    wavelengths: tuple[Metre, Metre] = WAVELENGTHS,
+) -> RealArray:
+    """Return the height of a random road of ISO 8608 at given distances along it.
+
+    Its spectral density is ``G_d(n) = G_d(n_0) (n / n_0)^-exponent`` with ``n_0 = 0.1`` cycle/m, its heights Gaussian.
+    Driven at the speed v, the density in time is ``G_d(n_0) n_0^exponent v^(exponent - 1) f^-exponent``.
+
+    Parameters
+    ----------
+    distance : array_like
+        Distances [m], of any shape: ``speed * timepts``, or ``np.stack([s, s - wheelbase])`` for two axles on one
+        track.
+    roughness : str or float
+        Class ``"A"`` to ``"H"`` (its geometric mean), or G_d(n_0) [m3].
+    rng : numpy.random.Generator
+        Source of the heights.
+    exponent : float
+        Exponent w of the spectral density.
+    wavelengths : tuple of float
+        Shortest and longest wavelength [m]; there is nothing outside. At the speed v, samples at the rate fs hold
+        wavelengths down to ``2 v / fs``; shorter ones are aliased.
+
+    Returns
+    -------
+    ndarray
+        Heights [m], in the shape of the distances; mean zero over many roads.
+
+    Raises
+    ------
+    InputError
+        If the class is unknown, a number is not positive or not finite, or the road is too long for its wavelengths.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> t = np.arange(0, 10, 0.005)
+    >>> road = road_profile(20 * t, roughness="B", rng=np.random.default_rng(1))
+    >>> road.shape, bool(0.001 < np.std(road) < 0.1)
+    ((2000,), True)
+    """
+    level = ROUGHNESS.get(roughness) if isinstance(roughness, str) else roughness
+    if level is None:
+        raise InputError(f"{roughness=} is no class of ISO 8608; give one of {', '.join(ROUGHNESS)}, or G_d(n_0) [m3]")
+    short, long = wavelengths
+    if not (np.isfinite(level) and level >= 0 and np.isfinite(exponent) and 0 < short < long < np.inf):
+        raise InputError(f"{roughness=}, {exponent=}, {wavelengths=} must be finite, and the wavelengths ascend from 0")
+    if not isinstance(rng, np.random.Generator):
+        raise InputError(f"{rng=} is not a random generator; pass np.random.default_rng(seed)")
+    where = np.asarray(distance, float)
+    if not where.size or not np.all(np.isfinite(where)):
+        raise InputError("distance must hold finite distances [m]")
+    from scipy.interpolate import CubicSpline
+
+    first, spacing = float(np.min(where)), short / POINTS
+    # A periodic road, one longest wavelength longer than needed, so that its ends are no neighbours.
+    count = int(np.ceil((float(np.max(where)) - first + long) / spacing)) + 1
+    if count > MOST_POINTS:
+        raise InputError(
+            f"the road is {np.ptp(where):.4g} m long, {count} points at a shortest wavelength of {short:g} m; "
+            f"at most {MOST_POINTS} are made: give longer wavelengths, or a shorter road"
+        )
+    n = np.fft.rfftfreq(count, spacing)
+    inside = (n >= 1 / long) & (n <= 1 / short)
+    density = np.zeros(len(n))
+    density[inside] = level * (n[inside] / REFERENCE) ** -exponent
+    lines = rng.standard_normal((2, len(n)))
+    # One-sided density: the line 2 (a cos - b sin) has the variance 4 std(a)^2 = G dn.
+    amplitude = np.sqrt(density / (4 * count * spacing)) * (lines[0] + 1j * lines[1])
+    heights = np.fft.irfft(amplitude * count, count)
+    return np.asarray(CubicSpline(spacing * np.arange(count), heights)(where - first))

@@ -1,0 +1,139 @@
+"""Response of a model to roads and forces."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from suspid.errors import InputError, RecordError
+from suspid.model import Suspension, statespace
+from suspid.signals import as_response, uniform_step
+from suspid.simulation.free_decay import check_continuous, state_of
+from suspid.simulation.recursion import DEGREES, Interpolation, derivatives, driven_states
+from suspid.units import RealArray
+from suspid.values import nearest_names
+
+if TYPE_CHECKING:
+    import control
+
+RATE, FORCE = "_rate", "_force"
+
+
+def simulate(
+    system: control.StateSpace | Suspension,
+    timepts: ArrayLike,
+    inputs: Mapping[str, ArrayLike],
+    *,
+    outputs: Sequence[str] | None = None,
+    initial_state: Mapping[str, float] | ArrayLike | None = None,
+    interpolation: Interpolation = "linear",
+) -> control.TimeResponseData:
+    """Return the response to roads and forces, exact for inputs that are polynomials between the samples.
+
+    It is what `control.forced_response` computes, without a loop over the samples, and it knows that a road and its
+    rate are one motion.
+
+    Parameters
+    ----------
+    system : control.StateSpace or Suspension
+        The model.
+    timepts : array_like (sample,)
+        Uniform times [s], at least two.
+    inputs : mapping of str to array_like (sample,)
+        Samples of roads [m] and forces [N] by the label of the input, such as ``"road"`` or ``"seat_travel_force"``;
+        inputs that are not named are zero. A ``road_rate`` that is not given is the rate of ``road`` as interpolated.
+    outputs : sequence of str, optional
+        What to record, if the model is a suspension, as in `statespace`.
+    initial_state : mapping of str to float, or array_like (state,), optional
+        State at the first time, by label or as a vector. Default: zero, at rest where all coordinates are zero.
+    interpolation : {"linear", "cubic"}
+        How inputs move between samples: straight as in python-control, or on a cubic spline, which is far nearer to a
+        smooth motion (its error falls with the fourth power of the step instead of the second) but overshoots at steps.
+
+    Returns
+    -------
+    control.TimeResponseData
+        Outputs (channel, sample) and the inputs that were given, labelled.
+
+    Raises
+    ------
+    InputError
+        If an input is unknown, of another length than the times or not finite, if a rate is given without its road,
+        if the system is sampled, or if an unstable response exceeds the floating-point range.
+    RecordError
+        If the times are not uniform.
+
+    Examples
+    --------
+    A quarter car over a step of 5 cm settles 5 cm higher:
+
+    >>> import numpy as np
+    >>> from suspid import quarter_car
+    >>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3,
+    ...                   tire_stiffness=200e3, chassis_damping=1500)
+    >>> t = np.arange(0, 10, 0.01)
+    >>> record = simulate(car, t, {"road": np.where(t < 1, 0.0, 0.05)})
+    >>> record.output_labels, record.input_labels, record.y[:, -1].round(6)
+    (['chassis', 'tire'], ['road'], array([0.05, 0.05]))
+    """
+    if not isinstance(inputs, Mapping):
+        raise InputError(f"inputs must map names of inputs to samples, as {{'road': heights}}, not {type(inputs)}")
+    if isinstance(system, Suspension):
+        forces = [name for name in inputs if name.endswith(FORCE) and name not in system.roads]
+        system = statespace(system, outputs=outputs, forces=forces)
+    elif outputs is not None:
+        raise InputError("outputs are chosen for a suspension; a StateSpace has its own: statespace(car, outputs=…)")
+    check_continuous(system, "simulate")
+    if interpolation not in DEGREES:
+        raise InputError(f"{interpolation=} is unknown; it is 'linear' or 'cubic'")
+    time = np.asarray(timepts, float)
+    if time.ndim != 1 or time.size < 2:
+        raise RecordError(f"timepts must be a vector of at least two times; got shape {time.shape}")
+    step, names = uniform_step(time), list(inputs)
+    samples = _samples(inputs, system.input_labels, time.size)
+    start = np.zeros(system.nstates) if initial_state is None else state_of(system, initial_state)
+    pieces = derivatives(samples, step, interpolation)
+    B, D = (_by_derivative(np.asarray(matrix, float), system.input_labels, names) for matrix in (system.B, system.D))
+    with np.errstate(over="ignore", invalid="ignore"):
+        states = driven_states(np.asarray(system.A, float), B, pieces, start, step)
+        values = np.asarray(system.C, float) @ states + sum(d @ piece for d, piece in zip(D, pieces, strict=False))
+    beyond = np.flatnonzero(~np.all(np.isfinite(values), axis=0))
+    if beyond.size:
+        raise InputError(
+            f"the system is unstable: its response exceeds the largest float before t = {time[beyond[0]]:g} s; "
+            f"end the record earlier"
+        )
+    return as_response(
+        time, values, system.output_labels, title="Driven", inputs=dict(zip(names, samples, strict=True))
+    )
+
+
+def _samples(inputs: Mapping[str, ArrayLike], labels: Sequence[str], count: int) -> RealArray:
+    """Return the checked samples of the inputs, (input, sample)."""
+    rows = []
+    for name, given in inputs.items():
+        if name not in labels:
+            raise InputError(f"there is no input {name!r}.{nearest_names(name, labels)}")
+        row = np.asarray(given, float)
+        if row.shape != (count,):
+            raise InputError(f"input {name!r} has shape {row.shape}; there are {count} times")
+        if not np.all(np.isfinite(row)):
+            raise InputError(f"input {name!r} has {np.sum(~np.isfinite(row))} samples that are not finite")
+        road = name.removesuffix(RATE)
+        if road != name and road in labels and road not in inputs:
+            raise InputError(f"input {name!r} is given without {road!r}; give the road, its rate follows")
+        rows.append(row)
+    return np.array(rows).reshape(len(rows), count)
+
+
+def _by_derivative(matrix: RealArray, labels: Sequence[str], names: Sequence[str]) -> RealArray:
+    """Return the columns of the given inputs, and those that their rates drive if these are not given themselves."""
+    columns = list(labels)
+    direct, rates = matrix[:, [columns.index(name) for name in names]], np.zeros((len(matrix), len(names)))
+    for i, name in enumerate(names):
+        if f"{name}{RATE}" in columns and f"{name}{RATE}" not in names:
+            rates[:, i] = matrix[:, columns.index(f"{name}{RATE}")]
+    return np.stack([direct, rates])
