@@ -183,7 +183,7 @@ class TestJitter:
         stamps = np.arange(2000) / 100 + rng.uniform(-3e-3, 3e-3, 2000)
         clock = read_clock(stamps, rng.standard_normal((1, 2000)))
         assert kinds(clock) == ["jittering stamps"]
-        assert "too noisy to tell" in clock.findings[0].text
+        assert "do not follow them" in clock.findings[0].text
 
     @pytest.mark.parametrize("seed", range(10))
     def test_rows_missing_among_jittering_stamps_are_counted(self, seed: int) -> None:

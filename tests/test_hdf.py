@@ -25,6 +25,7 @@ h5py = pytest.importorskip("h5py")
 DATA = Path(__file__).resolve().parents[2] / "shared" / "data"
 FUZZ = settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 T = np.arange(5) / 10
+LONG = np.arange(20) / 10
 X = np.array([1.0, -0.5, 0.25, -0.125, 0.0625])
 
 
@@ -139,6 +140,14 @@ class TestBothVersionsSayTheSame:
         assert str(told["E"]) == "is a matrix of 3 x 3; save its columns as vectors"
         assert told["f"].code is LeftOut.NO_TIME
 
+    def test_a_vector_of_another_length_than_the_time_of_its_group_is_left_out(
+        self, tmp_path: Path, version: str
+    ) -> None:
+        WRITERS[version](tmp_path / "r.mat", {"run": {"Time": T, "x": X, "place": X[:2]}})
+        recording = read_recording(tmp_path / "r.mat")
+        assert recording.names == ("run.x",)
+        assert str(dict(recording.left_out)["run.place"]) == "has 2 samples, time 'run.Time' has 5"
+
     def test_time_of_a_structure_can_be_named(self, tmp_path: Path, version: str) -> None:
         WRITERS[version](tmp_path / "r.mat", {"a": {"t": T, "x": X}, "b": {"t": T + 1, "y": X}})
         recording = read_recording(tmp_path / "r.mat", time="b.t")
@@ -146,11 +155,21 @@ class TestBothVersionsSayTheSame:
         assert recording.channels[0].timepts[0] == 1
 
     def test_a_column_of_a_matrix_can_be_time(self, tmp_path: Path, version: str) -> None:
-        WRITERS[version](tmp_path / "r.mat", {"data": np.column_stack([T, X])})
-        with pytest.raises(RecordError, match=r"'data\[1\]' increases as a time does"):
-            read_recording(tmp_path / "r.mat")
-        recording = read_recording(tmp_path / "r.mat", time="data[1]")
-        assert recording.channels[0].timepts.tolist() == T.tolist()
+        WRITERS[version](tmp_path / "r.mat", {"data": np.column_stack([LONG, np.sin(LONG)])})
+        recording = read_recording(tmp_path / "r.mat")
+        assert recording.names == ("data[2]",)
+        assert recording.channels[0].timepts.tolist() == LONG.tolist()
+        assert dict(recording.left_out)["data[1]"].code is LeftOut.TAKEN_AS_TIME
+
+    def test_matrices_with_times_of_their_own(self, tmp_path: Path, version: str) -> None:
+        WRITERS[version](
+            tmp_path / "r.mat",
+            {name: np.column_stack([k * LONG, np.sin(LONG)]) for k, name in ((1, "a"), (2, "b"))} | {"c": X[:2]},
+        )
+        recording = read_recording(tmp_path / "r.mat")
+        assert recording.names == ("a[2]", "b[2]")
+        assert recording["a[2]"].timepts.tolist() == LONG.tolist()
+        assert recording["b[2]"].timepts.tolist() == (2 * LONG).tolist()
 
 
 class TestOwnReaderAgainstScipy:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import datetime
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -212,7 +214,68 @@ class TestWithoutNames:
         rows = [first.format(k=k, x=rng.random(), k2=k + 0.3 * (k % 3)) for k in range(200)]
         with pytest.raises(RecordError, match="no column is named like a time"):
             read(tmp_path, "".join(f"{row} {rng.random()}\n" for row in rows))
-        assert len(read(tmp_path, "".join(f"{row} {rng.random()}\n" for row in rows), fs=10).channels) == 2
+        # A counter is no channel either.
+        names = ("column 2",) if first == "{k}" else ("column 1", "column 2")
+        assert read(tmp_path, "".join(f"{row} {rng.random()}\n" for row in rows), fs=10).names == names
+
+    def test_a_clock_that_waits_between_two_samples(self, tmp_path: Path) -> None:
+        stamps = np.cumsum(np.random.default_rng(6).uniform(0.1, 0.104, 200))
+        text = "".join(f"{t:.6f}, {np.sin(t):.6f}\n" for t in stamps)
+        recording = read(tmp_path, text)
+        assert recording.names == ("column 2",)
+        assert np.allclose(recording.channels[0].timepts, stamps, atol=1e-6)
+        assert str(dict(recording.left_out)["column 1"]) == "runs as a clock does: it is taken as the time"
+
+
+class TestExports:
+    def test_a_rule_below_the_header(self, tmp_path: Path) -> None:
+        recording = read(tmp_path, "Time(s), Angle(deg)\n-------------------\n0.0, 1.5\n0.5, 2.5\n1.0, 3\n")
+        assert recording.names == ("Angle(deg)",)
+
+    def test_a_time_before_each_channel(self, tmp_path: Path) -> None:
+        rows = "".join(f"{k / 4},{k},{k / 4},{-k},{k / 2},{2 * k}\n" for k in range(9))
+        head = '"Time - Road (m)","Road (m)","Time - Body (m)","Body (m)","Time - Hub (m)","Hub (m)"\n'
+        recording = read(tmp_path, head + rows)
+        assert recording.names == ("Road (m)", "Body (m)", "Hub (m)")
+        assert recording["Body (m)"].timepts.tolist() == [k / 4 for k in range(9)]
+        assert recording["Hub (m)"].timepts.tolist() == [k / 2 for k in range(9)]
+
+    def test_a_step_beside_the_columns(self, tmp_path: Path) -> None:
+        head = "X,CH1,CH2,Start,Increment,\nSequence,Volt,Volt,-3e-07,2.0e-03\n"
+        recording = read(tmp_path, head + "".join(f"{k},{k * k},{-k},\n" for k in range(9)))
+        assert recording.names == ("CH1", "CH2")
+        assert recording["CH1"].unit == "Volt"
+        assert recording["CH1"].mean_rate == 500
+
+    @pytest.mark.parametrize("mark", [".", ","])
+    def test_a_step_for_each_channel_and_no_times(self, tmp_path: Path, mark: str) -> None:
+        head = "LabVIEW Measurement\t\nX_Columns\tNo\n***End_of_Header***\t\n\t\nChannels\t2\t\t\n"
+        head += "Delta_X\t2.0E-3\t2.0E-3\t\n***End_of_Header***\t\t\t\nX_Value\tseat\ttire\tComment\n"
+        rows = "".join(f"\t{k * k / 8}\t{-k / 8}\n" for k in range(30))
+        recording = read(tmp_path, (head + rows).replace(".", mark))
+        assert recording.names == ("seat", "tire")
+        assert recording["seat"].mean_rate == 500
+        assert dict(recording.left_out)["X_Value"].code is LeftOut.NO_NUMBERS
+
+    def test_a_row_of_brackets_holds_units(self, tmp_path: Path) -> None:
+        recording = read(tmp_path, "Time,Extension,Load\n(s),(mm),(kgf)\n0,1,2\n1,2,3\n2,3,4\n")
+        assert [(channel.name, channel.unit) for channel in recording.channels] == [
+            ("Extension", "mm"),
+            ("Load", "kgf"),
+        ]
+
+    def test_the_magnitude_of_three_axes_is_left_out(self, tmp_path: Path) -> None:
+        xyz = np.random.default_rng(8).standard_normal((50, 3))
+        rows = "".join(f"{k / 8},{x:.6f},{y:.6f},{z:.6f},{np.sqrt(x * x + y * y + z * z):.6f}\n"
+                       for k, (x, y, z) in enumerate(xyz))  # fmt: skip
+        recording = read(tmp_path, "Time (s),ax,ay,az,Absolute\n" + rows)
+        assert recording.names == ("ax", "ay", "az")
+        assert str(dict(recording.left_out)["Absolute"]).startswith("is the magnitude of 'ax', 'ay', 'az'")
+        assert read(tmp_path, "Time (s),ax,ay,az,Absolute\n" + rows, channels=["Absolute"]).names == ("Absolute",)
+
+    def test_text_of_any_name_is_read(self, tmp_path: Path) -> None:
+        (tmp_path / "r.out").write_text("t,seat\n0,1\n1,2\n", encoding="utf-8")
+        assert read_recording(tmp_path / "r.out").names == ("seat",)
 
 
 class TestMissingCells:
@@ -329,3 +392,72 @@ class TestAnyText:
             message = ""
             assert set(columns) <= set(table.sizes.values())
         assert message.isprintable()
+
+
+FS = 100.0
+SINE = np.round(np.sin(np.arange(200) / 7), 4)
+
+
+def logged(times: Sequence[str], *, head: str = "time,seat") -> str:
+    return f"{head}\n" + "".join(f"{time},{value}\n" for time, value in zip(times, SINE, strict=False))
+
+
+def clock_times(form: str) -> list[str]:
+    began = datetime.datetime(2024, 5, 13, 23, 59, 59)
+    return [(began + datetime.timedelta(milliseconds=10 * k)).strftime(form) for k in range(200)]
+
+
+# Stamps of 200 rows at 100 Hz as programs write them.
+STAMPS = {
+    "months by name": clock_times("%d-%b-%Y %H:%M:%S.%f"),
+    "a colon before the milliseconds": [text[:-3] for text in clock_times("%H:%M:%S:%f")],
+    "days since 1900": [f"{45425.5 + k / FS / 86400:.11f}" for k in range(200)],
+    "days since the year 0": [f"{739385.5 + k / FS / 86400:.10f}" for k in range(200)],
+    "us since 1970": [f"{1715600000000000 + 10000 * k}" for k in range(200)],
+}
+
+
+class TestOddExports:
+    @pytest.mark.parametrize("name", STAMPS)
+    def test_stamps(self, tmp_path: Path, name: str) -> None:
+        (channel,) = read(tmp_path, logged(STAMPS[name])).channels
+        assert channel.values.tolist() == SINE.tolist()
+        assert channel.mean_rate == pytest.approx(FS, rel=2e-3)
+
+    @pytest.mark.parametrize("encoding", ["utf-16-le", "utf-16-be", "utf-16"])
+    def test_utf_16_with_and_without_a_mark(self, tmp_path: Path, encoding: str) -> None:
+        recording = read(tmp_path, logged([f"{k / FS}" for k in range(200)], head="time,Dämpfer").encode(encoding))
+        assert recording.names == ("Dämpfer",)
+
+    @pytest.mark.parametrize("before", ["", "x = ", "% t seat\n"])
+    def test_a_matrix_on_one_line(self, tmp_path: Path, before: str) -> None:
+        rows = "; ".join(f"{k / FS}, {value}" for k, value in enumerate(SINE))
+        (channel,) = read(tmp_path, f"{before}[{rows}]").channels
+        assert channel.values.tolist() == SINE.tolist()
+        assert channel.mean_rate == pytest.approx(FS)
+
+    def test_columns_of_two_lengths_with_times_of_their_own(self, tmp_path: Path) -> None:
+        rows = "".join(f"{k / FS},{SINE[k]}," + (f"{k / 50},{-SINE[k]}" if k < 100 else ",") + "\n" for k in range(200))
+        recording = read(tmp_path, "t1,seat,t2,tire\n" + rows)
+        assert [channel.values.size for channel in recording.channels] == [200, 100]
+        assert [round(channel.mean_rate) for channel in recording.channels] == [100, 50]
+
+    @pytest.mark.parametrize("labels", [("acc", "disp"), ("1", "2")])
+    def test_channels_one_below_the_other_are_refused(self, tmp_path: Path, labels: tuple[str, str]) -> None:
+        rows = "".join(f"{k // 2 / FS},{labels[k % 2]},{SINE[k]}\n" for k in range(200))
+        with pytest.raises(RecordError, match="several channels one below the other: 'id' is"):
+            read(tmp_path, "time,id,value\n" + rows)
+
+    def test_channels_in_lines_are_refused(self, tmp_path: Path) -> None:
+        rows = [",".join([name, *map(str, SINE)]) for name in ("time", "seat", "tire")]
+        with pytest.raises(RecordError, match="3 rows of 201 cells.*turn it"):
+            read(tmp_path, "\n".join(rows))
+
+    def test_a_time_that_is_text_is_shown(self, tmp_path: Path) -> None:
+        with pytest.raises(RecordError, match="'time' is text such as '0x00', neither a number nor a time"):
+            read(tmp_path, logged([f"0x{k:02X}" for k in range(200)]))
+
+    def test_a_separator_of_bars_and_a_rate_in_samples_per_second(self, tmp_path: Path) -> None:
+        recording = read(tmp_path, "Sample rate: 100 S/s\nseat|tire\n" + "".join(f"{v}|{-v}\n" for v in SINE))
+        assert recording.names == ("seat", "tire")
+        assert recording["seat"].mean_rate == FS

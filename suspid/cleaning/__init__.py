@@ -11,6 +11,7 @@ from suspid.cleaning.clipping import CLIPPED, clipped_run
 from suspid.cleaning.conversions import scaled, to_si
 from suspid.cleaning.findings import Finding
 from suspid.cleaning.gaps import runs
+from suspid.cleaning.placing import halving_error, interpolate
 from suspid.cleaning.read_record import read_record
 from suspid.cleaning.sensors import Vertical, vertical
 
@@ -21,6 +22,8 @@ __all__ = [
     "Vertical",
     "clean",
     "clipped_run",
+    "halving_error",
+    "interpolate",
     "read_record",
     "runs",
     "scaled",

@@ -12,6 +12,7 @@ To add a format ``x``:
 
 from __future__ import annotations
 
+import codecs
 import importlib
 import os
 from collections.abc import Callable
@@ -45,7 +46,7 @@ class Format:
         return table
 
 
-PLAIN_TEXT = Format("text.delimited", (".csv", ".txt", ".tsv", ".dat", ".log", ".asc"), "text")
+PLAIN_TEXT = Format("text.delimited", (".csv", ".txt", ".tsv", ".dat", ".log", ".asc", ".lvm", ".prn"), "text")
 FORMATS = (
     PLAIN_TEXT,
     Format("matlab", (".mat",), "a MATLAB file", ((0, b"MATLAB 5.0 MAT-file"),)),
@@ -80,17 +81,16 @@ def reader_of(path: Path, dbc: str | os.PathLike[str] | None) -> Reader:
 
 
 def format_of(path: Path) -> Format:
-    """Return the format of a file; a folder or a missing file of unknown suffix counts as text."""
+    """Return the format of a file; a folder, and text of any other suffix, counts as text."""
     suffix = path.suffix.lower()
     if suffix not in BY_SUFFIX and not path.is_dir():
         marked = marked_format(path)
-        if marked is None:
-            looks = appearance(path)
+        if marked is None and (refusal := appearance(path)) is not None:
             raise RecordError(
                 f"records of type {path.suffix!r} are not known; known: {', '.join(READERS)}; save it as one of them"
-                f"{f'; it looks like {looks}' if looks else ''}"
+                f"{f'; it looks like {refusal}' if refusal else ''}"
             )
-        return marked
+        return marked or PLAIN_TEXT
     # MATLAB v7.3 writes HDF5 after 512 bytes of its own, and .dat is a suffix of MDF as well as of text.
     if suffix in (".mat", ".dat") and (marked := marked_format(path)) in (HDF, MDF):
         return marked
@@ -113,14 +113,19 @@ def marked_format(path: Path) -> Format | None:
     return next(marked, None)
 
 
-def appearance(path: Path) -> str:
-    """Return what a file of no known format looks like; empty if that is not known either."""
+def is_guess(path: Path) -> bool:
+    """Return whether neither the suffix nor the first bytes of a file say what it is, so that it is read as text."""
+    return path.suffix.lower() not in BY_SUFFIX and bool(_head(path)) and marked_format(path) is None
+
+
+def appearance(path: Path) -> str | None:
+    """Return what a file that cannot be read looks like, empty if that is not known; None if it may be text."""
     head = _head(path)
     for mark, name in UNREADABLE:
         if head.startswith(mark):
             return name
-    text = head and not set(head) & set(b"\x00\x01\x02\x03\x04\x05\x06\x07\x08\x0e\x0f")
-    return "text (rows of numbers can be read as .csv)" if text else ""
+    wide = head.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+    return None if head and (wide or not set(head) & set(b"\x00\x01\x02\x03\x04\x05\x06\x07\x08\x0e\x0f")) else ""
 
 
 def _head(path: Path) -> bytes:

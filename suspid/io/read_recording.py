@@ -8,7 +8,7 @@ from pathlib import Path
 
 from suspid.errors import RecordError
 from suspid.files import printable
-from suspid.io.formats import format_of, marked_format, reader_of
+from suspid.io.formats import format_of, is_guess, marked_format, reader_of
 from suspid.io.timing import as_recording
 from suspid.recordings import Recording
 from suspid.units import Hertz
@@ -67,4 +67,6 @@ def read_recording(
         marked = marked_format(path)
         if marked is not None and format_of(path) is not marked:
             message += f"; it looks like {marked.name}: name it {marked.suffixes[0]}"
+        elif is_guess(path) and "are not known" not in message:
+            message += f"; it was read as text, since records of type {path.suffix!r} are not known"
         raise RecordError(message) from None

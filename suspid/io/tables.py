@@ -18,8 +18,8 @@ from suspid.words import Remark
 PER_SECOND = {
     **dict.fromkeys(("s", "sec", "secs", "second", "seconds"), 1.0),
     **dict.fromkeys(("ms", "msec", "millis", "millisecond", "milliseconds"), 1e3),
-    **dict.fromkeys(("us", "usec", "µs", "μs", "microsecond", "microseconds"), 1e6),
-    **dict.fromkeys(("ns", "nsec", "nanosecond", "nanoseconds"), 1e9),
+    **dict.fromkeys(("us", "usec", "µs", "μs", "micros", "microsecond", "microseconds"), 1e6),
+    **dict.fromkeys(("ns", "nsec", "nanos", "nanosecond", "nanoseconds"), 1e9),
     **dict.fromkeys(("min", "minute", "minutes"), 1 / 60),
     **dict.fromkeys(("h", "hr", "hrs", "hour", "hours"), 1 / 3600),
     **dict.fromkeys(("day", "days"), 1 / 86400),
@@ -29,12 +29,31 @@ KNOWN_UNITS = "s, ms, us, ns, min, h, days"
 # Columns of these names are not taken for the time: they are parts of a date.
 DATE_PARTS = {"min", "hr", "hrs", "hour", "hours", "day", "days"}
 TIME_NAMES = {"t", "time", "timepts", "timestamp", "timestamps", "timedomain", "timevector", "elapsed", "elapsedtime"}
+TIME_NAMES |= {"timeelapsed"}
 TIME_NAMES |= {"zeit", "temps", "tiempo", "uhrzeit", "zeitstempel", "datetime", "date/time", "secondselapsed", "xvalue"}
 TIME_NAMES |= {name for name in PER_SECOND if len(name) > 2} - DATE_PARTS
 RATE_NAMES = {"fs", "samplerate", "samplingrate", "timesamplerate", "samplefrequency", "samplingfrequency"}
 RATE_NAMES |= {"actualrate", "actualsamplerate", "actualsamplingrate", "scanrate", "acquisitionrate"}
 RATE_NAMES |= {"samplespersecond", "samplefreq", "samplingfreq", "srate", "abtastrate"}
-STEP_NAMES = {"dt", "ts", "deltat", "timestep", "sampletime", "samplingtime", "sampleinterval", "samplinginterval"}
+# How many hertz make a unit of a rate.
+HERTZ = {"": 1.0, "hz": 1.0, "s/s": 1.0, "sa/s": 1.0, "sps": 1.0, "khz": 1e3, "ks/s": 1e3, "ksps": 1e3, "mhz": 1e6}
+STEP_NAMES = {
+    "dt",
+    "ts",
+    "deltat",
+    "timestep",
+    "sampletime",
+    "samplingtime",
+    "sampleinterval",
+    "samplinginterval",
+}
+STEP_NAMES |= {"increment", "xincrement", "deltax"}
+# Words of which one makes a name read like a time, if the numbers run as a clock does.
+TIME_WORDS = {"time", "times", "timestamp", "elapsed", "clock", "seconds", "secs", "sec", "millis", "micros", "date"}
+TIME_WORDS |= {"zeit", "zeitpunkt", "temps", "tiempo", "tempo", "tijd", "czas", "zaman", "aika", "tid", "idő", "čas"}
+TIME_WORDS |= {"время", "时间", "時間", "시간"}
+# Words of the names that plots and oscilloscopes give their first column, beside x.
+ABSCISSA = {"x", "axis", "value", "values", "data"}
 # Names of columns that count the rows.
 COUNTERS = {"#", "n", "no", "nr", "sample", "samples", "samplenumber", "index", "row", "line", "count", "counter"}
 # A name and, in brackets behind it, its unit; a number there counts columns.
@@ -53,6 +72,8 @@ class TimeBase:
     rate: Hertz | None = None
     # Returns the stamps [s] as stored in the file. Default: ``start + arange(sample) / rate``.
     stamps: Callable[[], RealArray] | None = None
+    # Whether there are fewer stamps than rows where columns of other lengths stand beside it.
+    cut: bool = False
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -73,6 +94,8 @@ class Table:
     # Time bases by column; columns that share one have the same object. Without one, time is the column named like a
     # time, or follows from the rate.
     clocks: Mapping[str, TimeBase] = field(default_factory=dict)
+    # Whether groups of channels may be tests of their own; not where everything in a file was sampled at once.
+    apart: bool = True
     # Title that the file states; if empty, the name of the file is used.
     title: str = ""
 
@@ -125,7 +148,8 @@ def split_unit(name: str) -> tuple[str, str]:
     >>> split_unit("Time [ms]"), split_unit("t_s"), split_unit("Time_domain")
     (('time', 'ms'), ('t', 's'), ('timedomain', ''))
     """
-    lowered = name.strip().lower()
+    # A number behind a name that occurs twice is none of its own.
+    lowered = re.sub(r"\s+\(\d+\)$", "", name.strip()).lower()
     bracketed = re.fullmatch(r"(.*?)[\s_,/]*[\[(]\s*(?!\d+\s*[\])])(.*?)\s*[\])]", lowered)
     suffixed = re.fullmatch(r"(.*?)[\s_,/]+([^\s_,/]+)", lowered)
     stem, unit = lowered, ""
@@ -141,6 +165,35 @@ def is_time(name: str) -> bool:
     """Whether a column of that name holds time in a unit that is known."""
     stem, unit = split_unit(name)
     return stem in TIME_NAMES and (not unit or unit in PER_SECOND)
+
+
+def may_be_time(name: str) -> bool:
+    """Whether a word for time is part of a name.
+
+    Examples
+    --------
+    >>> [may_be_time(name) for name in ("Run 1: Time (s)", "Time - Road (m)", "timing belt")]
+    [True, True, False]
+    """
+    words = _words(name)
+    return bool(words & TIME_WORDS) or (words == {"t"} and bracketed_unit(name) in ("", *PER_SECOND))
+
+
+def is_abscissa(name: str, *, rate_known: bool = False) -> bool:
+    """Whether a first column of that name may be a time: it has no name or, if nothing states the rate, is called x.
+
+    Examples
+    --------
+    >>> [is_abscissa(name) for name in ("column 1", "arr_0", "data[1]", "x-axis", "seat x", "seat")]
+    [True, True, True, True, False, False]
+    """
+    words = _words(name)
+    called_x = "x" in words and words <= ABSCISSA and not rate_known
+    return called_x or re.fullmatch(r"column [12]|arr_0|.*\[1\]", name) is not None
+
+
+def _words(name: str) -> set[str]:
+    return {word for word in re.split(r"[\W\d_]+", bare_name(name).lower()) if word}
 
 
 def is_time_in_unknown_unit(name: str) -> bool:
@@ -167,8 +220,8 @@ def stated_rate(name: str, value: float, unit: str = "") -> Hertz | None:
     unit = unit.lower() or own
     if not (math.isfinite(value) and value > 0):
         return None
-    if stem in RATE_NAMES and unit in ("", "hz", "khz"):
-        return value * 1e3 if unit == "khz" else value
+    if stem in RATE_NAMES and unit in HERTZ:
+        return value * HERTZ[unit]
     if stem in STEP_NAMES and (not unit or unit in PER_SECOND):
         return PER_SECOND[unit or "s"] / value
     return None

@@ -72,7 +72,7 @@ def read_tdms(path: Path) -> Table:
         if entry.step is not None:
             whole, part = np.subtract(entry.began or earliest, earliest, dtype=object)
             clock = TimeBase(name=entry.group, start=entry.offset + float(whole + part / 2**64), rate=1 / entry.step)
-            clocks[name] = shared.setdefault((clock.start, entry.step), clock)
+            clocks[name] = shared.setdefault((clock.start, entry.step, entry.size), clock)
         elif (time := _time_of(name, usable)) is not None:
             clock = TimeBase(name=time, stamps=partial(_stamps, columns, time, _per_second(usable[time])))
             clocks[name] = shared.setdefault((time,), clock)

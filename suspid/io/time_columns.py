@@ -3,41 +3,93 @@
 from __future__ import annotations
 
 import contextlib
+import itertools
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from suspid.errors import RecordError
-from suspid.io.tables import KNOWN_UNITS, PER_SECOND, Table, TimeBase, is_count, is_time, split_unit
+from suspid.io.tables import (
+    KNOWN_UNITS,
+    PER_SECOND,
+    TIME_NAMES,
+    Table,
+    TimeBase,
+    is_abscissa,
+    is_count,
+    is_time,
+    may_be_time,
+    split_unit,
+)
 from suspid.units import Hertz, RealArray
 from suspid.words import LeftOut, Remark
 
-# Stamps this near to an even grid, in steps, are a time although nothing names them so; fewer stamps do not show it.
-EVEN, FEW_STAMPS = 1e-3, 8
+# Of the steps of a clock, this share lies this near to the usual one, relative to it: loggers that wait between two
+# samples stray by a tenth. Fewer stamps do not show it.
+MOST_STEPS, JITTERY, FEW_STAMPS = 0.9, 0.25, 8
+# Largest distance of stamps that are rounded to a unit from its multiples, in units.
+EVEN = 1e-3
 # Least size of a stamp since 1970, by its unit: present ones are near 1.7e12 ms, 1.7e15 us and 1.7e18 ns.
 EPOCHS = (("ns", 1e17), ("us", 1e14), ("ms", 1e11))
+# Days since 1900 of the years 1982 to 2064 as spreadsheets count them, and since the year 0 as MATLAB does. In seconds,
+# steps below the largest would be sampled faster than 5 kHz, hours after the start.
+DAYS, DAY_STEP = ((30_000.0, 60_000.0), (724_000.0, 754_000.0)), 2e-4
 
 
 def time_column(
     table: Table, channels: Sequence[str], clocks: Mapping[str, TimeBase], fs: Hertz | None
-) -> tuple[str | None, dict[str, Remark]]:
-    """Return the column of time, and other columns of the same time."""
-    candidates = [name for name in table.sizes if is_time(name) and name not in channels and name not in clocks]
+) -> tuple[str | None, dict[str, TimeBase], dict[str, Remark]]:
+    """Return the column of time, or the times of columns that each have their own, and other columns of time."""
+    free = [name for name in table.sizes if name not in channels and name not in clocks]
+    candidates = time_names(table, free, given=fs is not None)
     if len(candidates) > 1 and len({table.sizes[c] for c in channels}) == 1:
         # Vectors of another length belong to another record.
         candidates = [name for name in candidates if table.sizes[name] == table.sizes[channels[0]]]
-    passed_over: dict[str, Remark] = {}
-    # Telephones write the time of day beside the time since the start.
-    while len(candidates) > 1 and _same_time(table, candidates[0], candidates[1]):
-        starts = [abs(in_seconds(table, name, table.columns([name])[0])[0]) for name in candidates[:2]]
-        worse = candidates.pop(0 if starts[0] > starts[1] else 1)
-        passed_over[worse] = Remark(LeftOut.SAME_TIME, {"other": candidates[0]})
-    if len(candidates) > 1:
+    said = {name: Remark(LeftOut.TAKEN_AS_TIME) for name in candidates if not may_be_time(name) and not is_time(name)}
+    # Telephones write the time of day beside the time since the start; others write the time before each channel.
+    kept: list[str] = []
+    times: dict[str, str] = {}
+    for name in candidates:
+        same = next((k for k, other in enumerate(kept) if _same_time(table, other, name)), None)
+        times[name] = name if same is None else kept[same]
+        if same is None:
+            kept.append(name)
+            continue
+        starts = [abs(in_seconds(table, one, table.columns([one])[0])[0]) for one in (kept[same], name)]
+        better, worse = (name, kept[same]) if starts[0] > starts[1] else (kept[same], name)
+        kept[same] = better
+        times = {one: better if of == worse else of for one, of in times.items()} | {name: better}
+        said[worse] = Remark(LeftOut.SAME_TIME, {"other": better})
+    if len(kept) > 1:
+        pairs = _pairs(table, times)
+        if pairs and fs is None:
+            return None, pairs, {**dict.fromkeys(kept, Remark(LeftOut.GROUP_TIME)), **said}
         also = "" if fs is None else ", even beside fs: it must agree"
-        raise RecordError(f"{', '.join(map(repr, candidates))} all read like a time; name one (time){also}")
-    if not candidates and fs is None and not (channels or clocks or table.rates):
-        return _unnamed_time(table), {}
-    return (candidates[0] if candidates else None), passed_over
+        raise RecordError(f"{', '.join(map(repr, kept))} all read like a time; name one (time){also}")
+    return (kept[0] if kept else None), {}, said
+
+
+def _pairs(table: Table, times: Mapping[str, str]) -> dict[str, TimeBase]:
+    """Return the time of each column where every time stands before its columns; none if they do not."""
+    names, pairs = list(table.sizes), dict[str, TimeBase]()
+    clocks = {time: _clock_of(table, time) for time in set(times.values())}
+    if names[0] not in times or any(a in times and b in [*times, ""] for a, b in itertools.pairwise([*names, ""])):
+        return {}
+    time = names[0]
+    for name in names:
+        if name in times:
+            time = name
+        elif table.sizes[name] == table.sizes[time]:
+            pairs[name] = clocks[times[time]]
+    return pairs
+
+
+def _clock_of(table: Table, time: str) -> TimeBase:
+    def stamps() -> RealArray:
+        numbers = table.columns([time])[0]
+        return in_seconds(table, time, numbers[: filled(numbers)])
+
+    return TimeBase(name=time, stamps=stamps, cut=True)
 
 
 def _same_time(table: Table, one: str, other: str) -> bool:
@@ -60,24 +112,67 @@ def increasing(table: Table) -> str:
     return ""
 
 
-def _unnamed_time(table: Table) -> str | None:
-    """Return the first of several columns without names if it rises evenly and does not merely count the rows."""
-    names = list(table.sizes)
-    if len(names) < 2 or names != [f"column {k + 1}" for k in range(len(names))] or table.sizes[names[0]] < FEW_STAMPS:
-        return None
-    stamps = table.columns(names[:1])[0]
-    if not np.all(np.isfinite(stamps)):
-        return None
-    steps = np.diff(stamps)
-    step = float(np.mean(steps))
-    even = step > 0 and np.all(np.abs(stamps - stamps[0] - step * np.arange(stamps.size)) <= EVEN * step)
-    return names[0] if (even and not is_count(stamps)) or _are_rounded(stamps, steps) else None
+def time_names(table: Table, among: Sequence[str] | None = None, *, given: bool = False) -> list[str]:
+    """Return the columns that are named as times, or else those that may be one and run as a clock does.
+
+    Where a rate is ``given``, a column named x is a channel.
+    """
+    free = list(table.sizes) if among is None else among
+    if times := [name for name in free if is_time(name)]:
+        return times
+    named = [name for name in free if may_be_time(name)]
+    if not named and len(table.sizes) > 1:
+        # The first column of a table, and of each matrix beside others.
+        firsts = {_first(table), *(name for name in free if f"{name.removesuffix('[1]')}[2]" in table.sizes)}
+        named = [name for name in free if name in firsts and is_abscissa(name, rate_known=bool(table.rates) or given)]
+    with contextlib.suppress(RecordError):
+        return [name for name, numbers in zip(named, table.columns(named), strict=True) if runs_as_clock(numbers)]
+    return []
+
+
+def _first(table: Table) -> str:
+    """Return the first column, or the second of columns without names where the first counts the rows."""
+    name, second, *_ = [*table.sizes, ""]
+    if name == "column 1" and second == "column 2" and len(table.sizes) > 2 and is_count(table.columns([name])[0]):
+        return second
+    return name
+
+
+def runs_as_clock(stamps: RealArray) -> bool:
+    """Whether numbers rise as the stamps of a clock do: evenly, in even steps that are rounded, or with jitter.
+
+    Whole numbers one or more apart count the rows or are another axis; a logarithmic axis has no usual step.
+
+    Examples
+    --------
+    >>> rows = np.arange(100.0)
+    >>> [runs_as_clock(column) for column in (rows / 8, np.round(rows / 7, 1), rows, np.exp(rows), np.sin(rows))]
+    [True, True, False, False, False]
+    """
+    # Columns of other lengths beside it leave it empty at the end.
+    stamps = stamps[: filled(stamps)]
+    if stamps.size < FEW_STAMPS or not np.all(np.isfinite(stamps)):
+        return False
+    with np.errstate(over="ignore"):
+        steps = np.diff(stamps)
+    usual = float(np.median(steps))
+    if not np.all(np.isfinite(steps)) or (usual >= 1 and np.all(stamps == np.round(stamps))):
+        return False
+    rises = usual > 0 and np.all(steps > 0)
+    if rises and float(np.quantile(np.abs(steps - usual), MOST_STEPS)) <= JITTERY * usual:
+        return True
+    return _are_rounded(stamps, steps)
+
+
+def filled(stamps: RealArray) -> int:
+    """Return the number of rows up to the last stamp."""
+    return int(np.max(np.flatnonzero(np.isfinite(stamps)), initial=-1)) + 1
 
 
 def _are_rounded(stamps: RealArray, steps: RealArray) -> bool:
     """Whether stamps are an even grid, rounded to a unit by which the steps differ."""
-    unit = float(f"{np.ptp(steps):.1g}")
-    if not (unit > 0 and np.all(steps >= 0)):
+    unit = float(f"{np.ptp(steps):.1g}") if np.all(steps >= 0) else 0.0
+    if not unit > 0:
         return False
     counts = stamps / unit
     line = np.polynomial.Polynomial.fit(np.arange(stamps.size), counts, 1)(np.arange(stamps.size))
@@ -86,7 +181,10 @@ def _are_rounded(stamps: RealArray, steps: RealArray) -> bool:
 
 def time_unit(table: Table, time: str) -> str:
     """Return the unit of a column of time in lower case, as stated or in its name; empty if there is none."""
-    return table.units.get(time, "").strip().lower() or split_unit(time)[1]
+    stem, own = split_unit(time)
+    unit = table.units.get(time, "").strip().lower() or own
+    # Programs that write the unit of a channel behind the name of its time as well mean seconds.
+    return unit if unit in PER_SECOND or stem in TIME_NAMES else ""
 
 
 def in_seconds(table: Table, time: str, stamps: RealArray) -> RealArray:
@@ -111,10 +209,12 @@ def is_unusually_slow(table: Table, time: str, stamps: RealArray) -> bool:
 
 
 def epoch_unit(stamps: RealArray) -> str:
-    """Return the unit of stamps without one: s, unless that would be a year beyond 4000.
+    """Return the unit of stamps without one: s, unless that would be a year beyond 4000, or a date in days.
 
     The median is compared, so that single wrong stamps do not count.
     """
     sizes = np.abs(stamps[np.isfinite(stamps)])
     size = float(np.median(sizes)) if sizes.size else 0.0
+    if any(low < size < high for low, high in DAYS) and np.ptp(sizes) < DAY_STEP * (sizes.size - 1):
+        return "days"
     return next((name for name, least in EPOCHS if size > least), "s")

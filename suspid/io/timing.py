@@ -9,13 +9,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from suspid.errors import RecordError
-from suspid.io.tables import Table, TimeBase, counts_rows, is_time, is_time_in_unknown_unit
+from suspid.io.runs import runs_of
+from suspid.io.tables import Table, TimeBase, counts_rows, is_abscissa, is_count, is_time, is_time_in_unknown_unit
 from suspid.io.time_columns import (
+    FEW_STAMPS,
     epoch_unit,
     in_seconds,
     increasing,
     is_unusually_slow,
     time_column,
+    time_names,
     time_unit,
     unknown_unit,
 )
@@ -26,6 +29,8 @@ from suspid.words import LeftOut, Number, Remark
 
 # A rate stored in single precision, or as a rounded step, is still the same rate.
 SAME_RATE = 1e-6
+# Largest error of a magnitude that was computed from axes with more digits than the file has, relative to its largest.
+ROUNDED = 1e-3
 # In place of the name of a column of time: no column is.
 NO_TIME = "none"
 
@@ -75,10 +80,9 @@ def as_recording(
     # All at once: a text file is read only once.
     columns = dict(zip([*times, *plan.channels], table.columns([*times, *plan.channels]), strict=True))
     left_out = {**table.unusable, **plan.left_out}
-    counters = [] if channels else [name for name in followers if counts_rows(name, columns[name])]
-    if len(counters) == len(plan.channels):
-        counters = []
-    left_out |= dict.fromkeys(counters, Remark(LeftOut.ROW_COUNTER))
+    counters = [] if channels else _counters(plan, columns)
+    norms = {} if channels else _magnitudes(plan, columns)
+    left_out |= {**dict.fromkeys(counters, Remark(LeftOut.ROW_COUNTER)), **norms}
     for name, other in table.rates.items():
         if fs is not None and not abs(fs - other) <= SAME_RATE * other:
             left_out[f"rate {name!r}"] = Remark(LeftOut.OTHER_RATE, {"rate": other, "fs": fs})
@@ -86,7 +90,8 @@ def as_recording(
     if times:
         stamps = in_seconds(table, times[0], columns[times[0]])
         if not time_unit(table, times[0]) and (unit := epoch_unit(columns[times[0]])) != "s":
-            left_out[f"unit of {times[0]!r}"] = Remark(LeftOut.EPOCH, {"unit": unit})
+            why = LeftOut.DAYS if unit == "days" else LeftOut.EPOCH
+            left_out[f"unit of {times[0]!r}"] = Remark(why, {"unit": unit})
         elif fs is None and is_unusually_slow(table, times[0], columns[times[0]]):
             pace = 1 / float(np.nanmedian(np.diff(stamps)))
             left_out[f"unit of {times[0]!r}"] = Remark(LeftOut.SECONDS, {"rate": pace})
@@ -102,16 +107,20 @@ def as_recording(
         own = plan.rate if clock is None else clock.rate
         if fs is not None and own is not None and clock is not None and not abs(fs - own) <= SAME_RATE * own:
             left_out[f"rate of {clock.name!r}"] = Remark(LeftOut.OTHER_RATE, {"rate": own, "fs": fs})
+        times_of = stamps if clock is None else by_clock[id(clock)]
         raw.append(
             RawChannel(
                 name=name,
                 unit=table.units.get(name, ""),
-                timepts=stamps if clock is None else by_clock[id(clock)],
-                values=columns[name],
+                timepts=times_of,
+                values=columns[name][: times_of.size],
                 rate=own if fs is None else fs,
             )
         )
-    kept = tuple(channel for channel in raw if channel.name not in counters)
+    kept = tuple(channel for channel in raw if channel.name not in counters and channel.name not in norms)
+    if table.apart:
+        tests = runs_of({channel.name: id(channel.timepts) for channel in kept})
+        kept = tuple(replace(channel, test=tests.get(channel.name, "")) for channel in kept)
     return Recording(title=table.title or title, channels=kept, left_out=tuple(left_out.items()))
 
 
@@ -124,7 +133,7 @@ def _plan(table: Table, channels: Sequence[str] | None, time: str | None, fs: He
     if time == NO_TIME and NO_TIME not in table.sizes:
         # Stamps are ignored; a clock that only states a rate holds where no other rate is given.
         clocks = {name: clock for name, clock in clocks.items() if clock.stamps is None and fs is None}
-        left_out = {n: Remark(LeftOut.IGNORED_TIME) for n in table.sizes if is_time(n) and n not in [*clocks, *names]}
+        left_out = {n: Remark(LeftOut.IGNORED_TIME) for n in time_names(table) if n not in [*clocks, *names]}
         time = None
     elif time in {clock.name for clock in clocks.values()} - set(table.sizes):
         clocks = {name: clock for name, clock in clocks.items() if clock.name == time}
@@ -132,7 +141,8 @@ def _plan(table: Table, channels: Sequence[str] | None, time: str | None, fs: He
     elif time is not None:
         clocks, time = {}, table.full_name(time, what="time column")
     elif not (names and all(name in clocks for name in names)):
-        time, left_out = time_column(table, names, clocks, fs)
+        time, own, left_out = time_column(table, names, clocks, fs)
+        clocks |= own
     rate = _rate(table, fs)
     chosen = names or by_clock or _all_channels(table, time, {*clocks, *left_out}, clocks, rate)
     for name in chosen:
@@ -143,7 +153,34 @@ def _plan(table: Table, channels: Sequence[str] | None, time: str | None, fs: He
     if channels:
         return replace(plan, left_out={})
     others = [name for name in table.sizes if name not in chosen and name != time]
-    return replace(plan, left_out={name: left_out.get(name) or _why_left_out(table, name, plan) for name in others})
+    why = {name: left_out.get(name) or _why_left_out(table, name, plan) for name in others}
+    return replace(plan, left_out={**why, **{name: left_out[name] for name in (time,) if name in left_out}})
+
+
+def _counters(plan: _Plan, columns: Mapping[str, RealArray]) -> list[str]:
+    """Return the channels that count the rows by their names, and a first one without a name that does so."""
+    counters = [name for name in plan.followers if counts_rows(name, columns[name])]
+    first = next(iter(plan.followers), "")
+    unnamed = is_abscissa(first) and not first.endswith("]") and first not in counters
+    if unnamed and columns[first].size >= FEW_STAMPS and is_count(columns[first]):
+        counters.append(first)
+    return [] if len(counters) == len(plan.channels) else counters
+
+
+def _magnitudes(plan: _Plan, columns: Mapping[str, RealArray]) -> dict[str, Remark]:
+    """Return the channels that are the magnitude of the three before them, as telephones add it: not linear in them."""
+    found: dict[str, Remark] = {}
+    for k in range(3, len(plan.channels)):
+        name, axes = plan.channels[k], plan.channels[k - 3 : k]
+        values = columns[name]
+        if any(columns[axis].size != values.size for axis in axes) or not np.any(values > 0):
+            continue
+        norm = np.sqrt(np.sum([columns[axis] ** 2 for axis in axes], axis=0))
+        with np.errstate(invalid="ignore"):
+            apart = float(np.nanmax(np.abs(norm - values), initial=0.0))
+        if apart <= ROUNDED * float(np.nanmax(values)):
+            found[name] = Remark(LeftOut.MAGNITUDE, {"axes": axes})
+    return found
 
 
 def _check_followers(table: Table, names: Sequence[str], time: str | None, rate: Hertz | None) -> None:
@@ -152,9 +189,10 @@ def _check_followers(table: Table, names: Sequence[str], time: str | None, rate:
     if names and time is None and rate is None and unclear:
         raise RecordError(unknown_unit(unclear[0]))
     if names and time is None and rate is None:
+        odd = "".join(f"; {name!r} {why}" for name, why in table.unusable.items() if is_time(name))
         raise RecordError(
             f"no column is named like a time: {listed(list(table.sizes))}; name one (time, --time), or give the "
-            f"sampling rate (fs, --fs){increasing(table)}"
+            f"sampling rate (fs, --fs){odd or increasing(table)}"
         )
     for name in names:
         reference = names[0] if time is None else time
@@ -168,7 +206,7 @@ def _stamps(clock: TimeBase, size: int, fs: Hertz | None) -> RealArray:
     """Return the stamps of a clock [s]."""
     if clock.stamps is not None:
         stamps = np.asarray(clock.stamps(), float)
-        if stamps.size != size:
+        if stamps.size != size and not (clock.cut and stamps.size < size):
             raise RecordError(f"clock {clock.name!r} has {stamps.size} stamps for {size} samples")
         stamps.flags.writeable = False
         return stamps

@@ -15,7 +15,7 @@ from suspid.errors import RecordError
 from suspid.io.tables import PER_SECOND, Table, TimeBase, is_time, split_unit, stated_rate
 from suspid.units import Hertz, RealArray
 from suspid.values import frozen_real
-from suspid.words import LeftOut, Remark
+from suspid.words import LeftOut, Number, Remark
 
 # A matrix with more columns is not a set of channels (it may be a spectrogram).
 MOST_COLUMNS = 256
@@ -170,6 +170,10 @@ def _add(name: str, value: Variable, clock: TimeBase | None, time: Variable | No
         found.unusable[name] = Remark(LeftOut.NUMBER)
     elif len(shape) > 2:
         found.unusable[name] = Remark(LeftOut.ARRAY, {"shape": " x ".join(map(str, value.shape))})
+    elif time is not None and time.size not in shape:
+        # A vector of another length beside the time of its group belongs to something else.
+        numbers: dict[str, Number] = {"samples": max(shape), "time": clock.name if clock else "", "stamps": time.size}
+        found.unusable[name] = Remark(LeftOut.SIZE, numbers)
     elif len(shape) == 1:
         _add_column(name, value, lambda: np.ravel(value.read()), value.size, clock, found)
     else:

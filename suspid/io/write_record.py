@@ -6,6 +6,7 @@ import csv
 import importlib
 import os
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,7 +15,7 @@ import numpy as np
 from suspid.errors import RecordError
 from suspid.files import printable, replacing
 from suspid.io.tables import is_time
-from suspid.signals import as_signal
+from suspid.signals import as_signal, inputs_of
 
 if TYPE_CHECKING:
     import control
@@ -40,8 +41,8 @@ def write_record(
     digits : int, optional
         Significant digits of the samples in CSV. Default: all, so that nothing is lost; Parquet never loses any.
     units : sequence of str, optional
-        Units by channel, empty where there is none: a row below the names in CSV, metadata in Parquet, as is the
-        title.
+        Units by channel and input, empty where there is none: a row below the names in CSV, metadata in Parquet, as
+        is the title.
 
     Raises
     ------
@@ -66,7 +67,8 @@ def write_record(
     check_record_name(path)
     if digits is not None and not 1 <= digits <= 17:
         raise RecordError(f"{digits=} must lie between 1 and 17, or be None for every bit")
-    signal = as_signal(response)
+    signal, causes = as_signal(response), inputs_of(response)
+    signal = replace(signal, values=np.vstack([signal.values, *causes.values()]), channels=(*signal.channels, *causes))
     if units is not None and len(units) != len(signal.channels):
         raise RecordError(f"{len(units)} units for {len(signal.channels)} channels; give one for each, perhaps empty")
     parquet = Path(path).suffix.lower() != ".csv"

@@ -72,10 +72,14 @@ def _plain(number: float) -> str:
 
 
 def _jittering_stamps(numbers: Numbers) -> str:
+    # Four standard deviations beyond 1, the share says nothing.
+    told = 4 * _number(numbers, "followed_std") < 1
+    follow = (
+        "do not follow them (share {followed:.2f} ± {followed_std:.2g})" if told else "cannot tell whether it strays"
+    )
     return (
         "time stamps lie {rms:.2g} s rms, at most {largest:.2g} s, off a uniform clock of {rate:.7g} Hz; the samples "
-        "do not follow them (share {followed:.2f} ± {followed_std:.2g}) or are too noisy to tell; uniform sampling "
-        "assumed, samples unchanged"
+        f"{follow}; uniform sampling assumed, samples unchanged"
     ).format_map(numbers) + (
         f"; if the stamps are right, the error is {100 * _number(numbers, 'error'):.2g} % of the motion (rms, with "
         f"noise)"

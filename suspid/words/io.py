@@ -12,6 +12,12 @@ def _blank(numbers: Mapping[str, Number]) -> str:
     return f"is empty, and {more} more" if more else "is empty"
 
 
+def _magnitude(numbers: Mapping[str, Number]) -> str:
+    axes = numbers["axes"]
+    assert isinstance(axes, tuple)
+    return f"is the magnitude of {', '.join(map(repr, axes))}: it is not linear in the motion"
+
+
 class LeftOut(Code):
     """Why a part of a file is not a channel; the sentence follows the name of the part.
 
@@ -25,6 +31,10 @@ class LeftOut(Code):
     # What the part is.
     TEXT = "text", "is text"
     TEXT_OR_BYTES = "text_or_bytes", "is text or bytes"
+    ODD_STAMPS = (
+        "odd_stamps",
+        "is text such as {cell!r}, neither a number nor a time; write seconds, or 2024-05-31 23:59:59.125",
+    )
     DATES = "dates", "holds dates"
     EMPTY = "empty", "is empty"
     COMPLEX = "complex", "is complex; a record is real"
@@ -70,6 +80,7 @@ class LeftOut(Code):
     # Time.
     TIME = "time", "is the time, counted from its first stamp {start!r}"
     GROUP_TIME = "group_time", "is the time of its group"
+    TAKEN_AS_TIME = "taken_as_time", "runs as a clock does: it is taken as the time"
     SAME_TIME = "same_time", "is the same time as {other!r}"
     LIKE_TIME = "like_time", "reads like a time"
     SPARE_TIMES = "spare_times", "holds times of day; a column of numbers is the time"
@@ -79,8 +90,10 @@ class LeftOut(Code):
     LENGTH = "length", "has {samples} samples, the others have {others}"
     IGNORED_TIME = "ignored_time", "is a time, ignored as asked"
     EPOCH = "epoch", "is not stated; stamps of this size are {unit} since 1970"
+    DAYS = "days", "is not stated; numbers of this size are dates in {unit}"
     SECONDS = "seconds", "is not stated; taken as seconds, which makes {rate:.4g} Hz; give fs if the rows were faster"
     OTHER_RATE = "other_rate", "is {rate:.9g} Hz; the given {fs:.9g} Hz replaces it"
+    MAGNITUDE = "magnitude", _magnitude
     ROW_COUNTER = "row_counter", "counts the rows"
     # Lines of text files.
     HEADING = "heading", "is above the data: {line}"
@@ -90,7 +103,7 @@ class LeftOut(Code):
     CUT_SHORT = "cut_short", "is cut short: it has {cells} of {width} cells"
     FOOTER = "footer", "is below the data: {line}"
     NAME_TWICE = "name_twice", "occurs twice, {name!r}; the column is called {new!r}"
-    UTF_16 = "utf_16", "is UTF-16, by the first bytes of the file"
+    UTF_16 = "utf_16", "is UTF-16, by its first bytes"
     WINDOWS_1252 = (
         "windows_1252",
         "is not UTF-8 (byte 0x{byte:02x} on line {line}); read as Windows-1252",

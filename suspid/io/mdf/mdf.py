@@ -98,6 +98,7 @@ def _table(content: bytes, records: int, suffix: str, dbc: Path | None) -> Table
             key = (name in stored, place.group)
             clocks[name] = own.setdefault(key, TimeBase(name=place.group_name, stamps=source))
     return Table(
+        apart=False,
         sizes={name: place.size for name, place in usable.items()},
         columns=columns,
         unusable=unusable,

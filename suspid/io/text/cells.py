@@ -21,9 +21,14 @@ MISSING |= {"#value!", "#wert!", "#div/0!", "#num!", "#zahl!"}
 POINT_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][+-]?\d+)?|[+-]?inf(?:inity)?", re.I | re.A)
 COMMA_NUMBER = re.compile(POINT_NUMBER.pattern.replace(r"\d+\.?\d*|\.\d+", r"\d+(?:,\d+)?|,\d+"), re.I | re.A)
 TIME_OF_DAY = (
-    r"(?:(?P<hour>\d\d?):)?(?P<minute>\d\d?):(?P<second>\d\d)(?:[.,](?P<part>\d+))?(?:\s*(?P<half>[AaPp])\.?[Mm]\.?)?"
+    r"(?:(?P<hour>\d\d?):)?(?P<minute>\d\d?):(?P<second>\d\d)(?:(?:[.,]|:(?=\d{3}))(?P<part>\d+))?"
+    r"(?:\s*(?P<half>[AaPp])\.?[Mm]\.?)?"
 )
-DATE = r"(?P<date>\d{4}[-/.]\d\d?[-/.]\d\d?|\d\d?[-/.]\d\d?[-/.]\d{4})"
+MONTHS = ("jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec")
+DATE = (
+    r"(?P<date>\d{4}[-/.]\d\d?[-/.]\d\d?|\d\d?[-/.]\d\d?[-/.]\d{4}"
+    rf"|\d\d?[- ](?i:{'|'.join(MONTHS)})[- ]\d{{4}})"
+)
 ZONE = r"(?P<zone>Z|UTC|[+-]\d\d:?\d\d)?"
 STAMP, DATE_ALONE = re.compile(rf"(?:{DATE}(?:[T\s]|,\s*))?\s*{TIME_OF_DAY}\s*{ZONE}", re.A), re.compile(DATE, re.A)
 NANO = 10**9
@@ -128,7 +133,10 @@ def _days(dates: list[str]) -> list[int]:
 
 def _day(date: str, *, day_first: bool) -> int | None:
     """Return the number of a day, None if it does not exist."""
-    one, two, three = (int(part) for part in re.split(r"[-/.]", date))
+    parts = re.split(r"[-/. ]", date)
+    if not parts[1].isdecimal():
+        parts, day_first = [parts[0], str(MONTHS.index(parts[1].lower()) + 1), parts[2]], True
+    one, two, three = map(int, parts)
     year, month, day = (one, two, three) if one >= 1000 else (three, two, one) if day_first else (three, one, two)
     try:
         return datetime.date(year, month, day).toordinal() - UNIX_DAY if year in YEARS else None

@@ -18,6 +18,7 @@ ATOM = (
 )
 UNIT = re.compile(
     rf"{ATOM}(?:\^?-?[0-9²³]|\*\*-?\d|⁻[¹²])?(?:[/*·. ]{ATOM}(?:\^?-?[0-9²³]|\*\*-?\d|⁻[¹²])?)*|hh:mm:ss\S*|[Uu]nits?"
+    r"|[Ss]econds?|[Vv]olts?|Sequence"
 )
 
 
@@ -76,8 +77,9 @@ class Columns:
 
     def are_units(self, line: str) -> bool:
         """Whether a line holds nothing but units."""
-        cells = self.units(line)
-        return any(cells) and all(not cell or UNIT.fullmatch(cell) for cell in cells)
+        cells, filled = self.units(line), [cell for cell in self.titles(line) if cell]
+        bracketed = len(filled) > 1 and all(re.fullmatch(r"\(.*\)|\[.*\]", cell) for cell in filled)
+        return bracketed or (any(cells) and all(not cell or UNIT.fullmatch(cell) for cell in cells))
 
 
 def _aligned(line: str, row: str) -> list[str]:

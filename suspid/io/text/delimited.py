@@ -2,18 +2,37 @@
 
 from __future__ import annotations
 
+import itertools
+import re
 from collections.abc import Sequence
 from pathlib import Path
 
 from suspid.errors import RecordError
 from suspid.files import read_bytes
-from suspid.io.tables import Table, TimeBase, is_time
+from suspid.io.tables import Table, TimeBase, bare_name, is_time
 from suspid.io.text.cells import seconds
 from suspid.io.text.encodings import decoded
 from suspid.io.text.layouts import Layout, find_layout
 from suspid.io.text.rows import Rows, find_rows
+from suspid.values import listed
 from suspid.words import LeftOut, Remark
 
+# Columns of these names say which channel a row is of.
+LABELS = {
+    "channel",
+    "ch",
+    "sensor",
+    "sensor id",
+    "sensor_id",
+    "sensorid",
+    "signal",
+    "variable",
+    "parameter",
+    "id",
+    "name",
+}
+# Rows that are looked at for these, and how many more cells than rows are channels in lines.
+SEEN, MOST_COLUMNS, MOST_ROWS = 200, 64, 4
 HEAD_LINES, HEAD_BYTES = 1000, 1 << 18
 LONGEST_LINE = 1 << 20
 
@@ -35,7 +54,10 @@ def read_delimited(path: Path) -> Table:
     rows, odd = find_rows(body, layout)
     counter = _counter(layout, top)
     left_out |= {**layout.left_out, **odd, **dict.fromkeys(counter, Remark(LeftOut.ROW_COUNTER))}
-    usable = [name for name in layout.names if name and name not in counter]
+    _refuse_long(rows, layout)
+    blank = _blank(body, layout)
+    left_out |= dict.fromkeys(blank, Remark(LeftOut.NO_NUMBERS))
+    usable = [name for name in layout.names if name and name not in counter and name not in blank]
     numeric = [name for name in usable if layout.kinds[name] in ("number", "missing")]
     clock, others = _clock(rows, numeric)
     return Table(
@@ -46,6 +68,33 @@ def read_delimited(path: Path) -> Table:
         units=layout.units,
         clocks={} if clock is None else dict.fromkeys(numeric, clock),
     )
+
+
+def _refuse_long(rows: Rows, layout: Layout) -> None:
+    """Refuse channels beside each other in one row each, and channels one below the other, named by a column."""
+    width = len(layout.names)
+    if width > MOST_COLUMNS and rows.size * MOST_ROWS < width:
+        raise RecordError(f"holds {rows.size} rows of {width} cells; a record has one sample a line: turn it")
+    for name in (name for name in layout.names if bare_name(name).lower() in LABELS):
+        first = list(itertools.islice(rows.cells(name), SEEN))
+        few = list(dict.fromkeys(first))
+        if 1 < len(few) <= len(first) / 2:
+            raise RecordError(
+                f"holds the samples of several channels one below the other: {name!r} is {listed(few)} in turn; save a "
+                f"column for each"
+            )
+
+
+def _blank(body: bytes, layout: Layout) -> list[str]:
+    """Return the columns without a cell that is not blank."""
+    mark, blank = re.escape(layout.dialect.delimiter.encode()), list[str]()
+    if layout.dialect.delimiter == " ":
+        return blank
+    for k, name in enumerate(layout.names):
+        filled = rb"^(?:[^%b\n]*%b){%d}[^%b\S\n]*[^%b\s]" % (mark, mark, k, mark, mark)
+        if name and layout.kinds[name] == "missing" and not re.search(filled, body, re.M):
+            blank.append(name)
+    return blank
 
 
 def _counter(layout: Layout, top: Sequence[str]) -> list[str]:
@@ -62,6 +111,8 @@ def _clock(rows: Rows, numeric: Sequence[str]) -> tuple[TimeBase | None, dict[st
     kinds = {name: kind for name, kind in rows.layout.kinds.items() if name}
     why = {"text": LeftOut.TEXT, "date": LeftOut.DATES, "stamp": LeftOut.SEVERAL_TIMES}
     reasons = {name: Remark(why[kind]) for name, kind in kinds.items() if kind in why}
+    for name in (name for name, kind in kinds.items() if kind == "text" and is_time(name)):
+        reasons[name] = Remark(LeftOut.ODD_STAMPS, {"cell": next(rows.cells(name), "")})
     stamps = [name for name, kind in kinds.items() if kind == "stamp"]
     named = [name for name in stamps if is_time(name)]
     chosen = next((names[0] for names in (named, stamps) if len(names) == 1), None)

@@ -21,6 +21,9 @@ ALLOWED = bytes(set(range(256)) - set(CONTROL))
 # A matrix as it is printed in brackets, with a semicolon after each row; a name may stand before it.
 OPENING = rb"^[^\S\n]*(?:[A-Za-z]\w*[^\S\n]*=[^\S\n]*)?\["
 PRINTED_MATRIX = re.compile(OPENING + rb"[^\S\n]*\n?[^\[\];\n]*\d[^\[\];\n]*;[^\S\n]*$", re.M)
+# The same on a line, as a program prints an array: nothing but brackets may follow it.
+ROW = rb"[^\[\]\n;]*\d[^\[\]\n;]*"
+ONE_LINE = re.compile(rb"(?:^|\n)[^\S\n]*(?:[A-Za-z]\w*[^\S\n]*=[^\S\n]*)?\[(%b(?:;%b)+;?)\][;\s]*\Z" % (ROW, ROW))
 BRACKETS = re.compile(OPENING + rb"(?=[^\S\n]*(?:[-+.\d]|$))|(?:;|\];?)[^\S\n]*$", re.M)
 
 
@@ -38,6 +41,9 @@ def decoded(content: bytes) -> tuple[bytes, dict[str, Remark]]:
             content = content.decode("utf-16").encode()
         except UnicodeError:
             raise RecordError("is not UTF-16 text, although it begins with the mark of UTF-16") from None
+        said["encoding"] = Remark(LeftOut.UTF_16)
+    elif (wide := _wide(content[:TOP])) is not None:
+        content = content.decode(wide, errors="replace").encode()
         said["encoding"] = Remark(LeftOut.UTF_16)
     content = content.removeprefix(codecs.BOM_UTF8)
     try:
@@ -59,9 +65,23 @@ def decoded(content: bytes) -> tuple[bytes, dict[str, Remark]]:
     if re.match(rb"\d\d:\d\d:\d\d\.\d+ -> ", content):
         start = content[:TOP]
         content = content.replace(b" -> ", next((d for d in (b"\t", b";", b",") if d in start), b"\t"))
+    if (whole := ONE_LINE.search(content)) is not None:
+        rows = whole[1].replace(b";", b"\n").replace(b"...", b"")
+        content = content[: whole.start()].rstrip(b" \t") + b"\n" + rows + b"\n"
     if PRINTED_MATRIX.search(content[:TOP]):
         content = BRACKETS.sub(lambda found: b" " * len(found[0]), content)
     return content if content.endswith(b"\n") else content + b"\n", said
+
+
+def _wide(start: bytes) -> str | None:
+    """Return the encoding of UTF-16 text without a mark: digits have a zero byte each."""
+    half = len(start) // 2
+    if half < 8 or not set(start) & set(b"0123456789"):
+        return None
+    for encoding, zeros, others in (("utf-16-le", start[1::2], start[::2]), ("utf-16-be", start[::2], start[1::2])):
+        if zeros.count(0) > 0.9 * half and not others.count(0):
+            return encoding
+    return None
 
 
 def _refuse_control(content: bytes) -> None:

@@ -10,16 +10,20 @@ from dataclasses import dataclass, replace
 
 from suspid.errors import RecordError
 from suspid.io.tables import bracketed_unit, stated_rate
-from suspid.io.text.cells import Kind, kind_of
+from suspid.io.text.cells import Kind, kind_of, number
 from suspid.io.text.columns import Columns
 from suspid.io.text.dialects import NUMERIC, Dialect, find_dialect, shapes, shortened
 from suspid.units import Hertz
 from suspid.words import LeftOut, Remark
 
+# The first cell of a line in which LabVIEW writes the unit of each channel.
+UNITS_BY_CHANNEL = "y_unit_label"
+# A line drawn below a header.
+RULE = re.compile(r"(?=.*(?:-{3}|={3}|_{3}|\*{3}|~{3}|#{3}))[\s\-=_*~#+|]+")
 # Lines above the data that are listed one by one.
 MOST_LISTED = 8
 KEY_VALUE = re.compile(
-    r"\W*([^\W\d][^:=;,\t]*?)\s*[:=;,\t]\s*[\"']?([+-]?\d+(?:\.\d+)?(?:[eE][+-]?\d+)?)\s*[;,\t]?\s*(\w*)\W*"
+    r"\W*([^\W\d][^:=;,\t]*?)\s*[:=;,\t]\s*[\"']?([+-]?\d+(?:\.\d+)?(?:[eE][+-]?\d+)?)\s*[;,\t]?\s*(\w*(?:/s)?)\W*"
 )
 
 
@@ -48,19 +52,22 @@ def find_layout(head: Sequence[str], sample: Sequence[str]) -> Layout:
     columns = replace(columns, row=head[first])
     while first and columns.are_missing(head[first - 1]):
         first -= 1
-    names_at, units_at = _header(head[:first], columns)
+    above, beside = _stated_beside(head[:first], columns)
+    names_at, units_at = _header(above, columns)
     others = {k + 1: head[k] for k in range(first) if k not in (names_at, units_at) and head[k].strip()}
-    names, renamed = _names(columns, "" if names_at is None else head[names_at])
+    names, renamed = _names(columns, "" if names_at is None else above[names_at])
     units = {name: bracketed_unit(name) for name in names if bracketed_unit(name)}
     if units_at is not None:
-        units |= {name: unit for name, unit in zip(names, columns.units(head[units_at]), strict=False) if unit}
+        units |= {name: unit for name, unit in zip(names, columns.units(above[units_at]), strict=False) if unit}
+    units |= next((dict(zip(names, cells, strict=False)) for cells in map(columns.dialect.cells, others.values())
+                   if cells[0].lower() == UNITS_BY_CHANNEL and len(cells) >= len(names)), {})  # fmt: skip
     return Layout(
         dialect=columns.dialect,
         names=tuple(names),
         units=units,
         kinds=dict(zip(names, columns.kinds, strict=True)),
         first=first,
-        rates=_rates(others.values()),
+        rates=beside | _rates(others.values(), columns.dialect),
         left_out={**_listed(others), **renamed},
     )
 
@@ -89,8 +96,8 @@ def _columns(head: Sequence[str], sample: Sequence[str]) -> Columns:
 def _commonest(kinds: Sequence[Kind], often: Sequence[int]) -> Kind:
     """Return what most cells of a column hold, given how often each occurs."""
     counts = Counter[Kind]()
-    for kind, number in zip(kinds, often, strict=True):
-        counts[kind] += number
+    for kind, times in zip(kinds, often, strict=True):
+        counts[kind] += times
     del counts["missing"]
     # One odd cell beside one number is an error to report, not a column of text.
     return max(counts, key=lambda kind: (counts[kind], kind in ("number", "stamp")), default="missing")
@@ -98,7 +105,7 @@ def _commonest(kinds: Sequence[Kind], often: Sequence[int]) -> Kind:
 
 def _header(above: Sequence[str], columns: Columns) -> tuple[int | None, int | None]:
     """Return the indices of the lines of names and of units above the data."""
-    filled = [k for k, line in enumerate(above) if line.strip()]
+    filled = [k for k, line in enumerate(above) if line.strip() and not RULE.fullmatch(line)]
     rows = list(itertools.takewhile(lambda k: columns.may_be_named_by(above[k]), reversed(filled)))[::-1]
     if not rows:
         if filled:
@@ -154,8 +161,39 @@ def _listed(others: Mapping[int, str]) -> dict[str, Remark]:
     return {f"lines {numbers[0]} to {numbers[-1]}": remark}
 
 
-def _rates(lines: Iterable[str]) -> dict[str, Hertz]:
-    """Return the sampling rates that lines such as ``Sample rate: 500 Hz`` state."""
-    found = [match for line in lines if (match := KEY_VALUE.fullmatch(line))]
+def _rates(lines: Iterable[str], dialect: Dialect) -> dict[str, Hertz]:
+    """Return the sampling rates that lines such as ``Sample rate: 500 Hz`` state, once or for each channel."""
+    found = [match for line in lines if (match := KEY_VALUE.fullmatch(_said_once(line, dialect)))]
     rates = {match[1].strip(): stated_rate(match[1], float(match[2]), match[3]) for match in found}
     return {name: rate for name, rate in rates.items() if rate is not None}
+
+
+def _said_once(line: str, dialect: Dialect) -> str:
+    """Return a line of a name and the same number for each channel, as LabVIEW writes it, with the number once."""
+    if dialect.delimiter in (" ", ","):
+        return line
+    cells = [cell for cell in dialect.cells(line) if cell]
+    if len(cells) < 2 or len(set(cells[1:])) > 1:
+        return line
+    return f"{cells[0]}={cells[1].replace(',', '.') if dialect.comma else cells[1]}"
+
+
+def _stated_beside(above: Sequence[str], columns: Columns) -> tuple[list[str], dict[str, Hertz]]:
+    """Return the lines above the data without numbers under names beside the columns, and the rates these state.
+
+    Oscilloscopes write ``X,CH1,Start,Increment`` above ``Sequence,Volt,-0.5,0.001``.
+    """
+    lines, rates, dialect = list(above), dict[str, Hertz](), columns.dialect
+    for k in range(len(lines) - 1 if dialect.delimiter != " " else 0):
+        names, below = dialect.cells(lines[k]), dialect.cells(lines[k + 1])
+        kinds = [kind_of(cell, comma=dialect.comma) for cell in below]
+        if "number" not in kinds[1:] or abs(len(names) - len(below)) > 1 or len(below) <= len(columns.kinds):
+            continue
+        first = kinds.index("number")
+        numbers = dict(zip(names[first:], below[first:], strict=False))
+        stated = {name: stated_rate(name, number(cell, comma=dialect.comma) or 0.0) for name, cell in numbers.items()}
+        found = {name: rate for name, rate in stated.items() if rate is not None}
+        if found:
+            rates |= found
+            lines[k], lines[k + 1] = (dialect.delimiter.join(cells[:first]) for cells in (names, below))
+    return lines, rates
