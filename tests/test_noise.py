@@ -334,7 +334,7 @@ class TestReasons:
         values = 5 * np.exp(-decay * np.arange(self.COUNT) / self.COUNT) + 0.01 * white(20, 1, self.COUNT)
         fit = evaluate(blocks_of(values), slow, ANY)
         assert fit is not None
-        assert reasons_of(fit, (0.0, np.pi)) == (reason,)
+        assert reasons_of(fit, (0.0, np.pi), np.ones(1), 1.0) == (reason,)
 
     @pytest.mark.parametrize(("sds", "reason"), [(9.8, Reason.TONE), (10.2, None)])
     def test_a_pair_of_a_fifth_of_an_e_folding_is_a_tone_below_ten_standard_deviations(
@@ -348,4 +348,4 @@ class TestReasons:
         values = (np.exp(-decay * k) * np.cos(0.4 * k))[None]
         fit = evaluate(blocks_of(values), poles(-decay + 0.4j), WhiteNoise(least=np.full(1, std**2)))
         assert fit is not None
-        assert reasons_of(fit, (0.0, np.pi)) == (reason,)
+        assert reasons_of(fit, (0.0, np.pi), np.ones(1), 1.0) == (reason,)

@@ -261,7 +261,7 @@ class TestColour:
         kept = [int(np.argmin(np.abs(found.fit.poles.pairs - pole))) for pole in MODES]
         np.testing.assert_allclose(found.loudness[kept], expected, rtol=0.5)
 
-    def test_a_bent_decay_widens_by_the_louder_of_halves_and_residual(self) -> None:
+    def test_a_bent_decay_widens_at_least_by_the_louder_of_halves_and_residual(self) -> None:
         # A frequency that rises by 1 % within the decay: no exponential is right, and both halves know theirs well.
         k = np.arange(2000)
         values = (np.exp(-0.003 * k) * np.cos(0.2 * k + 1.2e-6 * k**2))[None] + white(9, 2e-3, 1, 2000)
@@ -274,7 +274,9 @@ class TestColour:
         assert std is not None
         fitted = as_signal(found.fitted).values
         bound, _ = modal_bound(found.modes.wn, found.modes.zeta, fitted - values.mean(), t, found.noise_std)
-        assert (std[0] / bound[0]) ** 2 == pytest.approx(max(found.loudness[0], found.halves[0] ** 2), rel=0.05)
+        # It might be two modes as well: then the interval reaches the nearer one.
+        assert [c.remark.code for c in found.considered].count(Reason.UNRESOLVED) == 1
+        assert (std[0] / bound[0]) ** 2 > 0.95 * max(found.loudness[0], found.halves[0] ** 2)
 
 
 class TestLikelihood:

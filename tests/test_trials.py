@@ -234,7 +234,14 @@ class TestKind:
 class TestStart:
     def of(self, values: Real, *, first: int = 300) -> int:
         start = find_start(
-            signal(values), np.zeros(2), burst(3.0), first, values.shape[1], 1, np.zeros(values.shape[1], bool)
+            signal(values),
+            np.zeros(2),
+            burst(3.0),
+            first,
+            values.shape[1],
+            1,
+            np.zeros(values.shape[1], bool),
+            np.zeros(2),
         )
         assert start.trial is not None
         return start.begin
@@ -255,7 +262,7 @@ class TestStart:
         from scipy.signal import lfilter
 
         rolling = np.asarray(lfilter([1.0], [1.0, -1.85, 0.94], noise(3, 1000), axis=1))
-        start = find_start(signal(rolling), np.zeros(2), burst(3.0), 300, 1000, 1, np.zeros(1000, bool))
+        start = find_start(signal(rolling), np.zeros(2), burst(3.0), 300, 1000, 1, np.zeros(1000, bool), np.zeros(2))
         assert start.driven
         assert start.trial is None
 

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from suspid import Identification, Level, Verdict, add_noise, free_decay, identify, identify_repeats
+from suspid.identification.classification import LEAST_EXPLAINED
 from suspid.identification.identification import Considered
 from suspid.identification.lines import clear_line
 from suspid.identification.verdict import (
-    LEAST_EXPLAINED,
     ROUGH_WN,
     ROUGH_ZETA,
     SAMPLES_EACH,
@@ -282,7 +282,7 @@ class TestRepeats:
 class TestWords:
     @pytest.mark.parametrize("code", list(Reason))
     def test_every_reason_has_words(self, code: Reason) -> None:
-        numbers = {"linewidths": 0.2, "gain": 3.0, "needed": 20.0, "times": 0.4}
+        numbers = {"linewidths": 0.2, "gain": 3.0, "needed": 20.0, "times": 0.4, "mode": 1, "multiple": 2}
         assert str(Remark(code, numbers))
 
     def test_the_least_check_decides(self) -> None:

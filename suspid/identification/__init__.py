@@ -21,6 +21,7 @@ from suspid.identification.noise import (
     lag_one,
     resolution,
 )
+from suspid.identification.nonlinear import AmplitudeDependence, Force, ForceKind
 from suspid.identification.selection import Selection, select
 from suspid.identification.steps import FourSteps
 from suspid.identification.verdict import verdict_of, verdict_of_repeats
@@ -28,7 +29,10 @@ from suspid.identification.verdict import verdict_of, verdict_of_repeats
 __all__ = [
     "FEWEST_SAMPLES",
     "UNIFORM_STD",
+    "AmplitudeDependence",
     "Considered",
+    "Force",
+    "ForceKind",
     "FourSteps",
     "Identification",
     "Method",

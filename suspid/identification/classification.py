@@ -6,7 +6,7 @@ import numpy as np
 
 from suspid.identification.covariance import inverse_information
 from suspid.identification.likelihood import DecayFit
-from suspid.units import RealArray
+from suspid.units import Ratio, RealArray
 from suspid.words import Reason
 
 # A decay rate this many standard deviations below zero means growth: one-sided level 0.1 %.
@@ -14,6 +14,8 @@ SURE = 3.0
 # A pole that decays by less than this over the record is a tone unless its decay rate is this many standard deviations
 # above zero. Real tones drift, which shows as a slight decay or growth.
 TONE_DECAY, TONE_SURE = 0.25, 10.0
+# Share of the energy of the best channel below which most of a record is other motion than the decay.
+LEAST_EXPLAINED = 0.5
 # A real pole that decays by less than this over the record is a drift. A larger value takes slow real modes for drifts.
 LEAST_NEPERS = 3.0
 # A pole that decays by more than this per sample has gone before it can be seen to oscillate.
@@ -26,17 +28,24 @@ HIGHEST_SHARE = 0.98
 REAL_SURE, PAIR_LEVEL = 150.0, 0.14
 
 
-def reasons_of(fit: DecayFit, band: tuple[float, float]) -> tuple[Reason | None, ...]:
+def reasons_of(
+    fit: DecayFit, band: tuple[float, float], loudness: RealArray, explained: Ratio
+) -> tuple[Reason | None, ...]:
     """Return why each free pole (pairs, then reals) is no mode, None for a mode.
 
-    The band holds the angular frequencies per sample between which a pole can be a mode.
+    The band holds the angular frequencies per sample between which a pole can be a mode. ``loudness`` (pole,) is the
+    power of the residual near each pole over that of white noise, ``explained`` the share of the energy of the best
+    channel that is fitted. Where that is little, the residual near a pole is other motion, in which lines decay by
+    chance: standard deviations are widened by it.
     """
     spread, pairs = np.sqrt(np.diag(inverse_information(fit.information))), len(fit.poles.pairs)
-    of_rates = np.concatenate([spread[: 2 * pairs : 2], spread[2 * pairs :]])
-    return tuple(_reason(p, s, fit.count, band) for p, s in zip(fit.poles.every, of_rates, strict=True))
+    other = (loudness > 1) & (explained < LEAST_EXPLAINED)
+    of_rates = np.concatenate([spread[: 2 * pairs : 2], spread[2 * pairs :]]) * np.where(other, np.sqrt(loudness), 1.0)
+    known = zip(fit.poles.every, of_rates, other, strict=True)
+    return tuple(_reason(p, s, bool(o), fit.count, band) for p, s, o in known)
 
 
-def _reason(theta: complex, spread: float, count: int, band: tuple[float, float]) -> Reason | None:
+def _reason(theta: complex, spread: float, other: bool, count: int, band: tuple[float, float]) -> Reason | None:
     decay = -theta.real
     if decay < -SURE * spread:
         return Reason.GROWING
@@ -48,6 +57,8 @@ def _reason(theta: complex, spread: float, count: int, band: tuple[float, float]
         return Reason.UNDER_A_CYCLE
     if decay * count < (1.0 if decay < SURE * spread else TONE_DECAY if decay < TONE_SURE * spread else 0.0):
         return Reason.TONE
+    if other and decay < TONE_SURE * spread:
+        return Reason.UNSURE
     if not band[0] <= abs(theta) <= band[1] or theta.imag > HIGHEST_SHARE * np.pi:
         return Reason.OUTSIDE_THE_BAND
     return None

@@ -64,24 +64,75 @@ def joint_covariance(fits: Sequence[DecayFit], kept: NDArray[np.intp], inflation
     noise = np.zeros((len(fits) * channels * size,) * 2)
     dragged = np.zeros((len(noise), poles.free))
     for r, fit in enumerate(fits):
-        parts, inverse = _parts(fit.poles, kept), np.linalg.inv(fit.gram)
-        own, turned = (parts @ inverse @ parts.conj().T).real, -parts @ inverse @ fit.tilt * fit.count
-        for c in range(channels):
-            at = slice((r * channels + c) * size, (r * channels + c + 1) * size)
-            noise[at, at] = own * (fit.squares[c] / fit.freedom)
-            dragged[at] = ((turned * fit.amplitudes[:, c]) @ fit.poles.chart).real
+        at = slice(r * channels * size, (r + 1) * channels * size)
+        noise[at, at], dragged[at] = amplitude_errors(fit, kept)
     amplitudes = np.stack([fit.amplitudes[fit.poles.rows[kept]].T for fit in fits])
     if len(fits) == 1:
         shapes, estimator = _ratios(amplitudes[0])
     else:
         shapes, estimator = _common_shapes(amplitudes, noise + dragged @ of_poles @ dragged.T)
-    by_pole = np.vstack([_chosen(poles, kept), estimator @ dragged])
-    covariance = by_pole @ of_poles @ by_pole.T
-    covariance[size:, size:] += estimator @ noise @ estimator.T
-    widen = np.sqrt(np.concatenate([np.repeat(inflation, 2), np.repeat(inflation, 2 * channels)]))
-    return JointEstimate(
-        exponents=poles.every[kept].astype(complex), shapes=shapes, covariance=covariance * np.outer(widen, widen)
+    covariance = _carried(
+        _chosen(poles, kept), of_poles, estimator @ dragged, estimator @ noise @ estimator.T, inflation
     )
+    return JointEstimate(exponents=poles.every[kept].astype(complex), shapes=shapes, covariance=covariance)
+
+
+def estimate_of(
+    exponents: ComplexArray,
+    amplitudes: ComplexArray,
+    *,
+    chosen: RealArray,
+    of_parameters: RealArray,
+    dragged: RealArray,
+    noise: RealArray,
+    inflation: RealArray,
+) -> JointEstimate:
+    """Return poles and shapes of one decay with their joint covariance, for any model of its parameters.
+
+    Parameters
+    ----------
+    exponents : ndarray (mode,)
+        Poles per sample.
+    amplitudes : ndarray (channel, mode)
+        Complex amplitudes.
+    chosen : ndarray (2 mode, parameter)
+        Derivatives of Re and Im of the poles by the parameters.
+    of_parameters : ndarray (parameter, parameter)
+        Covariance of the parameters.
+    dragged : ndarray (2 channel mode, parameter)
+        Derivatives of Re and Im of the amplitudes, mode by mode within a channel, by the parameters.
+    noise : ndarray (2 channel mode, 2 channel mode)
+        Covariance of the amplitudes at given parameters.
+    inflation : ndarray (mode,)
+        Factor by which the variances of each mode are widened.
+    """
+    shapes, estimator = _ratios(amplitudes)
+    covariance = _carried(chosen, of_parameters, estimator @ dragged, estimator @ noise @ estimator.T, inflation)
+    return JointEstimate(exponents=exponents, shapes=shapes, covariance=covariance)
+
+
+def _carried(
+    chosen: RealArray, of_parameters: RealArray, dragged: RealArray, noise: RealArray, inflation: RealArray
+) -> RealArray:
+    """Return the covariance of poles and shapes: what the parameters carry into both, and the noise of the shapes."""
+    by_parameter = np.vstack([chosen, dragged])
+    covariance = by_parameter @ of_parameters @ by_parameter.T
+    covariance[len(chosen) :, len(chosen) :] += noise
+    widen = np.sqrt(np.concatenate([np.repeat(inflation, 2), np.repeat(inflation, len(dragged) // len(inflation))]))
+    return np.asarray(covariance * np.outer(widen, widen))
+
+
+def amplitude_errors(fit: DecayFit, kept: NDArray[np.intp]) -> tuple[RealArray, RealArray]:
+    """Return the covariance N of amplitudes at fixed poles, and their derivatives D by the poles.
+
+    Amplitudes are Re and Im of each wanted pole, channel by channel.
+    """
+    channels, size = len(fit.squares), 2 * len(kept)
+    parts, inverse = _parts(fit.poles, kept), np.linalg.inv(fit.gram)
+    own, turned = (parts @ inverse @ parts.conj().T).real, -parts @ inverse @ fit.tilt * fit.count
+    noise = np.kron(np.diag(fit.squares / fit.freedom), own)
+    dragged = [((turned * fit.amplitudes[:, c]) @ fit.poles.chart).real for c in range(channels)]
+    return np.asarray(noise, float), np.concatenate(dragged).reshape(channels * size, fit.poles.free)
 
 
 def inverse_information(information: RealArray) -> RealArray:
@@ -95,6 +146,17 @@ def inverse_information(information: RealArray) -> RealArray:
     values, vectors = np.linalg.eigh(information * np.outer(scale, scale))
     half = scale[:, None] * vectors / np.sqrt(np.maximum(values, LEAST_INFORMATION))
     return np.asarray(half @ half.T)
+
+
+def spread_of(fit: DecayFit, kept: NDArray[np.intp], shifts: ComplexArray) -> RealArray:
+    """Return the squares of distances of poles over their standard deviations, (mode,), for distances (mode,)."""
+    squares = np.zeros(len(kept))
+    for k in np.flatnonzero(shifts):
+        chosen = _chosen(fit.poles, kept[k : k + 1])
+        covariance = chosen @ inverse_information(fit.information * (fit.freedom / fit.count)) @ chosen.T
+        away = np.array([shifts[k].real, shifts[k].imag])
+        squares[k] = away @ np.linalg.solve(covariance, away)
+    return squares
 
 
 def _parts(poles: Poles, kept: NDArray[np.intp]) -> ComplexArray:

@@ -8,11 +8,13 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from suspid.identification.classification import MOST_DECAY
 from suspid.identification.exponentials import Blocks, synthesize
 from suspid.identification.likelihood import DecayFit, bic_penalty, maximize
 from suspid.identification.noise import WhiteNoise, loss_growth, loudness, over_channels, power_beside
 from suspid.identification.poles import Poles
-from suspid.units import ComplexArray, RealArray
+from suspid.identification.shapes import same_shape
+from suspid.units import ComplexArray, Ratio, RealArray
 
 # Until all poles are found, they are fitted only to this share of their standard deviations, in at most 20 steps: a
 # pole that exists comes near in fewer. A smaller share costs time.
@@ -20,12 +22,9 @@ ROUGH = 0.05
 # Power beside a pole over that of white noise from which on the gain of the pole is divided by it. The mean of 8
 # independent exponential variables exceeds it with probability 9 %.
 COLOUR_BEGINS = 1.5
-# Poles nearer than this, in linewidths (geometric mean of the two decay rates), are one mode that is not quite linear.
-# A larger value merges close modes; a smaller one reports one nonlinear mode as two.
-SPLIT = 0.25
-# The same for poles whose shapes agree (modal assurance criterion) and whose natural frequencies have a ratio below
-# the third value: nonlinearity bends a frequency by less.
-SPLIT_ALIKE, ALIKE_MAC, OTHER_FREQUENCY = 2.0, 0.9, 1.35
+# Poles nearer than this, in linewidths (geometric mean of the two decay rates) and in the ratio of their natural
+# frequencies, may be one mode that is not quite linear: friction and nonlinear springs bend a mode by less.
+BENT, OTHER_FREQUENCY = 2.0, 1.35
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -117,16 +116,27 @@ class Fit:
         """Minus twice the log likelihood less a constant."""
         return self.problem.noise.loss(self.squares, self.problem.blocks.count)
 
+    @property
+    def explained(self) -> Ratio:
+        """Share of the energy of the best channel that is fitted."""
+        return 1 - float(np.min(self.squares / np.maximum(self.problem.blocks.energy, 1e-300)))
+
     @cached_property
     def splits(self) -> NDArray[np.bool_]:
-        """Whether each pole is part of another mode: too near to it, or near and of the same shape, (pole,)."""
-        every, solution = self.poles.every, self.solution
-        shapes = solution.amplitudes[self.poles.rows] / np.sqrt(solution.squares + 1e-300)
-        shapes = shapes / (np.sqrt(np.sum(np.abs(shapes) ** 2, axis=1, keepdims=True)) + 1e-300)
-        alike = np.abs(shapes @ shapes.conj().T) ** 2 > ALIKE_MAC
+        """Whether each pole is part of another mode: near to it and of the same shape, (pole,)."""
+        every = self.poles.every
         wn = np.log(np.abs(every) + 1e-300)
-        alike &= np.abs(wn[:, None] - wn) < np.log(OTHER_FREQUENCY)
-        return np.asarray(np.any(linewidths_apart(every) < np.where(alike, SPLIT_ALIKE, SPLIT), axis=1))
+        apart = linewidths_apart(every)
+        apart[np.abs(wn[:, None] - wn) > np.log(OTHER_FREQUENCY)] = np.inf
+        # What has gone within a few samples is no mode, whether one or two.
+        apart[-every.real > MOST_DECAY] = np.inf
+        split = np.zeros(len(every), bool)
+        for one in np.flatnonzero(np.min(apart, axis=1, initial=np.inf) < BENT).tolist():
+            other = int(np.argmin(apart[one]))
+            if not (split[one] and split[other]):
+                colour = max(self.beside[one], self.beside[other])
+                split[[one, other]] |= same_shape(self.solution, one, other, colour=colour)
+        return split
 
     @property
     def loudness(self) -> RealArray:

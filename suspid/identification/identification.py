@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from suspid.errors import IdentificationError
+from suspid.files import printable
 from suspid.identification.halves import disagreement
 from suspid.identification.noise import lag_one
+from suspid.identification.nonlinear import AmplitudeDependence, Force
 from suspid.identification.poles import Poles
 from suspid.identification.steps import FourSteps
 from suspid.identification.verdict import verdict_of
@@ -79,6 +81,10 @@ class Identification:
         What else was met, and why it is no mode.
     steps : FourSteps
         The wavelet's view of the record.
+    amplitude_dependence : tuple of AmplitudeDependence
+        How each mode depends on its amplitude; empty if the decay is linear.
+    forces : tuple of Force
+        The forces, other than linear ones, with which the decay was fitted.
     """
 
     response: control.TimeResponseData
@@ -90,6 +96,8 @@ class Identification:
     loudness: RealArray
     considered: tuple[Considered, ...]
     steps: FourSteps
+    amplitude_dependence: tuple[AmplitudeDependence, ...] = ()
+    forces: tuple[Force, ...] = ()
 
     @property
     def bandwidth_search(self) -> BandwidthSearch | None:
@@ -142,8 +150,10 @@ class Identification:
         The record is cut where half of what it says of the mode's pole lies before, and all poles are fitted to
         each part alone, starting from `modes`. The figure is the distance of the two poles over its standard
         deviation in the noise, root mean square of real and imaginary part: about 1 for a linear decay. It is
-        NaN for a real pole, and where a part does not hold the mode.
+        NaN for a real pole, where a part does not hold the mode, and for modes that depend on their amplitude.
         """
+        if self.forces:
+            return frozen_real(np.full(len(self.modes), np.nan))
         signal = as_signal(self.response)
         every = np.array([*self.modes.poles, *(c.pole for c in self.considered if c.removed)]) * signal.step
         pair = every.imag > 0
@@ -178,6 +188,8 @@ def tables_of(found: Identification) -> str:
         parts += [str(found.modes), text_table(quality)]
     else:
         parts.append("no mode")
+    for mode, each in enumerate(found.amplitude_dependence, 1):
+        parts.append(text_table(_amplitude_columns(mode, each)))
     if found.method == "ridge":
         parts.append(text_table(_ridge_columns(found.ridges)))
     channels = {
@@ -197,6 +209,16 @@ def tables_of(found: Identification) -> str:
         more = len(found.considered) - len(shown)
         parts.append(text_table(others) + (f"\n… and {more} more in .considered" if more else ""))
     return "\n\n".join(parts)
+
+
+def _amplitude_columns(mode: int, each: AmplitudeDependence) -> dict[str, list[str]]:
+    return {
+        f"mode {mode}: amplitude in {printable(each.channel)}": [f"{value:.3g}" for value in each.amplitude],
+        "f [Hz]": [f"{value:.5g}" for value in each.wn / (2 * np.pi)],
+        "±": [f"{value:.2g}" for value in each.wn_std / (2 * np.pi)],
+        "zeta [1]": [f"{value:.3g}" for value in each.zeta],
+        "± ": [f"{value:.2g}" for value in each.zeta_std],
+    }
 
 
 def _ridge_columns(ridges: tuple[Ridge, ...]) -> dict[str, list[str]]:

@@ -10,10 +10,18 @@ import numpy as np
 
 from suspid.cleaning import clipped_run
 from suspid.errors import IdentificationError, InputError, RecordError
-from suspid.identification.covariance import joint_covariance
+from suspid.identification.covariance import joint_covariance, spread_of
+from suspid.identification.fitting import OTHER_FREQUENCY
 from suspid.identification.halves import FEWEST_SAMPLES, disagreement
 from suspid.identification.identification import Considered, Identification, Method
 from suspid.identification.noise import noise_of, shared_noise
+from suspid.identification.nonlinear import (
+    MULTIPLE,
+    Bent,
+    find_forces,
+    modes_of_bent,
+    unlike_linear,
+)
 from suspid.identification.selection import Selection, select
 from suspid.identification.steps import FourSteps
 from suspid.model import ModalSet
@@ -21,13 +29,20 @@ from suspid.signals import Signal, as_response, as_signal
 from suspid.units import ComplexArray, RadianPerSecond, RealArray, Second
 from suspid.values import frozen_real
 from suspid.wavelets import sample_noise
-from suspid.words import Remark
+from suspid.words import Reason, Remark
 
 if TYPE_CHECKING:
     import control
 
 # Ridges are searched from this many cycles in the record to this share of the Nyquist frequency.
 RIDGE_CYCLES, RIDGE_HIGHEST = 4.0, 0.9
+
+# Harmonics are named up to this multiple: beyond it one lies near every frequency.
+HIGHEST_MULTIPLE = 7
+
+# Ratio of the powers of the last and the first third of a record from which on it is no decay, so that the search for
+# forces, which is slow, is left out: stationary noise. Larger: more time on noise. Smaller: slow decays stay linear.
+FADED = 0.5
 
 # Largest peak of a channel, and inverse of the least: sums of squares must stay within double precision.
 LARGEST = 1e100
@@ -152,9 +167,13 @@ def _by_likelihood(
     band: tuple[RadianPerSecond, RadianPerSecond] | None,
 ) -> Identification:
     low, high = band or (0.0, np.pi / signal.step)
-    selection = select(
-        centred, noise=noise_of(signal.values), modes=steps.count, band=(low * signal.step, high * signal.step)
-    )
+    noise = noise_of(signal.values)
+    selection = select(centred, noise=noise, modes=steps.count, band=(low * signal.step, high * signal.step))
+    bent = None
+    if band is None and _fades(centred) and unlike_linear(selection):
+        bent = find_forces(centred, noise=noise, selection=selection, modes=steps.count)
+    if bent is not None:
+        return _bent(response, signal, steps, selection, bent)
     left = selection.residual
     modes, loudness = _modes_of(selection, centred, step=signal.step, channels=signal.channels)
     if steps.count is not None and len(modes) < steps.count:
@@ -177,13 +196,62 @@ def _by_likelihood(
     )
 
 
+def _fades(values: RealArray) -> bool:
+    """Return whether the last third of a record moves less than the first, each about its own mean."""
+    third = values.shape[1] // 3
+    first, last = np.var(values[:, :third], axis=1), np.var(values[:, -third:], axis=1)
+    return bool(np.sum(last / np.var(values, axis=1)) < FADED * np.sum(first / np.var(values, axis=1)))
+
+
+def _bent(
+    response: control.TimeResponseData, signal: Signal, steps: FourSteps, selection: Selection, bent: Bent
+) -> Identification:
+    """Return modes that depend on their amplitude, and what the poles of the linear fit are beside them."""
+    left = bent.fit.residual
+    modes, loudness, dependence = modes_of_bent(bent, timepts=signal.timepts, channels=signal.channels)
+    return Identification(
+        response=response,
+        method="likelihood",
+        modes=modes,
+        fitted=as_response(signal.timepts, signal.values - left, signal.channels, title="Fitted decay"),
+        residual=as_response(signal.timepts, left, signal.channels, title="Residual"),
+        noise_std=frozen_real(np.sqrt(np.sum(left**2, axis=1) / bent.fit.freedom)),
+        loudness=loudness,
+        considered=_beside_bent(selection, modes, signal),
+        steps=steps,
+        amplitude_dependence=dependence,
+        forces=bent.forces,
+    )
+
+
+def _beside_bent(selection: Selection, modes: ModalSet, signal: Signal) -> tuple[Considered, ...]:
+    """Return what the linear fit took for further poles: parts and harmonics of the modes, and other distortion."""
+    out = []
+    for theta in selection.fit.poles.pairs:
+        ratio = abs(theta) / signal.step / modes.wn
+        nearest = int(np.argmin(np.abs(np.log(ratio))))
+        multiples = np.round(ratio)
+        strays = np.where(multiples > 1, np.abs(ratio / np.maximum(multiples, 1) - 1), np.inf)
+        mode = int(np.argmin(strays))
+        if abs(np.log(ratio[nearest])) < np.log(OTHER_FREQUENCY):
+            remark = Remark(Reason.SAME_MODE, {"mode": nearest + 1})
+        elif strays[mode] < MULTIPLE and multiples[mode] <= HIGHEST_MULTIPLE:
+            remark = Remark(Reason.HARMONIC, {"mode": mode + 1, "multiple": int(multiples[mode])})
+        else:
+            remark = Remark(Reason.DISTORTION)
+        if remark.code is not Reason.SAME_MODE or abs(np.log(ratio[nearest])) > 1e-3:
+            out.append(Considered(pole=complex(theta) / signal.step, remark=remark, removed=False))
+    return tuple(out)
+
+
 def _modes_of(
     selection: Selection, values: RealArray, *, step: Second, channels: tuple[str, ...]
 ) -> tuple[ModalSet, RealArray]:
     """Return the modes of one decay and how loud the residual is near each, (mode,).
 
     The variances of a mode are widened by its loudness, or by the square of the disagreement of the two halves of
-    the decay where that is more, and by noise that the channels share.
+    the decay where that is more, and by noise that the channels share. Where a mode may be two, its interval reaches
+    the nearer of them.
     """
     fit, kept = selection.fit, selection.modes
     loudness = selection.loudness[kept]
@@ -191,6 +259,7 @@ def _modes_of(
     noise_std = np.sqrt(fit.squares / fit.count)
     for k in np.flatnonzero((loudness > 1) & (kept < len(fit.poles.pairs))):
         widening[k] = np.nanmax([widening[k], disagreement(values, fit.poles, int(kept[k]), noise_std) ** 2])
+    widening = np.maximum(widening, spread_of(fit, kept, selection.shifts[kept]))
     joint = joint_covariance([fit], kept, widening)
     order = np.argsort(np.abs(joint.exponents), kind="stable")
     return joint.modes(step=step, channels=channels), frozen_real(loudness[order])

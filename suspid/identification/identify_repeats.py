@@ -52,6 +52,8 @@ class Repeats:
         Power of the residual near each mode over that of the noise, see `Identification.loudness`.
     noise_std : ndarray (repeat, channel)
         Standard deviation of the noise in each repeat and channel, in the unit of the channel.
+    names : tuple of str
+        What the records are called; empty for decays of one recording.
     """
 
     spans: tuple[tuple[Second, Second], ...]
@@ -60,6 +62,7 @@ class Repeats:
     consistency: tuple[Agreement, ...]
     loudness: RealArray
     noise_std: RealArray
+    names: tuple[str, ...] = ()
 
     @cached_property
     def verdict(self) -> Verdict:
@@ -72,9 +75,11 @@ class Repeats:
 
 def tables_of_repeats(found: Repeats) -> str:
     """Return the tables of joint modes, agreement and single decays, without the verdict."""
+    spans = [f"{start:.6g} … {stop:.6g} s" for start, stop in found.spans]
     singles = text_table(
         {
-            "decay": [f"{start:.6g} … {stop:.6g} s" for start, stop in found.spans],
+            **({"record": list(found.names)} if found.names else {}),
+            "decay": spans,
             "f [Hz]": [", ".join(f"{wn / (2 * np.pi):.4g}" for wn in one.modes.wn) for one in found.each],
             "zeta [1]": [", ".join(f"{zeta:.3g}" for zeta in one.modes.zeta) for one in found.each],
         }
@@ -97,6 +102,7 @@ def identify_repeats(
     *,
     modes: int | None = None,
     band: tuple[RadianPerSecond, RadianPerSecond] | None = None,
+    names: Sequence[str] = (),
 ) -> Repeats:
     """Return the modes that several decays share.
 
@@ -118,6 +124,8 @@ def identify_repeats(
         How many modes: the strongest. Default: all that the decays support.
     band : (float, float), optional
         Angular frequencies between which to look [rad/s].
+    names : sequence of str, optional
+        What several records are called, in messages and tables. Default: ``record 1``, ``record 2``, ….
 
     Returns
     -------
@@ -147,7 +155,7 @@ def identify_repeats(
     """
     if modes is not None and modes < 1:
         raise InputError(f"{modes=}: ask for at least one mode, or leave it out to find out")
-    parts = _stretches(response, decays)
+    parts = _stretches(response, decays, names)
     each = tuple(_identified(name, part, band) for name, part in parts)
     signals = [as_signal(found.response, least=FEWEST_SAMPLES) for found in each]
     spans = tuple((s.start, s.start + s.step * (s.values.shape[1] - 1)) for s in signals)
@@ -189,23 +197,26 @@ def identify_repeats(
         consistency=tuple(agreements[k] for k in order),
         loudness=frozen_real(loudness[order]),
         noise_std=frozen_real([np.sqrt(fit.squares / fit.freedom) for fit in fits]),
+        names=tuple(names),
     )
 
 
 def _stretches(
     response: control.TimeResponseData | Sequence[control.TimeResponseData],
     decays: Sequence[Stretch | tuple[Second, Second]] | None,
+    names: Sequence[str],
 ) -> list[tuple[str, control.TimeResponseData]]:
     """Return each decay with its name in messages."""
     if isinstance(response, list | tuple):
         if decays is not None:
             raise InputError("decays are stretches of one recording; several records are decays as they are")
-        parts = [(f"record {number}", one) for number, one in enumerate(response, 1)]
+        called = names or [f"record {number}" for number in range(1, len(response) + 1)]
+        parts = list(zip(called, response, strict=True))
         _check_alike(parts)
     else:
         spans = [(d.start, d.stop) if not isinstance(d, tuple) else (float(d[0]), float(d[1])) for d in decays or ()]
-        names = [f"the decay {start:g} … {stop:g} s" for start, stop in spans]
-        parts = [(name, _cut(name, response, *span)) for name, span in zip(names, spans, strict=True)]
+        stretches = [f"the decay {start:g} … {stop:g} s" for start, stop in spans]
+        parts = [(name, _cut(name, response, *span)) for name, span in zip(stretches, spans, strict=True)]
     if not parts:
         raise InputError("no decay is given; give at least one, as from find_decays, or (start, stop) in seconds")
     return parts
@@ -213,16 +224,16 @@ def _stretches(
 
 def _check_alike(parts: Sequence[tuple[str, control.TimeResponseData]]) -> None:
     """Refuse records of other channels or of another rate: they are not repeats of one test."""
-    signals = [as_signal(part) for _, part in parts]
+    signals, first = [as_signal(part) for _, part in parts], parts[0][0] if parts else ""
     for (name, _), signal in zip(parts, signals, strict=True):
         if signal.channels != signals[0].channels:
             raise InputError(
-                f"{name} has the channels {', '.join(signal.channels)}, record 1 has {', '.join(signals[0].channels)}; "
+                f"{name} has the channels {', '.join(signal.channels)}, {first} has {', '.join(signals[0].channels)}; "
                 f"choose the same channels, in the same order, from each"
             )
         if abs(signal.step - signals[0].step) > SAME_STEP * signals[0].step:
             raise InputError(
-                f"{name} is sampled at {1 / signal.step:.6g} Hz, record 1 at {1 / signals[0].step:.6g} Hz; repeats "
+                f"{name} is sampled at {1 / signal.step:.6g} Hz, {first} at {1 / signals[0].step:.6g} Hz; repeats "
                 f"are joined at one rate only: identify them one by one and compare"
             )
 

@@ -11,6 +11,7 @@ from suspid.identification.exponentials import Blocks
 from suspid.identification.likelihood import DecayFit, evaluate, maximize
 from suspid.identification.noise import WhiteNoise
 from suspid.identification.poles import Poles
+from suspid.units import RealArray
 
 # Level of the test: decays that agree are called different with this probability. A larger value widens more intervals
 # that are right.
@@ -77,12 +78,21 @@ class Agreement:
     widening : float
         Factor by which the variances of the mode were widened for it [1]: chi-square over degrees of freedom where
         the probability is below 1 %, else 1.
+    held : tuple of int
+        The repeats that hold the mode, from 0 on.
+    odd : int or None
+        The repeat without which the others agree best; None if fewer than three hold the mode.
+    without_odd : float
+        Chi-square of the others [1].
     """
 
     chi_square: float
     freedom: int
     probability: float
     widening: float
+    held: tuple[int, ...] = ()
+    odd: int | None = None
+    without_odd: float = float("nan")
 
 
 def agreement(blocks: list[Blocks], fits: list[DecayFit], noises: list[WhiteNoise], index: int) -> Agreement:
@@ -91,8 +101,8 @@ def agreement(blocks: list[Blocks], fits: list[DecayFit], noises: list[WhiteNois
 
     pairs = len(fits[0].poles.pairs)
     rows = [2 * index, 2 * index + 1] if index < pairs else [pairs + index]
-    found, informations = [], []
-    for block, joint, noise in zip(blocks, fits, noises, strict=True):
+    found, informations, held = [], [], list[int]()
+    for number, (block, joint, noise) in enumerate(zip(blocks, fits, noises, strict=True)):
         own = maximize(block, joint, noise, steps=20)
         if own is None:
             continue
@@ -111,12 +121,14 @@ def agreement(blocks: list[Blocks], fits: list[DecayFit], noises: list[WhiteNois
         ):
             found.append(np.array([complex(after).real, complex(after).imag])[: len(rows)])
             informations.append(information)
+            held.append(number)
     if len(found) < 2:
-        return Agreement(chi_square=0.0, freedom=0, probability=float("nan"), widening=1.0)
-    mean = np.linalg.solve(
-        np.sum(informations, axis=0), np.sum([i @ p for i, p in zip(informations, found, strict=True)], axis=0)
-    )
-    chi_square = float(sum((p - mean) @ i @ (p - mean) for i, p in zip(informations, found, strict=True)))
+        return Agreement(chi_square=0.0, freedom=0, probability=float("nan"), widening=1.0, held=tuple(held))
+    chi_square = _distance(found, informations)
+    without = [
+        _distance(found[:k] + found[k + 1 :], informations[:k] + informations[k + 1 :]) for k in range(len(held))
+    ]
+    odd = int(np.argmin(without)) if len(held) > 2 else None
     freedom = len(rows) * (len(found) - 1)
     probability = float(chdtrc(freedom, chi_square))
     return Agreement(
@@ -124,4 +136,15 @@ def agreement(blocks: list[Blocks], fits: list[DecayFit], noises: list[WhiteNois
         freedom=freedom,
         probability=probability,
         widening=chi_square / freedom if probability < DISAGREE else 1.0,
+        held=tuple(held),
+        odd=None if odd is None else held[odd],
+        without_odd=float("nan") if odd is None else without[odd],
     )
+
+
+def _distance(found: list[RealArray], informations: list[RealArray]) -> float:
+    """Return the sum of the squared distances of poles from their mean, weighted by information."""
+    mean = np.linalg.solve(
+        np.sum(informations, axis=0), np.sum([i @ p for i, p in zip(informations, found, strict=True)], axis=0)
+    )
+    return float(sum((p - mean) @ i @ (p - mean) for i, p in zip(informations, found, strict=True)))

@@ -14,8 +14,9 @@ An object with
 - ``covariance``: joint covariance of Re and Im of each pole [rad/s] and, in a larger matrix, of Re and Im of the
   shapes, mode by mode and channel by channel; or null.
 
-The command adds ``record`` (file, channels, samples, ``rate_hz``, ``start_s``), ``method``, ``noise_std`` and
-``explained`` by channel of the record, ``ridges`` with the window of each (``start_s``, ``stop_s``, ``ends_at``),
+The command adds ``record`` (file, channels, samples, ``rate_hz``, ``start_s``), ``method``, ``forces`` (other than
+linear ones) and ``amplitude_dependence`` of each mode, both empty for a linear decay, ``noise_std`` and ``explained``
+by channel of the record, ``ridges`` with the window of each (``start_s``, ``stop_s``, ``ends_at``),
 ``warnings``, and the version as ``suspid``.
 
 A file written by hand, in JSON or TOML, needs ``modes`` alone, each with ``zeta`` and ``wn_rad_per_s`` or
@@ -37,7 +38,7 @@ from suspid.errors import InputError
 from suspid.files import printable, read_text
 from suspid.identification.identification import Identification
 from suspid.model import ModalSet, parsed_toml
-from suspid.signals import as_signal
+from suspid.signals import Signal, as_signal
 from suspid.values import nearest_names
 
 MODES_FORMAT = "suspid modes 1"
@@ -90,6 +91,29 @@ def identification_to_dict(identification: Identification, *, file: str, warning
             "start_s": signal.start,
         },
         "method": identification.method,
+        "forces": [
+            {
+                "kind": force.kind.value,
+                "channel": signal.channels[force.channel],
+                "relative_to": _name(signal, force.other),
+            }
+            for force in identification.forces
+        ],
+        "amplitude_dependence": [
+            {
+                "channel": each.channel,
+                "holds_at": each.holds_at,
+                "start_s": [start for start, _ in each.spans],
+                "stop_s": [stop for _, stop in each.spans],
+                "amplitude": each.amplitude.tolist(),
+                "frequency_hz": (each.wn / (2 * np.pi)).tolist(),
+                "wn_rad_per_s": each.wn.tolist(),
+                "wn_std_rad_per_s": each.wn_std.tolist(),
+                "zeta": each.zeta.tolist(),
+                "zeta_std": each.zeta_std.tolist(),
+            }
+            for each in identification.amplitude_dependence
+        ],
         "noise_std": identification.noise_std.tolist(),
         "explained": identification.explained.tolist(),
         "ridges": [
@@ -105,6 +129,10 @@ def identification_to_dict(identification: Identification, *, file: str, warning
         "warnings": list(warnings),
         "suspid": version("suspid"),
     }
+
+
+def _name(signal: Signal, channel: int | None) -> str | None:
+    return None if channel is None else signal.channels[channel]
 
 
 def to_json(content: Mapping[str, object]) -> str:

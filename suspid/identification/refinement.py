@@ -7,6 +7,7 @@ from typing import TypeAlias
 import numpy as np
 
 from suspid.identification.candidates import Candidate
+from suspid.identification.classification import LEAST_EXPLAINED
 from suspid.identification.fitting import Fit, Problem
 from suspid.identification.noise import LOUD
 from suspid.identification.poles import Poles
@@ -36,6 +37,8 @@ def thinned(problem: Problem, fit: Fit) -> tuple[Fit, RealArray, Rejected]:
     while fit.poles.free:
         gains, energy = problem.worths(fit)
         penalties, beside = problem.penalties(fit.poles), fit.beside
+        if fit.explained < LEAST_EXPLAINED:
+            beside = np.maximum(beside, fit.loudness)
         loud = np.where(beside > LOUD, beside, 1.0)
         # Where the residual is not noise, energy counts instead of likelihood. Coloured noise has its power there.
         worth = np.where(loud > 1, np.minimum(energy / (WORTHWHILE * loud), gains), gains / beside) / penalties

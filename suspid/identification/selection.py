@@ -9,13 +9,14 @@ from numpy.typing import NDArray
 
 from suspid.identification.candidates import CANDIDATES_TRIED, Candidate, Points, ranked, searched
 from suspid.identification.classification import ambiguous, reasons_of
+from suspid.identification.division import divided, unresolved
 from suspid.identification.exponentials import blocks_of
-from suspid.identification.fitting import Fit, Problem, linewidths_apart
+from suspid.identification.fitting import OTHER_FREQUENCY, Fit, Problem, linewidths_apart
 from suspid.identification.likelihood import DecayFit, evaluate, reweighed
 from suspid.identification.noise import WhiteNoise
 from suspid.identification.poles import Poles
 from suspid.identification.refinement import Rejected, paired, single, straightened, thinned, unbent
-from suspid.units import RealArray
+from suspid.units import ComplexArray, RealArray
 from suspid.words import Reason, Remark
 
 # The largest number of pairs. A record of more modes is fitted with this many of the strongest.
@@ -42,6 +43,8 @@ class Selection:
     gains: RealArray
     loudness: RealArray  # (pole,): power of the residual near each pole over that of the noise; 1 where they agree
     residual: RealArray  # (channel, sample): the record less the fitted motion
+    # (pole,): distance to the nearer of two poles that fit better in its place; 0 where one suffices
+    shifts: ComplexArray
     rejected: Rejected  # poles that were tried and not kept, and why
 
     @property
@@ -63,16 +66,22 @@ def select(
     fitted so far. Then all poles are refitted together. A pole stays if its gain exceeds its BIC penalty times the
     loudness of the residual near it.
 
-    The values are the record less its mean. With a number of modes, the strongest are kept. The band holds the angular
-    frequencies per sample between which a pole can be a mode.
+    The values are the record less its mean. With a number of modes, the strongest are kept, and the record is fitted
+    anew without what lies beside them. The band holds the angular frequencies per sample between which a pole can be a
+    mode.
     """
     blocks = blocks_of(values)
     problem = Problem(values=values, blocks=blocks, noise=noise.rounded(blocks.energy, blocks.count))
     fit, rejected = _found(problem)
     fit, gains, pair_gains, lost = _refined(problem, fit)
+    if modes is not None:
+        fit, gains, dropped = _alone(problem, fit, gains, band, modes)
+        pair_gains = pair_gains if not dropped else np.full(len(fit.poles.reals), -np.inf)
+        lost += dropped
     # Sums of squares from samples are more accurate than differences of energies.
     solution = reweighed(fit.solution, problem.noise, fit.squares)
-    reasons = list(reasons_of(solution, band))
+    shifts, open_ones = unresolved(problem, fit)
+    reasons = list(reasons_of(solution, band, fit.loudness, fit.explained))
     pairs = len(solution.poles.pairs)
     for index in pairs + np.flatnonzero(ambiguous(gains[pairs:], pair_gains, channels=blocks.channels)):
         reasons[index] = reasons[index] or Reason.REAL_OR_PAIR
@@ -85,8 +94,39 @@ def select(
         gains=gains,
         loudness=fit.loudness,
         residual=fit.residual,
-        rejected=rejected + lost,
+        shifts=np.concatenate([shifts, np.zeros(len(fit.poles.reals))]),
+        rejected=rejected + lost + open_ones,
     )
+
+
+def _alone(
+    problem: Problem, fit: Fit, gains: RealArray, band: tuple[float, float], modes: int
+) -> tuple[Fit, RealArray, Rejected]:
+    """Return the fit without poles beside the strongest modes of their number, the gains, and the poles left out.
+
+    Parts of a mode that is not quite linear, tones and drifts beside a mode would bend it.
+    """
+    solution = reweighed(fit.solution, problem.noise, fit.squares)
+    reasons = reasons_of(solution, band, fit.loudness, fit.explained)
+    kept = [index for index in np.argsort(-gains) if reasons[index] is None][:modes]
+    size = np.abs(fit.poles.every)
+    beside = [
+        index
+        for index in range(len(fit.poles.pairs))
+        if index not in kept and np.any(np.abs(np.log(size[index] / size[kept])) < np.log(OTHER_FREQUENCY))
+    ]
+    poles = fit.poles
+    for index in reversed(beside):
+        poles = poles.without(index)
+    again = problem.fitted(poles) if beside else None
+    if again is None:
+        return fit, gains, ()
+    remark = Remark(Reason.BEYOND)
+    dropped = tuple(
+        (Candidate(theta=complex(fit.poles.pairs[index]), real=False, gain=float(gains[index])), remark)
+        for index in beside
+    )
+    return again, problem.worths(again)[0], dropped
 
 
 def _found(problem: Problem) -> tuple[Fit, Rejected]:
@@ -105,6 +145,7 @@ def _found(problem: Problem) -> tuple[Fit, Rejected]:
             found = ranked(fit.solution, fit.variance, seen)
         better, lost = _extended(problem, fit, found)
         rejected += lost
+        better = divided(problem, fit) if better is None else better
         if better is None:
             break
         fit, lost = straightened(problem, better, STILL)
@@ -139,6 +180,8 @@ def _extended(problem: Problem, fit: Fit, found: list[Candidate]) -> tuple[Fit |
             break
         theta, poles = candidate.theta, fit.poles
         trial = problem.fitted(poles.with_real(theta.real) if candidate.real else poles.with_pair(theta), rough=True)
+        if trial is not None and trial.splits.any():
+            trial = problem.polished(trial)
         if trial is None:
             continue
         gain = fit.loss - trial.loss

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.files import printable
+from suspid.identification.classification import LEAST_EXPLAINED
 from suspid.identification.lines import clear_line
 from suspid.identification.noise import most_shared, resolution, shared_noise
 from suspid.signals import Signal, as_signal, late_start
@@ -18,8 +19,6 @@ if TYPE_CHECKING:
     from suspid.identification.identification import Identification
     from suspid.identification.identify_repeats import Repeats
 
-# Below this share of its energy a channel counts as unexplained. Lower: a wrong model passes on a loud channel.
-LEAST_EXPLAINED = 0.5
 # Disagreement of the halves [sd] beyond which it is no chance: 0.3 % for a Gaussian.
 HALVES_APART = 3.0
 # Half widths of the interval, as shares of the value, from which on zeta is unknown, zeta is rough, wn is rough.
@@ -34,8 +33,13 @@ OUT_OF_PHASE = 0.5
 WELL_EXPLAINED = 0.8
 # Lag-1 correlation of a residual from which on it is not called white noise; a sensor's filter leaves less.
 COLOURED = 0.5
+# Damping ratio at which the amplitude falls by half in a cycle. Where all modes of a nonlinear fit decay faster, a
+# pulse of force without ringing looks the same.
+MOST_FALL = 0.11
 # Residuals within this factor of the resolution are rounding, whose colour says nothing.
 ABOVE_RESOLUTION = 4.0
+# Level at which channels are told to move in more than one shape. A larger level takes noise for a second shape.
+ONE_SHAPE = 1e-3
 # A mode with fewer cycles in the record than this, that has not decayed by as many nepers, is known from few cycles.
 CYCLES_SEEN = 3.0
 
@@ -65,21 +69,26 @@ def _checks(found: Identification, level: Ratio) -> Iterator[Check]:
     growing = _numbers(found.modes.poles.real > 0)
     if growing:
         yield _of(ModeCheck.GROWING, Level.DOUBTFUL, {"modes": growing})
+    yield from _amplitudes(found)
     yield from _halves(found)
     if found.method != "ridge":
         yield from _residual(found)
     rough = list(_precision(found, level))
     yield from rough
     yield from _few_cycles(found)
+    yield from _unresolved(found)
     few = list(_few_samples(found))
     yield from few
-    blind = _numbers(~np.isfinite(found.halves) & (np.array(found.modes.kinds) == "pair"))
+    blind = () if found.forces else _numbers(~np.isfinite(found.halves) & (np.array(found.modes.kinds) == "pair"))
     if blind:
         # Where nothing but the fit itself supports the modes, a loose fit is not enough.
         alone = not np.any(np.isfinite(found.halves))
         loose = few or any(check.level < Level.NOTE for check in rough)
-        weight = Level.NOTE if not alone else Level.DOUBTFUL if loose else Level.CARE
+        pulse = alone and _one_shape(found)
+        weight = Level.NOTE if not alone else Level.DOUBTFUL if loose or pulse else Level.CARE
         yield _of(ModeCheck.NOT_CROSS_CHECKED, weight, {"modes": blind})
+        if pulse:
+            yield _of(ModeCheck.ONE_SHAPE, Level.DOUBTFUL)
     if np.max(found.explained) >= LEAST_EXPLAINED:
         yield from _unexplained(found)
     yield from _out_of_phase(found)
@@ -153,6 +162,47 @@ def _halves(found: Identification) -> Iterator[Check]:
         yield _of(ModeCheck.HALVES_AGREE, Level.SOUND, {"which": which, "most": float(np.nanmax(apart))})
 
 
+def _amplitudes(found: Identification) -> Iterator[Check]:
+    """Check whether the decay is linear; if not, how each mode depends on its amplitude."""
+    if not found.forces:
+        return
+    kinds = tuple(dict.fromkeys(force.kind.value for force in found.forces))
+    swings = bool(np.min(found.modes.zeta) < MOST_FALL)
+    yield _of(ModeCheck.NONLINEAR, Level.CARE if swings else Level.DOUBTFUL, {"forces": kinds})
+    for mode, each in enumerate(found.amplitude_dependence, 1):
+        (high_wn, high_zeta), (low_wn, low_zeta) = each.ends
+        numbers: dict[str, Number] = {
+            "mode": mode,
+            "high": float(np.max(each.amplitude)),
+            "high_hz": high_wn / (2 * np.pi),
+            "high_zeta": high_zeta,
+            "low": float(np.min(each.amplitude)),
+            "low_hz": low_wn / (2 * np.pi),
+            "low_zeta": low_zeta,
+            "channel": printable(each.channel),
+            "holds": each.holds_at,
+        }
+        yield _of(ModeCheck.AMPLITUDE, Level.NOTE, numbers)
+
+
+def _unresolved(found: Identification) -> Iterator[Check]:
+    """Check that no mode may as well be two."""
+    partners = [c.pole for c in found.considered if c.remark.code is Reason.UNRESOLVED]
+    modes = sorted({int(np.argmin(np.abs(found.modes.poles - pole))) + 1 for pole in partners})
+    if modes:
+        yield _of(ModeCheck.UNRESOLVED, Level.CARE, {"modes": tuple(modes)})
+
+
+def _one_shape(found: Identification) -> bool:
+    """Return whether all channels move alike: the fitted motion beside its principal direction is noise."""
+    from scipy.special import chdtri
+
+    fitted = as_signal(found.fitted).values / np.where(found.noise_std > 0, found.noise_std, 1.0)[:, None]
+    sizes = np.linalg.svd(fitted - fitted.mean(axis=1, keepdims=True), compute_uv=False)
+    unknowns = 2 * (len(found.modes) + sum(c.removed for c in found.considered))
+    return len(sizes) < 2 or bool(np.sum(sizes[1:] ** 2) < chdtri(unknowns * (len(sizes) - 1), ONE_SHAPE))
+
+
 def _few_samples(found: Identification) -> Iterator[Check]:
     samples = as_signal(found.response).values.shape[1]
     poles = [*found.modes.poles, *(c.pole for c in found.considered if c.removed)]
@@ -203,7 +253,8 @@ def _few_cycles(found: Identification) -> Iterator[Check]:
     for k in np.flatnonzero(few).tolist():
         yield _of(ModeCheck.FEW_CYCLES, Level.CARE, {"mode": k + 1, "cycles": float(cycles[k])})
     if not np.any(poles.imag != 0):
-        yield _of(ModeCheck.REAL_ONLY, Level.CARE)
+        # What the residual contradicts is a drift.
+        yield _of(ModeCheck.REAL_ONLY, Level.DOUBTFUL if np.any(found.loudness > 1) else Level.CARE)
 
 
 def _precision(found: Identification, level: Ratio) -> Iterator[Check]:

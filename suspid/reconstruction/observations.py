@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from suspid.errors import InputError
-from suspid.model import ModalSet, Suspension, output_weights
+from suspid.model import ModalSet, Suspension, check_plain, output_weights
 from suspid.reconstruction.equations import Observed, all_poles, spectral_nodes
 from suspid.units import ComplexArray, Kilogram, RealArray
 from suspid.values import FrozenMapping, nearest_names
@@ -77,6 +77,7 @@ def modal_tests(modes: object, suspension: object) -> tuple[ModalTest, ...]:
     if not isinstance(suspension, Suspension):
         hint = "; take its .suspension" if hasattr(suspension, "suspension") else ""
         raise InputError(f"reconstruct needs a Suspension here, not {type(suspension).__name__}{hint}")
+    check_plain(suspension, "reconstruct")
     for test in tests:
         for name in test.added_masses:
             if name not in suspension.coordinates:

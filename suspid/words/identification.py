@@ -31,6 +31,7 @@ class Reason(Code):
     TONE = "tone", "steady tone: it does not decay within the record"
     DRIFT = "drift", "drift: it decays more slowly than the record lasts"
     GROWING = "growing", "it grows"
+    UNSURE = "unsure", "its decay is not significant beside the residual near it"
     UNDER_A_CYCLE = "under a cycle", "less than one cycle in the record"
     A_FEW_SAMPLES = "a few samples", "decayed within a few samples"
     OUTSIDE_THE_BAND = "outside the band", "outside the band"
@@ -40,6 +41,10 @@ class Reason(Code):
         "split",
         lambda n: "part of another mode" + (f", {n['linewidths']:.2g} linewidths away" if "linewidths" in n else ""),
     )
+    UNRESOLVED = (
+        "unresolved",
+        "perhaps a second mode beside another: gain {gain:.3g}, {needed:.3g} and another shape required",
+    )
     TOO_WEAK = "too weak", "not significant: gain {gain:.3g}, {needed:.3g} required"
     NOT_SIGNIFICANT = (
         "not significant",
@@ -47,6 +52,9 @@ class Reason(Code):
     )
     NOT_NEEDED = "not needed", "not needed beside the others"
     BENT = "bent", "drift: removed with the offset, as a parabola"
+    SAME_MODE = "same mode", "part of mode {mode}, whose frequency and damping depend on its amplitude"
+    HARMONIC = "harmonic", "{multiple} times mode {mode}: a harmonic of its nonlinear motion"
+    DISTORTION = "distortion", "no stronger than what the nonlinear forces leave"
 
 
 class ModeCheck(Code):
@@ -70,8 +78,8 @@ class ModeCheck(Code):
     )
     LATE_MOTION = (
         "late motion",
-        "The largest motion comes {delay:.3g} s after the start. If the decay begins there, cut the record to start at "
-        "{time:.6g} s.",
+        "The largest motion comes {delay:.3g} s after the start, at {time:.6g} s: the record may not decay from its "
+        "first sample on. find_decays looks for the decay; analyse uses it.",
     )
     EXPLAINED = (
         "explained",
@@ -118,6 +126,17 @@ class ModeCheck(Code):
             f"Mode {_names(n['modes'])} could not be checked against the halves of the decay: one half alone does not "
             f"determine {'them' if _several(n['modes']) else 'it'}."
         ),
+    )
+    UNRESOLVED = (
+        "unresolved",
+        lambda n: (
+            f"Mode {_names(n['modes'])} may be two modes close together, or one that is not quite linear: the record "
+            f"leaves it open. The intervals cover both."
+        ),
+    )
+    ONE_SHAPE = (
+        "one shape",
+        "All channels move alike, and only at the start: a pulse of force without ringing looks the same.",
     )
     FEW_SAMPLES = "few samples", "Too few samples ({samples}) for {unknowns} amplitudes in each channel."
     OUT_OF_PHASE = (
@@ -182,8 +201,8 @@ class ModeCheck(Code):
     DROPPED = (
         "dropped",
         lambda n: (
-            f"{count(int(str(n['number'])), 'significant pole')} beyond the modes asked for, at {n['hertz']} Hz; the "
-            f"explained share contains {'it' if n['number'] == 1 else 'them'}."
+            f"{count(int(str(n['number'])), 'significant pole')} beyond the modes asked for, not in the table: at "
+            f"{n['hertz']} Hz."
         ),
     )
     STEADY_TONES = (
@@ -194,6 +213,15 @@ class ModeCheck(Code):
             f"{'it' if n['number'] == 1 else 'them'}."
         ),
     )
+    AMPLITUDE = (
+        "amplitude",
+        lambda n: (
+            f"Mode {n['mode']} depends on its amplitude: {n['high_hz']:.4g} Hz and zeta {n['high_zeta']:.2g} at "
+            f"{n['high']:.3g}, {n['low_hz']:.4g} Hz and zeta {n['low_zeta']:.2g} at {n['low']:.3g} (in the unit of "
+            f"channel {n['channel']!r}). The table holds at {n['holds']:.3g}."
+        ),
+    )
+    NONLINEAR = "nonlinear", lambda n: f"The decay is not linear: it follows with {_names(n['forces'])}."
     REPEATS_AGREE = "repeats agree", "{decays} decays agree on the modes within their noise."
     REPEATS_DISAGREE = (
         "repeats disagree",

@@ -1,0 +1,99 @@
+"""Whether one fitted pair stands for two poles close together: a screen, and two poles to start from."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from suspid.identification.candidates import CANDIDATES_TRIED, Candidate
+from suspid.identification.fitting import BENT, Fit, Problem
+from suspid.identification.poles import Poles
+from suspid.identification.refinement import Rejected
+from suspid.units import ComplexArray, RealArray
+from suspid.words import Reason, Remark
+
+# E-foldings after which a pair has gone: its samples to 1e-4.
+GONE = 9.0
+# Level at which two pairs explain more than one: below it the record leaves open whether a mode is one or two. A larger
+# level doubts and widens more modes that are one.
+OPEN_LEVEL = 1e-3
+
+
+def divided(problem: Problem, fit: Fit) -> Fit | None:
+    """Return the fit with one pair divided in two of different shapes, None if none decreases BIC."""
+    penalty = problem.penalty(real=False)
+    promised = [apart(fit, which) for which in range(len(fit.poles.pairs))]
+    for which in sorted(range(len(promised)), key=lambda k: -promised[k][0])[:CANDIDATES_TRIED]:
+        gain, poles = promised[which]
+        if gain < penalty:
+            break
+        trial = problem.fitted(with_two(fit.poles, which, poles))
+        if trial is not None and fit.loss - trial.loss > penalty and not trial.splits.any():
+            return trial
+    return None
+
+
+def unresolved(problem: Problem, fit: Fit) -> tuple[ComplexArray, Rejected]:
+    """Return how far each pair lies from the nearer of two that fit better in its place, (pair,), and their partners.
+
+    The gain of the two is significant at `OPEN_LEVEL`, though not enough for two modes: the record leaves it open. The
+    distance is 0 where one pair suffices.
+    """
+    from scipy.special import chdtri
+
+    channels = problem.blocks.channels
+    needed = float(chdtri(2 + 2 * channels, OPEN_LEVEL))
+    shifts, partners = np.zeros(len(fit.poles.pairs), complex), list[tuple[Candidate, Remark]]()
+    for which, pole in enumerate(fit.poles.pairs):
+        promise, start = apart(fit, which)
+        if promise < needed:
+            continue
+        trial = problem.fitted(with_two(fit.poles, which, start))
+        if trial is None:
+            continue
+        two, gain = trial.poles.pairs[-2:], fit.loss - trial.loss
+        near = np.abs(two - pole) < BENT * np.abs(pole.real)
+        if near.all() and gain > needed:
+            nearer, other = two[np.argsort(np.abs(two - pole))]
+            shifts[which] = nearer - pole
+            numbers = {"gain": gain, "needed": problem.penalty(real=False)}
+            partners.append(
+                (Candidate(theta=complex(other), real=False, gain=gain), Remark(Reason.UNRESOLVED, numbers))
+            )
+    return shifts, tuple(partners)
+
+
+def with_two(poles: Poles, which: int, two: ComplexArray) -> Poles:
+    """Return the poles with two pairs in place of one."""
+    pairs = np.append(np.delete(poles.pairs, which), two.real + 1j * np.abs(two.imag))
+    return Poles(pairs=pairs, reals=poles.reals, nuisances=poles.nuisances)
+
+
+def apart(fit: Fit, which: int) -> tuple[float, ComplexArray]:
+    """Return what a second pole beside a pair promises in twice the log likelihood, and two poles in its place.
+
+    Two poles ``p + u`` and ``p + v`` with amplitudes d and e are ``(a + b t + c t^2 + …) exp(p t)``, with
+    ``a = d + e``, ``b = d u + e v``, ``2 c = d u^2 + e v^2``, hence ``2 c = (u + v) b - u v a`` in every channel: u
+    and v by least squares. The promise is the energy of b and c at fixed poles over the noise.
+    """
+    pole, samples = complex(fit.poles.pairs[which]), fit.residual.shape[1]
+    count = int(min(samples, np.ceil(GONE / max(-pole.real, GONE / samples))))
+    known = _columns(np.concatenate([fit.poles.pairs, fit.poles.reals, fit.poles.nuisances]), count)
+    step = np.arange(count) / count
+    own = known[:, 2 * which : 2 * which + 2]
+    bend = np.concatenate([own * step[:, None], own * step[:, None] ** 2], axis=1)
+    basis, _ = np.linalg.qr(np.concatenate([known, bend], axis=1))
+    left, bent = fit.residual[:, :count].T, basis[:, known.shape[1] :]
+    gain = float(np.sum((bent.T @ left) ** 2 / fit.variance))
+    solved = np.linalg.lstsq(np.concatenate([known, bend], axis=1), left, rcond=1e-12)[0]
+    changes, b, c = solved[[2 * which, -4, -2]] + 1j * solved[[2 * which + 1, -3, -1]]
+    a = 2 * fit.solution.amplitudes[which] + changes
+    std = np.sqrt(fit.variance)
+    total, product = np.linalg.lstsq(np.stack([b, -a], axis=1) / std[:, None], 2 * c / std, rcond=1e-6)[0]
+    return gain, np.asarray(pole + np.roots([1.0, -total, product]) / count, complex)
+
+
+def _columns(exponents: ComplexArray, count: int) -> RealArray:
+    """Return real and minus imaginary parts of exponentials, one beside the other; of a real one the real part."""
+    powers = np.exp(np.asarray(exponents, complex)[:, None] * np.arange(count))
+    parts = np.stack([powers.real, -powers.imag], axis=1).reshape(-1, count)
+    return np.asarray(parts[np.repeat(np.imag(exponents) != 0, 2) | (np.arange(len(parts)) % 2 == 0)].T, float)

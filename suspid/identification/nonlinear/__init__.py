@@ -1,0 +1,23 @@
+"""Modes that are not quite linear: friction, drag, and springs and dampers that bend.
+
+Forces that follow the measured motion drive the linear modes (nonlinear identification through feedback of the outputs,
+Adams and Allemang, J. Sound Vib. 238, 2000): one mode then explains what would take several poles. `find_forces` looks
+for them, `modes_of_bent` makes modes of what it finds, `AmplitudeDependence` is how one of them depends on amplitude.
+"""
+
+from suspid.identification.nonlinear.amplitude import AmplitudeDependence
+from suspid.identification.nonlinear.estimates import modes_of_bent
+from suspid.identification.nonlinear.feedback import Bent
+from suspid.identification.nonlinear.forces import Force, ForceKind
+from suspid.identification.nonlinear.search import MULTIPLE, find_forces, unlike_linear
+
+__all__ = [
+    "MULTIPLE",
+    "AmplitudeDependence",
+    "Bent",
+    "Force",
+    "ForceKind",
+    "find_forces",
+    "modes_of_bent",
+    "unlike_linear",
+]

@@ -1,0 +1,276 @@
+"""Fit modes that are driven by given forces: each state follows ``z' = theta z + sum_j gain_j g_j`` from ``z = 1``.
+
+The samples of every channel are ``Re sum_k a_ck z_k`` and fixed exponentials (an offset, a drift), in white noise. The
+amplitudes are linear and eliminated; poles and gains are found by damped Gauss-Newton steps. With a force that is
+orthogonal to the states, the pole is that of the equivalent linear system.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from suspid.identification.noise import WhiteNoise, degrees_of_freedom
+from suspid.units import ComplexArray, RealArray
+
+# Steps end when one promises less than this in twice the log likelihood.
+NEGLIGIBLE = 1e-4
+# A mode grows by at most this many e-foldings over the record.
+MOST_GROWTH = 3.0
+# Least pivot of the columns of unit norm: below it they are dependent.
+INDEPENDENT = 1e-7
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Drive:
+    """Poles, and how forces drive them."""
+
+    theta: ComplexArray  # (pole,): exponents per sample, upper half plane
+    gains: ComplexArray  # (pole, force)
+    driven: NDArray[np.bool_]  # (pole,): whether the forces act on it; tones are not driven
+    forces: RealArray  # (force, sample): mean of each force from a sample to the next
+    nuisances: RealArray  # (nuisance,): exponents of the offset and drift, held fixed
+    through: bool = False  # whether the forces also show directly in the channels, as in accelerations
+
+    @property
+    def gain_places(self) -> list[tuple[int, int]]:
+        """Pole and force of each gain that is free."""
+        return [(int(k), j) for k in np.flatnonzero(self.driven) for j in range(len(self.forces))]
+
+    @property
+    def free(self) -> int:
+        """Number of real parameters of poles and gains."""
+        return 2 * len(self.theta) + 2 * len(self.gain_places)
+
+    @property
+    def amplitudes(self) -> int:
+        """Number of real amplitudes of each channel."""
+        return 2 * len(self.theta) + len(self.nuisances) + (len(self.forces) if self.through else 0)
+
+    def moved(self, step: RealArray) -> Drive:
+        """Return the drive after a step in (Re, Im of each pole; Re, Im of each free gain)."""
+        poles = len(self.theta)
+        change = step.reshape(-1, 2) @ np.array([1, 1j])
+        theta = self.theta + change[:poles]
+        highest = MOST_GROWTH / self.forces.shape[1]
+        gains = self.gains.copy()
+        for (k, j), more in zip(self.gain_places, change[poles:], strict=True):
+            gains[k, j] += more
+        return replace(self, theta=np.minimum(theta.real, highest) + 1j * np.abs(theta.imag), gains=gains)
+
+    def with_forces(self, forces: RealArray) -> Drive:
+        """Return the drive with forces (force, sample) in place of its own; new ones have gain 0."""
+        gains = np.zeros((len(self.theta), len(forces)), complex)
+        if len(forces) == len(self.forces):
+            gains = self.gains
+        return replace(self, forces=forces, gains=gains)
+
+    def without_force(self, index: int) -> Drive:
+        """Return the drive without one of the forces."""
+        return replace(self, forces=np.delete(self.forces, index, axis=0), gains=np.delete(self.gains, index, axis=1))
+
+    def with_pole(self, theta: complex, *, driven: bool = True) -> Drive:
+        """Return the drive with one more pole, on which no force acts yet."""
+        return replace(
+            self,
+            theta=np.append(self.theta, theta),
+            gains=np.vstack([self.gains, np.zeros((1, len(self.forces)))]),
+            driven=np.append(self.driven, driven),
+        )
+
+    def without_pole(self, index: int) -> Drive:
+        """Return the drive without one of the poles."""
+        return replace(
+            self,
+            theta=np.delete(self.theta, index),
+            gains=np.delete(self.gains, index, axis=0),
+            driven=np.delete(self.driven, index),
+        )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class DrivenFit:
+    """The amplitudes that fit a record best at given poles and gains, and what a step needs."""
+
+    drive: Drive
+    noise: WhiteNoise
+    states: ComplexArray  # (pole, sample): z
+    slopes: ComplexArray  # (parameter pair, sample): derivatives of the state by its pole, then by each free gain
+    owners: NDArray[np.intp]  # (parameter pair,): which pole each belongs to
+    basis: RealArray  # (sample, column): orthonormal columns
+    inverse: RealArray  # (column, column): amplitudes from inner products with `basis`
+    coefficients: RealArray  # (column, channel)
+    residual: RealArray  # (channel, sample)
+
+    @property
+    def amplitudes(self) -> ComplexArray:
+        """Complex amplitudes of the states, (pole, channel)."""
+        poles = len(self.drive.theta)
+        return np.asarray(self.coefficients[:poles] - 1j * self.coefficients[poles : 2 * poles])
+
+    @cached_property
+    def squares(self) -> RealArray:
+        """Residual sum of squares, (channel,)."""
+        return np.asarray(np.sum(self.residual**2, axis=1))
+
+    @property
+    def variance(self) -> RealArray:
+        """Variance of the residual, at least the least of the noise, (channel,)."""
+        return self.noise.variance(self.squares, self.residual.shape[1])
+
+    @cached_property
+    def loss(self) -> float:
+        """Minus twice the log likelihood less a constant."""
+        return self.noise.loss(self.squares, self.residual.shape[1])
+
+    @property
+    def bic(self) -> float:
+        """Loss and ``log(samples)`` for each parameter."""
+        unknowns = self.drive.free + len(self.residual) * self.drive.amplitudes
+        return float(self.loss + unknowns * np.log(self.residual.size))
+
+    @property
+    def freedom(self) -> float:
+        """Degrees of freedom of the residual of one channel."""
+        channels, count = self.residual.shape
+        return degrees_of_freedom(count, amplitudes=self.drive.amplitudes, poles=self.drive.free, channels=channels)
+
+    @property
+    def promised(self) -> float:
+        """BIC after the next Gauss-Newton step, as the linearised model has it."""
+        scale = 1 / np.sqrt(np.maximum(self.information.diagonal(), 1e-300))
+        unit = self.information * np.outer(scale, scale)
+        if not np.all(np.isfinite(unit)):
+            return np.inf
+        step = np.linalg.lstsq(unit, self.gradient * scale, rcond=1e-10)[0]
+        share = min(float(step @ (self.gradient * scale)) / self.residual.size, 1 - 1e-12)
+        return float(self.bic + self.residual.size * np.log1p(-share))
+
+    @property
+    def worths(self) -> RealArray:
+        """What each force is worth in twice the log likelihood, from its gains and their covariance, (force,)."""
+        scale = 1 / np.sqrt(np.maximum(self.information.diagonal(), 1e-300))
+        unit = self.information * np.outer(scale, scale)
+        places, out = self.drive.gain_places, np.zeros(len(self.drive.forces))
+        if not np.all(np.isfinite(unit)):
+            return out
+        covariance = np.linalg.pinv(unit, rcond=1e-12, hermitian=True)
+        for j in range(len(out)):
+            own = [i for i, (_, force) in enumerate(places) if force == j]
+            at = np.ravel([[2 * len(self.drive.theta) + 2 * i, 2 * len(self.drive.theta) + 2 * i + 1] for i in own])
+            gains = np.array([self.drive.gains[places[i]] for i in own])
+            parts = np.stack([gains.real, gains.imag], axis=1).ravel() / scale[at]
+            out[j] = parts @ np.linalg.lstsq(covariance[np.ix_(at, at)], parts, rcond=1e-12)[0]
+        return out
+
+    @cached_property
+    def slopes_by_channel(self) -> RealArray:
+        """Derivatives of each channel by the parameters, orthogonal to the columns, (channel, sample, parameter)."""
+        parts = np.concatenate([self.slopes.real, self.slopes.imag]).T
+        parts = parts - self.basis @ (self.basis.T @ parts)
+        half = len(self.owners)
+        re, im = parts[:, :half], parts[:, half:]
+        out = np.empty((len(self.residual), len(parts), 2 * half))
+        for c, a in enumerate(self.amplitudes.T):
+            own = a[self.owners]
+            # Re(a dz) for a real step, Re(i a dz) for an imaginary one.
+            out[c, :, 0::2] = re * own.real - im * own.imag
+            out[c, :, 1::2] = -im * own.real - re * own.imag
+        return out
+
+    @cached_property
+    def information(self) -> RealArray:
+        """Fisher information of the parameters, amplitudes unknown, (parameter, parameter)."""
+        return np.asarray(
+            sum(s.T @ s / v for s, v in zip(self.slopes_by_channel, self.variance, strict=True)), dtype=float
+        )
+
+    @cached_property
+    def gradient(self) -> RealArray:
+        """Gradient of the log likelihood by the parameters, (parameter,)."""
+        return np.asarray(
+            sum(s.T @ r / v for s, r, v in zip(self.slopes_by_channel, self.residual, self.variance, strict=True)),
+            dtype=float,
+        )
+
+
+def evaluate(values: RealArray, drive: Drive, noise: WhiteNoise) -> DrivenFit | None:
+    """Return the fit at given poles and gains, or None where its columns are linearly dependent."""
+    from scipy.linalg import solve_triangular
+
+    samples = np.arange(values.shape[1])
+    states, slopes, owners = _states(drive, samples)
+    columns = np.column_stack([states.real.T, states.imag.T, np.exp(np.outer(samples, drive.nuisances))])
+    if drive.through:
+        columns = np.column_stack([columns, drive.forces.T])
+    norms = np.linalg.norm(columns, axis=0)
+    if not np.all(np.isfinite(norms) & (norms > 0)) or not np.all(np.isfinite(slopes)):
+        return None
+    basis, triangle = np.linalg.qr(columns / norms)
+    if not np.min(np.abs(triangle.diagonal())) > INDEPENDENT:
+        return None
+    inverse = solve_triangular(triangle, np.eye(len(triangle))) / norms[:, None]
+    inner = basis.T @ values.T
+    return DrivenFit(
+        drive=drive,
+        noise=noise,
+        states=states,
+        slopes=slopes,
+        owners=owners,
+        basis=basis,
+        inverse=inverse,
+        coefficients=inverse @ inner,
+        residual=values - (basis @ inner).T,
+    )
+
+
+def _states(drive: Drive, samples: NDArray[np.intp]) -> tuple[ComplexArray, ComplexArray, NDArray[np.intp]]:
+    """Return the states (pole, sample), their derivatives (pole, then free gain; sample) and whose each is."""
+    from scipy.signal import lfilter
+
+    states = np.exp(np.outer(drive.theta, samples))
+    by_pole = states * samples
+    by_gain, owners = list[ComplexArray](), list(range(len(drive.theta)))
+    for k, j in drive.gain_places:
+        theta, gain, force = drive.theta[k], drive.gains[k, j], drive.forces[j, :-1]
+        turn = np.exp(theta)
+        held = np.expm1(theta) / theta
+        # A force that is constant between samples: z_{i+1} = e^theta z_i + (e^theta - 1) / theta g_i.
+        answer = np.concatenate([[0.0], lfilter([held], [1, -turn], force.astype(complex))])
+        drift = turn * answer[:-1] + (turn - held) / theta * force
+        by_pole[k] += gain * np.concatenate([[0.0], lfilter([1.0], [1, -turn], drift)])
+        states[k] += gain * answer
+        by_gain.append(answer)
+        owners.append(k)
+    slopes = np.vstack([by_pole, *by_gain]) if by_gain else by_pole
+    return states, slopes, np.array(owners, int)
+
+
+def maximize(values: RealArray, start: Drive, noise: WhiteNoise, *, steps: int) -> DrivenFit | None:
+    """Return the fit of greatest likelihood near given poles and gains, by damped Gauss-Newton steps."""
+    fit = evaluate(values, start, noise)
+    if fit is None or not fit.drive.free:
+        return fit
+    damping = 1e-3
+    for _ in range(steps):
+        scale = np.sqrt(np.maximum(fit.information.diagonal(), 1e-300))
+        unit = fit.information / np.outer(scale, scale)
+        if not (np.all(np.isfinite(unit)) and np.all(np.isfinite(fit.gradient))):
+            return fit
+        better = None
+        for _ in range(10):
+            step = np.linalg.lstsq(unit + damping * np.eye(len(unit)), fit.gradient / scale, rcond=None)[0] / scale
+            if float(step @ fit.gradient) < NEGLIGIBLE:
+                return fit
+            trial = evaluate(values, fit.drive.moved(step), noise)
+            if trial is not None and trial.loss < fit.loss:
+                better = trial
+                break
+            damping = max(10 * damping, 1e-4)
+        if better is None:
+            return fit
+        fit, damping = better, damping / 10
+    return fit

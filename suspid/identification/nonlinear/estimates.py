@@ -1,0 +1,104 @@
+"""Modes of a structure that is not quite linear, with their uncertainty and how they depend on amplitude."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from suspid.identification.covariance import estimate_of
+from suspid.identification.noise import loudness, power_beside, shared_noise
+from suspid.identification.nonlinear.amplitude import (
+    AmplitudeDependence,
+    covariance_of,
+    dependence,
+    equivalent,
+    pole_slopes,
+)
+from suspid.identification.nonlinear.driven import DrivenFit
+from suspid.identification.nonlinear.feedback import Bent
+from suspid.model import ModalSet
+from suspid.units import ComplexArray, RealArray, Second
+from suspid.values import frozen_real
+
+
+def modes_of_bent(
+    bent: Bent, *, timepts: RealArray, channels: tuple[str, ...]
+) -> tuple[ModalSet, RealArray, tuple[AmplitudeDependence, ...]]:
+    """Return the modes, how loud the residual is near each, (mode,), and how each depends on its amplitude.
+
+    The poles are those of the equivalent linear system over the whole record. Their variances are widened by the
+    loudness and by noise that the channels share.
+    """
+    fit, step = bent.fit, float(timepts[-1] - timepts[0]) / (len(timepts) - 1)
+    exponents, by_gain = equivalent(fit)
+    driven = np.flatnonzero(fit.drive.driven)
+    driven = driven[np.argsort(np.abs(exponents[driven]), kind="stable")]
+    chosen = np.vstack([pole_slopes(fit, int(k), by_gain[k]) for k in driven])
+    weights = np.abs(fit.amplitudes[driven]).T ** 2 / fit.variance[:, None]
+    beside = power_beside(fit.residual, fit.variance, exponents[driven])
+    loud = loudness(fit.residual, fit.variance, exponents[driven], beside=beside, weights=weights)
+    widening = loud * shared_noise(fit.residual)
+    dragged, noise = _amplitude_errors(fit, driven.tolist())
+    joint = estimate_of(
+        exponents[driven],
+        fit.amplitudes[driven].T,
+        chosen=chosen,
+        of_parameters=covariance_of(fit),
+        dragged=dragged,
+        noise=noise,
+        inflation=widening,
+    )
+    found = joint.modes(step=step, channels=channels)
+    return (
+        _with_windows(found, fit, driven.tolist(), exponents, step),
+        frozen_real(loud),
+        tuple(
+            dependence(
+                fit, int(k), holds=complex(exponents[k]), widening=float(wide), timepts=timepts, channels=channels
+            )
+            for k, wide in zip(driven, widening, strict=True)
+        ),
+    )
+
+
+def _with_windows(
+    modes: ModalSet, fit: DrivenFit, driven: list[int], exponents: ComplexArray, step: Second
+) -> ModalSet:
+    """Return the modes with what the choice of the stretch does to each pole in its covariance.
+
+    A decay that starts half a period later, or ends a fifth earlier, has other amplitudes and so another mean.
+    """
+    assert modes.covariance is not None
+    covariance, count = modes.covariance.copy(), fit.states.shape[1]
+    for mode, k in enumerate(driven):
+        half = min(int(np.pi / exponents[k].imag), count // 2)
+        for window in (slice(half, count), slice(0, count - count // 5)):
+            change = (equivalent(fit, window)[0][k] - exponents[k]) / step
+            parts = np.array([change.real, change.imag])
+            at = slice(2 * mode, 2 * mode + 2)
+            covariance[at, at] += np.outer(parts, parts)
+    return replace(modes, covariance=covariance)
+
+
+def _amplitude_errors(fit: DrivenFit, modes: list[int]) -> tuple[RealArray, RealArray]:
+    """Return derivatives of the amplitudes by the parameters, and their covariance at given parameters.
+
+    Rows are Re and Im of each mode's amplitude, channel by channel.
+    """
+    poles, channels = len(fit.drive.theta), len(fit.residual)
+    rows = np.ravel([[k, poles + k] for k in modes])
+    signs = np.tile([1.0, -1.0], len(modes))
+    half = fit.inverse[rows] * signs[:, None]
+    size = len(rows)
+    dragged, noise = np.zeros((channels * size, fit.drive.free)), np.zeros((channels * size, channels * size))
+    inner = fit.basis.T @ np.concatenate([fit.slopes.real, fit.slopes.imag]).T
+    re, im = inner[:, : len(fit.owners)], inner[:, len(fit.owners) :]
+    for c, a in enumerate(fit.amplitudes.T):
+        at, own = slice(c * size, (c + 1) * size), a[fit.owners]
+        slopes = np.empty((len(inner), fit.drive.free))
+        slopes[:, 0::2] = re * own.real - im * own.imag
+        slopes[:, 1::2] = -im * own.real - re * own.imag
+        dragged[at] = -half @ slopes
+        noise[at, at] = half @ half.T * (fit.squares[c] / fit.freedom)
+    return dragged, noise

@@ -1,0 +1,202 @@
+"""Forces that follow the motion of a record: fitted, pruned, and renewed with the motion that they explain."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from suspid.identification.noise import WhiteNoise
+from suspid.identification.nonlinear.driven import Drive, DrivenFit, evaluate, maximize
+from suspid.identification.nonlinear.forces import Force, ForceKind, forces_of, means
+from suspid.units import ComplexArray, RealArray
+
+# Forces that are fitted together. More cost time; with 4 channels these are all pairs.
+MOST_FORCES = 10
+# A force of which less than this share is left beside the others adds nothing that can be told from them.
+LEAST_OWN = 0.1
+# Least size of the part of a force that is not linear in the states: below it there is rounding.
+LEAST_PART = 1e-6
+# Forces are fitted if those of one kind promise to lower the variance of the residual by this factor, less what they
+# cost. A lower one costs time on records that are linear but not free of other motion.
+LEAST_FALL = 1.5
+# Steps of a fit on the way, kinds of force that are fitted, and renewals of the forces.
+ROUGH_STEPS, TRIALS, RENEWALS = 10, 2, 3
+# Poles slower than this share of the strongest are drift where displacements are had by integration.
+SLOW = 0.3
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Bent:
+    """Modes of a structure that is not quite linear."""
+
+    fit: DrivenFit
+    forces: tuple[Force, ...]
+    order: int  # the channels are displacements (0), speeds (1) or accelerations (2)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Record:
+    """A record to fit, and its motion as the linear fit with all its poles follows it."""
+
+    values: RealArray  # (channel, sample)
+    noise: WhiteNoise
+    theta: ComplexArray  # (pole,): exponents per sample of the linear fit, all pairs and real poles
+    amplitudes: ComplexArray  # (pole, channel)
+    nuisances: RealArray
+
+    def motions(self, order: int) -> tuple[RealArray, RealArray]:
+        """Return displacements and speeds of the channels (channel, sample), if these are of the given order."""
+        # Slow poles are drift, which integration would magnify.
+        strongest = np.argmax(np.sum(np.abs(self.amplitudes) ** 2, axis=1) * (self.theta.imag > 0))
+        fast = np.abs(self.theta) > (SLOW * np.abs(self.theta[strongest]) if order else 0.0)
+        theta = self.theta[fast]
+        powers = np.asarray(np.exp(np.outer(theta, np.arange(self.values.shape[1]))))
+        return _motions(theta, self.amplitudes[fast], powers, order)
+
+    def empty(self) -> Drive:
+        """Return a drive without poles and forces."""
+        return Drive(
+            theta=np.zeros(0, complex),
+            gains=np.zeros((0, 0), complex),
+            driven=np.zeros(0, bool),
+            forces=np.zeros((0, self.values.shape[1])),
+            nuisances=self.nuisances,
+        )
+
+    def thinned(self, factor: int, count: int) -> Record:
+        """Return means over ``factor`` samples, and of those the first ``count``."""
+        blocks = min(count, self.values.shape[1] // factor)
+        used = self.values[:, : blocks * factor]
+        return replace(
+            self,
+            values=np.asarray(used.reshape(len(used), blocks, factor).mean(axis=2)),
+            theta=self.theta * factor,
+            nuisances=self.nuisances * factor,
+        )
+
+
+def with_forces(record: Record, plain: DrivenFit) -> Bent:
+    """Return the best fit near that of given poles with forces of one kind or two, while BIC is lower for them."""
+    best = Bent(fit=plain, forces=(), order=0)
+    motions = record.motions(0)
+    first = [trial for kind in ForceKind if (trial := _added(record, best, kind, motions)) is not None]
+    fall = plain.residual.size * np.log(LEAST_FALL)
+    if not any(trial.fit.promised < plain.bic - fall for trial in first):
+        return best
+    trials = first + [
+        trial
+        for order in (1, 2)
+        for motions in [record.motions(order)]
+        for kind in ForceKind
+        for trial in [_added(record, replace(best, order=order), kind, motions)]
+        if trial is not None
+    ]
+    best = _best(record, best, trials)
+    if best.forces:
+        motions, present = motions_of(best), {force.kind for force in best.forces}
+        more = [_added(record, best, kind, motions) for kind in ForceKind if kind not in present]
+        best = _best(record, best, [trial for trial in more if trial is not None])
+    return best
+
+
+def _best(record: Record, before: Bent, trials: list[Bent]) -> Bent:
+    """Return the best of those two trials that promise most, refitted, or the fit before them if its BIC is lower."""
+    best = before
+    for trial in sorted(trials, key=lambda bent: bent.fit.promised)[:TRIALS]:
+        fit = maximize(record.values, trial.fit.drive, record.noise, steps=ROUGH_STEPS)
+        if fit is not None:
+            bent = renewed(record, _pruned(record, replace(trial, fit=fit)))
+            best = bent if bent.fit.bic < best.fit.bic else best
+    return best
+
+
+def _added(record: Record, bent: Bent, kind: ForceKind, motions: tuple[RealArray, RealArray]) -> Bent | None:
+    """Return a fit to start from with forces of one more kind, less those that cannot be told from others."""
+    forces, samples = list(bent.forces), list(bent.fit.drive.forces)
+    for force in forces_of(kind, len(record.values), most=MOST_FORCES):
+        sample = _beside(force.sampled(*motions), bent.fit, samples)
+        if sample is not None:
+            forces.append(force)
+            samples.append(sample)
+    if len(forces) == len(bent.forces):
+        return None
+    old = bent.fit.drive
+    gains = np.zeros((len(old.theta), len(forces)), complex)
+    gains[:, : len(bent.forces)] = old.gains
+    drive = replace(old, forces=np.array(samples), gains=gains, through=bent.order == 2)
+    fit = evaluate(record.values, drive, record.noise)
+    return None if fit is None else Bent(fit=fit, forces=tuple(forces), order=bent.order)
+
+
+def _beside(sample: RealArray, fit: DrivenFit, others: list[RealArray]) -> RealArray | None:
+    """Return a force less its linear part in the states, of unit size; None if others explain the rest."""
+    left = nonlinear_part(sample, fit)
+    size = float(np.sqrt(np.mean(left**2)))
+    if size < LEAST_PART:
+        return None
+    if others:
+        own = left - np.array(others).T @ np.linalg.lstsq(np.array(others).T, left, rcond=None)[0]
+        if np.sqrt(np.mean(own**2)) < LEAST_OWN * size:
+            return None
+    return np.asarray(left / size)
+
+
+def nonlinear_part(sample: RealArray, fit: DrivenFit) -> RealArray:
+    """Return a force less what is proportional to the states of the driven modes."""
+    states = fit.states[fit.drive.driven]
+    columns = means(np.concatenate([states.real, states.imag])).T
+    return np.asarray(sample - columns @ np.linalg.lstsq(columns, sample, rcond=None)[0])
+
+
+def _pruned(record: Record, bent: Bent) -> Bent:
+    """Return the fit without the forces that are not worth their parameters."""
+    while bent.forces:
+        worth = bent.fit.worths
+        least = int(np.argmin(worth))
+        if worth[least] > 2 * np.sum(bent.fit.drive.driven) * np.log(record.values.size):
+            break
+        fit = maximize(record.values, bent.fit.drive.without_force(least), record.noise, steps=ROUGH_STEPS)
+        if fit is None or fit.bic > bent.fit.bic:
+            break
+        bent = replace(bent, fit=fit, forces=bent.forces[:least] + bent.forces[least + 1 :])
+    return bent
+
+
+def renewed(record: Record, bent: Bent) -> Bent:
+    """Return the fit with the forces of its own motion, as long as that explains more."""
+    for _ in range(RENEWALS):
+        if not bent.forces:
+            break
+        motions = motions_of(bent)
+        samples = [nonlinear_part(force.sampled(*motions), bent.fit) for force in bent.forces]
+        sizes = [float(np.sqrt(np.mean(sample**2))) for sample in samples]
+        if min(sizes) < LEAST_PART:
+            break
+        forces = np.array([sample / size for sample, size in zip(samples, sizes, strict=True)])
+        fit = maximize(record.values, bent.fit.drive.with_forces(forces), record.noise, steps=ROUGH_STEPS)
+        if fit is None or fit.loss > bent.fit.loss - 0.01:
+            break
+        bent = Bent(fit=fit, forces=bent.forces, order=bent.order)
+    return bent
+
+
+def motions_of(bent: Bent) -> tuple[RealArray, RealArray]:
+    """Return displacements and speeds of the channels (channel, sample) as the fit has them."""
+    driven = bent.fit.drive.driven
+    theta, amplitudes = bent.fit.drive.theta[driven], bent.fit.amplitudes[driven]
+    return _motions(theta, amplitudes, bent.fit.states[driven], bent.order)
+
+
+def _motions(
+    theta: ComplexArray, amplitudes: ComplexArray, states: ComplexArray, order: int
+) -> tuple[RealArray, RealArray]:
+    """Return displacements and speeds from states (pole, sample) and their amplitudes (pole, channel)."""
+    motion = (amplitudes * theta[:, None] ** -order).T @ states
+    speed = (amplitudes * theta[:, None] ** (1 - order)).T @ states
+    return np.asarray(motion.real), np.asarray(speed.real)
+
+
+def without_forces(drive: Drive) -> Drive:
+    """Return the drive with the same poles and no force."""
+    return replace(drive, forces=drive.forces[:0], gains=drive.gains[:, :0], through=False)

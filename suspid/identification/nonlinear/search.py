@@ -1,0 +1,257 @@
+"""Find the forces, other than linear ones, that explain a decay better than one more pole does."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from suspid.identification.candidates import ranked, searched
+from suspid.identification.exponentials import blocks_of
+from suspid.identification.fitting import OTHER_FREQUENCY
+from suspid.identification.likelihood import DecayFit, bic_penalty
+from suspid.identification.likelihood import evaluate as evaluate_decay
+from suspid.identification.noise import LOUD, WhiteNoise, over_channels, power_beside
+from suspid.identification.nonlinear.amplitude import covariance_of, equivalent, pole_slopes
+from suspid.identification.nonlinear.driven import DrivenFit, evaluate, maximize
+from suspid.identification.nonlinear.feedback import (
+    ROUGH_STEPS,
+    Bent,
+    Record,
+    motions_of,
+    nonlinear_part,
+    renewed,
+    with_forces,
+    without_forces,
+)
+from suspid.identification.poles import Poles
+from suspid.identification.refinement import WORTHWHILE
+from suspid.identification.selection import Selection
+from suspid.units import ComplexArray, RealArray
+from suspid.words import Reason
+
+# One more mode beside forces must lower the residual of a channel by this factor: a force that is not quite the true
+# one leaves a residual that further poles follow. Lower: distortions become modes. Higher: weak modes are lost.
+REDUCTION = 2.5
+# Forces change a decay that the linear modes explain at least by this share of its energy; a lower one costs time.
+LEAST_EXPLAINED = 0.5
+# A mode whose pole has a standard deviation above this share of its modulus is none.
+UNKNOWN = 0.1
+# Poles tried as the next one, and modes at most where their number is not given.
+NEXT, MOST_MODES = 2, 6
+# A pole near another in frequency is part of it if their shapes agree: modal assurance criterion above this.
+ALIKE_MAC = 0.9
+# A pole is a harmonic of another mode if its frequency is that near to a multiple and its amplitude below this share.
+MULTIPLE, HARMONIC = 0.03, 0.2
+# Largest number of entries of the derivatives in the search; longer records are thinned to this many samples per cycle
+# of the fastest mode, and cut.
+MOST_ENTRIES, PER_CYCLE = 4e4, 10.0
+
+
+def unlike_linear(selection: Selection) -> bool:
+    """Return whether a linear fit leaves signs of a decay that is not linear, so that forces are worth looking for.
+
+    Its poles look like distortion, or poles were rejected as parts of others.
+    """
+    codes = {remark.code for _, remark in selection.rejected}
+    return Reason.SPLIT in codes or _distorted(selection)
+
+
+def _distorted(selection: Selection) -> bool:
+    """Return whether pairs of a linear fit are parts or harmonics of others, or none of them is a mode."""
+    fit, pairs = selection.fit, selection.fit.poles.pairs
+    if all(reason is not None for reason in selection.reasons[: len(pairs)]):
+        return True
+    amplitudes = fit.amplitudes[: len(pairs)] / np.sqrt(fit.squares + 1e-300)
+    return any(
+        _repeated(complex(pairs[k]), amplitudes[k], np.delete(pairs, k), np.delete(amplitudes, k, axis=0))
+        for k in range(len(pairs))
+    )
+
+
+def find_forces(values: RealArray, *, noise: WhiteNoise, selection: Selection, modes: int | None = None) -> Bent | None:
+    """Return the modes and the forces that explain a decay better than one more pole does; None if there are none.
+
+    A linear fit without distortion must have the larger BIC.
+    """
+    linear = selection.fit
+    found = _searched(values, noise, linear, modes)
+    if found is None or modes is not None or _distorted(selection):
+        return found
+    unknowns = linear.poles.free + len(values) * len(linear.poles)
+    bic = noise.loss(np.sum(selection.residual**2, axis=1), values.shape[1]) + unknowns * np.log(values.size)
+    return found if found.fit.bic < bic else None
+
+
+def _searched(values: RealArray, noise: WhiteNoise, linear: DecayFit, modes: int | None) -> Bent | None:
+    """Return modes and forces; long records are searched by their beginning, thinned where modes are slow."""
+    poles = linear.poles
+    twice = np.where(np.arange(len(poles.every)) < len(poles.pairs), 2.0, 1.0)
+    record = Record(
+        values=values,
+        noise=noise,
+        theta=poles.every.astype(complex),
+        amplitudes=twice[:, None] * linear.amplitudes[poles.rows],
+        nuisances=poles.nuisances,
+    )
+    most = int(MOST_ENTRIES / (2 * (1 + len(values)) * len(values)))
+    begun = record if values.shape[1] <= most else record.thinned(1, most)
+    plain, more = _linear_modes(begun, modes or MOST_MODES)
+    if plain is None or np.max(1 - plain.squares / np.sum(begun.values**2, axis=1)) < LEAST_EXPLAINED:
+        return None
+    fastest = float(np.max(np.abs(plain.drive.theta.imag)))
+    factor = max(1, int(2 * np.pi / (PER_CYCLE * fastest)))
+    most //= len(plain.drive.theta)
+    if not len(poles.pairs):
+        record = replace(record, theta=plain.drive.theta, amplitudes=plain.amplitudes)
+    if values.shape[1] <= most:
+        return _significant(_grown(record, plain, more, modes))
+    factor = min(factor, -(-values.shape[1] // most))
+    short = record.thinned(factor, most)
+    start = replace(
+        plain.drive,
+        theta=plain.drive.theta * factor,
+        forces=np.zeros((0, short.values.shape[1])),
+        nuisances=short.nuisances,
+    )
+    again = maximize(short.values, start, noise, steps=ROUGH_STEPS)
+    beside = None if again is None else _with_pole(short, again)
+    found = None if again is None else _grown(short, again, beside, modes)
+    return None if found is None else _significant(_at_full_length(record, found, factor))
+
+
+def _significant(bent: Bent | None) -> Bent | None:
+    """Return what was found if every mode is one (see `_stands`), else None."""
+    return bent if bent is not None and np.all(_stands(bent.fit)) else None
+
+
+def _stands(fit: DrivenFit) -> NDArray[np.bool_]:
+    """Return whether each pole decays, stands out of the residual near it and is known at all, (pole,)."""
+    energy = np.sum(np.abs(fit.amplitudes).T ** 2 / fit.variance[:, None], axis=0)
+    energy *= np.sum(np.abs(fit.states) ** 2, axis=1) / 2
+    weights = np.abs(fit.amplitudes).T ** 2 / fit.variance[:, None]
+    beside = over_channels(power_beside(fit.residual, fit.variance, fit.drive.theta), weights)
+    beside = np.where(beside > LOUD, beside, 1.0)
+    needed = WORTHWHILE * bic_penalty(len(fit.residual), fit.residual.size) * beside
+    theta, by_gain = equivalent(fit)
+    covariance = covariance_of(fit)
+    slopes = [pole_slopes(fit, k, by_gain[k]) for k in range(len(theta))]
+    spread = np.sqrt([np.trace(each @ covariance @ each.T) for each in slopes] * beside)
+    return np.asarray((energy > needed) & (theta.real < 0) & (spread < UNKNOWN * np.abs(theta)))
+
+
+def _at_full_length(record: Record, found: Bent, factor: int) -> Bent | None:
+    """Return the fit to a record of what was found in means over several samples of its beginning."""
+    drive, count = found.fit.drive, record.values.shape[1]
+    forces = np.repeat(drive.forces, factor, axis=1)[:, :count]
+    forces = np.pad(forces, ((0, 0), (0, count - forces.shape[1])))
+    full = replace(
+        drive, theta=drive.theta / factor, gains=drive.gains / factor, forces=forces, nuisances=record.nuisances
+    )
+    fit = evaluate(record.values, full, record.noise)
+    if fit is None:
+        return None
+    # The forces go on with the motion; twice, since what is not yet fitted bends them.
+    for _ in range(2):
+        motions = motions_of(replace(found, fit=fit))
+        samples = [nonlinear_part(force.sampled(*motions), fit) for force in found.forces]
+        forces = np.array([sample / np.sqrt(np.mean(sample**2)) for sample in samples])
+        again = maximize(record.values, fit.drive.with_forces(forces), record.noise, steps=ROUGH_STEPS)
+        if again is None:
+            return None
+        fit = again
+    plain = maximize(record.values, without_forces(fit.drive), record.noise, steps=ROUGH_STEPS)
+    return None if plain is not None and plain.bic < fit.bic else replace(found, fit=fit)
+
+
+def _linear_modes(record: Record, most: int) -> tuple[DrivenFit | None, DrivenFit | None]:
+    """Return the fit with the strongest poles, as long as each is a mode of its own, and the fit with one more."""
+    plain = maximize(record.values, record.empty(), record.noise, steps=0)
+    more = None if plain is None else _with_pole(record, plain)
+    while plain is not None and more is not None and len(plain.drive.theta) < most:
+        if more.bic >= plain.bic or not _own(more):
+            break
+        plain, more = more, _with_pole(record, more)
+    return (plain if plain is not None and len(plain.drive.theta) else None), more
+
+
+def _grown(record: Record, plain: DrivenFit, more: DrivenFit | None, modes: int | None) -> Bent | None:
+    """Return the fit with forces, and beside them with further modes that explain most of what is left.
+
+    With a number of modes given, no more are used, and the forces need only explain more than they cost; without, they
+    must explain more than one more pole.
+    """
+    found = with_forces(record, plain)
+    stands = _stands(found.fit)
+    while found.forces and len(stands) > 1 and not np.all(stands):
+        weakest = plain.drive.without_pole(int(np.argmin(stands)))
+        fewer = maximize(record.values, weakest, record.noise, steps=ROUGH_STEPS)
+        if fewer is None:
+            break
+        plain, found = fewer, with_forces(record, fewer)
+        stands = _stands(found.fit)
+    while len(found.fit.drive.theta) < (modes or MOST_MODES) and np.any(
+        found.fit.variance > 1.001 * record.noise.least
+    ):
+        further = _with_pole(record, found.fit)
+        if further is None or not _own(further):
+            break
+        straight = maximize(record.values, without_forces(further.drive), record.noise, steps=ROUGH_STEPS)
+        options = [renewed(record, replace(found, fit=further))]
+        options += [] if straight is None else [with_forces(record, straight)]
+        best = min(options, key=lambda bent: bent.fit.bic)
+        reduced = float(np.max(np.sqrt(found.fit.variance / best.fit.variance)))
+        if best.fit.bic >= found.fit.bic or not (reduced > REDUCTION or modes is not None):
+            break
+        if not _own(best.fit) or _significant(best) is None:
+            break
+        found, more = best, None if straight is None else _with_pole(record, straight)
+    if not found.forces:
+        return None
+    return None if modes is None and more is not None and more.bic < found.fit.bic else found
+
+
+def _with_pole(record: Record, before: DrivenFit) -> DrivenFit | None:
+    """Return the fit with one more pole, rather with one that is a mode of its own; None if there is none."""
+    fits = [
+        maximize(record.values, before.drive.with_pole(theta), record.noise, steps=ROUGH_STEPS)
+        for theta in _candidates(before, record.noise)
+    ]
+    better = [fit for fit in fits if fit is not None and fit.bic < before.bic]
+    own = [fit for fit in better if _own(fit)]
+    return min(own or better, key=lambda fit: fit.bic, default=None)
+
+
+def _own(fit: DrivenFit) -> bool:
+    """Return whether the last pole is a mode of its own: it decays, and is no part or multiple of another mode."""
+    theta, amplitudes = fit.drive.theta, fit.amplitudes / np.sqrt(fit.variance)
+    # The forces have the harmonics.
+    weak = 0.0 if len(fit.drive.forces) else HARMONIC
+    return theta[-1].real <= 0 and not _repeated(theta[-1], amplitudes[-1], theta[:-1], amplitudes[:-1], weak=weak)
+
+
+def _repeated(
+    theta: complex, amplitude: ComplexArray, others: ComplexArray, amplitudes: ComplexArray, *, weak: float = HARMONIC
+) -> bool:
+    """Return whether a pole is part of another of the same shape, or a multiple of it below a share of its amplitude.
+
+    The amplitudes, over the noise, are (channel,) and (other, channel).
+    """
+    ratio = np.abs(theta) / np.abs(others)
+    size, sizes = float(np.sum(np.abs(amplitude) ** 2)), np.sum(np.abs(amplitudes) ** 2, axis=1)
+    alike = np.abs(amplitudes.conj() @ amplitude) ** 2 > ALIKE_MAC * sizes * size
+    near = alike & (np.maximum(ratio, 1 / ratio) < OTHER_FREQUENCY)
+    multiple = (np.round(ratio) > 1) & (np.abs(ratio / np.maximum(np.round(ratio), 1.0) - 1) < MULTIPLE)
+    return bool(np.any(near | multiple & (size < weak**2 * sizes)))
+
+
+def _candidates(fit: DrivenFit, noise: WhiteNoise) -> list[complex]:
+    """Return the exponents at which the residual is largest, of at least one cycle."""
+    none = Poles(pairs=np.zeros(0, complex), reals=np.zeros(0), nuisances=np.zeros(1))
+    count = fit.residual.shape[1]
+    alone = evaluate_decay(blocks_of(fit.residual), none, noise)
+    if alone is None:
+        return []
+    found = ranked(alone, fit.variance, searched(alone, fit.residual, fit.variance))
+    return [c.theta for c in found if not c.real and c.theta.imag * count > 2 * np.pi][:NEXT]

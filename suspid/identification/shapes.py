@@ -1,0 +1,59 @@
+"""Whether two poles share one shape: a test on their amplitudes."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from suspid.identification.covariance import LEAST_VARIANCE, amplitude_errors, inverse_information
+from suspid.identification.likelihood import DecayFit
+from suspid.units import Ratio, RealArray
+
+# Level of the test: two poles of one motion are called two modes with this probability. A smaller level merges more
+# close modes that few channels see.
+SHAPE_LEVEL = 1e-2
+
+
+def same_shape(fit: DecayFit, one: int, other: int, *, colour: Ratio) -> bool:
+    """Return whether two free poles (pairs, then reals) could be one mode that is not quite linear: ``phi f(t)``.
+
+    Amplitudes a and b of poles p and q have a common shape phi if all ``(a_c b_r - b_c a_r) (p - q)`` vanish, r the
+    channel where both are strongest; unlike the shapes, these stay smooth where the poles meet. Their Wald statistic,
+    with the joint covariance of amplitudes and poles, is chi-square with two degrees of freedom a channel less two.
+
+    ``colour`` is the power of the residual near the poles over that of white noise.
+    """
+    from scipy.special import chdtri
+
+    which = np.array([one, other])
+    std = np.sqrt(fit.squares / fit.freedom + 1e-300)
+    a, b = fit.amplitudes[fit.poles.rows[which]] / std
+    if len(a) < 2:
+        return True
+    strongest = int(np.argmax(np.abs(a) ** 2 / np.vdot(a, a).real + np.abs(b) ** 2 / np.vdot(b, b).real))
+    others = np.delete(np.arange(len(a)), strongest)
+    p, q = fit.poles.every[which]
+    minors = a[others] * b[strongest] - b[others] * a[strongest]
+    # Derivatives by Re and Im of both amplitudes in every channel (that by Im is j times that by Re), and by the poles.
+    slopes = np.zeros((len(others), len(a), 2), complex)
+    at = np.arange(len(others))
+    slopes[at, others, 0], slopes[at, others, 1] = b[strongest], -a[strongest]
+    slopes[at, strongest, 0], slopes[at, strongest, 1] = -b[others], a[others]
+    slopes *= (p - q) / std[:, None]
+    by_amplitudes = np.stack([slopes, 1j * slopes], axis=-1).reshape(len(others), -1)
+    noise, dragged = amplitude_errors(fit, which)
+    chart = fit.poles.chart[fit.poles.rows[which]]
+    by_poles = by_amplitudes @ dragged + minors[:, None] * (chart[0] - chart[1])
+    own, turned = (np.concatenate([each.real, each.imag]) for each in (by_amplitudes, by_poles))
+    of_poles = inverse_information(fit.information * (fit.freedom / fit.count))
+    covariance = own @ noise @ own.T + turned @ of_poles @ turned.T
+    value = minors * (p - q)
+    statistic, freedom = _wald(np.concatenate([value.real, value.imag]), covariance)
+    return bool(statistic / colour < chdtri(freedom, SHAPE_LEVEL))
+
+
+def _wald(value: RealArray, covariance: RealArray) -> tuple[float, int]:
+    """Return the square of a value over its covariance, and the rank of the covariance: that of real poles is half."""
+    scale = np.sqrt(np.maximum(covariance.diagonal(), 1e-300))
+    values, vectors = np.linalg.eigh(covariance / np.outer(scale, scale))
+    sure = values > LEAST_VARIANCE
+    return float(np.sum((vectors.T @ (value / scale))[sure] ** 2 / values[sure])), int(sure.sum())

@@ -1,0 +1,162 @@
+"""Modes that depend on their amplitude, by the laws of one mass with friction, drag or a cubic spring.
+
+The motions are those of an integrator of their own (event-exact for friction), and the expected values the textbook's:
+energy lost in a cycle for damping, the first term of Lindstedt and Poincaré for frequency.
+"""
+
+import json
+from collections.abc import Callable
+
+import control
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+
+from suspid import add_noise, free_decay, identify, plot_amplitude, quarter_car
+from suspid.identification import ForceKind, Identification, identification_to_dict
+from suspid.signals import as_response
+from suspid.words import Level, ModeCheck, Reason
+from validation.friction import Rig, release, released
+
+Real = NDArray[np.float64]
+
+
+def response(time: Real, values: Real, *names: str) -> control.TimeResponseData:
+    return as_response(time, np.atleast_2d(values), names or ("x",))
+
+
+def noisy(values: Real, seed: int, share: float = 1e-3) -> Real:
+    return np.asarray(
+        values + share * np.max(np.abs(values)) * np.random.default_rng(seed).standard_normal(values.shape)
+    )
+
+
+def integrated(time: Real, force: Callable[[float, float], float], start: float = 1.0) -> Real:
+    """Return the displacement of a unit mass on a unit spring that runs 2 pi times faster, released from ``start``."""
+    wn = 2 * np.pi
+
+    def rate(_: float, state: Real) -> list[float]:
+        return [state[1], -(wn**2) * state[0] - force(state[0], state[1])]
+
+    out = solve_ivp(rate, (0, time[-1]), [start, 0.0], t_eval=time, rtol=1e-10, atol=1e-12)
+    return np.asarray(out.y[0], float)
+
+
+def kinds(found: Identification) -> set[ForceKind]:
+    return {force.kind for force in found.forces}
+
+
+class TestFriction:
+    """One mass: friction loses ``4 F A`` in a cycle, as a damper of ``zeta = 2 F / (pi k A)`` does."""
+
+    rig = Rig(mass=(1.0,), stiffness=(400.0,), damping=(0.4,), friction=(2.0,))
+    time = np.asarray(np.arange(0, 2.4, 0.004), float)
+
+    def found(self, seed: int = 0) -> Identification:
+        motion, stop = released(self.rig, np.array([0.3]), self.time)
+        assert stop > self.time[-1]
+        return identify(response(self.time, noisy(motion, seed)))
+
+    def test_one_mode_with_its_frequency(self) -> None:
+        found = self.found()
+        assert ForceKind.FRICTION in kinds(found)
+        assert len(found.modes) == 1
+        assert found.modes.wn[0] == pytest.approx(20.0, rel=0.01)
+        assert found.verdict.level in (Level.CARE, Level.DOUBTFUL)
+        assert ModeCheck.AMPLITUDE in {check.remark.code for check in found.verdict.checks}
+
+    @pytest.mark.parametrize("seed", range(3))
+    def test_damping_over_amplitude_follows_the_energy_lost(self, seed: int) -> None:
+        (each,) = self.found(seed).amplitude_dependence
+        large = each.amplitude > 0.1
+        law = 0.4 / (2 * 20.0) + 2 * 2.0 / (np.pi * 400.0 * each.amplitude[large])
+        assert np.sum(large) >= 2
+        np.testing.assert_allclose(each.zeta[large], law, rtol=0.06)
+
+    def test_the_residual_is_the_noise(self) -> None:
+        found = self.found()
+        assert found.noise_std[0] == pytest.approx(3e-4, rel=0.2)
+
+    def test_two_masses_have_two_modes(self) -> None:
+        record = release(2, 12, seed=907)
+        first = int(np.searchsorted(record.timepts, record.start)) + 1
+        last = int(np.searchsorted(record.timepts, record.stop))
+        found = identify(
+            response(record.timepts[first:last] - record.timepts[first], record.position[:, first:last], "a", "b")
+        )
+        assert len(found.modes) == 2
+        np.testing.assert_allclose(found.modes.wn, record.rig.wn, rtol=0.01)
+
+
+class TestSmooth:
+    time = np.asarray(np.arange(0, 20, 0.02), float)
+
+    @pytest.mark.parametrize("seed", range(2))
+    def test_a_cubic_spring_raises_the_frequency(self, seed: int) -> None:
+        wn, zeta, hard = 2 * np.pi, 0.02, 0.1
+        motion = integrated(self.time, lambda d, v: 2 * zeta * wn * v + hard * wn**2 * d**3)
+        found = identify(response(self.time, noisy(motion, seed)))
+        (each,) = found.amplitude_dependence
+        assert len(found.modes) == 1
+        # wn(A) = wn (1 + 3/8 hard A^2), to the first order in it.
+        np.testing.assert_allclose(each.wn, wn * (1 + 0.375 * hard * each.amplitude**2), rtol=2e-3)
+        np.testing.assert_allclose(each.zeta, zeta, rtol=0.06)
+
+    def test_drag_falls_with_the_amplitude(self) -> None:
+        wn, drag = 2 * np.pi, 0.05
+        motion = integrated(self.time, lambda _, v: 2 * 0.005 * wn * v + drag * abs(v) * v)
+        found = identify(response(self.time, noisy(motion, 1)))
+        (each,) = found.amplitude_dependence
+        # Energy lost in a cycle: 8/3 drag A^3 wn^2 = 2 pi zeta wn^2 A^2.
+        law = 0.005 + 4 * drag * each.amplitude / (3 * np.pi)
+        np.testing.assert_allclose(each.zeta, law, rtol=0.05)
+
+    def test_a_pendulum_of_large_swings_is_one_mode(self) -> None:
+        wn = 2 * np.pi
+        motion = integrated(self.time, lambda d, v: 2 * 0.01 * wn * v + wn**2 * (np.sin(d) - d), start=0.9)
+        found = identify(response(self.time, noisy(motion, 2)))
+        (each,) = found.amplitude_dependence
+        np.testing.assert_allclose(each.wn, wn * (1 - each.amplitude**2 / 16), rtol=2e-3)
+
+
+class TestLinear:
+    @pytest.mark.parametrize("seed", range(6))
+    def test_a_linear_decay_has_no_forces(self, seed: int) -> None:
+        car = quarter_car(
+            chassis_mass=400, tire_mass=40, chassis_stiffness=20e3, tire_stiffness=200e3, chassis_damping=400
+        )
+        record = free_decay(car, np.arange(0, 6, 0.005), initial_state={"v_chassis": 1.0})
+        found = identify(add_noise(record, snr_db=40.0, rng=np.random.default_rng(seed)))
+        assert found.forces == ()
+        assert found.amplitude_dependence == ()
+
+    def test_two_close_modes_in_one_channel_are_no_friction(self) -> None:
+        time = np.asarray(np.arange(0, 20, 0.01), float)
+        values = np.exp(-0.3 * time) * np.cos(10 * time) + 0.8 * np.exp(-0.25 * time) * np.cos(11 * time + 1)
+        found = identify(response(time, noisy(values, 3)))
+        assert len(found.modes) == 2
+        assert found.forces == ()
+
+
+class TestShown:
+    def found(self) -> Identification:
+        return TestFriction().found()
+
+    def test_in_text_json_and_picture(self) -> None:
+        found = self.found()
+        assert "amplitude in x" in str(found)
+        content = json.loads(json.dumps(identification_to_dict(found, file="x.csv", warnings=())))
+        assert content["forces"][0]["kind"] == "friction"
+        assert len(content["amplitude_dependence"][0]["zeta"]) == len(found.amplitude_dependence[0].zeta)
+        axes = Figure().subplots(2, 1, squeeze=False)
+        plot_amplitude(found, axes=axes)
+        np.testing.assert_allclose(
+            np.sort(axes[1, 0].lines[0].get_ydata()), np.sort(found.amplitude_dependence[0].zeta)
+        )
+
+    def test_poles_of_the_linear_fit_are_named(self) -> None:
+        codes = {each.remark.code for each in self.found().considered}
+        assert codes <= {Reason.SAME_MODE, Reason.HARMONIC, Reason.DISTORTION}
+        assert codes
