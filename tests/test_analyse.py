@@ -6,12 +6,15 @@ import json
 from dataclasses import replace
 from pathlib import Path
 
+import jsonschema
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
 from suspid import (
+    Analysis,
     CarSettings,
+    IdentificationError,
     InputError,
     Level,
     RecordError,
@@ -21,12 +24,18 @@ from suspid import (
     free_decay,
     identify,
     read_recording,
+    report,
+    report_to_dict,
     write_record,
 )
 from suspid.cli.main import main
+from suspid.errors import SuspidError
+from suspid.reporting.report_json import report_schema
 from suspid.signals import as_response, as_signal
-from suspid.words import RecordCheck
+from suspid.words import Note, RecordCheck
 from validation import cars
+from validation.greybox_bounds import value_of
+from validation.greybox_rows import rows
 
 ROOT = Path(__file__).parents[1]
 DATA = ROOT.parent / "shared" / "data"
@@ -160,3 +169,60 @@ class TestVerdict:
         assert found.verdict.level is Level.CARE
         assert any("400 Hz" in str(doubt) for doubt in found.verdict.doubts)
         assert analyse(tmp_path / "r.csv", settings=Settings(fs=400.0)).verdict.level is Level.SOUND
+
+
+@pytest.mark.parametrize("settings", [Settings(modes=9), Settings(decay=7), Settings(start=1e3), Settings(test="x")])
+def test_every_error_names_the_file_and_keeps_what_it_carries(settings: Settings) -> None:
+    path = ROOT / "examples" / "quarter_car.csv"
+    with pytest.raises(SuspidError) as refusal:
+        analyse(path, settings=settings)
+    assert str(refusal.value).startswith(f"{path}: ")
+    assert str(refusal.value).count(path.name) == 1
+    if settings.modes:
+        assert isinstance(refusal.value, IdentificationError)
+        assert refusal.value.found is not None
+
+
+class TestSpringsFromTheRecord:
+    """Where modes do not settle springs and dampers, the record itself does."""
+
+    ROW = next(row for row in rows()["Free decays"] if row.name == "half car, modes 2% apart, 40 dB")
+
+    def found(self, *constraints: str) -> Analysis:
+        springs = CarSettings(fixed=self.ROW.fixed, constraints=constraints)
+        record = self.ROW.record(np.random.default_rng(5))
+        return analyse(record, car=self.ROW.nominal, settings=Settings(springs=springs))
+
+    def test_close_modes_are_estimated(self) -> None:
+        found = self.found()
+        assert found.estimate is not None
+        for name, value, std in zip(found.estimate.parameters, found.estimate.values, found.estimate.std, strict=True):
+            # Five standard deviations: one false alarm in two million.
+            assert abs(value - value_of(self.ROW.car, name)) < 5 * std, name
+        assert found.verdict.level is Level.SOUND
+        assert "beyond chance" in str(found)
+        page, content = report(found), report_to_dict(found)
+        assert page.index('id="estimate"') < page.index('id="modes"')
+        assert "They rest on these masses" in page
+        jsonschema.validate(content, report_schema())
+        estimated = content["estimate"]
+        assert isinstance(estimated, dict)
+        assert [p["name"] for p in estimated["parameters"]] == list(found.estimate.parameters)
+
+    def test_settled_modes_are_not(self) -> None:
+        record = free_decay(cars.HATCHBACK, np.arange(0, 5, 0.002), initial_state={"v_tire": 1.0})
+        noisy = add_noise(record, snr_db=40.0, rng=np.random.default_rng(1))
+        found = analyse(noisy, car=cars.HATCHBACK)
+        assert found.reconstruction is not None
+        assert found.estimate is None
+        assert report_to_dict(found)["estimate"] is None
+
+    def test_constraints_are_those_of_the_modes_alone(self) -> None:
+        assert self.found("front.stiffness >= 1e3").estimate is None
+
+    def test_a_record_that_measures_nothing_is_said(self) -> None:
+        record = free_decay(cars.HATCHBACK, np.arange(0, 5, 0.002), initial_state={"v_tire": 1.0})
+        noisy = as_signal(add_noise(record, snr_db=40.0, rng=np.random.default_rng(1)))
+        found = analyse(as_response(noisy.timepts, noisy.values, ["a", "b", "c"]), car=cars.SALOON)
+        assert found.estimate is None
+        assert Note.NO_ESTIMATE in [note.code for note in found.notes] or found.reconstruction is not None

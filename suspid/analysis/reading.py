@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import copy
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, TypeVar
 
@@ -11,7 +13,7 @@ import numpy as np
 
 from suspid.analysis.settings import Settings
 from suspid.cleaning import Cleaned, clean, scaled, to_si, vertical
-from suspid.errors import InputError, RecordError
+from suspid.errors import InputError, RecordError, SuspidError
 from suspid.files import printable
 from suspid.io import bare_name, read_recording
 from suspid.recordings import Recording
@@ -34,21 +36,37 @@ class Read:
     notes: tuple[Remark, ...]
 
 
+@contextmanager
+def naming(name: str) -> Iterator[None]:
+    """Put the name of a source in front of errors about it that do not have it; what they carry stays."""
+    try:
+        yield
+    except SuspidError as error:
+        if not name or name in str(error):
+            raise
+        named = copy.copy(error)
+        named.args = (f"{name}: {error}", *error.args[1:])
+        raise named from error
+
+
 def read(source: str | os.PathLike[str] | Recording | control.TimeResponseData, settings: Settings) -> Read:
     """Return a source as a cleaned record; a response is on a uniform clock already."""
     if isinstance(source, str | os.PathLike):
-        recording = read_recording(
-            source, channels=settings.channels, time=settings.time, fs=settings.fs, dbc=settings.dbc
-        )
+        recording = _opened(source, settings)
         name = f"{printable(os.fspath(source))}: "
     elif isinstance(source, Recording):
-        recording, name = source, ""
+        recording, name = source, f"{printable(source.title)}: " if source.title else ""
     else:
         _refuse_clock(settings)
-        cleaned = _chosen(source, settings)
-        cleaned, notes = _as_wanted(cleaned, settings)
-        return Read(recording=None, cleaned=cleaned, notes=notes)
+        cleaned, done = _as_wanted(_chosen(source, settings), settings)
+        return Read(recording=None, cleaned=cleaned, notes=done)
+    notes: tuple[Remark, ...] = ()
     try:
+        if settings.test is not None:
+            recording = recording.of_test(settings.test)
+        elif settings.channels is None and len(recording.tests) > 1:
+            notes = (Remark(Note.ONE_OF_TESTS, {"tests": recording.tests, "used": recording.tests[0]}),)
+            recording = recording.of_test(recording.tests[0])
         kept = _kept(recording.names, settings)
         wanted = None if settings.channels is None else kept
         if wanted is None:
@@ -56,8 +74,30 @@ def read(source: str | os.PathLike[str] | Recording | control.TimeResponseData, 
         cleaned = clean(recording, channels=wanted, fs=settings.fs, start=settings.start, stop=settings.stop)
     except RecordError as error:
         raise RecordError(f"{name}{error}") from None
-    cleaned, notes = _as_wanted(cleaned, settings)
-    return Read(recording=recording, cleaned=cleaned, notes=notes)
+    cleaned, done = _as_wanted(cleaned, settings)
+    return Read(recording=recording, cleaned=cleaned, notes=(*notes, *done))
+
+
+def tests_of(source: str | os.PathLike[str] | Recording, settings: Settings) -> list[Recording]:
+    """Return the tests in a source, each a recording of its own with names that do not tell the test."""
+    recording = source if isinstance(source, Recording) else _opened(source, settings)
+    return [_plainly_named(recording.of_test(name)) for name in recording.tests] or [recording]
+
+
+def _opened(source: str | os.PathLike[str], settings: Settings) -> Recording:
+    return read_recording(source, channels=settings.channels, time=settings.time, fs=settings.fs, dbc=settings.dbc)
+
+
+def _plainly_named(recording: Recording) -> Recording:
+    """Return the channels of one test with the part of their names in front that names it left out."""
+    title = recording.channels[0].test
+    start = [channel.name.find(title) for channel in recording.channels]
+    names = [
+        channel.name[at + len(title) :].lstrip(".:/| ") if at >= 0 else channel.name
+        for at, channel in zip(start, recording.channels, strict=True)
+    ]
+    channels = (replace(channel, name=name, test="") for name, channel in zip(names, recording.channels, strict=True))
+    return replace(recording, title=title, channels=tuple(channels))
 
 
 def channel_named(name: str, channels: Sequence[str]) -> str:
@@ -83,7 +123,7 @@ def channel_named(name: str, channels: Sequence[str]) -> str:
 
 def _refuse_clock(settings: Settings) -> None:
     """Refuse settings that say how a file is read: a response has its time and its names already."""
-    for name in ("fs", "time", "dbc"):
+    for name in ("fs", "time", "dbc", "test"):
         if getattr(settings, name) is not None:
             what = "no frames to decode" if name == "dbc" else "a clock already"
             raise InputError(f"{name}={getattr(settings, name)!r}: a response has {what}; leave {name} out")

@@ -71,6 +71,8 @@ class Settings:
         Three axes of a tilted accelerometer; their vertical replaces them.
     si : bool
         Convert channels to SI by the units that the file states.
+    test : str, optional
+        Which of several tests in the file, or "all" to join them. Default: the first, with a doubt.
     time : str, optional
         Column of time.
     fs : float, optional
@@ -115,6 +117,7 @@ class Settings:
     scale: Factors = ()
     vertical: tuple[str, str, str] | None = None
     si: bool = False
+    test: str | None = None
     time: str | None = None
     fs: Hertz | None = None
     dbc: str | os.PathLike[str] | None = None
@@ -201,6 +204,7 @@ _SETTINGS: Mapping[str, fields.Check] = {
     "scale": fields.factors,
     "vertical": fields.none_or(fields.axes),
     "si": fields.flag,
+    "test": fields.none_or(fields.text),
     "time": fields.none_or(fields.text),
     "fs": fields.none_or(fields.positive),
     "dbc": fields.none_or(fields.path),

@@ -1,17 +1,19 @@
-"""Which stretch of a record is identified."""
+"""Which stretch of a record is identified: the best decay, or the whole where that explains the decay as well."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from suspid.analysis.choice import explains, settled, tried
 from suspid.analysis.settings import Settings
 from suspid.decays import Decay, Decays, find_decays
 from suspid.errors import RecordError
+from suspid.identification import Identification
 from suspid.signals import as_response, as_signal, cut, late_start
-from suspid.words import Note, Remark
+from suspid.words import Note, Number, Remark
 
 if TYPE_CHECKING:
     import control
@@ -28,6 +30,7 @@ class Used:
     decays: Decays | tuple[Decay, ...]
     used: tuple[Decay, ...]
     notes: tuple[Remark, ...]
+    identification: Identification | None = None  # of the record, where it was needed for the choice
 
 
 def stretch_of(record: control.TimeResponseData, settings: Settings) -> Used:
@@ -36,18 +39,39 @@ def stretch_of(record: control.TimeResponseData, settings: Settings) -> Used:
         part = cut(record, start=settings.start, stop=settings.stop)
         return Used(record=part, decays=(), used=(), notes=())
     which = settings.decay
-    if which == "whole" or (which == "auto" and late_start(as_signal(record)) is None):
+    if which == "whole":
         return Used(record=record, decays=(), used=(), notes=())
+    if which == "auto":
+        return _best(record, settings)
     decays = find_decays(record)
-    if not decays and which != "auto":
+    if not decays:
         raise RecordError(f"no free decay was found. {_remarks(decays)}")
-    if which == "auto" and (not decays or decays[0].doubts):
-        best = str(decays[0]) if decays else ""
-        said = Remark(Note.WHOLE_RECORD, {"found": len(decays), "best": best, "remarks": _remarks(decays)})
-        return Used(record=record, decays=decays, used=(), notes=(said,))
-    if which == "all":
-        return _all(record, decays)
-    return _one(record, decays, 1 if which == "auto" else int(which))
+    return _all(record, decays) if which == "all" else _one(record, decays, int(which))
+
+
+def _best(record: control.TimeResponseData, settings: Settings) -> Used:
+    """Return the best decay; the whole record where it is one, explains it as well, or where there is none."""
+    late = late_start(as_signal(record)) is not None
+    whole = None if late else tried(record, settings)
+    if whole is not None and settled(whole):
+        return Used(record=record, decays=(), used=(), notes=(), identification=whole)
+    decays = find_decays(record)
+    part = None
+    if decays:
+        best = _one(record, decays, 1)
+        if late and not best.used[0].doubts:
+            return best
+        part = tried(best.record, settings)
+        whole = tried(record, settings) if late else whole
+        if part is not None and (whole is None or not explains(whole, part)):
+            return replace(best, identification=part)
+    said: dict[str, Number] = {
+        "found": len(decays),
+        "best": str(decays[0]) if decays else "",
+        "remarks": _remarks(decays),
+    }
+    note = Remark(Note.WHOLE_RECORD, said)
+    return Used(record=record, decays=decays, used=(), notes=(note,), identification=whole)
 
 
 def _all(record: control.TimeResponseData, decays: Decays) -> Used:

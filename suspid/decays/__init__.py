@@ -2,11 +2,11 @@
 
 `find_decays` finds the events in a recording (a bump, a step, a release), finds where the excitation of each ends,
 checks each decay with `identify` and ranks them. Below it: `envelopes` (band power above the background), `bursts`
-(the events), `trials` and `sketches` (quick fits), `starts` and `verification` (the first sample of the decay),
-`refusals`, `doubts` and `kinds` (what is said of it) and `candidates` (all of that for one event).
+(the events), `trials` and `sketches` (quick fits), `starts`, `predictions` and `verification` (the first sample of the
+decay), `refusals`, `doubts` and `kinds` (what is said of it) and `candidates` (all of that for one event).
 """
 
-from suspid.decays.decay import Decay, Decays
+from suspid.decays.decay import GRAVE, Decay, Decays
 from suspid.decays.find_decays import find_decays
 
-__all__ = ["Decay", "Decays", "find_decays"]
+__all__ = ["GRAVE", "Decay", "Decays", "find_decays"]

@@ -13,20 +13,24 @@ from suspid.decays.decay import Decay
 from suspid.decays.doubts import COUNTING_SHARE, clipped_samples, doubts_of, doubts_of_background
 from suspid.decays.envelopes import Envelopes
 from suspid.decays.kinds import kind_of
+from suspid.decays.predictions import at_rest_from
 from suspid.decays.refusals import Refusal, drowned, fits, refused
-from suspid.decays.starts import Start, find_start
+from suspid.decays.starts import LATEST_START, Start, find_start
 from suspid.decays.trials import Trial, block_size, quiet_variance, tried
 from suspid.decays.verification import verified
 from suspid.signals import Signal
 from suspid.units import Decibel, RealArray
 from suspid.values import frozen_real
-from suspid.words import DecayKind, DecayRemark, Remark
+from suspid.words import DecayDoubt, DecayKind, DecayRemark, Remark
 
 # Most times that a band may rise again within an event; more often than that, the motion is driven. Two of them are
 # this many periods of the highest band apart, because a decay needs some cycles.
 MOST_AGAIN, LEAST_PERIODS = 3, 8.0
 # Most blocks of the final fit, from the start that was found. More follow long decays further and cost time.
 FINAL_BLOCKS = 2000
+
+# An event that fills most of the recording may decay after this share of it only.
+LATEST_ALONE = 0.9
 
 # The decays after an event, or the reasons why there are none.
 Found: TypeAlias = tuple[tuple[Decay, ...], tuple[Remark, ...]]
@@ -70,6 +74,8 @@ def examined(recording: Recording, burst: Burst, *, moved: bool) -> Found:
     signal = recording.signal
     first = max(0, int(np.ceil((burst.onset - signal.start) / signal.step - 1e-6)))
     last = min(signal.values.shape[1], int(np.floor((burst.stop - signal.start) / signal.step + 1e-6)) + 1)
+    if last > first:
+        last = first + at_rest_from(signal.values[:, first:last], recording.finest)
     # Channels that are constant in the second half, such as the road after a step, take no part.
     later = signal.values[:, first + (last - first) // 2 : last]
     moving = np.flatnonzero(np.ptp(later, axis=1) > 0) if later.size else np.zeros(0, np.intp)
@@ -79,18 +85,20 @@ def examined(recording: Recording, burst: Burst, *, moved: bool) -> Found:
         channels=tuple(signal.channels[channel] for channel in moving),
     )
     size = min(block_size(signal.step, burst.top), max(1, (last - first) // 64))
+    alone = 2 * (last - first) > signal.values.shape[1]
     clipped = clipped_samples(part.values)
     start, doubt = Start(begin=first, trial=None), None
     if moving.size:
         least = quiet_variance(part.values, size=size, length=last - first, finest=recording.finest[moving])
         if moved:
-            start = find_start(part, least, burst, first, last, size, clipped)
+            finest, latest = recording.finest[moving], LATEST_ALONE if alone else LATEST_START
+            start = find_start(part, least, burst, first, last, size, clipped, finest, latest=latest)
             start, doubt = _verified(part, start, last, size)
-        if start.trial is not None or not moved:
+        if start.linear and (start.trial is not None or not moved):
             rest = part.values[:, start.begin : last]
             whole = tried(rest, step=signal.step, size=size, least=least, most=FINAL_BLOCKS)
             start = replace(start, trial=whole or start.trial)
-    refusal = _refusal(recording, start)
+    refusal = _refusal(recording, start, alone=alone)
     if start.trial is None or refusal is not None:
         code, numbers = refusal or (DecayRemark.TOO_SHORT, {})
         return (), (Remark(code, {"time": burst.onset, "level": burst.level, **numbers}),)
@@ -107,19 +115,26 @@ def examined(recording: Recording, burst: Burst, *, moved: bool) -> Found:
 
 def _verified(part: Signal, start: Start, last: int, size: int) -> tuple[Start, Remark | None]:
     """Return a start from which `identify` finds the same modes; one that is refused or doubted anyway stays."""
+    if not start.linear and start.trial is not None:
+        return start, Remark(DecayDoubt.NONLINEAR, {"share": start.trial.early})
     if start.trial is None or not fits(start.trial) or refused(start.trial) is not None:
         return start, None
     begin, doubt = verified(part, start.trial, start.begin, last, size, moved=True)
     return replace(start, begin=begin), doubt
 
 
-def _refusal(recording: Recording, start: Start) -> Refusal | None:
-    """Return the reason why there is no decay from a start, if there is one besides a missing fit."""
+def _refusal(recording: Recording, start: Start, *, alone: bool) -> Refusal | None:
+    """Return the reason why there is no decay from a start, if there is one besides a missing fit.
+
+    An event ``alone`` in the recording fills most of it: it is its own background.
+    """
     if start.driven:
         return DecayRemark.DRIVEN, {}
     if start.trial is None:
         return None
     signal = recording.signal
+    if alone:
+        return refused(start.trial)
     return refused(start.trial) or drowned(start.trial, recording.bands, signal.start + signal.step * start.begin)
 
 

@@ -17,6 +17,7 @@ GRAVE = frozenset(
     {
         DecayDoubt.FORCED,
         DecayDoubt.DRIVEN,
+        DecayDoubt.NONLINEAR,
         DecayDoubt.GROWING,
         DecayDoubt.COMPANY,
         DecayDoubt.NOT_IDENTIFIED,

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 # Most events that are examined, the strongest first, and the number of doubtful or refused ones in a row that ends the
 # search. Higher numbers find more of the weak decays of a long drive; each costs about a second.
 MOST_BURSTS, MOST_IN_VAIN = 16, 8
+# With at most this many events, none of them a decay, the whole record may be one.
+FEW_BURSTS = 4
 
 
 def find_decays(response: control.TimeResponseData, *, given: Sequence[tuple[Second, Second]] | None = None) -> Decays:
@@ -83,6 +85,9 @@ def find_decays(response: control.TimeResponseData, *, given: Sequence[tuple[Sec
         looked, vain = looked + 1, 0 if any(not decay.doubts for decay in here) else vain + 1
         if vain == MOST_IN_VAIN:
             break
+    if not decays and len(bursts) <= FEW_BURSTS:
+        # A decay that fills most of the record has no background to rise above.
+        decays += examined(recording, _whole(signal, recording.bands), moved=True)[0]
     if len(bursts) > looked:
         remarks.insert(0, Remark(DecayRemark.NOT_ALL, {"found": len(bursts), "examined": looked}))
     company = doubts_of_company(looked - len(decays), looked)
@@ -99,6 +104,11 @@ def _nothing(bands: Envelopes) -> Remark:
     at = int(np.argmax(bands.level))
     time, level = float(bands.timepts[at]), float(bands.level[at])
     return Remark(DecayRemark.NO_EVENT, {"time": time, "level": level, "threshold": bands.threshold})
+
+
+def _whole(signal: Signal, bands: Envelopes) -> Burst:
+    """Return the whole record as an event."""
+    return _given(signal, bands, signal.start, signal.start + signal.step * (signal.values.shape[1] - 1))
 
 
 def _given(signal: Signal, bands: Envelopes, first: Second, last: Second) -> Burst:

@@ -10,7 +10,7 @@ import numpy as np
 from suspid.decays.envelopes import Envelopes
 from suspid.decays.trials import Trial
 from suspid.units import Decibel, Second
-from suspid.words import DecayRemark, Number
+from suspid.words import DecayRemark, Number, Reason
 
 # A reason with its numbers, to which time and level of the event are added.
 Refusal: TypeAlias = tuple[DecayRemark, Mapping[str, Number]]
@@ -53,6 +53,11 @@ def refused(trial: Trial) -> Refusal | None:
     if share[best] < DECAYING_SHARE:
         return DecayRemark.UNEXPLAINED, {"share": float(share[best])}
     return None
+
+
+def decaying(trial: Trial | None) -> bool:
+    """Return whether at least half of the poles of a fit are modes and none grows: more others fit a nonlinearity."""
+    return trial is None or (2 * len(trial.modes) >= trial.poles and Reason.GROWING not in trial.selection.reasons)
 
 
 def fits(trial: Trial) -> bool:

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from suspid.decays.bursts import Burst
-from suspid.decays.refusals import refused
+from suspid.decays.predictions import SMALL_FORCE, freed_at
+from suspid.decays.refusals import decaying, refused
 from suspid.decays.sketches import clearly_driven
 from suspid.decays.trials import FEWEST_BLOCKS, Trial, tried
 from suspid.signals import Signal
@@ -27,6 +28,8 @@ NEXT = 2
 # If no start holds, the search ends this many periods of the highest band after the start with the least residual, if
 # that leaves less than this share of the motion.
 MORE_PERIODS, FITTING = 4, 0.5
+# A fit that cannot reach the noise is good to this share of the motion; more precise ones spend poles on friction.
+ROUGH = 0.1
 # A start that does not hold is as good as the best if its residual is at most this many times as large.
 AS_GOOD = 1.5
 
@@ -38,15 +41,28 @@ class Start:
     begin: int  # its number
     trial: Trial | None  # the fit from there; None if there is none
     driven: bool = False  # whether the event is driven motion throughout
+    linear: bool = True  # whether damped exponentials were found to fit; if not, the motion told the start
 
 
 def find_start(
-    signal: Signal, least: RealArray, burst: Burst, first: int, last: int, size: int, clipped: NDArray[np.bool_]
+    signal: Signal,
+    least: RealArray,
+    burst: Burst,
+    first: int,
+    last: int,
+    size: int,
+    clipped: NDArray[np.bool_],
+    finest: RealArray,
+    *,
+    latest: float = LATEST_START,
 ) -> Start:
     """Return the first sample from which an event decays freely.
 
     The event has the samples ``first`` to ``last`` (excluded), averaged in blocks of ``size``; ``least`` is the lower
-    bound of the variance of the noise in a block, (channel,). Clipped samples early in the event are left out.
+    bound of the variance of the noise in a block, ``finest`` the standard deviation of the rounding error of a sample,
+    (channel,). A start lies before the share ``latest`` of it. Clipped samples early in the event are left out. Where
+    no damped exponentials fit, the start is that from which the motion is predicted by itself, and the fit is no better
+    than that motion is linear.
     """
 
     @cache
@@ -63,21 +79,50 @@ def find_start(
 
     early = np.flatnonzero(clipped[first : first + (last - first) // 4])
     begin = first + (int(early[-1]) + 1 if early.size else 0)
+    may, free = _free(signal, least, (begin, last), size, finest, latest)
+    if free is not None and _nonlinear(free, look):
+        return free
+    begin = may
     places = _places(begin, last, pace=max(1.0, 0.25 * burst.width / signal.step))
-    promising, seen = _look([places[n] for n in LOOKS if n < len(places)], look, driven)
+    promising, seen = free is not None, None
+    if not promising:
+        promising, seen = _look([places[n] for n in LOOKS if n < len(places)], look, driven)
     if not promising and len(places) > 1:
         return Start(begin=begin, trial=seen, driven=seen is None)
-    found, residuals = _search(places, at, driven, patience=MORE_PERIODS * burst.width / signal.step)
-    if found is not None:
-        return found
-    if not residuals:
-        return (
-            Start(begin=begin, trial=None, driven=True)
-            if all(map(driven, places))
-            else Start(begin=begin, trial=at(begin))
+    found, residuals = None, list[tuple[float, int]]()
+    if promising:
+        patience = MORE_PERIODS * burst.width / signal.step
+        found, residuals = _search(
+            places, at, driven, patience=patience, sure=free.begin if free is not None else begin
         )
+    if found is not None or free is not None:
+        return found or free or Start(begin=begin, trial=None)
+    if not residuals:
+        all_driven = all(map(driven, places))
+        return Start(begin=begin, trial=None if all_driven else at(begin), driven=all_driven)
     place = next(place for residual, place in residuals if residual <= AS_GOOD * min(residuals)[0])
     return Start(begin=place, trial=at(place))
+
+
+def _free(
+    signal: Signal, least: RealArray, samples: tuple[int, int], size: int, finest: RealArray, latest: float
+) -> tuple[int, Start | None]:
+    """Return from where the motion may be free, and the start from which it is; None if no mode decays from there."""
+    first, last = samples
+    may, sure = freed_at(signal.values[:, first:last], finest, step=signal.step)
+    values = signal.values[:, first + sure : last]
+    size = min(size, max(1, values.shape[1] // (2 * FEWEST_BLOCKS)))
+    if sure > latest * (last - first) or values.shape[1] < FEWEST_BLOCKS * size or clearly_driven(values, size=size):
+        return first, None
+    rough = np.maximum(least, ROUGH**2 * np.var(values, axis=1))
+    trial = tried(values, step=signal.step, size=size, least=rough)
+    lost = trial is None or refused(trial) is not None
+    return first + may, None if lost else Start(begin=first + sure, trial=trial, linear=False)
+
+
+def _nonlinear(free: Start, look: Callable[[int], Trial | None]) -> bool:
+    """Return whether the motion is more than a few modes that decay."""
+    return free.trial is not None and free.trial.early > SMALL_FORCE and not decaying(look(free.begin))
 
 
 def _places(begin: int, last: int, *, pace: float) -> list[int]:
@@ -103,9 +148,17 @@ def _look(
 
 
 def _search(
-    places: Sequence[int], at: Callable[[int], Trial | None], driven: Callable[[int], bool], *, patience: float
+    places: Sequence[int],
+    at: Callable[[int], Trial | None],
+    driven: Callable[[int], bool],
+    *,
+    patience: float,
+    sure: int,
 ) -> tuple[Start | None, list[tuple[float, int]]]:
-    """Return the first start that holds, or None, and the early residuals of those that do not, with their places."""
+    """Return the first start that holds, or None, and the early residuals of those that do not, with their places.
+
+    From the sample ``sure`` on the motion is known to be free: a start before it needs no more poles than that.
+    """
     residuals: list[tuple[float, int]] = []
     for number, place in enumerate(places):
         if driven(place):
@@ -116,7 +169,7 @@ def _search(
         if not len(trial.modes):
             continue
         if trial.excess <= 1:
-            after = [at(later) for later in places[number + 1 : number + 1 + NEXT]]
+            after = [at(later) for later in (*places[number + 1 : number + 1 + NEXT], max(place, sure))]
             if all(later is None or later.poles >= trial.poles for later in after):
                 return _earlier(at, places[number - 1] if number else place, place), residuals
         residuals.append((trial.early, place))

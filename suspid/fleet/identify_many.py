@@ -100,7 +100,9 @@ def identify_many(
     Each record goes through `analyse`; its rows hold what that returns. The tables are written as the work goes, in
     parts that are complete or absent. If the run is killed, the same call does the rest; the files are then those of
     a run that was not interrupted, byte by byte, for any number of workers (given the same versions and the same kind
-    of processor). A record that cannot be analysed becomes a row among the failures, even one that kills its process.
+    of processor). Columns whose names do not say what they hold have a description among their metadata
+    (``pyarrow.parquet.read_schema``). A record that cannot be analysed becomes a row among the failures, even one
+    that kills its process.
 
     Parameters
     ----------

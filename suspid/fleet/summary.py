@@ -7,11 +7,17 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from suspid.files import printable
-from suspid.fleet.distributions import QUANTILES, Distribution, Outlier
+from suspid.fleet.distributions import FEWEST_RECORDS, QUANTILES, Distribution, Outlier
 from suspid.fleet.trends import Trend
 from suspid.values import text_table
 from suspid.words import Failure, Step, count
 
+LEGEND = (
+    "scatter: robust standard deviation from record to record; stated ±: root mean square of the standard deviations "
+    "that the records state. Empty: too few records."
+)
+# With fewer values the median absolute deviation is that of one of them.
+FEWEST_SCATTERED = 4
 # Lines of a table of the text: what fits a screen. All of them are attributes.
 MOST_SHOWN = 20
 
@@ -96,7 +102,7 @@ class FleetSummary:
         if self.verdicts:
             parts.append(_verdict_table(self.verdicts, self.doubts))
         if self.distributions:
-            parts.append(_distribution_table(self.distributions))
+            parts.append(f"{_distribution_table(self.distributions)}\n{LEGEND}")
         if self.others:
             parts.append(
                 f"{count(self.others, 'mode')} {'belongs' if self.others == 1 else 'belong'} to no family: "
@@ -113,7 +119,7 @@ class FleetSummary:
             }
             parts.append(text_table(columns) + _more(len(self.outliers)))
         else:
-            parts.append("no record stands out")
+            parts.append(_no_outlier(self.distributions))
         if self.unplaced is not None:
             parts.append(_trends_in_words(self.trends, self.unplaced))
         return "\n\n".join(parts)
@@ -134,11 +140,25 @@ def _distribution_table(distributions: Sequence[Distribution]) -> str:
             "quantity": [f"{one.quantity} [{one.unit}]" for one in distributions],
             "records": [str(one.count) for one in distributions],
             "median": [f"{one.median:.5g}" for one in distributions],
-            **{f"{100 * q:g} %": [f"{one.quantiles[k]:.5g}" for one in distributions] for k, q in enumerate(QUANTILES)},
-            "scatter": [f"{one.scatter:.2g}" for one in distributions],
+            **{f"{100 * q:g} %": [_quantile(one, k) for one in distributions] for k, q in enumerate(QUANTILES)},
+            "scatter": [f"{one.scatter:.2g}" if one.count >= FEWEST_SCATTERED else "" for one in distributions],
             "stated ±": [f"{one.stated:.2g}" for one in distributions],
         }
     )
+
+
+def _quantile(one: Distribution, k: int) -> str:
+    """Return a quantile, if at least one record lies beyond it."""
+    beyond = min(QUANTILES[k], 1 - QUANTILES[k])
+    return f"{one.quantiles[k]:.5g}" if one.count * beyond >= 1 else ""
+
+
+def _no_outlier(distributions: Sequence[Distribution]) -> str:
+    enough = sum(one.count >= FEWEST_RECORDS for one in distributions)
+    few = f"fewer than {FEWEST_RECORDS} records do not tell which stands out"
+    if not enough:
+        return few
+    return "no record stands out" + (f"; {few}" if enough < len(distributions) else "")
 
 
 def _trends_in_words(trends: Sequence[Trend], unplaced: int) -> str:

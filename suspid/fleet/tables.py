@@ -51,6 +51,29 @@ TABLE_COLUMNS: dict[TableName, dict[str, str]] = {
 }
 
 
+# What is in columns whose names do not say it; Parquet keeps it as the description of the column.
+MEANINGS = {
+    "sha256": "of the file, or of the samples of a record",
+    "modes": "number of modes of the record",
+    "kind": "pair, real or zero: one entry is a conjugate pair, one real pole, or one pole at zero",
+    "collinearity": "1 if all channels move in phase or antiphase [1]",
+    "loudness": "power of the residual near the mode over that of white noise [1]; above 1 the interval is widened",
+    "halves_apart": "distance of the mode in the first and second half of the decay [standard deviations]",
+    "explained_least": "least share of the energy of a channel that the modes explain [1]",
+    "explained": "share of the energy that the modes explain, by channel [1]",
+    "noise_std": "standard deviation of the noise, by channel",
+    "decays": "how many decays were used",
+    "doubts": "codes of what speaks against the result",
+    "findings": "codes of defects of the recording that were found",
+    "notes": "codes of what was done on the way",
+    "remarks": "doubts, findings and notes in words",
+    "held": "whether the parameter was held at its nominal value",
+    "explains": "whether the car explains the modes within their uncertainty",
+    "residual": "largest relative distance of a mode of the car from the measured one [1]",
+    "alternatives": "how many other cars explain the modes as well",
+}
+
+
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Rows:
     """What some records gave: rows of each table, and how many records they are."""
@@ -87,4 +110,9 @@ def schema_of(table: TableName) -> pa.Schema:
         "strings": pa.list_(pa.string()),
         "numbers": pa.list_(pa.float64()),
     }
-    return pa.schema([(name, types[kind]) for name, kind in TABLE_COLUMNS[table].items()])
+    return pa.schema(
+        [
+            pa.field(name, types[kind], metadata={"description": MEANINGS[name]} if name in MEANINGS else None)
+            for name, kind in TABLE_COLUMNS[table].items()
+        ]
+    )

@@ -10,6 +10,7 @@ from suspid.words.analysis import Note, RecordCheck
 from suspid.words.cleaning import Cleaning, Defect, dead
 from suspid.words.decays import DecayDoubt, DecayKind, DecayRemark
 from suspid.words.fleet import Failure, Step
+from suspid.words.greybox import EstimateCheck, EstimateHeadline
 from suspid.words.identification import Headline, ModeCheck, Reason
 from suspid.words.io import DAMAGE, LeftOut
 from suspid.words.reconstruction import ReconstructionCheck, ReconstructionHeadline, ReconstructionNote, Suspect
@@ -25,6 +26,8 @@ __all__ = [
     "DecayKind",
     "DecayRemark",
     "Defect",
+    "EstimateCheck",
+    "EstimateHeadline",
     "Failure",
     "Headline",
     "LeftOut",

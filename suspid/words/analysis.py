@@ -6,11 +6,21 @@ from collections.abc import Mapping
 
 from suspid.words.remarks import Code, Number, count
 
+# Tests of a file that are named.
+MOST_TESTS = 6
+
 
 def _stands_out(n: Mapping[str, Number]) -> str:
-    why = "no decay without doubts was found" if n["found"] else "no free decay was found"
-    best = f" (best: {n['best']})" if n["best"] else ""
-    return f"{why}{best}; the whole record is used. {n['remarks']}".rstrip()
+    if n["found"]:
+        return f"the whole record is used: it is explained as well as the best decay in it ({n['best']})"
+    return f"no free decay was found; the whole record is used. {n['remarks']}".rstrip()
+
+
+def _tests(n: Mapping[str, Number]) -> str:
+    names = n["tests"]
+    assert isinstance(names, tuple)
+    more = f" and {len(names) - MOST_TESTS} others" if len(names) > MOST_TESTS else ""
+    return f"file holds {len(names)} tests, {', '.join(repr(name) for name in names[:MOST_TESTS])}{more}"
 
 
 class Note(Code):
@@ -39,13 +49,38 @@ class Note(Code):
     )
     DECAY_DOUBT = "decay doubt", "this decay: {doubt}"
     STILL_CHANNEL = "still channel", "channel {channel!r} is constant in this decay; left out"
-    NO_SPRINGS = "no springs", "springs and dampers were not found: {why}"
+    ONE_OF_TESTS = (
+        "one of tests",
+        lambda n: f"the {_tests(n)}; {n['used']!r} is used: choose with --test, or join them with --test all",
+    )
+    RESAMPLED = (
+        "resampled",
+        "{name} was resampled from {rate:.6g} to {onto:.6g} Hz, the rate of the first; error below {error:.1e} "
+        "of the motion",
+    )
+    NO_SPRINGS = "no springs", "springs and dampers were not found from the modes: {why}"
+    ESTIMATED = "estimated", "the modes alone do not settle springs and dampers: these are fitted to the record itself"
+    NO_ESTIMATE = "no estimate", "springs and dampers were not found from the record itself: {why}"
 
 
 class RecordCheck(Code):
     """Checks of the recording that the identification cannot see."""
 
     DECAY = "decay", "{doubt}"
+    ONE_OF_TESTS = "one of tests", lambda n: f"The {_tests(n)}; this is {n['used']!r} alone."
+    NO_SHARED_MODE = "no shared mode", "{tests} share no mode: they do not seem to be tests of one structure."
+    SHARES_NO_MODE = (
+        "shares no mode",
+        "{test} shares no mode with the others within their noise: it does not seem to be a test of the same "
+        "structure. Leave it out.",
+    )
+    NOT_IN_ALL = "not in all", "Mode {mode} stands out in {held}, not in {not_in}."
+    ODD_TEST = (
+        "odd test",
+        "{test} disagrees with the others on mode {mode}: chi-square {apart:.0f}, without it {without:.0f}. Leave it "
+        "out, or look for what was different.",
+    )
+    IN_TEST = "in test", "{test}: {what}"
     DEFECTS = (
         "defects",
         lambda n: (

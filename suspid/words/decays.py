@@ -55,6 +55,13 @@ class DecayDoubt(Code):
             f"driven, or nonlinear"
         ),
     )
+    NONLINEAR = (
+        "nonlinear",
+        lambda n: (
+            f"damped exponentials leave {_percent(n['share'])} of the motion: friction, clearance or another "
+            f"nonlinearity, or a force that still acts"
+        ),
+    )
     GROWING = "growing", "part of the motion grows: still driven"
     CLIPPED = "clipped", lambda n: f"{count(int(str(n['samples'])), 'sample')} clipped"
     AT_START = "at start", "the decay starts at the first sample, so the excitation may still be acting"

@@ -1,0 +1,103 @@
+"""Whether a whole record is a free decay, and whether a stretch of it is a better one."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from suspid.analysis.settings import Settings
+from suspid.decays import GRAVE, Decay
+from suspid.errors import SuspidError
+from suspid.identification import Identification, identify, lag_one
+from suspid.signals import as_signal
+from suspid.words import Check, DecayDoubt, Level, ModeCheck, Reason, RecordCheck, Remark
+
+if TYPE_CHECKING:
+    import control
+
+# What is left of a free decay is noise: none of these is said of it.
+STRUCTURE = frozenset(
+    {
+        ModeCheck.RESIDUAL_LOUD,
+        ModeCheck.RESIDUAL_COLOURED,
+        ModeCheck.HALVES_DISAGREE,
+        ModeCheck.GROWING,
+        ModeCheck.LATE_MOTION,
+    }
+)
+# Doubts of a quick fit to a decay, which the identification of the decay answers.
+FIT = frozenset({DecayDoubt.FORCED, DecayDoubt.DRIVEN, DecayDoubt.NONLINEAR, DecayDoubt.HIGH_RESIDUAL})
+# Level of the test of a whole record against the best decay in it. A higher one cuts linear decays, a lower one keeps
+# what is not quite a decay.
+WHOLE_LEVEL = 1e-3
+
+
+def identified(record: control.TimeResponseData, settings: Settings) -> Identification:
+    """Return what `identify` finds with these settings."""
+    return identify(
+        record,
+        modes=settings.modes,
+        method=settings.method,
+        band=settings.band,
+        bandwidth=settings.bandwidth,
+        candidates=settings.candidates,
+    )
+
+
+def tried(record: control.TimeResponseData, settings: Settings) -> Identification | None:
+    """Return what `identify` finds, or None if it refuses the record or finds fewer modes than asked for."""
+    try:
+        return identified(record, settings)
+    except SuspidError:
+        return None
+
+
+def settled(found: Identification) -> bool:
+    """Return whether a record is a free decay from its first sample on: modes are found, and what is left is noise."""
+    forced = any(c.removed and c.remark.code is Reason.A_FEW_SAMPLES for c in found.considered)
+    return bool(len(found.modes)) and not forced and not any(c.remark.code in STRUCTURE for c in found.verdict.checks)
+
+
+def explains(whole: Identification, part: Identification) -> bool:
+    """Return whether the fit to a whole record explains a stretch of it as well as the fit to the stretch alone.
+
+    The likelihood ratio over the samples of the stretch, of which correlation leaves fewer independent ones, is
+    compared with its distribution: a chi-square with one degree of freedom for each unknown of the stretch. A fit with
+    more poles follows what is before or after the stretch, and does not count.
+    """
+    from scipy.stats import chi2
+
+    if not len(part.modes) or not len(whole.modes):
+        return not len(part.modes)
+    poles, most = _poles(whole), _poles(part)
+    if poles > most:
+        return False
+    all_left, left = as_signal(whole.residual), as_signal(part.residual)
+    rows = [all_left.channels.index(name) for name in left.channels]
+    count = left.values.shape[1]
+    first = round((left.start - all_left.start) / left.step)
+    ours = np.sum(left.values**2, axis=1)
+    theirs = np.sum(all_left.values[rows, first : first + count] ** 2, axis=1)
+    together = lag_one(left.values) ** 2
+    free = count * (1 - together) / (1 + together)
+    ratio = float(np.sum(free * np.log(np.maximum(theirs, 1e-300) / np.maximum(ours, 1e-300))))
+    unknowns = 2 * most + (2 * most + 1) * len(rows)
+    return ratio <= float(chi2.isf(WHOLE_LEVEL, unknowns))
+
+
+def doubts_of(decay: Decay, found: Identification) -> tuple[Check, ...]:
+    """Return the doubts about a decay as checks; what an identification down to the noise refutes calls for care."""
+    refuted = FIT if settled(found) else frozenset()
+    return tuple(
+        Check(
+            Remark(RecordCheck.DECAY, {"doubt": str(doubt)}),
+            Level.DOUBTFUL if doubt.code in GRAVE - refuted else Level.CARE,
+        )
+        for doubt in decay.doubts
+    )
+
+
+def _poles(found: Identification) -> int:
+    """Return the number of poles of a fit, modes and others."""
+    return len(found.modes) + sum(c.removed for c in found.considered)

@@ -1,0 +1,93 @@
+"""Springs and dampers in an analysis: from the modes, or from the record itself where they do not settle them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from suspid.analysis.settings import CarSettings
+from suspid.errors import InputError, ReconstructionError, SuspidError
+from suspid.greybox import Estimate, RecordTest, estimate
+from suspid.model import ModalSet, Suspension
+from suspid.reconstruction import Asked, ModalTest, Reconstruction, check_asked, reconstruct
+from suspid.values import nearest_names
+from suspid.words import Note, Remark
+
+if TYPE_CHECKING:
+    import control
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Springs:
+    """What was found of springs and dampers, and what was said on the way."""
+
+    reconstruction: Reconstruction | None = None
+    estimate: Estimate | None = None
+    notes: tuple[Remark, ...] = ()
+
+
+def check_springs(how: CarSettings, car: Suspension) -> None:
+    """Refuse what no modes of this car could be reconstructed with: an unknown name, bounds that leave nothing.
+
+    Raises
+    ------
+    InputError
+        If a name is unknown, settings contradict each other, or nothing is left to find.
+    """
+    for name in how.added_masses:
+        if name not in car.coordinates:
+            raise InputError(f"added_masses: there is no mass {name!r}.{nearest_names(name, car.masses)}")
+    asked = Asked(
+        fixed=how.fixed,
+        bounds=how.bounds,
+        ties=how.ties,
+        nominal_std=how.nominal_std,
+        free_masses=how.free_masses,
+        constraints=how.constraints,
+    )
+    check_asked(car, asked)
+
+
+def springs_of(
+    modes: ModalSet, records: Sequence[control.TimeResponseData], car: Suspension, how: CarSettings
+) -> Springs:
+    """Return springs and dampers from modes; where these do not settle them, from the free decays as well.
+
+    An estimate knows no constraints: with some, there is none.
+    """
+    try:
+        found, why = _reconstructed(how, modes, car), ""
+    except (ReconstructionError, InputError) as error:
+        found, why = None, str(error)
+    notes = (Remark(Note.NO_SPRINGS, {"why": why}),) if why else ()
+    if how.constraints or (found is not None and found.explains and not found.alternatives):
+        return Springs(reconstruction=found, notes=notes)
+    try:
+        fitted = estimate(
+            [RecordTest(record=record, added_masses=how.added_masses) for record in records],
+            car,
+            fixed=how.fixed,
+            bounds=how.bounds,
+            ties=how.ties,
+            nominal_std=how.nominal_std,
+            free_masses=how.free_masses,
+        )
+    except SuspidError as error:
+        return Springs(reconstruction=found, notes=(*notes, Remark(Note.NO_ESTIMATE, {"why": str(error)})))
+    return Springs(reconstruction=found, estimate=fitted, notes=(*notes, Remark(Note.ESTIMATED)))
+
+
+def _reconstructed(how: CarSettings, modes: ModalSet, car: Suspension) -> Reconstruction:
+    return reconstruct(
+        [ModalTest(modes=modes, added_masses=how.added_masses)],
+        car,
+        fixed=how.fixed,
+        bounds=how.bounds,
+        ties=how.ties,
+        nominal_std=how.nominal_std,
+        free_masses=how.free_masses,
+        tolerance=how.tolerance,
+        search=how.search,
+        constraints=how.constraints,
+    )

@@ -1,0 +1,135 @@
+"""Find where the motion becomes free by predicting backwards from the decay itself.
+
+A free motion of a few modes obeys a linear recurrence; a force on it is an error of the recurrence. Friction, gaps and
+springs that harden are small errors everywhere in the decay, while a held, pulled or pushed mass is a large one. So the
+start is found even where no sum of exponentials fits the decay to its noise.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from suspid.decays.trials import PER_CYCLE, block_size
+from suspid.units import Hertz, RealArray, Second
+
+# Share of the power of the velocity below the highest frequency that counts; more of it follows noise.
+POWER = 0.98
+# Noise counts this many times its mean power, which its exponential distribution exceeds in 1 of 100 lines.
+NOISE = 4.6
+# The recurrence is fitted from the last time at which the kinetic energy, smoothed over half a period, is at least this
+# share of its largest value, over this many periods of the strongest frequency and at least this many blocks.
+STRONG_ENERGY, PERIODS, FEWEST = 0.7, 4.0, 24
+# The recurrence has at most this many coefficients per channel, and one for so many blocks.
+MOST_COEFFICIENTS, BLOCKS_EACH = 16, 5
+# Share of the variance added to the normal equations against rounding.
+RIDGE = 1e-6
+# An error this many times the largest one within the decay is a force. Less stops at the jumps of friction; more lets
+# a weak force pass.
+FORCE = 3.0
+# A force smaller than this share of the motion is left to the fit, which sees it better.
+SMALL_FORCE = 0.003
+
+
+def at_rest_from(values: RealArray, finest: RealArray) -> int:
+    """Return the sample from which on every channel stays within its resolution, (channel, sample); one is kept.
+
+    Parameters
+    ----------
+    values : ndarray (channel, sample)
+        The samples.
+    finest : ndarray (channel,)
+        Standard deviation of the rounding and quantisation error of each channel.
+
+    Examples
+    --------
+    >>> at_rest_from(np.array([[0.0, 2.0, 8.0, 5.0, 5.0, 5.0]]), np.array([0.29]))
+    4
+    """
+    # A value at the border of a step changes between two neighbours.
+    within = 1.5 * np.sqrt(12.0) * finest
+    ahead = values[:, ::-1]
+    swing = np.maximum.accumulate(ahead, axis=1) - np.minimum.accumulate(ahead, axis=1)
+    moving = np.flatnonzero(np.any(swing > within[:, None], axis=0))
+    return values.shape[1] - int(moving[0]) + 1 if moving.size else 1
+
+
+def freed_at(values: RealArray, finest: RealArray, *, step: Second) -> tuple[int, int]:
+    """Return between which samples the motion becomes free: the first that may be, and the first that is.
+
+    They are the ends of two blocks, or both 0 where no force is seen.
+
+    The recurrence is fitted after the largest kinetic energy, on means over blocks, by least squares; then the motion
+    is followed back block by block until the error of the prediction exceeds `FORCE` times those of the fit.
+
+    Parameters
+    ----------
+    values : ndarray (channel, sample)
+        An event up to the end of its decay.
+    finest : ndarray (channel,)
+        Standard deviation of the rounding and quantisation error of each channel.
+    step : float
+        Sampling step [s].
+
+    Examples
+    --------
+    A mass is held for 2 s and let go:
+
+    >>> time = np.arange(0, 8, 0.01)
+    >>> motion = np.where(time < 2, 1.0, np.exp(-0.2 * (time - 2)) * np.cos(9 * (time - 2)))
+    >>> first, sure = freed_at(motion[None], np.zeros(1), step=0.01)
+    >>> first <= 200 <= sure, sure - first
+    (True, 14)
+    """
+    top, strongest = _frequencies(values, finest, step)
+    size = block_size(step, top)
+    count = values.shape[1] // size
+    surplus = values.shape[1] - count * size
+    means = values[:, surplus:].reshape(len(values), count, size).mean(axis=2)
+    period = max(2, round(1 / (strongest * step * size)))
+    anchor = max(0, min(_anchor(means), count - FEWEST))
+    length = min(max(FEWEST, round(PERIODS * period)), count - anchor)
+    decay = means[:, anchor : anchor + length]
+    spread = np.maximum(np.std(decay, axis=1, keepdims=True), 1e-300)
+    scaled = (means - np.mean(decay, axis=1, keepdims=True)) / spread
+    lags = max(2, -(-min(MOST_COEFFICIENTS, length // BLOCKS_EACH) // len(values)))
+    ahead = np.concatenate([scaled[:, lag : count - lags + lag] for lag in range(1, lags + 1)])
+    known = np.vstack([ahead, np.ones(count - lags)])
+    inside = slice(anchor, anchor + length - lags)
+    normal = known[:, inside] @ known[:, inside].T
+    normal += RIDGE * (length - lags) * np.eye(len(normal))
+    weights = np.linalg.solve(normal, known[:, inside] @ scaled[:, inside].T)
+    errors = scaled[:, : count - lags] - weights.T @ known
+    usual = np.sqrt(np.mean(errors[:, inside] ** 2, axis=1, keepdims=True))
+    error = np.sqrt(np.mean((errors / np.maximum(usual, SMALL_FORCE / FORCE)) ** 2, axis=0))
+    forced = np.flatnonzero(error[:anchor] > FORCE * max(1.0, float(np.max(error[inside]))))
+    if not forced.size:
+        return 0, 0
+    # The release may lie in the last block that is forced, or in the one after it.
+    last = surplus + int(forced[-1]) * size
+    return last, last + 2 * size
+
+
+def _frequencies(values: RealArray, finest: RealArray, step: Second) -> tuple[Hertz, Hertz]:
+    """Return the highest frequency that counts and the strongest one, of the velocity less white noise."""
+    count = values.shape[1]
+    window = np.hanning(count)
+    power = np.abs(np.fft.rfft((values - values.mean(axis=1, keepdims=True)) * window, axis=1)) ** 2
+    # White noise in the upper half of the spectrum, where a sensor that is fast enough shows little else.
+    white = np.median(power[:, power.shape[1] // 2 :], axis=1, keepdims=True) / np.log(2.0)
+    white = np.maximum(white, finest[:, None] ** 2 * float(window @ window))
+    power = np.maximum(power - NOISE * white, 0.0)
+    frequency = np.fft.rfftfreq(count, step)
+    power = power * np.sin(np.pi * frequency * step) ** 2
+    total = np.maximum(np.sum(power, axis=1, keepdims=True), 1e-300)
+    top = int(np.max(np.argmax(np.cumsum(power, axis=1) >= POWER * total, axis=1)))
+    strongest = int(np.argmax(np.sum(power / total, axis=0)))
+    return float(frequency[max(top, 1)]), float(frequency[max(strongest, 1)])
+
+
+def _anchor(means: RealArray) -> int:
+    """Return the last block at which the kinetic energy is near its largest value."""
+    change = np.diff(means, axis=1)
+    energy = np.sum(change**2 / np.maximum(np.mean(change**2, axis=1, keepdims=True), 1e-300), axis=0)
+    width = max(1, round(PER_CYCLE / 2))
+    smooth = np.convolve(energy, np.ones(width) / width, "same")
+    return int(np.flatnonzero(smooth >= STRONG_ENERGY * np.max(smooth))[-1])

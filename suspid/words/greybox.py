@@ -1,0 +1,87 @@
+"""What can be said of a suspension estimated from records."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any, TypeAlias
+
+from suspid.words.remarks import Code, count, in_a_row
+
+Numbers: TypeAlias = Mapping[str, Any]
+
+
+def _listed(text: str) -> Callable[[Numbers], str]:
+    """Return words with the names in place of ``{names}``, joined by commas."""
+    return lambda numbers: text.format_map({**numbers, "names": ", ".join(numbers["names"])})
+
+
+def _found(numbers: Numbers) -> str:
+    records = numbers["records"]
+    which = "one record" if records == 1 else f"{records} records"
+    return f"{count(numbers['parameters'], 'parameter')} of the car found from {which}"
+
+
+def _masses(numbers: Numbers) -> str:
+    names = numbers["names"]
+    one = len(names) == 1
+    return (
+        f"{in_a_row(names)} {'is' if one else 'are'} taken as known: springs and dampers are in proportion, and the "
+        f"intervals contain no error of {'it' if one else 'them'}."
+    )
+
+
+def _others(numbers: Numbers) -> str:
+    number = numbers["count"]
+    return f"{count(number, 'other set')} of springs and dampers explain{'s' * (number == 1)} the records as well."
+
+
+def _unexplained(numbers: Numbers) -> str:
+    return (
+        f"The residual is not noise alone (chi-square {numbers['chi_square']:.3g} at {numbers['freedom']}, mostly in "
+        f"{numbers['channel']}): the car as described does not explain the records, or the noise is coloured. The "
+        f"intervals allow for its colour, not for a wrong topology."
+    )
+
+
+class EstimateHeadline(Code):
+    """What was found."""
+
+    FOUND = "found", _found
+
+
+class EstimateCheck(Code):
+    """What speaks for and against a suspension that was estimated."""
+
+    EXPLAINS = (
+        "explains",
+        "The car as described explains the records: the residual is noise (chi-square {chi_square:.3g} at {freedom}).",
+    )
+    ROUNDING = "rounding", "The records are met to their rounding."
+    UNEXPLAINED = "unexplained", _unexplained
+    NOTHING_FOLLOWS = (
+        "nothing follows",
+        "The car as described explains how the channels follow the given motion (chi-square {chi_square:.3g} at "
+        "{freedom}).",
+    )
+    FOLLOWS = (
+        "follows",
+        "What is left of the channels follows the given motion (chi-square {chi_square:.3g} at {freedom}): the "
+        "transfer is off by {error:.2%} at {hertz:.3g} Hz, so the car as described lacks something, such as another "
+        "axle. Springs and dampers may be wrong by as much, which the intervals leave out.",
+    )
+    MASSES = "masses", _masses
+    SCALE = "scale", "The force that was given sets the scale of masses, springs and dampers."
+    CANCELS = (
+        "cancels",
+        _listed("Held at nominal, because the motion of {given} is given and they act beyond it: {names}."),
+    )
+    STILL = "still", _listed("The modes are those with {names} held still.")
+    ALTERNATIVES = "alternatives", _others
+    ONE_START = "one start", "Only {count} of {starts} starts ended at this fit; another minimum may be better."
+    VANISHED = "vanished", _listed("The records need no {names}: the topology may be wrong.")
+    AT_BOUND = "at bound", _listed("At its bound: {names}.")
+    BY_NOMINAL = "by nominal", _listed("Known from the nominal values alone: {names}.")
+    VAGUE = "vague", _listed("Hardly known, with a 95 % interval wider than the value: {names}.")
+    UNUSED = "unused", _listed("Channels that measure nothing of the car were not used: {names}.")
+    CHANGED = "changed", _listed("Differs from nominal by more than its 95 % interval: {names}.")
+    UNCHANGED = "unchanged", "No parameter differs from nominal by more than its 95 % interval."
