@@ -1,0 +1,234 @@
+"""Springs, dampers and masses of a suspension straight from records."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from suspid.errors import InputError
+from suspid.greybox.estimates import Estimate
+from suspid.greybox.frequency_domain import fit_in_frequency, wheel_problem
+from suspid.greybox.judgement import changes, on_bounds, rests_on
+from suspid.greybox.modal import modes_of
+from suspid.greybox.problem import Problem, default_holds
+from suspid.greybox.time_domain import fit_in_time
+from suspid.greybox.trials import RecordTest, Trial, trials_of
+from suspid.model import Suspension, eigenmodes
+from suspid.reconstruction import Bounds, parameter_names, unknowns_of
+from suspid.signals import as_response
+from suspid.units import Hertz, Ratio, RealArray, Second
+from suspid.values import frozen_real
+from suspid.words import Check, Level, Remark, Verdict
+from suspid.words.greybox import EstimateCheck, EstimateHeadline
+
+if TYPE_CHECKING:
+    import control
+
+KNOWN = 1.96  # standard deviations of 95 %
+
+
+def estimate(
+    records: control.TimeResponseData | RecordTest | Sequence[control.TimeResponseData | RecordTest],
+    suspension: Suspension,
+    *,
+    given: Sequence[str] = (),
+    fixed: Sequence[str] = (),
+    bounds: Bounds | None = None,
+    ties: Sequence[Sequence[str]] = (),
+    nominal_std: Ratio | Mapping[str, Ratio] | None = None,
+    free_masses: Sequence[str] = (),
+    gains: Sequence[str] | None = None,
+    delays: Sequence[str] | None = None,
+    mounts: Sequence[str] | None = None,
+    band: tuple[Hertz, Hertz] | None = None,
+    stretch: Second | None = None,
+) -> Estimate:
+    """Estimate the stiffness and the damping of every strut straight from records, for known topology.
+
+    A free decay, or a record under exactly known roads or forces, is explained as motion of the suspension from an
+    unknown start, plus an offset and white noise of unknown level on every channel. The start and the offsets are
+    linear and eliminated; stiffnesses, dampings and free masses are found by maximum likelihood over all records
+    jointly: Gauss-Newton steps with analytic derivatives, from several starts, along growing stretches of the records.
+
+    In everyday driving the road is unknown, but the wheels' motion can be measured. If it is given, the equations of
+    the wheels are not used: road, tires and wheel masses cancel. The noise of the wheels' sensors is allowed for
+    (errors in variables, in the frequency domain), their true motion is free at every frequency, and forces on the
+    body (engine, wind) go into a noise of unknown smooth spectrum.
+
+    Parameters
+    ----------
+    records : control.TimeResponseData or RecordTest, or sequence of them
+        Measured motions as outputs, named as the outputs of `statespace` or as the sensors of the suspension, in SI
+        units. Causes are inputs or outputs.
+    suspension : Suspension
+        Known masses and topology; its k and c are the nominal values: the start, and the value of what is held. A
+        strut of nominal stiffness 0 is a damper alone and stays one.
+    given : sequence of str
+        What moves the car. Roads, and forces named as in `statespace`, count as exactly known; roads that are not
+        given stand still. Coordinates, such as ``("wheel",)``, are given as measured by the channels. Empty: a free
+        decay.
+    fixed : sequence of str
+        Strut parameters held at their nominal value: ``"tire.damping"``, or ``"tire"`` for both of a strut's.
+    bounds : mapping of str to (float, float), optional
+        Least and largest value by parameter, such as ``{"tire.stiffness": (150e3, 250e3)}``; None for no bound.
+    ties : sequence of sequences of str
+        Groups of parameters that are equal, such as ``("left.stiffness", "right.stiffness")``.
+    nominal_std : float, or mapping of str to float, optional
+        Standard deviation of the nominal parameters, relative [1]: they then count as measured values. A number
+        holds for all that are not 0. A mass named here, as in ``{"tire.mass": 0.005}``, is unknown but for that.
+    free_masses : sequence of str
+        Masses that are unknown too, by coordinate; only known masses, or a given force, can give them a scale.
+    gains, delays : sequence of str, optional
+        Channels of given motion whose gain [1], or delay behind the other channels [s], is unknown. Default: all that
+        show nothing but given motion.
+    mounts : sequence of str, optional
+        Struts between given and other coordinates whose damper may stand on a mount of unknown stiffness: the strut
+        is ``k + c s / (1 + tau s)`` with relaxation tau [s]. Default: all that have a damper. A rubber mount of
+        1e6 N/m that is left out makes k of a car 20 % too large.
+    band : (float, float), optional
+        Frequencies that are used where motion is given [Hz]. Default: from 0.4 times the lowest natural frequency of
+        the nominal car to twice the highest.
+    stretch : float, optional
+        Length of the stretches that are transformed [s]. Default: eight periods of the lowest mode.
+
+    Returns
+    -------
+    Estimate
+        ``suspension``, ``covariance``, ``modes`` and what else there is to know; ``str()`` is the table.
+
+    Raises
+    ------
+    InputError
+        If an argument is of the wrong type, a name is unknown, or arguments contradict each other; if a coordinate
+        that is not given stands on a road while the motion of another is given.
+    RecordError
+        If a record cannot be used, or no channel of it measures the suspension.
+    EstimationError
+        If the records do not determine a combination of the unknowns, which is named.
+
+    Notes
+    -----
+    Without a given force the records determine ratios to the masses alone: all intervals hold for the masses as given.
+    How an input moves between two samples (on a cubic spline, on straight lines, or in steps) is taken from the record:
+    as it explains the motion best. Residuals that are not white widen the intervals by their spectrum.
+
+    Where motion is given, `fitted` and `residual` hold the band alone, and whether what is left of the outputs follows
+    the given motion is tested: it does where the car lacks something, such as the other axle. Intervals are those of
+    the scores' scatter over all spectral lines. Delay and mount of one strut are nearly the same thing where the mount
+    is stiff; hold one of them (``delays=()``) where it is known.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from suspid import add_noise, free_decay, quarter_car
+    >>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3,
+    ...                   tire_stiffness=200e3, chassis_damping=1500)
+    >>> record = free_decay(car, np.arange(0, 3, 0.005), initial_state={"v_tire": 1.0})
+    >>> noisy = add_noise(record, snr_db=30.0, rng=np.random.default_rng(1))
+    >>> nominal = car.with_parameters(stiffness={"chassis": 15e3, "tire": 250e3}, damping={"chassis": 1000})
+    >>> found = estimate(noisy, nominal, fixed=["tire.damping"])
+    >>> low, high = found.interval(0.99)["chassis.damping"]
+    >>> bool(low < 1500 < high and high - low < 50)
+    True
+    """
+    _check(suspension)
+    trials = trials_of(records, suspension, given)
+    driven = [bool(trial.wheels) for trial in trials]
+    if any(driven) and not all(driven):
+        raise InputError(
+            f"given: record {driven.index(True) + 1} has a cause that is measured motion of the car and record "
+            f"{driven.index(False) + 1} has none; estimate from either, and give the result of one as nominal_std"
+        )
+    if not any(driven) and (gains or delays or mounts):
+        raise InputError("gains, delays and mounts are found where the motion of a coordinate is given")
+    beyond = _beyond(suspension, trials)
+    unknowns = unknowns_of(
+        suspension,
+        rate=float(np.median(eigenmodes(suspension).wn)),
+        fixed=[*([fixed] if isinstance(fixed, str) else fixed), *beyond],
+        bounds=bounds,
+        ties=ties,
+        nominal_std=nominal_std,
+        free_masses=free_masses,
+    )
+    if any(driven):
+        options = {"gains": gains, "delays": delays, "mounts": mounts}
+        fit = fit_in_frequency(wheel_problem(suspension, trials, unknowns, band=band, stretch=stretch, **options))
+    else:
+        fit = fit_in_time(Problem(trials=trials, holds=default_holds(trials), unknowns=unknowns))
+    u = unknowns
+    parameters = (*u.names, *fit.extras)
+    turned = np.zeros((len(parameters), len(fit.covariance)))
+    turned[: len(u.names), : len(u)] = u.spread[u.rows]
+    turned[len(u.names) :, len(u) :] = np.diag(fit.extra_scale)
+    covariance = turned @ fit.covariance @ turned.T
+    values = np.append(u.parameters(fit.x)[u.rows], fit.extra_values)
+    std = np.sqrt(np.diag(covariance))
+    car = _mounted(u.suspension(fit.x), parameters, values, std)
+    unused = tuple(dict.fromkeys(name for trial in trials for name in trial.unused))
+    still = tuple(suspension.coordinates[i] for i in trials[0].wheels)
+    checks = [
+        *fit.checks,
+        *on_bounds(u, fit.x),
+        *changes(suspension, u.names, values[: len(u.names)], std[: len(u.names)]),
+        *rests_on(suspension, u.names, still=still, forced=any(len(trial.forces) for trial in trials)),
+        *([Check(Remark(EstimateCheck.STILL, {"names": still}), Level.NOTE)] if still else []),
+        *(
+            [Check(Remark(EstimateCheck.CANCELS, {"names": beyond, "given": ", ".join(still)}), Level.NOTE)]
+            if beyond
+            else []
+        ),
+        *([Check(Remark(EstimateCheck.UNUSED, {"names": unused}), Level.NOTE)] if unused else []),
+    ]
+    headline = Remark(EstimateHeadline.FOUND, {"parameters": len(u.names), "records": len(trials)})
+    return Estimate(
+        suspension=car,
+        nominal=suspension,
+        parameters=parameters,
+        values=frozen_real(values),
+        covariance=frozen_real(covariance),
+        ranges=frozen_real(
+            np.vstack([np.column_stack([u.lower, u.upper])[u.column] * u.scale[u.column, None], fit.extra_ranges])
+        ),
+        held=tuple(n for n in parameter_names(suspension) if n not in u.names and not n.endswith(".mass")),
+        modes=modes_of(car, u.rows, covariance[: len(u.names), : len(u.names)], still=still),
+        fitted=tuple(as_response(s.timepts, s.values, s.channels) for s in fit.fitted),
+        residual=tuple(as_response(s.timepts, s.values, s.channels) for s in fit.residual),
+        noise_std=tuple(frozen_real(std) for std in fit.noise),
+        chi_square=fit.chi_square,
+        freedom=fit.freedom,
+        explains=fit.explains,
+        alternatives=fit.alternatives,
+        verdict=Verdict(headline, tuple(checks)),
+    )
+
+
+def _check(suspension: object) -> None:
+    if not isinstance(suspension, Suspension):
+        hint = "; take its .suspension" if hasattr(suspension, "suspension") else ""
+        raise InputError(f"estimate needs a Suspension here, not {type(suspension).__name__}{hint}")
+
+
+def _beyond(car: Suspension, trials: Sequence[Trial]) -> tuple[str, ...]:
+    """Return the parameters of struts that act beyond the given motion in every test, and so cancel."""
+    arms = car.arms(car.coordinates)
+    acts = np.zeros(len(car.struts), bool)
+    for trial in trials:
+        free = [i for i in range(len(car.coordinates)) if i not in trial.wheels]
+        acts |= np.any(arms[:, free] != 0, axis=1)
+    return tuple(s.name for s, one in zip(car.struts, acts, strict=True) if not one)
+
+
+def _mounted(car: Suspension, parameters: Sequence[str], values: RealArray, std: RealArray) -> Suspension:
+    """Return the car with the mounts whose relaxation is known not to be zero, at a level of 95 %."""
+    found: dict[str, float | None] = {}
+    for name, value, spread in zip(parameters, values.tolist(), std.tolist(), strict=True):
+        strut, _, quantity = name.rpartition(".")
+        if quantity == "relaxation":
+            damping = next(s.damping for s in car.struts if s.name == strut)
+            found[strut] = damping / value if value > KNOWN * spread and damping > 0 else None
+    struts = [replace(s, mount_stiffness=found[s.name]) if s.name in found else s for s in car.struts]
+    return replace(car, struts=struts)

@@ -1,0 +1,188 @@
+"""The result of an estimate: springs, dampers and masses with their uncertainty, and what they leave of the records."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from suspid.errors import InputError
+from suspid.model import ModalSet, Suspension
+from suspid.signals import as_signal
+from suspid.units import Ratio, RealArray
+from suspid.values import rounded, spread, text_table
+from suspid.words import Verdict
+
+if TYPE_CHECKING:
+    import control
+
+UNITS = {"stiffness": "N/m", "damping": "N s/m", "mass": "kg", "gain": "1", "delay": "s", "relaxation": "s"}
+# Parameters that are positive and have intervals of a ratio; the others may be zero.
+POSITIVE = ("stiffness", "mass", "gain")
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Estimate:
+    """The suspension that explains the records best, and all that is needed to judge it.
+
+    Parameters
+    ----------
+    suspension : Suspension
+        Springs, dampers and masses found.
+    nominal : Suspension
+        The suspension that was given: the start, and the value of what was held.
+    parameters : tuple of str
+        The parameters found, such as ``"tire.stiffness"``; gains, delays and relaxations follow those of the car.
+    values : ndarray (parameter,)
+        Their values, in SI units.
+    covariance : ndarray (parameter, parameter)
+        Their joint covariance, in their units squared, to first order.
+    ranges : ndarray (parameter, 2)
+        Their bounds.
+    held : tuple of str
+        The strut parameters held at their nominal values.
+    modes : ModalSet
+        Modes of `suspension` with the covariance of the parameters carried through; where the motion of wheels was
+        given, those with these wheels held still.
+    fitted : tuple of control.TimeResponseData
+        Motion of each record as the suspension explains it.
+    residual : tuple of control.TimeResponseData
+        Each record less `fitted`.
+    noise_std : tuple of ndarray (channel,)
+        Standard deviation of the noise of each record, in the units of its channels.
+    chi_square : float
+        Statistic of the test that the residual is noise.
+    freedom : int
+        Its degrees of freedom; 0 where nothing was tested, because the residual is rounding.
+    explains : bool
+        Whether chi-square is not improbably large.
+    alternatives : tuple of Suspension
+        Other suspensions found that explain the records as well.
+    verdict : Verdict
+        How far the result can be trusted, and why.
+    """
+
+    suspension: Suspension
+    nominal: Suspension
+    parameters: tuple[str, ...]
+    values: RealArray
+    covariance: RealArray
+    ranges: RealArray
+    held: tuple[str, ...]
+    modes: ModalSet
+    fitted: tuple[control.TimeResponseData, ...]
+    residual: tuple[control.TimeResponseData, ...]
+    noise_std: tuple[RealArray, ...]
+    chi_square: float
+    freedom: int
+    explains: bool
+    alternatives: tuple[Suspension, ...]
+    verdict: Verdict
+
+    @property
+    def std(self) -> RealArray:
+        """Standard deviations of `values`, (parameter,)."""
+        return np.asarray(np.sqrt(np.diag(self.covariance)))
+
+    @property
+    def log_covariance(self) -> RealArray:
+        """Joint covariance of the logarithms of the parameters [1]; nan for a parameter that is not positive."""
+        scale = np.where(self.values > 0, self.values, np.nan)
+        return np.asarray(self.covariance / np.outer(scale, scale))
+
+    @property
+    def whiteness(self) -> tuple[RealArray, ...]:
+        """Correlation of the residual of each channel of each record with itself one sample later [1]; 0 for white.
+
+        Residuals of records with given wheels hold a band alone, so they are not white; `explains` judges them.
+        """
+        return tuple(_lag_one(as_signal(response).values) for response in self.residual)
+
+    def interval(self, level: Ratio = 0.95) -> dict[str, tuple[float, float]]:
+        """Return the ends between which each of `parameters` lies with probability ``level``, cut at its bounds.
+
+        Those of stiffnesses, masses and gains are symmetric in the logarithm.
+
+        Raises
+        ------
+        InputError
+            If the level is not between 0 and 1.
+        """
+        if not 0 < level < 1:
+            raise InputError(f"{level=} must lie between 0 and 1, such as 0.95")
+        low, high = ends_of(self.parameters, self.values, self.std, level)
+        low, high = (np.clip(end, self.ranges[:, 0], self.ranges[:, 1]) for end in (low, high))
+        return {name: (float(a), float(b)) for name, a, b in zip(self.parameters, low, high, strict=True)}
+
+    def __str__(self) -> str:
+        return "\n".join([parameter_table(self), *(str(part) for part in (self.modes, self.verdict))])
+
+    def details(self) -> str:
+        """Return everything as text: the tables of `str`, and one of the channels of every record."""
+        return f"{self}\n{channel_table(self)}"
+
+
+def ends_of(parameters: Sequence[str], values: RealArray, std: RealArray, level: Ratio) -> tuple[RealArray, RealArray]:
+    """Return the ends of the intervals of parameters, before any bounds."""
+    from scipy.special import ndtri
+
+    reach = float(ndtri((1 + level) / 2)) * std
+    ratio = np.array([name.rpartition(".")[2] in POSITIVE for name in parameters]) & (values > 0)
+    with np.errstate(divide="ignore", over="ignore"):
+        factor = np.exp(np.where(ratio, reach / np.where(values > 0, values, 1.0), 0.0))
+    return np.where(ratio, values / factor, values - reach), np.where(ratio, values * factor, values + reach)
+
+
+def parameter_unit(name: str) -> str:
+    """Return the unit of a parameter, such as N/m of ``"tire.stiffness"``."""
+    return UNITS[name.rpartition(".")[2]]
+
+
+def nominal_value(car: Suspension, name: str) -> float | None:
+    """Return the nominal value of a parameter of the car; None for one of a channel."""
+    owner, _, quantity = name.rpartition(".")
+    if quantity == "mass":
+        return car.masses[owner]
+    return next((float(getattr(s, quantity)) for s in car.struts if s.name == owner and hasattr(s, quantity)), None)
+
+
+def parameter_table(found: Estimate) -> str:
+    """Return the table of all parameters, beside nominal."""
+    nominal = [nominal_value(found.nominal, name) for name in found.parameters]
+    ends = found.interval(0.95)
+    rows: dict[str, list[str]] = {
+        "parameter": list(found.parameters),
+        "unit": [parameter_unit(name) for name in found.parameters],
+        "found": rounded(found.values, found.std),
+        "±": [spread(std) for std in found.std],
+        "nominal": ["" if value is None else f"{value:.6g}" for value in nominal],
+        "change": [
+            "" if not old else f"{100 * (new / old - 1):+.1f} %" for new, old in zip(found.values, nominal, strict=True)
+        ],
+        "beyond chance": [
+            "" if old is None else "no" if ends[name][0] <= old <= ends[name][1] else "yes"
+            for name, old in zip(found.parameters, nominal, strict=True)
+        ],
+    }
+    held = f"\nheld: {', '.join(found.held)}" if found.held else ""
+    return text_table(rows) + held
+
+
+def channel_table(found: Estimate) -> str:
+    """Return the table of the channels of all records: noise and whiteness."""
+    rows: dict[str, list[str]] = {"record": [], "channel": [], "noise std": [], "lag-1 correlation": []}
+    for i, (response, noise, white) in enumerate(zip(found.residual, found.noise_std, found.whiteness, strict=True)):
+        for channel, std, correlation in zip(as_signal(response).channels, noise, white, strict=True):
+            for column, cell in zip(
+                rows.values(), (str(i + 1), channel, f"{std:.3g}", f"{correlation:+.2f}"), strict=True
+            ):
+                column.append(cell)
+    return text_table(rows)
+
+
+def _lag_one(residual: RealArray) -> RealArray:
+    power = np.einsum("ck,ck->c", residual, residual)
+    products = np.einsum("ck,ck->c", residual[:, 1:], residual[:, :-1])
+    return np.asarray(products / np.where(power > 0, power, 1.0))

@@ -1,0 +1,33 @@
+"""The best fit of all records, as the two ways of fitting return it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from suspid.model import Suspension
+from suspid.signals import Signal
+from suspid.units import RealArray
+from suspid.words import Check
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Fit:
+    """The best fit of all records, judged."""
+
+    x: RealArray  # unknowns of the car
+    covariance: RealArray  # (unknown, unknown): those of the car, then the extras
+    fitted: tuple[Signal, ...]  # by test
+    residual: tuple[Signal, ...]
+    noise: tuple[RealArray, ...]
+    chi_square: float
+    freedom: int
+    explains: bool
+    alternatives: tuple[Suspension, ...]
+    checks: tuple[Check, ...]
+    # Unknowns beside those of the car: names, values, bounds, and what 1 means in the covariance.
+    extras: tuple[str, ...] = ()
+    extra_values: RealArray = field(default_factory=lambda: np.zeros(0))
+    extra_ranges: RealArray = field(default_factory=lambda: np.zeros((0, 2)))
+    extra_scale: RealArray = field(default_factory=lambda: np.zeros(0))

@@ -1,0 +1,309 @@
+"""Estimates in the frequency domain: the measured motion of wheels is the cause."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from suspid.errors import InputError
+from suspid.greybox.fits import Fit
+from suspid.greybox.identifiability import blind, check_determined, names_in
+from suspid.greybox.leftover import coherent_leftover
+from suspid.greybox.measured_causes import TIMES, Extras, Source, WheelProblem, Whitened, first_levels, label
+from suspid.greybox.noise_levels import Levels, node_basis
+from suspid.greybox.search import starts_of
+from suspid.greybox.spectra import spectra_of
+from suspid.greybox.transfers import layout_of
+from suspid.greybox.trials import Trial, signal_of
+from suspid.greybox.whiteness import likely
+from suspid.model import Suspension, eigenmodes
+from suspid.reconstruction import Unknowns, descend
+from suspid.signals import Signal
+from suspid.units import Hertz, Ratio, RealArray, Second
+from suspid.values import nearest_names
+from suspid.words import Check, Level, Number, Remark
+from suspid.words.greybox import EstimateCheck
+
+# The band, over the lowest and the highest natural frequency of the nominal car: 0.5 to 24 Hz for most cars. Below it
+# accelerations hold little, above it the wheels' motion hardly moves the body.
+BELOW, ABOVE = 0.4, 2.0
+PERIODS = 8.0  # of the lowest mode, in a stretch: longer ones have fewer ends, shorter ones follow slow changes
+ROUNDS = 12  # of fits and noise levels in turn; 3 to 6 are needed
+SETTLED = 0.02  # change of an unknown, in standard deviations, below which both have settled
+NEGLIGIBLE = 1e-3  # gain of chi-square that ends a descent
+LEAST_RELAXATION = 1e-9  # of `TIMES`: none
+# Rise of chi-square up to which there may be no mount: 95 % of a chi-square of one degree of freedom.
+RULED_OUT = 3.84
+SOFT = (0.2, 0.5)  # relaxations from which softer mounts are looked for, of `TIMES`: 2 and 5 ms
+FIRST_RELAXATION = 0.1  # of `TIMES`: at 0 a mount would begin on its bound
+
+
+def wheel_problem(
+    car: Suspension,
+    trials: Sequence[Trial],
+    unknowns: Unknowns,
+    *,
+    gains: Sequence[str] | None,
+    delays: Sequence[str] | None,
+    mounts: Sequence[str] | None,
+    band: tuple[Hertz, Hertz] | None,
+    stretch: Second | None,
+) -> WheelProblem:
+    """Return the problem, with gains and delays of all causes and all mounts unknown unless some are named."""
+    hertz = eigenmodes(car).wn / (2 * np.pi)
+    lowest = float(np.min(hertz[hertz > 0]))
+    limits = (BELOW * lowest, ABOVE * float(np.max(hertz))) if band is None else band
+    sources = []
+    for trial in trials:
+        layout = layout_of(car, trial)
+        # The gain of a channel that shows free coordinates too, such as a travel, is that of springs and dampers.
+        causes = [trial.channels[c] for c in layout.causes if not np.any(layout.on_free[c])]
+        spectra = spectra_of(trial, length=PERIODS / lowest if stretch is None else stretch, band=limits)
+        sources.append(
+            Source(
+                trial=trial,
+                layout=layout,
+                spectra=spectra,
+                basis=node_basis(spectra.hertz),
+                gains=tuple(trial.channels.index(c) for c in _named("gains", gains, causes)),
+                delays=tuple(trial.channels.index(c) for c in _named("delays", delays, causes)),
+            )
+        )
+    struts = [s.name for s in car.struts]
+    layout = sources[0].layout
+    damped = [
+        struts[j]
+        for j in layout.bridges
+        if np.any(layout.arms_given[j]) and (car.struts[j].damping > 0 or f"{struts[j]}.damping" in unknowns.names)
+    ]
+    springy = tuple(struts.index(name) for name in _named("mounts", mounts, damped))
+    bare = WheelProblem(sources=tuple(sources), unknowns=unknowns, extras=_extras(car, springy, [], []))
+    return replace(
+        bare,
+        extras=_extras(
+            car,
+            springy,
+            [label(s.trial.channels[c], i, bare) for i, s in enumerate(sources) for c in s.gains],
+            [label(s.trial.channels[c], i, bare) for i, s in enumerate(sources) for c in s.delays],
+        ),
+    )
+
+
+def _named(argument: str, names: Sequence[str] | None, known: Sequence[str]) -> Sequence[str]:
+    if names is None:
+        return known
+    chosen = [names] if isinstance(names, str) else list(names)
+    for name in chosen:
+        if name not in known:
+            raise InputError(f"{argument}: {name!r} is none of those that can be found.{nearest_names(name, known)}")
+    return chosen
+
+
+def _extras(car: Suspension, mounts: Sequence[int], gains: Sequence[str], delays: Sequence[str]) -> Extras:
+    a, b, c = len(mounts), len(gains), len(delays)
+    relaxation = [max(car.struts[j].relaxation, FIRST_RELAXATION * TIMES) / TIMES for j in mounts]
+    return Extras(
+        names=(
+            *(f"{car.struts[j].name}.relaxation" for j in mounts),
+            *(f"{name}.gain" for name in gains),
+            *(f"{name}.delay" for name in delays),
+        ),
+        mounts=tuple(mounts),
+        start=np.array([*relaxation, *[1.0] * b, *[0.0] * c]),
+        positive=np.array([False] * a + [True] * b + [False] * c, bool),
+        scale=np.array([TIMES] * a + [1.0] * b + [TIMES] * c),
+        lower=np.array([0.0] * a + [0.1] * b + [-np.inf] * c),
+        upper=np.array([np.inf] * a + [10.0] * b + [np.inf] * c),
+    )
+
+
+def fit_in_frequency(problem: WheelProblem) -> Fit:
+    """Return the best car under measured causes.
+
+    Raises
+    ------
+    EstimationError
+        If the records do not determine a combination of the unknowns.
+    """
+    u, extras = problem.unknowns, problem.extras
+    ends: list[tuple[RealArray, list[Levels], list[Whitened], Judged]] = []
+    for start in starts_of(u):
+        first = [first_levels(source) for source in problem.sources]
+        z, levels = _released(problem, *_settled(problem, np.concatenate([start, extras.start]), first))
+        every = problem.every(z, levels)
+        ends.append((z, levels, every, _judged(problem, every)))
+        if ends[-1][3].likely:
+            break
+    z, levels, every, judged = min(ends, key=lambda end: end[3].chi_square)
+    size = np.concatenate([u.sizes(z[: len(u)]), np.ones(len(extras.names))])
+    data = np.concatenate([w.slope.reshape(-1, len(z)) for w in every]) * size
+    prior = np.hstack([u.prior(z[: len(u)])[1], np.zeros((int(np.sum(u.has_prior)), len(extras.names)))])
+    labels = (*u.labels, *extras.names)
+    squares = np.asarray(np.linalg.qr(data, mode="r"))
+    check_determined(np.concatenate([squares, prior * size]), labels, u.suspension(z[: len(u)]))
+    checks = [_said(judged)]
+    if len(prior) and len(blind(squares)):
+        checks.append(Check(Remark(EstimateCheck.BY_NOMINAL, {"names": names_in(blind(squares), labels)}), Level.CARE))
+    signals = [_in_time(problem, w, i) for i, w in enumerate(every)]
+    return Fit(
+        x=z[: len(u)],
+        covariance=_sandwich(_at_stiff_mounts(problem, z, levels) or every, prior),
+        fitted=tuple(fitted for fitted, _ in signals),
+        residual=tuple(residual for _, residual in signals),
+        noise=tuple(_noise(problem, own, i) for i, own in enumerate(levels)),
+        chi_square=judged.chi_square,
+        freedom=judged.freedom,
+        explains=judged.likely,
+        alternatives=(),
+        checks=tuple(checks),
+        extras=extras.names,
+        extra_scale=extras.scale,
+        extra_values=z[len(u) :] * extras.scale,
+        extra_ranges=np.column_stack([extras.lower, extras.upper]) * extras.scale[:, None],
+    )
+
+
+def _descended(problem: WheelProblem, z: RealArray, levels: Sequence[Levels], *, stiff: bool = False) -> RealArray:
+    """Return the best unknowns near a start at given noise levels, perhaps without mounts."""
+    u, extras = problem.unknowns, problem.extras
+    upper = extras.upper.copy()
+    if stiff:
+        upper[: len(extras.mounts)] = LEAST_RELAXATION
+    ceiling = np.concatenate([u.upper, upper])
+    return descend(
+        lambda y: problem.equations(y, levels),
+        np.minimum(z, ceiling),
+        positive=np.concatenate([u.positive, extras.positive]),
+        lower=np.concatenate([u.lower, extras.lower]),
+        upper=ceiling,
+        negligible=NEGLIGIBLE,
+    )
+
+
+def _settled(problem: WheelProblem, z: RealArray, levels: list[Levels]) -> tuple[RealArray, list[Levels]]:
+    """Return unknowns and noise levels that belong to each other, near a start."""
+    for _ in range(ROUNDS):
+        before, z = z, _descended(problem, z, levels)
+        every = problem.every(z, levels)
+        levels = problem.levels(every, levels)
+        if sum(float(np.sum((w.slope @ (z - before)) ** 2)) for w in every) < SETTLED**2:
+            break
+    return z, levels
+
+
+def _released(problem: WheelProblem, z: RealArray, levels: list[Levels]) -> tuple[RealArray, list[Levels]]:
+    """Return the best of the unknowns that were found and those on the other side of the ridge between stiff and soft.
+
+    A mount acts nearly as a negative delay does, so there may be a minimum without a mount beside the right one. The
+    softer one is taken if the records rule out the stiffer one.
+    """
+    extras = problem.extras
+    if not extras.mounts:
+        return z, levels
+    count, mounts = len(problem.unknowns), len(extras.mounts)
+    found = [z]
+    for soft in SOFT:
+        start = z.copy()
+        start[count : count + mounts] = soft
+        late = np.array([name.endswith(".delay") for name in extras.names])
+        start[count:][late] += soft - float(np.mean(z[count : count + mounts]))
+        found.append(_descended(problem, start, levels))
+    costs = [float(np.sum(problem.equations(one, levels)[0] ** 2)) for one in found]
+    best = int(np.argmin(costs))
+    return (z, levels) if costs[0] - costs[best] < RULED_OUT else _settled(problem, found[best], levels)
+
+
+def _at_stiff_mounts(problem: WheelProblem, z: RealArray, levels: list[Levels]) -> list[Whitened] | None:
+    """Return the residuals of the best car without mounts, if the records do not rule it out; else None.
+
+    A delay and a mount differ by the squares of both times alone, so the records tell them apart the worse the shorter
+    these are. Standard deviations at chance values of such a mount would be far too small.
+    """
+    if not problem.extras.mounts:
+        return None
+    stiff = _descended(problem, z, levels, stiff=True)
+    rise = np.sum(problem.equations(stiff, levels)[0] ** 2) - np.sum(problem.equations(z, levels)[0] ** 2)
+    return None if float(rise) > RULED_OUT else problem.every(stiff, levels)
+
+
+class Judged(NamedTuple):
+    """Whether what is left of the outputs follows the given motion."""
+
+    chi_square: float
+    freedom: int
+    error: Ratio  # largest of a transfer
+    hertz: Hertz  # where
+
+    @property
+    def likely(self) -> bool:
+        """Whether the statistic is not improbably large."""
+        return likely(self.chi_square, self.freedom)
+
+
+def _judged(problem: WheelProblem, every: Sequence[Whitened]) -> Judged:
+    parts = [
+        Judged(*coherent_leftover(w, source.spectra.hertz)) for w, source in zip(every, problem.sources, strict=True)
+    ]
+    worst = max(parts, key=lambda part: part.chi_square / max(part.freedom, 1))
+    return worst._replace(
+        chi_square=sum(part.chi_square for part in parts), freedom=sum(part.freedom for part in parts)
+    )
+
+
+def _said(judged: Judged) -> Check:
+    numbers: dict[str, Number] = {"chi_square": judged.chi_square, "freedom": judged.freedom}
+    if judged.likely:
+        return Check(Remark(EstimateCheck.NOTHING_FOLLOWS, numbers), Level.SOUND)
+    return Check(
+        Remark(EstimateCheck.FOLLOWS, {**numbers, "error": judged.error, "hertz": judged.hertz}), Level.DOUBTFUL
+    )
+
+
+def _sandwich(every: Sequence[Whitened], prior: RealArray) -> RealArray:
+    """Return the covariance of the unknowns from the scatter of the scores of all lines.
+
+    The information is that of the true motion: what the noise of the estimated motion adds is subtracted.
+    """
+    information, scores = prior.T @ prior, prior.T @ prior
+    for w in every:
+        lines, stretches, outputs = w.left.shape
+        count = w.slope.shape[2]
+        flat = w.slope.reshape(-1, count)
+        information = information + flat.T @ flat - w.spurious
+        own = (w.slope * w.residual[:, :, None]).reshape(stretches, 2, lines, outputs, count).sum(axis=(1, 3))
+        scores = scores + own.reshape(-1, count).T @ own.reshape(-1, count)
+    scale = np.sqrt(np.diag(information))
+    inverse = np.linalg.inv(information / np.outer(scale, scale)) / np.outer(scale, scale)
+    return np.asarray(inverse @ scores @ inverse)
+
+
+def _noise(problem: WheelProblem, levels: Levels, number: int) -> RealArray:
+    """Return the standard deviation of white noise of the same power in the band, (channel,)."""
+    source = problem.sources[number]
+    outputs, causes = levels.spectra(source.basis)
+    noise = np.zeros(len(source.trial.channels))
+    noise[list(source.layout.outputs)] = np.sqrt(np.mean(outputs, axis=0))
+    noise[list(source.layout.causes)] = np.sqrt(causes)
+    return noise
+
+
+def _in_time(problem: WheelProblem, found: Whitened, number: int) -> tuple[Signal, Signal]:
+    """Return the record in the band as explained by the car, and what is left of it."""
+    source = problem.sources[number]
+    spectra, trial = source.spectra, source.trial
+    left = np.zeros_like(spectra.values)
+    left[:, :, list(source.layout.causes)] = spectra.values[:, :, list(source.layout.causes)] - found.motion
+    left[:, :, list(source.layout.outputs)] = found.misfit
+    samples = spectra.samples
+    first = round(spectra.hertz[0] * samples * trial.step)
+    made = []
+    for shown in (spectra.values - left, left):
+        lines = shown.swapaxes(0, 1)
+        whole = np.zeros((len(lines), samples // 2 + 1, lines.shape[2]), complex)
+        whole[:, first : first + lines.shape[1]] = lines
+        time = np.fft.irfft(whole, samples, axis=1) * np.sqrt(samples)
+        made.append(replace(signal_of(trial), values=time.reshape(-1, lines.shape[2]).T))
+    return made[0], made[1]

@@ -1,0 +1,69 @@
+"""Which combinations of the unknowns the records determine."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from suspid.errors import EstimationError
+from suspid.model import Suspension
+from suspid.units import RealArray
+
+# Standard deviation of a combination, in the logarithm of springs and masses and in units of a nearly critical damper,
+# from which on it is not determined: not even within a factor of e.
+UNKNOWN = 1.0
+# Derivatives by a combination, as a share of the largest, that are rounding.
+ROUNDING = 1e-9
+TAKES_PART = 0.05  # of a combination: below it a parameter is not named
+
+
+def blind(slope: RealArray) -> RealArray:
+    """Return the combinations of unknowns that data do not determine, (combination, unknown).
+
+    ``slope`` is in standard deviations per size of each unknown, (row, unknown).
+
+    Examples
+    --------
+    >>> blind(np.array([[50.0, -50.0], [0.1, 0.1]])).round(3)
+    array([[0.707, 0.707]])
+    """
+    _, values, directions = np.linalg.svd(slope, full_matrices=True)
+    values = np.append(values, np.zeros(len(directions) - len(values)))
+    found = directions[(values < 1 / UNKNOWN) | (values < ROUNDING * values[0])]
+    largest = np.argmax(np.abs(found), axis=1) if len(found) else np.zeros(0, int)
+    return np.asarray(found * np.sign(np.take_along_axis(found, largest[:, None], axis=1)))
+
+
+def names_in(directions: RealArray, labels: Sequence[str]) -> tuple[str, ...]:
+    """Return the names of the unknowns that take part in directions."""
+    weight = np.linalg.norm(directions, axis=0)
+    return tuple(label for label, w in zip(labels, weight, strict=True) if w > TAKES_PART)
+
+
+def check_determined(slope: RealArray, labels: Sequence[str], car: Suspension) -> None:
+    """Raise if data and nominal values leave a combination of the unknowns open.
+
+    Raises
+    ------
+    EstimationError
+        With the names, and the combinations as relative changes.
+    """
+    open_ = blind(slope)
+    if not len(open_):
+        return
+    names = names_in(open_, labels)
+    masses = [name for name in names if name.endswith(".mass")]
+    scale = "; only ratios to a known mass (or to a given force) can be found" if masses else ""
+    raise EstimationError(
+        f"the records do not determine {', '.join(names)}: {len(open_)} of {len(labels)} combinations of the unknowns "
+        f"leave all channels as they are within their noise ({'; or '.join(_in_words(o, labels) for o in open_)})"
+        f"{scale}; hold one with fixed=…, state nominal_std=…, or measure at more coordinates",
+        best=car,
+    )
+
+
+def _in_words(direction: RealArray, labels: Sequence[str]) -> str:
+    largest = float(np.max(np.abs(direction)))
+    parts = [(d / largest, label) for d, label in zip(direction, labels, strict=True) if abs(d) > TAKES_PART * largest]
+    return ", ".join(f"{label} {100 * d:+.0f} %" for d, label in parts)

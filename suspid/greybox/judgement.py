@@ -1,0 +1,61 @@
+"""The checks of an estimate."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from suspid.greybox.estimates import ends_of, nominal_value
+from suspid.model import Suspension
+from suspid.reconstruction import Unknowns
+from suspid.units import RealArray
+from suspid.words import Check, Level, Remark
+from suspid.words.greybox import EstimateCheck
+
+# Springs and masses within this factor of the least positive value are not needed.
+NEXT_TO_LEAST = 1.01
+AT_END = 1e-9  # distance from a bound, relative, below which a parameter is on it
+
+
+def on_bounds(unknowns: Unknowns, x: RealArray) -> Iterator[Check]:
+    """Yield which unknowns ended on a bound."""
+    u = unknowns
+    size = np.maximum(np.abs(x), AT_END)
+    ends = (x <= u.lower + AT_END * size) | (x >= u.upper - AT_END * size)
+    vanished = ends & u.positive & (x <= NEXT_TO_LEAST * u.lower)
+    for chosen, code, level in (
+        (vanished, EstimateCheck.VANISHED, Level.CARE),
+        (ends & ~vanished, EstimateCheck.AT_BOUND, Level.NOTE),
+    ):
+        names = tuple(label for label, one in zip(u.labels, chosen, strict=True) if one)
+        if names:
+            yield Check(Remark(code, {"names": names}), level)
+
+
+def rests_on(car: Suspension, parameters: Sequence[str], *, still: Sequence[str], forced: bool) -> Iterator[Check]:
+    """Yield which masses were taken as known; those of coordinates whose motion is given do not matter."""
+    known = tuple(f"the mass of {m}" for m in car.masses if f"{m}.mass" not in parameters and m not in still)
+    if known:
+        yield Check(Remark(EstimateCheck.MASSES, {"names": known}), Level.NOTE)
+    elif forced:
+        yield Check(Remark(EstimateCheck.SCALE), Level.NOTE)
+
+
+def changes(nominal: Suspension, parameters: Sequence[str], values: RealArray, std: RealArray) -> Iterator[Check]:
+    """Yield which parameters differ from nominal, and which are hardly known."""
+    low, high = ends_of(parameters, values, std, 0.95)
+    changed, vague = [], []
+    for name, value, a, b in zip(parameters, values, low, high, strict=True):
+        old = nominal_value(nominal, name)
+        if old is not None and not a <= old <= b:
+            changed.append(name)
+        # A ratio is known to be positive; its interval is wider than the value where it spans a factor of 3.
+        if old is not None and (b - a > 2 * value if a > 0 else value > 0):
+            vague.append(name)
+    if changed:
+        yield Check(Remark(EstimateCheck.CHANGED, {"names": tuple(changed)}), Level.NOTE)
+    else:
+        yield Check(Remark(EstimateCheck.UNCHANGED), Level.NOTE)
+    if vague:
+        yield Check(Remark(EstimateCheck.VAGUE, {"names": tuple(vague)}), Level.CARE)

@@ -1,0 +1,214 @@
+"""Errors in variables: the motion of wheels is the cause, as measured, and the road cancels.
+
+Per stretch and line ``r = Y_o - T Y_g - (ends)``, ``R = S_o + T S_g T^H``, and ``sum r^H R^-1 r`` is minimised. The
+true motion of the wheels is free at every line; ``log det R`` would make that inconsistent and is left out. With the
+best motion ``X = Y_g + S_g T^H R^-1 r`` the derivatives are ``-R^(-1/2) dT X``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from suspid.greybox.noise_levels import Levels, covariance_of, levels_of
+from suspid.greybox.problem import squeezed
+from suspid.greybox.spectra import Spectra
+from suspid.greybox.transfers import Layout, Physics, Transfer, transfer
+from suspid.greybox.trials import Trial
+from suspid.reconstruction import Unknowns
+from suspid.units import ComplexArray, RealArray
+
+TIMES = 0.01  # unit of delays and relaxations [s]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Source:
+    """One trial with measured causes."""
+
+    trial: Trial
+    layout: Layout
+    spectra: Spectra
+    basis: RealArray  # (line, node): of the spectra of noise
+    gains: tuple[int, ...]  # channels whose gain is unknown
+    delays: tuple[int, ...]  # channels whose delay is unknown
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Extras:
+    """Unknowns beside those of the car: relaxations of mounts, and gains and delays of channels."""
+
+    names: tuple[str, ...]
+    mounts: tuple[int, ...]  # struts, common to all trials
+    start: RealArray
+    positive: np.ndarray[tuple[int], np.dtype[np.bool_]]
+    scale: RealArray
+    lower: RealArray
+    upper: RealArray
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Whitened:
+    """Residual and derivatives of one trial, in standard deviations."""
+
+    residual: RealArray  # (stretch, row)
+    slope: RealArray  # (stretch, row, unknown)
+    left: ComplexArray  # (line, stretch, output): residual in the units of the outputs
+    misfit: ComplexArray  # (line, stretch, output): outputs less what the best motion explains
+    spurious: RealArray  # (unknown, unknown): part of the information that is due to noise of the best motion
+    motion: ComplexArray  # (line, stretch, cause): best estimate of the causes
+    transfer: Transfer
+    factor: ComplexArray  # (line, output, output): R^(-1/2)
+    basis: RealArray  # (row, column): what was projected out
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class WheelProblem:
+    """All trials with measured causes, and their unknowns: those of the car, then the extras."""
+
+    sources: tuple[Source, ...]
+    unknowns: Unknowns
+    extras: Extras
+
+    def physics(self, z: RealArray, number: int) -> Physics:
+        """Return the values of all parameters for one trial."""
+        u, source = self.unknowns, self.sources[number]
+        struts, count = len(u.car.struts), len(u)
+        p, more = u.parameters(z[:count]), z[count:] * self.extras.scale
+        values = dict(zip(self.extras.names, more.tolist(), strict=True))
+        tau = np.array([s.relaxation for s in u.car.struts])
+        for j in self.extras.mounts:
+            tau[j] = values[f"{u.car.struts[j].name}.relaxation"]
+        channels = source.trial.channels
+        return Physics(
+            stiffness=p[:struts],
+            damping=p[struts : 2 * struts],
+            masses=p[2 * struts :] + source.trial.added,
+            relaxation=tau,
+            gains=np.array([values.get(f"{label(c, number, self)}.gain", 1.0) for c in channels]),
+            delays=np.array([values.get(f"{label(c, number, self)}.delay", 0.0) for c in channels]),
+        )
+
+    def columns(self, number: int) -> RealArray:
+        """Return how the parameters of `transfer` follow from the unknowns, (parameter, unknown)."""
+        u, source, extras = self.unknowns, self.sources[number], self.extras
+        channels = source.trial.channels
+        names = [f"{u.car.struts[j].name}.relaxation" for j in extras.mounts]
+        names += [f"{label(channels[c], number, self)}.gain" for c in source.gains]
+        names += [f"{label(channels[c], number, self)}.delay" for c in source.delays]
+        whole = np.zeros((len(u.rows) + len(names), len(u) + len(extras.names)))
+        whole[: len(u.rows), : len(u)] = u.spread[u.rows]
+        for i, name in enumerate(names):
+            at = extras.names.index(name)
+            whole[len(u.rows) + i, len(u) + at] = extras.scale[at]
+        return whole
+
+    def whitened(self, z: RealArray, number: int, levels: Levels) -> Whitened:
+        """Return the residual of one trial at given noise levels."""
+        source = self.sources[number]
+        made = transfer(
+            source.layout, source.spectra.s, self.physics(z, number), self.unknowns.rows,
+            mounts=self.extras.mounts, gains=source.gains, delays=source.delays,
+        )  # fmt: skip
+        return _whitened(source, made, levels, self.columns(number))
+
+    def every(self, z: RealArray, levels: Sequence[Levels]) -> list[Whitened]:
+        """Return the residuals of all trials at given noise levels."""
+        return [self.whitened(z, i, own) for i, own in enumerate(levels)]
+
+    def equations(self, z: RealArray, levels: Sequence[Levels]) -> tuple[RealArray, RealArray]:
+        """Return residual and derivatives of all trials, turned into as few rows as can be."""
+        count = len(self.unknowns)
+        prior, slope = self.unknowns.prior(z[:count])
+        parts = [(prior, np.hstack([slope, np.zeros((len(prior), len(z) - count))]))]
+        parts += [squeezed(w.residual.ravel(), w.slope.reshape(-1, len(z))) for w in self.every(z, levels)]
+        return np.concatenate([r for r, _ in parts]), np.concatenate([s for _, s in parts])
+
+    def levels(self, found: Sequence[Whitened], before: Sequence[Levels]) -> list[Levels]:
+        """Return the noise levels from the moments of residuals; those of ``before`` are where the search begins."""
+        levels = list(before)
+        for i, (source, w) in enumerate(zip(self.sources, found, strict=True)):
+            lines, stretches, outputs = w.left.shape
+            # What was projected out is missing from the moments.
+            share = np.sum(w.basis.reshape(2, lines, outputs, -1) ** 2, axis=(0, 2, 3)) / (2 * outputs)
+            moments = _turned(w.left) @ w.left.conj() / stretches
+            moments /= np.maximum(1 - share, 0.1)[:, None, None]
+            levels[i] = levels_of(
+                w.transfer.T, moments, source.basis, before[i], anchor=first_levels(source), count=stretches
+            )
+        return levels
+
+
+def label(channel: str, number: int, problem: WheelProblem) -> str:
+    """Return the name of a channel of a trial; with several trials, each logger has its own clock and gains."""
+    return channel if len(problem.sources) == 1 else f"{channel}[{number + 1}]"
+
+
+def _whitened(source: Source, made: Transfer, levels: Levels, columns: RealArray) -> Whitened:
+    outputs, causes = levels.spectra(source.basis)
+    factor = np.linalg.inv(np.linalg.cholesky(covariance_of(made.T, outputs, causes))) * np.sqrt(2)
+    y_o = source.spectra.values[:, :, list(source.layout.outputs)]
+    y_g = source.spectra.values[:, :, list(source.layout.causes)]
+    e = _real((y_o - y_g @ _turned(made.T)) @ _turned(factor))
+    ends = _real((factor @ made.left_by_ends)[:, None])[0]
+    norm = np.sqrt(np.einsum("rn,rn->n", ends, ends))
+    q, upper = np.linalg.qr(ends / norm)
+    found = q.T @ e
+    amounts_of_ends = np.linalg.solve(upper, found)[:, :, 0] / norm
+    e = e - q @ found
+    lines, size = factor.shape[:2]
+    halves = e.reshape(len(e), 2, lines, size)
+    whole = (halves[:, 0] + 1j * halves[:, 1]).swapaxes(0, 1)
+    weights = causes[:, None] * _turned(factor @ made.T).conj() / 2
+    motion = y_g + whole @ _turned(weights)
+    apart = motion - amounts_of_ends @ _turned(made.ends[:, list(source.layout.causes)])
+    amounts = apart @ _turned(made.right) + amounts_of_ends @ _turned(made.ends_right)
+    own = factor @ made.left
+    flat = _real(amounts[:, :, None, :] * -own[:, None]) @ columns
+    flat -= q @ (q.T @ flat)
+    # Covariance of the best motion, S_g - S_g T^H R^-1 T S_g, seen by each pair of parameters.
+    blurred = causes[:, None] * np.eye(len(causes)) - weights @ factor @ made.T * causes
+    seen = made.right.conj() @ _turned(blurred) @ _turned(made.right)
+    pairs = np.sum((_turned(own).conj() @ own) * seen, axis=0).real
+    left = whole @ _turned(np.linalg.inv(factor))
+    return Whitened(
+        residual=e[:, :, 0],
+        slope=flat,
+        left=left,
+        misfit=left @ _turned(_precision(factor)) * outputs[:, None],
+        spurious=len(e) * columns.T @ pairs @ columns,
+        motion=motion,
+        transfer=made,
+        factor=factor,
+        basis=q,
+    )
+
+
+def _turned(matrices: ComplexArray) -> ComplexArray:
+    """Return the transposes of a stack of matrices."""
+    return np.asarray(matrices.swapaxes(-1, -2))
+
+
+def _precision(factor: ComplexArray) -> ComplexArray:
+    """Return R^-1 from its factor, which is in standard deviations of real and imaginary part."""
+    return np.asarray(factor.conj().transpose(0, 2, 1) @ factor / 2)
+
+
+def _real(values: ComplexArray) -> RealArray:
+    """Return values (line, stretch, output, …) as rows (stretch, row, …): real parts, then imaginary parts.
+
+    The last axis may be missing; it then has length 1.
+    """
+    lines, stretches, outputs = values.shape[:3]
+    flat = values.swapaxes(0, 1).reshape(stretches, lines * outputs, -1)
+    return np.concatenate([flat.real, flat.imag], axis=1)
+
+
+def first_levels(source: Source) -> Levels:
+    """Return noise levels to begin with: the same small share of every channel."""
+    power = np.log(1e-3 * np.mean(np.abs(source.spectra.values) ** 2, axis=(0, 1)))
+    nodes = source.basis.shape[1]
+    return Levels(
+        outputs=np.tile(power[list(source.layout.outputs)], (nodes, 1)), causes=power[list(source.layout.causes)]
+    )

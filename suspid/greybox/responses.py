@@ -1,0 +1,100 @@
+"""Output error of one record: motion from an unknown start under known inputs, with noise on every channel.
+
+``y = C x + D w + offset + e``. The state at the start and the offset of each channel are linear and projected out;
+what is left are the residual and its derivatives by the parameters of the suspension.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from suspid.greybox.dynamics import DEGREE, Plant, plant_of, recursion, transition
+from suspid.greybox.trials import Hold, Trial, input_pieces
+from suspid.model import Suspension
+from suspid.units import RealArray
+
+# Columns of the unknown start, of unit length, that add less than this to the others are not seen by the channels.
+INDEPENDENT = 1e-10
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class OutputError:
+    """The residual of one record at given parameters."""
+
+    residual: RealArray  # (channel, sample), in the unit of each channel
+    slope: RealArray  # (channel, sample, parameter): derivatives of the residual, projected like it
+    linear: int  # number of unknowns that were projected out
+
+
+def output_error(
+    car: Suspension, trial: Trial, p: RealArray, rows: Sequence[int], *, std: RealArray, hold: Hold
+) -> OutputError:
+    """Return residual and derivatives of a record, each channel weighted by its noise ``std`` (channel,)."""
+    struts, n = len(car.struts), len(car.coordinates)
+    loaded = p.copy()
+    loaded[2 * struts :] += trial.added
+    plant = plant_of(car, loaded, rows, roads=trial.roads, forces=trial.forces)
+    step = transition(plant, trial.step)
+    C, D, direct = _outputs(plant, trial, n)
+    count, size, channels = trial.count, plant.states, len(trial.channels)
+    linear = np.zeros((channels, count, size + channels))
+    linear[:, :, :size] = recursion(step.E.T, None, C.T, count).transpose(2, 1, 0)
+    linear[np.arange(channels), :, size + np.arange(channels)] = 1.0
+    basis, back = _orthonormal((linear / std[:, None, None]).reshape(channels * count, -1))
+    forcing, pieces, jumps = None, np.zeros((count, 0)), np.zeros((count, 0))
+    y = trial.values.copy()
+    if len(trial.inputs):
+        pieces, jumps = input_pieces(trial, hold)
+        strokes = plant.F[:, size + 1 :: DEGREE]
+        forcing = (step.G @ pieces.T + strokes @ jumps.T)[:, :, None]
+        y -= C @ recursion(step.E, forcing, np.zeros((size, 1)), count)[:, :, 0] + D @ pieces.T
+    left = (y / std[:, None]).ravel()
+    amounts = basis.T @ left
+    rest = (left - basis @ amounts).reshape(channels, count) * std[:, None]
+    if not len(rows):
+        return OutputError(residual=rest, slope=np.zeros((channels, count, 0)), linear=basis.shape[1])
+    start = (back @ amounts)[:size]
+    x = recursion(step.E, forcing, start[:, None], count)[:, :, 0]
+    whole = np.concatenate([x.T, pieces], axis=1)
+    # Slopes of one step as one matrix: (state and input coefficient) by (state, parameter).
+    turns = np.concatenate([step.by_state, step.by_input], axis=2).transpose(2, 1, 0)
+    pushed = (whole @ turns.reshape(len(turns), -1)).reshape(count, size, len(rows))
+    if len(trial.inputs):
+        struck = jumps @ plant.f[:, size + 1 :: DEGREE].T
+        pushed += plant.b.T[None] * struck[:, None, :]
+    moved = recursion(step.E, pushed.transpose(1, 0, 2), np.zeros((size, len(rows))), count)
+    slope = (C @ moved.reshape(size, -1)).reshape(channels, count, len(rows))
+    if np.any(direct):
+        slope += direct[:, None, :] * (whole @ plant.f.T)
+    flat = (slope / -std[:, None, None]).reshape(channels * count, len(rows))
+    flat -= basis @ (basis.T @ flat)
+    return OutputError(residual=rest, slope=flat.reshape(slope.shape) * std[:, None, None], linear=basis.shape[1])
+
+
+def _outputs(plant: Plant, trial: Trial, n: int) -> tuple[RealArray, RealArray, RealArray]:
+    """Return C, D, and the factors of the derivatives of accelerations, (channel, parameter)."""
+    size, width = plant.F.shape
+    C, D = np.zeros((len(trial.channels), size)), np.zeros((len(trial.channels), width - size))
+    direct = np.zeros((len(trial.channels), len(plant.b)))
+    for row, order in enumerate(trial.orders):
+        weights = trial.weights[row]
+        if order < 2:
+            C[row, order * n : (order + 1) * n] = weights
+        else:
+            C[row], D[row] = weights @ plant.F[n : 2 * n, :size], weights @ plant.F[n : 2 * n, size:]
+            direct[row] = plant.b[:, n : 2 * n] @ weights
+        D[row, order : DEGREE * len(trial.roads) : DEGREE] += trial.road_weights[row, list(trial.roads)]
+    return C, D, direct
+
+
+def _orthonormal(columns: RealArray) -> tuple[RealArray, RealArray]:
+    """Return an orthonormal basis of columns (sample, column), and how it gives their coefficients."""
+    norm = np.sqrt(np.einsum("ij,ij->j", columns, columns))
+    norm[norm == 0] = 1.0
+    q, r = np.linalg.qr(columns / norm)
+    u, s, v = np.linalg.svd(r)
+    keep = s > INDEPENDENT * s[0]
+    return q @ u[:, keep], (v[keep].T / s[keep]) / norm[:, None]

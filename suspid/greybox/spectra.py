@@ -1,0 +1,47 @@
+"""Spectra of stretches of a record."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from suspid.errors import RecordError
+from suspid.greybox.trials import Trial
+from suspid.units import ComplexArray, Hertz, RealArray, Second
+
+FEWEST_LINES = 16  # in the band: fewer do not tell a resonance from noise
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Spectra:
+    """Fourier transforms of consecutive stretches; white noise of variance 1 has the mean square 1 at every line."""
+
+    values: ComplexArray  # (line, stretch, channel)
+    s: ComplexArray  # (line,): j omega [rad/s]
+    samples: int  # of a stretch
+
+    @property
+    def hertz(self) -> RealArray:
+        """Frequencies of the lines [Hz]."""
+        return np.asarray(self.s.imag / (2 * np.pi))
+
+
+def spectra_of(trial: Trial, *, length: Second, band: tuple[Hertz, Hertz]) -> Spectra:
+    """Return the lines in the band of stretches of about a given length, which cover the record."""
+    stretches = max(1, round(trial.count * trial.step / length))
+    samples = trial.count // stretches
+    hertz = np.fft.rfftfreq(samples, trial.step)
+    inside = (hertz >= band[0]) & (hertz <= min(band[1], 0.4 / trial.step))
+    if np.sum(inside) < FEWEST_LINES:
+        raise RecordError(
+            f"the record has {np.sum(inside)} spectral lines between {band[0]:.3g} and {band[1]:.3g} Hz; at least "
+            f"{FEWEST_LINES} are needed: a longer record, a higher rate or a wider band"
+        )
+    cut = trial.values[:, : stretches * samples].reshape(len(trial.values), stretches, samples)
+    values = np.fft.rfft(cut, axis=2)[:, :, inside] / np.sqrt(samples)
+    return Spectra(
+        values=np.ascontiguousarray(values.transpose(2, 1, 0)),
+        s=np.asarray(2j * np.pi * hertz[inside], complex),
+        samples=samples,
+    )

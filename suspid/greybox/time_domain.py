@@ -1,0 +1,171 @@
+"""Estimates in the time domain: free decays, and records of exactly known roads and forces."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import product
+
+import numpy as np
+
+from suspid.errors import ReconstructionError
+from suspid.greybox.fits import Fit
+from suspid.greybox.identifiability import blind, check_determined, names_in
+from suspid.greybox.problem import Problem
+from suspid.greybox.responses import OutputError
+from suspid.greybox.search import SAME, Found, descended, search
+from suspid.greybox.trials import HOLDS, signal_of
+from suspid.greybox.whiteness import likely, portmanteau, score_power
+from suspid.model import ModalSet, Suspension, eigenmodes
+from suspid.reconstruction import reconstruct
+from suspid.units import RealArray
+from suspid.words import Check, Level, Number, Remark
+from suspid.words.greybox import EstimateCheck
+
+LEVEL = 3.84  # rise of minus twice the log likelihood up to which two cars are equally likely: 95 % of one freedom
+ABOVE_RESOLUTION = 4.0  # residuals within this factor of the resolution are rounding, whose colour says nothing
+
+
+def fit_in_time(problem: Problem) -> Fit:
+    """Return the most likely car of free decays and exactly known inputs.
+
+    Raises
+    ------
+    EstimationError
+        If the records do not determine a combination of the unknowns.
+    """
+    best, ends = search(problem)
+    problem, best = _best_holds(problem, best)
+    others = _alternatives(problem, best, ends)
+    noise = problem.noise(best.x, best.noise, fair=True)
+    errors = problem.errors(best.x, noise)
+    u = problem.unknowns
+    rows = [problem.compressed(error, std) for error, std in zip(errors, noise, strict=True)]
+    data = np.concatenate([slope for _, slope in rows])
+    size = u.sizes(best.x)
+    prior = u.prior(best.x)[1]
+    whole = np.concatenate([data, prior]) * size
+    check_determined(whole, u.labels, u.suspension(best.x))
+    chi_square, freedom, judged = _judged(problem, errors, noise)
+    agreed = sum(end.loss < best.loss + SAME for end in ends)
+    checks = [*judged]
+    if len(prior) and len(blind(data * size)):
+        checks.append(
+            Check(Remark(EstimateCheck.BY_NOMINAL, {"names": names_in(blind(data * size), u.labels)}), Level.CARE)
+        )
+    if agreed < 2:
+        numbers = {"count": agreed, "starts": len(ends)}
+        checks.append(Check(Remark(EstimateCheck.ONE_START, numbers), Level.CARE))
+    if others:
+        checks.append(Check(Remark(EstimateCheck.ALTERNATIVES, {"count": len(others)}), Level.CARE))
+    return Fit(
+        x=best.x,
+        covariance=_covariance(problem, errors, noise, prior),
+        fitted=tuple(
+            replace(signal_of(t), values=t.values - e.residual) for t, e in zip(problem.trials, errors, strict=True)
+        ),
+        residual=tuple(replace(signal_of(t), values=e.residual) for t, e in zip(problem.trials, errors, strict=True)),
+        noise=tuple(noise),
+        chi_square=chi_square,
+        freedom=freedom,
+        explains=likely(chi_square, freedom),
+        alternatives=tuple(u.suspension(other.x) for other in others),
+        checks=tuple(checks),
+    )
+
+
+def _best_holds(problem: Problem, best: Found) -> tuple[Problem, Found]:
+    """Return the problem with inputs that move between samples as explains each record best, and its fit."""
+    for i, trial in enumerate(problem.trials):
+        for hold in HOLDS[1:] if np.any(np.ptp(trial.inputs, axis=1)) else ():
+            tried = replace(problem, holds=(*problem.holds[:i], hold, *problem.holds[i + 1 :]))
+            end = descended(tried, best.x, best.noise, rounds=2)
+            if end.loss < best.loss:
+                problem, best = tried, descended(tried, end.x, end.noise)
+    return problem, best
+
+
+def _alternatives(problem: Problem, best: Found, ends: list[Found]) -> list[Found]:
+    """Return other cars that are as likely: ends of other starts, and those with the same modes as seen."""
+    u = problem.unknowns
+    points = [end for end in ends if end.loss - best.loss >= SAME]
+    points += [descended(problem, x, best.noise) for x in _twins(problem, best)]
+    kept: list[Found] = []
+    for point in points:
+        apart = [np.max(np.abs(np.log((point.x + 1e-3) / (other.x + 1e-3)))) for other in (best, *kept)]
+        # Nearer than a hundredth, two ends of one descent.
+        if point.loss - best.loss < LEVEL and min(apart) > 0.01 and not np.any(np.isnan(u.parameters(point.x))):
+            kept.append(point)
+    return kept
+
+
+def _twins(problem: Problem, best: Found) -> Iterator[RealArray]:
+    """Yield unknowns of other cars with the poles, and the shapes at the channels, of the best one."""
+    u = problem.unknowns
+    seen = np.concatenate([trial.weights for trial in problem.trials])
+    blind_to_some = np.linalg.matrix_rank(seen) < seen.shape[1]
+    if not blind_to_some or any(len(trial.inputs) or np.any(trial.added) for trial in problem.trials):
+        return
+    car = u.suspension(best.x)
+    modes = eigenmodes(car)
+    assert modes.shapes is not None
+    watched = [i for i in range(seen.shape[1]) if np.any(seen[:, i])]
+    names = [modes.channels[i] for i in watched]
+    asked = ModalSet(poles=modes.poles, shapes=modes.shapes[watched], channels=names)
+    held = [name for name in _strut_parameters(u.car) if name not in u.names]
+    try:
+        found = reconstruct(asked, car, fixed=held)
+    except ReconstructionError:
+        return
+    for other in found.alternatives:
+        p = np.array([*(s.stiffness for s in other.struts), *(s.damping for s in other.struts)])
+        x = best.x.copy()
+        for row, column in zip(u.rows, u.column, strict=True):
+            if row < len(p):
+                x[column] = p[row] / u.scale[column]
+        yield np.clip(x, u.lower, u.upper)
+
+
+def _strut_parameters(car: Suspension) -> list[str]:
+    return [f"{s.name}.{quantity}" for quantity, s in product(("stiffness", "damping"), car.struts)]
+
+
+def _judged(problem: Problem, errors: list[OutputError], noise: list[RealArray]) -> tuple[float, int, list[Check]]:
+    """Return the statistic of whiteness of all channels that stand above their rounding, and what it says."""
+    total, freedom, worst, where = 0.0, 0, 0.0, ""
+    for i, (trial, error, std) in enumerate(zip(problem.trials, errors, noise, strict=True)):
+        above = std > ABOVE_RESOLUTION * np.sqrt(trial.least)
+        statistics, lags = portmanteau(error.residual)
+        for channel, statistic, counts in zip(trial.channels, statistics, above, strict=True):
+            if counts:
+                total, freedom = total + float(statistic), freedom + lags
+                if statistic > worst:
+                    worst, where = float(statistic), channel + f" of record {i + 1}" * (len(errors) > 1)
+    numbers: dict[str, Number] = {"chi_square": total, "freedom": freedom, "channel": where}
+    if not freedom:
+        return total, freedom, [Check(Remark(EstimateCheck.ROUNDING), Level.SOUND)]
+    if likely(total, freedom):
+        return total, freedom, [Check(Remark(EstimateCheck.EXPLAINS, numbers), Level.SOUND)]
+    return total, freedom, [Check(Remark(EstimateCheck.UNEXPLAINED, numbers), Level.CARE)]
+
+
+def _covariance(problem: Problem, errors: list[OutputError], noise: list[RealArray], prior: RealArray) -> RealArray:
+    """Return the covariance of the unknowns, which allows for the colour of residuals that are not white."""
+    u = problem.unknowns
+    size = u.sizes(np.ones(len(u)))
+    information = prior.T @ prior
+    scores = prior.T @ prior
+    for trial, error, std in zip(problem.trials, errors, noise, strict=True):
+        slope = error.slope / std[:, None, None] @ u.spread[u.rows]
+        statistics, lags = portmanteau(error.residual)
+        for channel in range(len(trial.channels)):
+            own = slope[channel].T @ slope[channel]
+            information = information + own
+            coloured = not likely(float(statistics[channel]), lags)
+            loud = std[channel] > ABOVE_RESOLUTION * np.sqrt(trial.least[channel])
+            if coloured and loud:
+                own = score_power(slope[channel], error.residual[channel] / std[channel])
+            scores = scores + own
+    scale = np.sqrt(np.diag(information)) * size
+    inverse = np.linalg.inv(information / np.outer(scale, scale)) / np.outer(scale, scale)
+    return np.asarray(inverse @ scores @ inverse)

@@ -1,0 +1,225 @@
+"""Transfer from measured causes to the other channels, with derivatives of rank one.
+
+With q the free coordinates and g those whose motion is given, ``D(s) q = N(s) g + i(s)``. A channel shows
+``P g + H D^-1 i``. The channels are split into causes (as many as given coordinates, ``P_g`` invertible) and outputs:
+``T = P_o P_g^-1``. A parameter changes P by ``a beta`` (channel by given coordinate), so it changes T by
+``(a_o - T a_g) beta P_g^-1``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from suspid.errors import InputError
+from suspid.greybox.trials import Trial
+from suspid.model import Suspension
+from suspid.units import ComplexArray, RealArray
+from suspid.values import listed
+
+# Terms of the polynomial that the ends of a stretch leave: momentum and motion, and one that sampling folds back.
+ENDS = 3
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Layout:
+    """Which coordinates are given, and which channels show them."""
+
+    free: tuple[int, ...]
+    given: tuple[int, ...]
+    causes: tuple[int, ...]  # channels, one for each given coordinate
+    outputs: tuple[int, ...]  # the other channels
+    orders: NDArray[np.intp]  # (channel,)
+    on_free: RealArray  # (channel, free coordinate)
+    on_given: RealArray  # (channel, given coordinate)
+    arms_free: RealArray  # (strut, free coordinate)
+    arms_given: RealArray  # (strut, given coordinate)
+
+    @property
+    def bridges(self) -> tuple[int, ...]:
+        """Struts that act on a free coordinate."""
+        return tuple(np.flatnonzero(np.any(self.arms_free != 0, axis=1)).tolist())
+
+
+def layout_of(car: Suspension, trial: Trial) -> Layout:
+    """Return the layout of a trial whose cause is measured motion.
+
+    Raises
+    ------
+    InputError
+        If a free coordinate stands on a road that is not given, nothing is left free, or the channels do not show the
+        given motion, or nothing else.
+    """
+    given = list(trial.wheels)
+    free = [i for i in range(len(car.coordinates)) if i not in given]
+    if not free:
+        raise InputError("given: the motion of every coordinate is given; nothing is left to explain")
+    arms = car.arms(car.coordinates)
+    on_road = np.any(car.arms(car.roads) != 0, axis=1)
+    for i, strut in enumerate(car.struts):
+        if on_road[i] and np.any(arms[i, free]):
+            raise InputError(
+                f"given: strut {strut.name!r} connects {listed([car.coordinates[j] for j in free if arms[i, j]])} to a "
+                f"road whose motion is not known; give {listed([car.coordinates[j] for j in free if arms[i, j]])} too"
+            )
+    on_given = trial.weights[:, given]
+    mixed = np.any(trial.weights[:, free] != 0, axis=1)
+    causes: list[int] = []
+    for channel in np.argsort(mixed, kind="stable").tolist():
+        if np.linalg.matrix_rank(on_given[[*causes, channel]]) > len(causes):
+            causes.append(channel)
+    missing = [car.coordinates[g] for i, g in enumerate(given) if not np.any(on_given[:, i])]
+    if len(causes) < len(given):
+        names = listed(missing or [car.coordinates[g] for g in given])
+        raise InputError(f"given: no channel measures the motion of {names}, or channels measure the same twice")
+    outputs = [i for i in range(len(trial.channels)) if i not in causes]
+    if not any(np.any(trial.weights[i, free]) for i in (*causes, *outputs)) or not outputs:
+        raise InputError(f"given: no channel measures the motion of {listed([car.coordinates[i] for i in free])}")
+    return Layout(
+        free=tuple(free),
+        given=tuple(given),
+        causes=tuple(causes),
+        outputs=tuple(outputs),
+        orders=trial.orders,
+        on_free=trial.weights[:, free],
+        on_given=on_given,
+        arms_free=arms[:, free],
+        arms_given=arms[:, given],
+    )
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Physics:
+    """Values of all parameters."""
+
+    stiffness: RealArray  # (strut,)
+    damping: RealArray  # (strut,)
+    masses: RealArray  # (coordinate,)
+    relaxation: RealArray  # (strut,) [s]
+    gains: RealArray  # (channel,)
+    delays: RealArray  # (channel,) [s]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Transfer:
+    """Transfer at every line, and how parameters change it: ``dT = left right`` by parameter."""
+
+    T: ComplexArray  # (line, output, cause)
+    left: ComplexArray  # (line, output, parameter)
+    right: ComplexArray  # (line, parameter, cause)
+    ends: ComplexArray  # (line, channel, column): what the ends of a stretch leave
+    ends_right: ComplexArray  # (line, parameter, column): parameters change it by ``a ends_right``
+    outputs: tuple[int, ...]
+    causes: tuple[int, ...]
+
+    @property
+    def left_by_ends(self) -> ComplexArray:
+        """What the ends of a stretch leave in the residual, (line, output, column)."""
+        return np.asarray(self.ends[:, list(self.outputs)] - self.T @ self.ends[:, list(self.causes)])
+
+
+def transfer(
+    layout: Layout,
+    s: ComplexArray,
+    physics: Physics,
+    rows: Sequence[int],
+    *,
+    mounts: Sequence[int],
+    gains: Sequence[int],
+    delays: Sequence[int],
+) -> Transfer:
+    """Return the transfer with its derivatives by the parameters ``rows`` of the car, mounts, gains and delays.
+
+    ``rows`` count stiffnesses, then dampings, then masses. Gains and delays are those of causes, by channel.
+    """
+    o, g = list(layout.outputs), list(layout.causes)
+    struts = len(physics.stiffness)
+    rate = s[:, None] / (1 + s[:, None] * physics.relaxation)
+    b = physics.stiffness + physics.damping * rate
+    af, ag = layout.arms_free, layout.arms_given
+    D = (b @ (af[:, :, None] * af[:, None, :]).reshape(struts, -1)).reshape(len(s), af.shape[1], af.shape[1])
+    own = np.arange(len(layout.free))
+    D[:, own, own] += s[:, None] ** 2 * physics.masses[list(layout.free)]
+    N = -(b @ (af[:, :, None] * ag[:, None, :]).reshape(struts, -1)).reshape(len(s), af.shape[1], ag.shape[1])
+    inverse = np.asarray(np.linalg.inv(D), complex)
+    derive = s[:, None] ** layout.orders * physics.gains * np.exp(-s[:, None] * physics.delays)
+    shown = np.asarray((layout.on_free @ inverse) * derive[:, :, None], complex)
+    P = shown @ N + layout.on_given * derive[:, :, None]
+    back = np.linalg.inv(P[:, g])
+    T = P[:, o] @ back
+    motion: Any = inverse @ N
+    unit = s / np.abs(s).max()
+    # The ends leave ``D^-1 (i_0 + i_1 s)`` where causes and outputs are derivatives of one order, and as many more
+    # powers as their orders differ.
+    reference, orders = int(layout.orders[g].max()), layout.orders[o]
+    lowest, highest = -max(0, int(orders.max()) - reference), ENDS + max(0, reference - int(orders.min()))
+    own_ends = _own_ends(layout, unit, reference)
+
+    def with_powers(values: Any) -> ComplexArray:
+        shifted = values * unit[:, None, None] ** -float(reference)
+        powers = [shifted * unit[:, None, None] ** float(m) for m in range(lowest, highest)]
+        nothing = np.zeros((len(s), values.shape[1], own_ends.shape[2]))
+        return np.concatenate([*powers, nothing], axis=2)
+
+    ends, ends_of_mass = with_powers(shown), with_powers(inverse)
+    ends_of_strut, stretch, motion = af @ ends_of_mass, (af @ motion + ag) @ back, motion @ back
+    per_strut, per_mass = -shown @ af.T, -shown * s[:, None, None] ** 2
+    lefts, rights, ends_right = [], [], []
+    for row in rows:
+        j = row % struts if row < 2 * struts else row - 2 * struts
+        if row < 2 * struts:
+            lefts.append(per_strut[:, :, j] * (rate[:, j : j + 1] ** (row >= struts)))
+            rights.append(stretch[:, j])
+            ends_right.append(ends_of_strut[:, j])
+        elif j in layout.free:
+            place = layout.free.index(j)
+            lefts.append(per_mass[:, :, place])
+            rights.append(motion[:, place])
+            ends_right.append(ends_of_mass[:, place])
+        else:
+            lefts.append(np.zeros_like(derive))
+            rights.append(np.zeros_like(back[:, 0]))
+            ends_right.append(np.zeros_like(ends[:, 0]))
+    for j in mounts:
+        lefts.append(-physics.damping[j] * rate[:, j : j + 1] ** 2 * per_strut[:, :, j])
+        rights.append(stretch[:, j])
+        ends_right.append(ends_of_strut[:, j])
+    lines = np.ones(len(s))
+    for channel, factor in [(c, lines / physics.gains[c]) for c in gains] + [(c, -s) for c in delays]:
+        alone = np.zeros_like(derive)
+        alone[:, channel] = factor
+        lefts.append(alone)
+        rights.append((P @ back)[:, channel])
+        ends_right.append(ends[:, channel])
+    ends[:, :, ends.shape[2] - own_ends.shape[2] :] = own_ends
+    a = np.stack(lefts, axis=2)
+    return Transfer(
+        T=T,
+        left=a[:, o] - T @ a[:, g],
+        right=np.stack(rights, axis=1),
+        ends=ends,
+        ends_right=np.stack(ends_right, axis=1),
+        outputs=layout.outputs,
+        causes=layout.causes,
+    )
+
+
+def _own_ends(layout: Layout, unit: ComplexArray, reference: int) -> ComplexArray:
+    """Return what the ends of a stretch leave in outputs that show given motion themselves, (line, channel, column).
+
+    Where the given motion is measured as a derivative of another order, ``reference``, the two differ by powers of s.
+    """
+    columns = [
+        (c, m)
+        for c in layout.outputs
+        if np.any(layout.on_given[c])
+        for m in range(min(0, int(layout.orders[c]) - reference), max(0, int(layout.orders[c]) - reference))
+    ]
+    ends = np.zeros((len(unit), len(layout.orders), len(columns)), complex)
+    for i, (channel, power) in enumerate(columns):
+        ends[:, channel, i] = unit ** float(power)
+    return ends

@@ -1,0 +1,201 @@
+"""Records as data of a grey-box fit: what each channel measures, and which motions and forces are known causes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from suspid.errors import InputError, RecordError
+from suspid.identification import resolution
+from suspid.model import Suspension, force_weights, output_weights
+from suspid.signals import Signal, as_signal
+from suspid.units import Kilogram, RealArray, Second
+from suspid.values import FrozenMapping, frozen_real, listed, nearest_names
+
+if TYPE_CHECKING:
+    import control
+
+# How an input moves between two samples: as the last one, on a straight line, on a cubic spline.
+Hold = Literal["zero", "linear", "cubic"]
+HOLDS: tuple[Hold, ...] = ("cubic", "linear", "zero")
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class RecordTest:
+    """One record of a suspension in a test, with what was done in that test.
+
+    Parameters
+    ----------
+    record : control.TimeResponseData
+        Measured motions as outputs, causes as inputs or outputs.
+    given : sequence of str, optional
+        Causes in this test, if not those of all tests; see `estimate`.
+    added_masses : mapping of str to float
+        Mass [kg] (or moment of inertia [kg m2]) added at each coordinate, such as a driver or a bag of sand.
+
+    Raises
+    ------
+    InputError
+        If an added mass is not a finite number >= 0.
+    """
+
+    record: control.TimeResponseData
+    given: Sequence[str] | None = None
+    added_masses: Mapping[str, Kilogram] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.added_masses, Mapping):
+            raise InputError(f"added_masses = {self.added_masses!r} must map coordinates to masses [kg]")
+        for name, mass in self.added_masses.items():
+            if not (isinstance(mass, int | float | np.number) and np.isfinite(mass) and mass >= 0):
+                raise InputError(f"added_masses: {name!r} = {mass!r} must be a finite mass >= 0 in kg")
+        object.__setattr__(self, "added_masses", FrozenMapping(self.added_masses))
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Trial:
+    """A test as numbers."""
+
+    start: Second
+    step: Second
+    values: RealArray  # (channel, sample)
+    channels: tuple[str, ...]
+    orders: NDArray[np.intp]  # (channel,): derivative that is measured
+    weights: RealArray  # (channel, coordinate)
+    road_weights: RealArray  # (channel, road)
+    added: RealArray  # (coordinate,): masses
+    roads: tuple[int, ...]  # roads that are inputs, in the order of the suspension's
+    forces: RealArray  # (force, coordinate): weights of the forces that are inputs
+    wheels: tuple[int, ...]  # coordinates whose measured motion is the cause
+    inputs: RealArray  # (input, sample): roads, then forces
+    least: RealArray  # (channel,): least variance
+    unused: tuple[str, ...]  # channels that measure nothing of the suspension
+
+    @property
+    def count(self) -> int:
+        """Samples per channel."""
+        return int(self.values.shape[1])
+
+    def first(self, count: int) -> Trial:
+        """Return the first samples alone."""
+        return replace(self, values=self.values[:, :count], inputs=self.inputs[:, :count])
+
+
+def trials_of(records: object, suspension: Suspension, given: Sequence[str]) -> tuple[Trial, ...]:
+    """Return records as data, checked against the suspension."""
+    if isinstance(given, str):
+        raise InputError(f"{given=} is one string; give a sequence of names: [{given!r}]")
+    single = isinstance(records, RecordTest) or hasattr(records, "output_labels")
+    every = [records] if single else list(records) if isinstance(records, Sequence) else [records]
+    if not every:
+        raise InputError("there is no record; give a control.TimeResponseData, or a sequence of them")
+    return tuple(_trial(one, suspension, given) for one in every)
+
+
+def _trial(one: object, car: Suspension, given: Sequence[str]) -> Trial:
+    test = one if isinstance(one, RecordTest) else RecordTest(record=one)
+    signal, causes = as_signal(test.record, least=8), _inputs(test.record)
+    names = tuple(given if test.given is None else test.given)
+    for name in test.added_masses:
+        if name not in car.coordinates:
+            raise InputError(f"added_masses: there is no mass {name!r}.{nearest_names(name, car.masses)}")
+    roads = [name for name in car.roads if name in names]
+    wheels = [name for name in car.coordinates if name in names]
+    forces = [name for name in names if name not in roads and name not in wheels]
+    pushes = [_force(car, name) for name in forces]
+    known = {**causes, **dict(zip(signal.channels, signal.values, strict=True))}
+    for name in (*roads, *forces):
+        if name not in known:
+            raise InputError(
+                f"given: the record has no input or channel {name!r}; its inputs are {listed(list(causes)) or 'none'}, "
+                f"its channels {listed(signal.channels)}"
+            )
+    taken = {*roads, *forces}
+    rows, unused = [], []
+    for channel in signal.channels:
+        if channel in taken:
+            continue
+        try:
+            rows.append((channel, *output_weights(car, channel)))
+        except InputError:
+            unused.append(channel)
+    if not rows:
+        raise RecordError(
+            f"no channel of the record measures the suspension: {listed(signal.channels)}; name channels as outputs of "
+            f"statespace, such as {car.coordinates[0]!r} or '{car.coordinates[0]}_acceleration'"
+        )
+    still = [i for i, road in enumerate(car.roads) if road not in roads]
+    use = [row for row in rows if not np.any(row[3][still]) or not np.any(row[2]) or not wheels]
+    channels = tuple(row[0] for row in use)
+    values = np.array([known[name] for name in channels])
+    return Trial(
+        start=signal.start,
+        step=signal.step,
+        values=frozen_real(values),
+        channels=channels,
+        orders=np.array([row[1] for row in use], int),
+        weights=frozen_real([row[2] for row in use]),
+        road_weights=frozen_real(np.array([row[3] for row in use]).reshape(len(use), len(car.roads))),
+        added=frozen_real([test.added_masses.get(c, 0.0) for c in car.coordinates]),
+        roads=tuple(car.roads.index(road) for road in roads),
+        forces=frozen_real(np.array(pushes).reshape(len(pushes), len(car.coordinates))),
+        wheels=tuple(car.coordinates.index(name) for name in wheels),
+        inputs=frozen_real(np.array([known[name] for name in (*roads, *forces)]).reshape(-1, values.shape[1])),
+        least=frozen_real(np.maximum(resolution(values) ** 2, 1e-300)),
+        unused=tuple(unused),
+    )
+
+
+def _inputs(record: control.TimeResponseData) -> dict[str, RealArray]:
+    """Return the inputs of a response by name."""
+    samples, labels = getattr(record, "inputs", None), getattr(record, "input_labels", None)
+    if samples is None:
+        return {}
+    table = np.asarray(samples, float)
+    table = table.reshape(-1, table.shape[-1])
+    names = list(labels) if labels else [f"u[{i}]" for i in range(len(table))]
+    return dict(zip(names, table, strict=True))
+
+
+def _force(car: Suspension, name: str) -> RealArray:
+    """Return the weights of a force on each coordinate."""
+    try:
+        return force_weights(car, name)
+    except InputError as error:
+        known = [*car.roads, *car.coordinates]
+        raise InputError(f"given: {name!r} is no road, no coordinate ({listed(known)}) and no force: {error}") from None
+
+
+def input_pieces(trial: Trial, hold: Hold) -> tuple[RealArray, RealArray]:
+    """Return the inputs between samples: their coefficients (sample, 4 per input), and jumps at the next sample.
+
+    An input that is held steps at the samples: the jumps (sample, input) are those at the end of each step.
+    """
+    count, size = trial.count, len(trial.inputs)
+    pieces, jumps = np.zeros((count, size, 4)), np.zeros((count, size))
+    u, h = trial.inputs.T, trial.step
+    pieces[:, :, 0] = u
+    if size and hold == "cubic" and count > 3:
+        from scipy.interpolate import CubicSpline
+
+        c = CubicSpline(h * np.arange(count), u).c
+        for i, factor in ((1, 1.0), (2, 2.0), (3, 6.0)):
+            pieces[:-1, :, i] = factor * c[3 - i]
+        last = pieces[-2]
+        pieces[-1, :, 1] = last[:, 1] + h * last[:, 2] + h**2 / 2 * last[:, 3]
+        pieces[-1, :, 2] = last[:, 2] + h * last[:, 3]
+    elif size and hold != "zero":
+        pieces[:-1, :, 1] = np.diff(u, axis=0) / h
+        pieces[-1, :, 1] = pieces[-2, :, 1]
+    elif size:
+        jumps[:-1] = np.diff(u, axis=0)
+    return pieces.reshape(count, 4 * size), jumps
+
+
+def signal_of(trial: Trial) -> Signal:
+    """Return the channels that are used as a signal."""
+    return Signal(start=trial.start, step=trial.step, values=trial.values, channels=trial.channels)

@@ -1,0 +1,358 @@
+"""Estimates in the time domain: laws of motion by an independent integrator, intervals that hold, honest refusals."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import control
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.stats import binom
+
+from suspid import (
+    EstimationError,
+    InputError,
+    Level,
+    RecordError,
+    RecordTest,
+    Strut,
+    Suspension,
+    add_noise,
+    eigenmodes,
+    estimate,
+    free_decay,
+    half_car,
+    quarter_car,
+)
+from suspid.greybox.dynamics import plant_of, recursion, transition
+from suspid.greybox.modal import modes_of
+from suspid.greybox.whiteness import portmanteau, score_power
+from suspid.reconstruction import parameter_names, parameter_vector
+from suspid.units import ComplexArray, RealArray
+from suspid.words import EstimateCheck
+
+TIMES: RealArray = np.arange(0, 5, 0.005)
+RIZOIT = Path("/work/shared/data/rizoit_seat3dof_sim")
+
+# Two pairs of close modes: 1.26 and 1.33 Hz, 11.4 and 11.7 Hz, zeta 0.24 to 0.25.
+HALF = half_car(
+    chassis_mass=600, pitch_inertia=900, front_tire_mass=40, rear_tire_mass=40, cg_to_front=1.25, cg_to_rear=1.25,
+    front_stiffness=20e3, rear_stiffness=22e3, front_tire_stiffness=190e3, rear_tire_stiffness=200e3,
+    front_damping=1350, rear_damping=1450,
+)  # fmt: skip
+QUARTER = quarter_car(
+    chassis_mass=350, tire_mass=45, chassis_stiffness=22e3, tire_stiffness=200e3, chassis_damping=1300, tire_damping=60
+)
+PAPER = quarter_car(
+    seat_mass=200, chassis_mass=200, tire_mass=200,
+    seat_stiffness=200e3, chassis_stiffness=400e3, tire_stiffness=800e3,
+    seat_damping=300, chassis_damping=200, tire_damping=100,
+)  # fmt: skip
+KNOCK = {"v_front": 1.0, "v_rear": -0.5, "z_heave": 0.02, "v_pitch": 0.2}
+TIRES = ("front_tire.damping", "rear_tire.damping")
+
+
+def off(car: Suspension, factors: Sequence[float] = (0.7, 1.3)) -> Suspension:
+    """Return the car with its k and c off, in turn."""
+    names, count = [s.name for s in car.struts], len(car.struts)
+    p = parameter_vector(car)[: 2 * count] * np.resize(factors, 2 * count)
+    return car.with_parameters(
+        stiffness=dict(zip(names, p[:count].tolist(), strict=True)),
+        damping=dict(zip(names, p[count:].tolist(), strict=True)),
+    )
+
+
+def integrated(
+    car: Suspension,
+    times: RealArray,
+    road: Callable[[float], tuple[float, float]],
+    start: RealArray,
+    force: Callable[[float], float] = lambda _: 0.0,
+) -> tuple[RealArray, RealArray]:
+    """Return displacements and accelerations (coordinate, sample) by SciPy; the force acts on the first coordinate."""
+    M, C, K, Cr, Kr, n = car.M, car.C, car.K, car.C_road, car.K_road, len(car.coordinates)
+
+    def acceleration(t: float, x: RealArray) -> RealArray:
+        r, rate = road(t)
+        pushed = np.zeros(n)
+        pushed[0] = force(t)
+        push = Kr[:, 0] * r + Cr[:, 0] * rate - K @ x[:n] - C @ x[n:] + pushed
+        return np.asarray(push / np.diag(M))
+
+    found = solve_ivp(
+        lambda t, x: np.concatenate([x[n:], acceleration(t, x)]), (times[0], times[-1]), start, t_eval=times,
+        method="DOP853", rtol=1e-12, atol=1e-14,
+    )  # fmt: skip
+    return found.y[:n], np.array([acceleration(t, x) for t, x in zip(times, found.y.T, strict=True)]).T
+
+
+def still(_: float) -> tuple[float, float]:
+    return 0.0, 0.0
+
+
+def record_of(
+    outputs: dict[str, RealArray], inputs: dict[str, RealArray] | None = None, times: RealArray = TIMES
+) -> control.TimeResponseData:
+    inputs = inputs or {}
+    return control.TimeResponseData(
+        time=times, outputs=np.array(list(outputs.values())), output_labels=list(outputs), issiso=False,
+        inputs=np.array(list(inputs.values())) if inputs else None, input_labels=list(inputs) or None,
+    )  # fmt: skip
+
+
+def relative_errors(found: Suspension, car: Suspension) -> RealArray:
+    p, q = parameter_vector(found), parameter_vector(car)
+    return np.asarray(np.abs(p - q)[q > 0] / q[q > 0])
+
+
+class TestDynamics:
+    def test_slopes_of_a_step_are_those_of_finite_differences(self) -> None:
+        car, rows = PAPER, list(range(9))
+        p, forces = parameter_vector(car), np.array([[1.0, 0.0, -1.0]])
+
+        def step(q: RealArray) -> RealArray:
+            made = transition(plant_of(car, q, rows, roads=[0], forces=forces), 0.01)
+            return np.hstack([made.E, made.G])
+
+        exact = transition(plant_of(car, p, rows, roads=[0], forces=forces), 0.01)
+        for i in rows:
+            move = np.zeros(9)
+            move[i] = 1e-4 * p[i]
+            slope = (step(p + move) - step(p - move)) / (2 * move[i])
+            expected = np.hstack([exact.by_state[i], exact.by_input[i]])
+            np.testing.assert_allclose(slope, expected, atol=1e-6 * np.abs(expected).max())
+
+    @pytest.mark.parametrize("count", [1, 2, 10, 17])
+    def test_blocks_give_what_a_loop_gives(self, count: int) -> None:
+        rng = np.random.default_rng(1)
+        E, start = 0.5 * rng.standard_normal((3, 3)), rng.standard_normal((3, 2))
+        forcing = rng.standard_normal((3, count, 2))
+        states = [start]
+        for k in range(count - 1):
+            states.append(E @ states[-1] + forcing[:, k])
+        np.testing.assert_allclose(recursion(E, forcing, start, count), np.stack(states, axis=1), atol=1e-12)
+
+    def test_modes_have_the_covariance_of_finite_differences(self) -> None:
+        car, rows = HALF, [0, 1, 4]
+        covariance = np.diag((0.01 * parameter_vector(car)[rows]) ** 2)
+        found = modes_of(car, rows, covariance)
+        exact = eigenmodes(car)
+        np.testing.assert_allclose(found.poles, exact.poles, rtol=1e-9)
+        names = parameter_names(car)
+        moved: list[ComplexArray] = []
+        for row in rows:
+            step = 1e-5 * parameter_vector(car)[row]
+            strut, quantity = names[row].split(".")
+            ends = []
+            for sign in (1, -1):
+                value = getattr(next(s for s in car.struts if s.name == strut), quantity) + sign * step
+                modes = eigenmodes(car.with_parameters(**{quantity: {strut: value}}))
+                assert modes.shapes is not None
+                ends.append(np.concatenate([modes.poles, modes.shapes.T.ravel()]))
+            moved.append((ends[0] - ends[1]) / (2 * step) * np.sqrt(np.diag(covariance))[len(moved)])
+        parts = np.stack([np.stack([m.real, m.imag], axis=1).ravel() for m in moved])
+        assert found.covariance is not None
+        np.testing.assert_allclose(
+            found.covariance, parts.T @ parts, rtol=1e-3, atol=1e-6 * float(np.max(np.abs(parts.T @ parts)))
+        )
+
+
+class TestFreeDecay:
+    def test_an_exact_decay_of_close_modes_gives_the_car_exactly(self) -> None:
+        start = np.array([0.02, 0.0, 0.0, 0.0, 0.0, 0.2, 1.0, -0.5])
+        z, _ = integrated(HALF, TIMES, still, start)
+        record = record_of(dict(zip(HALF.coordinates, z, strict=True)))
+        found = estimate(record, off(HALF), fixed=TIRES)
+        assert relative_errors(found.suspension, HALF).max() < 1e-8
+
+    @pytest.mark.parametrize("factors", [(0.5, 1.5), (1.5, 0.5)])
+    def test_light_damping_and_a_start_half_off(self, factors: Sequence[float]) -> None:
+        record = free_decay(PAPER, np.arange(0, 10, 0.002), initial_state={"v_tire": 1.0})
+        found = estimate(record, off(PAPER, factors))
+        assert relative_errors(found.suspension, PAPER).max() < 1e-7
+        assert found.verdict.level is Level.SOUND
+
+    def test_accelerations_and_travels_with_offsets(self) -> None:
+        z, a = integrated(QUARTER, TIMES, still, np.array([0.02, 0.0, 0.0, 0.5]))
+        record = record_of({"chassis_acceleration": a[0] + 0.3, "chassis_travel": z[0] - z[1] - 0.01})
+        found = estimate(record, off(QUARTER))
+        assert relative_errors(found.suspension, QUARTER).max() < 1e-7
+
+    def test_close_modes_in_noise_are_never_lost_and_intervals_hold(self) -> None:
+        record, seeds = free_decay(HALF, TIMES, initial_state=KNOCK), 12
+        truth, holds = dict(zip(parameter_names(HALF), parameter_vector(HALF).tolist(), strict=True)), 0
+        for seed in range(seeds):
+            noisy = add_noise(record, snr_db=20.0, rng=np.random.default_rng(seed))
+            found = estimate(noisy, off(HALF), fixed=TIRES)
+            assert found.explains
+            ends = found.interval(0.95)
+            holds += sum(low <= truth[name] <= high for name, (low, high) in sorted(ends.items()))
+        assert binom.ppf(1e-4, 6 * seeds, 0.95) <= holds
+
+    def test_tests_with_an_added_mass_give_the_masses(self) -> None:
+        loaded = QUARTER.with_parameters(masses={"chassis": 425})
+        records = [
+            RecordTest(record=free_decay(QUARTER, TIMES, initial_state={"v_tire": 1.0})),
+            RecordTest(record=free_decay(loaded, TIMES, initial_state={"v_tire": 1.0}), added_masses={"chassis": 75.0}),
+        ]
+        nominal = off(QUARTER).with_parameters(masses={"chassis": 300, "tire": 50})
+        found = estimate(records, nominal, free_masses=["chassis", "tire"])
+        assert relative_errors(found.suspension, QUARTER).max() < 1e-6
+
+    def test_one_channel_lists_the_other_car_with_the_same_modes(self) -> None:
+        record = free_decay(PAPER, np.arange(0, 10, 0.005), initial_state={"v_tire": 1.0})
+        seat = record_of({"seat": np.asarray(record.y)[0]}, times=np.arange(0, 10, 0.005))
+        found = estimate(add_noise(seat, snr_db=20.0, rng=np.random.default_rng(1)), off(PAPER, (0.9, 1.1)))
+        assert found.alternatives
+        assert EstimateCheck.ALTERNATIVES in {check.remark.code for check in found.verdict.checks}
+
+
+class TestGivenRoad:
+    def test_a_swept_road(self) -> None:
+        times = np.arange(0, 6, 0.004)
+
+        def road(t: float) -> tuple[float, float]:
+            phase = 2 * np.pi * (0.5 * t + 1.2 * t**2)
+            return 0.01 * np.sin(phase), 0.01 * np.cos(phase) * 2 * np.pi * (0.5 + 2.4 * t)
+
+        z, _ = integrated(QUARTER, times, road, np.array([0.01, 0.02, 0.0, 0.1]))
+        heights = np.array([road(t)[0] for t in times])
+        record = record_of({"chassis": z[0], "tire": z[1]}, {"road": heights}, times)
+        found = estimate(record, off(QUARTER), given=("road",))
+        # A cubic spline follows 30 Hz at 250 Hz to 1e-3, and 15 Hz to 5e-5.
+        assert relative_errors(found.suspension, QUARTER).max() < 1e-3
+        assert relative_errors(found.suspension, QUARTER)[:2].max() < 1e-4
+
+    def test_a_stepped_road_is_held(self) -> None:
+        # A step of the road is a start with all displacements less, and its knock through the tire's damper.
+        step, n = 0.03, 400
+        knock = QUARTER.struts[1].damping * step / QUARTER.masses["tire"]
+        z, _ = integrated(QUARTER, TIMES[: len(TIMES) - n], still, np.array([-step, -step, 0.0, knock]))
+        whole = np.hstack([np.zeros((2, n)), z + step])
+        road = np.where(np.arange(len(TIMES)) < n, 0.0, step)
+        record = record_of({"chassis": whole[0], "tire": whole[1]}, {"road": road})
+        found = estimate(record, off(QUARTER), given=("road",))
+        assert relative_errors(found.suspension, QUARTER).max() < 1e-7
+
+    def test_a_given_force_gives_the_masses_too(self) -> None:
+        def force(t: float) -> float:
+            return float(500 * np.sin(2 * np.pi * (0.4 * t + 0.6 * t**2)))
+
+        z, _ = integrated(QUARTER, TIMES, still, np.zeros(4), force)
+        record = record_of({"chassis": z[0], "tire": z[1]}, {"chassis_force": np.array([force(t) for t in TIMES])})
+        nominal = off(QUARTER).with_parameters(masses={"chassis": 300, "tire": 55})
+        found = estimate(record, nominal, given=("chassis_force",), free_masses=["chassis", "tire"])
+        assert relative_errors(found.suspension, QUARTER).max() < 1e-4
+        assert EstimateCheck.SCALE in {check.remark.code for check in found.verdict.checks}
+
+    @pytest.mark.skipif(not RIZOIT.exists(), reason="the records of an independent simulator are not here")
+    def test_chirp_step_and_release_of_an_independent_simulator(self) -> None:
+        car = quarter_car(
+            seat_mass=88, chassis_mass=270, tire_mass=60, seat_stiffness=16e3, chassis_stiffness=27e3,
+            tire_stiffness=200e3, seat_damping=500, chassis_damping=2000, tire_damping=0,
+        )  # fmt: skip
+        records = []
+        for name in ("chirp", "step50mm", "release"):
+            table = np.genfromtxt(RIZOIT / f"{name}.csv", delimiter=",", names=True)[::2]
+            motions = {"seat": table["z_seat_m"], "chassis": table["z_body_m"], "tire": table["z_wheel_m"]}
+            records.append(record_of(motions, {"road": table["z_road_m"]}, table["t_s"]))
+        found = estimate(records, off(car), given=("road",), fixed=["tire.damping"])
+        errors = relative_errors(found.suspension, car)
+        assert errors[:3].max() < 1e-4
+        assert errors[3:5].max() < 1e-3
+
+
+class TestOptions:
+    RECORD = free_decay(QUARTER, TIMES, initial_state={"v_tire": 1.0, "z_chassis": 0.02})
+
+    def test_what_is_held_tied_and_bounded(self) -> None:
+        nominal = off(QUARTER, (1.0, 1.0, 0.8))
+        held = estimate(self.RECORD, nominal, fixed=["tire.damping", "tire.stiffness"])
+        assert held.held == ("tire.stiffness", "tire.damping")
+        assert held.suspension.struts[1] == nominal.struts[1]
+        bounded = estimate(self.RECORD, nominal, bounds={"tire.stiffness": (None, 190e3)})
+        assert bounded.suspension.struts[1].stiffness == pytest.approx(190e3)
+        assert EstimateCheck.AT_BOUND in {check.remark.code for check in bounded.verdict.checks}
+        tied = estimate(
+            free_decay(HALF, TIMES, initial_state=KNOCK), off(HALF), fixed=TIRES,
+            ties=[("front.stiffness", "rear.stiffness")],
+        ).suspension  # fmt: skip
+        assert tied.struts[0].stiffness == tied.struts[1].stiffness
+
+    def test_a_mass_known_to_a_share_widens_in_proportion(self) -> None:
+        # One common error of both masses is an error of all springs and dampers by the same share.
+        noisy = add_noise(self.RECORD, snr_db=60.0, rng=np.random.default_rng(2))
+        found = estimate(noisy, off(QUARTER), nominal_std={"chassis.mass": 0.02, "tire.mass": 0.5})
+        spread = dict(zip(found.parameters, found.std / found.values, strict=True))
+        assert spread["chassis.stiffness"] == pytest.approx(0.02, rel=0.05)
+        assert spread["chassis.damping"] == pytest.approx(0.02, rel=0.05)
+
+    def test_masses_alone_cannot_be_found(self) -> None:
+        with pytest.raises(EstimationError, match=r"ratios to a known mass") as refused:
+            estimate(self.RECORD, off(QUARTER), free_masses=["chassis", "tire"])
+        assert isinstance(refused.value.best, Suspension)
+        for name in ("chassis.stiffness", "tire.mass"):
+            assert name in str(refused.value)
+
+    def test_channels_that_do_not_see_a_damper_say_so(self) -> None:
+        legs = [
+            Strut(name=side, stiffness=1e4, damping=100.0, arms={side: 1.0, "ground": -1.0})
+            for side in ("left", "right")
+        ]
+        twin = Suspension(masses={"left": 100.0, "right": 100.0}, struts=legs)
+        record = free_decay(twin, TIMES, initial_state={"v_left": 1.0, "v_right": 1.0})
+        with pytest.raises(EstimationError, match=r"do not determine right\.stiffness, right\.damping") as refused:
+            estimate(record_of({"left": np.asarray(record.y)[0]}), twin)
+        assert "left.stiffness" not in str(refused.value)
+
+    def test_names_that_mean_nothing(self) -> None:
+        with pytest.raises(InputError, match="Did you mean 'road'"):
+            estimate(self.RECORD, QUARTER, given=("raod",))
+        with pytest.raises(InputError, match="no input or channel 'road'"):
+            estimate(self.RECORD, QUARTER, given=("road",))
+        with pytest.raises(RecordError, match="measures the suspension"):
+            estimate(record_of({"x": np.ones(1000)}), QUARTER)
+        with pytest.raises(InputError, match="needs a Suspension"):
+            estimate(self.RECORD, eigenmodes(QUARTER))  # type: ignore[arg-type]
+
+
+class TestJudgement:
+    def test_a_topology_that_lacks_a_mass_is_told(self) -> None:
+        record = free_decay(PAPER, np.arange(0, 5, 0.005), initial_state={"v_tire": 1.0})
+        two = quarter_car(
+            chassis_mass=400, tire_mass=200, chassis_stiffness=400e3, tire_stiffness=800e3, chassis_damping=200,
+        )  # fmt: skip
+        part = record_of({"chassis": np.asarray(record.y)[1], "tire": np.asarray(record.y)[2]})
+        found = estimate(add_noise(part, snr_db=30.0, rng=np.random.default_rng(1)), two)
+        assert not found.explains
+        assert found.verdict.level is Level.CARE
+
+    def test_white_noise_passes_and_a_decay_in_it_fails(self) -> None:
+        rng = np.random.default_rng(3)
+        noise = rng.standard_normal((200, 1000))
+        statistics, freedom = portmanteau(noise)
+        assert statistics.mean() == pytest.approx(freedom, abs=4 * np.sqrt(2 * freedom / 200))
+        left = noise[:1] + np.exp(-0.002 * np.arange(1000)) * np.sin(0.1 * np.arange(1000))
+        assert portmanteau(left)[0][0] > 100
+
+    def test_coloured_noise_has_the_scores_that_its_spectrum_gives(self) -> None:
+        # The sum of n samples of an AR(1) process of innovation 1 has the variance n / (1 - a)^2.
+        rng, a, n = np.random.default_rng(4), 0.8, 20000
+        noise = rng.standard_normal(n)
+        for k in range(1, n):
+            noise[k] += a * noise[k - 1]
+        power = score_power(np.ones((n, 1)), noise)
+        assert power[0, 0] / n == pytest.approx(1 / (1 - a) ** 2, rel=0.3)
+
+    def test_the_table_names_the_masses_and_the_change(self) -> None:
+        found = estimate(
+            add_noise(TestOptions.RECORD, snr_db=40.0, rng=np.random.default_rng(1)),
+            QUARTER.with_parameters(damping={"chassis": 1625}),
+        )
+        text = str(found)
+        assert "-20" in text or "-19.9" in text
+        assert "the mass of chassis and the mass of tire are taken as known" in text
+        changed = next(c.remark for c in found.verdict.checks if c.remark.code is EstimateCheck.CHANGED)
+        assert changed.numbers["names"] == ("chassis.damping",)

@@ -1,0 +1,258 @@
+"""Estimates from measured motion of the wheels: the road cancels, and what is not in the model is told."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import control
+import numpy as np
+import pytest
+from scipy.stats import binom, chi2
+
+from suspid import InputError, Level, Suspension, estimate, half_car, quarter_car
+from suspid.greybox.noise_levels import Levels, covariance_of, levels_of, node_basis
+from suspid.greybox.transfers import Layout, Physics, layout_of, transfer
+from suspid.greybox.trials import trials_of
+from suspid.reconstruction import parameter_names, parameter_vector
+from suspid.units import ComplexArray, RealArray
+from suspid.words import EstimateCheck
+
+QUARTER = quarter_car(
+    chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3, chassis_damping=1300
+)
+HALF = half_car(
+    chassis_mass=600, pitch_inertia=600 * 1.25 * 1.35 * 0.87, front_tire_mass=40, rear_tire_mass=42,
+    cg_to_front=1.25, cg_to_rear=1.35, front_stiffness=22e3, rear_stiffness=24e3, front_tire_stiffness=190e3,
+    rear_tire_stiffness=200e3, front_damping=1350, rear_damping=1450,
+)  # fmt: skip
+RATE = 200.0
+
+
+def off(car: Suspension) -> Suspension:
+    """Return the car with its k and c 30 % off, in turn."""
+    names, count = [s.name for s in car.struts], len(car.struts)
+    p = parameter_vector(car)[: 2 * count] * np.resize([0.7, 1.3, 0.7], 2 * count)
+    return car.with_parameters(
+        stiffness=dict(zip(names, p[:count].tolist(), strict=True)),
+        damping=dict(zip(names, p[count:].tolist(), strict=True)),
+    )
+
+
+def driven(
+    car: Suspension,
+    seed: int,
+    *,
+    duration: float = 60.0,
+    noise: Mapping[str, float] | None = None,
+    delay: Mapping[str, float] | None = None,
+    mount: float | None = None,
+    lag: float = 0.13,
+    channels: Sequence[str] | None = None,
+) -> tuple[dict[str, RealArray], RealArray]:
+    """Return motions on a random road, by default all accelerations: a cut from a period of four times the length.
+
+    Exact, frequency by frequency: ``(M s^2 + C s + K) q = (C_road s + K_road) r``. The slope of the road is white, as
+    on class B at 20 m/s; the second axle follows by ``lag``. With a ``mount`` [N/m], in series with each damper of a
+    spring, ``c s`` is ``c s / (1 + c s / mount)``.
+    """
+    rng = np.random.default_rng(seed)
+    count = round(4 * duration * RATE)
+    hertz = np.fft.rfftfreq(count, 1 / RATE)[1:]
+    s = 2j * np.pi * hertz
+    # One-sided G(f) = G_d(n_0) n_0^2 v / f^2, G_d(0.1 / m) = 64e-6 m^3.
+    size = np.sqrt(64e-6 * 0.01 * 20.0 / hertz**2 * RATE / 2 * count) * (hertz < 90) * (hertz > 0.1)
+    road = size * (rng.standard_normal(len(s)) + 1j * rng.standard_normal(len(s))) / np.sqrt(2)
+    roads = np.stack([road * np.exp(-s * lag * i) for i in range(len(car.roads))], axis=1)
+    arms, road_arms = car.arms(car.coordinates), car.arms(car.roads)
+    k, c = np.array([x.stiffness for x in car.struts]), np.array([x.damping for x in car.struts])
+    rate = c * s[:, None]
+    rates = rate if mount is None else rate / (1 + rate / mount)
+    dynamic = np.einsum("lj,ja,jb->lab", k + rates, arms, arms) + car.M * s[:, None, None] ** 2
+    push = -np.einsum("lj,ja,jb,lb->la", k + rates, arms, road_arms, roads)
+    motion = np.linalg.solve(dynamic, push[:, :, None])[:, :, 0] * s[:, None] ** 2
+    kept, made = round(duration * RATE), {}
+    every = {name: motion[:, i] * np.exp(-s * (delay or {}).get(name, 0.0)) for i, name in enumerate(car.coordinates)}
+    shown = {f"{name}_acceleration": values for name, values in every.items()}
+    shown |= {f"{name}_velocity": values / s for name, values in every.items()}
+    shown |= {name: values / s**2 for name, values in every.items()}
+    if channels is not None:
+        shown["chassis_travel"] = (every["chassis"] - every["tire"]) / s**2
+    for name in channels or [f"{c}_acceleration" for c in car.coordinates]:
+        whole = np.fft.irfft(np.concatenate([[0], shown[name]]), count)[:kept]
+        level = (noise or {}).get(name.removesuffix("_acceleration"), 0.0)
+        made[name] = whole + level * rng.standard_normal(kept)
+    return made, np.arange(kept) / RATE
+
+
+def record_of(motions: Mapping[str, RealArray], times: RealArray) -> control.TimeResponseData:
+    return control.TimeResponseData(
+        time=times, outputs=np.array(list(motions.values())), output_labels=list(motions), issiso=False
+    )
+
+
+NOISE = {"chassis": 0.03, "tire": 0.1}
+
+
+class TestTransfer:
+    def layout(self) -> Layout:
+        record = record_of(dict.fromkeys(("heave_acceleration", "pitch_velocity", "rear", "front_travel"), np.ones(9)),
+                           np.arange(9.0))  # fmt: skip
+        return layout_of(HALF, trials_of(record, HALF, ("front", "rear"))[0])
+
+    def physics(self, values: RealArray) -> Physics:
+        struts = len(HALF.struts)
+        return Physics(
+            stiffness=values[:struts], damping=values[struts : 2 * struts],
+            masses=values[2 * struts : 2 * struts + 4], relaxation=values[-12:-8], gains=values[-8:-4],
+            delays=values[-4:],
+        )  # fmt: skip
+
+    def test_slopes_are_those_of_finite_differences(self) -> None:
+        layout, s = self.layout(), 2j * np.pi * np.array([0.7, 1.4, 9.0])
+        assert [layout.causes, layout.outputs] == [(2, 3), (0, 1)]
+        values = np.concatenate([parameter_vector(HALF), [2e-3, 1e-3, 0, 0], [1, 1, 1.1, 0.9], [0, 0, 2e-3, -1e-3]])
+        rows = [0, 1, 4, 5, 8, 9]
+        where = [*rows, 12, 13, 18, 19, 22, 23]
+
+        def made(at: RealArray) -> tuple[ComplexArray, ComplexArray, ComplexArray, ComplexArray]:
+            found = transfer(layout, s, self.physics(at), rows, mounts=[0, 1], gains=[2, 3], delays=[2, 3])
+            return found.T, found.left_by_ends, found.left, found.right
+
+        _, _, left, right = made(values)
+        for i, place in enumerate(where):
+            move = np.zeros(len(values))
+            move[place] = 1e-5 * (abs(values[place]) + 1e-4)
+            slope = (made(values + move)[0] - made(values - move)[0]) / (2 * move[place])
+            expected = left[:, :, i, None] * right[:, None, i]
+            np.testing.assert_allclose(slope, expected, atol=1e-5 * np.abs(expected).max())
+
+    def test_what_is_given_must_be_enough(self) -> None:
+        record = record_of(dict.fromkeys(("heave_acceleration", "front_acceleration"), np.ones(9)), np.arange(9.0))
+        for given, words in (
+            (("front",), "'rear_tire' connects 'rear' to a road"),
+            (("front", "rear"), "no channel measures the motion of 'rear'"),
+            (("heave", "pitch", "front", "rear"), "nothing is left"),
+        ):
+            with pytest.raises(InputError, match=words):
+                layout_of(HALF, trials_of(record, HALF, given)[0])
+
+
+class TestNoiseLevels:
+    def test_levels_of_their_own_moments_are_found(self) -> None:
+        hertz = np.linspace(0.5, 25, 200)
+        rng = np.random.default_rng(1)
+        T = rng.standard_normal((200, 2, 2)) + 1j * rng.standard_normal((200, 2, 2))
+        basis = node_basis(hertz)
+        true = Levels(outputs=np.log(rng.uniform(0.5, 2.0, (basis.shape[1], 2))), causes=np.log(np.array([0.3, 3.0])))
+        moments = covariance_of(T, *true.spectra(basis))
+        start = Levels(outputs=np.zeros_like(true.outputs), causes=np.zeros(2))
+        found = levels_of(T, moments, basis, start, anchor=start, count=10_000)
+        np.testing.assert_allclose(found.outputs, true.outputs, atol=1e-3)
+        np.testing.assert_allclose(found.causes, true.causes, atol=1e-3)
+
+
+class TestDriving:
+    def test_without_noise_the_strut_is_exact(self) -> None:
+        motions, times = driven(QUARTER, 1)
+        found = estimate(record_of(motions, times), off(QUARTER), given=("tire",), gains=(), delays=(), mounts=())
+        # What the ends of the stretches leave is known to the third power of frequency.
+        assert found.suspension.struts[0].stiffness == pytest.approx(22e3, rel=1e-4)
+        assert found.suspension.struts[0].damping == pytest.approx(1300, rel=1e-4)
+        assert found.suspension.struts[1] == off(QUARTER).struts[1]
+
+    def test_intervals_hold_and_errors_are_as_stated(self) -> None:
+        seeds, holds, z = 16, 0, []
+        for seed in range(seeds):
+            motions, times = driven(QUARTER, seed, noise=NOISE)
+            found = estimate(record_of(motions, times), off(QUARTER), given=("tire",), gains=(), delays=(), mounts=())
+            ends = found.interval(0.95)
+            truth = {"chassis.stiffness": 22e3, "chassis.damping": 1300.0}
+            holds += sum(ends[name][0] <= value <= ends[name][1] for name, value in truth.items())
+            z += [(v - truth[n]) / sd for n, v, sd in zip(found.parameters, found.values, found.std, strict=True)]
+            assert found.std[0] / found.values[0] < 0.002
+        assert binom.ppf(1e-4, 2 * seeds, 0.95) <= holds
+        assert np.sum(np.square(z)) < chi2.ppf(1 - 1e-4, 2 * seeds)
+
+    @pytest.mark.parametrize(
+        "sensors",
+        [
+            {"tire_velocity": 0.003},
+            {"tire": 0.0003},
+            {"chassis_travel": 0.0003},
+            {"tire_acceleration": 0.1, "chassis_travel": 0.0003},
+        ],
+    )
+    def test_any_sensors_of_the_wheel(self, sensors: Mapping[str, float]) -> None:
+        noise = {"chassis": 0.03, **{name.removesuffix("_acceleration"): std for name, std in sensors.items()}}
+        noisy, times = driven(QUARTER, 7, channels=["chassis_acceleration", *sensors], noise=noise)
+        found = estimate(record_of(noisy, times), off(QUARTER), given=("tire",))
+        truth = {"chassis.stiffness": 22e3, "chassis.damping": 1300.0}
+        for name, value, std in zip(found.parameters, found.values, found.std, strict=True):
+            assert name not in truth or abs(value - truth[name]) < 4 * std < 0.05 * value
+        assert found.explains
+
+    def test_records_of_two_loggers_are_used_jointly(self) -> None:
+        records = [record_of(*driven(QUARTER, seed, noise=NOISE, delay={"tire": 0.001 * seed})) for seed in (1, 2)]
+        both = estimate(records, off(QUARTER), given=("tire",), gains=(), mounts=())
+        alone = estimate(records[1], off(QUARTER), given=("tire",), gains=(), mounts=())
+        delays = dict(zip(both.parameters, both.values, strict=True))
+        assert delays["tire_acceleration[1].delay"] == pytest.approx(0.001, abs=1e-4)
+        assert delays["tire_acceleration[2].delay"] == pytest.approx(0.002, abs=1e-4)
+        assert both.std[0] < 0.85 * alone.std[0]
+
+    def test_a_late_sensor_and_a_mount_are_found_and_would_do_harm(self) -> None:
+        motions, times = driven(QUARTER, 3, noise=NOISE, delay={"tire": 0.002}, mount=1e6)
+        record = record_of(motions, times)
+        found = estimate(record, off(QUARTER), given=("tire",))
+        ends = found.interval(0.999)
+        for name, value in (
+            ("chassis.stiffness", 22e3), ("chassis.damping", 1300.0), ("chassis.relaxation", 1.3e-3),
+            ("tire_acceleration.gain", 1.0), ("tire_acceleration.delay", 0.002),
+        ):  # fmt: skip
+            assert ends[name][0] < value < ends[name][1]
+        assert found.suspension.struts[0].mount_stiffness == pytest.approx(1e6, rel=0.5)
+        # Each alone, left out: k is far too small with a delay, far too large with a mount, and the verdict says so.
+        for delay, mount, sign in ((0.002, None, -1), (0.0, 1e6, 1)):
+            motions, times = driven(QUARTER, 3, noise=NOISE, delay={"tire": delay}, mount=mount)
+            rigid = estimate(record_of(motions, times), QUARTER, given=("tire",), gains=(), delays=(), mounts=())
+            assert sign * (rigid.suspension.struts[0].stiffness / 22e3 - 1) > 0.1
+            assert rigid.verdict.level is Level.DOUBTFUL
+
+    def test_a_half_car_by_both_wheels_gives_its_inertia(self) -> None:
+        noise = {"heave": 0.02, "pitch": 0.02, "front": 0.1, "rear": 0.1}
+        motions, times = driven(HALF, 4, noise=noise)
+        nominal = off(HALF).with_parameters(masses={"pitch": 700})
+        found = estimate(
+            record_of(motions, times), nominal, given=("front", "rear"), free_masses=["pitch"], gains=(), delays=(),
+            mounts=(),
+        )  # fmt: skip
+        truth = dict(zip(parameter_names(HALF), parameter_vector(HALF), strict=True))
+        for name, value, std in zip(found.parameters, found.values, found.std, strict=True):
+            assert abs(value - truth[name]) < 4 * std
+            assert std < 0.01 * value
+        assert found.explains
+        assert found.modes.channels == ("heave", "pitch")
+
+    def test_a_quarter_car_on_a_corner_of_a_half_car_is_told(self) -> None:
+        motions, times = driven(HALF, 5, noise={"heave": 0.02, "front": 0.05})
+        # The body above the front axle, and a quarter car with the mass that the half car shows there.
+        above = motions["heave_acceleration"] - 1.25 * motions["pitch_acceleration"]
+        corner = quarter_car(
+            chassis_mass=1 / (1 / 600 + 1.25**2 / HALF.masses["pitch"]), tire_mass=40, chassis_stiffness=22e3,
+            tire_stiffness=190e3, chassis_damping=1350,
+        )  # fmt: skip
+        record = record_of({"chassis_acceleration": above, "tire_acceleration": motions["front_acceleration"]}, times)
+        found = estimate(record, corner, given=("tire",))
+        assert not found.explains
+        assert found.verdict.level is Level.DOUBTFUL
+        assert any(check.remark.code is EstimateCheck.FOLLOWS for check in found.verdict.checks)
+
+    def test_fitted_and_residual_add_up_to_the_band_of_the_record(self) -> None:
+        motions, times = driven(QUARTER, 6, noise=NOISE, duration=20.0)
+        found = estimate(record_of(motions, times), QUARTER, given=("tire",), band=(0.5, 25.0), stretch=20.0)
+        whole = np.asarray(found.fitted[0].y) + np.asarray(found.residual[0].y)
+        record = np.array(list(motions.values()))
+        lines = np.fft.rfft(record, axis=1)
+        hertz = np.fft.rfftfreq(record.shape[1], 1 / RATE)
+        lines[:, (hertz < 0.5) | (hertz > 25.0)] = 0.0
+        np.testing.assert_allclose(whole, np.fft.irfft(lines, record.shape[1]), atol=1e-9)
