@@ -16,6 +16,7 @@ from suspid.analysis import Analysis, CarSettings, Settings, analyse
 from suspid.cleaning import Cleaned, Finding, Vertical, clean, read_record, scaled, to_si, vertical
 from suspid.decays import Decay, Decays, find_decays
 from suspid.errors import (
+    EstimationError,
     IdentificationError,
     InputError,
     ReconstructionError,
@@ -24,12 +25,14 @@ from suspid.errors import (
     SuspidError,
 )
 from suspid.fleet import FleetRun, FleetSummary, fleet_summary, identify_many
+from suspid.greybox import Estimate, RecordTest, estimate
 from suspid.identification import Considered, FourSteps, Identification, Repeats, identify, identify_repeats
 from suspid.io import read_recording, write_record
 from suspid.model import (
     Comparison,
     Interval,
     ModalSet,
+    Sensor,
     Strut,
     Suspension,
     compare,
@@ -45,7 +48,9 @@ from suspid.reconstruction import ModalTest, Reconstruction, reconstruct
 from suspid.recordings import RawChannel, Recording
 from suspid.reporting import (
     Source,
+    plot_amplitude,
     plot_entropy,
+    plot_estimate,
     plot_fit,
     plot_identification,
     plot_scalogram,
@@ -56,7 +61,7 @@ from suspid.reporting import (
     source_of,
 )
 from suspid.signals import cut
-from suspid.simulation import add_noise, free_decay
+from suspid.simulation import add_noise, free_decay, road_profile, simulate
 from suspid.wavelets import (
     BandwidthSearch,
     Morlet,
@@ -77,11 +82,11 @@ __version__ = version("suspid")
 # fmt: off
 __all__ = [  # noqa: RUF022 - grouped by step
     # a model
-    "Strut", "Suspension", "quarter_car", "half_car", "full_car", "statespace", "read_car", "write_car",
+    "Strut", "Sensor", "Suspension", "quarter_car", "half_car", "full_car", "statespace", "read_car", "write_car",
     # its modes
     "ModalSet", "Interval", "eigenmodes",
     # its responses, and measured ones
-    "free_decay", "add_noise", "read_record", "write_record", "cut", "denoise",
+    "free_decay", "simulate", "road_profile", "add_noise", "read_record", "write_record", "cut", "denoise",
     # files as they come, cleaned, and the decays in them
     "read_recording", "Recording", "RawChannel", "clean", "Cleaned", "Finding",
     "vertical", "Vertical", "scaled", "to_si", "find_decays", "Decays", "Decay",
@@ -93,12 +98,17 @@ __all__ = [  # noqa: RUF022 - grouped by step
     "find_ridges", "Ridge", "Window", "fit_ridges", "SkeletonFit",
     # back to springs and dampers, and how near that is
     "reconstruct", "Reconstruction", "ModalTest", "compare", "Comparison",
+    # the car itself, straight from records
+    "estimate", "Estimate", "RecordTest",
     # a page for others, and many records
     "report", "report_to_dict", "Source", "source_of", "identify_many", "FleetRun", "fleet_summary", "FleetSummary",
     # pictures of each step
-    "plot_scalogram", "plot_skeletons", "plot_entropy", "plot_fit", "plot_shapes", "plot_identification",
+    "plot_scalogram", "plot_skeletons", "plot_amplitude", "plot_entropy", "plot_fit", "plot_shapes",
+    "plot_identification",
+    "plot_estimate",
     # what is said of a result
     "Verdict", "Level", "Check", "Remark", "Code",
     # what goes wrong
     "SuspidError", "InputError", "RecordError", "RecordWarning", "IdentificationError", "ReconstructionError",
+    "EstimationError",
 ]

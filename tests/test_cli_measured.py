@@ -195,7 +195,7 @@ BAD: dict[str, tuple[str, Callable[[Path], None], list[object], str]] = {
     "folder": ("r.csv", folder, [], "folder"),
     "unreadable": ("r.csv", unreadable, [], "cannot be read"),
     "not there": ("r.csv", nothing, [], "no such file"),
-    "unknown type": ("r.xyz", written(b"t,seat\n0,1\n1,2\n"), [], "known"),
+    "unknown type": ("r.xyz", written(b"\x01\x02\x03"), [], "known"),
     "no text": ("r.csv", written(b"t,seat\n\x00\x01\x02\n" * 20), [], "text"),
     **{f"rubbish{suffix}": (f"r{suffix}", written(RUBBISH), [], "r") for suffix in READERS},
     **{f"empty{suffix}": (f"r{suffix}", written(b""), [], "is empty") for suffix in READERS},

@@ -251,7 +251,7 @@ class TestVerdict:
         defects = (finding(repaired=False), finding(repaired=False))
         cleaned = Cleaned(record=found.response, units=("m",) * 3, findings=defects)
         content = report_to_dict(found, cleaned=cleaned, decays=(stretch(0.0, 10.0, doubts=("only 1.5 cycles",)),))
-        assert level_of(content) == "care"
+        assert level_of(content) == "doubtful"
         assert {RecordCheck.DECAY.value, RecordCheck.DEFECTS.value} <= codes_of(content)
 
     def test_a_car_that_does_not_explain_the_modes_counts(self, found: Identification, springs: Reconstruction) -> None:

@@ -6,17 +6,17 @@ wrong, and with 3 if a car was found and written, but does not explain the modes
 
 from __future__ import annotations
 
-import math
 from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
-import numpy as np
 
+from suspid.cli.estimate import estimate_command
 from suspid.cli.fleet import fleet_command
-from suspid.cli.measured import channels_command, identify_command, record_in_words, report_command
-from suspid.cli.options import FILE, pairs
+from suspid.cli.measured import channels_command, identify_command, report_command
+from suspid.cli.options import FILE
+from suspid.cli.simulate import simulate_command
 from suspid.cli.support import (
     Commands,
     Positive,
@@ -28,12 +28,11 @@ from suspid.cli.support import (
     said_warnings,
     say,
 )
-from suspid.files import printable, replacing
+from suspid.files import replacing
 
 if TYPE_CHECKING:
     from suspid.model import ModalSet
 
-MOST_SIMULATED = 50_000_000
 EXIT_UNEXPLAINED = 3
 
 
@@ -50,7 +49,9 @@ def main() -> None:
 main.add_command(channels_command)
 main.add_command(identify_command)
 main.add_command(report_command)
+main.add_command(estimate_command)
 main.add_command(fleet_command)
+main.add_command(simulate_command)
 
 
 @main.command("reconstruct")
@@ -137,58 +138,6 @@ def reconstruct_command(
     say(text)
     if not found.explains:
         click.get_current_context().exit(EXIT_UNEXPLAINED)
-
-
-@main.command("simulate")
-@click.argument("car", type=FILE)
-@click.option("-o", "--output", type=FILE, metavar="FILE", required=True, help="The record to write (.csv).")
-@click.option("--fs", type=Positive("Hz"), default=500.0, show_default=True, help="Sampling rate.")
-@click.option("--duration", type=Positive("s"), default=10.0, show_default=True, help="Length of the record.")
-@click.option("--impulse", metavar="INPUT", help="Input that gets a unit impulse, such as road.")
-@click.option("--initial", metavar="STATE=VALUE", multiple=True, help="Start, such as v_tire=1 [m/s]; repeat.")
-@click.option("--channel", "channels", metavar="NAME", multiple=True, help="Output; repeat. [all displacements]")
-@click.option("--snr", type=float, metavar="dB", help="Add white noise at this ratio to every channel.")
-@click.option("--seed", type=click.IntRange(min=0), help="Seed of the noise; needed with --snr.")
-@click.option("--digits", type=click.IntRange(1, 17), help="Significant digits of the samples. [every bit]")
-def simulate_command(
-    car: Path,
-    output: Path,
-    fs: float,
-    duration: float,
-    impulse: str | None,
-    initial: tuple[str, ...],
-    channels: tuple[str, ...],
-    snr: float | None,
-    seed: int | None,
-    digits: int | None,
-) -> None:
-    """Write the free decay of CAR (.toml) as a record."""
-    from suspid.io import check_record_name, write_record
-    from suspid.model import eigenmodes, read_car, statespace
-    from suspid.simulation import add_noise, free_decay
-
-    if (impulse is None) == (not initial):
-        raise click.UsageError("Give either --impulse or --initial.")
-    if (snr is None) != (seed is None):
-        raise click.UsageError("Give --snr and --seed together: the same seed makes the same noise.")
-    count = round(fs * duration) if fs * duration <= MOST_SIMULATED else 0
-    if count < 2:
-        raise click.UsageError(f"{fs:g} Hz for {duration:g} s must be between 2 and {MOST_SIMULATED} samples.")
-    state = pairs(initial, "--initial", float)
-    check_record_name(output)
-    check_apart([car], [output])
-    with replacing(output) as draft, said_warnings() as said:
-        suspension = read_car(car)
-        system = statespace(suspension, outputs=channels or None)
-        timepts = np.arange(count) / fs
-        record = free_decay(system, timepts, initial_state=state or None, impulse=impulse)
-        if snr is not None:
-            record = add_noise(record, snr_db=snr, rng=np.random.default_rng(seed))
-        highest = float(np.max(np.abs(eigenmodes(suspension).poles.imag), initial=0.0)) / (2 * math.pi)
-        if highest >= fs / 2:
-            said.append(f"a mode at {highest:.4g} Hz lies above half the sampling rate and is aliased")
-        write_record(record, draft, digits=digits)
-    say(f"{printable(str(output))}: {record_in_words(record)}")
 
 
 @main.command("modes")

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import shlex
+from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,12 +18,14 @@ from suspid.cli.options import DBC_OPTION, FILE, FS_OPTION, TIME_OPTION, analysi
 from suspid.cli.support import ARGUMENTS, check_apart, named, said_warnings, say
 from suspid.errors import InputError
 from suspid.files import printable, replacing
-from suspid.identification import Identification
 from suspid.signals import as_signal
-from suspid.words import DAMAGE, count
+from suspid.words import DAMAGE, Note, count
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     import control
+    from matplotlib.figure import Figure
 
 # Things in a file that are no channels which are listed; `suspid channels` lists all.
 MOST_LEFT_OUT = 3
@@ -47,33 +51,82 @@ def channels_command(file: Path, time: str | None, fs: float | None, dbc: Path |
 
 
 @click.command("identify")
-@click.argument("file", type=FILE)
+@click.argument("files", type=FILE, nargs=-1, required=True, metavar="FILE...")
 @analysing()
 @click.option("--plot", type=FILE, metavar="FILE", help="Write pictures of the identification (.png, .svg, .pdf).")
 @click.option("--json", "json_file", type=FILE, metavar="FILE", help="Write modes, uncertainty and settings as JSON.")
-def identify_command(file: Path, settings: Settings, plot: Path | None, json_file: Path | None) -> None:
+def identify_command(files: tuple[Path, ...], settings: Settings, plot: Path | None, json_file: Path | None) -> None:
     """Find the modes in the record FILE.
 
     FILE has any format that `suspid channels` reads. No mode is an answer as well: the exit code is then 0.
-    """
-    from suspid.identification import identification_to_dict, modes_to_dict, to_json
 
-    check_apart([file], [plot, json_file])
+    Several FILEs are tests of one structure: their decays are joined.
+    """
+    from suspid.identification import to_json
+    from suspid.reporting import plot_identification
+
+    check_apart(list(files), [plot, json_file])
+    if plot and len(files) > 1:
+        raise click.UsageError("--plot draws one record: name one FILE.")
     with ExitStack() as outputs, said_warnings() as said, progress(*STEPS[:3]) as step:
-        figure_draft = outputs.enter_context(replacing(_checked_picture(plot))) if plot else None
+        figure_draft = outputs.enter_context(replacing(checked_picture(plot))) if plot else None
         json_draft = outputs.enter_context(replacing(json_file)) if json_file else None
-        with named(file):
-            found = analyse(file, settings=settings, progress=step)
+        if len(files) > 1:
+            found = analyse(list(files), settings=settings, progress=step)
+        else:
+            with named(files[0]):
+                found = analyse(files[0], settings=settings, progress=step)
+        tests = _other_tests(found)
+        if tests and (plot or json_file):
+            raise InputError(
+                f"{printable(str(files[0]))} holds {len(tests) + 1} tests: choose one with --test, such as --test "
+                f"{shlex.quote(tests[0])}, or join them with --test all"
+            )
+        if tests:
+            found = replace(found, notes=tuple(note for note in found.notes if note.code is not Note.ONE_OF_TESTS))
+        others = [(files[0], analyse(files[0], settings=replace(settings, test=test))) for test in tests]
         if json_draft:
-            content = identification_to_dict(found.identification, file=str(file), warnings=[*said, *said_of(found)])
-            content |= {} if found.repeats is None else modes_to_dict(found.repeats.modes)
-            content["verdict"] = found.verdict.to_dict()
-            json_draft.write_text(to_json(content), encoding="utf-8")
+            json_draft.write_text(to_json(_json_of(found, files, said)), encoding="utf-8")
         if figure_draft:
-            _draw(found.identification, figure_draft)
+            save_picture(partial(plot_identification, found.identification), figure_draft)
         said += said_of(found, most_left_out=MOST_LEFT_OUT, most_findings=MOST_FINDINGS)
-    head = f"{printable(str(file))}: {record_in_words(found.identification.response)}"
-    say(f"{head}\n\n{found}")
+    say(_in_words(files, found))
+    for file, other in others:
+        say(f"\n{_in_words([file], other)}")
+
+
+def _other_tests(found: Analysis) -> list[str]:
+    """Return the tests in the file beside the one that was used because none was chosen."""
+    several = [note for note in found.notes if note.code is Note.ONE_OF_TESTS]
+    names = several[0].numbers["tests"] if several else ()
+    return [str(name) for name in names[1:]] if isinstance(names, tuple) else []
+
+
+def _in_words(files: Sequence[Path], found: Analysis) -> str:
+    """Return what was found, below a line on each record."""
+    tests = list(found.tests.values()) or [found]
+    names = [printable(str(file)) for file in files] if len(tests) == len(files) else list(found.tests)
+    lines = [
+        f"{name}: {record_in_words(test.identification.response)}" for name, test in zip(names, tests, strict=True)
+    ]
+    return "\n".join([*lines, "", str(found)])
+
+
+def _json_of(found: Analysis, files: Sequence[Path], said: Sequence[str]) -> dict[str, object]:
+    """Return an analysis for JSON; that of several files has the joint modes, and each file as one of its tests."""
+    from suspid.identification import identification_to_dict, modes_to_dict
+
+    if not found.tests:
+        warnings = [*said, *said_of(found)]
+        content = identification_to_dict(found.identification, file=str(files[0]), warnings=warnings)
+        content |= {} if found.repeats is None else modes_to_dict(found.repeats.modes)
+    else:
+        tests = [
+            identification_to_dict(test.identification, file=file, warnings=said_of(test))
+            for file, test in zip(map(str, files) if len(files) > 1 else found.tests, found.tests.values(), strict=True)
+        ]
+        content = {**modes_to_dict(found.modes), "tests": tests, "warnings": [*said, *map(str, found.notes)]}
+    return {**content, "verdict": found.verdict.to_dict()}
 
 
 @click.command("report")
@@ -136,6 +189,13 @@ def said_of(found: Analysis, *, most_left_out: int | None = None, most_findings:
 
     Columns that a selection of channels leaves out are not mentioned, damage is.
     """
+    if found.tests:
+        said = [
+            f"{name}: {line}"
+            for name, test in found.tests.items()
+            for line in said_of(test, most_left_out=most_left_out, most_findings=most_findings)
+        ]
+        return [*said, *map(str, found.notes)]
     everything = () if found.recording is None else found.recording.left_out
     selected = found.settings.channels is not None
     left_out = [(name, why) for name, why in everything if not selected or why.code in DAMAGE]
@@ -161,7 +221,7 @@ def record_in_words(record: control.TimeResponseData) -> str:
     )
 
 
-def _checked_picture(path: Path) -> Path:
+def checked_picture(path: Path) -> Path:
     """Return the path, if its suffix is a kind of picture."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
@@ -173,11 +233,12 @@ def _checked_picture(path: Path) -> Path:
     return path
 
 
-def _draw(identification: Identification, draft: Path) -> None:
+def save_picture(draw: Callable[[Figure], object], draft: Path) -> None:
+    """Write a page that a function draws, of the kind that the name says."""
     from matplotlib.figure import Figure
 
-    from suspid.reporting import PAGE, plot_identification
+    from suspid.reporting import PAGE
 
     figure = Figure(figsize=PAGE, layout="constrained")
-    plot_identification(identification, figure)
+    draw(figure)
     figure.savefig(draft, format=draft.suffix[1:].lower(), dpi=120)

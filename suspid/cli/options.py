@@ -47,6 +47,7 @@ class Which(click.ParamType[str]):
 
 
 READING = (
+    click.option("--test", metavar="NAME", help="Which of several tests in the file; all joins them."),
     click.option("--channel", "channels", metavar="NAME", multiple=True, help="Channel to use; repeat. [all]"),
     click.option("--without", metavar="NAME", multiple=True, help="Channel to leave out; repeat."),
     click.option(
@@ -96,6 +97,7 @@ SETTINGS = (
 
 def settings_of(
     *,
+    test: str | None,
     channels: tuple[str, ...],
     without: tuple[str, ...],
     renames: tuple[str, ...],
@@ -124,6 +126,7 @@ def settings_of(
         raise click.BadParameter(f"{band[0]:g} Hz is not below {band[1]:g} Hz.", param_hint="'--band'")
     try:
         return Settings(
+            test=test,
             channels=channels or None,
             without=without,
             rename=rename,

@@ -19,6 +19,7 @@ from suspid.errors import SuspidError
 from suspid.files import printable
 
 if TYPE_CHECKING:
+    from suspid.greybox import Estimate
     from suspid.reconstruction import Reconstruction
 
 
@@ -182,15 +183,15 @@ def equal_names(given: Sequence[str]) -> list[list[str]]:
     return groups
 
 
-def interval_table(found: Reconstruction, level: float) -> str:
+def interval_table(found: Reconstruction | Estimate, level: float) -> str:
     """Return the table of the lower and the upper end of every parameter, with units."""
-    from suspid.reconstruction import unit_of
+    from suspid.greybox import parameter_unit
     from suspid.values import text_table
 
     ends = found.interval(level)
     return text_table(
         {
-            f"{100 * level:g} % interval": [f"{name} [{unit_of(name)}]" for name in ends],
+            f"{100 * level:g} % interval": [f"{name} [{parameter_unit(name)}]" for name in ends],
             "lower": [f"{low:.7g}" for low, _ in ends.values()],
             "upper": [f"{high:.7g}" for _, high in ends.values()],
         }

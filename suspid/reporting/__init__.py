@@ -8,7 +8,10 @@ To add a picture to the page: draw it on Axes in a module of its own, as in ``pl
 ``{{ figure(pictures.…) }}``. Take colours from ``colours.py``: they have counterparts for dark screens.
 """
 
+from suspid.reporting.estimate_json import estimate_schema, estimate_to_dict
+from suspid.reporting.plot_amplitude import plot_amplitude
 from suspid.reporting.plot_entropy import plot_entropy
+from suspid.reporting.plot_estimate import plot_estimate
 from suspid.reporting.plot_fit import plot_fit
 from suspid.reporting.plot_identification import PAGE, plot_identification
 from suspid.reporting.plot_recording import plot_recording
@@ -24,7 +27,11 @@ __all__ = [
     "PAGE",
     "Source",
     "drawable",
+    "estimate_schema",
+    "estimate_to_dict",
+    "plot_amplitude",
     "plot_entropy",
+    "plot_estimate",
     "plot_fit",
     "plot_identification",
     "plot_recording",

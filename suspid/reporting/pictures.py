@@ -11,6 +11,7 @@ import numpy as np
 
 from suspid.model import ModalSet
 from suspid.reporting.axes import without_legend
+from suspid.reporting.plot_amplitude import plot_amplitude
 from suspid.reporting.plot_entropy import plot_entropy
 from suspid.reporting.plot_fit import plot_fit
 from suspid.reporting.plot_recording import plot_recording
@@ -65,6 +66,7 @@ class Pictures:
     fits: tuple[tuple[Picture, ...], ...]
     shapes: tuple[Picture, ...]
     skeletons: tuple[Picture, ...]
+    amplitudes: Picture | None
     overviews: tuple[Picture, ...]
 
 
@@ -79,6 +81,7 @@ def pictures_of(
             fits=tuple(_fits(found, units)),
             shapes=tuple(_shapes(found.modes)),
             skeletons=tuple(_skeleton(ridge, k) for k, ridge in enumerate(found.ridges[:MOST_RIDGES], 1)),
+            amplitudes=_amplitudes(found),
             overviews=tuple(_overviews(found, cleaned, decays, used)),
         )
 
@@ -193,6 +196,19 @@ def _draw_skeleton(ridge: Ridge, figure: Figure) -> None:
     axes = np.asarray(figure.subplots(2, 1, sharex=True, squeeze=False, height_ratios=[3, 2]), dtype=object)
     plot_skeletons([ridge], axes=axes)
     without_legend(axes[0, 0])
+    figure.align_ylabels(list(axes[:, 0]))
+
+
+def _amplitudes(found: Identification) -> Picture | None:
+    if not found.amplitude_dependence:
+        return None
+    described = "Frequency and damping of each mode against its amplitude"
+    return picture(partial(_draw_amplitudes, found), name="amplitudes", described=described, height=3.1)
+
+
+def _draw_amplitudes(found: Identification, figure: Figure) -> None:
+    axes = np.asarray(figure.subplots(2, len(found.amplitude_dependence), sharex="col", squeeze=False), dtype=object)
+    plot_amplitude(found, axes=axes)
     figure.align_ylabels(list(axes[:, 0]))
 
 

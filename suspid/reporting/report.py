@@ -14,6 +14,7 @@ import numpy as np
 from suspid.files import printable
 from suspid.reporting.colours import TONES
 from suspid.reporting.content import Content, content_of
+from suspid.reporting.estimate_rows import estimate_rows, masses_of
 from suspid.reporting.pictures import MOST_CHANNELS, pictures_of
 from suspid.reporting.rows import channel_rows, mode_rows, parameter_rows, pole_rows, repeat_rows
 from suspid.reporting.source import Source, versions
@@ -144,6 +145,8 @@ def page_of(content: Content, *, title: str | None = None) -> str:
         poles=pole_rows(found)[:MOST_POLES],
         hidden_poles=max(0, len(found.considered) - MOST_POLES),
         repeats=None if repeats is None else repeat_rows(repeats, level),
+        estimate=[] if analysis.estimate is None else estimate_rows(analysis.estimate, level),
+        masses="" if analysis.estimate is None else masses_of(analysis.estimate),
         reconstruction=car,
         parameters=[] if car is None else parameter_rows(car, level),
         chi_square="" if car is None else _chi_square(car),

@@ -16,6 +16,7 @@ import numpy as np
 from suspid.identification import identification_to_dict, modes_to_dict, to_json
 from suspid.reconstruction import reconstruction_to_dict
 from suspid.reporting.content import Content, content_of
+from suspid.reporting.estimate_json import estimate_to_dict
 from suspid.reporting.source import Source, versions
 from suspid.reporting.thinning import is_whole
 from suspid.units import Ratio
@@ -86,6 +87,7 @@ def content_to_dict(content: Content) -> dict[str, object]:
         "decay_remarks": list(content.remarks),
         "repeats": None if repeats is None else _repeats_to_dict(repeats),
         "reconstruction": None if car is None else reconstruction_to_dict(car, level=content.level),
+        "estimate": None if analysis.estimate is None else estimate_to_dict(analysis.estimate, level=content.level),
         "source": None if source is None else _source(source),
         "versions": versions(),
     }

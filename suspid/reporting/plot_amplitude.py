@@ -1,0 +1,100 @@
+"""Natural frequency and damping ratio of a mode against its amplitude."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from suspid.identification import AmplitudeDependence, Identification
+from suspid.reporting.axes import checked_grid, in_legend
+from suspid.reporting.colours import BLUE, SHADE, VERMILION
+from suspid.units import RealArray
+from suspid.wavelets import Ridge
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+# Half the width of the band in standard deviations: 95 %.
+BAND = 1.96
+
+
+def plot_amplitude(found: Identification, *, axes: Sequence[Sequence[Axes]] | NDArray[np.object_]) -> None:
+    """Draw natural frequency and damping ratio of each mode against its amplitude, with 95 % bands.
+
+    Open circles are slopes of the skeleton of the nearest ridge over the same windows of time: a second way to the same
+    curve, without forces and without a fit of the whole decay.
+
+    Parameters
+    ----------
+    found : Identification
+        Modes that depend on their amplitude.
+    axes : (2, mode) of matplotlib.axes.Axes
+        Where to draw: frequency above, damping below.
+
+    Raises
+    ------
+    InputError
+        If the Axes have another shape.
+
+    Examples
+    --------
+    >>> import control, numpy as np
+    >>> from matplotlib.figure import Figure
+    >>> from suspid import identify
+    >>> t = np.arange(0, 10, 0.01)
+    >>> amplitude = np.exp(-0.1 * t) - 0.25
+    >>> swing = control.TimeResponseData(t, amplitude * np.cos(10 * t), issiso=True, output_labels=["angle"])
+    >>> found = identify(swing)
+    >>> axes = Figure().subplots(2, len(found.modes), squeeze=False)
+    >>> plot_amplitude(found, axes=axes)
+    >>> axes[1, 0].get_xlabel()
+    'amplitude in angle'
+    """
+    grid = checked_grid(axes, (2, len(found.amplitude_dependence)))
+    for mode, each in enumerate(found.amplitude_dependence):
+        ridges = [ridge for ridge in found.ridges if abs(np.log(ridge.omega / found.modes.wn[mode])) < np.log(1.1)]
+        nearest = min(ridges, key=lambda ridge: abs(ridge.omega - float(np.mean(each.wn))), default=None)
+        witness = None if nearest is None else _slopes(nearest, each)
+        hertz = 2 * np.pi
+        _draw(grid[0, mode], each.amplitude, each.wn / hertz, each.wn_std / hertz)
+        _draw(grid[1, mode], each.amplitude, each.zeta, each.zeta_std)
+        if witness is not None:
+            grid[0, mode].plot(each.amplitude, witness[0] / hertz, "o", color=VERMILION, fillstyle="none", markersize=5)
+            grid[1, mode].plot(each.amplitude, witness[1], "o", color=VERMILION, fillstyle="none", markersize=5)
+        grid[0, mode].set(title=f"mode {mode + 1}", ylabel="frequency [Hz]" if mode == 0 else "")
+        grid[1, mode].set(
+            xlabel=f"amplitude in {in_legend(each.channel)}", ylabel="damping ratio [1]" if mode == 0 else ""
+        )
+        for ax in grid[:, mode]:
+            ax.axvline(each.holds_at, color=VERMILION, linewidth=0.8, linestyle="--")
+
+
+def _draw(ax: Axes, amplitude: RealArray, value: RealArray, std: RealArray) -> None:
+    order = np.argsort(amplitude)
+    low, high = (value - BAND * std)[order], (value + BAND * std)[order]
+    ax.fill_between(amplitude[order], low, high, color=SHADE, linewidth=0.0)
+    ax.plot(amplitude[order], value[order], ".-", color=BLUE, linewidth=1.0, markersize=4)
+    # A window of which little is known must not hide the others.
+    inner = np.sort(std)[: max(1, (3 * len(std) + 3) // 4)]
+    reach = 2 * BAND * float(inner[-1]) + 0.1 * float(np.ptp(value)) + 1e-3 * float(np.mean(np.abs(value)))
+    ax.set_ylim(float(np.min(value)) - reach, float(np.max(value)) + reach)
+
+
+def _slopes(ridge: Ridge, each: AmplitudeDependence) -> tuple[RealArray, RealArray]:
+    """Return natural frequency and damping ratio from the skeleton over each window; NaN where it is not trusted."""
+    strongest = int(np.argmax(np.mean(np.abs(ridge.skeleton), axis=1)))
+    logarithm = np.log(np.maximum(np.abs(ridge.skeleton[strongest]), 1e-300))
+    phase = np.unwrap(np.angle(ridge.skeleton[strongest]))
+    wn, zeta = np.full(len(each.spans), np.nan), np.full(len(each.spans), np.nan)
+    for i, (start, stop) in enumerate(each.spans):
+        inside = ridge.trusted & (ridge.timepts >= start) & (ridge.timepts <= stop)
+        if np.sum(inside) < 3 or np.ptp(ridge.timepts[inside]) < 0.5 * (stop - start):
+            continue
+        decay = np.polyfit(ridge.timepts[inside], logarithm[inside], 1)[0]
+        turn = np.polyfit(ridge.timepts[inside], phase[inside], 1)[0]
+        wn[i] = abs(complex(decay, turn))
+        zeta[i] = -decay / wn[i]
+    return wn, zeta

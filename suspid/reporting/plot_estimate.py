@@ -1,0 +1,102 @@
+"""An estimate: its parameters beside nominal, and the records beside the motion it explains."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from suspid.greybox import nominal_value
+from suspid.reporting.axes import shown, thinned, unit_ticks
+from suspid.reporting.colours import BLUE, GREY, PALE, VERMILION
+from suspid.signals import as_signal
+from suspid.units import Ratio
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from suspid.greybox import Estimate
+
+# Channels on one page; the others are in the JSON by their noise.
+MOST_CHANNELS = 6
+# Height of a line of the upper picture, and of a channel [inch].
+LINE, CHANNEL = 0.28, 2.0
+# Periods of the slowest mode that are drawn of a long record: more would be a band without lines.
+PERIODS = 20
+
+
+def plot_estimate(found: Estimate, figure: Figure, *, level: Ratio = 0.95) -> Figure:
+    """Draw the change of each parameter from nominal with its interval, and the first record with its residual.
+
+    Parameters
+    ----------
+    found : Estimate
+        What was found.
+    figure : matplotlib.figure.Figure
+        An empty figure.
+    level : float
+        Probability of the intervals [1].
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        ``figure``.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> from suspid import add_noise, estimate, free_decay, quarter_car
+    >>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3,
+    ...                   tire_stiffness=200e3, chassis_damping=1500)
+    >>> record = free_decay(car, np.arange(0, 3, 0.005), initial_state={"v_tire": 1.0})
+    >>> noisy = add_noise(record, snr_db=30.0, rng=np.random.default_rng(1))
+    >>> page = plot_estimate(estimate(noisy, car, fixed=["tire.damping"]), Figure())
+    >>> page.axes[0].get_xlabel()
+    'change from nominal [%]'
+    """
+    if figure.get_layout_engine() is None:
+        figure.set_layout_engine("constrained")
+    residual = as_signal(found.residual[0])
+    channels = residual.channels[:MOST_CHANNELS]
+    heights = [LINE * (2 + len(found.parameters)), *([CHANNEL] * len(channels))]
+    axes = np.atleast_1d(figure.subplots(len(heights), 1, height_ratios=heights))
+    _draw_changes(found, axes[0], level)
+    fitted = as_signal(found.fitted[0])
+    slowest = min((wn for wn in found.modes.wn.tolist() if wn > 0), default=2 * np.pi / residual.duration)
+    until = min(residual.duration, PERIODS * 2 * np.pi / slowest)
+    kept = residual.timepts - residual.start <= until
+    for at, (ax, name) in enumerate(zip(axes[1:], channels, strict=True)):
+        both = fitted.values[at] + residual.values[at]
+        for row, label, colour, width in (
+            (both, "record", PALE, 2.0),
+            (fitted.values[at], "explained", BLUE, 0.8),
+            (residual.values[at], "residual", VERMILION, 0.8),
+        ):
+            x, y = thinned(ax, residual.timepts[kept], row[kept])
+            ax.plot(x, y, color=colour, linewidth=width, label=label)
+        ax.set_title(shown(name), loc="left")
+        unit_ticks(ax, "SI")
+    if len(axes) > 1:
+        axes[-1].set_xlabel("time [s]")
+        axes[1].legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), fontsize="small", ncols=3, frameon=False)
+    return figure
+
+
+def _draw_changes(found: Estimate, ax: Axes, level: Ratio) -> None:
+    """Draw found over nominal with intervals, one line for each parameter that has a nominal value."""
+    ends, names = found.interval(level), list[str]()
+    for name, value in zip(found.parameters, found.values.tolist(), strict=True):
+        nominal = nominal_value(found.nominal, name)
+        if not nominal:
+            continue
+        low, here, high = (100 * (end / nominal - 1) for end in (ends[name][0], value, ends[name][1]))
+        colour = GREY if low <= 0 <= high else BLUE
+        ax.plot([low, high], [len(names)] * 2, color=colour, linewidth=2.0)
+        ax.plot([here], [len(names)], "o", color=colour, markersize=4)
+        names.append(shown(name))
+    ax.axvline(0.0, color=PALE, linewidth=0.8, zorder=0)
+    ax.set_yticks(range(len(names)), names)
+    ax.set_ylim(len(names) - 0.5, -0.5)
+    ax.set_xlabel("change from nominal [%]")
+    ax.set_title(f"springs and dampers with {100 * level:g} % intervals; grey: no significant change", loc="left")

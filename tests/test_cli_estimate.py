@@ -1,0 +1,131 @@
+"""The command `estimate`: from records to springs and dampers, its files, exit codes and refusals."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import jsonschema
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+
+from suspid import add_noise, free_decay, quarter_car, read_car, simulate, write_car, write_record
+from suspid.cli.main import main
+from suspid.reporting import estimate_schema
+
+CAR = quarter_car(
+    chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3, chassis_damping=1300, tire_damping=40
+)
+NOMINAL = CAR.with_parameters(stiffness={"chassis": 16e3, "tire": 250e3}, damping={"chassis": 1700})
+TRUTH = {"chassis.stiffness": 22e3, "tire.stiffness": 210e3, "chassis.damping": 1300.0, "tire.damping": 40.0}
+TIMES = np.arange(0, 4, 0.005)
+
+
+def run(*arguments: object) -> Result:
+    return CliRunner().invoke(main, [str(argument) for argument in arguments])
+
+
+@pytest.fixture
+def files(tmp_path: Path) -> Path:
+    """A folder with a decay, a decay with 100 kg more, a rig, and the nominal car."""
+    write_car(NOMINAL, tmp_path / "car.toml")
+    for seed, (name, mass) in enumerate((("decay", 350), ("loaded", 450))):
+        loaded = CAR.with_parameters(masses={"chassis": mass})
+        record = free_decay(loaded, TIMES, initial_state={"v_tire": 1.0, "z_chassis": 0.02})
+        write_record(add_noise(record, snr_db=30, rng=np.random.default_rng(seed)), tmp_path / f"{name}.csv")
+    swept = 0.005 * np.sin(2 * np.pi * (0.5 + 2 * TIMES) * TIMES)
+    record = simulate(
+        CAR, TIMES, {"road": swept}, outputs=["chassis_acceleration", "chassis_travel"], interpolation="cubic"
+    )
+    write_record(add_noise(record, snr_db=30, rng=np.random.default_rng(3)), tmp_path / "rig.csv")
+    return tmp_path
+
+
+def holds(content: dict[str, list[dict[str, object]]], reach: float = 5.0) -> bool:
+    """Return whether every parameter is true to five standard deviations: one false alarm in two million."""
+    return all(abs(p["value"] - TRUTH[str(p["name"])]) < reach * p["std"] for p in content["parameters"])  # type: ignore[operator]
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["decay.csv"],
+        ["decay.csv", "loaded.csv", "--added", "loaded.csv:chassis=100"],
+        ["rig.csv", "--given", "road"],
+    ],
+    ids=["free decay", "two tests", "rig"],
+)
+def test_springs_and_dampers_from_files(files: Path, arguments: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(files)
+    outputs = ["--json", "e.json", "--plot", "e.png", "-o", "found.toml", "--level", "0.9"]
+    result = run("estimate", *arguments, "--car", "car.toml", *outputs)
+    assert result.exit_code == 0, result.output
+    content = json.loads((files / "e.json").read_text())
+    jsonschema.validate(content, estimate_schema())
+    assert holds(content)
+    assert content["level"] == 0.9
+    by_name = {p["name"]: p for p in content["parameters"]}
+    assert by_name["chassis.stiffness"]["significant"]
+    assert by_name["chassis.stiffness"]["change"] == pytest.approx(22 / 16 - 1, abs=0.02)
+    assert len(content["records"]) == sum(a.endswith(".csv") for a in arguments)
+    assert (files / "e.png").read_bytes().startswith(b"\x89PNG")
+    found = read_car(files / "found.toml")
+    assert found.struts[0].stiffness == by_name["chassis.stiffness"]["value"]
+    for text in ("nominal", "beyond chance", "90 % interval", "f [Hz]", "Verdict"):
+        assert text in result.stdout
+
+
+def test_a_free_mass_in_two_tests_is_found(files: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(files)
+    result = run(
+        "estimate", "decay.csv", "loaded.csv", "--added", "loaded.csv:chassis=100", "--car", "car.toml",
+        "--free-mass", "chassis", "--free-mass", "tire", "--json", "e.json",
+    )  # fmt: skip
+    assert result.exit_code == 0, result.output
+    masses = {p["name"]: p for p in json.loads((files / "e.json").read_text())["parameters"] if p["unit"] == "kg"}
+    assert abs(masses["chassis.mass"]["value"] - 350) < 5 * masses["chassis.mass"]["std"]
+    assert masses["chassis.mass"]["std"] < 10
+
+
+def test_names_of_the_file_are_mapped(files: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(files)
+    text = (files / "rig.csv").read_text().replace("chassis_acceleration", "az [g]", 1)
+    (files / "rig.csv").write_text(text)
+    options = ["--rename", "az=chassis_acceleration", "--json", "e.json"]
+    result = run("estimate", "rig.csv", "--given", "road", "--car", "car.toml", *options)
+    assert result.exit_code == 0, result.output
+    assert holds(json.loads((files / "e.json").read_text()))
+
+
+def test_a_car_that_does_not_explain_ends_with_three(files: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(files)
+    # The tyre's mass is five times what the nominal car has.
+    write_car(NOMINAL.with_parameters(masses={"tire": 10}), files / "wrong.toml")
+    result = run("estimate", "rig.csv", "--given", "road", "--car", "wrong.toml", "-o", "found.toml")
+    assert result.exit_code == 3, result.output
+    assert "does not explain these records" in result.stderr
+    assert (files / "found.toml").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "message"),
+    [
+        (["decay.csv", "decay.csv"], 2, "named twice"),
+        (["decay.csv", "--json", "decay.csv"], 2, "named twice"),
+        (["rig.csv", "--given", "rod"], 1, "given: 'rod'"),
+        (["decay.csv", "--given", "road"], 1, "the record has no input or channel 'road'"),
+        (["decay.csv", "--plot", "e.xyz"], 1, "pictures of type '.xyz' are not known"),
+        (["decay.csv", "--added", "other.csv:chassis=1"], 2, "is none of the MODES"),
+        (["missing.csv"], 1, "there is no such file"),
+    ],
+)
+def test_wrong_requests_leave_nothing(
+    files: Path, arguments: list[str], code: int, message: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(files)
+    before = sorted(path.name for path in files.iterdir())
+    result = run("estimate", *arguments, "--car", "car.toml")
+    assert result.exit_code == code, result.output
+    assert message in result.output
+    assert sorted(path.name for path in files.iterdir()) == before
