@@ -17,12 +17,12 @@ found = reconstruct(identify(add_noise(decay, snr_db=10.0, rng=rng)).modes, nomi
 print(found, "\n")
 
 
+OUTPUTS = ["seat_acceleration", "seat_travel"]
+
+
 def actuated(car: Suspension) -> list[np.ndarray]:
     """Return A, B, C, D with a third input: the force of an actuator that pushes the ends of the seat's strut apart."""
-    A, B, C, D = control.ssdata(statespace(car, outputs=["seat_acceleration", "seat_travel"]))
-    per_newton = np.linalg.solve(car.M, car.arms(car.coordinates)[0])  # accelerations; the seat's strut is the first
-    B = np.column_stack([B, np.concatenate([0 * per_newton, per_newton])])
-    return [A, B, C, np.column_stack([D, [per_newton[0], 0.0]])]
+    return [*control.ssdata(statespace(car, outputs=OUTPUTS, forces=["seat_travel"]))]
 
 
 # LQR from all states: acceleration, travel and force, each over what is acceptable (1 m/s2, 10 mm, 400 N).

@@ -13,7 +13,21 @@ import os
 from pathlib import Path
 
 # In this order. Each module has report(); modules with pictures have pictures(folder).
-REPORTS = ("paper", "accuracy", "springs", "peers", "speed", "denoising", "transform", "free_decay", "decays", "fleet")
+REPORTS = (
+    "paper",
+    "accuracy",
+    "close_modes",
+    "no_decay",
+    "springs",
+    "peers",
+    "speed",
+    "denoising",
+    "transform",
+    "free_decay",
+    "decays",
+    "fleet",
+    "greybox",
+)
 FOLDER = Path(__file__).parent / "report"
 RATIOS = FOLDER / "speed.json"
 

@@ -1,0 +1,56 @@
+"""The simulators of close modes and of records without a decay, by the laws of what they simulate."""
+
+import numpy as np
+import pytest
+
+from validation import close_modes, no_decay
+
+
+class TestCars:
+    @pytest.mark.parametrize(("source", "modes"), [(close_modes.half, 4), (close_modes.full, 7)])
+    @pytest.mark.parametrize("seed", range(5))
+    def test_body_and_wheels_are_where_cars_have_them(self, source: object, modes: int, seed: int) -> None:
+        assert callable(source)
+        decay = source(np.random.default_rng(seed))
+        hertz = np.abs(decay.poles) / (2 * np.pi)
+        assert len(hertz) == modes
+        body = hertz[: (modes - 1) // 2 + (modes == 4)]
+        assert np.all((body > 0.7) & (body < 3.5))
+        assert np.all((hertz[len(body) :] > 7) & (hertz[len(body) :] < 18))
+
+    def test_one_channel_of_a_pair_is_the_sum_of_two_oscillators(self) -> None:
+        decay = close_modes.pair(np.random.default_rng(1), 1)
+        time, values, std = close_modes.record(decay, np.random.default_rng(2))
+        # Linear prediction from four samples: each pole is a root, so the clean record obeys it.
+        roots = np.exp(np.concatenate([decay.poles, decay.poles.conj()]) * time[1])
+        predicted = np.convolve(values[0], np.poly(roots).real, "valid")
+        assert np.std(predicted) < 1.5 * std[0] * np.linalg.norm(np.poly(roots))
+        assert decay.poles[1] != decay.poles[0]
+        assert abs(decay.poles[1]) / abs(decay.poles[0]) == pytest.approx(1.03)
+
+
+class TestRecordsWithoutADecay:
+    @pytest.mark.parametrize("memory", [0.5, 0.9])
+    def test_autoregression_has_its_memory(self, memory: float) -> None:
+        source = no_decay.autoregression(memory)
+        lags = []
+        for seed in range(20):
+            _, values = source(np.random.default_rng(seed))
+            lags += [float(row[1:] @ row[:-1] / (row @ row)) for row in values]
+        assert np.mean(lags) == pytest.approx(memory, abs=0.02)
+
+    def test_pink_noise_falls_by_three_decibels_an_octave(self) -> None:
+        slopes = []
+        for seed in range(20):
+            time, values = no_decay.pink(np.random.default_rng(seed))
+            power = np.abs(np.fft.rfft(values * np.hanning(len(time)), axis=1)) ** 2
+            bins = np.arange(4, power.shape[1])
+            slopes.append(np.polyfit(np.log(bins), np.log(power[:, 4:]).mean(axis=0), 1)[0])
+        assert np.mean(slopes) == pytest.approx(-1.0, abs=0.1)
+
+    @pytest.mark.parametrize("kind", list(no_decay.KINDS))
+    def test_every_kind_is_finite_and_moves(self, kind: str) -> None:
+        time, values = no_decay.KINDS[kind](np.random.default_rng(3))
+        assert values.shape[1] == len(time)
+        assert np.all(np.isfinite(values))
+        assert np.all(np.std(values, axis=1) > 0)

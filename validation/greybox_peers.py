@@ -1,0 +1,73 @@
+"""Other ways to springs and dampers, on the same records: what an engineer would do without suspid's estimator."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from suspid import ModalSet, Suspension, reconstruct
+from suspid.signals import as_signal
+from suspid.units import RealArray
+from validation.greybox_bounds import BAND
+
+if TYPE_CHECKING:
+    import control
+
+SEGMENT = 2048  # samples of Welch's method, about 10 s
+
+
+def welch_h1(record: control.TimeResponseData, car: Suspension) -> RealArray:
+    """Return k and c of the suspension from the transmissibility H1 of Welch's method, weighted by coherence."""
+    from scipy.optimize import least_squares
+    from scipy.signal import csd, welch
+
+    signal = as_signal(record)
+    body, wheel = (signal.values[signal.channels.index(f"{name}_acceleration")] for name in ("chassis", "tire"))
+    size = min(SEGMENT, len(body) // 4)
+    f, cross = csd(wheel, body, 1 / signal.step, nperseg=size)
+    power, own = welch(wheel, 1 / signal.step, nperseg=size)[1], welch(body, 1 / signal.step, nperseg=size)[1]
+    use = (f > BAND[0]) & (f < BAND[1])
+    s, H = 2j * np.pi * f[use], (cross / power)[use]
+    coherence = np.clip(np.abs(cross[use]) ** 2 / (power * own)[use], 0.0, 1 - 1e-6)
+    weight = np.sqrt(coherence / (1 - coherence)) / np.abs(H)
+    strut, mass = next(x for x in car.struts if x.name == "chassis"), car.masses["chassis"]
+    start = np.array([strut.stiffness, strut.damping])
+
+    def error(x: RealArray) -> RealArray:
+        k, c = np.exp(x) * start
+        left = weight * (H - (k + c * s) / (mass * s**2 + k + c * s))
+        return np.concatenate([left.real, left.imag])
+
+    return np.asarray(np.exp(least_squares(error, np.zeros(2)).x) * start)
+
+
+def equation_error(record: control.TimeResponseData, car: Suspension) -> RealArray:
+    """Return k and c by linear least squares of ``m a = -k x - c v``, integrated in the frequency domain."""
+    signal = as_signal(record)
+    body, wheel = (signal.values[signal.channels.index(f"{name}_acceleration")] for name in ("chassis", "tire"))
+    window = np.hanning(len(body))
+    f = np.fft.rfftfreq(len(body), signal.step)
+    use = (f > BAND[0]) & (f < BAND[1])
+    s = 2j * np.pi * f[use]
+    travel = np.fft.rfft((body - wheel) * window)[use] / s**2
+    J, y = -np.column_stack([travel, s * travel]), car.masses["chassis"] * np.fft.rfft(body * window)[use]
+    return np.asarray(np.linalg.lstsq(np.concatenate([J.real, J.imag]), np.concatenate([y.real, y.imag]))[0])
+
+
+def era_and_reconstruct(record: control.TimeResponseData, nominal: Suspension, fixed: tuple[str, ...]) -> Suspension:
+    """Return the car from the modes of python-control's ERA, its order given, by `reconstruct`."""
+    import control
+
+    signal = as_signal(record)
+    count, order = signal.values.shape[1] // 4, 2 * len(nominal.masses)
+    system = control.eigensys_realization(
+        signal.values[:, None, :], r=order, m=count, n=count, dt=signal.step, transpose=False
+    )[0]
+    poles, vectors = np.linalg.eig(system.A)
+    shapes = np.asarray(system.C) @ vectors
+    upper = poles.imag > 0
+    found = ModalSet(
+        poles=np.log(poles[upper].astype(complex)) / signal.step, shapes=shapes[:, upper], channels=signal.channels
+    )
+    return reconstruct(found, nominal, fixed=fixed, tolerance=0.5, search=False).suspension
