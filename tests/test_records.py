@@ -284,7 +284,7 @@ REFUSED: list[tuple[str, str | bytes, dict[str, Any], str]] = [
     ("r.mat", b"MATLAB 7.3 MAT-file".ljust(124) + b"\0\2IM" + bytes(900), {}, r"damaged MATLAB v7\.3"),
     ("r.mat", matlab(s="text", c=1 + 2j, k=3.0), {}, r"holds no real vector: 's' is text, 'c' is complex"),
     ("r.mat", matlab(x=np.ones(3), t=np.arange(3.0), M=np.eye(3)), {"channels": ["M"]}, "'M' is a matrix of 3 x 3"),
-    ("r.mat", matlab(x=X[:3], t=X[:3], f=X), {"channels": ["x", "f"]}, "'f' has 4 samples, 't' has 3"),
+    ("r.mat", matlab(x=X[:3], t=X[:3], f=X), {"channels": ["x", "f"]}, "'f' has 4 samples, time 't' has 3"),
     ("r.mat", matlab(t=X[:3], f=X), {}, "no channel is as long as time, 't': 3 samples"),
     ("r.mat", matlab(s={"x": X, "Fs": 10.0, "dt": 2.0}), {}, "states several sampling rates: 'Fs' 10 Hz, 'dt' 0.5 Hz"),
     ("r.mat", matlab(x=X, t=X, Fs=10.0), {}, "10"),

@@ -116,7 +116,7 @@ def _collect(group: Group, prefix: str, above: TimeBase | None, found: _Found) -
         elif isinstance(value, Text):
             found.unusable[full] = Remark(LeftOut.TEXT)
         elif isinstance(value, Variable):
-            if prefix and value is time:
+            if prefix and time is not None and name == time[0]:
                 found.unusable[full] = Remark(LeftOut.GROUP_TIME)
             else:
                 _add(full, value, clock, time, found)
@@ -135,8 +135,7 @@ def _clock(group: Group, prefix: str, above: TimeBase | None) -> TimeBase | None
     rate = next(iter(rates.values()), None)
     if time is None:
         return above if rate is None else TimeBase(name=prefix, rate=rate)
-    name = next(name for name, value in group.items() if value is time)
-    return TimeBase(name=f"{prefix}.{name}", rate=rate, stamps=_stamps(name, time))
+    return TimeBase(name=f"{prefix}.{time[0]}", rate=rate, stamps=_stamps(*time))
 
 
 def _stamps(name: str, time: Variable) -> Callable[[], RealArray]:
@@ -144,10 +143,10 @@ def _stamps(name: str, time: Variable) -> Callable[[], RealArray]:
     return lambda: frozen_real(np.ravel(time.read()) / PER_SECOND.get(unit, 1.0))
 
 
-def _time(group: Group) -> Variable | None:
-    """Return the vector of time of a group, if there is one and no other."""
+def _time(group: Group) -> tuple[str, Variable] | None:
+    """Return the name and the vector of time of a group, if there is one and no other."""
     vectors = {name: v for name, v in group.items() if isinstance(v, Variable) and v.is_vector and is_time(name)}
-    times = [v for v in vectors.values() if not v.unit or v.unit.strip().lower() in PER_SECOND]
+    times = [(name, v) for name, v in vectors.items() if not v.unit or v.unit.strip().lower() in PER_SECOND]
     return times[0] if len(times) == 1 else None
 
 
@@ -161,7 +160,7 @@ def _stated(group: Group) -> dict[str, Hertz]:
     return rates
 
 
-def _add(name: str, value: Variable, clock: TimeBase | None, time: Variable | None, found: _Found) -> None:
+def _add(name: str, value: Variable, clock: TimeBase | None, time: tuple[str, Variable] | None, found: _Found) -> None:
     """Add the columns of an array."""
     shape = tuple(n for n in value.shape if n > 1)
     if not value.size:
@@ -170,20 +169,24 @@ def _add(name: str, value: Variable, clock: TimeBase | None, time: Variable | No
         found.unusable[name] = Remark(LeftOut.NUMBER)
     elif len(shape) > 2:
         found.unusable[name] = Remark(LeftOut.ARRAY, {"shape": " x ".join(map(str, value.shape))})
-    elif time is not None and time.size not in shape:
+    elif time is not None and time[1].size not in shape:
         # A vector of another length beside the time of its group belongs to something else.
-        numbers: dict[str, Number] = {"samples": max(shape), "time": clock.name if clock else "", "stamps": time.size}
+        numbers: dict[str, Number] = {
+            "samples": max(shape),
+            "time": clock.name if clock else time[0],
+            "stamps": time[1].size,
+        }
         found.unusable[name] = Remark(LeftOut.SIZE, numbers)
     elif len(shape) == 1:
         _add_column(name, value, lambda: np.ravel(value.read()), value.size, clock, found)
     else:
-        _add_matrix(name, value, shape, clock, time, found)
+        _add_matrix(name, value, shape, clock, None if time is None else time[1].size, found)
 
 
 def _add_matrix(
-    name: str, value: Variable, shape: Sequence[int], clock: TimeBase | None, time: Variable | None, found: _Found
+    name: str, value: Variable, shape: Sequence[int], clock: TimeBase | None, stamps: int | None, found: _Found
 ) -> None:
-    matching = [axis for axis in (0, 1) if time is not None and shape[axis] == time.size]
+    matching = [axis for axis in (0, 1) if shape[axis] == stamps]
     along = matching[0] if len(matching) == 1 else int(np.argmax(shape))
     if (shape[0] == shape[1] and len(matching) != 1) or shape[1 - along] > MOST_COLUMNS:
         found.unusable[name] = Remark(LeftOut.MATRIX, {"shape": " x ".join(map(str, value.shape))})
@@ -232,6 +235,6 @@ def _add_simulink(prefix: str, group: Group, found: _Found) -> None:
         full = f"{prefix}.{label.text.strip() if isinstance(label, Text) and label.text.strip() else name}"
         full = f"{prefix}.{name}" if full in found.sizes or f"{full}[1]" in found.sizes else full
         if isinstance(values, Variable):
-            _add(full, values, clock, vector, found)
+            _add(full, values, clock, None if vector is None else ("time", vector), found)
         else:
             found.unusable[full] = Remark(LeftOut.NO_VALUES)

@@ -73,7 +73,7 @@ def compare(found: ModalSet | Suspension, expected: ModalSet | Suspension, *, rt
     mode 1    zeta [1]      0.3         0.3        0      3e-05         ok
     mode 2  wn [rad/s]       70          70        0      0.007         ok
     mode 2    zeta [1]      0.2         0.2        0      2e-05         ok
-    mean absolute error: wn 0.005 rad/s, zeta 0 1
+    mean absolute error: wn 0.005 rad/s, zeta 0
     """
     if rtol is not None and not (np.isfinite(rtol) and rtol >= 0):
         raise InputError(f"{rtol=} must be a finite number >= 0, relative to each expected value")

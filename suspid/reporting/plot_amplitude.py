@@ -45,8 +45,9 @@ def plot_amplitude(found: Identification, *, axes: Sequence[Sequence[Axes]] | ND
     >>> from matplotlib.figure import Figure
     >>> from suspid import identify
     >>> t = np.arange(0, 10, 0.01)
-    >>> amplitude = np.exp(-0.1 * t) - 0.25
-    >>> swing = control.TimeResponseData(t, amplitude * np.cos(10 * t), issiso=True, output_labels=["angle"])
+    >>> noise = np.random.default_rng(0).normal(scale=1e-3, size=t.size)
+    >>> angle = (np.exp(-0.1 * t) - 0.25) * np.cos(10 * t) + noise
+    >>> swing = control.TimeResponseData(t, angle, issiso=True, output_labels=["angle"])
     >>> found = identify(swing)
     >>> axes = Figure().subplots(2, len(found.modes), squeeze=False)
     >>> plot_amplitude(found, axes=axes)

@@ -73,7 +73,8 @@ def read_delimited(path: Path) -> Table:
 def _refuse_long(rows: Rows, layout: Layout) -> None:
     """Refuse channels beside each other in one row each, and channels one below the other, named by a column."""
     width = len(layout.names)
-    if width > MOST_COLUMNS and rows.size * MOST_ROWS < width:
+    named = not layout.names[-1].startswith("column ")
+    if not named and width > MOST_COLUMNS and rows.size * MOST_ROWS < width:
         raise RecordError(f"holds {rows.size} rows of {width} cells; a record has one sample a line: turn it")
     for name in (name for name in layout.names if bare_name(name).lower() in LABELS):
         first = list(itertools.islice(rows.cells(name), SEEN))
