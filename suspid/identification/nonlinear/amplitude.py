@@ -66,14 +66,11 @@ def equivalent(fit: DrivenFit, window: slice = slice(None)) -> tuple[ComplexArra
     Each force is replaced by the combination of the states nearest to it within the window.
     """
     drive = fit.drive
-    driven = np.flatnonzero(drive.driven)
-    theta, out = drive.theta[driven], drive.theta.copy()
-    slopes = np.zeros(drive.gains.shape, complex)
+    theta, out, count = drive.theta, drive.theta.copy(), len(drive.theta)
     if not len(drive.forces):
-        return out, slopes
-    states = fit.states[driven, window]
+        return out, np.zeros(drive.gains.shape, complex)
+    states = fit.states[:, window]
     columns = means(np.concatenate([2 * states.real, -2 * states.imag])).T
-    count = len(driven)
     if count > 1 and len(columns) > 8 * (columns.shape[1] + 4 * count * len(HARMONICS)):
         # What one mode's harmonics are to another's frequency is no stiffness of that.
         turns = states / (np.abs(states) + 1e-300)
@@ -81,21 +78,19 @@ def equivalent(fit: DrivenFit, window: slice = slice(None)) -> tuple[ComplexArra
         columns = np.column_stack([columns, *(means(np.concatenate([each.real, each.imag])).T for each in beside)])
     nearest = np.linalg.lstsq(columns, drive.forces[:, window].T, rcond=1e-6)[0]
     parts = nearest[:count] + 1j * nearest[count : 2 * count]
-    gains = drive.gains[driven]
     # z' = theta z + gains (h z + conj(h z)): a real system in z and its conjugate.
-    own, other = np.diag(theta) + gains @ parts.T, gains @ parts.T.conj()
+    own, other = np.diag(theta) + drive.gains @ parts.T, drive.gains @ parts.T.conj()
     system = np.block([[own, other], [other.conj(), own.conj()]])
     values = np.linalg.eigvals(system)
     values = values[values.imag > 0]
-    slopes[driven] = parts
     if len(values) == count:
         # Each pole goes to the nearest of what the diagonal says, strongest first.
         left = list(values)
         for k in np.argsort(np.abs(own.diagonal() - theta)):
-            out[driven[k]] = left.pop(int(np.argmin(np.abs(np.array(left) - own[k, k]))))
+            out[k] = left.pop(int(np.argmin(np.abs(np.array(left) - own[k, k]))))
     else:
-        out[driven] = own.diagonal()
-    return out, slopes
+        out = own.diagonal()
+    return out, parts
 
 
 def pole_slopes(fit: DrivenFit, pole: int, by_gain: ComplexArray) -> RealArray:
@@ -124,7 +119,7 @@ def dependence(
     envelope = np.abs(fit.states[pole]) * float(np.abs(fit.amplitudes[pole, strongest]))
     covariance, step = covariance_of(fit) * widening, float(timepts[-1] - timepts[0]) / (len(timepts) - 1)
     rows = []
-    windows = _windows(envelope, fit.drive.theta[fit.drive.driven])
+    windows = _windows(envelope, fit.drive.theta)
     for window in windows:
         poles, by_gain = equivalent(fit, window)
         theta = complex(poles[pole])

@@ -30,7 +30,6 @@ class Drive:
 
     theta: ComplexArray  # (pole,): exponents per sample, upper half plane
     gains: ComplexArray  # (pole, force)
-    driven: NDArray[np.bool_]  # (pole,): whether the forces act on it; tones are not driven
     forces: RealArray  # (force, sample): mean of each force from a sample to the next
     nuisances: RealArray  # (nuisance,): exponents of the offset and drift, held fixed
     through: bool = False  # whether the forces also show directly in the channels, as in accelerations
@@ -38,7 +37,7 @@ class Drive:
     @property
     def gain_places(self) -> list[tuple[int, int]]:
         """Pole and force of each gain that is free."""
-        return [(int(k), j) for k in np.flatnonzero(self.driven) for j in range(len(self.forces))]
+        return [(k, j) for k in range(len(self.theta)) for j in range(len(self.forces))]
 
     @property
     def free(self) -> int:
@@ -72,23 +71,17 @@ class Drive:
         """Return the drive without one of the forces."""
         return replace(self, forces=np.delete(self.forces, index, axis=0), gains=np.delete(self.gains, index, axis=1))
 
-    def with_pole(self, theta: complex, *, driven: bool = True) -> Drive:
+    def with_pole(self, theta: complex) -> Drive:
         """Return the drive with one more pole, on which no force acts yet."""
         return replace(
             self,
             theta=np.append(self.theta, theta),
             gains=np.vstack([self.gains, np.zeros((1, len(self.forces)))]),
-            driven=np.append(self.driven, driven),
         )
 
     def without_pole(self, index: int) -> Drive:
         """Return the drive without one of the poles."""
-        return replace(
-            self,
-            theta=np.delete(self.theta, index),
-            gains=np.delete(self.gains, index, axis=0),
-            driven=np.delete(self.driven, index),
-        )
+        return replace(self, theta=np.delete(self.theta, index), gains=np.delete(self.gains, index, axis=0))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -32,17 +32,16 @@ def modes_of_bent(
     """
     fit, step = bent.fit, float(timepts[-1] - timepts[0]) / (len(timepts) - 1)
     exponents, by_gain = equivalent(fit)
-    driven = np.flatnonzero(fit.drive.driven)
-    driven = driven[np.argsort(np.abs(exponents[driven]), kind="stable")]
-    chosen = np.vstack([pole_slopes(fit, int(k), by_gain[k]) for k in driven])
-    weights = np.abs(fit.amplitudes[driven]).T ** 2 / fit.variance[:, None]
-    beside = power_beside(fit.residual, fit.variance, exponents[driven])
-    loud = loudness(fit.residual, fit.variance, exponents[driven], beside=beside, weights=weights)
+    order = np.argsort(np.abs(exponents), kind="stable")
+    chosen = np.vstack([pole_slopes(fit, int(k), by_gain[k]) for k in order])
+    weights = np.abs(fit.amplitudes[order]).T ** 2 / fit.variance[:, None]
+    beside = power_beside(fit.residual, fit.variance, exponents[order])
+    loud = loudness(fit.residual, fit.variance, exponents[order], beside=beside, weights=weights)
     widening = loud * shared_noise(fit.residual)
-    dragged, noise = _amplitude_errors(fit, driven.tolist())
+    dragged, noise = _amplitude_errors(fit, order.tolist())
     joint = estimate_of(
-        exponents[driven],
-        fit.amplitudes[driven].T,
+        exponents[order],
+        fit.amplitudes[order].T,
         chosen=chosen,
         of_parameters=covariance_of(fit),
         dragged=dragged,
@@ -51,27 +50,25 @@ def modes_of_bent(
     )
     found = joint.modes(step=step, channels=channels)
     return (
-        _with_windows(found, fit, driven.tolist(), exponents, step),
+        _with_windows(found, fit, order.tolist(), exponents, step),
         frozen_real(loud),
         tuple(
             dependence(
                 fit, int(k), holds=complex(exponents[k]), widening=float(wide), timepts=timepts, channels=channels
             )
-            for k, wide in zip(driven, widening, strict=True)
+            for k, wide in zip(order, widening, strict=True)
         ),
     )
 
 
-def _with_windows(
-    modes: ModalSet, fit: DrivenFit, driven: list[int], exponents: ComplexArray, step: Second
-) -> ModalSet:
+def _with_windows(modes: ModalSet, fit: DrivenFit, order: list[int], exponents: ComplexArray, step: Second) -> ModalSet:
     """Return the modes with what the choice of the stretch does to each pole in its covariance.
 
     A decay that starts half a period later, or ends a fifth earlier, has other amplitudes and so another mean.
     """
     assert modes.covariance is not None
     covariance, count = modes.covariance.copy(), fit.states.shape[1]
-    for mode, k in enumerate(driven):
+    for mode, k in enumerate(order):
         half = min(int(np.pi / exponents[k].imag), count // 2)
         for window in (slice(half, count), slice(0, count - count // 5)):
             change = (equivalent(fit, window)[0][k] - exponents[k]) / step

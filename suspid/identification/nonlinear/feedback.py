@@ -59,7 +59,6 @@ class Record:
         return Drive(
             theta=np.zeros(0, complex),
             gains=np.zeros((0, 0), complex),
-            driven=np.zeros(0, bool),
             forces=np.zeros((0, self.values.shape[1])),
             nuisances=self.nuisances,
         )
@@ -143,9 +142,8 @@ def _beside(sample: RealArray, fit: DrivenFit, others: list[RealArray]) -> RealA
 
 
 def nonlinear_part(sample: RealArray, fit: DrivenFit) -> RealArray:
-    """Return a force less what is proportional to the states of the driven modes."""
-    states = fit.states[fit.drive.driven]
-    columns = means(np.concatenate([states.real, states.imag])).T
+    """Return a force less what is proportional to the states of the modes."""
+    columns = means(np.concatenate([fit.states.real, fit.states.imag])).T
     return np.asarray(sample - columns @ np.linalg.lstsq(columns, sample, rcond=None)[0])
 
 
@@ -154,7 +152,7 @@ def _pruned(record: Record, bent: Bent) -> Bent:
     while bent.forces:
         worth = bent.fit.worths
         least = int(np.argmin(worth))
-        if worth[least] > 2 * np.sum(bent.fit.drive.driven) * np.log(record.values.size):
+        if worth[least] > 2 * len(bent.fit.drive.theta) * np.log(record.values.size):
             break
         fit = maximize(record.values, bent.fit.drive.without_force(least), record.noise, steps=ROUGH_STEPS)
         if fit is None or fit.bic > bent.fit.bic:
@@ -183,9 +181,7 @@ def renewed(record: Record, bent: Bent) -> Bent:
 
 def motions_of(bent: Bent) -> tuple[RealArray, RealArray]:
     """Return displacements and speeds of the channels (channel, sample) as the fit has them."""
-    driven = bent.fit.drive.driven
-    theta, amplitudes = bent.fit.drive.theta[driven], bent.fit.amplitudes[driven]
-    return _motions(theta, amplitudes, bent.fit.states[driven], bent.order)
+    return _motions(bent.fit.drive.theta, bent.fit.amplitudes, bent.fit.states, bent.order)
 
 
 def _motions(
