@@ -38,8 +38,8 @@ class IdentificationError(SuspidError):
         self.found = found
 
 
-class ReconstructionError(SuspidError):
-    """No springs and dampers explain the modes.
+class _NoSuspensionError(SuspidError):
+    """No suspension explains what was measured.
 
     Attributes
     ----------
@@ -52,15 +52,9 @@ class ReconstructionError(SuspidError):
         self.best = best
 
 
-class EstimationError(SuspidError):
-    """The records do not determine the suspension, or no suspension was found that has them.
+class ReconstructionError(_NoSuspensionError):
+    """No springs and dampers explain the modes; ``.best`` is the best suspension found, or None."""
 
-    Attributes
-    ----------
-    best : Suspension or None
-        The best suspension found.
-    """
 
-    def __init__(self, message: str, *, best: Suspension | None = None) -> None:
-        super().__init__(message)
-        self.best = best
+class EstimationError(_NoSuspensionError):
+    """The records do not determine the suspension, or none explains them; ``.best`` is the best one found, or None."""

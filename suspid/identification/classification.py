@@ -14,7 +14,8 @@ SURE = 3.0
 # A pole that decays by less than this over the record is a tone unless its decay rate is this many standard deviations
 # above zero. Real tones drift, which shows as a slight decay or growth.
 TONE_DECAY, TONE_SURE = 0.25, 10.0
-# Share of the energy of the best channel below which most of a record is other motion than the decay.
+# Share of the energy of the best channel below which most of a record is other motion than the decay: standard
+# deviations are then widened by it, and no forces are looked for.
 LEAST_EXPLAINED = 0.5
 # A real pole that decays by less than this over the record is a drift. A larger value takes slow real modes for drifts.
 LEAST_NEPERS = 3.0

@@ -17,7 +17,6 @@ from suspid.identification.identification import Considered, Identification, Met
 from suspid.identification.noise import noise_of, shared_noise
 from suspid.identification.nonlinear import (
     MULTIPLE,
-    Bent,
     find_forces,
     modes_of_bent,
     unlike_linear,
@@ -64,6 +63,12 @@ def identify(
     drifts are fitted but are not modes. The covariance is the Cramér-Rao bound at the estimate, widened where the
     residual is not white noise.
 
+    Where the linear fit leaves signs of a decay that is not linear, and there is no ``band``, friction, drag, and cubic
+    and bilinear springs and dampers are fitted as well. They are kept if they explain more than a further pole would;
+    with ``modes`` given, if they explain more than their parameters cost. Then ``.forces`` names them, ``.modes`` are
+    those of the equivalent linear system over the record, and ``.amplitude_dependence`` has each natural frequency and
+    damping ratio over the amplitude.
+
     "ridge" is the wavelet method of the paper: the bandwidth N of least entropy, the transform, its ridges and
     skeletons, and lines through log modulus and phase. N / 2, N / 4 and N / 8 are tried as well; each ridge keeps the
     bandwidth that leaves its pole the smallest standard deviation. The damping must be light.
@@ -73,7 +78,8 @@ def identify(
     response : control.TimeResponseData
         A free decay from its first sample on, uniformly sampled; all channels are used together.
     modes : int, optional
-        Number of modes: the strongest of those that the record supports. Default: all of them.
+        Number of modes: the strongest of those that the record supports. Poles beside them in frequency are then left
+        out, and the others are fitted anew. Default: all modes.
     method : {"likelihood", "ridge"}
         See above.
     band : (float, float), optional
@@ -173,27 +179,38 @@ def _by_likelihood(
     if band is None and _fades(centred) and unlike_linear(selection):
         bent = find_forces(centred, noise=noise, selection=selection, modes=steps.count)
     if bent is not None:
-        return _bent(response, signal, steps, selection, bent)
-    left = selection.residual
-    modes, loudness = _modes_of(selection, centred, step=signal.step, channels=signal.channels)
-    if steps.count is not None and len(modes) < steps.count:
-        where = f", at {', '.join(f'{wn:.4g}' for wn in modes.wn)} rad/s" if len(modes) else ""
-        raise IdentificationError(
-            f"{steps.count} modes were asked for, {len(modes)} could be found{where}; "
-            f"nothing else in the record decays like a mode",
-            found=modes if len(modes) else None,
-        )
+        modes, loudness, dependence = modes_of_bent(bent, timepts=signal.timepts, channels=signal.channels)
+        left, freedom, forces = bent.fit.residual, bent.fit.freedom, bent.forces
+        considered = _beside_bent(selection, modes, signal)
+    else:
+        modes, loudness = _modes_of(selection, centred, step=signal.step, channels=signal.channels)
+        _check_count(modes, steps.count)
+        left, freedom, forces = selection.residual, selection.fit.freedom, ()
+        considered, dependence = _considered(selection, signal), ()
     return Identification(
         response=response,
         method="likelihood",
         modes=modes,
         fitted=as_response(signal.timepts, signal.values - left, signal.channels, title="Fitted decay"),
         residual=as_response(signal.timepts, left, signal.channels, title="Residual"),
-        noise_std=frozen_real(np.sqrt(np.sum(left**2, axis=1) / selection.fit.freedom)),
+        noise_std=frozen_real(np.sqrt(np.sum(left**2, axis=1) / freedom)),
         loudness=loudness,
-        considered=_considered(selection, signal),
+        considered=considered,
         steps=steps,
+        amplitude_dependence=dependence,
+        forces=forces,
     )
+
+
+def _check_count(modes: ModalSet, count: int | None) -> None:
+    """Refuse fewer modes than were asked for."""
+    if count is not None and len(modes) < count:
+        where = f", at {', '.join(f'{wn:.4g}' for wn in modes.wn)} rad/s" if len(modes) else ""
+        raise IdentificationError(
+            f"{count} modes were asked for, {len(modes)} could be found{where}; "
+            f"nothing else in the record decays like a mode",
+            found=modes if len(modes) else None,
+        )
 
 
 def _fades(values: RealArray) -> bool:
@@ -201,27 +218,6 @@ def _fades(values: RealArray) -> bool:
     third = values.shape[1] // 3
     first, last = np.var(values[:, :third], axis=1), np.var(values[:, -third:], axis=1)
     return bool(np.sum(last / np.var(values, axis=1)) < FADED * np.sum(first / np.var(values, axis=1)))
-
-
-def _bent(
-    response: control.TimeResponseData, signal: Signal, steps: FourSteps, selection: Selection, bent: Bent
-) -> Identification:
-    """Return modes that depend on their amplitude, and what the poles of the linear fit are beside them."""
-    left = bent.fit.residual
-    modes, loudness, dependence = modes_of_bent(bent, timepts=signal.timepts, channels=signal.channels)
-    return Identification(
-        response=response,
-        method="likelihood",
-        modes=modes,
-        fitted=as_response(signal.timepts, signal.values - left, signal.channels, title="Fitted decay"),
-        residual=as_response(signal.timepts, left, signal.channels, title="Residual"),
-        noise_std=frozen_real(np.sqrt(np.sum(left**2, axis=1) / bent.fit.freedom)),
-        loudness=loudness,
-        considered=_beside_bent(selection, modes, signal),
-        steps=steps,
-        amplitude_dependence=dependence,
-        forces=bent.forces,
-    )
 
 
 def _beside_bent(selection: Selection, modes: ModalSet, signal: Signal) -> tuple[Considered, ...]:

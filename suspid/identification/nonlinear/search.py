@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from suspid.identification.candidates import ranked, searched
+from suspid.identification.classification import LEAST_EXPLAINED
 from suspid.identification.exponentials import blocks_of
 from suspid.identification.fitting import OTHER_FREQUENCY
 from suspid.identification.likelihood import DecayFit, bic_penalty
@@ -34,8 +35,6 @@ from suspid.words import Reason
 # One more mode beside forces must lower the residual of a channel by this factor: a force that is not quite the true
 # one leaves a residual that further poles follow. Lower: distortions become modes. Higher: weak modes are lost.
 REDUCTION = 2.5
-# Forces change a decay that the linear modes explain at least by this share of its energy; a lower one costs time.
-LEAST_EXPLAINED = 0.5
 # A mode whose pole has a standard deviation above this share of its modulus is none.
 UNKNOWN = 0.1
 # Poles tried as the next one, and modes at most where their number is not given.
