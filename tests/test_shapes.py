@@ -71,7 +71,7 @@ class TestApart:
         problem = Problem(values=centred, blocks=blocks_of(centred), noise=WhiteNoise(least=np.full(4, 1e-20)))
         one = problem.fitted(Poles(pairs=CLOSE[:1], reals=np.zeros(0), nuisances=np.zeros(1)))
         assert one is not None
-        promise, start = apart(one, 0)
+        [(promise, start)] = apart(one)
         two = problem.fitted(one.poles.without(0).with_pair(start[0]).with_pair(start[1]))
         assert two is not None
         assert promise > problem.penalty(real=False)

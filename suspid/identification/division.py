@@ -21,7 +21,7 @@ OPEN_LEVEL = 1e-3
 def divided(problem: Problem, fit: Fit) -> Fit | None:
     """Return the fit with one pair divided in two of different shapes, None if none decreases BIC."""
     penalty = problem.penalty(real=False)
-    promised = [apart(fit, which) for which in range(len(fit.poles.pairs))]
+    promised = apart(fit)
     for which in sorted(range(len(promised)), key=lambda k: -promised[k][0])[:CANDIDATES_TRIED]:
         gain, poles = promised[which]
         if gain < penalty:
@@ -43,8 +43,7 @@ def unresolved(problem: Problem, fit: Fit) -> tuple[ComplexArray, Rejected]:
     channels = problem.blocks.channels
     needed = float(chdtri(2 + 2 * channels, OPEN_LEVEL))
     shifts, partners = np.zeros(len(fit.poles.pairs), complex), list[tuple[Candidate, Remark]]()
-    for which, pole in enumerate(fit.poles.pairs):
-        promise, start = apart(fit, which)
+    for which, (pole, (promise, start)) in enumerate(zip(fit.poles.pairs, apart(fit), strict=True)):
         if promise < needed:
             continue
         trial = problem.fitted(with_two(fit.poles, which, start))
@@ -68,25 +67,42 @@ def with_two(poles: Poles, which: int, two: ComplexArray) -> Poles:
     return Poles(pairs=pairs, reals=poles.reals, nuisances=poles.nuisances)
 
 
-def apart(fit: Fit, which: int) -> tuple[float, ComplexArray]:
-    """Return what a second pole beside a pair promises in twice the log likelihood, and two poles in its place.
+def apart(fit: Fit) -> list[tuple[float, ComplexArray]]:
+    """Return for each pair what a second pole beside it promises in twice the log likelihood, and two in its place.
 
     Two poles ``p + u`` and ``p + v`` with amplitudes d and e are ``(a + b t + c t^2 + …) exp(p t)``, with
     ``a = d + e``, ``b = d u + e v``, ``2 c = d u^2 + e v^2``, hence ``2 c = (u + v) b - u v a`` in every channel: u
     and v by least squares. The promise is the energy of b and c at fixed poles over the noise.
     """
-    pole, samples = complex(fit.poles.pairs[which]), fit.residual.shape[1]
-    count = int(min(samples, np.ceil(GONE / max(-pole.real, GONE / samples))))
-    known = _columns(np.concatenate([fit.poles.pairs, fit.poles.reals, fit.poles.nuisances]), count)
-    step = np.arange(count) / count
-    own = known[:, 2 * which : 2 * which + 2]
-    bend = np.concatenate([own * step[:, None], own * step[:, None] ** 2], axis=1)
-    basis, _ = np.linalg.qr(np.concatenate([known, bend], axis=1))
-    left, bent = fit.residual[:, :count].T, basis[:, known.shape[1] :]
-    gain = float(np.sum((bent.T @ left) ** 2 / fit.variance))
-    solved = np.linalg.lstsq(np.concatenate([known, bend], axis=1), left, rcond=1e-12)[0]
-    changes, b, c = solved[[2 * which, -4, -2]] + 1j * solved[[2 * which + 1, -3, -1]]
-    a = 2 * fit.solution.amplitudes[which] + changes
+    pairs, samples = fit.poles.pairs, fit.residual.shape[1]
+    counts = np.minimum(samples, np.ceil(GONE / np.maximum(-pairs.real, GONE / samples))).astype(int)
+    known = _columns(np.concatenate([pairs, fit.poles.reals, fit.poles.nuisances]), samples)
+    # Pairs that are seen over the same samples share a factorization of the columns at fixed poles.
+    fixed = {count: np.linalg.qr(known[:count]) for count in np.unique(counts).tolist()}
+    return [_divided(fit, which, known[: counts[which]], *fixed[counts[which]]) for which in range(len(pairs))]
+
+
+def _divided(
+    fit: Fit, which: int, known: RealArray, basis: RealArray, triangle: RealArray
+) -> tuple[float, ComplexArray]:
+    """Return promise and two poles for one pair, from the columns at fixed poles and their factors."""
+    pole, count = complex(fit.poles.pairs[which]), len(known)
+    step = np.arange(count)[:, None] / count
+    own, left = known[:, 2 * which : 2 * which + 2], fit.residual[:, :count].T
+    bend = np.concatenate([own * step, own * step**2], axis=1)
+    if count < known.shape[1] + bend.shape[1]:
+        return 0.0, np.full(2, pole)
+    inside = basis.T @ bend
+    beside = bend - basis @ inside
+    # Once more: what is left of nearly dependent columns is not yet orthogonal.
+    beside -= basis @ (basis.T @ beside)
+    bent, corner = np.linalg.qr(beside)
+    amounts = bent.T @ left
+    gain = float(np.sum(amounts**2 / fit.variance))
+    bends = np.linalg.lstsq(corner, amounts, rcond=1e-12)[0]
+    changes = np.linalg.lstsq(triangle, basis.T @ left - inside @ bends, rcond=1e-12)[0]
+    b, c = bends[[0, 2]] + 1j * bends[[1, 3]]
+    a = 2 * fit.solution.amplitudes[which] + changes[2 * which] + 1j * changes[2 * which + 1]
     std = np.sqrt(fit.variance)
     total, product = np.linalg.lstsq(np.stack([b, -a], axis=1) / std[:, None], 2 * c / std, rcond=1e-6)[0]
     return gain, np.asarray(pole + np.roots([1.0, -total, product]) / count, complex)
