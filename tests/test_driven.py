@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 
 from suspid import InputError, RecordError, Suspension, add_noise, cut, quarter_car, road_profile, simulate, statespace
 from suspid.signals import inputs_of
-from suspid.simulation import ROUGHNESS
+from suspid.simulation import ROUGHNESS, recursion
 from suspid.units import RealArray
 
 # What is asked of an exact response, relative to its peak.
@@ -226,3 +226,15 @@ class TestRoads:
         request = {"distance": [0.0, 1.0], "roughness": "A", "rng": np.random.default_rng(1), **given}
         with pytest.raises(InputError, match=re.escape(message)):
             road_profile(**request)  # type: ignore[arg-type]
+
+
+class TestRecursion:
+    @pytest.mark.parametrize("count", [1, 2, 10, 17])
+    def test_blocks_give_what_a_loop_gives(self, count: int) -> None:
+        rng = np.random.default_rng(1)
+        E, start = 0.5 * rng.standard_normal((3, 3)), rng.standard_normal((3, 2))
+        forcing = rng.standard_normal((3, count, 2))
+        states = [start]
+        for k in range(count - 1):
+            states.append(E @ states[-1] + forcing[:, k])
+        np.testing.assert_allclose(recursion(E, forcing, start, count), np.stack(states, axis=1), atol=1e-12)

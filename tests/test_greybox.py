@@ -26,7 +26,7 @@ from suspid import (
     half_car,
     quarter_car,
 )
-from suspid.greybox.dynamics import plant_of, recursion, transition
+from suspid.greybox.dynamics import plant_of, transition
 from suspid.greybox.modal import modes_of
 from suspid.greybox.whiteness import portmanteau, score_power
 from suspid.reconstruction import parameter_names, parameter_vector
@@ -123,16 +123,6 @@ class TestDynamics:
             slope = (step(p + move) - step(p - move)) / (2 * move[i])
             expected = np.hstack([exact.by_state[i], exact.by_input[i]])
             np.testing.assert_allclose(slope, expected, atol=1e-6 * np.abs(expected).max())
-
-    @pytest.mark.parametrize("count", [1, 2, 10, 17])
-    def test_blocks_give_what_a_loop_gives(self, count: int) -> None:
-        rng = np.random.default_rng(1)
-        E, start = 0.5 * rng.standard_normal((3, 3)), rng.standard_normal((3, 2))
-        forcing = rng.standard_normal((3, count, 2))
-        states = [start]
-        for k in range(count - 1):
-            states.append(E @ states[-1] + forcing[:, k])
-        np.testing.assert_allclose(recursion(E, forcing, start, count), np.stack(states, axis=1), atol=1e-12)
 
     def test_modes_have_the_covariance_of_finite_differences(self) -> None:
         car, rows = HALF, [0, 1, 4]

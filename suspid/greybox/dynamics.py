@@ -119,35 +119,3 @@ def transition(plant: Plant, step: Second) -> Transition:
         by_state=slopes[:, :, :size],
         by_input=slopes[:, :, size:],
     )
-
-
-def recursion(E: RealArray, forcing: RealArray | None, start: RealArray, count: int) -> RealArray:
-    """Return x of ``x(k + 1) = E x(k) + forcing(k)`` for k = 0 … count - 1, (state, sample, column).
-
-    ``start`` is (state, column), ``forcing`` (state, sample, column). The record is cut into about ``sqrt(count)``
-    blocks which run side by side from rest; then the motion at the start of each block is added.
-    """
-    size, columns = start.shape
-    length = int(np.ceil(np.sqrt(count)))
-    blocks = -(-count // length)
-    powers = np.empty((length + 1, size, size))
-    powers[0] = np.eye(size)
-    for i in range(length):
-        powers[i + 1] = powers[i] @ E
-    local = np.zeros((length + 1, size, blocks * columns))
-    if forcing is not None:
-        padded = np.zeros((size, blocks * length, columns))
-        padded[:, :count] = forcing
-        steps = padded.reshape(size, blocks, length, columns).transpose(2, 0, 1, 3)
-        local[1:] = steps.reshape(length, size, blocks * columns)
-        for i in range(length):
-            local[i + 1] += E @ local[i]
-    ends = local[length].reshape(size, blocks, columns)
-    starts = np.empty((size, blocks, columns))
-    state = start
-    for i in range(blocks):
-        starts[:, i] = state
-        state = powers[length] @ state + ends[:, i]
-    free = powers[:length].reshape(length * size, size) @ starts.reshape(size, -1)
-    whole = (local[:length] + free.reshape(length, size, -1)).reshape(length, size, blocks, columns)
-    return whole.transpose(1, 2, 0, 3).reshape(size, blocks * length, columns)[:, :count]

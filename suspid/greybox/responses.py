@@ -11,9 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from suspid.greybox.dynamics import DEGREE, Plant, plant_of, recursion, transition
+from suspid.greybox.dynamics import DEGREE, Plant, plant_of, transition
 from suspid.greybox.trials import Hold, Trial, input_pieces
 from suspid.model import Suspension
+from suspid.simulation import recursion
 from suspid.units import RealArray
 
 # Columns of the unknown start, of unit length, that add less than this to the others are not seen by the channels.

@@ -2,12 +2,14 @@
 
 `free_decay` evaluates ``C expm(A t) x_0`` to rounding, `simulate` the response to roads and forces that are
 polynomials between samples. `road_profile` draws a road of ISO 8608, `add_noise` adds white noise of a given
-signal-to-noise ratio. Every random number comes from the generator that the caller passes.
+signal-to-noise ratio. `recursion` runs a sampled linear system without a loop over the samples. Every random number
+comes from the generator that the caller passes.
 """
 
 from suspid.simulation.add_noise import add_noise
 from suspid.simulation.free_decay import free_decay
+from suspid.simulation.recursion import recursion
 from suspid.simulation.road_profile import ROUGHNESS, WAVELENGTHS, road_profile
 from suspid.simulation.simulate import simulate
 
-__all__ = ["ROUGHNESS", "WAVELENGTHS", "add_noise", "free_decay", "road_profile", "simulate"]
+__all__ = ["ROUGHNESS", "WAVELENGTHS", "add_noise", "free_decay", "recursion", "road_profile", "simulate"]

@@ -45,32 +45,36 @@ def driven_states(A: RealArray, B: RealArray, pieces: RealArray, start: RealArra
         whole[:n, n + derivative * inputs : n + (derivative + 1) * inputs] = columns
     whole[n : n + width - inputs, n + inputs :] = np.eye(width - inputs)
     made = expm(whole * step)
-    return recursion(made[:n, :n], made[:n, n:] @ pieces.reshape(width, -1), start)
+    forcing = made[:n, n:] @ pieces.reshape(width, -1)
+    return recursion(made[:n, :n], forcing[:, :, None], start[:, None], forcing.shape[1])[:, :, 0]
 
 
-def recursion(E: RealArray, forcing: RealArray, start: RealArray) -> RealArray:
-    """Return x of ``x[k + 1] = E x[k] + forcing[k]``, (state, sample), without a loop over the samples.
+def recursion(E: RealArray, forcing: RealArray | None, start: RealArray, count: int) -> RealArray:
+    """Return x of ``x[k + 1] = E x[k] + forcing[k]`` for k = 0 … count - 1, (state, sample, column).
 
-    The record is cut into about as many blocks as each has samples. All blocks run side by side from rest, then one
-    after another their starts are found, then all run again from those: three loops of the square root of the length.
+    ``start`` is (state, column), ``forcing`` (state, sample, column), None for free motion. The record is cut into
+    about ``sqrt(count)`` blocks. All run side by side from rest, then the free motion from the start of each is added:
+    three loops of the square root of the length.
     """
-    n, count = forcing.shape
-    length = max(1, round(count**0.5))
+    size, columns = start.shape
+    length = int(np.ceil(np.sqrt(count)))
     blocks = -(-count // length)
-    padded = np.zeros((n, blocks * length))
-    padded[:, :count] = forcing
-    pushes = np.ascontiguousarray(padded.reshape(n, blocks, length).transpose(2, 0, 1))
-    ends = np.zeros((n, blocks))
-    for push in pushes:
-        ends = E @ ends + push
+    states = np.zeros((length + 1, size, blocks * columns))
+    if forcing is not None:
+        padded = np.zeros((size, blocks * length, columns))
+        padded[:, :count] = forcing
+        states[1:] = padded.reshape(size, blocks, length, columns).transpose(2, 0, 1, 3).reshape(length, size, -1)
+        for k in range(length):
+            states[k + 1] += E @ states[k]
+    ends = states[length].reshape(size, blocks, columns)
     jump = np.linalg.matrix_power(E, length)
-    starts = np.empty((n, blocks))
-    state = start
+    starts, state = np.empty((size, blocks, columns)), start
     for block in range(blocks):
         starts[:, block] = state
         state = jump @ state + ends[:, block]
-    states = np.empty((length, n, blocks))
-    states[0] = starts
-    for k in range(length - 1):
-        states[k + 1] = E @ states[k] + pushes[k]
-    return np.asarray(states.transpose(1, 2, 0).reshape(n, -1)[:, :count])
+    free = starts.reshape(size, -1)
+    for k in range(length):
+        states[k] += free
+        free = E @ free
+    whole = states[:length].reshape(length, size, blocks, columns).transpose(1, 2, 0, 3)
+    return np.asarray(whole.reshape(size, blocks * length, columns)[:, :count])
