@@ -10,7 +10,17 @@ from pathlib import Path
 import control
 import numpy as np
 
-from suspid import eigenmodes, find_decays, free_decay, identify, identify_repeats, quarter_car, report, statespace
+from suspid import (
+    content_of,
+    eigenmodes,
+    find_decays,
+    free_decay,
+    identify,
+    identify_repeats,
+    quarter_car,
+    report,
+    statespace,
+)
 
 # A small car whose body and wheel carry accelerometers.
 car = quarter_car(
@@ -45,5 +55,5 @@ print(eigenmodes(car))
 # The page is on the best decay; the repeats stand beside it.
 best = repeats.each[0]
 page = Path(sys.argv[1] if len(sys.argv) > 1 else Path(tempfile.mkdtemp(), "page.html"))
-page.write_text(report(best, decays=decays, repeats=repeats, title="Three drops"), encoding="utf-8")
+page.write_text(report(content_of(best, decays=decays, repeats=repeats), title="Three drops"), encoding="utf-8")
 print(f"\n{len(identify(best.response).modes)} modes in the best decay; page written to {page}")

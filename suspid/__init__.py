@@ -48,6 +48,7 @@ from suspid.reconstruction import ModalTest, Reconstruction, reconstruct
 from suspid.recordings import RawChannel, Recording
 from suspid.reporting import (
     Source,
+    content_of,
     plot_amplitude,
     plot_entropy,
     plot_estimate,
@@ -101,7 +102,8 @@ __all__ = [  # noqa: RUF022 - grouped by step
     # the car itself, straight from records
     "estimate", "Estimate", "RecordTest",
     # a page for others, and many records
-    "report", "report_to_dict", "Source", "source_of", "identify_many", "FleetRun", "fleet_summary", "FleetSummary",
+    "report", "report_to_dict", "content_of", "Source", "source_of",
+    "identify_many", "FleetRun", "fleet_summary", "FleetSummary",
     # pictures of each step
     "plot_scalogram", "plot_skeletons", "plot_amplitude", "plot_entropy", "plot_fit", "plot_shapes",
     "plot_identification",

@@ -36,7 +36,7 @@ from suspid.cleaning import Cleaned, Finding
 from suspid.decays import Decay
 from suspid.identification import identify_repeats, verdict_of
 from suspid.identification.modes_json import read_modes
-from suspid.reporting import Source, report, report_to_dict, source_of
+from suspid.reporting import Source, content_of, report, report_to_dict, source_of
 from suspid.reporting.axes import shown
 from suspid.reporting.colours import TONES
 from suspid.reporting.pictures import NARROW, Picture, Pictures, pictures_of
@@ -231,31 +231,33 @@ class TestVerdict:
     def test_an_offset_left_alone_is_harmless(self, found: Identification) -> None:
         offset = finding(kind=Defect.OFFSET, repaired=False)
         cleaned = Cleaned(record=found.response, units=("m",) * 3, findings=(offset,))
-        assert level_of(report_to_dict(found, cleaned=cleaned)) == level_of(report_to_dict(found))
+        assert level_of(report_to_dict(content_of(found, cleaned=cleaned))) == level_of(report_to_dict(found))
 
     def test_repeats_that_agree_speak_for_it(self, found: Identification) -> None:
         once, again = (as_signal(paper_record(duration=6.0, seed=seed)) for seed in (1, 2))
         values = np.asarray(np.concatenate([once.values, again.values], axis=1), np.float64)
         both = as_response(np.arange(values.shape[1], dtype=np.float64) * once.step, values, once.channels)
         repeats = identify_repeats(both, [(0.0, 5.9), (6.0, 11.9)])
-        text = Page(report(found, repeats=repeats)).text
+        text = Page(report(content_of(found, repeats=repeats))).text
         assert "6 … 11.9" in text
         assert "2 decays agree" in text
-        content = report_to_dict(found, repeats=repeats)
+        content = report_to_dict(content_of(found, repeats=repeats))
         Draft202012Validator(report_schema()).validate(content)
         assert ModeCheck.REPEATS_AGREE.value in codes_of(content)
         apart = replace(repeats, consistency=tuple(replace(a, widening=2.0) for a in repeats.consistency))
-        assert ModeCheck.REPEATS_DISAGREE.value in codes_of(report_to_dict(found, repeats=apart))
+        assert ModeCheck.REPEATS_DISAGREE.value in codes_of(report_to_dict(content_of(found, repeats=apart)))
 
     def test_doubts_about_the_decay_and_the_recording_count(self, found: Identification) -> None:
         defects = (finding(repaired=False), finding(repaired=False))
         cleaned = Cleaned(record=found.response, units=("m",) * 3, findings=defects)
-        content = report_to_dict(found, cleaned=cleaned, decays=(stretch(0.0, 10.0, doubts=("only 1.5 cycles",)),))
+        content = report_to_dict(
+            content_of(found, cleaned=cleaned, decays=(stretch(0.0, 10.0, doubts=("only 1.5 cycles",)),))
+        )
         assert level_of(content) == "doubtful"
         assert {RecordCheck.DECAY.value, RecordCheck.DEFECTS.value} <= codes_of(content)
 
     def test_a_car_that_does_not_explain_the_modes_counts(self, found: Identification, springs: Reconstruction) -> None:
-        content = report_to_dict(found, reconstruction=replace(springs, explains=False))
+        content = report_to_dict(content_of(found, reconstruction=replace(springs, explains=False)))
         assert ReconstructionCheck.UNEXPLAINED.value in codes_of(content)
         assert level_of(content) != "sound"
 
@@ -265,11 +267,13 @@ class TestVerdict:
         Draft202012Validator(report_schema()).validate(content)
         assert content["verdict"] == json.loads(json.dumps(analysis.verdict.to_dict()))
         parts = report_to_dict(
-            analysis.identification,
-            cleaned=analysis.cleaned,
-            decays=analysis.decays,
-            repeats=analysis.repeats,
-            reconstruction=analysis.reconstruction,
+            content_of(
+                analysis.identification,
+                cleaned=analysis.cleaned,
+                decays=analysis.decays,
+                repeats=analysis.repeats,
+                reconstruction=analysis.reconstruction,
+            )
         )
         assert content == parts
         assert "Springs and dampers" in Page(report(analysis)).text
@@ -314,7 +318,7 @@ class TestRounding:
                 )
 
     def test_every_spring_has_its_interval(self, found: Identification, springs: Reconstruction) -> None:
-        text = " ".join(Page(report(found, reconstruction=springs)).cells)
+        text = " ".join(Page(report(content_of(found, reconstruction=springs))).cells)
         for name, (low, high) in springs.interval(0.95).items():
             numbers = re.search(rf"{re.escape(name)} (\S+) ± (\S+) (?:N/m|N s/m) (\S+) (\S+)", text)
             assert numbers, name
@@ -332,7 +336,9 @@ class TestNames:
             findings=(finding(channel=HOSTILE[0]), finding(channel=HOSTILE[1])),
         )
         decays = (stretch(0.0, 9.0, kind=HOSTILE[0], doubts=(HOSTILE[1],)),)
-        text = report(hostile, source=SOURCE, cleaned=cleaned, decays=decays, warnings=[HOSTILE[0]], title=HOSTILE[1])
+        text = report(
+            content_of(hostile, source=SOURCE, cleaned=cleaned, decays=decays, warnings=[HOSTILE[0]]), title=HOSTILE[1]
+        )
         page = Page(text)
         assert "script" not in page.tags
         assert not {"b", "u"} & {tag for tag, _, value in page.attributes if value} - {"b"}
@@ -354,7 +360,7 @@ class TestNames:
 
 class TestSelfContained:
     def test_nothing_is_fetched(self, found: Identification) -> None:
-        text = report(found, source=SOURCE)
+        text = report(content_of(found, source=SOURCE))
         page = Page(text)
         assert not {"script", "link", "iframe", "object", "embed"} & set(page.tags) - {"link"}
         for tag, name, value in page.attributes:
@@ -368,7 +374,7 @@ class TestSelfContained:
 
     def test_the_same_input_gives_the_same_bytes(self, found: Identification) -> None:
         again = identify(paper_record(), candidates=[4.0, 8.0, 16.0])
-        assert report(found, source=SOURCE) == report(again, source=SOURCE)
+        assert report(content_of(found, source=SOURCE)) == report(content_of(again, source=SOURCE))
 
     def test_it_says_where_it_comes_from(self, found: Identification, tmp_path: Path) -> None:
         path = tmp_path / "decay.csv"
@@ -376,7 +382,7 @@ class TestSelfContained:
         source = source_of(path, command="suspid report decay.csv", created="2026-01-01")
         # The example of FIPS 180-2.
         assert source.sha256 == "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"
-        text = Page(report(found, source=source)).text
+        text = Page(report(content_of(found, source=source))).text
         for said in (source.sha256, "decay.csv", "3 bytes", source.command, source.created, f"numpy {np.__version__}"):
             assert said in text
 
@@ -390,7 +396,7 @@ class TestWhatIsThere:
         whole = paper_record(duration=12.0)
         cleaned = Cleaned(record=whole, units=("m", "mm", ""), findings=(finding(), finding(repaired=False)))
         decays = (stretch(3.0, 5.0, doubts=("only 1.5 cycles",)), stretch(0.0, 10.0))
-        text = Page(report(found, cleaned=cleaned, decays=decays, reconstruction=springs)).text
+        text = Page(report(content_of(found, cleaned=cleaned, decays=decays, reconstruction=springs))).text
         for said in (
             "'seat' at 2 Hz, the others at 100 Hz; left out",
             "1 defect of the recording was found and not repaired",
@@ -403,12 +409,12 @@ class TestWhatIsThere:
             assert said in text
 
     def test_a_cut_by_hand_is_none_of_the_decays(self, found: Identification) -> None:
-        assert "is none of these stretches" in Page(report(found, decays=(stretch(4.0, 5.0),))).text
+        assert "is none of these stretches" in Page(report(content_of(found, decays=(stretch(4.0, 5.0),)))).text
 
     def test_twins_stand_beside(self, found: Identification, springs: Reconstruction) -> None:
         twin = cars.PAPER.with_parameters(stiffness={"tire": 123456.0})
         both = replace(springs, alternatives=(twin,), distances=(2.5,), told_apart=("75 kg on the seat",))
-        text = Page(report(found, reconstruction=both)).text
+        text = Page(report(content_of(found, reconstruction=both))).text
         for said in ("twin 1", "1.2346e+05", "chi-square 2.5; told apart by 75 kg on the seat"):
             assert said in text
 
@@ -557,12 +563,14 @@ class TestJson:
         cleaned = Cleaned(record=found.response, units=("",) * 7, findings=(finding(),))
         few = replace(cleaned, units=("m",) * len(as_signal(found.response).channels))
         return report_to_dict(
-            found,
-            source=SOURCE,
-            cleaned=few,
-            decays=(stretch(0.0, 1.0, cycles=float("nan"), doubts=("short",)),),
-            reconstruction=springs,
-            warnings=["a warning"],
+            content_of(
+                found,
+                source=SOURCE,
+                cleaned=few,
+                decays=(stretch(0.0, 1.0, cycles=float("nan"), doubts=("short",)),),
+                reconstruction=springs,
+                warnings=["a warning"],
+            )
         )
 
     def test_it_obeys_its_schema(
@@ -613,8 +621,8 @@ class TestJson:
         assert np.array_equal(back.covariance, found.modes.covariance)
 
     def test_the_page_and_the_json_say_the_same(self, found: Identification, springs: Reconstruction) -> None:
-        content = report_to_dict(found, reconstruction=springs)
-        text = Page(report(found, reconstruction=springs)).text
+        content = report_to_dict(content_of(found, reconstruction=springs))
+        text = Page(report(content_of(found, reconstruction=springs))).text
         verdict = content["verdict"]
         assert isinstance(verdict, dict)
         for said in (verdict["headline"]["text"].capitalize(), *(check["text"] for check in verdict["checks"])):

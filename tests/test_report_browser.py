@@ -17,7 +17,7 @@ from playwright.sync_api import Browser, Page, sync_playwright
 from suspid import add_noise, free_decay, identify, reconstruct
 from suspid.cleaning import Cleaned, Finding
 from suspid.decays import Decay
-from suspid.reporting import Source, report
+from suspid.reporting import Source, content_of, report
 from suspid.signals import as_response, as_signal
 from suspid.words import DecayDoubt, Defect, Remark
 from validation import cars
@@ -108,12 +108,14 @@ def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     remark = Remark(Defect.SLOWER_CLOCK, {"channels": tuple(NAMES), "rate": 2.0, "onto": 100.0})
     finding = Finding(remark=remark, channel=NAMES[1], start=0.0, stop=1.0, samples=3, repaired=True)
     text = report(
-        found,
-        source=Source(file=NAMES[1], sha256="ab" * 32, size=12, command=NAMES[0] * 9, created="2026-01-02"),
-        cleaned=Cleaned(record=found.response, units=NAMES, findings=(finding,)),
-        decays=(stretch(0.0, 6.0), stretch(2.0, 2.5, doubts=(NAMES[0], NAMES[4]))),
-        reconstruction=reconstruct(plain.modes, cars.PAPER),
-        warnings=NAMES,
+        content_of(
+            found,
+            source=Source(file=NAMES[1], sha256="ab" * 32, size=12, command=NAMES[0] * 9, created="2026-01-02"),
+            cleaned=Cleaned(record=found.response, units=NAMES, findings=(finding,)),
+            decays=(stretch(0.0, 6.0), stretch(2.0, 2.5, doubts=(NAMES[0], NAMES[4]))),
+            reconstruction=reconstruct(plain.modes, cars.PAPER),
+            warnings=NAMES,
+        )
     )
     path = tmp_path_factory.mktemp("report") / "report.html"
     path.write_text(text, encoding="utf-8")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from suspid.analysis.settings import CarSettings
 from suspid.errors import InputError, ReconstructionError, SuspidError
@@ -38,15 +38,7 @@ def check_springs(how: CarSettings, car: Suspension) -> None:
     for name in how.added_masses:
         if name not in car.coordinates:
             raise InputError(f"added_masses: there is no mass {name!r}.{nearest_names(name, car.masses)}")
-    asked = Asked(
-        fixed=how.fixed,
-        bounds=how.bounds,
-        ties=how.ties,
-        nominal_std=how.nominal_std,
-        free_masses=how.free_masses,
-        constraints=how.constraints,
-    )
-    check_asked(car, asked)
+    check_asked(car, Asked(**_unknowns(how), constraints=how.constraints))
 
 
 def springs_of(
@@ -57,37 +49,22 @@ def springs_of(
     An estimate knows no constraints: with some, there is none.
     """
     try:
-        found, why = _reconstructed(how, modes, car), ""
+        test = ModalTest(modes=modes, added_masses=how.added_masses)
+        settings = {**_unknowns(how), "constraints": how.constraints}
+        found, why = reconstruct([test], car, tolerance=how.tolerance, search=how.search, **settings), ""
     except (ReconstructionError, InputError) as error:
         found, why = None, str(error)
     notes = (Remark(Note.NO_SPRINGS, {"why": why}),) if why else ()
     if how.constraints or (found is not None and found.explains and not found.alternatives):
         return Springs(reconstruction=found, notes=notes)
     try:
-        fitted = estimate(
-            [RecordTest(record=record, added_masses=how.added_masses) for record in records],
-            car,
-            fixed=how.fixed,
-            bounds=how.bounds,
-            ties=how.ties,
-            nominal_std=how.nominal_std,
-            free_masses=how.free_masses,
-        )
+        tests = [RecordTest(record=record, added_masses=how.added_masses) for record in records]
+        fitted = estimate(tests, car, **_unknowns(how))
     except SuspidError as error:
         return Springs(reconstruction=found, notes=(*notes, Remark(Note.NO_ESTIMATE, {"why": str(error)})))
     return Springs(reconstruction=found, estimate=fitted, notes=(*notes, Remark(Note.ESTIMATED)))
 
 
-def _reconstructed(how: CarSettings, modes: ModalSet, car: Suspension) -> Reconstruction:
-    return reconstruct(
-        [ModalTest(modes=modes, added_masses=how.added_masses)],
-        car,
-        fixed=how.fixed,
-        bounds=how.bounds,
-        ties=how.ties,
-        nominal_std=how.nominal_std,
-        free_masses=how.free_masses,
-        tolerance=how.tolerance,
-        search=how.search,
-        constraints=how.constraints,
-    )
+def _unknowns(how: CarSettings) -> dict[str, Any]:
+    """Return what is asked for and known beforehand, as arguments of `reconstruct` and `estimate`."""
+    return {name: getattr(how, name) for name in ("fixed", "bounds", "ties", "nominal_std", "free_masses")}

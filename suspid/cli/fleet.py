@@ -24,7 +24,7 @@ INTERRUPTED = 130
 
 @click.command("fleet")
 @click.argument("folder")
-@analysing()
+@analysing
 @click.option(
     "-o", "--output", type=FILE, metavar="RESULTS", help="Folder of the results; an interrupted run continues."
 )

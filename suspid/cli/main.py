@@ -17,23 +17,12 @@ from suspid.cli.fleet import fleet_command
 from suspid.cli.measured import channels_command, identify_command, report_command
 from suspid.cli.options import FILE
 from suspid.cli.simulate import simulate_command
-from suspid.cli.support import (
-    Commands,
-    Positive,
-    added_masses,
-    bounds_by_name,
-    check_apart,
-    equal_names,
-    interval_table,
-    said_warnings,
-    say,
-)
+from suspid.cli.springs import Outputs, Wanted, conclude, wanting, writing
+from suspid.cli.support import Commands, Positive, check_apart, said_warnings, say
 from suspid.files import replacing
 
 if TYPE_CHECKING:
     from suspid.model import ModalSet
-
-EXIT_UNEXPLAINED = 3
 
 
 @click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
@@ -57,43 +46,17 @@ main.add_command(simulate_command)
 @main.command("reconstruct")
 @click.argument("modes", type=FILE, nargs=-1, required=True)
 @click.argument("car", type=FILE)
-@click.option("--added", metavar="FILE:NAME=KG", multiple=True, help="Mass added at NAME in the test FILE; repeat.")
-@click.option("--fixed", metavar="STRUT[.stiffness|.damping]", multiple=True, help="Hold at the nominal value; repeat.")
-@click.option(
-    "--bound",
-    "bounds",
-    type=(str, float, float),
-    metavar="NAME LOW HIGH",
-    multiple=True,
-    help="Least and largest value of a parameter such as tire.stiffness; 0 and inf are no bounds; repeat.",
-)
-@click.option("--tie", "ties", metavar="A=B", multiple=True, help="Parameters that are equal; repeat.")
-@click.option(
-    "--nominal-std",
-    type=Positive("share"),
-    metavar="SHARE",
-    help="Relative standard deviation of the nominal values, such as 0.3.",
-)
-@click.option("--free-mass", "free_masses", metavar="NAME", multiple=True, help="Mass that is unknown too; repeat.")
+@wanting
 @click.option("--tolerance", type=Positive("share"), metavar="SHARE", help="Largest relative error of a pole. [0.02]")
 @click.option("--no-search", is_flag=True, help="Start from the nominal car alone: look for no alternatives.")
-@click.option("--level", type=click.FloatRange(0, 1, min_open=True, max_open=True), help="Print intervals, as 0.95.")
-@click.option("-o", "--output", type=FILE, metavar="FILE", help="Write the car that was found as TOML.")
-@click.option("--json", "json_file", type=FILE, metavar="FILE", help="Write parameters and uncertainty as JSON.")
+@writing
 def reconstruct_command(
     modes: tuple[Path, ...],
     car: Path,
-    added: tuple[str, ...],
-    fixed: tuple[str, ...],
-    bounds: tuple[tuple[str, float, float], ...],
-    ties: tuple[str, ...],
-    nominal_std: float | None,
-    free_masses: tuple[str, ...],
+    wanted: Wanted,
     tolerance: float | None,
     no_search: bool,
-    level: float | None,
-    output: Path | None,
-    json_file: Path | None,
+    outputs: Outputs,
 ) -> None:
     """Find springs and dampers from MODES and CAR.
 
@@ -111,33 +74,26 @@ def reconstruct_command(
 
     if len({path.resolve() for path in modes}) < len(modes):
         raise click.UsageError("One of the MODES is named twice: every test counts once.")
-    check_apart([*modes, car], [output, json_file])
-    masses, limits, groups = added_masses(added, modes), bounds_by_name(bounds), equal_names(ties)
-    with ExitStack() as outputs, said_warnings() as said:
-        draft = outputs.enter_context(replacing(output)) if output else None
-        json_draft = outputs.enter_context(replacing(json_file)) if json_file else None
+    check_apart([*modes, car], [outputs.output, outputs.json_file])
+    masses, unknowns = wanted.added_masses(modes), wanted.unknowns()
+    with outputs.drafts() as (draft, json_draft), said_warnings() as said:
         found = reconstruct(
             [ModalTest(modes=read_modes(path), added_masses=kg) for path, kg in zip(modes, masses, strict=True)],
             read_car(car),
-            fixed=fixed,
-            bounds=limits,
-            ties=groups,
-            nominal_std=nominal_std,
-            free_masses=free_masses,
+            **unknowns,
             tolerance=tolerance,
             search=not no_search,
             constraints=read_constraints(car),
         )
-        text = str(found) if level is None else f"{found}\n\n{interval_table(found, level)}"
+        text = outputs.words(found)
         if not found.explains:
             said.append("the car that was found does not explain these modes within their uncertainty")
         if draft:
             draft.write_text(car_to_toml(found.suspension), encoding="utf-8")
         if json_draft:
-            json_draft.write_text(to_json(reconstruction_to_dict(found, level=level or 0.95)), encoding="utf-8")
-    say(text)
-    if not found.explains:
-        click.get_current_context().exit(EXIT_UNEXPLAINED)
+            content = reconstruction_to_dict(found, level=outputs.probability)
+            json_draft.write_text(to_json(content), encoding="utf-8")
+    conclude(text, explains=found.explains)
 
 
 @main.command("modes")

@@ -52,7 +52,7 @@ def channels_command(file: Path, time: str | None, fs: float | None, dbc: Path |
 
 @click.command("identify")
 @click.argument("files", type=FILE, nargs=-1, required=True, metavar="FILE...")
-@analysing()
+@analysing
 @click.option("--plot", type=FILE, metavar="FILE", help="Write pictures of the identification (.png, .svg, .pdf).")
 @click.option("--json", "json_file", type=FILE, metavar="FILE", help="Write modes, uncertainty and settings as JSON.")
 def identify_command(files: tuple[Path, ...], settings: Settings, plot: Path | None, json_file: Path | None) -> None:
@@ -132,7 +132,7 @@ def _json_of(found: Analysis, files: Sequence[Path], said: Sequence[str]) -> dic
 @click.command("report")
 @click.argument("file", type=FILE)
 @click.option("-o", "--output", type=FILE, metavar="FILE", required=True, help="The page to write (.html).")
-@analysing()
+@analysing
 @click.option("--car", type=FILE, metavar="CAR", help="Masses and nominal struts (.toml): springs and dampers as well.")
 @click.option("--level", type=click.FloatRange(0, 1, min_open=True, max_open=True), default=0.95, show_default=True,
               help="Probability of the intervals.")  # fmt: skip
@@ -155,7 +155,7 @@ def report_command(
     """
     from suspid.identification import to_json
     from suspid.model import read_car, read_constraints
-    from suspid.reporting import drawable, report, report_to_dict, source_of
+    from suspid.reporting import content_of, report, report_to_dict, source_of
 
     if output.suffix.lower() not in (".html", ".htm"):
         raise InputError(f"{printable(str(output))}: reports are written as .html; choose such a name")
@@ -174,11 +174,10 @@ def report_command(
         command = shlex.join(["suspid", *click.get_current_context().meta.get(ARGUMENTS, [])])
         source = source_of(file, command=command, created=created)
         step("drawing")
-        # Page and JSON show the same transform: made once.
-        found = replace(found, identification=drawable(found.identification))
-        draft.write_text(report(found, source=source, title=title), encoding="utf-8")
+        content = content_of(found, source=source)
+        draft.write_text(report(content, title=title), encoding="utf-8")
         if json_draft:
-            json_draft.write_text(to_json(report_to_dict(found, source=source)), encoding="utf-8")
+            json_draft.write_text(to_json(report_to_dict(content)), encoding="utf-8")
         said += said_of(found, most_left_out=MOST_LEFT_OUT, most_findings=MOST_FINDINGS)
     modes = count(len(found.modes), "mode") if len(found.modes) else "no mode"
     say(f"{printable(str(output))}: {modes} in {printable(str(file))}")

@@ -6,7 +6,7 @@ import inspect
 import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from functools import wraps
+from functools import partial, wraps
 from pathlib import Path
 from typing import Any, Literal, TypeVar, cast, get_args
 
@@ -114,7 +114,7 @@ def settings_of(
     method: Method,
     band: tuple[float, float] | None,
 ) -> Settings:
-    """Return the settings that the options of `analysing` ask for, or refuse them as a usage error."""
+    """Return the settings that the options ask for, or refuse them as a usage error."""
     axes = None if vertical is None else tuple(name.strip() for name in vertical.split(","))
     if axes is not None and len(axes) != 3:
         raise click.BadParameter(f"{vertical!r}: name three axes, as X,Y,Z.", param_hint="'--vertical'")
@@ -147,22 +147,31 @@ def settings_of(
         raise click.UsageError(f"{error}.") from None
 
 
-def analysing(*options: Callable[[Any], Any]) -> Callable[[Command], Command]:
-    """Return a decorator that gives a command all options of an analysis, as its argument ``settings``, and others."""
-    packed = list(inspect.signature(settings_of).parameters)
+def packed(
+    make: Callable[..., object], options: Sequence[Callable[[Any], Any]], argument: str
+) -> Callable[[Command], Command]:
+    """Return a decorator that gives a command options, and what a function makes of them as one argument."""
+    names = [name for name, p in inspect.signature(make).parameters.items() if p.default is p.empty]
 
     def give(command: Command) -> Command:
         @wraps(command)
         def unpacked(**values: Any) -> Any:
-            settings = settings_of(**{name: values.pop(name) for name in packed})
-            return command(settings=settings, **values)
+            made = make(**{name: values.pop(name) for name in names})
+            return command(**{argument: made}, **values)
 
-        made: Any = unpacked
-        for option in reversed((*READING, *STRETCH, *SETTINGS, *options)):
-            made = option(made)
-        return cast("Command", made)
+        whole: Any = unpacked
+        for option in reversed(options):
+            whole = option(whole)
+        return cast("Command", whole)
 
     return give
+
+
+# A command with all options of an analysis, or with those of reading a whole record, as its argument ``settings``.
+analysing = packed(settings_of, (*READING, *STRETCH, *SETTINGS), "settings")
+reading = packed(
+    partial(settings_of, which="whole", modes=None, method=METHOD, band=None), (*READING, *STRETCH[:2]), "settings"
+)
 
 
 @contextmanager

@@ -8,7 +8,7 @@ import math
 import os
 import sys
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
@@ -19,8 +19,7 @@ from suspid.errors import SuspidError
 from suspid.files import printable
 
 if TYPE_CHECKING:
-    from suspid.greybox import Estimate
-    from suspid.reconstruction import Reconstruction
+    pass
 
 
 # Where the context keeps the arguments of the command.
@@ -140,59 +139,3 @@ def said_warnings() -> Iterator[list[str]]:
         yield said
     for text in dict.fromkeys(said):
         click.echo(f"suspid: warning: {printable(text)}", err=True)
-
-
-def added_masses(given: Sequence[str], files: Sequence[Path]) -> list[dict[str, float]]:
-    """Return the masses [kg] added in the test of each file, from texts as ``FILE:NAME=KG``."""
-    tests: list[dict[str, float]] = [{} for _ in files]
-    for text in given:
-        left, equals, value = text.rpartition("=")
-        file, colon, name = left.rpartition(":")
-        try:
-            mass = float(value)
-        except ValueError:
-            equals = ""
-        if not equals or not name or not (colon or len(files) == 1):
-            raise click.BadParameter(f"{text!r}: write FILE:NAME=KG.", param_hint="'--added'")
-        if colon and Path(file) not in files:
-            known = ", ".join(str(path) for path in files)
-            raise click.BadParameter(f"{text!r}: {file!r} is none of the MODES, {known}.", param_hint="'--added'")
-        masses = tests[files.index(Path(file)) if colon else 0]
-        if name in masses:
-            raise click.BadParameter(f"{text!r}: {name!r} has a mass there already.", param_hint="'--added'")
-        masses[name] = mass
-    return tests
-
-
-def bounds_by_name(given: Sequence[tuple[str, float, float]]) -> dict[str, tuple[float, float]]:
-    """Return the bounds by parameter, each given once."""
-    bounds: dict[str, tuple[float, float]] = {}
-    for name, low, high in given:
-        if name in bounds:
-            raise click.BadParameter(f"{name!r} has bounds already.", param_hint="'--bound'")
-        bounds[name] = (low, high)
-    return bounds
-
-
-def equal_names(given: Sequence[str]) -> list[list[str]]:
-    """Return the names in each text as ``A=B``."""
-    groups = [[name.strip() for name in text.split("=")] for text in given]
-    for text, names in zip(given, groups, strict=True):
-        if len(names) < 2 or not all(names):
-            raise click.BadParameter(f"{text!r}: write A=B, two parameters or more.", param_hint="'--tie'")
-    return groups
-
-
-def interval_table(found: Reconstruction | Estimate, level: float) -> str:
-    """Return the table of the lower and the upper end of every parameter, with units."""
-    from suspid.greybox import parameter_unit
-    from suspid.values import text_table
-
-    ends = found.interval(level)
-    return text_table(
-        {
-            f"{100 * level:g} % interval": [f"{name} [{parameter_unit(name)}]" for name in ends],
-            "lower": [f"{low:.7g}" for low, _ in ends.values()],
-            "upper": [f"{high:.7g}" for _, high in ends.values()],
-        }
-    )

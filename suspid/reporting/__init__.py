@@ -1,6 +1,7 @@
 """Pictures of each step, the report as an HTML page, and the same content as JSON.
 
-`report` writes one HTML page, `report_to_dict` the same content as JSON (schema in ``schemas/``). Each ``plot_…``
+`report` writes one HTML page, `report_to_dict` the same as JSON (schema in ``schemas/``), of what `content_of` puts
+together. Each ``plot_…``
 draws one picture on matplotlib Axes; the page shows the same pictures as SVG.
 
 To add a picture to the page: draw it on Axes in a module of its own, as in ``plot_entropy.py``; add a field to
@@ -8,6 +9,7 @@ To add a picture to the page: draw it on Axes in a module of its own, as in ``pl
 ``{{ figure(pictures.…) }}``. Take colours from ``colours.py``: they have counterparts for dark screens.
 """
 
+from suspid.reporting.content import Content, content_of
 from suspid.reporting.estimate_json import estimate_schema, estimate_to_dict
 from suspid.reporting.plot_amplitude import plot_amplitude
 from suspid.reporting.plot_entropy import plot_entropy
@@ -21,12 +23,12 @@ from suspid.reporting.plot_skeletons import plot_skeletons
 from suspid.reporting.report import report
 from suspid.reporting.report_json import report_to_dict
 from suspid.reporting.source import Source, source_of
-from suspid.reporting.thinning import drawable
 
 __all__ = [
     "PAGE",
+    "Content",
     "Source",
-    "drawable",
+    "content_of",
     "estimate_schema",
     "estimate_to_dict",
     "plot_amplitude",

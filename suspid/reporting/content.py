@@ -77,15 +77,50 @@ class Content:
 def content_of(
     found: Identification | Analysis,
     *,
-    source: Source | None,
-    cleaned: Cleaned | None,
-    decays: Sequence[Decay],
-    repeats: Repeats | None,
-    reconstruction: Reconstruction | None,
-    level: Ratio,
-    warnings: Sequence[str],
+    source: Source | None = None,
+    cleaned: Cleaned | None = None,
+    decays: Sequence[Decay] = (),
+    repeats: Repeats | None = None,
+    reconstruction: Reconstruction | None = None,
+    level: Ratio = 0.95,
+    warnings: Sequence[str] = (),
 ) -> Content:
-    """Return the content of a report; the parameters are those of `report`."""
+    """Return what `report` and `report_to_dict` show of an analysis, or of an identification and what goes with it.
+
+    Parameters
+    ----------
+    found : Identification or Analysis
+        What was found; perhaps no mode. An `Analysis` brings all but source and warnings.
+    source : Source, optional
+        The file and the command; see `source_of`.
+    cleaned : Cleaned, optional
+        The whole recording and what was done to it. Its units are those of the figures.
+    decays : sequence of Decay, optional
+        The stretches that were found or given; the record should begin with one of them.
+    repeats : Repeats, optional
+        The decays identified one by one and jointly.
+    reconstruction : Reconstruction, optional
+        Springs and dampers from these modes.
+    level : float
+        Probability of all intervals [1].
+    warnings : sequence of str
+        Warnings that were given on the way.
+
+    Raises
+    ------
+    InputError
+        If the level is not between 0 and 1.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from suspid import free_decay, identify, quarter_car, report_to_dict
+    >>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3,
+    ...                   tire_stiffness=200e3, chassis_damping=200)
+    >>> found = identify(free_decay(car, np.arange(0, 10, 0.005), initial_state={"v_chassis": 1.0}))
+    >>> report_to_dict(content_of(found, level=0.9))["level"]
+    0.9
+    """
     if isinstance(found, Analysis):
         no_springs = [str(note) for note in found.notes if note.code is Note.NO_SPRINGS]
         analysis = replace(found, identification=drawable(found.identification))

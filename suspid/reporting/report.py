@@ -6,7 +6,6 @@ The page is one file without a script. Its policy forbids the network. Its pictu
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,16 +16,13 @@ from suspid.reporting.content import Content, content_of
 from suspid.reporting.estimate_rows import estimate_rows, masses_of
 from suspid.reporting.pictures import MOST_CHANNELS, pictures_of
 from suspid.reporting.rows import channel_rows, mode_rows, parameter_rows, pole_rows, repeat_rows
-from suspid.reporting.source import Source, versions
+from suspid.reporting.source import versions
 from suspid.reporting.thinning import is_whole
 from suspid.signals import as_signal
-from suspid.units import Ratio
 
 if TYPE_CHECKING:
     from suspid.analysis import Analysis
-    from suspid.cleaning import Cleaned
-    from suspid.decays import Decay
-    from suspid.identification import Identification, Repeats
+    from suspid.identification import Identification
     from suspid.reconstruction import Reconstruction
 
 # What the page shows at most: rejected poles, modes at a glance, letters of a name. The JSON has all.
@@ -35,38 +31,13 @@ MOST_CARDS = 6
 MOST_LETTERS = 40
 
 
-def report(
-    found: Identification | Analysis,
-    *,
-    source: Source | None = None,
-    cleaned: Cleaned | None = None,
-    decays: Sequence[Decay] = (),
-    repeats: Repeats | None = None,
-    reconstruction: Reconstruction | None = None,
-    level: Ratio = 0.95,
-    warnings: Sequence[str] = (),
-    title: str | None = None,
-) -> str:
+def report(found: Identification | Analysis | Content, *, title: str | None = None) -> str:
     """Return the page as HTML.
 
     Parameters
     ----------
-    found : Identification or Analysis
-        What was found; perhaps no mode. An `Analysis` brings cleaned, decays, repeats, reconstruction and level.
-    source : Source, optional
-        The file and the command; see `source_of`.
-    cleaned : Cleaned, optional
-        The whole recording and what was done to it. Its units are those of the figures.
-    decays : sequence of Decay, optional
-        The stretches that were found or given; the record should begin with one of them.
-    repeats : Repeats, optional
-        The decays identified one by one and jointly.
-    reconstruction : Reconstruction, optional
-        Springs and dampers from these modes.
-    level : float
-        Probability of all intervals [1].
-    warnings : sequence of str
-        Warnings that were given on the way.
+    found : Identification, Analysis or Content
+        What was found; perhaps no mode. `content_of` adds where it comes from, and more to an identification.
     title : str, optional
         Heading. Default: name of the file, or title of the record.
 
@@ -74,11 +45,6 @@ def report(
     -------
     str
         The page. A long record is drawn by the extremes of its samples and stays below 2 MB.
-
-    Raises
-    ------
-    InputError
-        If the level is not between 0 and 1.
 
     Examples
     --------
@@ -90,27 +56,13 @@ def report(
     >>> page.startswith("<!doctype html>"), "2 modes found" in page
     (True, True)
     """
-    content = content_of(
-        found,
-        source=source,
-        cleaned=cleaned,
-        decays=decays,
-        repeats=repeats,
-        reconstruction=reconstruction,
-        level=level,
-        warnings=warnings,
-    )
-    return page_of(content, title=title)
-
-
-def page_of(content: Content, *, title: str | None = None) -> str:
-    """Return the page on the content of a report; see `report`."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
-    found, source, analysis = content.identification, content.source, content.analysis
+    content = found if isinstance(found, Content) else content_of(found)
+    shown, source, analysis = content.identification, content.source, content.analysis
     repeats, car = analysis.repeats, analysis.reconstruction
-    names, level = as_signal(found.response).channels, content.level
-    heading = title or (source.file if source else str(found.response.title or "")) or "Record"
+    names, level = as_signal(shown.response).channels, content.level
+    heading = title or (source.file if source else str(shown.response.title or "")) or "Record"
     environment = Environment(
         loader=PackageLoader("suspid.reporting", "templates"),
         autoescape=True,
@@ -123,27 +75,27 @@ def page_of(content: Content, *, title: str | None = None) -> str:
         title=_shown(heading),
         source=source,
         size="" if source is None else _in_bytes(source.size),
-        record=_record_facts(found),
+        record=_record_facts(shown),
         verdict=analysis.verdict,
-        cards=_cards(found),
+        cards=_cards(shown),
         level=f"{100 * level:g} %",
-        method=found.method,
-        modes=mode_rows(found, level),
-        channels=channel_rows(found, content.units),
+        method=shown.method,
+        modes=mode_rows(shown, level),
+        channels=channel_rows(shown, content.units),
         pictures=pictures_of(
-            found, cleaned=content.cleaned, decays=analysis.decays, units=content.units, used=content.used
+            shown, cleaned=content.cleaned, decays=analysis.decays, units=content.units, used=content.used
         ),
         tones=TONES,
-        view=_view(found),
-        fits=[(_short(n), f"{100 * s:.2f} %") for n, s in zip(names, found.explained, strict=True)][:MOST_CHANNELS],
+        view=_view(shown),
+        fits=[(_short(n), f"{100 * s:.2f} %") for n, s in zip(names, shown.explained, strict=True)][:MOST_CHANNELS],
         hidden_channels=max(0, len(names) - MOST_CHANNELS),
         names=[_short(name) for name in names],
         cleaned=content.cleaned,
         decays=analysis.decays,
         remarks=content.remarks,
         used=content.used,
-        poles=pole_rows(found)[:MOST_POLES],
-        hidden_poles=max(0, len(found.considered) - MOST_POLES),
+        poles=pole_rows(shown)[:MOST_POLES],
+        hidden_poles=max(0, len(shown.considered) - MOST_POLES),
         repeats=None if repeats is None else repeat_rows(repeats, level),
         estimate=[] if analysis.estimate is None else estimate_rows(analysis.estimate, level),
         masses="" if analysis.estimate is None else masses_of(analysis.estimate),

@@ -8,7 +8,6 @@ is described with its unit in ``suspid/reporting/schemas/report.schema.json`` (J
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -24,27 +23,15 @@ from suspid.units import Ratio
 if TYPE_CHECKING:
     from suspid.analysis import Analysis
     from suspid.cleaning import Cleaned
-    from suspid.decays import Decay
     from suspid.identification import Identification, Repeats
-    from suspid.reconstruction import Reconstruction
 
 FORMAT = "suspid report 2"
 
 
-def report_to_dict(
-    found: Identification | Analysis,
-    *,
-    source: Source | None = None,
-    cleaned: Cleaned | None = None,
-    decays: Sequence[Decay] = (),
-    repeats: Repeats | None = None,
-    reconstruction: Reconstruction | None = None,
-    level: Ratio = 0.95,
-    warnings: Sequence[str] = (),
-) -> dict[str, object]:
+def report_to_dict(found: Identification | Analysis | Content) -> dict[str, object]:
     """Return everything that `report` shows as plain lists and numbers; numbers that are not finite are None.
 
-    The parameters are those of `report`.
+    Takes what `report` takes.
 
     Examples
     --------
@@ -55,21 +42,7 @@ def report_to_dict(
     >>> report_to_dict(found)["verdict"]["level"]
     'sound'
     """
-    content = content_of(
-        found,
-        source=source,
-        cleaned=cleaned,
-        decays=decays,
-        repeats=repeats,
-        reconstruction=reconstruction,
-        level=level,
-        warnings=warnings,
-    )
-    return content_to_dict(content)
-
-
-def content_to_dict(content: Content) -> dict[str, object]:
-    """Return the content of a report as plain lists and numbers; see `report_to_dict`."""
+    content = found if isinstance(found, Content) else content_of(found)
     shown, source, analysis = content.identification, content.source, content.analysis
     repeats, car = analysis.repeats, analysis.reconstruction
     fields = identification_to_dict(shown, file=source.file if source else "", warnings=content.warnings)
