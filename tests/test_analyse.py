@@ -30,7 +30,7 @@ from suspid import (
 )
 from suspid.cli.main import main
 from suspid.errors import SuspidError
-from suspid.reporting.report_json import report_schema
+from suspid.reporting import json_schema
 from suspid.signals import as_response, as_signal
 from suspid.words import Note, RecordCheck
 from validation import cars
@@ -204,7 +204,7 @@ class TestSpringsFromTheRecord:
         page, content = report(found), report_to_dict(found)
         assert page.index('id="estimate"') < page.index('id="modes"')
         assert "They rest on these masses" in page
-        jsonschema.validate(content, report_schema())
+        jsonschema.validate(content, json_schema("report"))
         estimated = content["estimate"]
         assert isinstance(estimated, dict)
         assert [p["name"] for p in estimated["parameters"]] == list(found.estimate.parameters)

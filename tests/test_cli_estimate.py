@@ -12,7 +12,7 @@ from click.testing import CliRunner, Result
 
 from suspid import add_noise, free_decay, quarter_car, read_car, simulate, write_car, write_record
 from suspid.cli.main import main
-from suspid.reporting import estimate_schema
+from suspid.reporting import json_schema
 
 CAR = quarter_car(
     chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3, chassis_damping=1300, tire_damping=40
@@ -62,7 +62,7 @@ def test_springs_and_dampers_from_files(files: Path, arguments: list[str], monke
     result = run("estimate", *arguments, "--car", "car.toml", *outputs)
     assert result.exit_code == 0, result.output
     content = json.loads((files / "e.json").read_text())
-    jsonschema.validate(content, estimate_schema())
+    jsonschema.validate(content, json_schema("estimate"))
     assert holds(content)
     assert content["level"] == 0.9
     by_name = {p["name"]: p for p in content["parameters"]}

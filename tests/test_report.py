@@ -36,11 +36,10 @@ from suspid.cleaning import Cleaned, Finding
 from suspid.decays import Decay
 from suspid.identification import identify_repeats, verdict_of
 from suspid.identification.modes_json import read_modes
-from suspid.reporting import Source, content_of, report, report_to_dict, source_of
+from suspid.reporting import Source, content_of, json_schema, report, report_to_dict, source_of
 from suspid.reporting.axes import shown
 from suspid.reporting.colours import TONES
 from suspid.reporting.pictures import NARROW, Picture, Pictures, pictures_of
-from suspid.reporting.report_json import report_schema
 from suspid.reporting.rows import quantity
 from suspid.reporting.svg import page_style, svg_of
 from suspid.reporting.thinning import MOST_SAMPLES, drawable, is_whole
@@ -242,7 +241,7 @@ class TestVerdict:
         assert "6 … 11.9" in text
         assert "2 decays agree" in text
         content = report_to_dict(content_of(found, repeats=repeats))
-        Draft202012Validator(report_schema()).validate(content)
+        Draft202012Validator(json_schema("report")).validate(content)
         assert ModeCheck.REPEATS_AGREE.value in codes_of(content)
         apart = replace(repeats, consistency=tuple(replace(a, widening=2.0) for a in repeats.consistency))
         assert ModeCheck.REPEATS_DISAGREE.value in codes_of(report_to_dict(content_of(found, repeats=apart)))
@@ -264,7 +263,7 @@ class TestVerdict:
     def test_an_analysis_brings_everything(self) -> None:
         analysis = analyse(paper_record(), car=cars.PAPER)
         content = report_to_dict(analysis)
-        Draft202012Validator(report_schema()).validate(content)
+        Draft202012Validator(json_schema("report")).validate(content)
         assert content["verdict"] == json.loads(json.dumps(analysis.verdict.to_dict()))
         parts = report_to_dict(
             content_of(
@@ -576,7 +575,7 @@ class TestJson:
     def test_it_obeys_its_schema(
         self, found: Identification, hostile: Identification, nothing: Identification, springs: Reconstruction
     ) -> None:
-        schema = report_schema()
+        schema = json_schema("report")
         Draft202012Validator.check_schema(schema)
         validator = Draft202012Validator(schema)
         twin = replace(springs, alternatives=(cars.PAPER,), distances=(0.5,), told_apart=("x",))
@@ -590,7 +589,7 @@ class TestJson:
             json.dumps(content, allow_nan=False)
 
     def test_what_it_does_not_know_is_refused(self, found: Identification) -> None:
-        validator = Draft202012Validator(report_schema())
+        validator = Draft202012Validator(json_schema("report"))
         content = report_to_dict(found)
         assert not validator.is_valid(content | {"more": 1})
         assert not validator.is_valid({key: value for key, value in content.items() if key != "verdict"})
@@ -609,7 +608,7 @@ class TestJson:
                     elif key in ("items", "additionalProperties"):
                         walk(value, f"{where}[]")
 
-        walk(report_schema(), "report")
+        walk(json_schema("report"), "report")
 
     def test_it_is_read_as_modes(self, found: Identification, tmp_path: Path) -> None:
         path = tmp_path / "report.json"

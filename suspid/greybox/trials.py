@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from suspid.errors import InputError, RecordError
 from suspid.identification import resolution
-from suspid.model import Suspension, force_weights, output_weights
+from suspid.model import Suspension, added_masses, force_weights, output_weights
 from suspid.signals import Signal, as_signal
 from suspid.units import Kilogram, RealArray, Second
-from suspid.values import FrozenMapping, frozen_real, listed, nearest_names
+from suspid.values import frozen_real, listed, nearest_names
 
 if TYPE_CHECKING:
     import control
@@ -48,12 +48,7 @@ class RecordTest:
     added_masses: Mapping[str, Kilogram] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        if not isinstance(self.added_masses, Mapping):
-            raise InputError(f"added_masses = {self.added_masses!r} must map coordinates to masses [kg]")
-        for name, mass in self.added_masses.items():
-            if not (isinstance(mass, int | float | np.number) and np.isfinite(mass) and mass >= 0):
-                raise InputError(f"added_masses: {name!r} = {mass!r} must be a finite mass >= 0 in kg")
-        object.__setattr__(self, "added_masses", FrozenMapping(self.added_masses))
+        object.__setattr__(self, "added_masses", added_masses(self.added_masses))
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)

@@ -8,6 +8,7 @@ of either kind. `read_car` and `write_car` keep a suspension as TOML.
 
 from suspid.model.car_files import car_from_toml, parsed_toml, read_car, read_constraints, write_car
 from suspid.model.car_text import car_to_toml
+from suspid.model.checks import added_masses
 from suspid.model.compare import compare
 from suspid.model.comparison import Comparison
 from suspid.model.eigenmodes import eigenmodes, scaled_shapes
@@ -31,6 +32,7 @@ __all__ = [
     "Sensor",
     "Strut",
     "Suspension",
+    "added_masses",
     "car_from_toml",
     "car_to_toml",
     "check_plain",

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 
 from suspid.errors import InputError
+from suspid.values import FrozenMapping
 
 
 def finite_number(what: str, value: object, unit: str) -> float:
@@ -22,3 +24,13 @@ def check_name(what: str, name: object) -> None:
     """Refuse a name that python-control would not accept as a label."""
     if not isinstance(name, str) or not name or "." in name:
         raise InputError(f"{what} is named {name!r}; a name is a string, not empty, without '.' (as in python-control)")
+
+
+def added_masses(given: object) -> FrozenMapping:
+    """Return the masses [kg] that a test adds, by coordinate, checked."""
+    if not isinstance(given, Mapping):
+        raise InputError(f"added_masses = {given!r} must map coordinates to masses [kg]")
+    for name, mass in given.items():
+        if not (isinstance(mass, int | float | np.number) and np.isfinite(mass) and mass >= 0):
+            raise InputError(f"added_masses: {name!r} = {mass!r} must be a finite mass >= 0 in kg")
+    return FrozenMapping(given)

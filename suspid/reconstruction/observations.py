@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from suspid.errors import InputError
-from suspid.model import ModalSet, Suspension, check_plain, output_weights
+from suspid.model import ModalSet, Suspension, added_masses, check_plain, output_weights
 from suspid.reconstruction.equations import Observed, all_poles, spectral_nodes
 from suspid.units import ComplexArray, Kilogram, RealArray
-from suspid.values import FrozenMapping, nearest_names
+from suspid.values import nearest_names
 from suspid.words import ReconstructionNote, Remark
 
 FEW_DIGITS = 8  # significant digits of printed numbers, at most; computed ones have 15 to 17
@@ -53,12 +53,7 @@ class ModalTest:
         if not isinstance(modes, ModalSet):
             hint = "; take its .modes" if hasattr(modes, "modes") else ""
             raise InputError(f"a ModalTest needs a ModalSet, not {type(modes).__name__}{hint}")
-        if not isinstance(self.added_masses, Mapping):
-            raise InputError(f"added_masses = {self.added_masses!r} must map coordinates to masses [kg]")
-        for name, mass in self.added_masses.items():
-            if not (isinstance(mass, int | float | np.number) and np.isfinite(mass) and mass >= 0):
-                raise InputError(f"added_masses: {name!r} = {mass!r} must be a finite mass >= 0 in kg")
-        object.__setattr__(self, "added_masses", FrozenMapping(self.added_masses))
+        object.__setattr__(self, "added_masses", added_masses(self.added_masses))
 
 
 def modal_tests(modes: object, suspension: object) -> tuple[ModalTest, ...]:

@@ -10,7 +10,8 @@ To add a picture to the page: draw it on Axes in a module of its own, as in ``pl
 """
 
 from suspid.reporting.content import Content, content_of
-from suspid.reporting.estimate_json import estimate_schema, estimate_to_dict
+from suspid.reporting.estimate_json import estimate_to_dict
+from suspid.reporting.json_schema import json_schema
 from suspid.reporting.plot_amplitude import plot_amplitude
 from suspid.reporting.plot_entropy import plot_entropy
 from suspid.reporting.plot_estimate import plot_estimate
@@ -29,8 +30,8 @@ __all__ = [
     "Content",
     "Source",
     "content_of",
-    "estimate_schema",
     "estimate_to_dict",
+    "json_schema",
     "plot_amplitude",
     "plot_entropy",
     "plot_estimate",

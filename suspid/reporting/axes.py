@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from suspid.errors import InputError
 from suspid.files import printable
+from suspid.reporting.colours import BLUE, PALE, VERMILION
 from suspid.reporting.thinning import PIECES, extremes
 from suspid.units import RealArray
 from suspid.values import nearest_names
@@ -136,6 +137,21 @@ def unit_ticks(ax: Axes, unit: str, *, most: int = 3) -> None:
     ax.yaxis.set_major_locator(MaxNLocator(most))
     ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value / 10.0**power:.10g}".replace("-", "−")))
     ax.set_ylabel(f"[{power_of_ten(power)} {unit}]" if power else f"[{unit}]")
+
+
+def plot_residual(ax: Axes, time: RealArray, record: RealArray, fit: RealArray, residual: RealArray) -> None:
+    """Draw a channel of a record, what a fit explains of it, and the residual."""
+    for values, label, colour, width in (
+        (record, "record", PALE, 2.0),
+        (fit, "fit", BLUE, 0.8),
+        (residual, "residual", VERMILION, 0.8),
+    ):
+        ax.plot(*thinned(ax, time, values), color=colour, linewidth=width, label=label)
+
+
+def key_above(ax: Axes) -> None:
+    """Put the key to the lines of some Axes above them, at the right, in one line."""
+    ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), fontsize="small", ncols=3, frameon=False, borderaxespad=0.0)
 
 
 def without_legend(ax: Axes) -> Axes:

@@ -1,7 +1,7 @@
 """An estimate as JSON: what ``suspid estimate --json`` writes.
 
 Every field is described with its unit in ``suspid/reporting/schemas/estimate.schema.json`` (JSON Schema, draft
-2020-12), which `estimate_schema` returns. The modes in it are those of `suspid identify`.
+2020-12), which `json_schema` returns. The modes in it are those of `suspid identify`.
 """
 
 from __future__ import annotations
@@ -100,18 +100,3 @@ def _records(found: Estimate) -> list[dict[str, object]]:
 def _values(found: Estimate, car: Suspension) -> dict[str, float]:
     values = parameter_values(car)
     return {name: values[name] for name in found.parameters if name in values}
-
-
-def estimate_schema() -> dict[str, object]:
-    """Return the JSON Schema of what `estimate_to_dict` returns.
-
-    Examples
-    --------
-    >>> estimate_schema()["title"]
-    'suspid estimate'
-    """
-    from importlib.resources import files
-
-    text = files("suspid.reporting").joinpath("schemas", "estimate.schema.json").read_text(encoding="utf-8")
-    schema: dict[str, object] = json.loads(text)
-    return schema

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.greybox import nominal_value
-from suspid.reporting.axes import shown, thinned, unit_ticks
-from suspid.reporting.colours import BLUE, GREY, PALE, VERMILION
+from suspid.reporting.axes import key_above, plot_residual, shown, unit_ticks
+from suspid.reporting.colours import BLUE, GREY, PALE
 from suspid.signals import as_signal
 from suspid.units import Ratio
 
@@ -67,19 +67,13 @@ def plot_estimate(found: Estimate, figure: Figure, *, level: Ratio = 0.95) -> Fi
     until = min(residual.duration, PERIODS * 2 * np.pi / slowest)
     kept = residual.timepts - residual.start <= until
     for at, (ax, name) in enumerate(zip(axes[1:], channels, strict=True)):
-        both = fitted.values[at] + residual.values[at]
-        for row, label, colour, width in (
-            (both, "record", PALE, 2.0),
-            (fitted.values[at], "explained", BLUE, 0.8),
-            (residual.values[at], "residual", VERMILION, 0.8),
-        ):
-            x, y = thinned(ax, residual.timepts[kept], row[kept])
-            ax.plot(x, y, color=colour, linewidth=width, label=label)
+        fit, left = fitted.values[at, kept], residual.values[at, kept]
+        plot_residual(ax, residual.timepts[kept], fit + left, fit, left)
         ax.set_title(shown(name), loc="left")
         unit_ticks(ax, "SI")
     if len(axes) > 1:
         axes[-1].set_xlabel("time [s]")
-        axes[1].legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), fontsize="small", ncols=3, frameon=False)
+        key_above(axes[1])
     return figure
 
 

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from suspid.reporting.axes import checked_grid, position, shown, thinned, unit_ticks
-from suspid.reporting.colours import BLUE, PALE, VERMILION
+from suspid.reporting.axes import checked_grid, key_above, plot_residual, position, shown, unit_ticks
 from suspid.signals import as_signal
 from suspid.units import Second
 
@@ -70,17 +69,10 @@ def plot_fit(
     time, share = record.timepts[kept], identification.explained
     for i, (ax, name) in enumerate(zip(drawn, names, strict=True)):
         at = position(name, record.channels)
-        for signal, label, colour, width in (
-            (record, "record", PALE, 2.0),
-            (fitted, "fit", BLUE, 0.8),
-            (residual, "residual", VERMILION, 0.8),
-        ):
-            ax.plot(*thinned(ax, time, signal.values[at, kept]), color=colour, linewidth=width, label=label)
+        plot_residual(ax, time, *(signal.values[at, kept] for signal in (record, fitted, residual)))
         ax.set_title(f"{shown(name)}: {100 * share[at]:.4g} % explained", loc="left")
         ax.set_xlim(low, high)
         unit_ticks(ax, (shown(units[i], most=8) if units else "") or "unit")
     if len(names):
         drawn[-1].set_xlabel("time [s]")
-        drawn[0].legend(
-            loc="lower right", bbox_to_anchor=(1.0, 1.0), fontsize="small", ncols=3, frameon=False, borderaxespad=0.0
-        )
+        key_above(drawn[0])

@@ -2,7 +2,7 @@
 
 The file is that of `identification_to_dict` with further fields; ``suspid reconstruct`` reads it as it is. Every field
 is described with its unit in ``suspid/reporting/schemas/report.schema.json`` (JSON Schema, draft 2020-12), which
-`report_schema` returns.
+`json_schema` returns.
 """
 
 from __future__ import annotations
@@ -166,18 +166,3 @@ def _repeats_to_dict(repeats: Repeats) -> dict[str, object]:
             for (start, stop), found in zip(repeats.spans, repeats.each, strict=True)
         ],
     }
-
-
-def report_schema() -> dict[str, object]:
-    """Return the JSON Schema of what `report_to_dict` returns.
-
-    Examples
-    --------
-    >>> report_schema()["$schema"]
-    'https://json-schema.org/draft/2020-12/schema'
-    """
-    from importlib.resources import files
-
-    text = files("suspid.reporting").joinpath("schemas", "report.schema.json").read_text(encoding="utf-8")
-    schema: dict[str, object] = json.loads(text)
-    return schema

@@ -1,0 +1,20 @@
+"""The JSON Schemas of what `report_to_dict` and `estimate_to_dict` return."""
+
+from __future__ import annotations
+
+import json
+from importlib.resources import files
+from typing import Literal
+
+
+def json_schema(name: Literal["report", "estimate"]) -> dict[str, object]:
+    """Return the JSON Schema (draft 2020-12) of a report or of an estimate: every field with its unit.
+
+    Examples
+    --------
+    >>> json_schema("estimate")["title"]
+    'suspid estimate'
+    """
+    text = files("suspid.reporting").joinpath("schemas", f"{name}.schema.json").read_text(encoding="utf-8")
+    schema: dict[str, object] = json.loads(text)
+    return schema
