@@ -22,3 +22,16 @@ Ratio: TypeAlias = Annotated[float, "1"]
 
 RealArray: TypeAlias = NDArray[np.float64]
 ComplexArray: TypeAlias = NDArray[np.complex128]
+
+# The unit of a value by the last word of its name.
+UNITS = {
+    "mass": "kg",
+    "inertia": "kg m2",
+    "stiffness": "N/m",
+    "damping": "N s/m",
+    "wn": "rad/s",
+    "zeta": "1",
+    "gain": "1",
+    "delay": "s",
+    "relaxation": "s",
+}

@@ -94,6 +94,28 @@ class TestLayers:
         assert package not in suspid.__all__
 
 
+def constants(tree: ast.Module) -> list[str]:
+    """Return the names of the constants that a module assigns, those of tuples as well."""
+    targets = [
+        target
+        for node in tree.body
+        if isinstance(node, ast.Assign | ast.AnnAssign)
+        for target in (node.targets if isinstance(node, ast.Assign) else [node.target])
+    ]
+    names = [name for target in targets for name in ast.walk(target) if isinstance(name, ast.Name)]
+    return [name.id for name in names if name.id.isupper()]
+
+
+class TestConstants:
+    def test_a_constant_stands_once(self) -> None:
+        """One name has one value and one owner; other modules import it."""
+        owners: dict[str, list[str]] = {}
+        for module, tree in MODULES.items():
+            for constant in constants(tree):
+                owners.setdefault(constant, []).append(module)
+        assert {constant: modules for constant, modules in owners.items() if len(modules) > 1} == {}
+
+
 @pytest.mark.parametrize("name", MODULES)
 class TestModules:
     def test_nothing_is_printed(self, name: str) -> None:

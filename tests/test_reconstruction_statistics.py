@@ -9,8 +9,8 @@ import pytest
 from scipy.special import chdtri
 
 from suspid import ModalSet, Strut, Suspension, eigenmodes
+from suspid.levels import UNLIKELY
 from suspid.reconstruction.reconstruct import Reconstruction, reconstruct
-from suspid.reconstruction.suspects import UNLIKELY
 from suspid.words import Level, ReconstructionCheck, ReconstructionNote, Remark, Suspect
 from validation.cars import HATCHBACK, PAPER, SALOON
 from validation.springs import nominal, with_noise

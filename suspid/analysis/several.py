@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from suspid.cleaning import halving_error, interpolate
+from suspid.cleaning import ONE_RATE, halving_error, interpolate
 from suspid.errors import InputError
 from suspid.files import printable
 from suspid.identification import Repeats
@@ -22,11 +22,8 @@ from suspid.words import Check, Level, Note, Number, RecordCheck, Remark
 if TYPE_CHECKING:
     import control
 
-# Rates that differ relatively by less are those of one logger whose clock strays: such a record is resampled. A larger
-# difference is another rate.
-ONE_RATE = 0.01
 # Rates that differ relatively by less are the same: the poles are shifted by as much.
-SAME_RATE = 1e-7
+EQUAL_RATE = 1e-7
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -95,7 +92,7 @@ def alike(parts: Sequence[Part]) -> tuple[list[Part], list[Remark]]:
             )
         rows = signal.values[[signal.channels.index(name) for name in wanted.channels]]
         timepts: RealArray = signal.timepts
-        if apart > SAME_RATE:
+        if apart > EQUAL_RATE:
             error = max(halving_error(timepts, row) for row in rows)
             timepts = signal.start + wanted.step * np.arange(int((timepts[-1] - signal.start) / wanted.step) + 1.0)
             rows = np.array([interpolate(timepts, signal.timepts, row, widest=np.inf) for row in rows])
@@ -107,7 +104,7 @@ def alike(parts: Sequence[Part]) -> tuple[list[Part], list[Remark]]:
             }
             notes.append(Remark(Note.RESAMPLED, numbers))
         record = part.record
-        if apart > SAME_RATE or signal.channels != wanted.channels:
+        if apart > EQUAL_RATE or signal.channels != wanted.channels:
             record = as_response(timepts, rows, wanted.channels, title=part.name)
         made.append(Part(source=part.source, name=part.name, record=record))
     return made, notes

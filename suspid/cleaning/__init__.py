@@ -11,12 +11,14 @@ from suspid.cleaning.clipping import CLIPPED, clipped_run
 from suspid.cleaning.conversions import scaled, to_si
 from suspid.cleaning.findings import Finding
 from suspid.cleaning.gaps import runs
+from suspid.cleaning.joining import ONE_RATE
 from suspid.cleaning.placing import halving_error, interpolate
 from suspid.cleaning.read_record import read_record
 from suspid.cleaning.sensors import Vertical, vertical
 
 __all__ = [
     "CLIPPED",
+    "ONE_RATE",
     "Cleaned",
     "Finding",
     "Vertical",

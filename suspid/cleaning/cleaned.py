@@ -15,10 +15,6 @@ if TYPE_CHECKING:
     import control
 
 
-# Characters of a line in which a finding is explained.
-TEXT_WIDTH = 60
-
-
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Cleaned:
     """A record that can be used, and what was done to make it so.
@@ -58,6 +54,7 @@ class Cleaned:
             "repaired": ["yes" if finding.repaired else "no" for finding in self.findings],
             "what": [printable(finding.text) for finding in self.findings],
         }
-        widths = [None, 24, *[None] * 4, TEXT_WIDTH]
+        # Characters of a line in which a finding is explained.
+        widths = [None, 24, *[None] * 4, 60]
         table = tabulate(columns, headers="keys", disable_numparse=True, maxcolwidths=widths)
         return f"{printable(str(self.verdict))}\n\n{table}"

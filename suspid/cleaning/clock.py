@@ -18,7 +18,7 @@ DRIFT = 1e-4
 # A stamp further from its place in the grid than this, in steps, belongs to another place.
 OFF = 0.5
 # Samples that a grid may hold for each row that is there; a wrong stamp must not ask for all the memory.
-MOST_ROWS = 20
+MOST_PER_ROW = 20
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -61,7 +61,7 @@ def on_grid(
     numbers: dict[str, Number],
 ) -> Clock:
     """Return the clock of rows of which it is known which samples they are; refuse one that is nearly empty."""
-    if places[-1] >= MOST_ROWS * places.size:
+    if places[-1] >= MOST_PER_ROW * places.size:
         raise RecordError(_empty(step, places, times))
     timepts = np.asarray(start + step * np.arange(places[-1] + 1))
     findings: tuple[Finding, ...] = (found(kind, times, times.size, numbers),) if kind else ()

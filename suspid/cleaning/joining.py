@@ -18,7 +18,8 @@ from suspid.units import Hertz, RealArray
 from suspid.values import frozen_real
 from suspid.words import Defect, Number, count
 
-# Relative difference of two rates up to which they are one. A slower channel is left out unless asked for by name.
+# Relative difference of two rates up to which they are one, of a logger whose clock strays. A slower channel is left
+# out unless asked for by name; a record at such a rate is resampled to that of others.
 ONE_RATE = 0.01
 # Share of the recording that must be left where its ends are cut off: where a channel is missing at an end, and where
 # a long gap lies near one. Smaller values cut without being asked what the user may have wanted.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from suspid.cleaning.clock import DRIFT, MOST_ROWS, OFF, Clock, check_rate, on_grid, stated
+from suspid.cleaning.clock import DRIFT, MOST_PER_ROW, OFF, Clock, check_rate, on_grid, stated
 from suspid.cleaning.findings import found
 from suspid.cleaning.following import late_or_irregular
 from suspid.errors import RecordError
@@ -18,17 +18,17 @@ from suspid.words import Defect, Number
 RATES_APART = 0.02
 # Steps between samples above which nothing is interpolated, and share of the time that such holes may take. Wider
 # holes would be filled with what the record does not say.
-WIDE, HOLLOW = 2.5, 0.2
+WIDE_HOLE, HOLLOW = 2.5, 0.2
 
 
 def nearest_clock(times: RealArray, values: RealArray, rows: Indices, rate: Hertz | None) -> Clock:
     """Return the clock of increasing stamps that jitter or are irregular, of which some may be missing."""
     steps = np.diff(times)
     usual = float(np.median(steps))
-    hollow = not 0 < times[-1] - times[0] <= MOST_ROWS * times.size * usual or usual < SHORTEST
+    hollow = not 0 < times[-1] - times[0] <= MOST_PER_ROW * times.size * usual or usual < SHORTEST
     near = None if hollow else nearest_grid(times)
     if near is None:
-        raise RecordError(_hollow(steps, (WIDE if hollow else HOLE) * usual))
+        raise RecordError(_hollow(steps, (WIDE_HOLE if hollow else HOLE) * usual))
     places, start, step = near
     if rate is not None:
         check_rate(rate, 1 / step, RATES_APART, times, np.abs(times - times[0] - places / rate))
@@ -67,9 +67,9 @@ def _irregular(times: RealArray, rows: Indices, rate: Hertz | None, numbers: dic
     """Return a uniform grid between irregular stamps."""
     steps = np.diff(times)
     usual = float(np.median(steps))
-    step = float(np.mean(steps[steps <= WIDE * usual])) if rate is None else 1 / rate
-    if np.sum(steps[steps > WIDE * step]) > HOLLOW * (times[-1] - times[0]):
-        raise RecordError(_hollow(steps, WIDE * step))
+    step = float(np.mean(steps[steps <= WIDE_HOLE * usual])) if rate is None else 1 / rate
+    if np.sum(steps[steps > WIDE_HOLE * step]) > HOLLOW * (times[-1] - times[0]):
+        raise RecordError(_hollow(steps, WIDE_HOLE * step))
     count = int(np.floor((times[-1] - times[0]) / step * (1 + 1e-12))) + 1
     said = found(Defect.IRREGULAR_STAMPS, times, times.size, {**numbers, "rate": 1 / step})
     timepts = np.asarray(times[0] + step * np.arange(count))

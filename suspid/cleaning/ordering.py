@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from suspid.cleaning.clock import MOST_ROWS
+from suspid.cleaning.clock import MOST_PER_ROW
 from suspid.cleaning.findings import Finding, found
 from suspid.errors import RecordError
 from suspid.stamps import FEW, Indices, line, resolution
@@ -46,7 +46,7 @@ def _far_ends(times: RealArray) -> NDArray[np.bool_]:
     steps = np.abs(np.diff(times))
     if times.size < FEWEST_ROWS or not np.any(steps > 0):
         return none
-    reach = MOST_ROWS * times.size * float(np.median(steps[steps > 0]))
+    reach = MOST_PER_ROW * times.size * float(np.median(steps[steps > 0]))
     far = np.abs(times - np.median(times)) > reach
     ends = np.logical_and.accumulate(far) | np.logical_and.accumulate(far[::-1])[::-1]
     return ends if np.sum(ends) <= max(2, FEW * times.size) else none

@@ -9,7 +9,7 @@ import numpy as np
 
 from suspid.cleaning.clock import Clock
 from suspid.cleaning.findings import Finding
-from suspid.cleaning.nearest import WIDE
+from suspid.cleaning.nearest import WIDE_HOLE
 from suspid.units import Hertz, Ratio, RealArray, Second
 
 # Share of the usual step below which a stamp nearly duplicates the one before: a spline through both would turn their
@@ -58,7 +58,7 @@ def place(clock: Clock, names: Sequence[str], values: RealArray, findings: Seque
     """
     said = list(clock.findings)
     if clock.places is None:
-        spread = [interpolate(clock.timepts, clock.stamps, row, widest=WIDE * clock.step) for row in values]
+        spread = [interpolate(clock.timepts, clock.stamps, row, widest=WIDE_HOLE * clock.step) for row in values]
         error = max(halving_error(clock.stamps, row) for row in values)
         steps = np.diff(clock.stamps)
         close = int(np.sum(steps < CLOSE * np.median(steps)))
@@ -76,7 +76,7 @@ def place(clock: Clock, names: Sequence[str], values: RealArray, findings: Seque
 
 def resample(part: Placed, onto: Placed) -> tuple[Placed, Ratio]:
     """Return channels on the grid of others, and the largest rms error as a share of a channel's motion."""
-    rows = [interpolate(onto.timepts, part.timepts, row, widest=WIDE * part.step) for row in part.values]
+    rows = [interpolate(onto.timepts, part.timepts, row, widest=WIDE_HOLE * part.step) for row in part.values]
     error = max(halving_error(part.timepts, row) for row in part.values)
     inside = (onto.timepts >= part.timepts[0]) & (onto.timepts <= part.timepts[-1])
     grid = onto.timepts[inside] if np.any(inside) else part.timepts

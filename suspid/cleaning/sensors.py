@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 GRAVITY = 0.15
 # Parts of the record whose spread gives the standard deviation of a direction; samples of one part may be correlated.
 PARTS = 20
-# Angle between gravity and motion up to which they agree, if it is more than three standard deviations [deg].
-AGREE = 10.0
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -83,7 +81,8 @@ class Vertical:
     @property
     def agree(self) -> bool:
         """Whether gravity and the motion point the same way, to 10 degrees or three standard deviations."""
-        return self.apart_deg <= max(AGREE, 3 * float(np.hypot(self.std_deg, self.principal_std_deg)))
+        # Angle between gravity and motion up to which they agree, if it is more than three standard deviations [deg].
+        return self.apart_deg <= max(10.0, 3 * float(np.hypot(self.std_deg, self.principal_std_deg)))
 
     def __str__(self) -> str:
         parts = ", ".join(f"{u:+.4f} {printable(name)}" for u, name in zip(self.up, self.axes, strict=True))

@@ -30,7 +30,7 @@ DYNAMIC = 1e-7
 # threshold at which an event begins. The factor allows for noise that is not Gaussian, such as rolling on a road.
 FALSE_EVENT, MARGIN = 1e-3, 4.0
 # Longest envelope [points]. It bounds time and memory for long recordings, and limits the resolution in time there.
-MOST_POINTS = 2**17
+ENVELOPE_POINTS = 2**17
 # A sensor that changes this often between values that it holds is taken to be quantised. Fewer changes are chance.
 FEWEST_CHANGES = 8
 
@@ -74,7 +74,7 @@ def envelopes(signal: Signal) -> Envelopes:
     from scipy.fft import rfft
 
     count = signal.values.shape[1]
-    points = min(count, MOST_POINTS)
+    points = min(count, ENVELOPE_POINTS)
     centres = _centres(signal)
     # Positions of the points, in samples.
     at = (np.arange(points) + 0.5) * (count / points) - 0.5

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from suspid.decays.trials import PER_CYCLE, block_size
+from suspid.decays.trials import BLOCKS_A_CYCLE, block_size
 from suspid.units import Hertz, RealArray, Second
 
 # Share of the power of the velocity below the highest frequency that counts; more of it follows noise.
@@ -18,14 +18,14 @@ POWER = 0.98
 NOISE = 4.6
 # The recurrence is fitted from the last time at which the kinetic energy, smoothed over half a period, is at least this
 # share of its largest value, over this many periods of the strongest frequency and at least this many blocks.
-STRONG_ENERGY, PERIODS, FEWEST = 0.7, 4.0, 24
+STRONG_ENERGY, FITTED_PERIODS, FEWEST_FITTED = 0.7, 4.0, 24
 # The recurrence has at most this many coefficients per channel, and one for so many blocks.
 MOST_COEFFICIENTS, BLOCKS_EACH = 16, 5
 # Share of the variance added to the normal equations against rounding.
 RIDGE = 1e-6
 # An error this many times the largest one within the decay is a force. Less stops at the jumps of friction; more lets
 # a weak force pass.
-FORCE = 3.0
+FORCED_ERROR = 3.0
 # A force smaller than this share of the motion is left to the fit, which sees it better.
 SMALL_FORCE = 0.003
 
@@ -59,7 +59,7 @@ def freed_at(values: RealArray, finest: RealArray, *, step: Second) -> tuple[int
     They are the ends of two blocks, or both 0 where no force is seen.
 
     The recurrence is fitted after the largest kinetic energy, on means over blocks, by least squares; then the motion
-    is followed back block by block until the error of the prediction exceeds `FORCE` times those of the fit.
+    is followed back block by block until the error of the prediction exceeds `FORCED_ERROR` times those of the fit.
 
     Parameters
     ----------
@@ -86,8 +86,8 @@ def freed_at(values: RealArray, finest: RealArray, *, step: Second) -> tuple[int
     surplus = values.shape[1] - count * size
     means = values[:, surplus:].reshape(len(values), count, size).mean(axis=2)
     period = max(2, round(1 / (strongest * step * size)))
-    anchor = max(0, min(_anchor(means), count - FEWEST))
-    length = min(max(FEWEST, round(PERIODS * period)), count - anchor)
+    anchor = max(0, min(_anchor(means), count - FEWEST_FITTED))
+    length = min(max(FEWEST_FITTED, round(FITTED_PERIODS * period)), count - anchor)
     decay = means[:, anchor : anchor + length]
     spread = np.maximum(np.std(decay, axis=1, keepdims=True), 1e-300)
     scaled = (means - np.mean(decay, axis=1, keepdims=True)) / spread
@@ -100,8 +100,8 @@ def freed_at(values: RealArray, finest: RealArray, *, step: Second) -> tuple[int
     weights = np.linalg.solve(normal, known[:, inside] @ scaled[:, inside].T)
     errors = scaled[:, : count - lags] - weights.T @ known
     usual = np.sqrt(np.mean(errors[:, inside] ** 2, axis=1, keepdims=True))
-    error = np.sqrt(np.mean((errors / np.maximum(usual, SMALL_FORCE / FORCE)) ** 2, axis=0))
-    forced = np.flatnonzero(error[:anchor] > FORCE * max(1.0, float(np.max(error[inside]))))
+    error = np.sqrt(np.mean((errors / np.maximum(usual, SMALL_FORCE / FORCED_ERROR)) ** 2, axis=0))
+    forced = np.flatnonzero(error[:anchor] > FORCED_ERROR * max(1.0, float(np.max(error[inside]))))
     if not forced.size:
         return 0, 0
     # The release may lie in the last block that is forced, or in the one after it.
@@ -130,6 +130,6 @@ def _anchor(means: RealArray) -> int:
     """Return the last block at which the kinetic energy is near its largest value."""
     change = np.diff(means, axis=1)
     energy = np.sum(change**2 / np.maximum(np.mean(change**2, axis=1, keepdims=True), 1e-300), axis=0)
-    width = max(1, round(PER_CYCLE / 2))
+    width = max(1, round(BLOCKS_A_CYCLE / 2))
     smooth = np.convolve(energy, np.ones(width) / width, "same")
     return int(np.flatnonzero(smooth >= STRONG_ENERGY * np.max(smooth))[-1])

@@ -24,12 +24,12 @@ LATER, LATEST_START, HALVINGS = 1.4, 0.4, 2
 # These starts are tried first, over this many blocks. The stretch is refused if each of them is.
 LOOKS, LOOK_BLOCKS = (1, 6, 11), 300
 # A start holds if this many later starts need no fewer poles, because poles that fit the excitation disappear then.
-NEXT = 2
+LATER_STARTS = 2
 # If no start holds, the search ends this many periods of the highest band after the start with the least residual, if
 # that leaves less than this share of the motion.
 MORE_PERIODS, FITTING = 4, 0.5
 # A fit that cannot reach the noise is good to this share of the motion; more precise ones spend poles on friction.
-ROUGH = 0.1
+ROUGH_FIT = 0.1
 # A start that does not hold is as good as the best if its residual is at most this many times as large.
 AS_GOOD = 1.5
 
@@ -114,7 +114,7 @@ def _free(
     size = min(size, max(1, values.shape[1] // (2 * FEWEST_BLOCKS)))
     if sure > latest * (last - first) or values.shape[1] < FEWEST_BLOCKS * size or clearly_driven(values, size=size):
         return first, None
-    rough = np.maximum(least, ROUGH**2 * np.var(values, axis=1))
+    rough = np.maximum(least, ROUGH_FIT**2 * np.var(values, axis=1))
     trial = tried(values, step=signal.step, size=size, least=rough)
     lost = trial is None or refused(trial) is not None
     return first + may, None if lost else Start(begin=first + sure, trial=trial, linear=False)
@@ -169,7 +169,7 @@ def _search(
         if not len(trial.modes):
             continue
         if trial.excess <= 1:
-            after = [at(later) for later in (*places[number + 1 : number + 1 + NEXT], max(place, sure))]
+            after = [at(later) for later in (*places[number + 1 : number + 1 + LATER_STARTS], max(place, sure))]
             if all(later is None or later.poles >= trial.poles for later in after):
                 return _earlier(at, places[number - 1] if number else place, place), residuals
         residuals.append((trial.early, place))

@@ -13,7 +13,7 @@ from suspid.words import Reason
 
 # Blocks per cycle of the highest band that rings: samples are averaged in blocks of that length. Fewer blocks damp the
 # highest mode; more cost time.
-PER_CYCLE = 8.0
+BLOCKS_A_CYCLE = 8.0
 # Blocks that a trial uses at most, the first ones, and at least. More cost time for what lies in the noise; fewer do
 # not tell a mode from noise.
 MOST_BLOCKS = 600
@@ -121,7 +121,7 @@ class Trial:
 
 def block_size(step: Second, top: Hertz) -> int:
     """Return the number of samples per block where no band above a frequency rings."""
-    return max(1, int(1 / (PER_CYCLE * top * step)))
+    return max(1, int(1 / (BLOCKS_A_CYCLE * top * step)))
 
 
 def quiet_variance(values: RealArray, *, size: int, length: int, finest: RealArray) -> RealArray:

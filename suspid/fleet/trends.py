@@ -9,15 +9,13 @@ from typing import TypeAlias
 import numpy as np
 
 from suspid.errors import InputError
+from suspid.levels import likely
 from suspid.units import Ratio, RealArray
 
 # A line through three tests leaves one degree of freedom, whose interval (Student's t: 12.7 sd) shows no change.
 FEWEST_TESTS = 4
 # Probability of the intervals; also one minus the share of reported trends that are chance.
 TREND_LEVEL = 0.95
-# A vehicle whose residuals are this improbable has a scatter of its own. Larger: healthy vehicles leave the common
-# estimate, which then is too small. Smaller: one bad logger widens the intervals of all vehicles.
-NOISY = 1e-3
 
 Measured: TypeAlias = "tuple[RealArray, RealArray, RealArray]"
 
@@ -156,13 +154,14 @@ def _trend(vehicle: str, quantity: str, one: Measured, everyone: float, freedom:
 
 
 def _alike(groups: Sequence[Measured]) -> tuple[list[Measured], float]:
-    """Return the vehicles with a common scatter, and its variance; those that scatter far more are left out."""
-    from scipy import stats
+    """Return the vehicles with a common scatter, and its variance; those that scatter far more are left out.
 
+    A vehicle whose residuals are improbable has a scatter of its own: one bad logger would widen the intervals of all.
+    """
     kept = list(groups)
     while True:
         everyone = _shared_variance(kept)
-        quiet = [one for one in kept if stats.chi2.sf(_line(*one[:2], one[2] + everyone)[2], len(one[0]) - 2) >= NOISY]
+        quiet = [one for one in kept if likely(_line(*one[:2], one[2] + everyone)[2], len(one[0]) - 2)]
         if len(quiet) in (0, len(kept)):
             return kept, everyone
         kept = quiet

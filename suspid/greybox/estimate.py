@@ -16,6 +16,7 @@ from suspid.greybox.modal import modes_of
 from suspid.greybox.problem import Problem, default_holds
 from suspid.greybox.time_domain import fit_in_time
 from suspid.greybox.trials import RecordTest, Trial, trials_of
+from suspid.levels import NORMAL_95
 from suspid.model import Suspension, eigenmodes
 from suspid.reconstruction import Bounds, parameter_names, unknowns_of
 from suspid.signals import as_response
@@ -26,8 +27,6 @@ from suspid.words.greybox import EstimateCheck, EstimateHeadline
 
 if TYPE_CHECKING:
     import control
-
-KNOWN = 1.96  # standard deviations of 95 %
 
 
 def estimate(
@@ -229,6 +228,6 @@ def _mounted(car: Suspension, parameters: Sequence[str], values: RealArray, std:
         strut, _, quantity = name.rpartition(".")
         if quantity == "relaxation":
             damping = next(s.damping for s in car.struts if s.name == strut)
-            found[strut] = damping / value if value > KNOWN * spread and damping > 0 else None
+            found[strut] = damping / value if value > NORMAL_95 * spread and damping > 0 else None
     struts = [replace(s, mount_stiffness=found[s.name]) if s.name in found else s for s in car.struts]
     return replace(car, struts=struts)

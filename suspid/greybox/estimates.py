@@ -11,14 +11,13 @@ import numpy as np
 from suspid.errors import InputError
 from suspid.model import ModalSet, Suspension
 from suspid.signals import as_signal
-from suspid.units import Ratio, RealArray
+from suspid.units import UNITS, Ratio, RealArray
 from suspid.values import rounded, spread, text_table
 from suspid.words import Verdict
 
 if TYPE_CHECKING:
     import control
 
-UNITS = {"stiffness": "N/m", "damping": "N s/m", "mass": "kg", "gain": "1", "delay": "s", "relaxation": "s"}
 # Parameters that are positive and have intervals of a ratio; the others may be zero.
 POSITIVE = ("stiffness", "mass", "gain")
 

@@ -18,7 +18,7 @@ from suspid.greybox.search import starts_of
 from suspid.greybox.spectra import spectra_of
 from suspid.greybox.transfers import layout_of
 from suspid.greybox.trials import Trial, signal_of
-from suspid.greybox.whiteness import likely
+from suspid.levels import CHI_SQUARE_95, likely
 from suspid.model import Suspension, eigenmodes
 from suspid.reconstruction import Unknowns, descend
 from suspid.signals import Signal
@@ -30,13 +30,11 @@ from suspid.words.greybox import EstimateCheck
 # The band, over the lowest and the highest natural frequency of the nominal car: 0.5 to 24 Hz for most cars. Below it
 # accelerations hold little, above it the wheels' motion hardly moves the body.
 BELOW, ABOVE = 0.4, 2.0
-PERIODS = 8.0  # of the lowest mode, in a stretch: longer ones have fewer ends, shorter ones follow slow changes
-ROUNDS = 12  # of fits and noise levels in turn; 3 to 6 are needed
-SETTLED = 0.02  # change of an unknown, in standard deviations, below which both have settled
-NEGLIGIBLE = 1e-3  # gain of chi-square that ends a descent
+STRETCH_PERIODS = 8.0  # of the lowest mode, in a stretch: longer ones have fewer ends, shorter ones follow slow changes
+FREQUENCY_ROUNDS = 12  # of fits and noise levels in turn; 3 to 6 are needed
+SETTLED_UNKNOWNS = 0.02  # change of an unknown, in standard deviations, below which both have settled
+NEGLIGIBLE_RISE = 1e-3  # gain of chi-square that ends a descent
 LEAST_RELAXATION = 1e-9  # of `TIMES`: none
-# Rise of chi-square up to which there may be no mount: 95 % of a chi-square of one degree of freedom.
-RULED_OUT = 3.84
 SOFT = (0.2, 0.5)  # relaxations from which softer mounts are looked for, of `TIMES`: 2 and 5 ms
 FIRST_RELAXATION = 0.1  # of `TIMES`: at 0 a mount would begin on its bound
 
@@ -61,7 +59,7 @@ def wheel_problem(
         layout = layout_of(car, trial)
         # The gain of a channel that shows free coordinates too, such as a travel, is that of springs and dampers.
         causes = [trial.channels[c] for c in layout.causes if not np.any(layout.on_free[c])]
-        spectra = spectra_of(trial, length=PERIODS / lowest if stretch is None else stretch, band=limits)
+        spectra = spectra_of(trial, length=STRETCH_PERIODS / lowest if stretch is None else stretch, band=limits)
         sources.append(
             Source(
                 trial=trial,
@@ -179,17 +177,17 @@ def _descended(problem: WheelProblem, z: RealArray, levels: Sequence[Levels], *,
         positive=np.concatenate([u.positive, extras.positive]),
         lower=np.concatenate([u.lower, extras.lower]),
         upper=ceiling,
-        negligible=NEGLIGIBLE,
+        negligible=NEGLIGIBLE_RISE,
     )
 
 
 def _settled(problem: WheelProblem, z: RealArray, levels: list[Levels]) -> tuple[RealArray, list[Levels]]:
     """Return unknowns and noise levels that belong to each other, near a start."""
-    for _ in range(ROUNDS):
+    for _ in range(FREQUENCY_ROUNDS):
         before, z = z, _descended(problem, z, levels)
         every = problem.every(z, levels)
         levels = problem.levels(every, levels)
-        if sum(float(np.sum((w.slope @ (z - before)) ** 2)) for w in every) < SETTLED**2:
+        if sum(float(np.sum((w.slope @ (z - before)) ** 2)) for w in every) < SETTLED_UNKNOWNS**2:
             break
     return z, levels
 
@@ -213,7 +211,7 @@ def _released(problem: WheelProblem, z: RealArray, levels: list[Levels]) -> tupl
         found.append(_descended(problem, start, levels))
     costs = [float(np.sum(problem.equations(one, levels)[0] ** 2)) for one in found]
     best = int(np.argmin(costs))
-    return (z, levels) if costs[0] - costs[best] < RULED_OUT else _settled(problem, found[best], levels)
+    return (z, levels) if costs[0] - costs[best] < CHI_SQUARE_95 else _settled(problem, found[best], levels)
 
 
 def _at_stiff_mounts(problem: WheelProblem, z: RealArray, levels: list[Levels]) -> list[Whitened] | None:
@@ -226,7 +224,7 @@ def _at_stiff_mounts(problem: WheelProblem, z: RealArray, levels: list[Levels]) 
         return None
     stiff = _descended(problem, z, levels, stiff=True)
     rise = np.sum(problem.equations(stiff, levels)[0] ** 2) - np.sum(problem.equations(z, levels)[0] ** 2)
-    return None if float(rise) > RULED_OUT else problem.every(stiff, levels)
+    return None if float(rise) > CHI_SQUARE_95 else problem.every(stiff, levels)
 
 
 class Judged(NamedTuple):

@@ -12,10 +12,10 @@ from suspid.units import RealArray
 
 # Standard deviation of a combination, in the logarithm of springs and masses and in units of a nearly critical damper,
 # from which on it is not determined: not even within a factor of e.
-UNKNOWN = 1.0
+UNDETERMINED = 1.0
 # Derivatives by a combination, as a share of the largest, that are rounding.
-ROUNDING = 1e-9
-TAKES_PART = 0.05  # of a combination: below it a parameter is not named
+SLOPE_ROUNDING = 1e-9
+NAMED_SHARE = 0.05  # of a combination: below it a parameter is not named
 
 
 def blind(slope: RealArray) -> RealArray:
@@ -30,7 +30,7 @@ def blind(slope: RealArray) -> RealArray:
     """
     _, values, directions = np.linalg.svd(slope, full_matrices=True)
     values = np.append(values, np.zeros(len(directions) - len(values)))
-    found = directions[(values < 1 / UNKNOWN) | (values < ROUNDING * values[0])]
+    found = directions[(values < 1 / UNDETERMINED) | (values < SLOPE_ROUNDING * values[0])]
     largest = np.argmax(np.abs(found), axis=1) if len(found) else np.zeros(0, int)
     return np.asarray(found * np.sign(np.take_along_axis(found, largest[:, None], axis=1)))
 
@@ -38,7 +38,7 @@ def blind(slope: RealArray) -> RealArray:
 def names_in(directions: RealArray, labels: Sequence[str]) -> tuple[str, ...]:
     """Return the names of the unknowns that take part in directions."""
     weight = np.linalg.norm(directions, axis=0)
-    return tuple(label for label, w in zip(labels, weight, strict=True) if w > TAKES_PART)
+    return tuple(label for label, w in zip(labels, weight, strict=True) if w > NAMED_SHARE)
 
 
 def check_determined(slope: RealArray, labels: Sequence[str], car: Suspension) -> None:
@@ -65,5 +65,5 @@ def check_determined(slope: RealArray, labels: Sequence[str], car: Suspension) -
 
 def _in_words(direction: RealArray, labels: Sequence[str]) -> str:
     largest = float(np.max(np.abs(direction)))
-    parts = [(d / largest, label) for d, label in zip(direction, labels, strict=True) if abs(d) > TAKES_PART * largest]
+    parts = [(d / largest, label) for d, label in zip(direction, labels, strict=True) if abs(d) > NAMED_SHARE * largest]
     return ", ".join(f"{label} {100 * d:+.0f} %" for d, label in parts)

@@ -13,7 +13,7 @@ import numpy as np
 from suspid.units import ComplexArray, RealArray
 
 NODES = 6  # of the spectrum of an output, evenly spaced in the logarithm of frequency
-STEPS = 30
+LEVEL_STEPS = 30
 LOOSE = 4.0  # standard deviation of the logarithm of a level about its first value; holds what is not seen
 FLOOR = 1e-24  # of a level, over the largest: rounding
 
@@ -55,7 +55,7 @@ def levels_of(
     about, damping = np.concatenate([anchor.outputs.ravel(), anchor.causes]), 1e-3
     value = np.inf
     step = np.zeros_like(z)
-    for _ in range(STEPS):
+    for _ in range(LEVEL_STEPS):
         trial = z + step
         out, cause = np.exp(basis @ trial[: nodes * outputs].reshape(nodes, outputs)), np.exp(trial[nodes * outputs :])
         R = covariance_of(T, out, cause)

@@ -18,7 +18,7 @@ from suspid.simulation import recursion
 from suspid.units import RealArray
 
 # Columns of the unknown start, of unit length, that add less than this to the others are not seen by the channels.
-INDEPENDENT = 1e-10
+START_SEEN = 1e-10
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -97,5 +97,5 @@ def _orthonormal(columns: RealArray) -> tuple[RealArray, RealArray]:
     norm[norm == 0] = 1.0
     q, r = np.linalg.qr(columns / norm)
     u, s, v = np.linalg.svd(r)
-    keep = s > INDEPENDENT * s[0]
+    keep = s > START_SEEN * s[0]
     return q @ u[:, keep], (v[keep].T / s[keep]) / norm[:, None]

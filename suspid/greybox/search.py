@@ -8,19 +8,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from suspid.greybox.problem import Problem
+from suspid.levels import NEGLIGIBLE_GAIN
 from suspid.model import eigenmodes
 from suspid.reconstruction import Unknowns, descend, even_starts
 from suspid.units import RealArray
 
-ROUNDS = 30  # of fits and noise levels in turn; some 4 are needed, with exact records 10
+NOISE_ROUNDS = 30  # of fits and noise levels in turn; some 4 are needed, with exact records 10
 SETTLED = 1e-3  # relative change of noise levels below which they have settled
-NEGLIGIBLE = 1e-4  # gain of chi-square that ends a descent: a hundredth of a standard deviation
-LOOSE = 0.5  # standard deviation of nominal values, in the logarithm, while a stretch is short
-GROWTH = 3.0  # of the stretch, from one to the next: a mode then is off by less than half a cycle
-CYCLES = 2.0  # of the fastest mode, in the first stretch
+LOOSE_NOMINAL = 0.5  # standard deviation of nominal values, in the logarithm, while a stretch is short
+STRETCH_GROWTH = 3.0  # of the stretch, from one to the next: a mode then is off by less than half a cycle
+FIRST_CYCLES = 2.0  # of the fastest mode, in the first stretch
 STARTS = 6  # at most
 AGREE = 2  # starts that must have ended at the best fit
-SAME = 1.0  # difference of minus twice the log likelihood up to which two fits count as one
+SAME_FIT = 1.0  # difference of minus twice the log likelihood up to which two fits count as one
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -32,13 +32,13 @@ class Found:
     loss: float
 
 
-def descended(problem: Problem, x: RealArray, noise: Sequence[RealArray], *, rounds: int = ROUNDS) -> Found:
+def descended(problem: Problem, x: RealArray, noise: Sequence[RealArray], *, rounds: int = NOISE_ROUNDS) -> Found:
     """Return the most likely unknowns and noise levels near a start."""
     u, levels = problem.unknowns, list(noise)
     for _ in range(rounds):
         x = descend(
             lambda z, at=tuple(levels): problem.equations(z, at),  # type: ignore[misc]
-            x, positive=u.positive, lower=u.lower, upper=u.upper, negligible=NEGLIGIBLE,
+            x, positive=u.positive, lower=u.lower, upper=u.upper, negligible=NEGLIGIBLE_GAIN,
         )  # fmt: skip
         before, levels = levels, problem.noise(x, levels)
         change = max(float(np.max(np.abs(np.log(a / b)))) for a, b in zip(levels, before, strict=True))
@@ -55,7 +55,7 @@ def search(problem: Problem) -> tuple[Found, list[Found]]:
     for start in starts_of(u):
         ends.append(_along(problem, start))
         best = min(end.loss for end in ends)
-        if sum(end.loss < best + SAME for end in ends) >= AGREE:
+        if sum(end.loss < best + SAME_FIT for end in ends) >= AGREE:
             break
     return min(ends, key=lambda end: end.loss), ends
 
@@ -74,15 +74,15 @@ def _along(problem: Problem, x: RealArray) -> Found:
     u = problem.unknowns
     fastest = float(np.max(eigenmodes(u.suspension(x)).wn))
     longest = max(trial.count * trial.step for trial in problem.trials)
-    length = CYCLES * 2 * np.pi / fastest
+    length = FIRST_CYCLES * 2 * np.pi / fastest
     told = u.has_prior
-    loose = np.where(u.positive, LOOSE * u.nominal, LOOSE * np.maximum(u.nominal, 0.1))
+    loose = np.where(u.positive, LOOSE_NOMINAL * u.nominal, LOOSE_NOMINAL * np.maximum(u.nominal, 0.1))
     guided = replace(u, prior_std=np.where(told, np.minimum(u.prior_std, loose), loose))
-    while length < longest / GROWTH:
+    while length < longest / STRETCH_GROWTH:
         cut = tuple(t.first(max(8, min(t.count, int(length / t.step)))) for t in problem.trials)
         stage = replace(problem, trials=cut, unknowns=guided)
         x = descended(stage, x, _first_noise(stage, x), rounds=3).x
-        length *= GROWTH
+        length *= STRETCH_GROWTH
     return descended(problem, x, _first_noise(problem, x))
 
 

@@ -13,17 +13,16 @@ from suspid.greybox.fits import Fit
 from suspid.greybox.identifiability import blind, check_determined, names_in
 from suspid.greybox.problem import Problem
 from suspid.greybox.responses import OutputError
-from suspid.greybox.search import SAME, Found, descended, search
+from suspid.greybox.search import SAME_FIT, Found, descended, search
 from suspid.greybox.trials import HOLDS, signal_of
-from suspid.greybox.whiteness import likely, portmanteau, score_power
+from suspid.greybox.whiteness import portmanteau, score_power
+from suspid.identification import ABOVE_RESOLUTION
+from suspid.levels import CHI_SQUARE_95, likely
 from suspid.model import ModalSet, Suspension, eigenmodes
 from suspid.reconstruction import reconstruct
 from suspid.units import RealArray
 from suspid.words import Check, Level, Number, Remark
 from suspid.words.greybox import EstimateCheck
-
-LEVEL = 3.84  # rise of minus twice the log likelihood up to which two cars are equally likely: 95 % of one freedom
-ABOVE_RESOLUTION = 4.0  # residuals within this factor of the resolution are rounding, whose colour says nothing
 
 
 def fit_in_time(problem: Problem) -> Fit:
@@ -47,7 +46,7 @@ def fit_in_time(problem: Problem) -> Fit:
     whole = np.concatenate([data, prior]) * size
     check_determined(whole, u.labels, u.suspension(best.x))
     chi_square, freedom, judged = _judged(problem, errors, noise)
-    agreed = sum(end.loss < best.loss + SAME for end in ends)
+    agreed = sum(end.loss < best.loss + SAME_FIT for end in ends)
     checks = [*judged]
     if len(prior) and len(blind(data * size)):
         checks.append(
@@ -88,13 +87,13 @@ def _best_holds(problem: Problem, best: Found) -> tuple[Problem, Found]:
 def _alternatives(problem: Problem, best: Found, ends: list[Found]) -> list[Found]:
     """Return other cars that are as likely: ends of other starts, and those with the same modes as seen."""
     u = problem.unknowns
-    points = [end for end in ends if end.loss - best.loss >= SAME]
+    points = [end for end in ends if end.loss - best.loss >= SAME_FIT]
     points += [descended(problem, x, best.noise) for x in _twins(problem, best)]
     kept: list[Found] = []
     for point in points:
         apart = [np.max(np.abs(np.log((point.x + 1e-3) / (other.x + 1e-3)))) for other in (best, *kept)]
         # Nearer than a hundredth, two ends of one descent.
-        if point.loss - best.loss < LEVEL and min(apart) > 0.01 and not np.any(np.isnan(u.parameters(point.x))):
+        if point.loss - best.loss < CHI_SQUARE_95 and min(apart) > 0.01 and not np.any(np.isnan(u.parameters(point.x))):
             kept.append(point)
     return kept
 

@@ -7,8 +7,6 @@ import numpy as np
 from suspid.units import RealArray
 
 LAGS = 20  # of the portmanteau test: a second's tenth at 200 Hz; misfits of modes last longer
-# Probability with which a residual that is noise is said not to be: one record in a thousand.
-UNLIKELY = 1e-3
 
 
 def correlations(residual: RealArray, lags: int = LAGS) -> RealArray:
@@ -37,13 +35,6 @@ def portmanteau(residual: RealArray) -> tuple[RealArray, int]:
     lags = min(LAGS, count // 4)
     r = correlations(residual, lags)
     return np.asarray(count * (count + 2) * np.sum(r**2 / (count - np.arange(1, lags + 1)), axis=1)), lags
-
-
-def likely(chi_square: float, freedom: int) -> bool:
-    """Return whether a chi-square is not improbably large."""
-    from scipy.special import chdtrc
-
-    return freedom <= 0 or bool(chdtrc(freedom, chi_square) >= UNLIKELY)
 
 
 def score_power(slope: RealArray, residual: RealArray) -> RealArray:

@@ -14,6 +14,7 @@ from suspid.identification.identify import identify
 from suspid.identification.identify_repeats import Repeats, identify_repeats, tables_of_repeats
 from suspid.identification.modes_json import identification_to_dict, modes_to_dict, read_modes, to_json
 from suspid.identification.noise import (
+    ABOVE_RESOLUTION,
     UNIFORM_STD,
     WhiteNoise,
     correlated,
@@ -27,6 +28,7 @@ from suspid.identification.steps import FourSteps
 from suspid.identification.verdict import verdict_of, verdict_of_repeats
 
 __all__ = [
+    "ABOVE_RESOLUTION",
     "FEWEST_SAMPLES",
     "UNIFORM_STD",
     "AmplitudeDependence",

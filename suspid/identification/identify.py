@@ -44,7 +44,7 @@ HIGHEST_MULTIPLE = 7
 FADED = 0.5
 
 # Largest peak of a channel, and inverse of the least: sums of squares must stay within double precision.
-LARGEST = 1e100
+LARGEST_PEAK = 1e100
 
 
 def identify(
@@ -143,10 +143,10 @@ def identify(
 def _check_size(signal: Signal) -> None:
     """Refuse samples so large or small that their squares are beyond double precision."""
     for name, peak in zip(signal.channels, np.max(np.abs(signal.values), axis=1).tolist(), strict=True):
-        if peak and not 1 / LARGEST < peak < LARGEST:
+        if peak and not 1 / LARGEST_PEAK < peak < LARGEST_PEAK:
             raise RecordError(
-                f"channel {name!r} has a peak of {peak:.3g}; samples between {1 / LARGEST:g} and {LARGEST:g} can be "
-                f"identified: scale the channel, or leave it out"
+                f"channel {name!r} has a peak of {peak:.3g}; samples between {1 / LARGEST_PEAK:g} and {LARGEST_PEAK:g} "
+                f"can be identified: scale the channel, or leave it out"
             )
 
 

@@ -22,9 +22,6 @@ from suspid.values import frozen_real
 # A Gauss-Newton step is worth about its squared length in standard deviations; iterations end below this. A larger
 # value leaves the poles off the optimum by its square root.
 NEGLIGIBLE_STEP = 1e-5
-# Exponentials of unit norm of which less than this is orthogonal to the others are not fitted together: the rounding
-# of their amplitudes grows with its inverse square.
-INDEPENDENT = 1e-5
 # Relative rounding error of inner products.
 PRODUCT_ROUNDING = 4e-15
 
@@ -68,7 +65,9 @@ def evaluate(blocks: Blocks, poles: Poles, noise: WhiteNoise) -> DecayFit | None
     if failed:
         return None
     pivot = float(lower.diagonal().real.min())
-    if not pivot >= INDEPENDENT:
+    # Exponentials of unit norm of which less than this is orthogonal to the others are not fitted together: the
+    # rounding of their amplitudes grows with its inverse square.
+    if not pivot >= 1e-5:
         return None
     inverse = ztrtri(lower, lower=1)[0] * norm
     inverse = inverse.conj().T @ inverse

@@ -10,7 +10,8 @@ import numpy as np
 from suspid.files import printable
 from suspid.identification.classification import LEAST_EXPLAINED
 from suspid.identification.lines import clear_line
-from suspid.identification.noise import most_shared, resolution, shared_noise
+from suspid.identification.noise import ABOVE_RESOLUTION, most_shared, resolution, shared_noise
+from suspid.levels import UNLIKELY
 from suspid.signals import Signal, as_signal, late_start
 from suspid.units import Ratio
 from suspid.words import Check, Headline, Level, ModeCheck, Number, Reason, Remark, Verdict, amount
@@ -36,10 +37,6 @@ COLOURED = 0.5
 # Damping ratio at which the amplitude falls by half in a cycle. Where all modes of a nonlinear fit decay faster, a
 # pulse of force without ringing looks the same.
 MOST_FALL = 0.11
-# Residuals within this factor of the resolution are rounding, whose colour says nothing.
-ABOVE_RESOLUTION = 4.0
-# Level at which channels are told to move in more than one shape. A larger level takes noise for a second shape.
-ONE_SHAPE = 1e-3
 # A mode with fewer cycles in the record than this, that has not decayed by as many nepers, is known from few cycles.
 CYCLES_SEEN = 3.0
 
@@ -200,7 +197,7 @@ def _one_shape(found: Identification) -> bool:
     fitted = as_signal(found.fitted).values / np.where(found.noise_std > 0, found.noise_std, 1.0)[:, None]
     sizes = np.linalg.svd(fitted - fitted.mean(axis=1, keepdims=True), compute_uv=False)
     unknowns = 2 * (len(found.modes) + sum(c.removed for c in found.considered))
-    return len(sizes) < 2 or bool(np.sum(sizes[1:] ** 2) < chdtri(unknowns * (len(sizes) - 1), ONE_SHAPE))
+    return len(sizes) < 2 or bool(np.sum(sizes[1:] ** 2) < chdtri(unknowns * (len(sizes) - 1), UNLIKELY))
 
 
 def _few_samples(found: Identification) -> Iterator[Check]:

@@ -17,11 +17,11 @@ from typing import TypeVar
 from suspid.errors import RecordError
 from suspid.files import printable
 
-T = TypeVar("T")
+Answer = TypeVar("Answer")
 LONGEST_MESSAGE = 160
 
 
-def sheltered(read: Callable[[], T], *, extra: str, suffix: str, doing: str = "reading") -> T:
+def sheltered(read: Callable[[], Answer], *, extra: str, suffix: str, doing: str = "reading") -> Answer:
     r"""Return what a library reads, ``extra`` being suspid's that brings it; turn every failure into one line.
 
     Examples

@@ -23,7 +23,7 @@ from suspid.words import LeftOut, Remark
 if TYPE_CHECKING:
     import h5py
 
-T = TypeVar("T")
+Read = TypeVar("Read")
 INTERNAL = ("#refs#", "#subsystem#")
 UNIT_NAMES = ("unit", "units", "Unit", "Units", "UNIT", "UNITS")
 # Limit of a record; a damaged file may seem to have more groups.
@@ -42,7 +42,7 @@ def read_hdf(path: Path) -> Table:
     return as_table(_sheltered(lambda: _content(content)))
 
 
-def _sheltered(read: Callable[[], T]) -> T:
+def _sheltered(read: Callable[[], Read]) -> Read:
     return sheltered(read, extra="hdf", suffix=".h5")
 
 

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from suspid.io.tables import bare_name
 
 # Between the parts of a name, such as those of a structure, of a group, or of a run of Logger Pro.
-PARTS = re.compile(r"[.:/|]\s*")
+SEPARATORS = re.compile(r"[.:/|]\s*")
 # Names that number tests; channels of such groups may share a clock.
 NUMBERED = re.compile(
     r"(?:run|test|trial|take|shot|data ?set|lauf|versuch|messung|essai|mesure|prueba|ensayo|prova)[\W_]*\d+\]?"
@@ -30,7 +30,7 @@ def runs_of(clocks: Mapping[str, int]) -> dict[str, str]:
     >>> runs_of({"front.acc": 1, "rear.acc": 1}), runs_of({"Run 1: z (m)": 1, "Run 2: z (m)": 1})["Run 2: z (m)"]
     ({}, 'Run 2')
     """
-    parts = _without_common({name: PARTS.split(bare_name(name)) for name in clocks})
+    parts = _without_common({name: SEPARATORS.split(bare_name(name)) for name in clocks})
     groups: dict[str, dict[str, str]] = {}
     for name, (first, *rest) in parts.items():
         if rest:

@@ -29,8 +29,6 @@ from suspid.words import LeftOut, Number, Remark
 
 # A rate stored in single precision, or as a rounded step, is still the same rate.
 SAME_RATE = 1e-6
-# Largest error of a magnitude that was computed from axes with more digits than the file has, relative to its largest.
-ROUNDED = 1e-3
 # In place of the name of a column of time: no column is.
 NO_TIME = "none"
 
@@ -178,7 +176,9 @@ def _magnitudes(plan: _Plan, columns: Mapping[str, RealArray]) -> dict[str, Rema
         norm = np.sqrt(np.sum([columns[axis] ** 2 for axis in axes], axis=0))
         with np.errstate(invalid="ignore"):
             apart = float(np.nanmax(np.abs(norm - values), initial=0.0))
-        if apart <= ROUNDED * float(np.nanmax(values)):
+        # Largest error of a magnitude that was computed from axes with more digits than the file has, relative to its
+        # largest.
+        if apart <= 1e-3 * float(np.nanmax(values)):
             found[name] = Remark(LeftOut.MAGNITUDE, {"axes": axes})
     return found
 

@@ -19,7 +19,7 @@ from suspid.units import RealArray
 from suspid.values import frozen_real
 
 # Stated as the size where the writer did not know it, or where another chunk states it.
-UNKNOWN = 0xFFFFFFFF
+UNKNOWN_SIZE = 0xFFFFFFFF
 
 
 def read_wav(path: Path) -> Table:
@@ -75,15 +75,15 @@ def _check_chunks(content: bytes) -> None:
     if content[:4] == b"RF64" and content[12:16] == b"ds64" and len(content) >= 36:
         long_size = struct.unpack_from("<Q", content, 28)[0]
     else:
-        long_size = UNKNOWN
+        long_size = UNKNOWN_SIZE
     position, seen = 12, list[bytes]()
     # Chunks are padded to an even size, but some writers do not pad the last one.
     while position + 8 <= len(content):
         name, size = content[position : position + 4], struct.unpack_from(f"{order}I", content, position + 4)[0]
-        size = long_size if name == b"data" and size == UNKNOWN else size
+        size = long_size if name == b"data" and size == UNKNOWN_SIZE else size
         if not (name.isascii() and name.decode("ascii").isprintable()):
             raise RecordError(f"is damaged: at byte {position} there should be a chunk, not {name!r}")
-        if name == b"data" and size == UNKNOWN:
+        if name == b"data" and size == UNKNOWN_SIZE:
             raise RecordError("does not state its number of samples, since it was not closed; convert it with sox")
         if position + 8 + size > len(content):
             raise RecordError(

@@ -17,7 +17,7 @@ from suspid.model.half_car import half_car
 from suspid.model.matching import pole_distances
 from suspid.model.modal_table import modal_table
 from suspid.model.modes import Interval, ModalSet
-from suspid.model.outputs import OutputRows, force_weights, output_rows, output_weights
+from suspid.model.outputs import FORCE, OutputRows, force_weights, output_rows, output_weights
 from suspid.model.quarter_car import quarter_car
 from suspid.model.sensor import Sensor
 from suspid.model.statespace import statespace
@@ -25,6 +25,7 @@ from suspid.model.strut import Strut
 from suspid.model.suspension import Suspension, check_plain
 
 __all__ = [
+    "FORCE",
     "Comparison",
     "Interval",
     "ModalSet",

@@ -54,6 +54,7 @@ from suspid.model.quarter_car import quarter_car
 from suspid.model.sensor import MOTIONS, Sensor
 from suspid.model.strut import Strut
 from suspid.model.suspension import Suspension
+from suspid.units import UNITS
 from suspid.values import nearest_names
 
 STRUT_KEYS = ("name", "stiffness", "damping", "arms")
@@ -62,8 +63,6 @@ PRESETS: Mapping[str, Callable[..., Suspension]] = {
     "half_car": half_car,
     "full_car": full_car,
 }
-# Unit of an argument of a preset by the last word of its name; the others are lengths [m].
-UNITS = {"mass": "kg", "inertia": "kg m2", "stiffness": "N/m", "damping": "N s/m"}
 
 
 def read_car(path: str | os.PathLike[str]) -> Suspension:

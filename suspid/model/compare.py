@@ -7,11 +7,12 @@ from collections.abc import Mapping
 import numpy as np
 
 from suspid.errors import InputError
-from suspid.model.comparison import UNITS, ComparedValue, Comparison
+from suspid.levels import NORMAL_95
+from suspid.model.comparison import ComparedValue, Comparison
 from suspid.model.matching import common_mac, paired
 from suspid.model.modes import ModalSet
 from suspid.model.suspension import Suspension
-from suspid.units import Ratio, RealArray
+from suspid.units import UNITS, Ratio, RealArray
 from suspid.values import FrozenMapping, frozen_real
 
 # Relative. Two ways of solving one well-conditioned eigenvalue problem agree to this; tighter fails on rounding.
@@ -21,8 +22,6 @@ ROUNDING = 1e-12
 # Share of the larger pole. Modes further apart are never paired: with a wider gate a missing and an extra mode would
 # be reported as one mode that is off, with a narrower one a poor estimate as a missing and an extra mode.
 GATE = 0.5
-# Standard deviations of a 95 % interval.
-REACH = 1.959963984540054
 
 WN_ZETA = ("wn", "zeta")
 
@@ -117,7 +116,7 @@ def _mode_row(
         sides.append((getattr(expected, f"{name}_std"), j))
         stds = [std[k] for std, k in sides if std is not None]
         if stds:
-            allowed = max(REACH * float(np.linalg.norm(stds)), ROUNDING * scale)
+            allowed = max(NORMAL_95 * float(np.linalg.norm(stds)), ROUNDING * scale)
     return _row(f"mode {j + 1}", name, value, float(truth[j]), allowed)
 
 

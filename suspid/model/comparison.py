@@ -6,10 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from suspid.units import RealArray
+from suspid.units import UNITS, RealArray
 from suspid.values import text_table
-
-UNITS = {"wn": "rad/s", "zeta": "1", "stiffness": "N/m", "damping": "N s/m", "mass": "kg"}
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

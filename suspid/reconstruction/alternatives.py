@@ -18,16 +18,13 @@ STARTS_PER_UNKNOWN, MORE_STARTS = 12, 48  # up to a quarter car, and beyond; few
 QUARTER_CAR = 6  # unknowns
 ROUNDS = 4  # largest number of rounds of starts
 OFTEN = 3  # the search ends when every minimum was reached this often; at 1 rare minima are missed
-STEPS = 40  # largest number per start; most need 10 to 15
-LONGEST = 1.5  # longest step, in the logarithm of springs and masses, and in dampers themselves
 STRAGGLERS = 0.2  # share of the starts at which a round ends: waiting for the slowest costs more than it finds
 MET = 1e-13  # squared distance from the poles at which a start has converged
 LITTLE = 1e-3  # relative reduction of the squared distance by one step below which a start stops
 DECADES = 1.5  # starts lie between 1/30 and 30 times nominal springs and masses, because rare minima are far away
-FARTHEST = 1e4  # largest value in the search, times nominal
 SAME = 1e-3  # relative difference of parameters below which two suspensions count as one
 HARDLY_THERE = 1e-2  # of nominal: smaller springs and masses are compared relative to this
-ROUNDING = 1e-11  # costs below it count as equal
+COST_ROUNDING = 1e-11  # costs below it count as equal
 ADDED_SHARE = 0.3  # mass added in the proposed test, relative to that of the coordinate
 
 
@@ -94,13 +91,15 @@ def descend_together(equations: Equations, x: RealArray, unknowns: Unknowns) -> 
     A point stops when a step reduces its cost little, and the slowest points are cut off: the ends are refined later.
     """
     x, positive = x.copy(), unknowns.positive
-    lower, upper = unknowns.lower, np.minimum(unknowns.upper, FARTHEST)
+    # No value in the search is larger, times nominal.
+    lower, upper = unknowns.lower, np.minimum(unknowns.upper, 1e4)
     own, count = np.arange(x.shape[1]), len(x)
     residual, slope = equations(x)
     cost, damping = np.sum(residual**2, axis=1), np.full(len(x), 1e-2)
     ends: list[RealArray] = []
     costs: list[RealArray] = []
-    for _ in range(STEPS):
+    # Most starts need 10 to 15 steps.
+    for _ in range(40):
         scaled = slope * np.where(positive, x, 1.0)[:, None, :]
         gradient = (residual[:, None, :] @ scaled)[:, 0]
         stuck = ((x <= lower) & (gradient > 0)) | ((x >= upper) & (gradient < 0))
@@ -111,7 +110,8 @@ def descend_together(equations: Equations, x: RealArray, unknowns: Unknowns) -> 
         largest = diagonal.max(axis=1, keepdims=True)
         # Unknowns without any slope must not make the matrix singular.
         normal[:, own, own] += damping[:, None] * np.maximum(diagonal, 1e-6 * largest) + stuck + (largest <= 0)
-        step = np.maximum(np.minimum(np.linalg.solve(normal, -gradient[..., None])[..., 0], LONGEST), -LONGEST)
+        # Longest step, in the logarithm of springs and masses, and in dampers themselves.
+        step = np.maximum(np.minimum(np.linalg.solve(normal, -gradient[..., None])[..., 0], 1.5), -1.5)
         trial = x + step
         trial[:, positive] = x[:, positive] * np.exp(step[:, positive])
         trial = np.minimum(np.maximum(trial, lower), upper)
@@ -137,7 +137,7 @@ def gathered(
     points: RealArray, costs: RealArray, unknowns: Unknowns, reach: Ratio
 ) -> tuple[list[RealArray], list[int]]:
     """Return the distinct points within reach, at least the nearest, by ascending cost, and how often each was met."""
-    order = np.argsort(np.maximum(costs, ROUNDING**2), kind="stable")
+    order = np.argsort(np.maximum(costs, COST_ROUNDING**2), kind="stable")
     left = points[order[costs[order] <= max(reach**2, float(np.min(costs)))]]
     minima: list[RealArray] = []
     met: list[int] = []
@@ -152,7 +152,7 @@ def gathered(
 def distinct(points: Sequence[RealArray], costs: Sequence[float], unknowns: Unknowns) -> list[int]:
     """Return the indices of distinct points by ascending cost; of equal points the first."""
     kept: list[int] = []
-    for i in np.argsort(np.maximum(costs, ROUNDING), kind="stable").tolist():
+    for i in np.argsort(np.maximum(costs, COST_ROUNDING), kind="stable").tolist():
         if not any(same(points[i], points[j], unknowns) for j in kept):
             kept.append(i)
     return kept

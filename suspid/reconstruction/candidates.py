@@ -13,7 +13,6 @@ from suspid.reconstruction.descent import bounded_step
 from suspid.reconstruction.problem import DATA_AGAINST_PRIOR, LARGEST, Problem
 from suspid.units import RealArray
 
-STARTS = 24  # where the poles alone are too few to search by them
 RETRIES = 12  # where a single answer is not reached from the nominal car
 POLISHED = 12  # of the minima that the search finds
 
@@ -81,7 +80,8 @@ def _unconstrained(problem: Problem, *, search: bool) -> Collected:
             found.descend(nominal, by_poles=True)
         return found
     found.descend(nominal)
-    for x in even_starts(problem.unknowns, STARTS):
+    # The poles alone are too few to search by them.
+    for x in even_starts(problem.unknowns, 24):
         found.descend(x, by_poles=True)
     return found
 

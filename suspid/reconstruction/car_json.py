@@ -22,10 +22,9 @@ from __future__ import annotations
 from suspid.model import Suspension
 from suspid.reconstruction.results import Reconstruction
 from suspid.reconstruction.unknowns import parameter_names, parameter_vector
-from suspid.units import Ratio
+from suspid.units import UNITS, Ratio
 
-FORMAT = "suspid car 1"
-UNITS = {"stiffness": "N/m", "damping": "N s/m", "mass": "kg"}
+CAR_FORMAT = "suspid car 1"
 
 
 def reconstruction_to_dict(found: Reconstruction, *, level: Ratio = 0.95) -> dict[str, object]:
@@ -48,7 +47,7 @@ def reconstruction_to_dict(found: Reconstruction, *, level: Ratio = 0.95) -> dic
         stds = [float(variance) ** 0.5 for variance in found.covariance.diagonal()]
         ends = found.interval(level)
     return {
-        "format": FORMAT,
+        "format": CAR_FORMAT,
         "parameters": [
             {
                 "name": name,

@@ -8,14 +8,14 @@ from dataclasses import replace
 import numpy as np
 
 from suspid.errors import ReconstructionError
+from suspid.levels import likely
 from suspid.model import Suspension, eigenmodes
 from suspid.reconstruction.asked import LEAST
 from suspid.reconstruction.descent import slope_left
-from suspid.reconstruction.equations import EXACT, Observed, all_poles, partners, sensitivities, spectral
+from suspid.reconstruction.equations import EXACT_POLE, Observed, all_poles, partners, sensitivities, spectral
 from suspid.reconstruction.observations import ModalTest
 from suspid.reconstruction.problem import Problem
 from suspid.reconstruction.programs import Optimum
-from suspid.reconstruction.suspects import likely
 from suspid.reconstruction.unknowns import Unknowns
 from suspid.reconstruction.wishes import null_space
 from suspid.units import Ratio, RealArray
@@ -23,7 +23,6 @@ from suspid.values import frozen_real
 from suspid.words import Number, ReconstructionNote, Remark
 
 LEAST_MAC = 0.8  # below it a shape is another mode's
-TAKES_PART = 0.01  # of a combination: below it a parameter is not named
 STATIONARY = 1e-6  # share of the squared residual that a step at a sharp optimum can take
 LOST = 1e-2  # share of the squared residual that a step at an optimum cannot take
 
@@ -67,7 +66,8 @@ def check_seen(problem: Problem, x: RealArray, car: Suspension) -> list[Remark]:
 def involved(blind: RealArray, unknowns: Unknowns) -> list[str]:
     """Return the names of the unknowns that take part in directions, whatever their basis."""
     weight = np.linalg.norm(blind, axis=0)
-    return [name for name, w in zip(unknowns.labels, weight, strict=True) if w > TAKES_PART]
+    # Parameters with less of the combination are not named.
+    return [name for name, w in zip(unknowns.labels, weight, strict=True) if w > 0.01]
 
 
 def _in_words(blind: RealArray, x: RealArray, unknowns: Unknowns) -> str:
@@ -168,7 +168,7 @@ def remarks(problem: Problem, best: Optimum, cost: float) -> list[Remark]:
     named = np.array(u.labels)
     if np.any(vanished):
         notes.append(Remark(ReconstructionNote.VANISHED, {"names": tuple(named[vanished].tolist())}))
-    if np.any(ends & ~vanished) and cost > EXACT:
+    if np.any(ends & ~vanished) and cost > EXACT_POLE:
         notes.append(Remark(ReconstructionNote.AT_BOUND, {"names": tuple(named[ends & ~vanished].tolist())}))
     if problem.wishes is not None:
         acting = tuple(problem.wishes.labels[i] for i in problem.wishes.acting(x))
@@ -176,7 +176,7 @@ def remarks(problem: Problem, best: Optimum, cost: float) -> list[Remark]:
             notes.append(Remark(ReconstructionNote.ACTIVE, {"names": acting}))
         if problem.wishes.penalty is not None:
             notes.append(Remark(ReconstructionNote.PENALTY, {"penalty": problem.wishes.penalised(x)}))
-    if cost > (0.1 if problem.weighted else EXACT):
+    if cost > (0.1 if problem.weighted else EXACT_POLE):
         left = best.left if problem.wishes is not None else slope_left(problem.deciding, x, u.lower, u.upper)
         worth = left * cost**2 if problem.weighted else 1.0
         if left > LOST and worth > 1.0:

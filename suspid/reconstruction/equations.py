@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from suspid.model import pole_distances
 from suspid.units import ComplexArray, RealArray
 
-EXACT = 1e-8  # relative pole error that counts as zero: the accuracy of an eigenvalue solver, with a margin
+EXACT_POLE = 1e-8  # relative pole error that counts as zero: the accuracy of an eigenvalue solver, with a margin
 SHAPE_WEIGHT = 0.1  # weight of errors of shapes relative to those of poles, which are about ten times smaller
 
 

@@ -8,7 +8,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from suspid.reconstruction.descent import Equations, descend, slope_left
-from suspid.reconstruction.equations import EXACT, Observed, deciding, linear, spectral
+from suspid.reconstruction.equations import EXACT_POLE, Observed, deciding, linear, spectral
 from suspid.reconstruction.programs import Limits, Optimum, least_squares
 from suspid.reconstruction.sequence import converged, feasible
 from suspid.reconstruction.unknowns import Unknowns
@@ -81,7 +81,7 @@ class Problem:
         from scipy.special import chdtri
 
         if not self.weighted:
-            return EXACT
+            return EXACT_POLE
         known = int(np.sum(self.unknowns.has_prior))
         return float(np.sqrt(chdtri(max(self.rows - known - len(self.unknowns), 1), UNLIKELY_TWIN)))
 
@@ -100,7 +100,7 @@ class Problem:
 
         if self.weighted:
             return float(np.sqrt(least**2 + chdtri(1, UNLIKELY_TWIN)))
-        return max(EXACT, 1.01 * least, self.known_to)
+        return max(EXACT_POLE, 1.01 * least, self.known_to)
 
     def manner(self, x: RealArray) -> Remark:
         """Return how x was found."""
@@ -118,7 +118,7 @@ class Problem:
         ):
             return False
         residual, slope = self.linear
-        return bool(np.linalg.norm(residual + slope @ x) <= EXACT)
+        return bool(np.linalg.norm(residual + slope @ x) <= EXACT_POLE)
 
     @cached_property
     def deciding(self) -> Equations:
@@ -191,7 +191,7 @@ class Problem:
 
     def alternative(self, x: RealArray, cost: float) -> RealArray:
         """Return the minimum at x: x itself if it meets the conditions of an optimum, else that of a program."""
-        if self.wishes is not None or cost <= EXACT:
+        if self.wishes is not None or cost <= EXACT_POLE:
             return x
         left = slope_left(self.deciding, x, self.unknowns.lower, self.unknowns.upper)
         if left * cost**2 <= (NEGLIGIBLE if self.weighted else CERTIFIED * cost**2):

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from suspid.errors import ReconstructionError
+from suspid.levels import CHI_SQUARE_95
 from suspid.model import ModalSet, Suspension
 from suspid.reconstruction.alternatives import farness, told_apart
 from suspid.reconstruction.asked import Bounds
@@ -36,8 +37,6 @@ from suspid.words import ReconstructionNote, Remark
 __all__ = ["Reconstruction", "reconstruct"]
 
 TOLERANCE = 0.02  # of a pole's modulus
-ROUNDED = 1e-9  # of a pole's modulus: nearer, modes without covariance are met
-LEVEL = 3.84  # rise of chi-square up to which two suspensions are equally likely: 95 % of one degree of freedom
 KINDS = (".stiffness", ".damping", ".mass")
 
 
@@ -262,7 +261,7 @@ def _accepted(problem: Problem, points: Sequence[RealArray], costs: Sequence[flo
 
     The data come first: nearness to the nominal car decides only between cars that they hold equally likely.
     """
-    level = min(costs) ** 2 + LEVEL if problem.weighted else np.inf
+    level = min(costs) ** 2 + CHI_SQUARE_95 if problem.weighted else np.inf
     accepted = [i for i, cost in enumerate(costs) if cost <= problem.allowed(min(costs))]
     return sorted(accepted, key=lambda i: (costs[i] ** 2 > level, farness(points[i], problem.unknowns)))
 
@@ -284,7 +283,8 @@ def _fit_notes(
     """Return how well the modes are met."""
     if chi_square is not None:
         return [Remark(ReconstructionNote.CHI_SQUARE, {"chi_square": chi_square, "freedom": freedom})]
-    if freedom > 0 and residual > ROUNDED:
+    # Of a pole's modulus: nearer, modes without covariance are met.
+    if freedom > 0 and residual > 1e-9:
         return [Remark(ReconstructionNote.MISFIT, {"misfit": misfit(problem, best.x)})]
     return []
 

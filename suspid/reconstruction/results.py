@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from suspid.errors import InputError
+from suspid.levels import NORMAL_95
 from suspid.model import Suspension
 from suspid.reconstruction.unknowns import QUANTITIES, parameter_names, parameter_vector
 from suspid.units import Kilogram, NewtonPerMetre, NewtonSecondPerMetre, Ratio, RealArray
@@ -33,7 +34,6 @@ AGAINST = {
     ReconstructionNote.NOT_SHARP: (ReconstructionCheck.NOT_SHARP, Level.CARE),
     ReconstructionNote.NEAR_MISS: (ReconstructionCheck.NEAR_MISS, Level.CARE),
 }
-VAGUE = 1.96  # standard deviations of 95 %: a parameter smaller than that of its own is hardly known
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -219,6 +219,6 @@ def _vague(found: Reconstruction) -> Iterator[Check]:
         return
     values = dict(zip(parameter_names(found.suspension), parameter_vector(found.suspension).tolist(), strict=True))
     std = found.covariance.diagonal() ** 0.5
-    vague = tuple(n for n, s in zip(found.parameters, std, strict=True) if 0 < values[n] < VAGUE * s)
+    vague = tuple(n for n, s in zip(found.parameters, std, strict=True) if 0 < values[n] < NORMAL_95 * s)
     if vague:
         yield Check(Remark(ReconstructionCheck.VAGUE, {"names": vague}), Level.CARE)

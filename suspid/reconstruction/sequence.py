@@ -8,13 +8,11 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from suspid.reconstruction.descent import NEGLIGIBLE_SHARE, Equations
+from suspid.reconstruction.descent import LARGEST_STEP, NEGLIGIBLE_SHARE, Equations
 from suspid.reconstruction.programs import FARTHEST, Limits, Optimum, least_squares, solve
 from suspid.reconstruction.wishes import Wishes
 from suspid.units import RealArray
 
-LARGEST_STEP = 0.5  # of springs and masses relative to themselves, of dampers to their scale: first trust region
-ROUNDING = 1e-6  # steps below it that gain nothing are rounding: the squared residual has a flat minimum
 PROGRAMS = 60  # at most; from a minimum that a descent has found, one or two are needed
 
 # From matrix, target, units of the step, bounds of the step and the point to the best step.
@@ -54,7 +52,8 @@ def converged(
             x, residual, slope, objective = trial, trial_residual, trial_slope, reached
         largest = float(np.max(np.abs(step.x)))
         arrived = expected <= max(NEGLIGIBLE_SHARE * before, negligible) or largest < 1e-13
-        if arrived or (gained <= 0 and largest < ROUNDING):
+        # Steps below it that gain nothing are rounding: the squared residual has a flat minimum.
+        if arrived or (gained <= 0 and largest < 1e-6):
             break
         radius = min(2 * radius, 4.0) if gained > 0.75 * expected else radius if gained > 0.1 * expected else radius / 4
     return Optimum(x=x, left=max(expected, 0.0) / max(before, 1e-300), free=step.free)

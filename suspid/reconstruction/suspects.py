@@ -13,6 +13,7 @@ from typing import TypeAlias
 import numpy as np
 
 from suspid.errors import SuspidError
+from suspid.levels import likely
 from suspid.model import ModalSet, Suspension
 from suspid.reconstruction.equations import Observed, sensitivities
 from suspid.reconstruction.observations import ModalTest
@@ -21,10 +22,8 @@ from suspid.reconstruction.wishes import null_space
 from suspid.units import ComplexArray, Ratio, RealArray
 from suspid.words import Number, Remark, Suspect
 
-UNLIKELY = 1e-3  # probability of a chi-square below which the topology does not explain the modes
 TRIED = 4  # single causes that are refitted, the most promising first
 REFITS = 3  # Gauss-Newton steps for the size of a cause
-FARTHEST = 0.6  # error of a gain or a mass beyond which something else is likelier [1]
 MOST = 0.5  # share of chi-square that a channel or a mode takes along, to be named
 APART = 1e-3  # share of a direction that the parameters cannot follow, to be told from them
 
@@ -53,20 +52,14 @@ def suspects(tests: Sequence[ModalTest], car: Suspension, pose: Pose, x: RealArr
             error, left = _refitted(cause, tests, car, pose, x)
         except (SuspidError, np.linalg.LinAlgError):
             continue
-        if abs(error) <= FARTHEST and likely(left, freedom - 1):
+        # Of a larger error of a gain or a mass something else is the likelier cause.
+        if abs(error) <= 0.6 and likely(left, freedom - 1):
             numbers: dict[str, Number] = {"name": cause.name, "chi_square": left, "freedom": freedom - 1}
             numbers |= {"error": error} if cause.mass else {"gain": 1 + error}
             explained.append((left, i, Remark(Suspect.MASS if cause.mass else Suspect.GAIN, numbers)))
     if explained:
         return [remark for _, _, remark in sorted(explained, key=lambda one: one[:2])]
     return _concentration(problem, tests, z, base)
-
-
-def likely(chi_square: float, freedom: int) -> bool:
-    """Return whether a chi-square is not improbably large."""
-    from scipy.special import chdtrc
-
-    return freedom <= 0 or bool(chdtrc(freedom, chi_square) >= UNLIKELY)
 
 
 def _causes(problem: Problem, tests: Sequence[ModalTest]) -> list[Cause]:

@@ -22,7 +22,6 @@ OPERATIONS: Mapping[type[ast.operator], Callable[[Any, Any], Any]] = {
     ast.Div: operator.truediv,
 }
 FORM = 'write it as "front.stiffness >= 1.5 * rear.stiffness": numbers, parameters, + - * / ( ) and one of <= >= =='
-LONGEST = 1000  # characters
 
 
 def constraint_of(text: str, struts: Sequence[str]) -> Callable[[Mapping[str, Any], Mapping[str, Any]], Any]:
@@ -39,7 +38,8 @@ def constraint_of(text: str, struts: Sequence[str]) -> Callable[[Mapping[str, An
     """
     where = f"constraint {text!r}"
     try:
-        tree = ast.parse(text.strip() if len(text) <= LONGEST else "", mode="eval").body
+        # Longer texts are refused: their trees would fill the memory.
+        tree = ast.parse(text.strip() if len(text) <= 1000 else "", mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         raise InputError(f"{where} cannot be read; {FORM}") from None
     if not isinstance(tree, ast.Compare) or len(tree.ops) != 1 or type(tree.ops[0]) not in COMPARISONS:

@@ -12,7 +12,6 @@ from suspid.units import RealArray
 
 QUANTITIES = ("stiffness", "damping")
 NEXT_TO_NONE = 1e-3  # of nominal: a spring that small is judged beside the nominal one
-ROUNDING = 1e-13  # of the strongest damper
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -62,7 +61,8 @@ class Unknowns:
     def settled(self, x: RealArray) -> RealArray:
         """Return x with dampers that are nothing but rounding on their bound."""
         strongest = np.max(x[~self.positive], initial=0.0)
-        return np.where(~self.positive & (x - self.lower < ROUNDING * strongest), self.lower, x)
+        # On the bound but for rounding, as a share of the strongest damper.
+        return np.where(~self.positive & (x - self.lower < 1e-13 * strongest), self.lower, x)
 
     def suspension(self, x: RealArray) -> Suspension:
         """Return the suspension with these unknowns."""

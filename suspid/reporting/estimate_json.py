@@ -19,7 +19,7 @@ from suspid.units import Ratio
 if TYPE_CHECKING:
     from suspid.greybox import Estimate
 
-FORMAT = "suspid estimate 1"
+ESTIMATE_FORMAT = "suspid estimate 1"
 
 
 def estimate_to_dict(found: Estimate, *, level: Ratio = 0.95) -> dict[str, object]:
@@ -39,7 +39,7 @@ def estimate_to_dict(found: Estimate, *, level: Ratio = 0.95) -> dict[str, objec
     from importlib.metadata import version
 
     fields = {
-        "format": FORMAT,
+        "format": ESTIMATE_FORMAT,
         "verdict": found.verdict.to_dict(),
         "level": level,
         "parameters": _parameters(found, level),

@@ -14,6 +14,7 @@ from suspid.reporting.axes import without_legend
 from suspid.reporting.plot_amplitude import plot_amplitude
 from suspid.reporting.plot_entropy import plot_entropy
 from suspid.reporting.plot_fit import plot_fit
+from suspid.reporting.plot_identification import MOST_RIDGES
 from suspid.reporting.plot_recording import plot_recording
 from suspid.reporting.plot_scalogram import plot_scalogram
 from suspid.reporting.plot_shapes import plot_shapes
@@ -39,7 +40,6 @@ if TYPE_CHECKING:
 NARROW, WIDE = 4.2, 9.0
 # What the page shows at most; the JSON has all.
 MOST_CHANNELS = 24
-MOST_RIDGES = 8
 MOST_OVERVIEWS = 3
 # Modes side by side in a picture of shapes.
 MODES_ABREAST = 4

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from suspid.identification import AmplitudeDependence, Identification
+from suspid.levels import NORMAL_95
 from suspid.reporting.axes import checked_grid, in_legend
 from suspid.reporting.colours import BLUE, SHADE, VERMILION
 from suspid.units import RealArray
@@ -16,9 +17,6 @@ from suspid.wavelets import Ridge
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-# Half the width of the band in standard deviations: 95 %.
-BAND = 1.96
 
 
 def plot_amplitude(found: Identification, *, axes: Sequence[Sequence[Axes]] | NDArray[np.object_]) -> None:
@@ -75,12 +73,12 @@ def plot_amplitude(found: Identification, *, axes: Sequence[Sequence[Axes]] | ND
 
 def _draw(ax: Axes, amplitude: RealArray, value: RealArray, std: RealArray) -> None:
     order = np.argsort(amplitude)
-    low, high = (value - BAND * std)[order], (value + BAND * std)[order]
+    low, high = (value - NORMAL_95 * std)[order], (value + NORMAL_95 * std)[order]
     ax.fill_between(amplitude[order], low, high, color=SHADE, linewidth=0.0)
     ax.plot(amplitude[order], value[order], ".-", color=BLUE, linewidth=1.0, markersize=4)
     # A window of which little is known must not hide the others.
     inner = np.sort(std)[: max(1, (3 * len(std) + 3) // 4)]
-    reach = 2 * BAND * float(inner[-1]) + 0.1 * float(np.ptp(value)) + 1e-3 * float(np.mean(np.abs(value)))
+    reach = 2 * NORMAL_95 * float(inner[-1]) + 0.1 * float(np.ptp(value)) + 1e-3 * float(np.mean(np.abs(value)))
     ax.set_ylim(float(np.min(value)) - reach, float(np.max(value)) + reach)
 
 

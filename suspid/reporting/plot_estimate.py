@@ -18,13 +18,6 @@ if TYPE_CHECKING:
 
     from suspid.greybox import Estimate
 
-# Channels on one page; the others are in the JSON by their noise.
-MOST_CHANNELS = 6
-# Height of a line of the upper picture, and of a channel [inch].
-LINE, CHANNEL = 0.28, 2.0
-# Periods of the slowest mode that are drawn of a long record: more would be a band without lines.
-PERIODS = 20
-
 
 def plot_estimate(found: Estimate, figure: Figure, *, level: Ratio = 0.95) -> Figure:
     """Draw the change of each parameter from nominal with its interval, and the first record with its residual.
@@ -58,13 +51,16 @@ def plot_estimate(found: Estimate, figure: Figure, *, level: Ratio = 0.95) -> Fi
     if figure.get_layout_engine() is None:
         figure.set_layout_engine("constrained")
     residual = as_signal(found.residual[0])
-    channels = residual.channels[:MOST_CHANNELS]
-    heights = [LINE * (2 + len(found.parameters)), *([CHANNEL] * len(channels))]
+    # Channels on one page; the others are in the JSON by their noise.
+    channels = residual.channels[:6]
+    # Heights of a line of the upper picture, and of a channel [inch].
+    heights = [0.28 * (2 + len(found.parameters)), *([2.0] * len(channels))]
     axes = np.atleast_1d(figure.subplots(len(heights), 1, height_ratios=heights))
     _draw_changes(found, axes[0], level)
     fitted = as_signal(found.fitted[0])
     slowest = min((wn for wn in found.modes.wn.tolist() if wn > 0), default=2 * np.pi / residual.duration)
-    until = min(residual.duration, PERIODS * 2 * np.pi / slowest)
+    # Of a long record 20 periods of the slowest mode are drawn: more would be a band without lines.
+    until = min(residual.duration, 20 * 2 * np.pi / slowest)
     kept = residual.timepts - residual.start <= until
     for at, (ax, name) in enumerate(zip(axes[1:], channels, strict=True)):
         fit, left = fitted.values[at, kept], residual.values[at, kept]

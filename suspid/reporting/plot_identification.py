@@ -32,8 +32,8 @@ if TYPE_CHECKING:
 ABREAST = 4
 KEYS_ABREAST = 5
 MOST_RIDGES = 8
-MOST_CHANNELS = 8
-MOST_MODES = 12
+FITS_ON_PAGE = 8
+MODES_ON_PAGE = 12
 # Size in inches of a page to be printed: A4.
 PAGE = (8.27, 11.69)
 
@@ -71,7 +71,7 @@ def plot_identification(identification: Identification, figure: Figure) -> Figur
         figure.set_layout_engine("constrained")
     ridges = identification.ridges[:MOST_RIDGES]
     blocks = [ridges[i : i + ABREAST] for i in range(0, len(ridges), ABREAST)]
-    names = as_signal(identification.response).channels[:MOST_CHANNELS]
+    names = as_signal(identification.response).channels[:FITS_ON_PAGE]
     last = _last_parts(identification)
     places = _places(figure, _heights(identification, len(blocks), len(names), last))
 
@@ -108,7 +108,7 @@ def _heights(identification: Identification, blocks: int, channels: int, last: S
     """Return the height of each part [inch on A4]."""
     modes, ridges = identification.modes, identification.ridges[:MOST_RIDGES]
     keys = 3 + (2 + len(ridges[0].channels) if ridges else 0)
-    heights = {"modes": 0.25 + 0.14 * min(len(modes) + 2, MOST_MODES + 2), "scalogram": 2.7 if blocks < 2 else 2.3}
+    heights = {"modes": 0.25 + 0.14 * min(len(modes) + 2, MODES_ON_PAGE + 2), "scalogram": 2.7 if blocks < 2 else 2.3}
     heights |= {"key": 0.2 + 0.2 * -(-keys // KEYS_ABREAST)}
     heights |= {f"skeletons {i}": 2.5 for i in range(blocks)}
     heights |= {"fit": 0.5 + 0.75 * _fit_rows(channels)}
@@ -136,8 +136,8 @@ def _places(figure: Figure, heights: dict[str, float]) -> dict[str, SubplotSpec]
 
 def _write_modes(identification: Identification, ax: Axes) -> None:
     lines = modal_table(identification.modes).splitlines()
-    if len(lines) > MOST_MODES + 2:
-        lines = [*lines[: MOST_MODES + 1], f"  … {len(identification.modes)} modes in all"]
+    if len(lines) > MODES_ON_PAGE + 2:
+        lines = [*lines[: MODES_ON_PAGE + 1], f"  … {len(identification.modes)} modes in all"]
     ax.set_axis_off()
     ax.text(0.0, 1.0, "\n".join(lines), family="monospace", va="top", transform=ax.transAxes, fontsize=8)
     title = str(identification.response.title or "")

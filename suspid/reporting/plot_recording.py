@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 # Numbers of decays stand in at most this many rows; a number takes this width [inch].
-TEXT_ROWS, TEXT_WIDTH = 4, 0.25
+TEXT_ROWS = 4
 
 
 def plot_recording(
@@ -79,7 +79,7 @@ def plot_recording(
     ax.set(xlim=(start, end), xlabel="time [s]")
     low, high = ax.get_ylim()
     ax.set_ylim(low, high + 0.22 * (high - low))
-    room = TEXT_WIDTH * (end - start) * ax.figure.dpi / ax.figure.bbox.width
+    room = 0.25 * (end - start) * ax.figure.dpi / ax.figure.bbox.width
     for i, row in enumerate(_rows([first for first, _ in stretches], room)):
         ax.annotate(
             f"{i + 1}", (stretches[i][0], 1.0), xycoords=("data", "axes fraction"), xytext=(2, -3 - 9 * row),

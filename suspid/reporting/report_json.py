@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from suspid.cleaning import Cleaned
     from suspid.identification import Identification, Repeats
 
-FORMAT = "suspid report 2"
+REPORT_FORMAT = "suspid report 2"
 
 
 def report_to_dict(found: Identification | Analysis | Content) -> dict[str, object]:
@@ -47,7 +47,7 @@ def report_to_dict(found: Identification | Analysis | Content) -> dict[str, obje
     repeats, car = analysis.repeats, analysis.reconstruction
     fields = identification_to_dict(shown, file=source.file if source else "", warnings=content.warnings)
     fields |= {
-        "report": FORMAT,
+        "report": REPORT_FORMAT,
         "level": content.level,
         "verdict": analysis.verdict.to_dict(),
         "quality": _quality(shown, content.level),

@@ -19,8 +19,8 @@ TEXT = 9.0
 # Dots per inch of the scalogram's colours: two for each pixel of a phone. More enlarge the file.
 DOTS_PER_INCH = 120
 # Steps of a path for each point (1/72 inch): finer than any screen shows.
-STEPS = 10
-REFERENCE = re.compile(r"^(?:url\()?#([\w-]+)\)?$")
+STEPS_A_POINT = 10
+LOCAL_REFERENCE = re.compile(r"^(?:url\()?#([\w-]+)\)?$")
 VARIABLES = {tone.light.lower(): f"var(--{tone.name})" for tone in TONES}
 
 
@@ -87,7 +87,7 @@ def svg_of(figure: Figure, *, name: str, described: str) -> str:
         figure.savefig(stream, format="svg", transparent=True, dpi=DOTS_PER_INCH, metadata=nothing)
         # What is parsed is matplotlib's own output, in which it has escaped every text.
         root = ElementTree.fromstring(stream.getvalue())
-    used = {m[1] for node in root.iter() for value in node.attrib.values() if (m := REFERENCE.match(value))}
+    used = {m[1] for node in root.iter() for value in node.attrib.values() if (m := LOCAL_REFERENCE.match(value))}
     return ElementTree.tostring(_as_svg(root, name, described, used), encoding="unicode")
 
 
@@ -120,7 +120,7 @@ def _attributes(node: ElementTree.Element, name: str, used: set[str]) -> dict[st
         short = key.rpartition("}")[2]
         if short == "id" and value not in used:
             continue
-        reference = REFERENCE.match(value)
+        reference = LOCAL_REFERENCE.match(value)
         if short == "id":
             value = f"{name}-{value}"
         elif reference:
@@ -158,7 +158,7 @@ def _path(value: str) -> str:
             out.append("z")
             index, last = index + 1, command
             continue
-        to = round(STEPS * float(tokens[index + 1])), round(STEPS * float(tokens[index + 2]))
+        to = round(STEPS_A_POINT * float(tokens[index + 1])), round(STEPS_A_POINT * float(tokens[index + 2]))
         step = to[0] - at[0], to[1] - at[1]
         if command == "M":
             out.append(f"M{_short(to[0])} {_short(to[1])}")
@@ -173,7 +173,7 @@ def _path(value: str) -> str:
 
 def _short(steps: int) -> str:
     """Return a number of steps in points, with no more characters than it needs."""
-    text = f"{steps / STEPS:g}"
+    text = f"{steps / STEPS_A_POINT:g}"
     return text.replace("0.", ".", 1) if text.startswith(("0.", "-0.")) else text
 
 

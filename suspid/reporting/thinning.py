@@ -19,11 +19,9 @@ if TYPE_CHECKING:
 
 # Most pieces of a line of which the two extremes are drawn.
 PIECES = 2000
-# Cycles of the slowest mode that are drawn enlarged.
-CYCLES = 6.0
 # Of a record of more samples than this, all channels together, the wavelet's view is made of its decay alone.
 MOST_SAMPLES = 40_000
-FEWEST = 1024
+FEWEST_DRAWN = 1024
 # The slowest mode has then fallen to e^-8, and the fastest still has four samples a cycle.
 LENGTH_OF_DECAY = 8.0
 SAMPLES_A_CYCLE = 4.0
@@ -54,7 +52,8 @@ def first_cycles(identification: Identification, onset: Second | None = None) ->
     signal, poles = as_signal(identification.response), identification.modes.poles
     start = signal.start if onset is None else onset
     oscillating = poles.imag[poles.imag > 0]
-    cycles = CYCLES * 2 * np.pi / float(np.min(oscillating)) if len(oscillating) else signal.duration
+    # Six cycles of the slowest mode are drawn enlarged.
+    cycles = 6.0 * 2 * np.pi / float(np.min(oscillating)) if len(oscillating) else signal.duration
     return start, min(start + max(cycles, 20 * signal.step), signal.start + signal.duration)
 
 
@@ -97,13 +96,13 @@ def drawable(identification: Identification) -> Identification:
     channels, count = signal.values.shape
     if channels * count <= MOST_SAMPLES or identification.method == "ridge":
         return identification
-    most = max(MOST_SAMPLES // channels, FEWEST)
+    most = max(MOST_SAMPLES // channels, FEWEST_DRAWN)
     # Where there is no mode, what was taken for none is of interest.
     beside = [c.pole for c in identification.considered if c.removed or not len(identification.modes)]
     poles = np.array([*identification.modes.poles, *beside])
     decays = -identification.modes.poles.real[identification.modes.poles.imag > 0] * signal.step
     slowest = float(np.min(decays[decays > 0], initial=np.inf))
-    kept = count if not np.isfinite(slowest) else int(np.clip(LENGTH_OF_DECAY / slowest, FEWEST, count))
+    kept = count if not np.isfinite(slowest) else int(np.clip(LENGTH_OF_DECAY / slowest, FEWEST_DRAWN, count))
     fastest = float(np.max(poles.imag, initial=0.0)) * signal.step
     widest = int(2 * np.pi / fastest / SAMPLES_A_CYCLE) if fastest > 0 else -(-kept // most)
     stride = max(1, min(widest, -(-kept // most)))

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from suspid.errors import InputError, RecordError
-from suspid.model import Suspension, statespace
+from suspid.model import FORCE, Suspension, statespace
 from suspid.signals import as_response, uniform_step
 from suspid.simulation.free_decay import check_continuous, state_of
 from suspid.simulation.recursion import DEGREES, Interpolation, derivatives, driven_states
@@ -19,7 +19,7 @@ from suspid.values import nearest_names
 if TYPE_CHECKING:
     import control
 
-RATE, FORCE = "_rate", "_force"
+RATE = "_rate"
 
 
 def simulate(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from suspid.signals import JITTER
-from suspid.stamps.grids import grid_of
+from suspid.stamps.grids import FEW_HOLES, grid_of
 from suspid.stamps.rounding import FEW, HOLE, Indices, exact, is_uniform, line, resolution
 from suspid.units import Hertz, RealArray, Second
 
@@ -13,8 +13,6 @@ from suspid.units import Hertz, RealArray, Second
 SHORTEST = 1e-12
 # Rows in one hole beyond which they are not counted: places must stay integers that doubles hold.
 LONGEST_HOLE = float(1 << 31)
-# Holes up to which stamps on multiples of one step are taken as that clock with rows missing.
-FEW_HOLES = 2
 
 
 def nearest_grid(times: RealArray) -> tuple[Indices, Second, Second] | None:

@@ -14,11 +14,12 @@ from suspid.identification.noise.colour import (
     over_channels,
     power_beside,
 )
-from suspid.identification.noise.quantisation import UNIFORM_STD, resolution
+from suspid.identification.noise.quantisation import ABOVE_RESOLUTION, UNIFORM_STD, resolution
 from suspid.identification.noise.shared import most_shared, noise_correlation, shared_noise
 from suspid.identification.noise.white import WhiteNoise, degrees_of_freedom, loss_growth, noise_of
 
 __all__ = [
+    "ABOVE_RESOLUTION",
     "LOUD",
     "UNIFORM_STD",
     "WhiteNoise",

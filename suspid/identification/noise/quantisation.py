@@ -14,6 +14,8 @@ FINEST = 1e-11
 MOST_DIGITS = 12
 # Standard deviation of a variable that is uniform over one step: quantisation.
 UNIFORM_STD = 1 / np.sqrt(12)
+# Residuals within this factor of the resolution are rounding, whose colour says nothing.
+ABOVE_RESOLUTION = 4.0
 # Samples per channel that are searched for a common step or number of digits.
 SEARCHED = 4096
 

@@ -13,7 +13,7 @@ from suspid.units import ComplexArray, RadianPerSecond, Ratio, RealArray, Second
 from suspid.values import frozen_real
 
 # Windows over the decay, at most, and their least length in cycles of the slowest mode: the force of one cycle decides.
-WINDOWS, CYCLES = 12, 1.0
+WINDOWS, WINDOW_CYCLES = 12, 1.0
 # Harmonics of each mode beside which the part of a force in step with another mode is found.
 HARMONICS = (2, 3, 4, 5)
 
@@ -162,7 +162,7 @@ def dependence(
 def _windows(envelope: RealArray, theta: ComplexArray) -> list[slice]:
     """Return windows over which the envelope falls by equal ratios, none shorter than some cycles."""
     count = len(envelope)
-    least = max(8, int(np.ceil(CYCLES * 2 * np.pi / float(np.min(np.abs(theta.imag))))))
+    least = max(8, int(np.ceil(WINDOW_CYCLES * 2 * np.pi / float(np.min(np.abs(theta.imag))))))
     if count < 2 * least:
         return [slice(0, count)]
     fall = np.log(np.maximum(envelope, 1e-12 * envelope.max()))

@@ -14,12 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from suspid.identification.noise import WhiteNoise, degrees_of_freedom
+from suspid.identification.poles import MOST_GROWTH
+from suspid.levels import NEGLIGIBLE_GAIN
 from suspid.units import ComplexArray, RealArray
 
-# Steps end when one promises less than this in twice the log likelihood.
-NEGLIGIBLE = 1e-4
-# A mode grows by at most this many e-foldings over the record.
-MOST_GROWTH = 3.0
 # Least pivot of the columns of unit norm: below it they are dependent.
 INDEPENDENT = 1e-7
 
@@ -256,7 +254,7 @@ def maximize(values: RealArray, start: Drive, noise: WhiteNoise, *, steps: int) 
         better = None
         for _ in range(10):
             step = np.linalg.lstsq(unit + damping * np.eye(len(unit)), fit.gradient / scale, rcond=None)[0] / scale
-            if float(step @ fit.gradient) < NEGLIGIBLE:
+            if float(step @ fit.gradient) < NEGLIGIBLE_GAIN:
                 return fit
             trial = evaluate(values, fit.drive.moved(step), noise)
             if trial is not None and trial.loss < fit.loss:

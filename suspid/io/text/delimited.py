@@ -31,8 +31,6 @@ LABELS = {
     "id",
     "name",
 }
-# Rows that are looked at for these, and how many more cells than rows are channels in lines.
-SEEN, MOST_COLUMNS, MOST_ROWS = 200, 64, 4
 HEAD_LINES, HEAD_BYTES = 1000, 1 << 18
 LONGEST_LINE = 1 << 20
 
@@ -74,10 +72,11 @@ def _refuse_long(rows: Rows, layout: Layout) -> None:
     """Refuse channels beside each other in one row each, and channels one below the other, named by a column."""
     width = len(layout.names)
     named = not layout.names[-1].startswith("column ")
-    if not named and width > MOST_COLUMNS and rows.size * MOST_ROWS < width:
+    # Many more cells than rows are channels in lines.
+    if not named and width > 64 and rows.size * 4 < width:
         raise RecordError(f"holds {rows.size} rows of {width} cells; a record has one sample a line: turn it")
     for name in (name for name in layout.names if bare_name(name).lower() in LABELS):
-        first = list(itertools.islice(rows.cells(name), SEEN))
+        first = list(itertools.islice(rows.cells(name), 200))
         few = list(dict.fromkeys(first))
         if 1 < len(few) <= len(first) / 2:
             raise RecordError(

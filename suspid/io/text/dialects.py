@@ -20,8 +20,6 @@ from suspid.io.text.cells import Kind, kind_of
 # Digits with marks between them, in a cell that is not a number.
 NUMERIC = re.compile(r"[+-]?[\d.,][\d.,;\t '+\-eE]*")
 ONES, MANY_ONES = str.maketrans("023456789", "111111111"), re.compile("1{6,}")
-# Share of the lines that are read with blanks as well: if tabs read as many, tabs separate the cells.
-MOST_ROWS = 0.8
 COMMENTS = ("#", "%", "//")
 DELIMITERS = {"\t": "tabs", ";": "semicolons", ",": "commas", "|": "bars", " ": "blanks"}
 
@@ -105,7 +103,8 @@ def find_dialect(head: Sequence[str], sample: Sequence[str], counted: Mapping[st
         raise RecordError("holds no row of numbers; a record needs at least 2 samples, one a line")
     # Blanks and tabs read what tabs alone read, and a few lines of a header besides.
     tabs = max((trial.score for trial in trials if trial.dialect.delimiter == "\t"), default=0.0)
-    trials = [t for t in trials if t.dialect.delimiter != " " or tabs < MOST_ROWS * t.score]
+    # Share of the lines that are read with blanks as well: if tabs read as many, tabs separate the cells.
+    trials = [t for t in trials if t.dialect.delimiter != " " or tabs < 0.8 * t.score]
     best = max(trial.score for trial in trials)
     ties = [trial for trial in trials if trial.score > best - 1e-9]
     chosen = max(ties, key=lambda trial: trial.rank)

@@ -1,0 +1,25 @@
+"""Levels that all packages share: how rare chance must be, how sure an interval is, what gain is worth a step."""
+
+from __future__ import annotations
+
+# Standard deviations of the interval that holds 95 % of a normal variable.
+NORMAL_95 = 1.959963984540054
+# Rise of chi-square up to which two values of one unknown are equally likely: 95 % of one degree of freedom.
+CHI_SQUARE_95 = NORMAL_95**2
+# Probability below which chance is no explanation: one false alarm in a thousand. A smaller one lets weak misfits pass.
+UNLIKELY = 1e-3
+# Gain of chi-square, or of twice the log likelihood, that ends a descent: a hundredth of a standard deviation.
+NEGLIGIBLE_GAIN = 1e-4
+
+
+def likely(chi_square: float, freedom: float) -> bool:
+    """Return whether a chi-square is not improbably large; without degrees of freedom nothing is.
+
+    Examples
+    --------
+    >>> likely(20.0, 1), likely(20.0, 9)
+    (False, True)
+    """
+    from scipy.special import chdtrc
+
+    return freedom <= 0 or bool(chdtrc(freedom, chi_square) >= UNLIKELY)
