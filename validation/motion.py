@@ -1,8 +1,9 @@
 """Independent motion of a car: equations written out anew, integrated by a Runge-Kutta method of fourth order.
 
 Nothing here is taken from the library's equations, its discretisation or its roads. Roads are white slopes in
-distance, coloured by one pole; a damper on a mount is a force with an equation of its own; sensors sample after a
-common zero-phase filter, as a logger does.
+distance, coloured by one pole, and the tire rolls over them with a patch of some length, so that nothing is left that
+the steps of the integration would fold back; a damper on a mount is a force with an equation of its own; sensors sample
+after a common zero-phase filter, as a logger does.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.fft import next_fast_len
+from scipy.interpolate import CubicSpline
 from scipy.signal import lfilter, resample_poly
 
 from suspid import Suspension
@@ -25,6 +27,7 @@ if TYPE_CHECKING:
 STEP: Second = 0.0005  # of the integration; the fastest motion, of a damper on a stiff mount, takes three of them
 FINE = 2  # steps between the samples that the logger filters
 GRID: Metre = 0.01  # of the road
+PATCH = 21  # points of the road over which a tire averages, with weights of a raised cosine: at 30 m/s, up to 300 Hz
 CORNER = 0.01  # cycle/m, below which the road is level
 LEVELS = {"A": 16e-6, "B": 64e-6, "C": 256e-6, "D": 1024e-6}  # G_d(0.1 cycle/m) [m3]
 
@@ -113,13 +116,18 @@ def integrated(
 
 
 def road_heights(distance: RealArray, level: float, rng: np.random.Generator) -> RealArray:
-    """Return the heights of a road whose slope is white in distance down to a corner, at given distances."""
+    """Return the heights of a road whose slope is white in distance down to a corner, at given distances.
+
+    They are those of the middle of a tire's patch. Without it the road's slope has no upper end: the integration, and the
+    sensors of a wheel, would show what lies above half their rates as motion that moves no body.
+    """
     low = float(np.min(distance))
-    count = int(np.ceil((float(np.max(distance)) - low) / GRID)) + 2 + int(5 / (CORNER * GRID))
+    count = int(np.ceil((float(np.max(distance)) - low) / GRID)) + 4 + int(5 / (CORNER * GRID))
     slope = np.sqrt((2 * np.pi * 0.1) ** 2 * level / (2 * GRID)) * rng.standard_normal(count)
     pole = np.exp(-2 * np.pi * CORNER * GRID)
-    heights = lfilter([GRID], [1.0, -pole], slope)[int(5 / (CORNER * GRID)) :]
-    return np.interp(distance - low, GRID * np.arange(len(heights)), heights)
+    patch = np.hanning(PATCH + 2)[1:-1]
+    heights = lfilter(patch / np.sum(patch), [1.0], lfilter([GRID], [1.0, -pole], slope))[int(5 / (CORNER * GRID)) :]
+    return np.asarray(CubicSpline(GRID * np.arange(len(heights)), heights)(distance - low))
 
 
 def driven(car: Suspension, drive: Drive, rng: np.random.Generator) -> tuple[dict[str, RealArray], RealArray]:

@@ -72,11 +72,7 @@ def wheel_problem(
         )
     struts = [s.name for s in car.struts]
     layout = sources[0].layout
-    damped = [
-        struts[j]
-        for j in layout.bridges
-        if np.any(layout.arms_given[j]) and (car.struts[j].damping > 0 or f"{struts[j]}.damping" in unknowns.names)
-    ]
+    damped = [struts[j] for j in layout.bridges if np.any(layout.arms_given[j]) and car.struts[j].damping > 0]
     springy = tuple(struts.index(name) for name in _named("mounts", mounts, damped))
     bare = WheelProblem(sources=tuple(sources), unknowns=unknowns, extras=_extras(car, springy, [], []))
     return replace(

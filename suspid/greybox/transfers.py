@@ -21,8 +21,9 @@ from suspid.model import Suspension
 from suspid.units import ComplexArray, RealArray
 from suspid.values import listed
 
-# Terms of the polynomial that the ends of a stretch leave: momentum and motion, and one that sampling folds back.
-ENDS = 3
+# Terms of the polynomial that the ends of a stretch leave: momentum and motion, and two that sampling folds back. With
+# fewer, k of a car without any noise is off by 2e-5, with these by 1e-7. A damper on a mount needs one more.
+ENDS = 4
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -157,6 +158,7 @@ def transfer(
     # powers as their orders differ.
     reference, orders = int(layout.orders[g].max()), layout.orders[o]
     lowest, highest = -max(0, int(orders.max()) - reference), ENDS + max(0, reference - int(orders.min()))
+    highest += bool(len(mounts) or np.any(physics.relaxation))
     own_ends = _own_ends(layout, unit, reference)
 
     def with_powers(values: Any) -> ComplexArray:
