@@ -22,7 +22,7 @@ OUTPUTS = ["seat_acceleration", "seat_travel"]
 
 def actuated(car: Suspension) -> list[np.ndarray]:
     """Return A, B, C, D with a third input: the force of an actuator that pushes the ends of the seat's strut apart."""
-    return [*control.ssdata(statespace(car, outputs=OUTPUTS, forces=["seat_travel"]))]
+    return [*control.ssdata(statespace(car, outputs=OUTPUTS, forces=["seat_travel"], roads=car.roads))]
 
 
 # LQR from all states: acceleration, travel and force, each over what is acceptable (1 m/s2, 10 mm, 400 N).

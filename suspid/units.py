@@ -29,6 +29,7 @@ UNITS = {
     "inertia": "kg m2",
     "stiffness": "N/m",
     "damping": "N s/m",
+    "mount_stiffness": "N/m",
     "wn": "rad/s",
     "zeta": "1",
     "gain": "1",

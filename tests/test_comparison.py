@@ -130,6 +130,18 @@ class TestSuspensions:
     def test_masses_count(self) -> None:
         assert not compare(car().with_parameters(masses={"tire": 41.0}), car(), rtol=1e-3).passed
 
+    def test_mounts_count(self) -> None:
+        mounted, softer = (car().with_parameters(mount_stiffness={"chassis": k}) for k in (1e6, 0.9e6))
+        assert compare(mounted, mounted).passed
+        assert {row.quantity for row in compare(car(), car()).table} == {"stiffness", "damping", "mass"}
+        for found, expected, verdict in (
+            (softer, mounted, "off"), (car(), mounted, "missing"), (mounted, car(), "extra"),
+        ):  # fmt: skip
+            c = compare(found, expected, rtol=0.05)
+            assert [row.verdict for row in c.table if row.quantity == "mount_stiffness"] == [verdict]
+            assert not c.passed
+            assert "mount_stiffness [N/m]" in str(c)
+
     def test_another_topology_is_refused_by_name(self) -> None:
         with_seat = quarter_car(
             seat_mass=80,

@@ -41,7 +41,7 @@ def closeness(found: object, expected: object) -> float:
 class TestExact:
     def test_straight_inputs_as_python_control(self) -> None:
         rng, t = np.random.default_rng(1), 0.005 * np.arange(3001)
-        system = statespace(car(4e5), outputs=OUTPUTS, forces=["chassis", "chassis_travel"])
+        system = statespace(car(4e5), outputs=OUTPUTS, forces=["chassis", "chassis_travel"], roads=["road"])
         given = dict(zip(system.input_labels, rng.standard_normal((4, len(t))), strict=True))
         start = rng.standard_normal(system.nstates)
         expected = control.forced_response(system, t, np.array(list(given.values())), start).y

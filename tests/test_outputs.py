@@ -211,7 +211,7 @@ class TestForces:
         np.testing.assert_array_equal(force_weights(one, "chassis_travel"), [1, -1])
 
     def test_lqr_acts_by_the_forces_alone(self) -> None:
-        system = statespace(car(), forces=["front_travel", "rear_travel"], roads=[])
+        system = statespace(car(), forces=["front_travel", "rear_travel"])
         assert system.input_labels == ["front_travel_force", "rear_travel_force"]
         gain, _, poles = control.lqr(system, np.eye(8), 1e-6 * np.eye(2))
         assert gain.shape == (2, 8)
@@ -219,7 +219,7 @@ class TestForces:
 
     @pytest.mark.parametrize("rate", [True, False])
     def test_roads_come_first_and_are_as_without_forces(self, rate: bool) -> None:
-        plain, pushed = (statespace(car(), forces=f, road_rate=rate) for f in ((), ("heave",)))
+        plain, pushed = (statespace(car(), forces=f, roads=car().roads, road_rate=rate) for f in ((), ("heave",)))
         assert pushed.input_labels == [*plain.input_labels, "heave_force"]
         np.testing.assert_array_equal(pushed.B[:, :-1], plain.B)
         one = statespace(car(), roads=["road_rear"], road_rate=rate)

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 STEP: Second = 0.0005  # of the integration; the fastest motion, of a damper on a stiff mount, takes three of them
 FINE = 2  # steps between the samples that the logger filters
 GRID: Metre = 0.01  # of the road
-PATCH = 21  # points of the road over which a tire averages, with weights of a raised cosine: at 30 m/s, up to 300 Hz
+PATCH = 13  # points of the road over which a tire averages, with weights of a raised cosine: at 20 m/s, up to 285 Hz
 CORNER = 0.01  # cycle/m, below which the road is level
 LEVELS = {"A": 16e-6, "B": 64e-6, "C": 256e-6, "D": 1024e-6}  # G_d(0.1 cycle/m) [m3]
 
@@ -118,8 +118,8 @@ def integrated(
 def road_heights(distance: RealArray, level: float, rng: np.random.Generator) -> RealArray:
     """Return the heights of a road whose slope is white in distance down to a corner, at given distances.
 
-    They are those of the middle of a tire's patch. Without it the road's slope has no upper end: the integration, and the
-    sensors of a wheel, would show what lies above half their rates as motion that moves no body.
+    They are those of the middle of a tire's patch. Without it the road's slope has no upper end: the integration, and
+    the sensors of a wheel, would show what lies above half their rates as motion that moves no body.
     """
     low = float(np.min(distance))
     count = int(np.ceil((float(np.max(distance)) - low) / GRID)) + 4 + int(5 / (CORNER * GRID))

@@ -14,7 +14,7 @@ SEEN = 1e-9
 
 
 def coherent_leftover(found: Whitened, hertz: RealArray) -> tuple[float, int, Ratio, Hertz]:
-    """Return the statistic of the test, its degrees of freedom, and the error of the transfer where it is largest.
+    """Return the statistic of the test, its degrees of freedom, and the error of the transfer where it shows most.
 
     Every transfer is varied by a continuous function of frequency, real and imaginary part, of which the physical
     parameters explain a part. What the residual gains by the rest is a chi-square if the topology is right (a score
@@ -44,9 +44,15 @@ def coherent_leftover(found: Whitened, hertz: RealArray) -> tuple[float, int, Ra
     keep = values > SEEN * values[-1]
     score = flat.T @ residual / norm - taken.T @ (slope.T @ residual / size)
     amounts = directions[:, keep].T @ score / np.sqrt(values[keep])
-    change = directions[:, keep] @ (amounts / np.sqrt(values[keep])) / norm
+    # The variation that explains the residual itself, which follows no parameter at the best fit; if their part were
+    # taken out of it, it would be large where one is hardly told from another.
+    change = (
+        np.linalg.pinv(flat.T @ flat / np.outer(norm, norm), SEEN, hermitian=True) @ (flat.T @ residual / norm) / norm
+    )
     change = (change[: len(change) // 2] + 1j * change[len(change) // 2 :]).reshape(outputs * causes, nodes)
-    wrong = np.sqrt(np.sum(np.abs(change @ hats.T) ** 2, axis=0))
-    error = wrong / np.sqrt(np.sum(np.abs(found.transfer.T) ** 2, axis=(1, 2)))
-    worst = int(np.argmax(error))
+    change = (change @ hats.T).T.reshape(lines, outputs, causes)
+    error = np.sqrt(np.sum(np.abs(change) ** 2, axis=(1, 2)) / np.sum(np.abs(found.transfer.T) ** 2, axis=(1, 2)))
+    # In standard deviations: at the ends of the band a large error may be within them.
+    shown = found.factor @ change @ found.motion.transpose(0, 2, 1)
+    worst = int(np.argmax(np.sum(np.abs(shown) ** 2, axis=(1, 2))))
     return float(amounts @ amounts), int(np.sum(keep)), float(error[worst]), float(hertz[worst])

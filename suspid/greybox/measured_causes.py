@@ -21,6 +21,9 @@ from suspid.reconstruction import Unknowns
 from suspid.units import ComplexArray, RealArray
 
 TIMES = 0.01  # unit of delays and relaxations [s]
+# Least noise, as a share of that at the start: 80 dB below the signal, where what the ends of a stretch leave, held by
+# polynomials, would be taken for an error of the car.
+EXACT = 1e-5
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -134,8 +137,11 @@ class WheelProblem:
             share = np.sum(w.basis.reshape(2, lines, outputs, -1) ** 2, axis=(0, 2, 3)) / (2 * outputs)
             moments = _turned(w.left) @ w.left.conj() / stretches
             moments /= np.maximum(1 - share, 0.1)[:, None, None]
-            levels[i] = levels_of(
-                w.transfer.T, moments, source.basis, before[i], anchor=first_levels(source), count=stretches
+            anchor = first_levels(source)
+            own = levels_of(w.transfer.T, moments, source.basis, before[i], anchor=anchor, count=stretches)
+            levels[i] = Levels(
+                outputs=np.maximum(own.outputs, anchor.outputs + np.log(EXACT)),
+                causes=np.maximum(own.causes, anchor.causes + np.log(EXACT)),
             )
         return levels
 

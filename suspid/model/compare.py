@@ -31,7 +31,8 @@ def compare(found: ModalSet | Suspension, expected: ModalSet | Suspension, *, rt
 
     Modes are paired by nearest poles, never by position: the optimal assignment on ``|a - b| / max(|a|, |b|)``, plus
     ``1 - MAC`` where both sides have shapes on at least two common channels. Poles further apart than half the larger
-    one are not paired. A mode without a partner is ``"missing"`` or ``"extra"``, and the comparison fails.
+    one are not paired. A mode without a partner, or a mount that one side alone has, is ``"missing"`` or ``"extra"``,
+    and the comparison fails.
 
     Parameters
     ----------
@@ -127,13 +128,19 @@ def _compare_suspensions(found: Suspension, expected: Suspension, rtol: Ratio | 
     strongest = max((s.damping for s in expected.struts), default=0.0)
     largest = max(expected.masses.values())
     scales = {"stiffness": stiffest, "damping": strongest or 2 * (stiffest * largest) ** 0.5, "mass": largest}
-    values = [(name, "mass", found.masses[name], mass) for name, mass in expected.masses.items()]
+    values: list[tuple[str, str, float | None, float | None]] = []
+    values += [(name, "mass", found.masses[name], mass) for name, mass in expected.masses.items()]
     for strut in expected.struts:
         values.append((strut.name, "stiffness", struts[strut.name].stiffness, strut.stiffness))
         values.append((strut.name, "damping", struts[strut.name].damping, strut.damping))
+        mounts = (struts[strut.name].mount_stiffness, strut.mount_stiffness)
+        if mounts != (None, None):
+            values.append((strut.name, "mount_stiffness", *mounts))
+    scales["mount_stiffness"] = stiffest
     tolerance = EXACT if rtol is None else rtol
     rows = [
-        _row(item, what, value, truth, _allowed(truth, scales[what], tolerance)) for item, what, value, truth in values
+        _row(item, what, value, truth, 0.0 if truth is None else _allowed(truth, scales[what], tolerance))
+        for item, what, value, truth in values
     ]
     mae = _mean_errors(rows, ("stiffness", "damping"))
     return Comparison(table=tuple(rows), mae=mae, mac=None, rule=_rule(rtol))

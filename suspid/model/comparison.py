@@ -20,11 +20,11 @@ class ComparedValue:
         What is compared: ``"mode 2"`` (the number among the expected modes), ``"found 2"`` (a found mode without a
         partner), or the name of a strut or of a mass.
     quantity : str
-        ``"wn"``, ``"zeta"``, ``"stiffness"``, ``"damping"`` or ``"mass"``.
+        ``"wn"``, ``"zeta"``, ``"stiffness"``, ``"damping"``, ``"mount_stiffness"`` or ``"mass"``.
     unit : str
         Unit of the values.
     found, expected : float or None
-        The two values; None where a mode has no partner.
+        The two values; None where a mode has no partner, or a damper no mount.
     allowed : float
         Largest ``|found - expected|`` that passes, in the same unit.
     """
@@ -38,7 +38,7 @@ class ComparedValue:
 
     @property
     def error(self) -> float | None:
-        """``found - expected``; None where a mode has no partner."""
+        """``found - expected``; None where one of them is missing."""
         return None if self.found is None or self.expected is None else self.found - self.expected
 
     @property

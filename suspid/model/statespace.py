@@ -40,8 +40,8 @@ def statespace(
         Inputs that are forces [N], named by the displacement on which they do work: a coordinate, or
         ``"<strut>_travel"`` for an actuator that pushes the ends of a strut apart. Their labels end in ``_force``.
     roads : sequence of str, optional
-        Roads that are inputs; the others do not move. Default: all. ``roads=[]`` leaves the forces alone, as
-        `control.lqr` needs it.
+        Roads that are inputs; the others do not move. Default: all, or none if there are ``forces``, so that
+        `control.lqr` takes no road for an actuator; ``roads=car.roads`` has both.
     road_rate : bool
         True: the paper's form, with inputs ``road`` and ``road_rate`` for each road (all roads first).
         False: the same physics with one input per road. The ``v_`` states are then the velocities minus
@@ -69,16 +69,18 @@ def statespace(
     >>> system.state_labels
     ['z_chassis', 'z_tire', 'v_chassis', 'v_tire']
     >>> system.input_labels
+    ['chassis_travel_force']
+    >>> statespace(car, forces=["chassis_travel"], roads=car.roads).input_labels
     ['road', 'road_rate', 'chassis_travel_force']
     """
     import control
 
     names = _once("output", suspension.coordinates if outputs is None else outputs)
-    used = _once("road", suspension.roads if roads is None else roads)
+    acting = _once("force", [force.removesuffix(FORCE) for force in _several("force", forces)])
+    used = _once("road", (() if acting else suspension.roads) if roads is None else roads)
     for road in used:
         if road not in suspension.roads:
             raise InputError(f"there is no road {road!r}.{nearest_names(road, suspension.roads)}")
-    acting = _once("force", [force.removesuffix(FORCE) for force in _several("force", forces)])
     columns = [suspension.roads.index(road) for road in used]
     n, inverse_mass = len(suspension.coordinates), 1 / np.diag(suspension.M)[:, None]
     A, per_road, per_rate = _equations(suspension)

@@ -83,7 +83,7 @@ def simulate(
         raise InputError(f"inputs must map names of inputs to samples, as {{'road': heights}}, not {type(inputs)}")
     if isinstance(system, Suspension):
         forces = [name for name in inputs if name.endswith(FORCE) and name not in system.roads]
-        system = statespace(system, outputs=outputs, forces=forces)
+        system = statespace(system, outputs=outputs, forces=forces, roads=system.roads)
     elif outputs is not None:
         raise InputError("outputs are chosen for a suspension; a StateSpace has its own: statespace(car, outputs=…)")
     check_continuous(system, "simulate")

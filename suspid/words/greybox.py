@@ -66,8 +66,9 @@ class EstimateCheck(Code):
     FOLLOWS = (
         "follows",
         "What is left of the channels follows the given motion (chi-square {chi_square:.3g} at {freedom}): the "
-        "transfer is off by {error:.2%} at {hertz:.3g} Hz, so the car as described lacks something, such as another "
-        "axle. Springs and dampers may be wrong by as much, which the intervals leave out.",
+        "transfer is off by {error:.2%} near {hertz:.3g} Hz, so the car as described lacks something, such as another "
+        "axle. Springs and dampers may be wrong by as much or more, which the intervals leave out. Describe what is "
+        "missing and measure it: for another axle, a half car with both wheels given.",
     )
     MASSES = "masses", _masses
     SCALE = "scale", "The force that was given sets the scale of masses, springs and dampers."
