@@ -23,7 +23,7 @@ from suspid.units import ComplexArray, RealArray
 TIMES = 0.01  # unit of delays and relaxations [s]
 # Least noise, as a share of that at the start: 80 dB below the signal, where what the ends of a stretch leave, held by
 # polynomials, would be taken for an error of the car.
-EXACT = 1e-5
+LEAST_NOISE = 1e-5
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -140,8 +140,8 @@ class WheelProblem:
             anchor = first_levels(source)
             own = levels_of(w.transfer.T, moments, source.basis, before[i], anchor=anchor, count=stretches)
             levels[i] = Levels(
-                outputs=np.maximum(own.outputs, anchor.outputs + np.log(EXACT)),
-                causes=np.maximum(own.causes, anchor.causes + np.log(EXACT)),
+                outputs=np.maximum(own.outputs, anchor.outputs + np.log(LEAST_NOISE)),
+                causes=np.maximum(own.causes, anchor.causes + np.log(LEAST_NOISE)),
             )
         return levels
 
