@@ -38,8 +38,6 @@ if TYPE_CHECKING:
 
     from suspid.cleaning import Cleaned
 
-# In place of the name of a test: all of them, jointly.
-ALL = "all"
 
 Source: TypeAlias = "str | os.PathLike[str] | Recording | control.TimeResponseData"
 
@@ -199,7 +197,8 @@ def analyse(
     begin = progress or (lambda _: None)
     if isinstance(source, list | tuple):
         return _of_several(source, car, settings, begin)
-    if settings.test == ALL and isinstance(source, str | os.PathLike | Recording):
+    # In place of the name of a test: all of them, jointly.
+    if settings.test == "all" and isinstance(source, str | os.PathLike | Recording):
         tests = tests_of(source, settings)
         if len(tests) > 1:
             return _of_several(tests, car, replace(settings, test=None), begin)

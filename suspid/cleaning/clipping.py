@@ -5,15 +5,15 @@ from __future__ import annotations
 import numpy as np
 
 from suspid.cleaning.findings import Finding, found
+from suspid.levels import UNLIKELY
 from suspid.units import RealArray
 from suspid.words import Defect, Number
 
 # Samples in a row at the largest value, left by a jump, from which on they are clipped. With two, the crest of any
 # sampled sinusoid would be clipped.
 CLIPPED = 3
-# Samples on each side in which equal neighbours are counted, and the probability below which a run of equal samples
-# is not due to the resolution. Larger values call the crests of coarsely digitised signals clipped.
-BESIDE, CHANCE = 20, 1e-3
+# Samples on each side in which equal neighbours are counted: how often noise of a few steps repeats a value by chance.
+BESIDE = 20
 
 
 def clipped_run(samples: RealArray, *, largest: bool) -> tuple[int, int] | None:
@@ -39,7 +39,7 @@ def clipped_run(samples: RealArray, *, largest: bool) -> tuple[int, int] | None:
     near = slice(max(0, first - BESIDE), after + BESIDE)
     others = steps[near][samples[near][: steps[near].size] != limit]
     chance = (np.sum(others == 0) + 1) / (others.size + 2)
-    return (first, count) if chance ** (count - 1) < CHANCE else None
+    return (first, count) if chance ** (count - 1) < UNLIKELY else None
 
 
 def clipping(name: str, times: RealArray, samples: RealArray) -> list[Finding]:

@@ -13,9 +13,6 @@ from suspid.recordings import RawChannel
 from suspid.units import RealArray
 from suspid.words import Defect, Number, dead
 
-# Share of a channel's samples that must be numbers. Less could not be repaired: at most a tenth is filled.
-LEAST_FINITE = 0.5
-
 
 def alive(channels: list[RawChannel], *, by_name: bool) -> tuple[list[RawChannel], list[Finding]]:
     """Return the channels with motion; the others are left out or, if asked for by name, refused."""
@@ -24,7 +21,8 @@ def alive(channels: list[RawChannel], *, by_name: bool) -> tuple[list[RawChannel
     for channel in channels:
         some = possible(channel.values)
         some = some if some is channel.values else some[np.isfinite(some)]
-        if some.size < max(2, LEAST_FINITE * channel.values.size):
+        # Half the samples must be numbers. Less could not be repaired: at most a tenth is filled.
+        if some.size < max(2, 0.5 * channel.values.size):
             why: dict[str, Number] = {"finite": some.size}
         elif _is_constant(some):
             why = {"constant": float(some[0])}

@@ -14,12 +14,6 @@ from suspid.words import Defect, Number
 # by which it must differ from none. Between 0 (late stamps) and 1 (irregular sampling) the first leans towards
 # irregular sampling, whose repair costs little; the second keeps noise from deciding.
 FOLLOWED, SIGNIFICANT = 0.3, 4.0
-# Samples used at most; more would not change the decision.
-ENOUGH = 200_000
-# Difference of the decimal logarithms of a step and a power of ten up to which they are one.
-DECIMAL = 1e-3
-# Samples away from the jumps of a clock from which on the noise is taken from them alone.
-ENOUGH_QUIET = 20
 
 
 def late_or_irregular(
@@ -81,7 +75,8 @@ def rows_are_missing(times: RealArray, values: RealArray, slow: Grid, exact: Gri
     }
     # Loggers round to powers of ten: another step is more likely that of the samples.
     digits = float(np.log10(exact.step))
-    missing = bool(abs(digits - round(digits)) > DECIMAL)
+    # A step is a power of ten if their decimal logarithms differ by no more than this.
+    missing = bool(abs(digits - round(digits)) > 1e-3)
     numbers["assumed"] = 1 / (exact if missing else slow).step
     return missing, (found(Defect.AMBIGUOUS_STAMPS, times, times.size, numbers, repaired=False),)
 
@@ -111,7 +106,8 @@ def share_of_places(values: RealArray, slow: Indices, exact: Indices) -> tuple[f
         quiet, used = known & ~tells, known & tells
         if not np.any(used):
             continue
-        where = quiet if np.sum(quiet) >= ENOUGH_QUIET else known
+        # With 20 samples away from the jumps of a clock the noise is taken from them alone.
+        where = quiet if np.sum(quiet) >= 20 else known
         misses = [missed, row[2:-2] - np.sum(by_exact * around, axis=1)]
         noise = min(
             float(np.mean(miss[where] ** 2 / (1 + np.sum(by[where] ** 2, axis=1))))
@@ -159,7 +155,8 @@ def share_followed(values: RealArray, off: RealArray, places: Indices) -> tuple[
         Places in the grid; only where five follow each other is anything counted.
     """
     whole = np.flatnonzero(places[4:] - places[:-4] == 4)
-    whole = whole[:: max(1, whole.size // ENOUGH)]
+    # More samples would not change the decision.
+    whole = whole[:: max(1, whole.size // 200_000)]
     before, last, now, after, second = (values[:, whole + k] for k in range(5))
     missed = now - (4 * (last + after) - before - second) / 6
     slope = (8 * (after - last) - (second - before)) / 12

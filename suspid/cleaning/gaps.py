@@ -15,11 +15,6 @@ from suspid.words import Defect, Number
 
 Flags: TypeAlias = NDArray[np.bool_]
 
-# Longest gap that is filled [samples]. Its error is measured, so that this only bounds the work.
-LONGEST_FILLED = 20
-# Largest error of filling: this share of the rms motion plus this multiple of the error for a single sample, which
-# is noise. Larger values fill longer gaps with less of the motion in them.
-TOLERATED, WORSE = 0.05, 1.5
 # Samples on each side of a gap over which the error is measured: enough for a mean square, near enough for a decay.
 NEARBY = 200
 # Share of a channel that may be filled. Above it the noise of the record is no longer that of the sensor.
@@ -94,13 +89,16 @@ def fill(name: str, times: RealArray, values: RealArray) -> Filled:
     where: list[RealArray] = []
     one = _errors(values, 1, first)
     for length in np.unique(after - first):
-        if length > LONGEST_FILLED:
+        # Longer gaps are not filled. The error is measured, so that this only bounds the work.
+        if length > 20:
             continue
         chosen = np.flatnonzero(after - first == length)
         cubic, line = _errors(values, int(length), first[chosen])
         single = np.min([error[chosen] for error in one], axis=0)
         error = np.minimum(cubic, line)
-        allowed = (error <= TOLERATED * motion + WORSE * single) if length > 1 else np.ones(chosen.size, bool)
+        # Largest error of filling: this share of the rms motion plus this multiple of the error for a single sample,
+        # which is noise. Larger values fill longer gaps with less of the motion in them.
+        allowed = (error <= 0.05 * motion + 1.5 * single) if length > 1 else np.ones(chosen.size, bool)
         for k, by_line, err in zip(chosen[allowed], (line < cubic)[allowed], error[allowed], strict=True):
             gap = slice(first[k], after[k])
             better[gap] = _bridge(values, int(first[k]), int(after[k]), by_line=bool(by_line))

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from suspid.cleaning.clipping import CHANCE, clipping
+from suspid.cleaning.clipping import clipping
 from suspid.cleaning.findings import Finding, found
+from suspid.levels import UNLIKELY
 from suspid.units import RealArray
 from suspid.values import frozen_real
 from suspid.words import Defect, Number
@@ -19,11 +20,6 @@ FULL_SCALE = tuple(
 )
 # No quantity in SI units is as large as this.
 IMPOSSIBLE = 1e30
-# Distance beyond the range of all other samples, as a share of that range, from which a value cannot be motion: for
-# any value, and for a mark. Smaller values strike out the first sample of a blow.
-VALUE_BEYOND, MARK_BEYOND = 3.0, 0.25
-# A channel of fewer levels than this is a switch or a counter: a far value is one of its states.
-FEWEST_LEVELS = 3
 # Equal samples in a row, entered and left by a jump, from which on they are a dropout.
 FROZEN = 4
 # Share of a straight line in the variance of a channel, number of blocks, and number of their medians that must
@@ -124,13 +120,16 @@ def _sentinel(some: RealArray) -> float | None:
         beyond = min(abs(limit - low), abs(limit - high))
         spread = high - low
         marked = limit in MARKS or limit in FULL_SCALE
-        if others.size < 8 or spread == 0 or beyond <= (MARK_BEYOND if marked else VALUE_BEYOND) * spread:
+        # Distance beyond the range of all other samples, as a share of that range, from which a value cannot be motion:
+        # for any value, and for a mark. Smaller values strike out the first sample of a blow.
+        if others.size < 8 or spread == 0 or beyond <= (0.25 if marked else 3.0) * spread:
             continue
         at = np.flatnonzero(some == limit)
         inside = at[(at > 0) & (at < some.size - 1)]
         # The first sample of a blow, and those before one, are far from what follows, but are motion.
         alone = inside.size > 0 and bool(np.all(np.diff(at) > 1) or limit == 0)
-        if (marked or alone) and count < 0.5 * some.size and _levels(others) >= FEWEST_LEVELS:
+        # A channel of two levels is a switch or a counter: a far value is one of its states.
+        if (marked or alone) and count < 0.5 * some.size and _levels(others) >= 3:
             return limit
     return None
 
@@ -170,7 +169,7 @@ def _without_dropouts(name: str, times: RealArray, values: RealArray) -> tuple[R
         & (released > np.maximum(far, 4 * around))
     )
     by_chance = samples.size * (0.27 * quantum / np.maximum(around, quantum)) ** (lengths[inner] - 1.0)
-    held = (released > np.maximum(far, 2 * around)) & (around > far) & (by_chance < CHANCE)
+    held = (released > np.maximum(far, 2 * around)) & (around > far) & (by_chance < UNLIKELY)
     extreme = (samples[starts[inner]] == np.max(samples)) | (samples[starts[inner]] == np.min(samples))
     bad = inner[zero | (held & ~extreme)]
     if not bad.size:

@@ -14,8 +14,6 @@ from suspid.stamps import resolution as resolution_of
 from suspid.units import Hertz, RealArray, Second
 from suspid.words import Defect, Number
 
-# Relative difference between a stated rate and that of irregular stamps up to which the stated one is taken.
-RATES_APART = 0.02
 # Steps between samples above which nothing is interpolated, and share of the time that such holes may take. Wider
 # holes would be filled with what the record does not say.
 WIDE_HOLE, HOLLOW = 2.5, 0.2
@@ -31,7 +29,8 @@ def nearest_clock(times: RealArray, values: RealArray, rows: Indices, rate: Hert
         raise RecordError(_hollow(steps, (WIDE_HOLE if hollow else HOLE) * usual))
     places, start, step = near
     if rate is not None:
-        check_rate(rate, 1 / step, RATES_APART, times, np.abs(times - times[0] - places / rate))
+        # Relative difference between a stated rate and that of irregular stamps up to which the stated one is taken.
+        check_rate(rate, 1 / step, 0.02, times, np.abs(times - times[0] - places / rate))
         places = np.concatenate([[0], np.cumsum(np.maximum(1, np.round(steps * rate)))]).astype(np.intp)
         step = 1 / rate
         start = float(np.median(times - step * places))

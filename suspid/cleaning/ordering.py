@@ -12,10 +12,6 @@ from suspid.stamps import FEW, Indices, line, resolution
 from suspid.units import Ratio, RealArray
 from suspid.words import Defect, Number
 
-# Rows by which a row may be out of order; more is a restart of the clock.
-FAR = 8
-# Rows from which on one can be told to be far from all others.
-FEWEST_ROWS = 12
 # Latest possible time stamp [s].
 LATEST = 1e15
 
@@ -44,7 +40,8 @@ def _far_ends(times: RealArray) -> NDArray[np.bool_]:
     """Return which of the first and last rows are too far from the others in time for any grid, if these are few."""
     none = np.zeros(times.size, bool)
     steps = np.abs(np.diff(times))
-    if times.size < FEWEST_ROWS or not np.any(steps > 0):
+    # Of fewer rows none can be told to be far from all others.
+    if times.size < 12 or not np.any(steps > 0):
         return none
     reach = MOST_PER_ROW * times.size * float(np.median(steps[steps > 0]))
     far = np.abs(times - np.median(times)) > reach
@@ -89,7 +86,8 @@ def ordered(
         return times, rows, tuple(findings)
     order = np.argsort(times, kind="stable")
     moved = np.flatnonzero(order != np.arange(order.size))
-    near = moved.size <= max(4, FEW * rows.size) and np.all(np.abs(order - np.arange(order.size)) <= FAR)
+    # A row further out of order is a restart of the clock.
+    near = moved.size <= max(4, FEW * rows.size) and np.all(np.abs(order - np.arange(order.size)) <= 8)
     if moved.size and near and np.all(np.diff(times[order]) > 0.5 * np.median(np.diff(times))):
         findings.append(found(Defect.SWAPPED_ROWS, times[order][moved], moved.size))
         return times[order], rows[order], tuple(findings)

@@ -18,9 +18,6 @@ from suspid.cli.support import Positive, said_warnings, say
 if TYPE_CHECKING:
     from suspid.fleet import Progress
 
-# The exit code that shells give to a program ended by Ctrl-C.
-INTERRUPTED = 130
-
 
 @click.command("fleet")
 @click.argument("folder")
@@ -104,7 +101,8 @@ def goes_on() -> Iterator[None]:
         yield
     except KeyboardInterrupt:
         click.echo("suspid: stopped; what is done is kept, and the same command continues from there", err=True)
-        click.get_current_context().exit(INTERRUPTED)
+        # The exit code that shells give to a program ended by Ctrl-C.
+        click.get_current_context().exit(130)
 
 
 @contextmanager

@@ -27,8 +27,6 @@ FS_OPTION = click.option(
 DBC_OPTION = click.option(
     "--dbc", type=FILE, metavar="FILE", help="Database that decodes the CAN frames of an MDF file."
 )
-# Work that takes longer than this [s] shows a progress bar, on a terminal only.
-PATIENCE = 1.0
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
@@ -179,7 +177,8 @@ def progress(*steps: str) -> Iterator[Callable[[str], None]]:
     """Give a function to call as each step begins; long work shows a bar, on a terminal only."""
     from tqdm import tqdm
 
-    with tqdm(total=len(steps), disable=None, delay=PATIENCE, leave=False, bar_format="{l_bar}{bar}| {elapsed}") as bar:
+    # Work that takes longer than a second shows a bar, on a terminal only.
+    with tqdm(total=len(steps), disable=None, delay=1.0, leave=False, bar_format="{l_bar}{bar}| {elapsed}") as bar:
 
         def step(name: str) -> None:
             bar.set_description(name, refresh=False)

@@ -13,8 +13,6 @@ from suspid.units import RealArray
 FEWEST_RECORDS = 8
 # Of each distribution: the ends of 95 % and of the middle half.
 QUANTILES = (0.025, 0.25, 0.75, 0.975)
-# Expected number of outliers of one quantity in a fleet without any. Larger: more false alarms.
-FALSE_OUTLIERS = 0.05
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -96,7 +94,8 @@ def outliers_of(quantity: str, who: Sequence[str], values: RealArray, stds: Real
     shared = max(float(stats.median_abs_deviation(values, scale="normal")) ** 2 - float(np.median(own)), 0.0)
     std = np.sqrt(shared + own)
     z = np.where(std > 0, (values - median) / np.where(std > 0, std, 1.0), 0.0)
-    limit = float(stats.norm.isf(FALSE_OUTLIERS / 2 / len(values)))
+    # A fleet without outliers has 0.05 of a quantity on average. More: more false alarms.
+    limit = float(stats.norm.isf(0.05 / 2 / len(values)))
     return [
         Outlier(record=who[int(k)], quantity=quantity, value=float(values[k]), median=median, z=float(z[k]))
         for k in np.flatnonzero(np.abs(z) > limit)

@@ -17,9 +17,6 @@ from suspid.fleet.tables import joined
 from suspid.units import Second
 from suspid.words import Failure, Remark, Step
 
-# Chunks under way per worker: one at work and one waiting. With one alone workers idle while results are written;
-# more only cost memory.
-AHEAD = 2
 # How often a chunk is given away before its records are failures: once as it is, then with a process for it alone.
 CHUNK_TRIES = 4
 # How long to wait for a result before asking whether the cluster still lives.
@@ -64,7 +61,9 @@ def finished(engine: Engine, job: Job, chunks: Iterable[tuple[int, tuple[Entry, 
     complete = False
     try:
         while True:
-            while len(under_way) < AHEAD * engine.workers():
+            # Two chunks under way per worker: one at work and one waiting. With one alone workers idle while results
+            # are written; more only cost memory.
+            while len(under_way) < 2 * engine.workers():
                 task = again.popleft() if again else next(source, None)
                 if task is None:
                     break

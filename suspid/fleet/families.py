@@ -21,12 +21,6 @@ OTHERS = -1
 BANDWIDTH = 0.08
 # Grid of the density: an eighth of the bandwidth.
 STEP = 0.01
-# Least prominence of a peak relative to its height. Larger merges neighbours, smaller splits a peak by chance.
-DEEP = 0.3
-# A family holds at least this share of the records, and three. Smaller makes families of spurious modes.
-LEAST_SHARE = 0.02
-# Weight of a difference of log damping against one of log frequency: damping varies more between vehicles and tests.
-DAMPING_COUNTS = 0.2
 # Largest difference of log frequency to a mode of the car (a factor of 1.6); larger takes spurious modes for it.
 BEYOND = 0.5
 
@@ -54,7 +48,8 @@ def families_by_density(f: RealArray, zeta: RealArray, record: NDArray[np.int64]
     records, count = len(np.unique(record)), 0
     for k in range(len(edges) + 1):
         here = np.flatnonzero(peak == k)
-        if len(np.unique(record[here])) < max(3, LEAST_SHARE * records):
+        # A family holds at least two records of a hundred, and three. Less makes families of spurious modes.
+        if len(np.unique(record[here])) < max(3, 0.02 * records):
             continue
         parts = _told_apart(x[here], np.log(np.maximum(np.abs(zeta[here]), 1e-4)), record[here])
         label[here] = count + parts
@@ -79,7 +74,8 @@ def families_of_car(f: RealArray, zeta: RealArray, record: NDArray[np.int64], mo
     damped = np.log(np.maximum(np.abs(modes.zeta), 1e-3))
     x, y = np.log(np.maximum(f, 1e-12)), np.log(np.maximum(np.abs(zeta), 1e-3))
     apart = np.abs(x[:, None] - centre)
-    far = np.hypot(apart, DAMPING_COUNTS * (y[:, None] - damped))
+    # Log damping weighs a fifth of log frequency: it varies more between vehicles and tests.
+    far = np.hypot(apart, 0.2 * (y[:, None] - damped))
     nearest = np.argmin(far, axis=1)
     rows = np.arange(len(f))
     label = np.where(apart[rows, nearest] < BEYOND, nearest, OTHERS)
@@ -99,7 +95,9 @@ def _valleys(x: RealArray) -> RealArray:
     count, edges = np.histogram(x, bins=max(8, int(np.ceil((high - low) / STEP))), range=(low, high))
     density = gaussian_filter1d(count.astype(float), BANDWIDTH / (edges[1] - edges[0]), mode="constant")
     peaks, found = find_peaks(density, prominence=0)
-    peaks = peaks[found["prominences"] >= DEEP * density[peaks]]
+    # Prominence of a peak relative to its height. A larger share merges neighbours, a smaller one splits a peak by
+    # chance.
+    peaks = peaks[found["prominences"] >= 0.3 * density[peaks]]
     valleys = [a + int(np.argmin(density[a:b])) for a, b in itertools.pairwise(peaks)]
     return np.asarray(edges[valleys] + STEP / 2, float)
 

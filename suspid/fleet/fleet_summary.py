@@ -26,9 +26,6 @@ if TYPE_CHECKING:
     import pyarrow as pa
     from numpy.typing import NDArray
 
-# Characters of a reason that the summary shows.
-WIDTH = 100
-
 
 def fleet_summary(
     folder: str | os.PathLike[str],
@@ -118,7 +115,7 @@ def _failures(folder: Path) -> tuple[FailureCount, ...]:
     examples: dict[tuple[str, str], str] = {}
     for record, step, code, reason in zip(*(table[name] for name in names), strict=True):
         counts[step, code] += 1
-        examples.setdefault((step, code), textwrap.shorten(f"{record}: {reason}", WIDTH, placeholder=" …"))
+        examples.setdefault((step, code), textwrap.shorten(f"{record}: {reason}", 100, placeholder=" …"))
     return tuple(
         FailureCount(step=Step(step), code=Failure(code), count=count, example=examples[step, code])
         for (step, code), count in sorted(counts.items(), key=lambda one: (-one[1], one[0]))

@@ -16,8 +16,6 @@ LEGEND = (
     "scatter: robust standard deviation from record to record; stated ±: root mean square of the standard deviations "
     "that the records state. Empty: too few records."
 )
-# With fewer values the median absolute deviation is that of one of them.
-FEWEST_SCATTERED = 4
 # Lines of a table of the text: what fits a screen. All of them are attributes.
 MOST_SHOWN = 20
 
@@ -135,13 +133,14 @@ def _verdict_table(verdicts: Mapping[str, int], doubts: Mapping[str, int]) -> st
 
 
 def _distribution_table(distributions: Sequence[Distribution]) -> str:
+    # With three values the median absolute deviation is that of one of them.
     return text_table(
         {
             "quantity": [f"{one.quantity} [{one.unit}]" for one in distributions],
             "records": [str(one.count) for one in distributions],
             "median": [f"{one.median:.5g}" for one in distributions],
             **{f"{100 * q:g} %": [_quantile(one, k) for one in distributions] for k, q in enumerate(QUANTILES)},
-            "scatter": [f"{one.scatter:.2g}" if one.count >= FEWEST_SCATTERED else "" for one in distributions],
+            "scatter": [f"{one.scatter:.2g}" if one.count >= 4 else "" for one in distributions],
             "stated ±": [f"{one.stated:.2g}" for one in distributions],
         }
     )

@@ -12,8 +12,6 @@ from suspid.errors import InputError
 from suspid.levels import likely
 from suspid.units import Ratio, RealArray
 
-# A line through three tests leaves one degree of freedom, whose interval (Student's t: 12.7 sd) shows no change.
-FEWEST_TESTS = 4
 # Probability of the intervals; also one minus the share of reported trends that are chance.
 TREND_LEVEL = 0.95
 
@@ -96,7 +94,9 @@ def trends_of(quantity: str, tests: Mapping[str, Measured]) -> tuple[Trend, ...]
         if not len(time) == len(values) == len(stds):
             raise InputError(f"{vehicle}: {len(time)} times, {len(values)} values and {len(stds)} standard deviations")
         known = np.isfinite(time) & np.isfinite(values)
-        if np.sum(known) >= FEWEST_TESTS and np.ptp(time[known]) > 0:
+        # A line through three tests leaves one degree of freedom, whose interval (Student's t: 12.7 sd) shows no
+        # change.
+        if np.sum(known) >= 4 and np.ptp(time[known]) > 0:
             own = np.nan_to_num(np.asarray(stds[known], float), nan=0.0) ** 2
             usable[vehicle] = np.asarray(time[known], float), np.asarray(values[known], float), own
     if not usable:

@@ -15,7 +15,6 @@ from suspid.files import printable, read_text
 from suspid.values import nearest_names
 
 VEHICLE_COLUMNS = ("record", "vehicle", "date")
-SECONDS_PER_YEAR = 365.25 * 86400
 
 
 def read_vehicles(path: str | os.PathLike[str]) -> dict[str, tuple[str, float]]:
@@ -92,7 +91,7 @@ def _time(text: str) -> tuple[str, float]:
     except ValueError:
         when = datetime.datetime.fromisoformat(text).replace(tzinfo=datetime.UTC)
         first = datetime.datetime(2000, 1, 1, tzinfo=datetime.UTC)
-        return "date", 2000 + (when - first).total_seconds() / SECONDS_PER_YEAR
+        return "date", 2000 + (when - first).total_seconds() / (365.25 * 86400)
     if not math.isfinite(number):
         raise ValueError(text)
     return "number", number

@@ -19,9 +19,6 @@ from suspid.fleet.tables import Rows, joined
 from suspid.units import Second
 from suspid.words import Failure, Remark
 
-# Native code cannot be interrupted: its process is ended at this multiple of the time limit. Less would end
-# processes that are about to answer.
-GRACE = 1.25
 # Exit code of a process that ends itself because time is up; any value that nothing else uses.
 TIME_UP = 86
 # Warnings, threads of BLAS and caches belong to the process: one record at a time.
@@ -92,7 +89,9 @@ def limited(seconds: Second | None) -> Iterator[None]:
     thread = threading.get_ident()
     interrupt = ctypes.pythonapi.PyThreadState_SetAsyncExc
     stop = threading.Timer(seconds, lambda: interrupt(ctypes.c_ulong(thread), ctypes.py_object(TimeUp)) and None)
-    end = threading.Timer(GRACE * seconds, lambda: os._exit(TIME_UP))
+    # Native code cannot be interrupted: its process is ended a quarter after the time limit. Less would end processes
+    # that are about to answer.
+    end = threading.Timer(1.25 * seconds, lambda: os._exit(TIME_UP))
     stop.daemon = end.daemon = True
     try:
         stop.start()

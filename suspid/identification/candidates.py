@@ -14,9 +14,6 @@ from suspid.identification.noise import loss_growth
 from suspid.identification.poles import Poles
 from suspid.units import ComplexArray, RealArray
 
-# Ratio of neighbouring decay rates of the grid, which runs from one e-folding over the record to one per sample. Midway
-# between two rates a pole still shows 89 % of its energy; a pole that does not decay shows 92 % at the first rate.
-DECAY_FACTOR = 4.0
 # Local maxima whose gain is computed exactly, beyond the points beside fitted poles. More cost time.
 LOCAL_MAXIMA = 48
 # The largest number of candidates, and of those that are fitted before the search ends.
@@ -89,7 +86,9 @@ def _layout(count: int) -> tuple[tuple[float, int, int, float], ...]:
     from scipy.fft import next_fast_len
 
     layout = []
-    for decay in np.geomspace(1.0 / count, 1.0, 1 + int(np.ceil(np.log(count) / np.log(DECAY_FACTOR)))).tolist():
+    # Neighbouring decay rates differ by a factor of 4, from one e-folding over the record to one per sample. Midway
+    # between two rates a pole still shows 89 % of its energy; a pole that does not decay shows 92 % at the first rate.
+    for decay in np.geomspace(1.0 / count, 1.0, 1 + int(np.ceil(np.log(count) / np.log(4.0)))).tolist():
         # After 9 e-foldings a pole has decayed to 1e-4. With 3 e-foldings its line is wider than a Fourier bin.
         used = min(count, int(np.ceil(9.0 / decay)))
         length = next_fast_len(used if decay * count > 3.0 else 2 * used, real=True)

@@ -11,22 +11,14 @@ from suspid.words import Reason
 
 # A decay rate this many standard deviations below zero means growth: one-sided level 0.1 %.
 SURE = 3.0
-# A pole that decays by less than this over the record is a tone unless its decay rate is this many standard deviations
-# above zero. Real tones drift, which shows as a slight decay or growth.
-TONE_DECAY, TONE_SURE = 0.25, 10.0
+# A pole that decays by less than a quarter of a neper over the record is a tone unless its decay rate is this many
+# standard deviations above zero. Real tones drift, which shows as a slight decay or growth.
+TONE_SURE = 10.0
 # Share of the energy of the best channel below which most of a record is other motion than the decay: standard
 # deviations are then widened by it, and no forces are looked for.
 LEAST_EXPLAINED = 0.5
-# A real pole that decays by less than this over the record is a drift. A larger value takes slow real modes for drifts.
-LEAST_NEPERS = 3.0
 # A pole that decays by more than this per sample has gone before it can be seen to oscillate.
 MOST_DECAY = 0.5
-# Frequencies above this share of the Nyquist frequency are not modes: a sampled motion there cannot be told from a
-# real pole of alternating sign.
-HIGHEST_SHARE = 0.98
-# A real pole is a mode if it is worth at least this in twice the log likelihood, so that a pair would show, and if the
-# pair nearest to it gains no more than chance gives with the probability of the second number.
-REAL_SURE, PAIR_LEVEL = 150.0, 0.14
 
 
 def reasons_of(
@@ -53,14 +45,16 @@ def _reason(theta: complex, spread: float, other: bool, count: int, band: tuple[
     if decay > MOST_DECAY:
         return Reason.A_FEW_SAMPLES
     if theta.imag == 0:
-        return Reason.DRIFT if decay * count < LEAST_NEPERS else None
+        # A drift decays by less than e^-3 over the record. A larger limit takes slow real modes for drifts.
+        return Reason.DRIFT if decay * count < 3.0 else None
     if abs(theta.imag) * count < 2 * np.pi:
         return Reason.UNDER_A_CYCLE
-    if decay * count < (1.0 if decay < SURE * spread else TONE_DECAY if decay < TONE_SURE * spread else 0.0):
+    if decay * count < (1.0 if decay < SURE * spread else 0.25 if decay < TONE_SURE * spread else 0.0):
         return Reason.TONE
     if other and decay < TONE_SURE * spread:
         return Reason.UNSURE
-    if not band[0] <= abs(theta) <= band[1] or theta.imag > HIGHEST_SHARE * np.pi:
+    # A sampled motion near the Nyquist frequency cannot be told from a real pole of alternating sign.
+    if not band[0] <= abs(theta) <= band[1] or theta.imag > 0.98 * np.pi:
         return Reason.OUTSIDE_THE_BAND
     return None
 
@@ -72,4 +66,6 @@ def ambiguous(gains: RealArray, pair_gains: RealArray, *, channels: int) -> Real
     """
     from scipy.special import chdtri
 
-    return np.asarray((pair_gains > chdtri(1 + channels, PAIR_LEVEL)) | (gains < REAL_SURE))
+    # A real pole is a mode if it is worth at least 150 in twice the log likelihood, so that a pair would show, and if
+    # the pair nearest to it gains no more than chance gives with probability 0.14.
+    return np.asarray((pair_gains > chdtri(1 + channels, 0.14)) | (gains < 150.0))

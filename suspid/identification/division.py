@@ -8,14 +8,12 @@ from suspid.identification.candidates import CANDIDATES_TRIED, Candidate
 from suspid.identification.fitting import BENT, Fit, Problem
 from suspid.identification.poles import Poles
 from suspid.identification.refinement import Rejected
+from suspid.levels import UNLIKELY
 from suspid.units import ComplexArray, RealArray
 from suspid.words import Reason, Remark
 
 # E-foldings after which a pair has gone: its samples to 1e-4.
 GONE = 9.0
-# Level at which two pairs explain more than one: below it the record leaves open whether a mode is one or two. A larger
-# level doubts and widens more modes that are one.
-OPEN_LEVEL = 1e-3
 
 
 def divided(problem: Problem, fit: Fit) -> Fit | None:
@@ -35,13 +33,13 @@ def divided(problem: Problem, fit: Fit) -> Fit | None:
 def unresolved(problem: Problem, fit: Fit) -> tuple[ComplexArray, Rejected]:
     """Return how far each pair lies from the nearer of two that fit better in its place, (pair,), and their partners.
 
-    The gain of the two is significant at `OPEN_LEVEL`, though not enough for two modes: the record leaves it open. The
+    The gain of the two is significant at `UNLIKELY`, though not enough for two modes: the record leaves it open. The
     distance is 0 where one pair suffices.
     """
     from scipy.special import chdtri
 
     channels = problem.blocks.channels
-    needed = float(chdtri(2 + 2 * channels, OPEN_LEVEL))
+    needed = float(chdtri(2 + 2 * channels, UNLIKELY))
     shifts, partners = np.zeros(len(fit.poles.pairs), complex), list[tuple[Candidate, Remark]]()
     for which, (pole, (promise, start)) in enumerate(zip(fit.poles.pairs, apart(fit), strict=True)):
         if promise < needed:

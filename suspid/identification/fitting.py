@@ -16,9 +16,6 @@ from suspid.identification.poles import Poles
 from suspid.identification.shapes import same_shape
 from suspid.units import ComplexArray, Ratio, RealArray
 
-# Until all poles are found, they are fitted only to this share of their standard deviations, in at most 20 steps: a
-# pole that exists comes near in fewer. A smaller share costs time.
-ROUGH = 0.05
 # Power beside a pole over that of white noise from which on the gain of the pole is divided by it. The mean of 8
 # independent exponential variables exceeds it with probability 9 %.
 COLOUR_BEGINS = 1.5
@@ -39,7 +36,9 @@ class Problem:
         """Return the fit of greatest likelihood near given poles, or None if they are linearly dependent."""
         noise = self.noise.rounded(self.blocks.energy, self.blocks.count, of_energies=True)
         if rough:
-            solution = maximize(self.blocks, start, noise, steps=20, negligible=ROUGH**2)
+            # Until all poles are found, they are fitted to a twentieth of their standard deviations, in at most 20
+            # steps: a pole that exists comes near in fewer. A smaller share costs time.
+            solution = maximize(self.blocks, start, noise, steps=20, negligible=0.05**2)
         else:
             solution = maximize(self.blocks, start, noise)
         return None if solution is None else Fit(problem=self, solution=solution)

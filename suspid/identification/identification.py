@@ -26,8 +26,6 @@ from suspid.words import Remark, Verdict
 if TYPE_CHECKING:
     import control
 
-# Rejected poles that the table shows; the rest is counted.
-REJECTED_SHOWN = 6
 
 Method = Literal["likelihood", "ridge"]
 
@@ -200,7 +198,8 @@ def tables_of(found: Identification) -> str:
     }
     parts.append(text_table(channels))
     if found.considered:
-        shown = found.considered[:REJECTED_SHOWN]
+        # Rejected poles that the table shows; the rest is counted.
+        shown = found.considered[:6]
         others = {
             "rejected: wn [rad/s]": [f"{abs(c.pole):.5g}" for c in shown],
             "zeta [1]": [f"{-c.pole.real / max(abs(c.pole), 1e-300):.3g}" for c in shown],

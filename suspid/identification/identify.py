@@ -33,15 +33,6 @@ from suspid.words import Reason, Remark
 if TYPE_CHECKING:
     import control
 
-# Ridges are searched from this many cycles in the record to this share of the Nyquist frequency.
-RIDGE_CYCLES, RIDGE_HIGHEST = 4.0, 0.9
-
-# Harmonics are named up to this multiple: beyond it one lies near every frequency.
-HIGHEST_MULTIPLE = 7
-
-# Ratio of the powers of the last and the first third of a record from which on it is no decay, so that the search for
-# forces, which is slow, is left out: stationary noise. Larger: more time on noise. Smaller: slow decays stay linear.
-FADED = 0.5
 
 # Largest peak of a channel, and inverse of the least: sums of squares must stay within double precision.
 LARGEST_PEAK = 1e100
@@ -217,7 +208,8 @@ def _fades(values: RealArray) -> bool:
     """Return whether the last third of a record moves less than the first, each about its own mean."""
     third = values.shape[1] // 3
     first, last = np.var(values[:, :third], axis=1), np.var(values[:, -third:], axis=1)
-    return bool(np.sum(last / np.var(values, axis=1)) < FADED * np.sum(first / np.var(values, axis=1)))
+    # A larger ratio spends more time on noise, with a smaller one slow decays stay linear.
+    return bool(np.sum(last / np.var(values, axis=1)) < 0.5 * np.sum(first / np.var(values, axis=1)))
 
 
 def _beside_bent(selection: Selection, modes: ModalSet, signal: Signal) -> tuple[Considered, ...]:
@@ -231,7 +223,8 @@ def _beside_bent(selection: Selection, modes: ModalSet, signal: Signal) -> tuple
         mode = int(np.argmin(strays))
         if abs(np.log(ratio[nearest])) < np.log(OTHER_FREQUENCY):
             remark = Remark(Reason.SAME_MODE, {"mode": nearest + 1})
-        elif strays[mode] < MULTIPLE and multiples[mode] <= HIGHEST_MULTIPLE:
+        # Beyond the seventh harmonic one lies near every frequency.
+        elif strays[mode] < MULTIPLE and multiples[mode] <= 7:
             remark = Remark(Reason.HARMONIC, {"mode": mode + 1, "multiple": int(multiples[mode])})
         else:
             remark = Remark(Reason.DISTORTION)
@@ -297,7 +290,8 @@ def _band(
 ) -> tuple[RadianPerSecond, RadianPerSecond]:
     """Return the angular frequencies between which ridges are looked for."""
     nyquist = np.pi / signal.step
-    low, high = band or (2 * np.pi * RIDGE_CYCLES / signal.duration, RIDGE_HIGHEST * nyquist)
+    # Ridges are searched from four cycles in the record to 0.9 of the Nyquist frequency.
+    low, high = band or (2 * np.pi * 4.0 / signal.duration, 0.9 * nyquist)
     if not 0 < low < high <= nyquist:
         raise InputError(
             f"the band {low:.5g} … {high:.5g} rad/s ({low / (2 * np.pi):.5g} … {high / (2 * np.pi):.5g} Hz) must be "

@@ -30,8 +30,6 @@ if TYPE_CHECKING:
 
 # Poles are sought in the repeats at least this long, relative to the median, side by side over their common length.
 LONG_ENOUGH = 0.5
-# Relative difference of the steps of records that are joined; a larger one would shift every pole by as much.
-SAME_STEP = 1e-6
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -231,7 +229,8 @@ def _check_alike(parts: Sequence[tuple[str, control.TimeResponseData]]) -> None:
                 f"{name} has the channels {', '.join(signal.channels)}, {first} has {', '.join(signals[0].channels)}; "
                 f"choose the same channels, in the same order, from each"
             )
-        if abs(signal.step - signals[0].step) > SAME_STEP * signals[0].step:
+        # A larger relative difference of the steps would shift every pole by as much.
+        if abs(signal.step - signals[0].step) > 1e-6 * signals[0].step:
             raise InputError(
                 f"{name} is sampled at {1 / signal.step:.6g} Hz, {first} at {1 / signals[0].step:.6g} Hz; repeats "
                 f"are joined at one rate only: identify them one by one and compare"

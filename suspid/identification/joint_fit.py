@@ -13,10 +13,6 @@ from suspid.identification.noise import WhiteNoise
 from suspid.identification.poles import Poles
 from suspid.units import RealArray
 
-# Level of the test: decays that agree are called different with this probability. A larger value widens more intervals
-# that are right.
-DISAGREE = 0.01
-
 
 def maximize_jointly(blocks: list[Blocks], start: list[Poles], noises: list[WhiteNoise]) -> list[DecayFit]:
     """Return the fits of all decays at the poles of greatest joint likelihood, by Gauss-Newton steps.
@@ -131,11 +127,13 @@ def agreement(blocks: list[Blocks], fits: list[DecayFit], noises: list[WhiteNois
     odd = int(np.argmin(without)) if len(held) > 2 else None
     freedom = len(rows) * (len(found) - 1)
     probability = float(chdtrc(freedom, chi_square))
+    # Level of the test: decays that agree are called different with probability 0.01. A larger one widens more
+    # intervals that are right.
     return Agreement(
         chi_square=chi_square,
         freedom=freedom,
         probability=probability,
-        widening=chi_square / freedom if probability < DISAGREE else 1.0,
+        widening=chi_square / freedom if probability < 0.01 else 1.0,
         held=tuple(held),
         odd=None if odd is None else held[odd],
         without_odd=float("nan") if odd is None else without[odd],

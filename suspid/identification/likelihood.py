@@ -22,8 +22,6 @@ from suspid.values import frozen_real
 # A Gauss-Newton step is worth about its squared length in standard deviations; iterations end below this. A larger
 # value leaves the poles off the optimum by its square root.
 NEGLIGIBLE_STEP = 1e-5
-# Relative rounding error of inner products.
-PRODUCT_ROUNDING = 4e-15
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -78,7 +76,8 @@ def evaluate(blocks: Blocks, poles: Poles, noise: WhiteNoise) -> DecayFit | None
     amplitudes = inverse @ zeroth
     explained = np.einsum("ic,ic->c", zeroth.conj(), amplitudes).real
     # The inverse magnifies the rounding of the explained energy; a residual below that is meaningless.
-    rounding = PRODUCT_ROUNDING / pivot**2 * blocks.energy
+    # Relative rounding error of inner products.
+    rounding = 4e-15 / pivot**2 * blocks.energy
     squares = np.maximum(blocks.energy - explained, rounding)
     variance = noise.variance(squares, count)
     if not 0 < variance.min() < np.inf:

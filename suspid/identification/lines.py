@@ -14,7 +14,6 @@ LINE_LEVEL = 1e-6
 BINS_BESIDE, BINS_FILLED = 24, 3
 # Power this many bins from the peak, relative to it, above which the peak is broad: a mode or coloured noise.
 BROAD_AT, BROAD = (4, 5, 6), 0.05
-FEWEST_OF_LINE = 128
 
 
 def clear_line(values: RealArray, step: Second) -> Hertz | None:
@@ -33,7 +32,7 @@ def clear_line(values: RealArray, step: Second) -> Hertz | None:
     12.0
     """
     count = values.shape[1]
-    if count < FEWEST_OF_LINE:
+    if count < 128:
         return None
     window = np.hanning(count + 2)[1:-1]
     power = np.abs(np.fft.rfft((values - values.mean(axis=1, keepdims=True)) * window, axis=1)) ** 2

@@ -15,8 +15,6 @@ from suspid.values import frozen_complex
 FASTEST = 3.0
 # A pole grows by at most this many e-foldings over the record: enough to recognise that it grows.
 MOST_GROWTH = 3.0
-# Least ratio of the imaginary to the real part of a pair: below it a pair cannot be distinguished from two real poles.
-LEAST_SWING = 1e-2
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -90,7 +88,8 @@ class Poles:
         kept = moved.pairs
         if pairs:
             re = np.minimum(np.maximum(kept.real, -FASTEST), highest)
-            slowest = np.maximum(1e-3 / count, LEAST_SWING * np.abs(re))
+            # With a smaller ratio of imaginary to real part a pair cannot be distinguished from two real poles.
+            slowest = np.maximum(1e-3 / count, 1e-2 * np.abs(re))
             kept = re + 1j * np.minimum(np.maximum(np.abs(kept.imag), slowest), np.pi)
         reals = np.minimum(np.maximum(moved.reals, -FASTEST), highest) if len(moved.reals) else moved.reals
         return Poles(pairs=kept, reals=reals, nuisances=self.nuisances)

@@ -23,9 +23,6 @@ Rejected: TypeAlias = tuple[tuple[Candidate, Remark], ...]
 WORTHWHILE = 20.0
 # Exponents over the record of the nuisances that replace slow poles: offset, slope and bend, to 1e-4 of a drift.
 PARABOLA = frozen_real([0.0, -0.3, 0.3])
-# Least gain per parameter for which a real pole becomes a pair. Between AIC (2) and BIC (about 8): a real pole is not
-# simpler a priori, since a pair of large damping is usual in a car.
-PAIR_GAIN = 3.5
 
 
 def thinned(problem: Problem, fit: Fit) -> tuple[Fit, RealArray, Rejected]:
@@ -99,7 +96,9 @@ def single(problem: Problem, fit: Fit) -> Fit:
 
 def paired(problem: Problem, fit: Fit) -> tuple[Fit, RealArray]:
     """Return the fit with real poles replaced by pairs where those fit better, and what a pair gains at the others."""
-    enough = PAIR_GAIN * (1 + problem.blocks.channels)
+    # Least gain per parameter, between AIC (2) and BIC (about 8): a real pole is not simpler a priori, since a pair of
+    # large damping is usual in a car.
+    enough = 3.5 * (1 + problem.blocks.channels)
     index, extra = 0, list[float]()
     while index < len(fit.poles.reals):
         theta = fit.poles.reals[index]

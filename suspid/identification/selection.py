@@ -21,9 +21,6 @@ from suspid.words import Reason, Remark
 
 # The largest number of pairs. A record of more modes is fitted with this many of the strongest.
 MOST_PAIRS = 16
-# Candidates whose gain is below this share of the BIC penalty are not fitted: refitting the other poles adds less than
-# the rest. A lower value costs time.
-HOPELESS = 0.7
 # Candidates whose gain is the first number times the BIC penalty and which lie the second number of linewidths apart
 # are fitted together; this saves searches. They stay where each then gains `STRONG_GAIN` times the penalty. So strong a
 # candidate is also accepted from the previous search.
@@ -176,7 +173,8 @@ def _extended(problem: Problem, fit: Fit, found: list[Candidate]) -> tuple[Fit |
     rejected: Rejected = ()
     for candidate in found[:CANDIDATES_TRIED]:
         penalty = problem.penalty(real=candidate.real)
-        if candidate.gain < HOPELESS * penalty:
+        # Refitting the other poles adds less than the rest. A lower share costs time.
+        if candidate.gain < 0.7 * penalty:
             break
         theta, poles = candidate.theta, fit.poles
         trial = problem.fitted(poles.with_real(theta.real) if candidate.real else poles.with_pair(theta), rough=True)

@@ -27,14 +27,8 @@ from suspid.wavelets import (
 if TYPE_CHECKING:
     import control
 
-# Rows of the scalogram per octave: a third of the width of the narrowest row in use. Fewer rows miss ridges.
-PER_OCTAVE = 24
-# Each ridge may use the wavelet of least entropy or one shorter by these factors: short wavelets suit heavy damping.
-SHORTER = (1.0, 0.5, 0.25, 0.125)
 # Precision of the scalogram on which ridges are found; skeletons are then transformed anew, to rounding.
 SEARCH_PRECISION = 1e-6
-# Ridges of two wavelets within this ratio of frequency, in its logarithm, are the same ridge.
-SAME_RIDGE = 0.02
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -70,7 +64,8 @@ class FourSteps:
     def omega(self) -> RealArray:
         """Angular frequencies of the rows [rad/s], (row,): the band, evenly spaced in its logarithm."""
         low, high = self.band
-        return frozen_real(np.geomspace(low, high, max(8, int(np.ceil(PER_OCTAVE * np.log2(high / low))))))
+        # 24 rows per octave: a third of the width of the narrowest row in use. Fewer rows miss ridges.
+        return frozen_real(np.geomspace(low, high, max(8, int(np.ceil(24 * np.log2(high / low))))))
 
     @cached_property
     def search(self) -> BandwidthSearch | None:
@@ -91,7 +86,9 @@ class FourSteps:
         """Step 3: the ridges, each with the wavelet (this or a shorter one) that leaves its pole least uncertain."""
         attempts: list[tuple[Ridge, ...]] = []
         failure: IdentificationError | None = None
-        for factor in SHORTER:
+        # Each ridge may use the wavelet of least entropy or one shorter by these factors: short wavelets suit heavy
+        # damping.
+        for factor in (1.0, 0.5, 0.25, 0.125):
             transform = self.scalogram
             if factor != 1.0:
                 bandwidth = self.scalogram.wavelet.bandwidth * factor
@@ -105,7 +102,8 @@ class FourSteps:
             raise failure
         steady = []
         for ridge in attempts[0]:
-            same = [r for other in attempts for r in other if abs(np.log(r.omega / ridge.omega)) < SAME_RIDGE]
+            # Ridges of two wavelets within this ratio of frequency, in its logarithm, are the same ridge.
+            same = [r for other in attempts for r in other if abs(np.log(r.omega / ridge.omega)) < 0.02]
             steady.append(min(same, key=lambda r: fit_skeleton(r).variance))
         return tuple(steady)
 

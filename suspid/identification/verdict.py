@@ -26,17 +26,8 @@ HALVES_APART = 3.0
 UNKNOWN_ZETA, ROUGH_ZETA, ROUGH_WN = 1.0, 0.25, 0.05
 # Fewer samples per unknown of a channel than this: the fit follows any motion.
 SAMPLES_EACH = 8
-# A pole that decays by less than this many nepers in more than this many cycles is a steady line.
-STEADY_NEPERS, STEADY_CYCLES = 1.0, 10.0
 # Phase collinearity below which the channels of a mode are out of phase.
 OUT_OF_PHASE = 0.5
-# Below this share of its energy in the best channel, a fit is never called sound: 7 dB of noise or other motion.
-WELL_EXPLAINED = 0.8
-# Lag-1 correlation of a residual from which on it is not called white noise; a sensor's filter leaves less.
-COLOURED = 0.5
-# Damping ratio at which the amplitude falls by half in a cycle. Where all modes of a nonlinear fit decay faster, a
-# pulse of force without ringing looks the same.
-MOST_FALL = 0.11
 # A mode with fewer cycles in the record than this, that has not decayed by as many nepers, is known from few cycles.
 CYCLES_SEEN = 3.0
 
@@ -112,8 +103,9 @@ def _why_none(found: Identification) -> Iterator[Check]:
         signal = as_signal(found.response)
         line = clear_line(signal.values, signal.step)
         near = line is not None and abs(2 * np.pi * line - strongest.imag) < 4 * np.pi / signal.duration
-        steady = abs(strongest.real) * signal.duration < STEADY_NEPERS
-        if steady and near and strongest.imag * signal.duration > 2 * np.pi * STEADY_CYCLES:
+        # A pole that decays by less than e^-1 in more than 10 cycles is a steady line.
+        steady = abs(strongest.real) * signal.duration < 1.0
+        if steady and near and strongest.imag * signal.duration > 20 * np.pi:
             yield _of(ModeCheck.STEADY_LINE, Level.NONE, {"hertz": strongest.imag / (2 * np.pi)})
 
 
@@ -133,7 +125,8 @@ def _explained(found: Identification) -> Iterator[Check]:
         yield _of(ModeCheck.BEST_EXPLAINED, Level.SOUND, {"most": most})
     else:
         yield _of(ModeCheck.EXPLAINED, Level.SOUND, {"least": least, "most": most, "channels": len(share)})
-    if LEAST_EXPLAINED <= most < WELL_EXPLAINED:
+    # A fit that leaves 7 dB of noise or other motion in the best channel is never called sound.
+    if LEAST_EXPLAINED <= most < 0.8:
         yield _of(ModeCheck.LITTLE_EXPLAINED, Level.CARE, {"most": most})
 
 
@@ -164,7 +157,8 @@ def _amplitudes(found: Identification) -> Iterator[Check]:
     if not found.forces:
         return
     kinds = tuple(dict.fromkeys(force.kind.value for force in found.forces))
-    swings = bool(np.min(found.modes.zeta) < MOST_FALL)
+    # Where all modes of a nonlinear fit fall by half in a cycle, a pulse of force without ringing looks the same.
+    swings = bool(np.min(found.modes.zeta) < np.log(2) / (2 * np.pi))
     yield _of(ModeCheck.NONLINEAR, Level.CARE if swings else Level.DOUBTFUL, {"forces": kinds})
     for mode, each in enumerate(found.amplitude_dependence, 1):
         (high_wn, high_zeta), (low_wn, low_zeta) = each.ends
@@ -234,7 +228,8 @@ def _structure(found: Identification, residual: Signal) -> Iterator[Check]:
     rough = size > ABOVE_RESOLUTION * resolution(as_signal(found.response).values)
     lag = np.where(rough, found.whiteness, 0.0)
     worst = int(np.argmax(np.abs(lag)))
-    if abs(lag[worst]) > COLOURED:
+    # A larger correlation over one sample is not that of white noise; a sensor's filter leaves less.
+    if abs(lag[worst]) > 0.5:
         where: dict[str, Number] = {"correlation": float(lag[worst]), "channel": residual.channels[worst]}
         yield _of(ModeCheck.RESIDUAL_COLOURED, Level.CARE, where)
     line = clear_line(residual.values[rough], residual.step) if np.any(rough) else None

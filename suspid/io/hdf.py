@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     import h5py
 
 Read = TypeVar("Read")
-INTERNAL = ("#refs#", "#subsystem#")
 UNIT_NAMES = ("unit", "units", "Unit", "Units", "UNIT", "UNITS")
 # Limit of a record; a damaged file may seem to have more groups.
 MOST_VARIABLES = 20_000
@@ -60,7 +59,7 @@ def _group(group: h5py.Group, depth: int, count: Iterator[int], around: frozense
     around |= {h5py.h5o.get_info(group.id).addr}
     for name in group:
         link = group.get(name, getlink=True)
-        if name in INTERNAL:
+        if name in ("#refs#", "#subsystem#"):
             continue
         if isinstance(link, h5py.ExternalLink):
             found[name] = Remark(LeftOut.OTHER_FILE)

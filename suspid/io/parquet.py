@@ -17,7 +17,6 @@ from suspid.units import RealArray
 from suspid.values import frozen_real
 from suspid.words import LeftOut, Remark
 
-TIME_COLUMN = "time [s]"
 UNIT_KEYS = (b"unit", b"units", b"UNIT", b"Unit", b"Units")
 # A few bytes may encode any number of equal samples; more than this are refused.
 MOST_ROWS = 1 << 28
@@ -75,7 +74,7 @@ def _written(timepts: RealArray, values: RealArray, channels: Sequence[str], uni
 
     fields = [
         pa.field(name, pa.float64(), nullable=False, metadata={"unit": unit} if unit else None)
-        for name, unit in zip([TIME_COLUMN, *channels], ["s", *units], strict=True)
+        for name, unit in zip(["time [s]", *channels], ["s", *units], strict=True)
     ]
     schema = pa.schema(fields, metadata={"title": title, "writer": "suspid"})
     stream = io.BytesIO()

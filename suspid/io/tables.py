@@ -56,8 +56,6 @@ TIME_WORDS |= {"время", "时间", "時間", "시간"}
 ABSCISSA = {"x", "axis", "value", "values", "data"}
 # Names of columns that count the rows.
 COUNTERS = {"#", "n", "no", "nr", "sample", "samples", "samplenumber", "index", "row", "line", "count", "counter"}
-# Beyond this, a number and the next whole one are the same number.
-MOST_EXACT = 2.0**53
 # A name and, in brackets behind it, its unit; a number there counts columns.
 BRACKETED = re.compile(r"(.*\S)\s*[\[(]\s*(?!\d+\s*[\])])([^\[\]()]*(?:\([^\[\]()]*\))?[^\[\]()]*)[\])]")
 
@@ -243,6 +241,7 @@ def counts_rows(name: str, values: RealArray) -> bool:
 
 def is_count(values: RealArray) -> bool:
     """Whether whole numbers count by one."""
-    if values.size < 2 or not abs(values[0]) < MOST_EXACT or values[0] != round(values[0]):
+    # Beyond this, a number and the next whole one are the same number.
+    if values.size < 2 or not abs(values[0]) < 2.0**53 or values[0] != round(values[0]):
         return False
     return np.array_equal(values, values[0] + np.arange(values.size))

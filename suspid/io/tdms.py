@@ -22,7 +22,6 @@ from suspid.values import frozen_real
 from suspid.words import LeftOut, Remark
 
 LEAD_IN = 28
-BIG_ENDIAN = 1 << 6
 CRASHED = 0xFFFFFFFFFFFFFFFF
 UNIT_PROPERTIES = ("unit_string", "NI_UnitDescription", "unit", "Unit")
 
@@ -97,7 +96,8 @@ def _check_segments(content: bytes) -> None:
     while position < len(content):
         if position + LEAD_IN > len(content):
             raise RecordError("is cut off: it ends in the head of a segment")
-        order = ">" if struct.unpack_from("<I", content, position + 4)[0] & BIG_ENDIAN else "<"
+        # The bit for big-endian numbers.
+        order = ">" if struct.unpack_from("<I", content, position + 4)[0] & (1 << 6) else "<"
         size, before_data = struct.unpack_from(f"{order}QQ", content, position + 12)
         if content[position : position + 4] != b"TDSm" or (size != CRASHED and before_data > size):
             raise RecordError(f"is damaged: no segment begins at byte {position}")

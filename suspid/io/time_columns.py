@@ -27,8 +27,6 @@ from suspid.words import LeftOut, Remark
 # Of the steps of a clock, this share lies this near to the usual one, relative to it: loggers that wait between two
 # samples stray by a tenth. Fewer stamps do not show it.
 MOST_STEPS, JITTERY, FEW_STAMPS = 0.9, 0.25, 8
-# Largest distance of stamps that are rounded to a unit from its multiples, in units.
-EVEN = 1e-3
 # Least size of a stamp since 1970, by its unit: present ones are near 1.7e12 ms, 1.7e15 us and 1.7e18 ns.
 EPOCHS = (("ns", 1e17), ("us", 1e14), ("ms", 1e11))
 # Days since 1900 of the years 1982 to 2064 as spreadsheets count them, and since the year 0 as MATLAB does. In seconds,
@@ -176,7 +174,8 @@ def _are_rounded(stamps: RealArray, steps: RealArray) -> bool:
         return False
     counts = stamps / unit
     line = np.polynomial.Polynomial.fit(np.arange(stamps.size), counts, 1)(np.arange(stamps.size))
-    return bool(np.all(np.abs(counts - np.round(counts)) < EVEN) and np.all(np.abs(counts - line) <= 1))
+    # Stamps that are rounded to a unit are multiples of it but for this, in units.
+    return bool(np.all(np.abs(counts - np.round(counts)) < 1e-3) and np.all(np.abs(counts - line) <= 1))
 
 
 def time_unit(table: Table, time: str) -> str:

@@ -20,7 +20,6 @@ from suspid.words import LeftOut, Remark
 
 # A line that begins or ends a data set, as pyuff recognises it.
 DELIMITER = re.compile(rb"    -1(?=[\r\n]|\Z| {74})")
-TIME_AXIS, TIME_RESPONSE = 17, 1
 FUNCTIONS = {
     2: "an auto spectrum",
     3: "a cross spectrum",
@@ -32,8 +31,6 @@ FUNCTIONS = {
     9: "a power spectral density",
     12: "a spectrum",
 }
-# A line of 80 characters of single precision.
-PADDING = 20
 DIRECTIONS = ("", "X", "Y", "Z", "RX", "RY", "RZ")
 # Units of length and force by the code of data set 164.
 SYSTEMS = {
@@ -117,7 +114,8 @@ def _why_not(dataset: Mapping[str, Any]) -> Remark | None:
         return Remark(LeftOut.COMPLEX_FUNCTION, {"function": name})
     if function in FUNCTIONS:
         return Remark(LeftOut.FUNCTION, {"function": FUNCTIONS[function]})
-    if abscissa != TIME_AXIS and not (abscissa == 0 and function == TIME_RESPONSE):
+    # Abscissa 17 is time; 0 is unknown, and function 1 is a response over time.
+    if abscissa != 17 and not (abscissa == 0 and function == 1):
         return Remark(LeftOut.ABSCISSA, {"type": abscissa})
     unit = _label(dataset["abscissa_axis_units_lab"])
     if unit and unit.lower() not in PER_SECOND:
@@ -148,7 +146,8 @@ def _clock(
 def _samples(dataset: Mapping[str, Any], number: int) -> RealArray:
     """Return the samples of a data set, whose number must be the stated one; binary samples may be padded to a line."""
     found, stated = len(dataset["data"]), dataset["num_pts"]
-    if not stated <= found <= stated + (PADDING if dataset["binary"] and dataset["abscissa_spacing"] else 0):
+    # A line of 80 characters of single precision may be padded.
+    if not stated <= found <= stated + (20 if dataset["binary"] and dataset["abscissa_spacing"] else 0):
         raise RecordError(f"is damaged: data set {number} states {stated} samples and holds {found}")
     return frozen_real(dataset["data"][:stated])
 

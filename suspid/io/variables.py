@@ -17,8 +17,6 @@ from suspid.units import Hertz, RealArray
 from suspid.values import frozen_real
 from suspid.words import LeftOut, Number, Remark
 
-# A matrix with more columns is not a set of channels (it may be a spectrogram).
-MOST_COLUMNS = 256
 # Limits of a record; damaged files state deeper structures and larger arrays.
 DEEPEST, MOST_BYTES = 16, 1 << 31
 
@@ -188,7 +186,8 @@ def _add_matrix(
 ) -> None:
     matching = [axis for axis in (0, 1) if shape[axis] == stamps]
     along = matching[0] if len(matching) == 1 else int(np.argmax(shape))
-    if (shape[0] == shape[1] and len(matching) != 1) or shape[1 - along] > MOST_COLUMNS:
+    # A matrix with more columns is not a set of channels (it may be a spectrogram).
+    if (shape[0] == shape[1] and len(matching) != 1) or shape[1 - along] > 256:
         found.unusable[name] = Remark(LeftOut.MATRIX, {"shape": " x ".join(map(str, value.shape))})
         return
     whole = functools.cache(lambda: np.reshape(value.read(), shape))

@@ -19,9 +19,6 @@ from suspid.values import FrozenMapping, frozen_real
 EXACT = 1e-9
 # Share of the largest expected value. Smaller values count as zero, smaller errors as none.
 ROUNDING = 1e-12
-# Share of the larger pole. Modes further apart are never paired: with a wider gate a missing and an extra mode would
-# be reported as one mode that is off, with a narrower one a poor estimate as a missing and an extra mode.
-GATE = 0.5
 
 WN_ZETA = ("wn", "zeta")
 
@@ -90,7 +87,10 @@ def compare(found: ModalSet | Suspension, expected: ModalSet | Suspension, *, rt
 
 def _compare_modes(found: ModalSet, expected: ModalSet, rtol: Ratio | None) -> Comparison:
     mac = common_mac(found, expected)
-    partner = paired(found, expected, mac=mac, gate=max(GATE, rtol or 0.0))
+    # Modes further apart, as a share of the larger pole, are never paired: with a wider gate a missing and an extra
+    # mode would be reported as one mode that is off, with a narrower one a poor estimate as a missing and an extra
+    # mode.
+    partner = paired(found, expected, mac=mac, gate=max(0.5, rtol or 0.0))
     interval = rtol is None and not all(modes.covariance is None for modes in (found, expected))
     extra = sorted(set(range(len(found))) - set(partner.values()))
     rows = [_mode_row(found, expected, partner.get(j), j, name, rtol) for j in range(len(expected)) for name in WN_ZETA]

@@ -15,9 +15,6 @@ from suspid.units import ComplexArray
 if TYPE_CHECKING:
     import control
 
-# Share of the largest pole below which a pole of a singular model counts as zero. A double pole at zero, as of a free
-# mass, is computed as about the square root of the float resolution (1.5e-8); a higher limit would hide slow modes.
-RIGID = 3e-8
 
 # Share of the terms of a sum over the states below which the sum is rounding, so that no output sees the mode.
 UNSEEN = 1e-12
@@ -67,7 +64,9 @@ def eigenmodes(system: control.StateSpace | Suspension) -> ModalSet:
     if dt:
         poles = _continuous(poles, dt)
     if len(matrix) and np.linalg.matrix_rank(matrix - still) < len(matrix):
-        poles = np.where(np.abs(poles) <= RIGID * np.max(np.abs(poles), initial=0.0), 0.0, poles)
+        # These poles of a singular model count as zero. A double pole at zero, as of a free mass, is computed as about
+        # the square root of the float resolution (1.5e-8); a higher limit would hide slow modes.
+        poles = np.where(np.abs(poles) <= 3e-8 * np.max(np.abs(poles), initial=0.0), 0.0, poles)
     shapes = outputs @ vectors
     # Outputs in which the states cancel show rounding alone.
     shapes[np.abs(shapes) <= UNSEEN * (np.abs(outputs) @ np.abs(vectors))] = 0.0

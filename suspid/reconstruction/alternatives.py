@@ -14,16 +14,10 @@ from suspid.reconstruction.polynomials import characteristic
 from suspid.reconstruction.unknowns import Unknowns
 from suspid.units import ComplexArray, Ratio, RealArray
 
-STARTS_PER_UNKNOWN, MORE_STARTS = 12, 48  # up to a quarter car, and beyond; fewer miss rare minima, more cost time
-QUARTER_CAR = 6  # unknowns
 ROUNDS = 4  # largest number of rounds of starts
 OFTEN = 3  # the search ends when every minimum was reached this often; at 1 rare minima are missed
-STRAGGLERS = 0.2  # share of the starts at which a round ends: waiting for the slowest costs more than it finds
-MET = 1e-13  # squared distance from the poles at which a start has converged
-LITTLE = 1e-3  # relative reduction of the squared distance by one step below which a start stops
 DECADES = 1.5  # starts lie between 1/30 and 30 times nominal springs and masses, because rare minima are far away
 SAME = 1e-3  # relative difference of parameters below which two suspensions count as one
-HARDLY_THERE = 1e-2  # of nominal: smaller springs and masses are compared relative to this
 COST_ROUNDING = 1e-11  # costs below it count as equal
 ADDED_SHARE = 0.3  # mass added in the proposed test, relative to that of the coordinate
 
@@ -50,7 +44,8 @@ def spectral_minima(tests: Sequence[Observed], unknowns: Unknowns, *, reach: Rat
     finds no new one. Minima farther from the poles than ``reach`` are dropped, except the nearest.
     """
     equations = polynomial_equations(tests, unknowns)
-    count = len(unknowns) * (STARTS_PER_UNKNOWN if len(unknowns) <= QUARTER_CAR else MORE_STARTS)
+    # Starts per unknown, of a quarter car at most and of larger ones. Fewer miss rare minima, more cost time.
+    count = len(unknowns) * (12 if len(unknowns) <= 6 else 48)
     starts = np.vstack([unknowns.nominal, even_starts(unknowns, ROUNDS * count)])
     points, costs = descend_together(equations, starts[:count], unknowns)
     minima, met = gathered(points, costs, unknowns, reach)
@@ -118,7 +113,9 @@ def descend_together(equations: Equations, x: RealArray, unknowns: Unknowns) -> 
         trial_residual, trial_slope = equations(trial)
         trial_cost = (trial_residual * trial_residual).sum(axis=1)
         better = trial_cost < cost
-        done = (cost < MET) | (better & (cost - trial_cost < LITTLE * cost)) | (damping > 1e8)
+        # A start has converged at this squared distance from the poles, and stops where a step reduces it by less than
+        # 1e-3.
+        done = (cost < 1e-13) | (better & (cost - trial_cost < 1e-3 * cost)) | (damping > 1e8)
         np.copyto(x, trial, where=better[:, None])
         np.copyto(residual, trial_residual, where=better[:, None])
         np.copyto(slope, trial_slope, where=better[:, None, None])
@@ -128,7 +125,8 @@ def descend_together(equations: Equations, x: RealArray, unknowns: Unknowns) -> 
             ends.append(x[done])
             costs.append(cost[done])
             x, residual, slope, cost, damping = (a[~done] for a in (x, residual, slope, cost, damping))
-            if len(x) <= STRAGGLERS * count:
+            # A round ends with a fifth of its starts left: waiting for the slowest costs more than it finds.
+            if len(x) <= 0.2 * count:
                 return np.concatenate(ends), np.concatenate(costs)
     return np.concatenate([*ends, x]), np.concatenate([*costs, cost])
 
@@ -164,7 +162,8 @@ def same(a: RealArray, b: RealArray, unknowns: Unknowns) -> NDArray[np.bool_]:
     Springs and masses are compared with themselves, dampers with the strongest damper.
     """
     larger = np.maximum(a, b)
-    springs = np.maximum(larger, HARDLY_THERE)
+    # Springs and masses below a hundredth of nominal are compared relative to that.
+    springs = np.maximum(larger, 1e-2)
     strongest = np.max(np.where(unknowns.positive, 0.0, larger), axis=-1, keepdims=True, initial=1e-3)
     return np.asarray(np.all(np.abs(a - b) <= SAME * np.where(unknowns.positive, springs, strongest), axis=-1))
 

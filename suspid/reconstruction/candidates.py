@@ -13,9 +13,6 @@ from suspid.reconstruction.descent import bounded_step
 from suspid.reconstruction.problem import DATA_AGAINST_PRIOR, LARGEST, Problem
 from suspid.units import RealArray
 
-RETRIES = 12  # where a single answer is not reached from the nominal car
-POLISHED = 12  # of the minima that the search finds
-
 
 @dataclass(frozen=True, slots=True)
 class Collected:
@@ -70,11 +67,11 @@ def _unconstrained(problem: Problem, *, search: bool) -> Collected:
         found.descend(nominal, by_poles=True)
         if problem.unique and search:
             # The solution is unique, but a descent from a rough start may end in a local minimum.
-            _retry(found, [nominal, *even_starts(problem.unknowns, RETRIES)])
+            _retry(found, [nominal, *even_starts(problem.unknowns, 12)])
         if problem.unique or (not search and found.costs and found.costs[-1] <= problem.enough):
             return found
     if problem.enough_poles:
-        for x in spectral_minima(problem.tests, problem.unknowns, reach=problem.reach)[:POLISHED]:
+        for x in spectral_minima(problem.tests, problem.unknowns, reach=problem.reach)[:12]:
             found.descend(x)
         if not found.met:
             found.descend(nominal, by_poles=True)

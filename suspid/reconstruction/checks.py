@@ -23,8 +23,6 @@ from suspid.values import frozen_real
 from suspid.words import Number, ReconstructionNote, Remark
 
 LEAST_MAC = 0.8  # below it a shape is another mode's
-STATIONARY = 1e-6  # share of the squared residual that a step at a sharp optimum can take
-LOST = 1e-2  # share of the squared residual that a step at an optimum cannot take
 
 
 def check_seen(problem: Problem, x: RealArray, car: Suspension) -> list[Remark]:
@@ -179,13 +177,15 @@ def remarks(problem: Problem, best: Optimum, cost: float) -> list[Remark]:
     if cost > (0.1 if problem.weighted else EXACT_POLE):
         left = best.left if problem.wishes is not None else slope_left(problem.deciding, x, u.lower, u.upper)
         worth = left * cost**2 if problem.weighted else 1.0
-        if left > LOST and worth > 1.0:
+        # A step at an optimum cannot take a hundredth of the squared residual.
+        if left > 1e-2 and worth > 1.0:
             raise ReconstructionError(
                 f"the search ended where a further step would still reduce the squared residual by {left:.1%}, so it "
                 f"found no optimum; start from a nearer nominal car, hold parameters with fixed=…, or add shapes",
                 best=u.suspension(x),
             )
-        if left > STATIONARY and worth > 1e-3:
+        # A step at a sharp optimum can take only this share of the squared residual.
+        if left > 1e-6 and worth > 1e-3:
             notes.append(Remark(ReconstructionNote.NOT_SHARP, {"share": left}))
     return notes
 

@@ -17,7 +17,6 @@ from suspid.model import pole_distances
 from suspid.units import ComplexArray, RealArray
 
 EXACT_POLE = 1e-8  # relative pole error that counts as zero: the accuracy of an eigenvalue solver, with a margin
-SHAPE_WEIGHT = 0.1  # weight of errors of shapes relative to those of poles, which are about ten times smaller
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -87,7 +86,8 @@ def deciding(test: Observed, arms: RealArray, p: RealArray) -> tuple[RealArray, 
         return spectral(test, arms, p)
     residual, slope = sensitivities(test, arms, p)
     if test.whiten is None:
-        weights = np.where(np.arange(len(residual)) < test.pole_equations, 1.0, SHAPE_WEIGHT)
+        # Errors of shapes are about ten times as large as those of poles.
+        weights = np.where(np.arange(len(residual)) < test.pole_equations, 1.0, 0.1)
         return weights * residual, weights[:, None] * slope
     return test.whiten @ residual, test.whiten @ slope
 

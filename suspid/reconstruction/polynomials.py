@@ -19,8 +19,6 @@ from suspid.reconstruction.equations import Observed
 from suspid.reconstruction.unknowns import Unknowns
 from suspid.units import ComplexArray, RealArray
 
-MOST_STRUTS = 9  # 512 sets; determinants are cheaper beyond
-
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Characteristic:
@@ -52,7 +50,8 @@ def characteristic(test: Observed, unknowns: Unknowns) -> Characteristic | None:
     """Return the polynomial of a test, or None if masses are unknown or the struts too many."""
     car = unknowns.car
     arms, struts = unknowns.arms, len(car.struts)
-    if struts > MOST_STRUTS or np.any(unknowns.spread[2 * struts :]):
+    # Nine struts have 512 sets; beyond, determinants are cheaper.
+    if struts > 9 or np.any(unknowns.spread[2 * struts :]):
         return None
     masses = unknowns.base[2 * struts :] + test.added
     minors, sizes = principal_minors((arms / masses) @ arms.T), _sizes(struts)

@@ -21,8 +21,6 @@ from suspid.reconstruction.wishes import Constraints, Wishes, wishes_of
 from suspid.units import Ratio, RealArray
 from suspid.words import ReconstructionNote, Remark
 
-PRINTED = 5e-3  # of a pole's modulus: what printed modes are known to, if nothing else is said
-
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Asked:
@@ -66,7 +64,8 @@ def posed(tests: Sequence[ModalTest], suspension: Suspension, asked: Asked) -> t
         seen = [unweighted(one) for one in seen]
     known_to = asked.tolerance or 0.0
     if asked.tolerance is None and seen[0].whiten is None and any(printed(test.modes) for test in tests):
-        known_to = PRINTED
+        # Printed modes are known to this share of a pole's modulus, if nothing else is said.
+        known_to = 5e-3
     problem = Problem(tests=tuple(seen), unknowns=unknowns, known_to=known_to, wishes=wishes)
     usable = [_without_meeting(one, unknowns) for one in seen]
     if any(a is not b for a, b in zip(usable, seen, strict=True)):

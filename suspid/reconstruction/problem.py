@@ -23,7 +23,6 @@ LARGEST = 1e9  # of the scale of an unknown: where there is no bound
 NEGLIGIBLE = 1e-8  # of chi-square: no step is worth so little
 UNLIKELY_TWIN = 1e-4  # probability of the rise of chi-square from the best suspension to another
 VAGUE = 0.05  # standard deviation of a shape's component above which shapes may not choose one suspension
-CERTIFIED = 1e-9  # of the squared residual: an alternative from which a step gains less needs no program of its own
 NEAR_MISS = 5e-3  # relative distance from exact poles at which another suspension is mentioned
 DATA_AGAINST_PRIOR = 1e6  # weight of modes without covariance, which are exact, beside a nominal car's
 
@@ -194,7 +193,8 @@ class Problem:
         if self.wishes is not None or cost <= EXACT_POLE:
             return x
         left = slope_left(self.deciding, x, self.unknowns.lower, self.unknowns.upper)
-        if left * cost**2 <= (NEGLIGIBLE if self.weighted else CERTIFIED * cost**2):
+        # An alternative from which a step gains less than 1e-9 of the squared residual needs no program of its own.
+        if left * cost**2 <= (NEGLIGIBLE if self.weighted else 1e-9 * cost**2):
             return x
         return self.answer(x).x
 

@@ -24,9 +24,6 @@ SOLVER = "CLARABEL"
 # Residual of the optimality conditions up to which a solution counts, in a program scaled to 1. Exact steps reach
 # 1e-12; a point of the solver itself, where constraints depend on each other, 1e-8.
 OPTIMAL = 1e-7
-# Clarabel's own tolerances, in the order in which they are tried. At its default of 1e-8, constraints of small
-# multipliers are not told from idle ones; at 1e-12 it gives up where many bounds hold without a force.
-TOLERANCES = (1e-12, 1e-8)
 SMALLEST = 1e-9  # size of a step to which a program is scaled: smaller ones are rounding
 FARTHEST = 1e3  # bounds in units of the step: those further away do not act, and would spoil the scaling
 
@@ -106,7 +103,9 @@ def solve(program: Program, numbers: Mapping[str, RealArray | float]) -> Optimum
         warnings.simplefilter("ignore")  # cvxpy warns of inaccurate solutions, which are judged below
         data, chain, _ = program.problem.get_problem_data(SOLVER, solver_opts={})
         cone, left = cone_of(data), np.inf
-        for tolerance in TOLERANCES:
+        # Clarabel's own tolerances, in the order in which they are tried. At its default of 1e-8, constraints of small
+        # multipliers are not told from idle ones; at 1e-12 it gives up where many bounds hold without a force.
+        for tolerance in (1e-12, 1e-8):
             options = dict.fromkeys(("tol_gap_abs", "tol_gap_rel", "tol_feas"), tolerance)
             raw = chain.solver.solve_via_data(data, warm_start=False, verbose=False, solver_opts=options)
             primal, acting, left = sharpened(cone, np.asarray(raw.x, float), np.asarray(raw.z, float))

@@ -37,7 +37,6 @@ from suspid.words import ReconstructionNote, Remark
 __all__ = ["Reconstruction", "reconstruct"]
 
 TOLERANCE = 0.02  # of a pole's modulus
-KINDS = (".stiffness", ".damping", ".mass")
 
 
 def reconstruct(
@@ -295,4 +294,7 @@ def _standard_deviations(problem: Problem, covariance: RealArray | None) -> list
         return [None, None, None]
     named = dict.fromkeys(parameter_names(problem.unknowns.car), 0.0)
     named |= dict(zip(problem.unknowns.names, np.sqrt(np.diag(covariance)).tolist(), strict=True))
-    return [FrozenMapping({n.rpartition(".")[0]: s for n, s in named.items() if n.endswith(q)}) for q in KINDS]
+    return [
+        FrozenMapping({n.rpartition(".")[0]: s for n, s in named.items() if n.endswith(q)})
+        for q in (".stiffness", ".damping", ".mass")
+    ]

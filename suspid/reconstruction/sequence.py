@@ -13,8 +13,6 @@ from suspid.reconstruction.programs import FARTHEST, Limits, Optimum, least_squa
 from suspid.reconstruction.wishes import Wishes
 from suspid.units import RealArray
 
-PROGRAMS = 60  # at most; from a minimum that a descent has found, one or two are needed
-
 # From matrix, target, units of the step, bounds of the step and the point to the best step.
 Step: TypeAlias = Callable[[RealArray, RealArray, RealArray, Limits, RealArray], Optimum]
 
@@ -38,7 +36,8 @@ def converged(
     radius = LARGEST_STEP
     residual, slope = equations(x)
     objective = float(residual @ residual) + _penalty(wishes, x)
-    for _ in range(PROGRAMS):
+    # From a minimum that a descent has found, one or two programs are needed.
+    for _ in range(60):
         unit = np.where(positive, x, 1.0)
         low, high = np.maximum((lower - x) / unit, -radius), np.minimum((upper - x) / unit, radius)
         step = _best_step(slope * unit, -residual, low, high, unit, x, objective, wishes)

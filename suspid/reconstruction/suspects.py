@@ -22,11 +22,6 @@ from suspid.reconstruction.wishes import null_space
 from suspid.units import ComplexArray, Ratio, RealArray
 from suspid.words import Number, Remark, Suspect
 
-TRIED = 4  # single causes that are refitted, the most promising first
-REFITS = 3  # Gauss-Newton steps for the size of a cause
-MOST = 0.5  # share of chi-square that a channel or a mode takes along, to be named
-APART = 1e-3  # share of a direction that the parameters cannot follow, to be told from them
-
 Pose: TypeAlias = Callable[[Sequence[ModalTest], Suspension], Problem]
 
 
@@ -47,7 +42,8 @@ def suspects(tests: Sequence[ModalTest], car: Suspension, pose: Pose, x: RealArr
         (-_gain(_direction(c, problem, tests, x), z, base)[0], i, c) for i, c in enumerate(_causes(problem, tests))
     ]
     explained = []
-    for _, i, cause in sorted(gains)[:TRIED]:
+    # Four single causes are refitted, the most promising first.
+    for _, i, cause in sorted(gains)[:4]:
         try:
             error, left = _refitted(cause, tests, car, pose, x)
         except (SuspidError, np.linalg.LinAlgError):
@@ -92,7 +88,8 @@ def _gain(direction: RealArray, z: RealArray, base: RealArray) -> tuple[float, f
     """Return what an unknown of this direction takes off chi-square, and its value."""
     apart = direction - base @ (base.T @ direction)
     square = float(apart @ apart)
-    if square <= APART**2 * float(direction @ direction):
+    # Parameters that can follow all but a thousandth of a direction are not told from it.
+    if square <= 1e-3**2 * float(direction @ direction):
         return 0.0, 0.0
     along = float(apart @ z)
     return along**2 / square, along / square
@@ -139,7 +136,8 @@ def _refitted(
 ) -> tuple[Ratio, float]:
     """Return the relative error of a gain or a mass that explains the modes best, and the chi-square left."""
     factor, left = 1.0, np.inf
-    for _ in range(REFITS):
+    # Gauss-Newton steps for the size of the cause.
+    for _ in range(3):
         corrected = [replace(t, modes=t.modes if cause.mass else _without_gain(t, cause.name, factor)) for t in tests]
         heavier = car.with_parameters(masses={cause.name: car.masses[cause.name] * factor}) if cause.mass else car
         problem = pose(corrected, heavier)
@@ -171,7 +169,8 @@ def _concentration(problem: Problem, tests: Sequence[ModalTest], z: RealArray, b
         basis, sizes, _ = np.linalg.svd(apart, full_matrices=False)
         basis = basis[:, sizes > 1e-6 * np.max(sizes, initial=1e-300)]
         left, rest = total - float(np.sum((basis.T @ z) ** 2)), freedom - basis.shape[1]
-        if rest > 0 and left < (1 - MOST) * total:
+        # A channel or a mode is named if it takes half of chi-square along.
+        if rest > 0 and left < 0.5 * total:
             found.append((left / rest, Remark(code, {"name": name, "chi_square": left, "freedom": rest})))
     return [remark for _, remark in sorted(found, key=lambda one: one[0])[:1]]
 

@@ -11,7 +11,6 @@ from suspid.model import Suspension
 from suspid.units import RealArray
 
 QUANTITIES = ("stiffness", "damping")
-NEXT_TO_NONE = 1e-3  # of nominal: a spring that small is judged beside the nominal one
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -56,7 +55,8 @@ class Unknowns:
 
     def sizes(self, x: RealArray) -> RealArray:
         """Return what a change of 1 means: of springs and masses themselves, unless there is next to none; else 1."""
-        return np.where(self.positive & (x > NEXT_TO_NONE), x, 1.0)
+        # A spring below a thousandth of nominal is judged beside the nominal one.
+        return np.where(self.positive & (x > 1e-3), x, 1.0)
 
     def settled(self, x: RealArray) -> RealArray:
         """Return x with dampers that are nothing but rounding on their bound."""

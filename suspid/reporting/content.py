@@ -21,9 +21,6 @@ if TYPE_CHECKING:
     from suspid.identification import Identification, Repeats
     from suspid.reconstruction import Reconstruction
 
-# A record begins with a decay if their starts differ by no more than this [sampling steps].
-SAME_START = 1.5
-
 
 @dataclass(frozen=True, kw_only=True)
 class Content:
@@ -144,5 +141,6 @@ def content_of(
 def used_decay(response: control.TimeResponseData, decays: Sequence[Decay]) -> int | None:
     """Return which of the decays the record is, or None if it is none of them."""
     signal = as_signal(response)
-    near = [i for i, decay in enumerate(decays) if abs(decay.start - signal.start) <= SAME_START * signal.step]
+    # A record begins with a decay if their starts differ by no more than 1.5 steps.
+    near = [i for i, decay in enumerate(decays) if abs(decay.start - signal.start) <= 1.5 * signal.step]
     return min(near, key=lambda i: abs(decays[i].stop - signal.start - signal.duration), default=None)

@@ -40,13 +40,8 @@ if TYPE_CHECKING:
 NARROW, WIDE = 4.2, 9.0
 # What the page shows at most; the JSON has all.
 MOST_CHANNELS = 24
-MOST_OVERVIEWS = 3
 # Modes side by side in a picture of shapes.
 MODES_ABREAST = 4
-# Fewer bandwidths make no curve.
-FEWEST_BANDWIDTHS = 3
-# The first cycles are drawn apart if they are less than this share of the record.
-MUCH_LONGER = 0.6
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -137,7 +132,8 @@ def _draw_scalogram(found: Identification, figure: Figure) -> None:
 
 def _entropy(found: Identification) -> Picture | None:
     search = found.bandwidth_search
-    if search is None or len(search.candidates) < FEWEST_BANDWIDTHS:
+    # Two bandwidths make no curve.
+    if search is None or len(search.candidates) < 3:
         return None
     draw = partial(_draw_entropy, search)
     return picture(draw, name="entropy", described="Wavelet entropy against bandwidth", height=1.9)
@@ -150,7 +146,8 @@ def _draw_entropy(search: BandwidthSearch, figure: Figure) -> None:
 def _fits(found: Identification, units: Sequence[str]) -> Iterator[tuple[Picture, ...]]:
     """Draw the record of each channel: the whole, and the first cycles where these are much shorter."""
     signal, span = as_signal(found.response), first_cycles(found)
-    spans = [None, span] if span[1] - span[0] < MUCH_LONGER * signal.duration else [None]
+    # The first cycles are drawn apart where they are a small part of the record.
+    spans = [None, span] if span[1] - span[0] < 0.6 * signal.duration else [None]
     for k, (name, unit) in enumerate(zip(signal.channels[:MOST_CHANNELS], units, strict=False)):
         described = f"Record, fit and residual of channel {k + 1}"
         yield tuple(
@@ -219,7 +216,7 @@ def _overviews(
     if cleaned is None or not decays:
         return
     units = dict(zip(as_signal(cleaned.record).channels, cleaned.units, strict=True))
-    shown = [name for name in as_signal(found.response).channels if name in units][:MOST_OVERVIEWS]
+    shown = [name for name in as_signal(found.response).channels if name in units][:3]
     for k, name in enumerate(shown):
         draw = partial(_draw_overview, cleaned.record, name, units[name], decays, used)
         described = f"The recording with {len(decays)} decays"

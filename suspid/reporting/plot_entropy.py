@@ -13,9 +13,6 @@ if TYPE_CHECKING:
 
     from suspid.wavelets import BandwidthSearch
 
-# A range of bandwidths wider than this factor is drawn on a logarithmic axis.
-WIDE_RANGE = 100
-
 
 def plot_entropy(search: BandwidthSearch, *, ax: Axes) -> Axes:
     """Draw wavelet entropy against bandwidth with its minimum; warn if the minimum lies at an end of the range.
@@ -47,7 +44,7 @@ def plot_entropy(search: BandwidthSearch, *, ax: Axes) -> Axes:
     least = float(np.min(search.entropy))
     ax.plot([search.best], [least], color=VERMILION, marker="o", markersize=8, fillstyle="none", linestyle="none")
     ax.axvline(search.best, color=VERMILION, linewidth=0.8, linestyle="--")
-    if tried[-1] > WIDE_RANGE * tried[0]:
+    if tried[-1] > 100 * tried[0]:
         ax.set_xscale("log")
     ax.set(xlabel="bandwidth N [1]", ylabel="wavelet entropy [nat]")
     title = f"least entropy at N = {search.best:.4g}"

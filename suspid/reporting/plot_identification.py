@@ -32,7 +32,6 @@ if TYPE_CHECKING:
 ABREAST = 4
 KEYS_ABREAST = 5
 MOST_RIDGES = 8
-FITS_ON_PAGE = 8
 MODES_ON_PAGE = 12
 # Size in inches of a page to be printed: A4.
 PAGE = (8.27, 11.69)
@@ -71,7 +70,7 @@ def plot_identification(identification: Identification, figure: Figure) -> Figur
         figure.set_layout_engine("constrained")
     ridges = identification.ridges[:MOST_RIDGES]
     blocks = [ridges[i : i + ABREAST] for i in range(0, len(ridges), ABREAST)]
-    names = as_signal(identification.response).channels[:FITS_ON_PAGE]
+    names = as_signal(identification.response).channels[:8]
     last = _last_parts(identification)
     places = _places(figure, _heights(identification, len(blocks), len(names), last))
 

@@ -18,8 +18,6 @@ if TYPE_CHECKING:
 
 # Length of the bar of the largest component [distance between modes]: two neighbours just do not meet.
 FULL_BAR = 0.42
-# Phases are written beside the bars of at most this many components.
-MOST_PHASES = 24
 
 
 def plot_shapes(modes: ModalSet, *, ax: Axes) -> Axes:
@@ -59,7 +57,8 @@ def plot_shapes(modes: ModalSet, *, ax: Axes) -> Axes:
         raise InputError("these modes have no shapes to draw: poles alone were given")
     shapes = scaled_shapes(modes.shapes)
     rows = np.arange(len(shapes))
-    numbered = shapes.size <= MOST_PHASES
+    # Among more bars phases could not be read.
+    numbered = shapes.size <= 24
     for k, shape in enumerate(shapes.T, 1):
         amplitude = np.where(shape.real < 0, -1, 1) * np.abs(shape)
         ax.barh(rows, FULL_BAR * amplitude, left=k, height=0.5, color=PALE_BLUE, edgecolor=BLUE, linewidth=0.6)

@@ -22,11 +22,6 @@ PIECES = 2000
 # Of a record of more samples than this, all channels together, the wavelet's view is made of its decay alone.
 MOST_SAMPLES = 40_000
 FEWEST_DRAWN = 1024
-# The slowest mode has then fallen to e^-8, and the fastest still has four samples a cycle.
-LENGTH_OF_DECAY = 8.0
-SAMPLES_A_CYCLE = 4.0
-# An eighth of an octave less in the bandwidth changes no picture.
-FEW_BANDWIDTHS = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0, 48.0)
 
 
 def extremes(time: RealArray, values: RealArray, *, pieces: int = PIECES) -> tuple[RealArray, RealArray]:
@@ -102,9 +97,11 @@ def drawable(identification: Identification) -> Identification:
     poles = np.array([*identification.modes.poles, *beside])
     decays = -identification.modes.poles.real[identification.modes.poles.imag > 0] * signal.step
     slowest = float(np.min(decays[decays > 0], initial=np.inf))
-    kept = count if not np.isfinite(slowest) else int(np.clip(LENGTH_OF_DECAY / slowest, FEWEST_DRAWN, count))
+    # The slowest mode has then fallen to e^-8.
+    kept = count if not np.isfinite(slowest) else int(np.clip(8.0 / slowest, FEWEST_DRAWN, count))
     fastest = float(np.max(poles.imag, initial=0.0)) * signal.step
-    widest = int(2 * np.pi / fastest / SAMPLES_A_CYCLE) if fastest > 0 else -(-kept // most)
+    # The fastest still has four samples a cycle.
+    widest = int(2 * np.pi / fastest / 4.0) if fastest > 0 else -(-kept // most)
     stride = max(1, min(widest, -(-kept // most)))
     view = _thinned(signal, min(kept, most * stride), stride)
     rows = identification.steps.band
@@ -133,7 +130,12 @@ def _thinned(signal: Signal, count: int, stride: int) -> Signal:
 
 def _some(candidates: tuple[float, ...]) -> tuple[float, ...]:
     """Return those of the few bandwidths that lie within the candidates, or the candidates, if they are few."""
-    few = tuple(n for n in FEW_BANDWIDTHS if min(candidates) <= n <= max(candidates))
+    # An eighth of an octave less in the bandwidth changes no picture.
+    few = tuple(
+        n
+        for n in (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0, 48.0)
+        if min(candidates) <= n <= max(candidates)
+    )
     return few if few and len(candidates) > len(few) else candidates
 
 

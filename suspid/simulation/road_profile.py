@@ -16,8 +16,6 @@ ROUGHNESS: Mapping[str, float] = FrozenMapping({name: 16e-6 * 4**k for k, name i
 REFERENCE = 0.1  # cycle/m, to which the classes refer
 # Wavelengths of a road [m]: shorter ones are levelled by the contact patch of a tyre, longer ones by the road itself.
 WAVELENGTHS = (0.1, 100.0)
-# Grid points per shortest wavelength: cubic interpolation between them is right to 1e-3 of its amplitude.
-POINTS = 8
 MOST_POINTS = 2**26
 
 
@@ -80,7 +78,8 @@ def road_profile(
         raise InputError("distance must hold finite distances [m]")
     from scipy.interpolate import CubicSpline
 
-    first, spacing = float(np.min(where)), short / POINTS
+    # Cubic interpolation between eight points per shortest wavelength is right to 1e-3 of its amplitude.
+    first, spacing = float(np.min(where)), short / 8
     # A periodic road, one longest wavelength longer than needed, so that its ends are no neighbours.
     count = int(np.ceil((float(np.max(where)) - first + long) / spacing)) + 1
     if count > MOST_POINTS:

@@ -9,10 +9,6 @@ from suspid.units import RealArray, Second
 
 # Points that a line must fit before anything is concluded from it; fewer fit by chance.
 FEWEST_POINTS = 12
-# Points looked at beyond the fitted ones, as a share of these: the step is known well enough for that.
-LOOK_AHEAD = 0.25
-# Points before a jump among which the row that was missing is looked for.
-LOOK_BACK = 1000
 
 
 def band(step: Second, quantum: Second, jitter: float, times: RealArray) -> Second:
@@ -91,7 +87,8 @@ def _follow(rows: RealArray, times: RealArray, known: int, quantum: Second, jitt
         centre, step = fitted
         if known == rows.size:
             return missing
-        ahead = min(rows.size, known + max(FEWEST_POINTS, int(LOOK_AHEAD * known)))
+        # The fitted points know the step well enough for a quarter as many beyond them.
+        ahead = min(rows.size, known + max(FEWEST_POINTS, int(0.25 * known)))
         reach = 0.5 * band(step, quantum, jitter, times) + 0.25 * min(quantum, step)
         at = known
         while True:
@@ -105,7 +102,8 @@ def _follow(rows: RealArray, times: RealArray, known: int, quantum: Second, jitt
             jump = max(1.0, float(np.ceil((off[k] - reach) / step)))
             at += k
             # The residuals of the rows before the jump may already be nearer to those after it.
-            low = max(since, at - LOOK_BACK)
+            # The row that was missing is looked for among these points before the jump.
+            low = max(since, at - 1000)
             back = times[low:at] - centre - step * (rows[low:at] + missing[low:at]) - 0.5 * jump * step
             nearer = np.cumsum(back[::-1])
             earlier = int(np.argmax(nearer)) + 1 if back.size and np.max(nearer) > 0 else 0

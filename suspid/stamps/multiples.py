@@ -10,9 +10,6 @@ from suspid.stamps.lines import FEWEST_POINTS
 from suspid.stamps.rounding import line, resolution
 from suspid.units import RealArray
 
-# Least share of the steps that must be one step long: below it, most of the clock would be missing.
-MOSTLY = 0.7
-
 
 def multiples_of(stamps: RealArray) -> Grid | None:
     """Return the clock of which all stamps are exact samples, with rows missing, or None if there is none.
@@ -34,7 +31,8 @@ def multiples_of(stamps: RealArray) -> Grid | None:
     slack = JITTER + 2 * float(np.spacing(np.max(np.abs(stamps)))) / float(np.median(steps))
     if np.any(ticks < 0.5) or np.any(np.abs(ticks - np.round(ticks)) > slack * np.maximum(1, ticks)):
         return None
-    if np.mean(np.round(ticks) == 1) < MOSTLY or np.max(ticks) > 1e9:
+    # Where fewer steps are one step long, most of the clock would be missing.
+    if np.mean(np.round(ticks) == 1) < 0.7 or np.max(ticks) > 1e9:
         return None
     places = np.concatenate([[0], np.cumsum(np.round(ticks))]).astype(np.intp)
     start, step, std = line(places, stamps)

@@ -27,9 +27,6 @@ if TYPE_CHECKING:
 NoiseName: TypeAlias = Literal["once", "per-level"]
 TransformName: TypeAlias = Literal["stationary", "decimated"]
 
-# Ratio of the median coefficient of a level to the noise from which the level holds signal throughout. The scatter of
-# a median over the dozen coefficients of the coarsest level stays below it; a higher ratio shrinks modes.
-DENSE = 3.0
 # Noise below this share of the largest sample is rounding: the record is clean.
 ROUNDED_NOISE = 64 * float(np.finfo(np.float64).eps)
 
@@ -135,7 +132,9 @@ def denoise(
         if std[0] <= ROUNDED_NOISE * np.max(np.abs(samples)):
             out[:] = samples
             continue
-        dense = np.flatnonzero(std > DENSE * std[0]) if level is None else np.array([], int)
+        # From this ratio of its median coefficient to the noise on a level holds signal throughout. The scatter of a
+        # median over the dozen coefficients of the coarsest level stays below it; a higher ratio shrinks modes.
+        dense = np.flatnonzero(std > 3.0 * std[0]) if level is None else np.array([], int)
         if noise == "once":
             std[:] = std[0]
         for j in range(dense[0] if dense.size else depth):

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
 
 # Median of |z| for standard normal z: the median absolute coefficient is 0.6745 standard deviations.
 NORMAL_MEDIAN = 0.6744897501960817
-# A shorter record has no finest details of the 16 taps of "sym8".
-FEWEST_OF_NOISE = 16
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -71,7 +69,8 @@ def sample_noise(signal: Signal) -> RealArray:
     """Return the standard deviation of white noise in each channel, from the median of its finest wavelet details."""
     import pywt
 
-    if signal.values.shape[1] < FEWEST_OF_NOISE:
+    # A shorter record has no finest details of the 16 taps of "sym8".
+    if signal.values.shape[1] < 16:
         return np.zeros(len(signal.values))
     _, details = pywt.dwt(signal.values, "sym8", mode="symmetric", axis=1)
     return np.asarray(np.median(np.abs(details), axis=1) / NORMAL_MEDIAN)

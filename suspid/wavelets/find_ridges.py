@@ -18,17 +18,6 @@ from suspid.wavelets.ridge import Ridge
 from suspid.wavelets.ridge_at import ridge_at
 from suspid.wavelets.scalogram import Scalogram
 
-# Rows are compared by their energy further than this from both ends [cones]. Nearer to them the edge effect makes
-# ridges.
-SEARCH_CONES = 1.2
-# Ratio of the energy of a ridge to that of its flanks, for ridges found unaided and for a number asked for. A smaller
-# ratio finds ridges of noise, a larger one misses weak modes beside strong ones.
-PROMINENCE, PROMINENCE_ASKED = 2.0, 1.05
-# Modulus over noise that a ridge reaches in its trusted window. Noise exceeds it among a million samples with
-# probability e^(-25 + 14) = 2e-5.
-RIDGE_SIGNIFICANT = 5.0
-# Modulus over the edge effect that a ridge reaches there. A smaller ratio accepts clicks.
-OVER_EDGE = 2.0
 # Standard deviations by which a decay may grow: more than that is no decay.
 GROWTH = 5.0
 # Largest distance, in the logarithm, of the frequency of the skeleton from that of the maximum, and largest share of
@@ -80,7 +69,9 @@ def find_ridges(scalogram: Scalogram, *, count: int | None = None) -> tuple[Ridg
     noise = sample_noise(signal)
     width = np.sqrt(2 / scalogram.wavelet.bandwidth) / scalogram.wavelet.center
     refined: list[Ridge] = []
-    for omega in _peaks(scalogram, noise, PROMINENCE if count is None else PROMINENCE_ASKED):
+    # Ratio of the energy of a ridge to that of its flanks, for ridges found unaided and for a number asked for. A
+    # smaller ratio finds ridges of noise, a larger one misses weak modes beside strong ones.
+    for omega in _peaks(scalogram, noise, 2.0 if count is None else 1.05):
         ridge = _refined(signal, omega, scalogram.wavelet, noise)
         if ridge is None or any(abs(np.log(ridge.omega / other.omega)) < width / 2 for other in refined):
             continue
@@ -112,7 +103,8 @@ def _peaks(scalogram: Scalogram, noise: RealArray, prominence: float) -> list[fl
     by_frequency = np.argsort(scalogram.omega)
     energy = np.zeros(len(scalogram.omega))
     for i, row in enumerate(scalogram.rows):
-        inside = scalogram.inside(i, cones=SEARCH_CONES)
+        # Nearer to the ends [cones] the edge effect makes ridges.
+        inside = scalogram.inside(i, cones=1.2)
         time = scalogram.weights(i)[inside] * signal.step
         per_channel = np.abs(row[:, inside]) ** 2 @ time
         # The energy of the noise alone is subtracted.
@@ -160,7 +152,8 @@ def _is_significant(signal: Signal, ridge: Ridge) -> bool:
 
     In the trusted window it must rise above the noise, have more energy than the rows beside it, and not grow.
     """
-    if np.max(ridge.strength[ridge.trusted]) < RIDGE_SIGNIFICANT:
+    # Noise exceeds five times its level among a million samples with probability e^(-25 + 14) = 2e-5.
+    if np.max(ridge.strength[ridge.trusted]) < 5.0:
         return False
     fit = fit_skeleton(ridge)
     if fit.pole.real > GROWTH * np.sqrt(fit.variance):
@@ -171,7 +164,8 @@ def _is_significant(signal: Signal, ridge: Ridge) -> bool:
     gain = float(ridge.wavelet.gain(1j * ridge.omega, ridge.scale).real)
     whole = np.sqrt(np.mean((np.max(np.abs(signal.values), axis=1) * gain / ridge.floor) ** 2))
     edge = float(whole) * np.exp(-(max(away, 0.0) ** 2)) / (2 * np.sqrt(np.pi) * max(away, 0.3))
-    if np.max(ridge.strength[ridge.trusted]) < OVER_EDGE * edge:
+    # A smaller ratio to the edge effect accepts clicks.
+    if np.max(ridge.strength[ridge.trusted]) < 2.0 * edge:
         return False
     # At these frequencies the energy of a single mode has fallen by a factor e.
     aside = float(np.exp(np.sqrt(2 / ridge.wavelet.bandwidth) / ridge.wavelet.center))

@@ -15,8 +15,6 @@ from suspid.units import ComplexArray, RealArray
 COLOUR_LEVEL = 6.334e-5
 # Order of the autoregression that describes a coloured residual. A higher order follows chance in short records.
 COLOUR_ORDER = 8
-# The power beside a pole is the mean over these offsets, in linewidths; the pole's own line is left out.
-OFFSETS = np.array([-8.0, -6.0, -4.0, -2.0, 2.0, 4.0, 6.0, 8.0])
 # Power beside a pole that counts as excess over a white residual: the mean of 8 independent exponential variables
 # exceeds it with probability 8e-4. A lower value widens intervals that are right.
 LOUD = 2.5
@@ -76,7 +74,8 @@ def power_beside(residual: RealArray, variance: RealArray, theta: ComplexArray) 
     """
     count = residual.shape[1]
     decay = np.maximum(-theta.real, 0.25 / count)
-    offsets = (decay + np.pi / count)[:, None] * OFFSETS
+    # The power beside a pole is the mean over these offsets, in linewidths; the pole's own line is left out.
+    offsets = (decay + np.pi / count)[:, None] * np.array([-8.0, -6.0, -4.0, -2.0, 2.0, 4.0, 6.0, 8.0])
     omega = np.minimum(np.maximum(np.abs(theta.imag[:, None] + offsets), np.pi / count), np.pi)
     spread = project(residual, (1j * omega - decay[:, None]).ravel())
     expected = np.expm1(-2 * decay * count) / np.expm1(-2 * decay)

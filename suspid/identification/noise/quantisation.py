@@ -6,9 +6,6 @@ import numpy as np
 
 from suspid.units import RealArray
 
-# Least standard deviation, as a share of a channel's peak. Real sensors do not resolve less; a smaller value makes
-# the fit model rounding errors of earlier processing.
-FINEST = 1e-11
 # Samples count as rounded if they have at most this many significant digits. A larger value mistakes exact
 # double-precision samples for rounded ones.
 MOST_DIGITS = 12
@@ -16,8 +13,6 @@ MOST_DIGITS = 12
 UNIFORM_STD = 1 / np.sqrt(12)
 # Residuals within this factor of the resolution are rounding, whose colour says nothing.
 ABOVE_RESOLUTION = 4.0
-# Samples per channel that are searched for a common step or number of digits.
-SEARCHED = 4096
 
 
 def resolution(values: RealArray) -> RealArray:
@@ -36,8 +31,11 @@ def resolution(values: RealArray) -> RealArray:
     with np.errstate(over="ignore"):  # What single precision cannot hold was not stored in it.
         single = np.all(values == values.astype(np.float32), axis=1)
     rounding = np.where(single, 2.0**-24, 2.0**-52) * peak
-    coarse = [_coarseness(samples[:SEARCHED], float(top)) for samples, top in zip(values, peak, strict=True)]
-    return np.asarray(np.maximum(np.maximum(4 * rounding, FINEST * peak), coarse))
+    # A common step or number of digits shows in the first samples.
+    coarse = [_coarseness(samples[:4096], float(top)) for samples, top in zip(values, peak, strict=True)]
+    # Real sensors resolve no less than 1e-11 of the peak; a smaller share makes the fit model rounding errors of
+    # earlier processing.
+    return np.asarray(np.maximum(np.maximum(4 * rounding, 1e-11 * peak), coarse))
 
 
 def _coarseness(samples: RealArray, peak: float) -> float:

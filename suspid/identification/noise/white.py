@@ -9,9 +9,6 @@ import numpy as np
 from suspid.identification.noise.quantisation import resolution
 from suspid.units import RealArray
 
-# Relative rounding error of a residual's mean square: computed from samples, and as energy less explained energy.
-ROUNDING_OF_SAMPLES, ROUNDING_OF_ENERGIES = 1e-28, 1e-15
-
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class WhiteNoise:
@@ -46,7 +43,9 @@ class WhiteNoise:
         They are those of a record of given energy (channel,), where residual sums of squares are sums over samples or
         differences of energies.
         """
-        share = ROUNDING_OF_ENERGIES if of_energies else ROUNDING_OF_SAMPLES
+        # Relative rounding error of a residual's mean square: computed from samples, and as energy less explained
+        # energy.
+        share = 1e-15 if of_energies else 1e-28
         return self.at_least(share * energy / count)
 
 

@@ -36,7 +36,6 @@ OLD: dict[bytes, tuple[int, tuple[tuple[int, bytes], ...]]] = {
     b"CN": (218, ((0, b"CN"),)),
 }
 VARIABLE_LENGTH, REMOTE_MASTER, INVALID, VIRTUAL = 1, 8, 2, (3, 6)
-INFLATED_AT_ONCE = 1 << 20
 
 
 @dataclass(slots=True)
@@ -157,7 +156,7 @@ def _inflated(zipped: bytes, most: int) -> int:
     inflater, piece, size = zlib.decompressobj(), b"", 0
     try:
         while (zipped or piece) and not inflater.eof and size <= most:
-            piece = inflater.decompress(zipped, INFLATED_AT_ONCE)
+            piece = inflater.decompress(zipped, 1 << 20)
             zipped, size = inflater.unconsumed_tail, size + len(piece)
     except zlib.error as refusal:
         raise RecordError(f"is damaged: its samples cannot be decompressed: {refusal}") from None

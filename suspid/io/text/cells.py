@@ -33,9 +33,6 @@ ZONE = r"(?P<zone>Z|UTC|[+-]\d\d:?\d\d)?"
 STAMP, DATE_ALONE = re.compile(rf"(?:{DATE}(?:[T\s]|,\s*))?\s*{TIME_OF_DAY}\s*{ZONE}", re.A), re.compile(DATE, re.A)
 NANO = 10**9
 DAY = 86400 * NANO
-# Nanoseconds since 1970 overflow 64 bits outside these years.
-YEARS = range(1700, 2260)
-UNIX_DAY = datetime.date(1970, 1, 1).toordinal()
 # In place of the number of a date.
 NO_DATE, NO_STAMP = -1, -2
 
@@ -139,6 +136,7 @@ def _day(date: str, *, day_first: bool) -> int | None:
     one, two, three = map(int, parts)
     year, month, day = (one, two, three) if one >= 1000 else (three, two, one) if day_first else (three, one, two)
     try:
-        return datetime.date(year, month, day).toordinal() - UNIX_DAY if year in YEARS else None
+        # Nanoseconds since 1970 overflow 64 bits outside these years.
+        return (datetime.date(year, month, day) - datetime.date(1970, 1, 1)).days if 1700 <= year < 2260 else None
     except ValueError:
         return None

@@ -32,7 +32,6 @@ LABELS = {
     "name",
 }
 HEAD_LINES, HEAD_BYTES = 1000, 1 << 18
-LONGEST_LINE = 1 << 20
 
 
 def read_delimited(path: Path) -> Table:
@@ -43,7 +42,7 @@ def read_delimited(path: Path) -> Table:
     if len(text) > HEAD_BYTES or len(head) > HEAD_LINES:
         head.pop()
         middle = text[len(text) // 2 : len(text) // 2 + HEAD_BYTES // 4].split(b"\n", 300)[1:-1]
-    if not head or max(map(len, head)) > LONGEST_LINE:
+    if not head or max(map(len, head)) > 1 << 20:
         raise RecordError(f"line 1 is longer than {HEAD_BYTES} bytes; a record has one sample a line")
     top = [line.decode() for line in head]
     layout = find_layout(top, [line for line in (*top, *(row.decode() for row in middle)) if line.strip()])

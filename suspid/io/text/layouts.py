@@ -16,12 +16,8 @@ from suspid.io.text.dialects import NUMERIC, Dialect, find_dialect, shapes, shor
 from suspid.units import Hertz
 from suspid.words import LeftOut, Remark
 
-# The first cell of a line in which LabVIEW writes the unit of each channel.
-UNITS_BY_CHANNEL = "y_unit_label"
 # A line drawn below a header.
 RULE = re.compile(r"(?=.*(?:-{3}|={3}|_{3}|\*{3}|~{3}|#{3}))[\s\-=_*~#+|]+")
-# Lines above the data that are listed one by one.
-MOST_LISTED = 8
 KEY_VALUE = re.compile(
     r"\W*([^\W\d][^:=;,\t]*?)\s*[:=;,\t]\s*[\"']?([+-]?\d+(?:\.\d+)?(?:[eE][+-]?\d+)?)\s*[;,\t]?\s*(\w*(?:/s)?)\W*"
 )
@@ -60,7 +56,7 @@ def find_layout(head: Sequence[str], sample: Sequence[str]) -> Layout:
     if units_at is not None:
         units |= {name: unit for name, unit in zip(names, columns.units(above[units_at]), strict=False) if unit}
     units |= next((dict(zip(names, cells, strict=False)) for cells in map(columns.dialect.cells, others.values())
-                   if cells[0].lower() == UNITS_BY_CHANNEL and len(cells) >= len(names)), {})  # fmt: skip
+                   if cells[0].lower() == "y_unit_label" and len(cells) >= len(names)), {})  # fmt: skip
     return Layout(
         dialect=columns.dialect,
         names=tuple(names),
@@ -154,7 +150,8 @@ def _names(columns: Columns, line: str) -> tuple[list[str], dict[str, Remark]]:
 
 def _listed(others: Mapping[int, str]) -> dict[str, Remark]:
     """Return the lines above the data that are neither names nor units, by their numbers."""
-    if len(others) <= MOST_LISTED:
+    # A few lines above the data are listed one by one.
+    if len(others) <= 8:
         return {f"line {n}": Remark(LeftOut.HEADING, {"line": shortened(line)}) for n, line in others.items()}
     numbers = list(others)
     remark = Remark(LeftOut.HEADINGS, {"lines": len(others), "line": shortened(others[numbers[0]])})

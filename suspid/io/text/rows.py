@@ -19,9 +19,6 @@ from suspid.io.text.layouts import Layout
 from suspid.units import RealArray
 from suspid.words import LeftOut, Remark
 
-MOST_FOOTER = 20
-# Rows that are read cell by cell as soon as numpy refuses one of them.
-FEW_ROWS = 16
 NUMERALS = b"0123456789+-.eE "
 DIGITS = np.isin(np.arange(256), np.frombuffer(b"0123456789", np.uint8))
 NUMBER_STARTS = np.isin(np.arange(256), np.frombuffer(b"0123456789+-.", np.uint8))
@@ -99,7 +96,7 @@ def find_rows(body: bytes, layout: Layout) -> tuple[Rows, dict[str, Remark]]:
     last = next(n for n in range(line - 1, -1, -1) if n not in skipped)
     said = {f"line {n}": _why(text, layout, n, last) for n, text in odd.items()}
     below = [n for n in odd if n > last]
-    if len(below) > MOST_FOOTER:
+    if len(below) > 20:
         raise RecordError(
             f"the rows end at line {last}, but {line - 1 - last} lines follow: {shortened(odd[below[0]])}"
         )
@@ -171,7 +168,8 @@ def _numbers(lines: Sequence[int], rows: Sequence[str], use: Sequence[int], layo
     values = _loaded(rows, use, layout)
     if values is not None:
         yield values
-    elif len(rows) <= FEW_ROWS:
+    # So few rows are read cell by cell as soon as numpy refuses one of them.
+    elif len(rows) <= 16:
         yield np.array([_row(line, row, use, layout) for line, row in zip(lines, rows, strict=True)]).T
     else:
         middle = len(rows) // 2
