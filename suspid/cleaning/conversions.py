@@ -18,19 +18,19 @@ if TYPE_CHECKING:
     import control
 
 STANDARD_GRAVITY = 9.80665
-INCH, POUND_FORCE, KNOT = 0.0254, 4.4482216152605, 1852 / 3600
+INCH = 0.0254
 # Factor and SI unit of each unit.
 FACTORS: dict[str, tuple[float, str]] = {
     "m": (1.0, "m"), "dm": (0.1, "m"), "cm": (1e-2, "m"), "mm": (1e-3, "m"), "um": (1e-6, "m"), "nm": (1e-9, "m"),
     "in": (INCH, "m"), "inch": (INCH, "m"), "mil": (1e-3 * INCH, "m"), "ft": (12 * INCH, "m"),
     "m/s": (1.0, "m/s"), "cm/s": (1e-2, "m/s"), "mm/s": (1e-3, "m/s"), "in/s": (INCH, "m/s"), "ips": (INCH, "m/s"),
     "ft/s": (12 * INCH, "m/s"), "km/h": (1 / 3.6, "m/s"), "kph": (1 / 3.6, "m/s"), "mph": (0.44704, "m/s"),
-    "kn": (KNOT, "m/s"),
+    "kn": (1852 / 3600, "m/s"),
     "m/s2": (1.0, "m/s2"), "cm/s2": (1e-2, "m/s2"), "gal": (1e-2, "m/s2"), "mm/s2": (1e-3, "m/s2"),
     "in/s2": (INCH, "m/s2"), "ft/s2": (12 * INCH, "m/s2"),
     "g": (STANDARD_GRAVITY, "m/s2"), "gn": (STANDARD_GRAVITY, "m/s2"), "g0": (STANDARD_GRAVITY, "m/s2"),
     "mg": (1e-3 * STANDARD_GRAVITY, "m/s2"), "ug": (1e-6 * STANDARD_GRAVITY, "m/s2"),
-    "n": (1.0, "N"), "kn_force": (1e3, "N"), "lbf": (POUND_FORCE, "N"), "kgf": (STANDARD_GRAVITY, "N"),
+    "n": (1.0, "N"), "kn_force": (1e3, "N"), "lbf": (4.4482216152605, "N"), "kgf": (STANDARD_GRAVITY, "N"),
     "rad": (1.0, "rad"), "mrad": (1e-3, "rad"), "deg": (np.pi / 180, "rad"), "°": (np.pi / 180, "rad"),
     "rad/s": (1.0, "rad/s"), "deg/s": (np.pi / 180, "rad/s"), "°/s": (np.pi / 180, "rad/s"),
     "dps": (np.pi / 180, "rad/s"), "rpm": (np.pi / 30, "rad/s"),

@@ -21,9 +21,6 @@ from suspid.words import Defect, Number, count
 # Relative difference of two rates up to which they are one, of a logger whose clock strays. A slower channel is left
 # out unless asked for by name; a record at such a rate is resampled to that of others.
 ONE_RATE = 0.01
-# Share of the recording that must be left where its ends are cut off: where a channel is missing at an end, and where
-# a long gap lies near one. Smaller values cut without being asked what the user may have wanted.
-LEAST_LEFT, MOST_LEFT = 0.5, 0.9
 
 
 def by_clock(channels: list[RawChannel]) -> list[list[RawChannel]]:
@@ -116,9 +113,11 @@ def whole(placed: Placed) -> tuple[RealArray, dict[str, RealArray], list[Finding
     first, last = int(np.argmin(holes)), int(holes.size - np.argmin(holes[::-1]))
     starts, stops = runs(~holes)
     longest = int(np.argmax(stops - starts))
-    if stops[longest] - starts[longest] >= MOST_LEFT * holes.size:
+    # Share of the recording that must be left where its ends are cut off: where a channel is missing at an end, and
+    # where a long gap lies near one. Smaller values cut without being asked what the user may have wanted.
+    if stops[longest] - starts[longest] >= 0.9 * holes.size:
         first, last = int(starts[longest]), int(stops[longest])
-    if np.any(holes[first:last]) or last - first < LEAST_LEFT * holes.size:
+    if np.any(holes[first:last]) or last - first < 0.5 * holes.size:
         begin, end = runs(holes)
         k = int(np.argmax(end - begin))
         gaps = [name for name, row in zip(placed.names, table, strict=True) if np.any(np.isnan(row[begin[k] : end[k]]))]

@@ -26,13 +26,10 @@ from suspid.fleet.records import Entry, Seen
 from suspid.fleet.rows import failure
 from suspid.fleet.tables import Rows
 from suspid.fleet.work import TIME_UP, check_versions, tables_of
-from suspid.units import Second
 from suspid.words import Failure, Remark, Step
 
 # A process may die for a reason other than its record (the system was short of memory): one more try costs little.
 RECORD_TRIES = 2
-# How often a worker checks that its client still lives. This is how long an orphan can outlive a killed client.
-WATCH: Second = 1.0
 # BLAS threads of several workers would compete for the cores, and change the order of sums.
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS"), "1")
 
@@ -194,7 +191,8 @@ def _end_with(parent: int) -> None:
 
     def watch() -> None:
         while os.getppid() == parent:
-            time.sleep(WATCH)
+            # An orphan outlives a killed client by this much at most [s].
+            time.sleep(1.0)
         os._exit(1)
 
     signal.signal(signal.SIGINT, signal.SIG_IGN)

@@ -67,7 +67,7 @@ UNREADABLE = (
     (b"\x1f\x8b", "compressed with gzip (unpack it)"),
     (b"{", "JSON (a record is a table)"),
 )
-MDF, HDF = BY_SUFFIX[".mdf"], BY_SUFFIX[".h5"]
+MDF = BY_SUFFIX[".mdf"]
 
 
 def reader_of(path: Path, dbc: str | os.PathLike[str] | None) -> Reader:
@@ -92,7 +92,7 @@ def format_of(path: Path) -> Format:
             )
         return marked or PLAIN_TEXT
     # MATLAB v7.3 writes HDF5 after 512 bytes of its own, and .dat is a suffix of MDF as well as of text.
-    if suffix in (".mat", ".dat") and (marked := marked_format(path)) in (HDF, MDF):
+    if suffix in (".mat", ".dat") and (marked := marked_format(path)) in (BY_SUFFIX[".h5"], MDF):
         return marked
     return BY_SUFFIX.get(suffix, PLAIN_TEXT)
 

@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     import h5py
 
 Read = TypeVar("Read")
-UNIT_NAMES = ("unit", "units", "Unit", "Units", "UNIT", "UNITS")
 # Limit of a record; a damaged file may seem to have more groups.
 MOST_VARIABLES = 20_000
 # A data set of more than LARGE bytes must not unpack to more than MOST_PACKED times its size in the file.
@@ -146,7 +145,8 @@ def _dataset(data: h5py.Dataset) -> Value:
 
 
 def _variable(data: h5py.Dataset, field: str | None) -> Variable:
-    unit = next((_plain(data.attrs[name]) for name in UNIT_NAMES if field is None and name in data.attrs), "")
+    units = [] if field is not None else [name for name in data.attrs if name.lower() in ("unit", "units")]
+    unit = _plain(data.attrs[units[0]]) if units else ""
     stated = {name: stated_rate(name, number) for name, number in _numbers(data).items()}
     rates: Mapping[str, Hertz] = {name: rate for name, rate in stated.items() if rate is not None}
 

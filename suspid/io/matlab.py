@@ -13,6 +13,7 @@ import struct
 import warnings
 import zlib
 from collections.abc import Iterator
+from enum import IntEnum
 from pathlib import Path
 
 import numpy as np
@@ -24,14 +25,38 @@ from suspid.io.variables import DEEPEST, MOST_BYTES, Group, Text, Value, Variabl
 from suspid.words import LeftOut, Remark
 
 HEADER = 128
-MATRIX, COMPRESSED, UINT32, INT32, INT8, UTF8 = 14, 15, 6, 5, 1, 16
+
+
+class Item(IntEnum):
+    """Types of the parts of a file."""
+
+    INT8 = 1
+    INT32 = 5
+    UINT32 = 6
+    MATRIX = 14
+    COMPRESSED = 15
+    UTF8 = 16
+
+
+class ArrayClass(IntEnum):
+    """Classes of arrays that are no numbers; those from 6 to 15 are."""
+
+    CELL = 1
+    STRUCT = 2
+    OBJECT = 3
+    CHAR = 4
+    SPARSE = 5
+
+
 # Type of a number by its code.
 ITEMS = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8"}
 TEXTS = {2: "latin1", 4: "utf-16", 16: "utf-8", 17: "utf-16", 18: "utf-32"}
 NUMERIC_CLASSES = range(6, 16)
-CELL, STRUCT, OBJECT, CHAR, SPARSE = 1, 2, 3, 4, 5
-OTHER_CLASSES = {CELL: LeftOut.CELLS, OBJECT: LeftOut.OBJECT, SPARSE: LeftOut.SPARSE}
-COMPLEX_FLAG = 0x08
+OTHER_CLASSES = {
+    ArrayClass.CELL: LeftOut.CELLS,
+    ArrayClass.OBJECT: LeftOut.OBJECT,
+    ArrayClass.SPARSE: LeftOut.SPARSE,
+}
 
 
 def read_matlab(path: Path) -> Table:
@@ -92,13 +117,13 @@ def _variables(content: bytes) -> Group:
     while position < len(content):
         kind, body = _element(content, position, order)
         position += 8 + len(body)
-        if kind == COMPRESSED:
+        if kind == Item.COMPRESSED:
             inflater = zlib.decompressobj()
             matrix = inflater.decompress(body, MOST_BYTES)
             if inflater.unconsumed_tail:
                 raise RecordError(f"holds a variable of more than {MOST_BYTES >> 30} GiB")
             kind, body = _element(matrix, 0, order)
-        if kind != MATRIX:
+        if kind != Item.MATRIX:
             raise RecordError(f"is damaged: element of type {kind} in place of a variable")
         name, value = _value(body, order, 0)
         # Data that MATLAB stores for its objects have no name.
@@ -114,31 +139,31 @@ def _value(body: bytes, order: str, depth: int) -> tuple[str, Value]:
         return "", Remark(LeftOut.EMPTY)
     parts = _elements(body, order)
     flags_kind, flags = next(parts, (0, b""))
-    if flags_kind != UINT32 or len(flags) != 8:
+    if flags_kind != Item.UINT32 or len(flags) != 8:
         raise RecordError("is damaged: a variable lacks its flags")
     word = struct.unpack(order + "I", flags[:4])[0]
     class_code = word & 0xFF
     # Objects of newer classes state no size here.
     if class_code > NUMERIC_CLASSES[-1]:
         name_kind, name = next(parts, (0, b""))
-        text = name.decode("latin1") if name_kind in (INT8, UTF8) else ""
+        text = name.decode("latin1") if name_kind in (Item.INT8, Item.UTF8) else ""
         return text, Remark(LeftOut.OBJECT)
     (dims_kind, dims), (name_kind, name) = next(parts, (0, b"")), next(parts, (0, b""))
-    if dims_kind != INT32 or len(dims) % 4 or not 8 <= len(dims) <= 128 or name_kind not in (INT8, UTF8):
+    if dims_kind != Item.INT32 or len(dims) % 4 or not 8 <= len(dims) <= 128 or name_kind not in (Item.INT8, Item.UTF8):
         raise RecordError("is damaged: a variable lacks its size or its name")
     text = name.decode("latin1")
     shape = struct.unpack(f"{order}{len(dims) // 4}i", dims)
     if min(shape) < 0:
         raise RecordError(f"is damaged: variable {text!r} has the size {shape}")
-    if class_code == STRUCT:
+    if class_code == ArrayClass.STRUCT:
         return text, _structure(parts, shape, order, depth)
-    if class_code == CHAR:
+    if class_code == ArrayClass.CHAR:
         kind, letters = next(parts, (0, b""))
         return text, _text(kind, letters, order)
     if class_code not in NUMERIC_CLASSES:
         other = OTHER_CLASSES.get(class_code)
         return text, Remark(LeftOut.CLASS, {"number": class_code}) if other is None else Remark(other)
-    return text, _array(text, parts, shape, order, complex_=bool(word >> 8 & COMPLEX_FLAG))
+    return text, _array(text, parts, shape, order, complex_=bool(word >> 8 & 0x08))
 
 
 def _array(
@@ -169,7 +194,7 @@ def _structure(parts: Iterator[tuple[int, bytes]], shape: tuple[int, ...], order
     if depth >= DEEPEST:
         return Remark(LeftOut.TOO_DEEP, {"levels": DEEPEST})
     (length_kind, length), (names_kind, names) = next(parts, (0, b"")), next(parts, (0, b""))
-    if length_kind != INT32 or len(length) != 4 or names_kind not in (INT8, UTF8):
+    if length_kind != Item.INT32 or len(length) != 4 or names_kind not in (Item.INT8, Item.UTF8):
         raise RecordError("is damaged: a structure lacks the names of its fields")
     width = struct.unpack(order + "i", length)[0]
     if width <= 0 or len(names) % width:
@@ -184,7 +209,7 @@ def _structure(parts: Iterator[tuple[int, bytes]], shape: tuple[int, ...], order
         one: dict[str, Value] = {}
         for field in fields:
             kind, body = next(parts, (0, b""))
-            if kind != MATRIX:
+            if kind != Item.MATRIX:
                 raise RecordError(f"is damaged: field {field!r} of a structure is missing")
             one[field] = _value(body, order, depth + 1)[1]
         found.append(one)

@@ -17,7 +17,6 @@ from suspid.units import RealArray
 from suspid.values import frozen_real
 from suspid.words import LeftOut, Remark
 
-UNIT_KEYS = (b"unit", b"units", b"UNIT", b"Unit", b"Units")
 # A few bytes may encode any number of equal samples; more than this are refused.
 MOST_ROWS = 1 << 28
 
@@ -131,7 +130,7 @@ def _why_not(kind: Any, types: Any) -> Remark | None:
 
 
 def _unit(metadata: dict[bytes, bytes] | None) -> str:
-    found = next((metadata[key] for key in UNIT_KEYS if key in metadata), b"") if metadata else b""
+    found = next((value for key, value in (metadata or {}).items() if key.lower() in (b"unit", b"units")), b"")
     return printable(found.decode("utf-8", "replace").strip())
 
 

@@ -44,7 +44,6 @@ SYSTEMS = {
     8: ("mm", "kgf"),
     10: ("mm", "N"),
 }
-DISPLACEMENT, REACTION, VELOCITY, ACCELERATION, EXCITATION = 8, 9, 11, 12, 13
 
 
 def read_uff(path: Path) -> Table:
@@ -179,5 +178,5 @@ def _unit(kind: int, system: int | None) -> str:
     if system not in SYSTEMS:
         return ""
     length, force = SYSTEMS[system]
-    known = {DISPLACEMENT: length, VELOCITY: f"{length}/s", ACCELERATION: f"{length}/s^2"}
-    return {**known, REACTION: force, EXCITATION: force}.get(kind, "")
+    # Displacement, velocity and acceleration; force of reaction and of excitation.
+    return {8: length, 11: f"{length}/s", 12: f"{length}/s^2", 9: force, 13: force}.get(kind, "")

@@ -16,10 +16,6 @@ if TYPE_CHECKING:
     import control
 
 
-# Share of the terms of a sum over the states below which the sum is rounding, so that no output sees the mode.
-UNSEEN = 1e-12
-
-
 def eigenmodes(system: control.StateSpace | Suspension) -> ModalSet:
     """Return the exact modes of a model: its eigenvalues, and its eigenvectors at the outputs.
 
@@ -69,7 +65,8 @@ def eigenmodes(system: control.StateSpace | Suspension) -> ModalSet:
         poles = np.where(np.abs(poles) <= 3e-8 * np.max(np.abs(poles), initial=0.0), 0.0, poles)
     shapes = outputs @ vectors
     # Outputs in which the states cancel show rounding alone.
-    shapes[np.abs(shapes) <= UNSEEN * (np.abs(outputs) @ np.abs(vectors))] = 0.0
+    # Where the sum over the states is rounding, no output sees the mode.
+    shapes[np.abs(shapes) <= 1e-12 * (np.abs(outputs) @ np.abs(vectors))] = 0.0
     upper = poles.imag >= 0
     return ModalSet(poles=poles[upper], shapes=scaled_shapes(shapes[:, upper]), channels=channels)
 

@@ -24,8 +24,6 @@ from suspid.reconstruction.results import Reconstruction
 from suspid.reconstruction.unknowns import parameter_names, parameter_vector
 from suspid.units import UNITS, Ratio
 
-CAR_FORMAT = "suspid car 1"
-
 
 def reconstruction_to_dict(found: Reconstruction, *, level: Ratio = 0.95) -> dict[str, object]:
     """Return what was found as plain lists and numbers, every bit kept.
@@ -47,7 +45,7 @@ def reconstruction_to_dict(found: Reconstruction, *, level: Ratio = 0.95) -> dic
         stds = [float(variance) ** 0.5 for variance in found.covariance.diagonal()]
         ends = found.interval(level)
     return {
-        "format": CAR_FORMAT,
+        "format": "suspid car 1",
         "parameters": [
             {
                 "name": name,

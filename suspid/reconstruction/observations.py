@@ -16,7 +16,6 @@ from suspid.values import nearest_names
 from suspid.words import ReconstructionNote, Remark
 
 FEW_DIGITS = 8  # significant digits of printed numbers, at most; computed ones have 15 to 17
-TURN = 2 * np.pi  # rad/s
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -136,7 +135,8 @@ def printed(modes: ModalSet) -> bool:
     """
     moving = modes.poles != 0
     wn, zeta, poles = modes.wn[moving], modes.zeta[moving], modes.poles[moving]
-    forms = [(wn, zeta), (wn / TURN, zeta), (poles.imag, poles.real), (poles.imag / TURN, poles.real / TURN)]
+    hertz = poles / (2 * np.pi)
+    forms = [(wn, zeta), (wn / (2 * np.pi), zeta), (poles.imag, poles.real), (hertz.imag, hertz.real)]
     return any(_few_digits(np.concatenate(form)) for form in forms)
 
 

@@ -22,7 +22,6 @@ BLIND = 1e-8  # of the largest singular value: what the data do not see
 LARGEST = 1e9  # of the scale of an unknown: where there is no bound
 NEGLIGIBLE = 1e-8  # of chi-square: no step is worth so little
 UNLIKELY_TWIN = 1e-4  # probability of the rise of chi-square from the best suspension to another
-VAGUE = 0.05  # standard deviation of a shape's component above which shapes may not choose one suspension
 NEAR_MISS = 5e-3  # relative distance from exact poles at which another suspension is mentioned
 DATA_AGAINST_PRIOR = 1e6  # weight of modes without covariance, which are exact, beside a nominal car's
 
@@ -57,7 +56,8 @@ class Problem:
     def unique(self) -> bool:
         """Whether the problem is linear, and its shapes too well known for another suspension within their spread."""
         vague = [1 / np.linalg.svd(t.whiten, compute_uv=False).min() for t in self.tests if t.whiten is not None]
-        return self.full and (self.tests[0].poles_alone or bool(max(vague, default=0.0) <= VAGUE))
+        # Shapes with a component less well known than this may not choose one suspension.
+        return self.full and (self.tests[0].poles_alone or bool(max(vague, default=0.0) <= 0.05))
 
     @property
     def has_nominal(self) -> bool:

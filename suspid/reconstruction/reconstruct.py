@@ -36,8 +36,6 @@ from suspid.words import ReconstructionNote, Remark
 
 __all__ = ["Reconstruction", "reconstruct"]
 
-TOLERANCE = 0.02  # of a pole's modulus
-
 
 def reconstruct(
     modes: ModalSet | Sequence[ModalTest | ModalSet],
@@ -188,7 +186,8 @@ def reconstruct(
         penalty=penalty,
     )
     problem, notes = posed(tests, suspension, asked)
-    accuracy = TOLERANCE if tolerance is None else tolerance
+    # Of a pole's modulus.
+    accuracy = 0.02 if tolerance is None else tolerance
 
     def causes(x: RealArray) -> list[Remark]:
         return suspects(tests, suspension, lambda t, s: posed(t, s, asked)[0], x) if problem.weighted else []

@@ -19,8 +19,6 @@ from suspid.units import Ratio
 if TYPE_CHECKING:
     from suspid.greybox import Estimate
 
-ESTIMATE_FORMAT = "suspid estimate 1"
-
 
 def estimate_to_dict(found: Estimate, *, level: Ratio = 0.95) -> dict[str, object]:
     """Return an estimate as plain lists and numbers, every bit kept; numbers that are not finite are None.
@@ -39,7 +37,7 @@ def estimate_to_dict(found: Estimate, *, level: Ratio = 0.95) -> dict[str, objec
     from importlib.metadata import version
 
     fields = {
-        "format": ESTIMATE_FORMAT,
+        "format": "suspid estimate 1",
         "verdict": found.verdict.to_dict(),
         "level": level,
         "parameters": _parameters(found, level),

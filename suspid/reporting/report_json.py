@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from suspid.cleaning import Cleaned
     from suspid.identification import Identification, Repeats
 
-REPORT_FORMAT = "suspid report 2"
-
 
 def report_to_dict(found: Identification | Analysis | Content) -> dict[str, object]:
     """Return everything that `report` shows as plain lists and numbers; numbers that are not finite are None.
@@ -47,7 +45,7 @@ def report_to_dict(found: Identification | Analysis | Content) -> dict[str, obje
     repeats, car = analysis.repeats, analysis.reconstruction
     fields = identification_to_dict(shown, file=source.file if source else "", warnings=content.warnings)
     fields |= {
-        "report": REPORT_FORMAT,
+        "report": "suspid report 2",
         "level": content.level,
         "verdict": analysis.verdict.to_dict(),
         "quality": _quality(shown, content.level),

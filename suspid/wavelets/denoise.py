@@ -27,9 +27,6 @@ if TYPE_CHECKING:
 NoiseName: TypeAlias = Literal["once", "per-level"]
 TransformName: TypeAlias = Literal["stationary", "decimated"]
 
-# Noise below this share of the largest sample is rounding: the record is clean.
-ROUNDED_NOISE = 64 * float(np.finfo(np.float64).eps)
-
 
 def denoise(
     response: control.TimeResponseData,
@@ -129,7 +126,8 @@ def denoise(
         std = noise_std(details, filters)
         # Wavelets of two vanishing moments or more do not see the line; "haar" does, with or without it.
         std[0] = min(std[0], noise_std(split(samples, filters, 1)[0], filters)[0])
-        if std[0] <= ROUNDED_NOISE * np.max(np.abs(samples)):
+        # Smaller noise is rounding: the record is clean.
+        if std[0] <= 64 * np.finfo(np.float64).eps * np.max(np.abs(samples)):
             out[:] = samples
             continue
         # From this ratio of its median coefficient to the noise on a level holds signal throughout. The scatter of a

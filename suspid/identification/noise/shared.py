@@ -7,10 +7,6 @@ import numpy as np
 from suspid.identification.noise.colour import correlated
 from suspid.units import RealArray
 
-# Probability with which independent channels are called correlated (6 standard deviations), and the least
-# correlation that matters: it would widen variances by a fifth.
-SHARED_LEVEL, SHARED_LEAST = 1.973e-9, 0.2
-
 
 def shared_noise(residual: RealArray) -> float:
     """Return the factor by which noise that channels share widens variances: 1 where they share none.
@@ -26,7 +22,9 @@ def shared_noise(residual: RealArray) -> float:
     """
     together = noise_correlation(residual)
     apart = together[~np.eye(len(together), dtype=bool)]
-    if not np.any(correlated(apart, residual.shape[1], level=SHARED_LEVEL) & (np.abs(apart) > SHARED_LEAST)):
+    # Independent channels are called correlated with probability 2e-9 (6 standard deviations). A correlation below 0.2
+    # does not matter: it would widen variances by a fifth.
+    if not np.any(correlated(apart, residual.shape[1], level=1.973e-9) & (np.abs(apart) > 0.2)):
         return 1.0
     return float(np.linalg.eigvalsh(together)[-1])
 

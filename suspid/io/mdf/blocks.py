@@ -10,6 +10,7 @@ import struct
 import zlib
 from collections import defaultdict
 from dataclasses import dataclass, field
+from enum import IntFlag
 
 from suspid.errors import RecordError
 
@@ -25,9 +26,12 @@ ZIPPED = b"##DZ"
 LINKS = {b"##HD": (6, 6), b"##DG": (4, 4), b"##CG": (6, 7), b"##CN": (8, 99), b"##HL": (1, 1), ZIPPED: (0, 0)}
 LINKS |= {b"##FH": (2, 2), b"##AT": (4, 4), b"##EV": (5, 1 << 32), **dict.fromkeys((b"##CA", *LISTS), (1, 1 << 32))}
 LEAST_BODY = {b"##CG": 32, b"##CN": 24, b"##DG": 1, ZIPPED: 24}
-CHANNEL_PARTS = (b"##CN", b"##CA")
 # The same links may lead to other kinds, such as a group or an attachment, which are not followed.
-ONLY_TO = {(b"##CN", 1): CHANNEL_PARTS, (b"##CA", 0): CHANNEL_PARTS, (b"##CN", 5): (*DATA, *LISTS, ZIPPED, b"##HL")}
+ONLY_TO = {
+    (b"##CN", 1): (b"##CN", b"##CA"),
+    (b"##CA", 0): (b"##CN", b"##CA"),
+    (b"##CN", 5): (*DATA, *LISTS, ZIPPED, b"##HL"),
+}
 # The same of versions 2 and 3: least size, and the kinds that the links lead to.
 OLD: dict[bytes, tuple[int, tuple[tuple[int, bytes], ...]]] = {
     b"HD": (20, ((0, b"DG"),)),
@@ -35,7 +39,22 @@ OLD: dict[bytes, tuple[int, tuple[tuple[int, bytes], ...]]] = {
     b"CG": (26, ((0, b"CG"), (1, b"CN"))),
     b"CN": (218, ((0, b"CN"),)),
 }
-VARIABLE_LENGTH, REMOTE_MASTER, INVALID, VIRTUAL = 1, 8, 2, (3, 6)
+
+
+class GroupFlag(IntFlag):
+    """Flags of a group of channels."""
+
+    VARIABLE_LENGTH = 1
+    BUS_EVENT = 2
+    PLAIN_BUS_EVENT = 4
+    REMOTE_MASTER = 8
+
+
+class ChannelFlag(IntFlag):
+    """Flags of a channel: all samples are invalid, or a bit of each tells."""
+
+    ALL_INVALID = 1
+    INVALID_BIT = 2
 
 
 @dataclass(slots=True)
@@ -123,18 +142,19 @@ def _measure(content: bytes, address: int, kind: bytes, links: int, group: int, 
     body, size = address + BLOCK_HEADER + 8 * links, struct.unpack_from("<Q", content, address + 8)[0]
     if kind == b"##CG":
         _, cycles, flags, _, _, samples, invalid = struct.unpack_from("<QQHHIII", content, body)
-        if (links == 7) != bool(flags & REMOTE_MASTER):
+        if (links == 7) != bool(flags & GroupFlag.REMOTE_MASTER):
             raise RecordError(f"is damaged: the channel group at byte {address} has {links} links")
-        sizes.records[address] = (0, 0) if flags & VARIABLE_LENGTH else (samples, invalid)
-        if not flags & VARIABLE_LENGTH:
+        sizes.records[address] = (0, 0) if flags & GroupFlag.VARIABLE_LENGTH else (samples, invalid)
+        if not flags & GroupFlag.VARIABLE_LENGTH:
             record_id = content[group + BLOCK_HEADER + 8 * struct.unpack_from("<Q", content, group + 16)[0]]
             sizes.stated[group] += cycles * (samples + invalid + record_id)
             sizes.cycles += cycles
     elif kind == b"##CN":
         what, _, _, shift, start, bits, flags, mark = struct.unpack_from("<4B4I", content, body)
         samples, invalid = sizes.records.get(group, (0, 0))
-        _check_fits(address, 8 * start + shift + bits if what not in VIRTUAL else 0, samples)
-        _check_fits(address, mark + 1 if flags & INVALID or (flags and invalid) else 0, invalid)
+        # Virtual channels take no place.
+        _check_fits(address, 8 * start + shift + bits if what not in (3, 6) else 0, samples)
+        _check_fits(address, mark + 1 if flags & ChannelFlag.INVALID_BIT or (flags and invalid) else 0, invalid)
     elif kind == ZIPPED:
         method, whole, zipped = struct.unpack_from("<2xB5xQQ", content, body)
         if zipped > size - (body - address) - LEAST_BODY[ZIPPED]:

@@ -12,11 +12,9 @@ import numpy as np
 
 from suspid.errors import RecordError
 from suspid.files import printable
-from suspid.io.mdf.blocks import REMOTE_MASTER, VARIABLE_LENGTH
+from suspid.io.mdf.blocks import ChannelFlag, GroupFlag
 from suspid.words import LeftOut, Remark
 
-ALL_INVALID = 1
-BUS_EVENT, PLAIN_BUS_EVENT = 1 << 1, 1 << 2
 FRAMES = "CAN_DataFrame"
 ID_BITS = 29
 # A frame of CAN XL has up to 2048 bytes.
@@ -59,7 +57,7 @@ def opened(content: bytes) -> Iterator[Any]:
 def _is_raw(group: Any) -> bool:
     """Whether a group holds the frames of a bus, not signals."""
     flags = getattr(group.channel_group, "flags", 0)
-    return bool(flags & PLAIN_BUS_EVENT or (flags & BUS_EVENT and _named(group, FRAMES)))
+    return bool(flags & GroupFlag.PLAIN_BUS_EVENT or (flags & GroupFlag.BUS_EVENT and _named(group, FRAMES)))
 
 
 def _named(group: Any, name: str) -> bool:
@@ -77,7 +75,7 @@ def places_of(file: Any) -> list[Place]:
         if _is_raw(group):
             continue
         name = printable(getattr(group.channel_group, "acq_name", "") or "") or f"group {k + 1}"
-        remote = getattr(group.channel_group, "flags", 0) & REMOTE_MASTER
+        remote = getattr(group.channel_group, "flags", 0) & GroupFlag.REMOTE_MASTER
         leader = group.channel_group.cg_master_index if remote else k
         time = file.masters_db.get(leader)
         master = None if time is None else file.groups[leader].channels[time]
@@ -108,7 +106,7 @@ def _why_not(group: Any, index: int, master: Any, new: bool) -> Remark | None:
     if sync != BY_TIME:
         axis = SYNCHRONOUS[sync] if sync < len(SYNCHRONOUS) else f"axis {sync}"
         return Remark(LeftOut.NOT_OVER_TIME, {"axis": axis})
-    if new and channel.flags & ALL_INVALID:
+    if new and channel.flags & ChannelFlag.ALL_INVALID:
         return Remark(LeftOut.INVALID)
     if group.channel_dependencies[index]:
         return Remark(LeftOut.STRUCTURE)
@@ -123,7 +121,11 @@ def _why_not(group: Any, index: int, master: Any, new: bool) -> Remark | None:
 
 def check_records(file: Any, stated: int) -> None:
     """Refuse a file with fewer records than its groups state."""
-    found = sum(_size(group) for group in file.groups if not getattr(group.channel_group, "flags", 0) & VARIABLE_LENGTH)
+    found = sum(
+        _size(group)
+        for group in file.groups
+        if not getattr(group.channel_group, "flags", 0) & GroupFlag.VARIABLE_LENGTH
+    )
     if found < stated:
         raise RecordError(f"is damaged: {found} of {stated} records were found")
 
@@ -138,7 +140,9 @@ def frame_ids(file: Any, frames: Sequence[int]) -> list[tuple[int, int]]:
     found: set[tuple[int, int]] = set()
     for k in frames:
         channels = file.groups[k].channels
-        if any(_conversion(channel) == BY_FORMULA[True] or channel.flags & ALL_INVALID for channel in channels):
+        if any(
+            _conversion(channel) == BY_FORMULA[True] or channel.flags & ChannelFlag.ALL_INVALID for channel in channels
+        ):
             raise RecordError(
                 "has CAN frames that are marked as invalid or scaled by a formula, which is not evaluated"
             )

@@ -14,8 +14,7 @@ from suspid.words import LeftOut, Remark
 
 TOP = 1 << 16
 PIECE = 1 << 22
-CONTROL = bytes([*range(9), *range(0x0E, 0x20), 0x7F])
-ALLOWED = bytes(set(range(256)) - set(CONTROL))
+ALLOWED = bytes(set(range(256)) - set(bytes([*range(9), *range(0x0E, 0x20), 0x7F])))
 
 
 # A matrix as it is printed in brackets, with a semicolon after each row; a name may stand before it.
