@@ -17,6 +17,7 @@ from suspid.values import nearest_names
 if TYPE_CHECKING:
     import control
 
+# Exact by definition.
 STANDARD_GRAVITY = 9.80665
 INCH = 0.0254
 # Factor and SI unit of each unit.

@@ -15,6 +15,7 @@ from suspid.words import Defect, Number
 
 # Values that loggers write for a missing sample.
 MARKS = (-9999.0, 9999.0, -999.0, 999.0, -99999.0, 99999.0, -999999.0, 999999.0)
+# Ends of the ranges of converters of 16, 24 and 32 bits, of which a mark may be one.
 FULL_SCALE = tuple(
     float(sign * 2**bits + shift) for bits in (15, 16, 23, 24, 31, 32) for sign in (-1, 1) for shift in (-1, 0, 1)
 )

@@ -19,6 +19,7 @@ from suspid.units import RealArray
 if TYPE_CHECKING:
     from suspid.model import Suspension
 
+# More samples do not fit into memory; most such requests are a mistyped rate or length.
 MOST_SIMULATED = 50_000_000
 # A step comes so long after the start [s] that a record shows the car at rest before.
 REST = 0.5

@@ -18,6 +18,7 @@ from suspid.errors import RecordError
 from suspid.files import printable
 
 Answer = TypeVar("Answer")
+# Characters of a foreign message that are passed on: some state the whole content of a block.
 LONGEST_MESSAGE = 160
 
 

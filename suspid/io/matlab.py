@@ -24,6 +24,7 @@ from suspid.io.tables import Table
 from suspid.io.variables import DEEPEST, MOST_BYTES, Group, Text, Value, Variable, as_table
 from suspid.words import LeftOut, Remark
 
+# Bytes before the first element.
 HEADER = 128
 
 

@@ -21,6 +21,7 @@ from suspid.units import RealArray, Second
 from suspid.values import frozen_real
 from suspid.words import LeftOut, Remark
 
+# Bytes at the start of a segment, and the length of one whose writer was stopped.
 LEAD_IN = 28
 CRASHED = 0xFFFFFFFFFFFFFFFF
 UNIT_PROPERTIES = ("unit_string", "NI_UnitDescription", "unit", "Unit")

@@ -20,6 +20,7 @@ from suspid.errors import ReconstructionError
 from suspid.reconstruction.cones import cone_of, sharpened
 from suspid.units import RealArray
 
+# An interior-point solver that meets tight tolerances and comes with cvxpy.
 SOLVER = "CLARABEL"
 # Residual of the optimality conditions up to which a solution counts, in a program scaled to 1. Exact steps reach
 # 1e-12; a point of the solver itself, where constraints depend on each other, 1e-8.

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 PIECES = 2000
 # Of a record of more samples than this, all channels together, the wavelet's view is made of its decay alone.
 MOST_SAMPLES = 40_000
+# With many channels each keeps at least this many samples: fewer show no decay.
 FEWEST_DRAWN = 1024
 
 

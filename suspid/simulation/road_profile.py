@@ -16,6 +16,7 @@ ROUGHNESS: Mapping[str, float] = FrozenMapping({name: 16e-6 * 4**k for k, name i
 REFERENCE = 0.1  # cycle/m, to which the classes refer
 # Wavelengths of a road [m]: shorter ones are levelled by the contact patch of a tyre, longer ones by the road itself.
 WAVELENGTHS = (0.1, 100.0)
+# Longer grids do not fit into memory: this many points take some gigabytes on the way.
 MOST_POINTS = 2**26
 
 

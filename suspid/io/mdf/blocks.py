@@ -14,6 +14,7 @@ from enum import IntFlag
 
 from suspid.errors import RecordError
 
+# Bytes before the first block, and those of the head of a block of version 4.
 FIRST_BLOCK, BLOCK_HEADER = 64, 24
 # Links to follow, by the kind of block; each such block may be linked once. Other links lead to text and
 # descriptions, which may be shared.

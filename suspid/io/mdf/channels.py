@@ -16,6 +16,7 @@ from suspid.io.mdf.blocks import ChannelFlag, GroupFlag
 from suspid.words import LeftOut, Remark
 
 FRAMES = "CAN_DataFrame"
+# Bits of an extended CAN identifier; the bus stands above them.
 ID_BITS = 29
 # A frame of CAN XL has up to 2048 bytes.
 VARIABLE, LONGEST_FRAME = 1, 2048

@@ -12,6 +12,7 @@ import re
 from suspid.errors import RecordError
 from suspid.words import LeftOut, Remark
 
+# The beginning of a file, in which its layout shows, and pieces that are searched at a time [bytes]: more cost memory.
 TOP = 1 << 16
 PIECE = 1 << 22
 ALLOWED = bytes(set(range(256)) - set(bytes([*range(9), *range(0x0E, 0x20), 0x7F])))
