@@ -42,19 +42,19 @@ def read_bytes(path: Path, *, error: type[InputError] = InputError) -> bytes:
     return content
 
 
-def read_text(path: Path, *, error: type[InputError] = InputError) -> str:
+def read_text(path: Path) -> str:
     """Return the UTF-8 text of a file without byte order mark and with line feeds as line ends."""
-    content = read_bytes(path, error=error)
+    content = read_bytes(path)
     try:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError as refusal:
         line = content.count(b"\n", 0, refusal.start) + 1
-        raise error(
+        raise InputError(
             f"{printable(str(path))}: is not UTF-8 text: byte 0x{content[refusal.start]:02x} on line {line}; "
             f"save it as UTF-8"
         ) from None
     if "\0" in text:
-        raise error(f"{printable(str(path))}: is not text: it contains zero bytes")
+        raise InputError(f"{printable(str(path))}: is not text: it contains zero bytes")
     return text.replace("\r\n", "\n").replace("\r", "\n")
 
 

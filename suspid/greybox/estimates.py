@@ -86,12 +86,6 @@ class Estimate:
         return np.asarray(np.sqrt(np.diag(self.covariance)))
 
     @property
-    def log_covariance(self) -> RealArray:
-        """Joint covariance of the logarithms of the parameters [1]; nan for a parameter that is not positive."""
-        scale = np.where(self.values > 0, self.values, np.nan)
-        return np.asarray(self.covariance / np.outer(scale, scale))
-
-    @property
     def whiteness(self) -> tuple[RealArray, ...]:
         """Correlation of the residual of each channel of each record with itself one sample later [1]; 0 for white.
 

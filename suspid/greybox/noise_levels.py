@@ -15,7 +15,6 @@ from suspid.units import ComplexArray, RealArray
 NODES = 6  # of the spectrum of an output, evenly spaced in the logarithm of frequency
 LEVEL_STEPS = 30  # Newton steps at most
 LOOSE = 4.0  # standard deviation of the logarithm of a level about its first value; holds what is not seen
-FLOOR = 1e-24  # of a level, over the largest: rounding
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)

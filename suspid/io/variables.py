@@ -63,7 +63,7 @@ class _Found:
     clocks: dict[str, TimeBase] = field(default_factory=dict)
 
 
-def as_table(variables: Group, *, rates: Mapping[str, Hertz] | None = None) -> Table:
+def as_table(variables: Group) -> Table:
     """Return every vector and every column of a matrix as a column of a table.
 
     A variable in a group is named ``group.name``; the columns of a matrix are ``name[1]``, ``name[2]`` …, its
@@ -78,7 +78,7 @@ def as_table(variables: Group, *, rates: Mapping[str, Hertz] | None = None) -> T
     ({'run1.seat': 3}, 50.0)
     """
     found = _Found()
-    top = {**_stated(variables), **(rates or {})}
+    top = _stated(variables)
     _collect(variables, "", None, found)
     if not found.sizes:
         listed = ", ".join(f"{name!r} {why}" for name, why in list(found.unusable.items())[:12])

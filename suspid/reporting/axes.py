@@ -118,7 +118,7 @@ def power_of_ten(exponent: int) -> str:
     return f"10{str(exponent).translate(SUPERSCRIPT)}"
 
 
-def unit_ticks(ax: Axes, unit: str, *, most: int = 3) -> None:
+def unit_ticks(ax: Axes, unit: str) -> None:
     """Label the vertical axis with the unit; a power of a thousand in the label keeps the numbers short.
 
     Examples
@@ -134,7 +134,7 @@ def unit_ticks(ax: Axes, unit: str, *, most: int = 3) -> None:
 
     largest = max(abs(end) for end in ax.get_ylim())
     power = 0 if 0.1 <= largest < 1e4 else 3 * int(np.floor(np.log10(max(largest, 1e-300)) / 3))
-    ax.yaxis.set_major_locator(MaxNLocator(most))
+    ax.yaxis.set_major_locator(MaxNLocator(3))
     ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value / 10.0**power:.10g}".replace("-", "−")))
     ax.set_ylabel(f"[{power_of_ten(power)} {unit}]" if power else f"[{unit}]")
 

@@ -31,30 +31,7 @@ def plot_recording(
 ) -> Axes:
     """Draw one channel of a recording, with the decays in it shaded and numbered.
 
-    Parameters
-    ----------
-    record : control.TimeResponseData
-        The recording.
-    ax : matplotlib.axes.Axes
-        Where to draw.
-    channel : str
-        The channel to show.
-    stretches : sequence of (float, float)
-        Start and end of each decay [s].
-    used : int, optional
-        Which of them was identified; it is shaded green.
-    unit : str
-        The unit of the channel.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        ``ax``.
-
-    Raises
-    ------
-    InputError
-        If there is no such channel.
+    ``stretches`` are start and end of each decay [s]; the ``used`` one is shaded green.
 
     Examples
     --------

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import IntEnum
 
@@ -95,10 +94,6 @@ class Verdict:
     def notes(self) -> tuple[Remark, ...]:
         """What is worth knowing and speaks neither way."""
         return tuple(c.remark for c in self.checks if c.level is Level.NOTE)
-
-    def with_checks(self, checks: Iterable[Check]) -> Verdict:
-        """Return the verdict with further checks."""
-        return Verdict(self.headline, (*self.checks, *checks))
 
     def __str__(self) -> str:
         lines = [f"Verdict: {self.headline}: {self.level.label}. {self.meaning}"]

@@ -77,10 +77,10 @@ class _Trial:
         return self.width, not self.dialect.comma
 
 
-def shortened(line: str, most: int = 60) -> str:
+def shortened(line: str) -> str:
     """Return a line in quotes, cut where it is long."""
     text = printable(line.strip())
-    return repr(text if len(text) <= most else text[: most - 1] + "…")
+    return repr(text if len(text) <= 60 else text[:59] + "…")
 
 
 def shapes(lines: Sequence[str]) -> Counter[str]:
