@@ -64,12 +64,15 @@ def given_bound(
     std_body: RealArray,
     std_wheels: RealArray,
     mounted: Sequence[str] | None,
+    pushed: Sequence[tuple[RealArray, RealArray]] = (),
 ) -> RealArray:
     """Return the least standard deviations of parameters where the motion of wheels is measured, with noise.
 
     ``transfer`` gives T (line, body channel, wheel). The wheels' true motion (wheel, sample) is free at every line, so
     the information of a line is that of ``Y_q - T Y_g`` with the covariance ``S_q + T S_g T^H``. Starts are left out.
     With ``mounted``, gain and delay of each wheel's sensor are unknown too, and the mounts of these struts' dampers.
+    ``pushed`` are clean motions (channel or wheel, sample) of body and wheels under forces alone, to be averaged: what
+    of them does not follow the wheels is noise of known spectrum.
     """
     count = wheels.shape[1]
     f = np.fft.rfftfreq(count, 1 / rate)
@@ -78,6 +81,9 @@ def given_bound(
     G = np.fft.rfft(wheels)[:, use].T
     T = transfer(car, s)
     R = count * (np.einsum("fqw,w,fpw->fqp", T, std_wheels**2, T.conj()) + np.diag(std_body**2))
+    for bodies, moved in pushed:
+        left = np.fft.rfft(bodies)[:, use].T - np.einsum("fqw,wf->fq", T, np.fft.rfft(moved)[:, use])
+        R += np.einsum("fq,fp->fqp", left, left.conj()) / len(pushed)
     columns = []
     for name in names:
         value = value_of(car, name)

@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+import contextlib
+import importlib
+import io
+import logging
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from suspid import ModalSet, Suspension, reconstruct
 from suspid.signals import as_signal
-from suspid.units import RealArray
+from suspid.units import ComplexArray, RealArray
 from validation.greybox_bounds import BAND
 
 if TYPE_CHECKING:
     import control
 
 SEGMENT = 2048  # samples of Welch's method, about 10 s
+BLOCK_ROWS = 30  # of pyOMA_2's Hankel matrix
 
 
 def welch_h1(record: control.TimeResponseData, car: Suspension) -> RealArray:
@@ -65,9 +70,44 @@ def era_and_reconstruct(record: control.TimeResponseData, nominal: Suspension, f
         signal.values[:, None, :], r=order, m=count, n=count, dt=signal.step, transpose=False
     )[0]
     poles, vectors = np.linalg.eig(system.A)
-    shapes = np.asarray(system.C) @ vectors
     upper = poles.imag > 0
-    found = ModalSet(
-        poles=np.log(poles[upper].astype(complex)) / signal.step, shapes=shapes[:, upper], channels=signal.channels
+    return _rebuilt(
+        np.log(poles[upper].astype(complex)) / signal.step,
+        (np.asarray(system.C) @ vectors)[:, upper],
+        signal.channels,
+        nominal,
+        fixed,
     )
+
+
+def ssi_and_reconstruct(record: control.TimeResponseData, nominal: Suspension, fixed: tuple[str, ...]) -> Suspension:
+    """Return the car from the modes of pyOMA_2's SSI-cov, its order given, by `reconstruct`.
+
+    Raises
+    ------
+    ValueError
+        If SSI finds another number of modes than the car has.
+    """
+    setup, algorithms = importlib.import_module("pyoma2.setup"), importlib.import_module("pyoma2.algorithms")
+    logging.getLogger("pyoma2").setLevel(logging.ERROR)
+    signal, order = as_signal(record), 2 * len(nominal.masses)
+    no_limits = {"xi_max": 1.0, "mpc_lim": None, "mpd_lim": None, "CoV_max": None}
+    ssi = algorithms.SSI(name="ssi", br=BLOCK_ROWS, ordmax=order, method="cov", hc=no_limits)
+    single = setup.SingleSetup(signal.values.T.copy(), 1 / signal.step)
+    single.add_algorithms(ssi)
+    with contextlib.redirect_stderr(io.StringIO()):
+        single.run_by_name("ssi")
+    found = np.isfinite(ssi.result.Fn_poles[:, -1])
+    if np.sum(found) != len(nominal.masses):
+        raise ValueError(f"SSI finds {np.sum(found)} modes")
+    poles, shapes = ssi.result.Lambds[found, -1], ssi.result.Phi_poles[found, -1].T
+    return _rebuilt(poles, shapes, signal.channels, nominal, fixed)
+
+
+def _rebuilt(
+    poles: ComplexArray, shapes: ComplexArray, channels: tuple[str, ...], nominal: Suspension, fixed: tuple[str, ...]
+) -> Suspension:
+    """Return the car with these modes; the shapes of accelerations are those of displacements."""
+    names = [name.removesuffix("_acceleration") for name in channels]
+    found = ModalSet(poles=poles, shapes=shapes, channels=names)
     return reconstruct(found, nominal, fixed=fixed, tolerance=0.5, search=False).suspension

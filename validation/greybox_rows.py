@@ -46,6 +46,7 @@ FULL = full_car(
     front_tire_stiffness=200e3, rear_tire_stiffness=205e3, front_damping=1500, rear_damping=1400,
     front_tire_damping=60, rear_tire_damping=60,
 )  # fmt: skip
+FORCES = 20  # drives over which the power of a force is averaged
 NOISE = {"chassis_acceleration": 0.03, "tire_acceleration": 0.1}
 
 
@@ -159,19 +160,24 @@ def given_row(name: str, drive: Drive, *, car: Suspension = QUARTER, options: Ma
         clean, times = driven(car, drive, rng)
         return record_of(clean, times, channels, drive, rng)
 
+    def moved(road: str, seed: int) -> tuple[RealArray, RealArray]:
+        clean, _ = driven(car, replace(drive, road=road, delay={}), np.random.default_rng(seed))
+        parts = [np.array([clean[f"{c}_acceleration"] for c in part]) for part in (body, wheels)]
+        return parts[0], parts[1]
+
     def bound() -> RealArray:
-        clean, _ = driven(car, replace(drive, delay={}), np.random.default_rng(0))
         return given_bound(
             transfer_of(
                 np.eye(len(body)).tolist(), [coordinates.index(c) for c in body], [coordinates.index(c) for c in wheels]
             ),
             car,
             names,
-            wheels=np.array([clean[f"{c}_acceleration"] for c in wheels]),
+            wheels=moved(drive.road, 0)[1],
             rate=drive.rate,
             std_body=np.array([stds[f"{c}_acceleration"] for c in body]),
             std_wheels=np.array([stds[f"{c}_acceleration"] for c in wheels]),
             mounted=None if options else [name.partition(".")[0] for name in names if name.endswith(".damping")],
+            pushed=[moved("level", seed) for seed in range(FORCES if drive.body_force or drive.engine else 0)],
         )
 
     return Row(name=name, car=car, names=names, record=record, bound=bound, given=tuple(wheels), options=options or {})

@@ -29,7 +29,7 @@ FINE = 2  # steps between the samples that the logger filters
 GRID: Metre = 0.01  # of the road
 PATCH = 13  # points of the road over which a tire averages, with weights of a raised cosine: at 20 m/s, up to 285 Hz
 CORNER = 0.01  # cycle/m, below which the road is level
-LEVELS = {"A": 16e-6, "B": 64e-6, "C": 256e-6, "D": 1024e-6}  # G_d(0.1 cycle/m) [m3]
+LEVELS = {"level": 0.0, "A": 16e-6, "B": 64e-6, "C": 256e-6, "D": 1024e-6}  # G_d(0.1 cycle/m) [m3]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
