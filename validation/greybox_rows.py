@@ -83,8 +83,8 @@ def parameters(car: Suspension, *, without: Sequence[str] = ()) -> tuple[str, ..
 def decay_row(
     name: str, car: Suspension, start: Mapping[str, float], snr_db: float, *, fs: float, length: float
 ) -> Row:
-    """Return a free decay seen at all displacements; the dampers of the tyres are held."""
-    held = tuple(f"{s.name}.damping" for s in car.struts if "tire" in s.name)
+    """Return a free decay seen at all displacements; the dampers of the tyres are held, and those that are not there."""
+    held = tuple(f"{s.name}.damping" for s in car.struts if "tire" in s.name or not s.damping)
     n, keep = len(car.masses), round(1 / (fs * STEP))
     steps = round(length / STEP)
     labels = [f"{kind}_{c}" for kind in ("z", "v") for c in car.masses]
@@ -180,7 +180,16 @@ def given_row(name: str, drive: Drive, *, car: Suspension = QUARTER, options: Ma
             pushed=[moved("level", seed) for seed in range(FORCES if drive.body_force or drive.engine else 0)],
         )
 
-    return Row(name=name, car=car, names=names, record=record, bound=bound, given=tuple(wheels), options=options or {})
+    return Row(
+        name=name,
+        car=car,
+        names=names,
+        record=record,
+        bound=bound,
+        given=tuple(wheels),
+        fixed=tuple(f"{s.name}.damping" for s in car.struts if not s.damping),
+        options=options or {},
+    )
 
 
 def swept(length: float = 20.0) -> RealArray:
