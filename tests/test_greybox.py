@@ -304,6 +304,10 @@ class TestOptions:
             estimate(self.RECORD, QUARTER, given=("road",))
         with pytest.raises(RecordError, match="measures the suspension"):
             estimate(record_of({"x": np.ones(1000)}), QUARTER)
+        with pytest.raises(
+            InputError, match=r"delays: 'tire' can only be found where the motion .* correct the channels"
+        ):
+            estimate(self.RECORD, QUARTER, delays=["tire"])
         with pytest.raises(InputError, match="needs a Suspension"):
             estimate(self.RECORD, eigenmodes(QUARTER))  # type: ignore[arg-type]
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.stats import binom, chi2
 
-from suspid import InputError, Level, Suspension, estimate, full_car, half_car, quarter_car
+from suspid import EstimationError, InputError, Level, Suspension, estimate, full_car, half_car, quarter_car
 from suspid.greybox.noise_levels import Levels, covariance_of, levels_of, node_basis
 from suspid.greybox.transfers import Layout, Physics, layout_of, transfer
 from suspid.greybox.trials import trials_of
@@ -113,15 +113,18 @@ class TestTransfer:
             delays=values[-4:],
         )  # fmt: skip
 
-    def test_slopes_are_those_of_finite_differences(self) -> None:
+    @pytest.mark.parametrize(("gains", "delays"), [([2, 3], [2, 3]), ([0, 2], [1, 3])])
+    def test_slopes_are_those_of_finite_differences(self, gains: list[int], delays: list[int]) -> None:
         layout, s = self.layout(), 2j * np.pi * np.array([0.7, 1.4, 9.0])
         assert [layout.causes, layout.outputs] == [(2, 3), (0, 1)]
         values = np.concatenate([parameter_vector(HALF), [2e-3, 1e-3, 0, 0], [1, 1, 1.1, 0.9], [0, 0, 2e-3, -1e-3]])
         rows = [0, 1, 4, 5, 8, 9]
         where = [*rows, 12, 13, 18, 19, 22, 23]
 
+        where[-4:] = [16 + gains[0], 16 + gains[1], 20 + delays[0], 20 + delays[1]]
+
         def made(at: RealArray) -> tuple[ComplexArray, ComplexArray, ComplexArray, ComplexArray]:
-            found = transfer(layout, s, self.physics(at), rows, mounts=[0, 1], gains=[2, 3], delays=[2, 3])
+            found = transfer(layout, s, self.physics(at), rows, mounts=[0, 1], gains=gains, delays=delays)
             return found.T, found.left_by_ends, found.left, found.right
 
         _, _, left, right = made(values)
@@ -254,6 +257,28 @@ class TestDriving:
             assert std < 0.01 * value
         assert found.explains
         assert found.modes.channels == ("heave", "pitch")
+
+    def test_gain_and_delay_of_a_sensor_on_the_body(self) -> None:
+        noise = {"heave": 0.02, "pitch": 0.02, "front": 0.1, "rear": 0.1}
+        motions, times = driven(HALF, 8, noise=noise, delay={"pitch": 0.003})
+        record = record_of({**motions, "heave_acceleration": 1.03 * motions["heave_acceleration"]}, times)
+        channels = {"gains": ["heave_acceleration"], "delays": ["pitch_acceleration"], "mounts": ()}
+        found = estimate(record, off(HALF), given=("front", "rear"), **channels)  # type: ignore[arg-type]
+        ends = found.interval(0.999)
+        assert ends["heave_acceleration.gain"][0] < 1.03 < ends["heave_acceleration.gain"][1] < 1.04
+        assert ends["pitch_acceleration.delay"][0] < 0.003 < ends["pitch_acceleration.delay"][1] < 0.0035
+        assert ends["front.stiffness"][0] < 22e3 < ends["front.stiffness"][1]
+        assert found.explains
+        every = list(motions)
+        with pytest.raises(EstimationError, match="do not determine") as refused:
+            estimate(record, off(HALF), given=("front", "rear"), gains=every, delays=(), mounts=())
+        assert "pitch_acceleration.gain" in str(refused.value)
+        with pytest.raises(InputError, match="delays: .* only differences"):
+            estimate(record, off(HALF), given=("front", "rear"), delays=every)
+        with pytest.raises(
+            InputError, match=r"gains: 'heave_aceleration' is none of .* Did you mean 'heave_acceleration'"
+        ):
+            estimate(record, off(HALF), given=("front", "rear"), gains=["heave_aceleration"])
 
     @pytest.mark.parametrize("index", [0.87, 0.95, 1.2])
     def test_a_quarter_car_on_a_corner_of_a_half_car_is_told(self, index: float) -> None:

@@ -83,7 +83,7 @@ def parameters(car: Suspension, *, without: Sequence[str] = ()) -> tuple[str, ..
 def decay_row(
     name: str, car: Suspension, start: Mapping[str, float], snr_db: float, *, fs: float, length: float
 ) -> Row:
-    """Return a free decay seen at all displacements; the dampers of the tyres are held, and those that are not there."""
+    """Return a free decay seen at all displacements; dampers of tyres are held, and those that are not there."""
     held = tuple(f"{s.name}.damping" for s in car.struts if "tire" in s.name or not s.damping)
     n, keep = len(car.masses), round(1 / (fs * STEP))
     steps = round(length / STEP)

@@ -21,7 +21,7 @@ from suspid.model import Suspension, eigenmodes
 from suspid.reconstruction import Bounds, parameter_names, unknowns_of
 from suspid.signals import as_response
 from suspid.units import Hertz, Ratio, RealArray, Second
-from suspid.values import frozen_real
+from suspid.values import frozen_real, listed
 from suspid.words import Check, Level, Remark, Verdict
 from suspid.words.greybox import EstimateCheck, EstimateHeadline
 
@@ -81,8 +81,9 @@ def estimate(
     free_masses : sequence of str
         Masses that are unknown too, by coordinate; only known masses, or a given force, can give them a scale.
     gains, delays : sequence of str, optional
-        Channels of given motion whose gain [1], or delay behind the other channels [s], is unknown. Default: all that
-        show nothing but given motion.
+        Channels whose gain [1], or delay behind the other channels [s], is unknown, where motion is given. Default: all
+        that show nothing but given motion. Those of the other channels can be asked for; of all channels together only
+        ratios of gains and differences of delays can be found.
     mounts : sequence of str, optional
         Struts between given and other coordinates whose damper may stand on a mount of unknown stiffness: the strut
         is ``k + c s / (1 + tau s)`` with relaxation tau [s]. Default: all that have a damper. A rubber mount of
@@ -141,8 +142,15 @@ def estimate(
             f"given: record {driven.index(True) + 1} has a cause that is measured motion of the car and record "
             f"{driven.index(False) + 1} has none; estimate from either, and give the result of one as nominal_std"
         )
-    if not any(driven) and (gains or delays or mounts):
-        raise InputError("gains, delays and mounts are found where the motion of a coordinate is given")
+    if not any(driven):
+        for argument, names in (("gains", gains), ("delays", delays), ("mounts", mounts)):
+            if names:
+                raise InputError(
+                    f"{argument}: {listed([names] if isinstance(names, str) else names)} can only be found where the "
+                    f"motion of a coordinate is given. From a free decay, or under known roads and forces, gains and "
+                    f"delays of channels and mounts count as known: correct the channels first, and state "
+                    f"mount_stiffness of the strut"
+                )
     beyond = _beyond(suspension, trials)
     unknowns = unknowns_of(
         suspension,

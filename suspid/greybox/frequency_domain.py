@@ -59,6 +59,8 @@ def wheel_problem(
         layout = layout_of(car, trial)
         # The gain of a channel that shows free coordinates too, such as a travel, is that of springs and dampers.
         causes = [trial.channels[c] for c in layout.causes if not np.any(layout.on_free[c])]
+        if delays is not None and set(trial.channels) <= set(delays):
+            raise InputError("delays: of all channels together only differences can be found; leave one of them out")
         spectra = spectra_of(trial, length=STRETCH_PERIODS / lowest if stretch is None else stretch, band=limits)
         sources.append(
             Source(
@@ -66,14 +68,14 @@ def wheel_problem(
                 layout=layout,
                 spectra=spectra,
                 basis=node_basis(spectra.hertz),
-                gains=tuple(trial.channels.index(c) for c in _named("gains", gains, causes)),
-                delays=tuple(trial.channels.index(c) for c in _named("delays", delays, causes)),
+                gains=tuple(trial.channels.index(c) for c in _named("gains", gains, trial.channels, causes)),
+                delays=tuple(trial.channels.index(c) for c in _named("delays", delays, trial.channels, causes)),
             )
         )
     struts = [s.name for s in car.struts]
     layout = sources[0].layout
     damped = [struts[j] for j in layout.bridges if np.any(layout.arms_given[j]) and car.struts[j].damping > 0]
-    springy = tuple(struts.index(name) for name in _named("mounts", mounts, damped))
+    springy = tuple(struts.index(name) for name in _named("mounts", mounts, damped, damped))
     bare = WheelProblem(sources=tuple(sources), unknowns=unknowns, extras=_extras(car, springy, [], []))
     return replace(
         bare,
@@ -86,9 +88,9 @@ def wheel_problem(
     )
 
 
-def _named(argument: str, names: Sequence[str] | None, known: Sequence[str]) -> Sequence[str]:
+def _named(argument: str, names: Sequence[str] | None, known: Sequence[str], default: Sequence[str]) -> Sequence[str]:
     if names is None:
-        return known
+        return default
     chosen = [names] if isinstance(names, str) else list(names)
     for name in chosen:
         if name not in known:

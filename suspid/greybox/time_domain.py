@@ -78,10 +78,18 @@ def _best_holds(problem: Problem, best: Found) -> tuple[Problem, Found]:
     for i, trial in enumerate(problem.trials):
         for hold in HOLDS[1:] if np.any(np.ptp(trial.inputs, axis=1)) else ():
             tried = replace(problem, holds=(*problem.holds[:i], hold, *problem.holds[i + 1 :]))
+            if _least(tried, best) > _least(problem, best):
+                continue
             end = descended(tried, best.x, best.noise, rounds=2)
             if end.loss < best.loss:
                 problem, best = tried, descended(tried, end.x, end.noise)
     return problem, best
+
+
+def _least(problem: Problem, found: Found) -> float:
+    """Return the squared residual that the best step from a fit would leave, to first order."""
+    residual, slope = problem.equations(found.x, found.noise)
+    return float(np.sum((residual - slope @ np.linalg.lstsq(slope, residual, rcond=None)[0]) ** 2))
 
 
 def _alternatives(problem: Problem, best: Found, ends: list[Found]) -> list[Found]:

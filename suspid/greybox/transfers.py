@@ -135,7 +135,7 @@ def transfer(
 ) -> Transfer:
     """Return the transfer with its derivatives by the parameters ``rows`` of the car, mounts, gains and delays.
 
-    ``rows`` count stiffnesses, then dampings, then masses. Gains and delays are those of causes, by channel.
+    ``rows`` count stiffnesses, then dampings, then masses. Gains and delays are given by channel.
     """
     o, g = list(layout.outputs), list(layout.causes)
     struts = len(physics.stiffness)
