@@ -31,15 +31,24 @@ def clipped_run(samples: RealArray, *, largest: bool) -> tuple[int, int] | None:
     if count < CLIPPED or count > 0.5 * len(samples):
         return None
     steps = np.abs(np.diff(samples))
-    # What begins with a jump and is left slowly was released from rest.
-    jump = abs(limit - samples[after] if after < len(samples) else limit - samples[first - 1])
-    if jump <= 3 * np.min(steps[steps > 0]) + 1e-3 * np.ptp(samples):
+    least = 3 * np.min(steps[steps > 0]) + 1e-3 * np.ptp(samples)
+    if _from_rest(samples[after - 1 : after + 2] if after < len(samples) else samples[first::-1][:3], least):
         return None
     # Noise of a few steps of the converter repeats a value by chance.
     near = slice(max(0, first - BESIDE), after + BESIDE)
     others = steps[near][samples[near][: steps[near].size] != limit]
     chance = (np.sum(others == 0) + 1) / (others.size + 2)
     return (first, count) if chance ** (count - 1) < UNLIKELY else None
+
+
+def _from_rest(samples: RealArray, least: float) -> bool:
+    """Return whether a limit, and the samples next to it, are those of a mass that was held and let go.
+
+    A crest that is cut off over n samples is left with (n + 1) / 2 times the step by which the steps grow; from rest it is
+    half of that step at most.
+    """
+    first, *second = np.abs(np.diff(samples))
+    return bool(first <= least + (abs(second[0] - first) if second else 0.0))
 
 
 def clipping(name: str, times: RealArray, samples: RealArray) -> list[Finding]:

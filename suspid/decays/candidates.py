@@ -13,7 +13,7 @@ from suspid.decays.decay import Decay
 from suspid.decays.doubts import COUNTING_SHARE, clipped_samples, doubts_of, doubts_of_background
 from suspid.decays.envelopes import Envelopes
 from suspid.decays.kinds import kind_of
-from suspid.decays.predictions import at_rest_from
+from suspid.decays.predictions import at_rest_from, at_rest_until
 from suspid.decays.refusals import Refusal, drowned, fits, refused
 from suspid.decays.starts import LATEST_START, Start, find_start
 from suspid.decays.trials import Trial, block_size, quiet_variance, tried
@@ -94,6 +94,7 @@ def examined(recording: Recording, burst: Burst, *, moved: bool) -> Found:
             finest, latest = recording.finest[moving], LATEST_ALONE if alone else LATEST_START
             start = find_start(part, least, burst, first, last, size, clipped, finest, latest=latest)
             start, doubt = _verified(part, start, last, size)
+            start = replace(start, begin=start.begin + at_rest_until(part.values[:, start.begin : last], finest))
         if start.linear and (start.trial is not None or not moved):
             rest = part.values[:, start.begin : last]
             whole = tried(rest, step=signal.step, size=size, least=least, most=FINAL_BLOCKS)

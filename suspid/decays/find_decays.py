@@ -17,7 +17,7 @@ from suspid.errors import RecordError
 from suspid.identification import FEWEST_SAMPLES
 from suspid.signals import Signal, as_signal
 from suspid.units import Second
-from suspid.words import DecayRemark, Remark
+from suspid.words import DecayDoubt, DecayRemark, Remark
 
 if TYPE_CHECKING:
     import control
@@ -88,6 +88,11 @@ def find_decays(response: control.TimeResponseData, *, given: Sequence[tuple[Sec
     if not decays and len(bursts) <= FEW_BURSTS:
         # A decay that fills most of the record has no background to rise above.
         decays += examined(recording, _whole(signal, recording.bands), moved=True)[0]
+    elif bursts and all(any(doubt.code is DecayDoubt.CUT_OFF for doubt in d.doubts) for d in decays):
+        # Above a background at rest, what is left of a slow decay rises again and again.
+        last = signal.start + signal.step * (signal.values.shape[1] - 1)
+        whole = examined(recording, replace(bursts[0], stop=last, cut=False, again=()), moved=True)[0]
+        decays = [*whole, *(d for d in decays if not any(w.start <= d.stop and d.start <= w.stop for w in whole))]
     if len(bursts) > looked:
         remarks.insert(0, Remark(DecayRemark.NOT_ALL, {"found": len(bursts), "examined": looked}))
     company = doubts_of_company(looked - len(decays), looked)

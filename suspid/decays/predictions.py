@@ -45,12 +45,22 @@ def at_rest_from(values: RealArray, finest: RealArray) -> int:
     >>> at_rest_from(np.array([[0.0, 2.0, 8.0, 5.0, 5.0, 5.0]]), np.array([0.29]))
     4
     """
+    return values.shape[1] - at_rest_until(values[:, ::-1], finest)
+
+
+def at_rest_until(values: RealArray, finest: RealArray) -> int:
+    """Return the last of the first samples in which every channel stays within its resolution, (channel, sample).
+
+    Examples
+    --------
+    >>> at_rest_until(np.array([[5.0, 5.0, 5.0, 8.0, 2.0, 0.0]]), np.array([0.29]))
+    2
+    """
     # A value at the border of a step changes between two neighbours.
     within = 1.5 * np.sqrt(12.0) * finest
-    ahead = values[:, ::-1]
-    swing = np.maximum.accumulate(ahead, axis=1) - np.minimum.accumulate(ahead, axis=1)
+    swing = np.maximum.accumulate(values, axis=1) - np.minimum.accumulate(values, axis=1)
     moving = np.flatnonzero(np.any(swing > within[:, None], axis=0))
-    return values.shape[1] - int(moving[0]) + 1 if moving.size else 1
+    return int(moving[0]) - 1 if moving.size else values.shape[1] - 1
 
 
 def freed_at(values: RealArray, finest: RealArray, *, step: Second) -> tuple[int, int]:
@@ -89,7 +99,9 @@ def freed_at(values: RealArray, finest: RealArray, *, step: Second) -> tuple[int
     anchor = max(0, min(_anchor(means), count - FEWEST_FITTED))
     length = min(max(FEWEST_FITTED, round(FITTED_PERIODS * period)), count - anchor)
     decay = means[:, anchor : anchor + length]
-    spread = np.maximum(np.std(decay, axis=1, keepdims=True), 1e-300)
+    spread = np.std(decay, axis=1, keepdims=True)
+    # A channel that rests while the others decay says nothing.
+    spread = np.where(spread > 1e-9 * np.max(np.abs(means), axis=1, keepdims=True), spread, np.inf)
     scaled = (means - np.mean(decay, axis=1, keepdims=True)) / spread
     lags = max(2, -(-min(MOST_COEFFICIENTS, length // BLOCKS_EACH) // len(values)))
     ahead = np.concatenate([scaled[:, lag : count - lags + lag] for lag in range(1, lags + 1)])

@@ -95,6 +95,8 @@ def find_start(
         found, residuals = _search(
             places, at, driven, patience=patience, sure=free.begin if free is not None else begin
         )
+    if found is not None and free is not None and found.trial is not None and refused(found.trial) is not None:
+        return free
     if found is not None or free is not None:
         return found or free or Start(begin=begin, trial=None)
     if not residuals:

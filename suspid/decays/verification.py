@@ -44,6 +44,8 @@ def verified(
         except SuspidError as error:
             doubt: Remark | None = Remark(DecayDoubt.NOT_IDENTIFIED, {"error": str(error)})
         else:
+            if found.forces:
+                return place, Remark(DecayDoubt.NONLINEAR, {"share": trial.early})
             doubt = _doubt(trial, found)
             # A pole that is gone after a few samples fits forced samples.
             if doubt is None and not any(c.removed and c.remark.code is Reason.A_FEW_SAMPLES for c in found.considered):

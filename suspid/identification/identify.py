@@ -209,7 +209,7 @@ def _fades(values: RealArray) -> bool:
     third = values.shape[1] // 3
     first, last = np.var(values[:, :third], axis=1), np.var(values[:, -third:], axis=1)
     # A larger ratio spends more time on noise, with a smaller one slow decays stay linear.
-    return bool(np.sum(last / np.var(values, axis=1)) < 0.5 * np.sum(first / np.var(values, axis=1)))
+    return bool(np.sum(last / np.var(values, axis=1)) < 0.9 * np.sum(first / np.var(values, axis=1)))
 
 
 def _beside_bent(selection: Selection, modes: ModalSet, signal: Signal) -> tuple[Considered, ...]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from suspid.identification.covariance import inverse_information
 from suspid.identification.nonlinear.driven import DrivenFit
@@ -12,18 +13,18 @@ from suspid.identification.nonlinear.forces import means
 from suspid.units import ComplexArray, RadianPerSecond, Ratio, RealArray, Second
 from suspid.values import frozen_real
 
-# Windows over the decay, at most, and their least length in cycles of the slowest mode: the force of one cycle decides.
-WINDOWS, WINDOW_CYCLES = 12, 1.0
 # Harmonics of each mode beside which the part of a force in step with another mode is found.
 HARMONICS = (2, 3, 4, 5)
+# Parts of the decay over which a mode is described, at most; each is of one cycle at least.
+WINDOWS = 12
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class AmplitudeDependence:
     """Natural frequency and damping ratio of a mode over the amplitudes that were met.
 
-    Each is that of the linear system whose restoring and damping forces are nearest, in the mean square, to those of
-    the structure within a window of the decay (equivalent linearisation).
+    Each is that of the linear system whose motion decays and turns as much, within whole cycles of the mode: damping from
+    the logarithmic decrement, frequency from the time that the cycles take.
 
     Parameters
     ----------
@@ -32,7 +33,7 @@ class AmplitudeDependence:
     channel : str
         The channel in whose unit the amplitude is: that of the largest motion.
     amplitude : ndarray (window,)
-        Amplitude of the mode: root mean square of its envelope within the window, in the unit of the channel.
+        Amplitude of the mode: geometric mean of those at both ends of the window, in the unit of the channel.
     wn : ndarray (window,)
         Natural frequency [rad/s].
     zeta : ndarray (window,)
@@ -40,8 +41,7 @@ class AmplitudeDependence:
     wn_std, zeta_std : ndarray (window,)
         Their standard deviations.
     holds_at : float
-        The amplitude at which the values of the table of modes hold: they are means over the record, weighted by the
-        energy of the mode.
+        The amplitude at which the values of the table of modes hold: those of the pole that is the mean over all cycles.
     """
 
     spans: tuple[tuple[Second, Second], ...]
@@ -60,7 +60,69 @@ class AmplitudeDependence:
         return (float(self.wn[first]), float(self.zeta[first])), (float(self.wn[last]), float(self.zeta[last]))
 
 
-def equivalent(fit: DrivenFit, window: slice = slice(None)) -> tuple[ComplexArray, ComplexArray]:
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Swings:
+    """The swings of one mode, from each turning point of its fitted motion to the next.
+
+    From a swing to a later one, forces that follow the motion leave no ripple as they do between two samples.
+    """
+
+    time: RealArray  # (swing,): start of each in samples
+    size: RealArray  # (swing,): half of the way between its turning points, in the unit of the channel
+    slopes: ComplexArray  # (parameter pair, swing): derivatives of the logarithm of the state by the pairs of `own`
+    own: NDArray[np.intp]
+    free: int  # number of parameters of the fit
+
+    def pole(self, first: int = 0, last: int = -1) -> tuple[complex, RealArray]:
+        """Return the exponent of the linear decay from one swing to another, and its derivatives, (2, parameter).
+
+        The derivatives are those of its real and imaginary part.
+        """
+        turns = range(len(self.time))[last] - first
+        span = self.time[last] - self.time[first]
+        by_own = (self.slopes[:, last] - self.slopes[:, first]) / span
+        out = np.zeros((2, self.free))
+        out[:, 2 * self.own] = by_own.real, by_own.imag
+        out[:, 2 * self.own + 1] = -by_own.imag, by_own.real
+        return complex((np.log(self.size[last] / self.size[first]) + 1j * np.pi * turns) / span), out
+
+
+def swings_of(fit: DrivenFit, pole: int, window: slice = slice(None)) -> Swings | None:
+    """Return the swings of a mode in its strongest channel within a window; None if there are not two."""
+    state, own = fit.states[pole, window], np.flatnonzero(fit.owners == pole)
+    amplitude = fit.amplitudes[pole, np.argmax(np.abs(fit.amplitudes[pole]))]
+    phase = np.unwrap(np.angle(amplitude * fit.drive.theta[pole] * state))
+    # The speed passes through 0 where its phase does through an odd quarter of a turn.
+    turns = np.arange(np.ceil(phase[0] / np.pi - 0.5), np.floor(phase[-1] / np.pi - 0.5) + 1)
+    if len(turns) < 3:
+        return None
+    samples = np.arange(len(state), dtype=float)
+    times = np.interp(np.pi * (turns + 0.5), np.maximum.accumulate(phase), samples)
+    at = np.minimum(times.astype(int), len(state) - 2)
+    logs = np.log(np.abs(state)) + 1j * np.unwrap(np.angle(state))
+    rows = np.vstack([logs, fit.slopes[own][:, window] / state])
+    rows = rows[:, at] + (times - at) * (rows[:, at + 1] - rows[:, at])
+    positions = np.real(amplitude * np.exp(rows[0]))
+    size = 0.5 * np.abs(np.diff(positions))
+    if not np.all(size > 0):
+        return None
+    return Swings(time=times[:-1], size=size, slopes=rows[1:, :-1], own=own, free=fit.drive.free)
+
+
+def mean_pole(fit: DrivenFit, pole: int, window: slice = slice(None)) -> tuple[complex, RealArray]:
+    """Return the mean of the exponent of a mode over a window, and its derivatives, (2, parameter).
+
+    Of a single mode it is that from its first to its last swing. In what several modes do together the swings of one are
+    not seen alone: there it is that of the equivalent linear system.
+    """
+    swings = swings_of(fit, pole, window) if len(fit.drive.theta) == 1 else None
+    if swings is not None:
+        return swings.pole()
+    poles, by_gain = _equivalent(fit, window)
+    return complex(poles[pole]), _pole_slopes(fit, pole, by_gain[pole])
+
+
+def _equivalent(fit: DrivenFit, window: slice = slice(None)) -> tuple[ComplexArray, ComplexArray]:
     """Return the poles of the equivalent linear system (pole,), and their derivatives by the gains (pole, force).
 
     Each force is replaced by the combination of the states nearest to it within the window.
@@ -93,7 +155,7 @@ def equivalent(fit: DrivenFit, window: slice = slice(None)) -> tuple[ComplexArra
     return out, parts
 
 
-def pole_slopes(fit: DrivenFit, pole: int, by_gain: ComplexArray) -> RealArray:
+def _pole_slopes(fit: DrivenFit, pole: int, by_gain: ComplexArray) -> RealArray:
     """Return the derivatives of Re and Im of an equivalent pole by the parameters of a fit, (2, parameter)."""
     drive = fit.drive
     out = np.zeros((2, drive.free), dtype=float)
@@ -114,62 +176,68 @@ def covariance_of(fit: DrivenFit) -> RealArray:
 def dependence(
     fit: DrivenFit, pole: int, *, holds: complex, widening: float, timepts: RealArray, channels: tuple[str, ...]
 ) -> AmplitudeDependence:
-    """Return how a mode depends on its amplitude; ``holds`` is its equivalent pole over the whole record."""
+    """Return how a mode depends on its amplitude; ``holds`` is the mean of its exponent over the record."""
     strongest = int(np.argmax(np.abs(fit.amplitudes[pole])))
-    envelope = np.abs(fit.states[pole]) * float(np.abs(fit.amplitudes[pole, strongest]))
     covariance, step = covariance_of(fit) * widening, float(timepts[-1] - timepts[0]) / (len(timepts) - 1)
-    rows = []
-    windows = _windows(envelope, fit.drive.theta)
-    for window in windows:
-        poles, by_gain = equivalent(fit, window)
-        theta = complex(poles[pole])
-        spread = pole_slopes(fit, pole, by_gain[pole])
-        spread = spread @ covariance @ spread.T
+    parts, amplitude = _parts(fit, pole, size=float(np.abs(fit.amplitudes[pole, strongest])))
+    poles, stds = np.empty(len(parts), complex), np.empty((len(parts), 2))
+    for i, (theta, slopes, _) in enumerate(parts):
+        spread = slopes @ covariance @ slopes.T
         of_wn = np.array([theta.real, theta.imag]) / abs(theta)
         of_zeta = np.array([-(theta.imag**2), theta.real * theta.imag]) / abs(theta) ** 3
-        rows.append(
-            (
-                float(np.sqrt(np.mean(envelope[window] ** 2))),
-                abs(theta) / step,
-                -theta.real / abs(theta),
-                float(np.sqrt(of_wn @ spread @ of_wn)) / step,
-                float(np.sqrt(of_zeta @ spread @ of_zeta)),
-            )
-        )
-    amplitude, wn, zeta, wn_std, zeta_std = np.array(rows).T
-    ratio = -holds.real / abs(holds)
-    mean = float(np.sqrt(np.mean(envelope**4) / np.mean(envelope**2)))
-    # Where the damping ratio passes through its mean; else the mean amplitude, weighted in the same way.
-    order = np.argsort(amplitude)
-    passes = np.flatnonzero(np.diff(np.sign(zeta[order] - ratio)) != 0)
-    if len(passes):
-        i = int(passes[-1])
-        low, high = order[i], order[i + 1]
-        share = (ratio - zeta[low]) / (zeta[high] - zeta[low])
-        mean = float(amplitude[low] + share * (amplitude[high] - amplitude[low]))
+        poles[i], stds[i] = theta, np.sqrt([of_wn @ spread @ of_wn, of_zeta @ spread @ of_zeta])
     return AmplitudeDependence(
-        spans=tuple((float(timepts[w.start]), float(timepts[w.stop - 1])) for w in windows),
+        spans=tuple((float(timepts[0] + step * a), float(timepts[0] + step * b)) for _, _, (a, b) in parts),
         channel=channels[strongest],
         amplitude=frozen_real(amplitude),
-        wn=frozen_real(wn),
-        zeta=frozen_real(zeta),
-        wn_std=frozen_real(wn_std),
-        zeta_std=frozen_real(zeta_std),
-        holds_at=mean,
+        wn=frozen_real(np.abs(poles) / step),
+        zeta=frozen_real(-poles.real / np.abs(poles)),
+        wn_std=frozen_real(stds[:, 0] / step),
+        zeta_std=frozen_real(stds[:, 1]),
+        holds_at=_where(holds, poles, amplitude),
     )
 
 
-def _windows(envelope: RealArray, theta: ComplexArray) -> list[slice]:
-    """Return windows over which the envelope falls by equal ratios, none shorter than some cycles."""
-    count = len(envelope)
-    least = max(8, int(np.ceil(WINDOW_CYCLES * 2 * np.pi / float(np.min(np.abs(theta.imag))))))
-    if count < 2 * least:
-        return [slice(0, count)]
-    fall = np.log(np.maximum(envelope, 1e-12 * envelope.max()))
-    fallen = np.maximum.accumulate(fall[0] - fall)
-    wanted = np.linspace(0.0, fallen[-1], min(WINDOWS, count // least) + 1)[1:-1]
+def _parts(
+    fit: DrivenFit, pole: int, *, size: float
+) -> tuple[list[tuple[complex, RealArray, tuple[float, float]]], RealArray]:
+    """Return exponent, derivatives and span in samples of each part of a decay, and the amplitude in each, (part,)."""
+    swings = swings_of(fit, pole) if len(fit.drive.theta) == 1 else None
+    if swings is not None:
+        cuts = _cuts(np.log(swings.size), least=2)
+        pairs = list(zip(cuts[:-1], cuts[1:], strict=True))
+        between = np.sqrt(swings.size[cuts[:-1]] * swings.size[cuts[1:]])
+        return [(*swings.pole(a, b), (float(swings.time[a]), float(swings.time[b]))) for a, b in pairs], between
+    envelope = np.log(size * np.abs(fit.states[pole]))
+    cycle = int(np.ceil(2 * np.pi / float(np.min(np.abs(fit.drive.theta.imag)))))
+    cuts = _cuts(envelope, least=max(8, cycle))
+    pairs = list(zip(cuts[:-1], cuts[1:], strict=True))
+    inside = np.array([np.exp(np.mean(envelope[a : b + 1])) for a, b in pairs])
+    return [(*mean_pole(fit, pole, slice(a, b + 1)), (float(a), float(b))) for a, b in pairs], inside
+
+
+def _where(holds: complex, poles: ComplexArray, amplitude: RealArray) -> float:
+    """Return the amplitude at which the line through given poles is nearest to a pole."""
+    order = np.argsort(amplitude)
+    poles, logs = poles[order], np.log(amplitude[order])
+    if len(poles) < 2:
+        return float(amplitude[0])
+    legs = np.diff(poles)
+    shares = np.clip(((holds - poles[:-1]) * legs.conj()).real / np.maximum(np.abs(legs) ** 2, 1e-300), 0.0, 1.0)
+    nearest = int(np.argmin(np.abs(poles[:-1] + shares * legs - holds)))
+    return float(np.exp(logs[nearest] + shares[nearest] * (logs[nearest + 1] - logs[nearest])))
+
+
+def _cuts(envelope: RealArray, *, least: int) -> list[int]:
+    """Return points between which the envelope, a logarithm, falls by about equal parts, the first and last included.
+
+    No two are nearer to each other than ``least``.
+    """
+    last = len(envelope) - 1
+    fallen = np.maximum.accumulate(envelope[0] - envelope)
+    wanted = np.linspace(0.0, fallen[-1], min(WINDOWS, max(1, last // least)) + 1)[1:-1]
     cuts = [0]
     for cut in np.searchsorted(fallen, wanted).tolist():
-        if cut - cuts[-1] >= least and count - cut >= least:
+        if cut - cuts[-1] >= least and last - cut >= least:
             cuts.append(int(cut))
-    return [slice(a, b) for a, b in zip(cuts, [*cuts[1:], count], strict=True)]
+    return [*cuts, last]

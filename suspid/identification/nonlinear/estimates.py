@@ -12,8 +12,7 @@ from suspid.identification.nonlinear.amplitude import (
     AmplitudeDependence,
     covariance_of,
     dependence,
-    equivalent,
-    pole_slopes,
+    mean_pole,
 )
 from suspid.identification.nonlinear.driven import DrivenFit
 from suspid.identification.nonlinear.feedback import Bent
@@ -27,13 +26,14 @@ def modes_of_bent(
 ) -> tuple[ModalSet, RealArray, tuple[AmplitudeDependence, ...]]:
     """Return the modes, how loud the residual is near each, (mode,), and how each depends on its amplitude.
 
-    The poles are those of the equivalent linear system over the whole record. Their variances are widened by the
-    loudness and by noise that the channels share.
+    Each pole is the mean over the cycles of the record. Their variances are widened by the loudness and by noise that the
+    channels share.
     """
     fit, step = bent.fit, float(timepts[-1] - timepts[0]) / (len(timepts) - 1)
-    exponents, by_gain = equivalent(fit)
+    means = [mean_pole(fit, k) for k in range(len(fit.drive.theta))]
+    exponents = np.array([theta for theta, _ in means])
     order = np.argsort(np.abs(exponents), kind="stable")
-    chosen = np.vstack([pole_slopes(fit, int(k), by_gain[k]) for k in order])
+    chosen = np.vstack([means[k][1] for k in order])
     weights = np.abs(fit.amplitudes[order]).T ** 2 / fit.variance[:, None]
     beside = power_beside(fit.residual, fit.variance, exponents[order])
     loud = loudness(fit.residual, fit.variance, exponents[order], beside=beside, weights=weights)
@@ -61,7 +61,9 @@ def modes_of_bent(
     )
 
 
-def _with_windows(modes: ModalSet, fit: DrivenFit, order: list[int], exponents: ComplexArray, step: Second) -> ModalSet:
+def _with_windows(
+    modes: ModalSet, fit: DrivenFit, order: list[int], exponents: ComplexArray, step: Second
+) -> ModalSet:
     """Return the modes with what the choice of the stretch does to each pole in its covariance.
 
     A decay that starts half a period later, or ends a fifth earlier, has other amplitudes and so another mean.
@@ -71,7 +73,7 @@ def _with_windows(modes: ModalSet, fit: DrivenFit, order: list[int], exponents: 
     for mode, k in enumerate(order):
         half = min(int(np.pi / exponents[k].imag), count // 2)
         for window in (slice(half, count), slice(0, count - count // 5)):
-            change = (equivalent(fit, window)[0][k] - exponents[k]) / step
+            change = (mean_pole(fit, k, window)[0] - exponents[k]) / step
             parts = np.array([change.real, change.imag])
             at = slice(2 * mode, 2 * mode + 2)
             covariance[at, at] += np.outer(parts, parts)

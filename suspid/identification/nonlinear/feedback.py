@@ -17,8 +17,8 @@ MOST_FORCES = 10
 LEAST_OWN = 0.1
 # Least size of the part of a force that is not linear in the states: below it there is rounding.
 LEAST_PART = 1e-6
-# Forces are fitted if those of one kind promise to lower the variance of the residual by this factor, less what they
-# cost. A lower one costs time on records that are linear but not free of other motion.
+# What forces promise to lower the variance of the residual by, for a fit. A lower factor costs time on records that are
+# linear but not free of other motion.
 LEAST_FALL = 1.5
 # Steps of a fit on the way, kinds of force that are fitted, and renewals of the forces.
 ROUGH_STEPS, TRIALS, RENEWALS = 10, 2, 3
@@ -75,12 +75,15 @@ class Record:
         )
 
 
-def with_forces(record: Record, plain: DrivenFit) -> Bent:
-    """Return the best fit near that of given poles with forces of one kind or two, while BIC is lower for them."""
+def with_forces(record: Record, plain: DrivenFit, *, least_fall: float = LEAST_FALL) -> Bent:
+    """Return the best fit near that of given poles with forces of one kind or two, while BIC is lower for them.
+
+    Forces are fitted if those of one kind promise to lower the variance of the residual by a factor, less what they cost.
+    """
     best = Bent(fit=plain, forces=(), order=0)
     motions = record.motions(0)
     first = [trial for kind in ForceKind if (trial := _added(record, best, kind, motions)) is not None]
-    fall = plain.residual.size * np.log(LEAST_FALL)
+    fall = plain.residual.size * np.log(least_fall)
     if not any(trial.fit.promised < plain.bic - fall for trial in first):
         return best
     trials = first + [

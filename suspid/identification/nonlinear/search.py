@@ -14,9 +14,10 @@ from suspid.identification.fitting import OTHER_FREQUENCY
 from suspid.identification.likelihood import DecayFit, bic_penalty
 from suspid.identification.likelihood import evaluate as evaluate_decay
 from suspid.identification.noise import LOUD, WhiteNoise, over_channels, power_beside
-from suspid.identification.nonlinear.amplitude import covariance_of, equivalent, pole_slopes
+from suspid.identification.nonlinear.amplitude import covariance_of, mean_pole, swings_of
 from suspid.identification.nonlinear.driven import DrivenFit, evaluate, maximize
 from suspid.identification.nonlinear.feedback import (
+    LEAST_FALL,
     ROUGH_STEPS,
     Bent,
     Record,
@@ -37,6 +38,8 @@ from suspid.words import Reason
 REDUCTION = 2.5
 # A mode whose pole has a standard deviation above this share of its modulus is none.
 UNKNOWN = 0.1
+# Forces that explain this share of what a multiple of a mode does are preferred to it: a mode there would be a coincidence.
+NEARLY = 0.9
 # Poles tried as the next one, and modes at most where their number is not given.
 NEXT, MOST_MODES = 2, 6
 # A pole near another in frequency is part of it if their shapes agree: modal assurance criterion above this.
@@ -126,18 +129,23 @@ def _significant(bent: Bent | None) -> Bent | None:
 
 
 def _stands(fit: DrivenFit) -> NDArray[np.bool_]:
-    """Return whether each pole decays, stands out of the residual near it and is known at all, (pole,)."""
-    energy = np.sum(np.abs(fit.amplitudes).T ** 2 / fit.variance[:, None], axis=0)
-    energy *= np.sum(np.abs(fit.states) ** 2, axis=1) / 2
+    """Return whether each pole decays, makes a cycle, stands out of the residual near it and is known at all, (pole,)."""
+    energy = _energies(fit)
     weights = np.abs(fit.amplitudes).T ** 2 / fit.variance[:, None]
     beside = over_channels(power_beside(fit.residual, fit.variance, fit.drive.theta), weights)
     beside = np.where(beside > LOUD, beside, 1.0)
     needed = WORTHWHILE * bic_penalty(len(fit.residual), fit.residual.size) * beside
-    theta, by_gain = equivalent(fit)
-    covariance = covariance_of(fit)
-    slopes = [pole_slopes(fit, k, by_gain[k]) for k in range(len(theta))]
-    spread = np.sqrt([np.trace(each @ covariance @ each.T) for each in slopes] * beside)
-    return np.asarray((energy > needed) & (theta.real < 0) & (spread < UNKNOWN * np.abs(theta)))
+    means = [mean_pole(fit, k) for k in range(len(fit.drive.theta))]
+    theta, covariance = np.array([each for each, _ in means]), covariance_of(fit)
+    spread = np.sqrt([np.trace(slopes @ covariance @ slopes.T) for _, slopes in means] * beside)
+    turns = np.array([swings_of(fit, k) is not None for k in range(len(theta))])
+    return np.asarray((energy > needed) & (theta.real < 0) & turns & (spread < UNKNOWN * np.abs(theta)))
+
+
+def _energies(fit: DrivenFit) -> RealArray:
+    """Return the energy of each pole's motion over the variance of what is left, (pole,)."""
+    energy = np.sum(np.abs(fit.amplitudes).T ** 2 / fit.variance[:, None], axis=0)
+    return np.asarray(energy * np.sum(np.abs(fit.states) ** 2, axis=1) / 2)
 
 
 def _at_full_length(record: Record, found: Bent, factor: int) -> Bent | None:
@@ -181,15 +189,19 @@ def _grown(record: Record, plain: DrivenFit, more: DrivenFit | None, modes: int 
     With a number of modes given, no more are used, and the forces need only explain more than they cost; without, they
     must explain more than one more pole.
     """
-    found = with_forces(record, plain)
-    stands = _stands(found.fit)
-    while found.forces and len(stands) > 1 and not np.all(stands):
-        weakest = plain.drive.without_pole(int(np.argmin(stands)))
-        fewer = maximize(record.values, weakest, record.noise, steps=ROUGH_STEPS)
-        if fewer is None:
-            break
-        plain, found = fewer, with_forces(record, fewer)
+    # A multiple of a mode, or a part of it, is a sign of forces however weak it is.
+    fall = 1.0 if more is not None and not _own(more) else LEAST_FALL
+    found = with_forces(record, plain, least_fall=fall)
+    while len(found.fit.drive.theta) > 1:
         stands = _stands(found.fit)
+        if found.forces and np.all(stands):
+            break
+        weakest = plain.drive.without_pole(int(np.argmin(stands if found.forces else _energies(plain))))
+        fewer = maximize(record.values, weakest, record.noise, steps=ROUGH_STEPS)
+        less = None if fewer is None else with_forces(record, fewer, least_fall=fall)
+        if fewer is None or less is None or not (found.forces or less.fit.bic < found.fit.bic):
+            break
+        plain, found = fewer, less
     while len(found.fit.drive.theta) < (modes or MOST_MODES) and np.any(
         found.fit.variance > 1.001 * record.noise.least
     ):
@@ -208,7 +220,11 @@ def _grown(record: Record, plain: DrivenFit, more: DrivenFit | None, modes: int 
         found, more = best, None if straight is None else _with_pole(record, straight)
     if not found.forces:
         return None
-    return None if modes is None and more is not None and more.bic < found.fit.bic else found
+    if modes is not None or more is None or found.fit.bic <= more.bic:
+        return found
+    # What one more pole explains that is no mode of its own, forces need not explain in full.
+    nearly = plain.loss - found.fit.loss > NEARLY * (plain.loss - more.loss)
+    return found if nearly and not _own(more) and len(found.fit.drive.theta) < len(more.drive.theta) else None
 
 
 def _with_pole(record: Record, before: DrivenFit) -> DrivenFit | None:
@@ -235,14 +251,23 @@ def _repeated(
 ) -> bool:
     """Return whether a pole is part of another of the same shape, or a multiple of it below a share of its amplitude.
 
-    The amplitudes, over the noise, are (channel,) and (other, channel).
+    So is one at the sum or difference of two that are larger. The amplitudes, over the noise, are (channel,) and (other, channel).
     """
     ratio = np.abs(theta) / np.abs(others)
     size, sizes = float(np.sum(np.abs(amplitude) ** 2)), np.sum(np.abs(amplitudes) ** 2, axis=1)
     alike = np.abs(amplitudes.conj() @ amplitude) ** 2 > ALIKE_MAC * sizes * size
     near = alike & (np.maximum(ratio, 1 / ratio) < OTHER_FREQUENCY)
+    if _combined(abs(theta), np.abs(others[sizes > size])):
+        return True
     multiple = (np.round(ratio) > 1) & (np.abs(ratio / np.maximum(np.round(ratio), 1.0) - 1) < MULTIPLE)
     return bool(np.any(near | multiple & (size < weak**2 * sizes)))
+
+
+def _combined(frequency: float, others: RealArray) -> bool:
+    """Return whether a frequency is the sum or the difference of two others, as where two modes bend the same spring."""
+    first, second = np.triu_indices(len(others), 1)
+    both = np.concatenate([others[first] + others[second], np.abs(others[first] - others[second])])
+    return bool(np.any(np.abs(frequency / both - 1) < MULTIPLE))
 
 
 def _candidates(fit: DrivenFit, noise: WhiteNoise) -> list[complex]:
