@@ -25,6 +25,7 @@ REPORTS = (
     "transform",
     "free_decay",
     "decays",
+    "rigs",
     "fleet",
     "greybox",
 )

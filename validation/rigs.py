@@ -1,25 +1,28 @@
 """Files of rigs that are not quite linear, from a simulator of its own, and what the first command says of them.
 
-One or two masses on springs and dampers, with friction against the ground, dampers that differ in compression and rebound,
-or springs that stiffen. Motion is integrated to 1e-9 between events; an event is a mass that stops or breaks loose. A
-record has what a test bench leaves in a file: rest, a pull and a held force before the release, an encoder's steps, a dead
-stop, stamps of a drifting or rounded clock.
+One or two masses on springs and dampers, with friction against the ground, dampers that differ in compression and
+rebound, or springs that stiffen. Motion is integrated to 1e-9 between events; an event is a mass that stops or breaks
+loose. A record has what a test bench leaves in a file: rest, a pull and a held force before the release, an encoder's
+steps, a dead stop, stamps of a drifting or rounded clock.
 """
 
 from __future__ import annotations
 
 import tempfile
 from collections.abc import Callable, Sequence
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from tabulate import tabulate
 
 from suspid import Analysis, SuspidError, analyse
 from suspid.units import RealArray, Second
+from suspid.words import Level
 
 # Seeds that were not used during development.
 FIRST_SEED = 910_000
@@ -103,7 +106,7 @@ def released(rig: Rig, position: RealArray, timepts: RealArray) -> Motion:
         events = [event(mass, sign) for mass, sign in enumerate(signs)]
         for each in events:
             each.terminal, each.direction = True, -1  # type: ignore[attr-defined]
-        solved = solve_ivp(
+        solved: Any = solve_ivp(
             slope, (now, end), state, method="DOP853", rtol=1e-9, atol=1e-12, events=events, dense_output=True
         )
         seen = (timepts > now) & (timepts <= solved.t[-1])
@@ -162,8 +165,8 @@ def random_rig(kind: str, masses: int, rng: np.random.Generator) -> tuple[Rig, R
 def release(kind: str, masses: int, *, seed: int) -> Release:
     """Return a random record: rest, in half of the records a pull, a held force, release, dead stop.
 
-    The rate is 100 to 1000 Hz (at least ten samples in a period of the fastest mode), encoders have 8 to 12 bits over 1.1
-    to 2 times the swing, and the clock is exact, off by up to 0.1 %, or rounded to milliseconds.
+    The rate is 100 to 1000 Hz (at least ten samples in a period of the fastest mode), encoders have 8 to 12 bits over
+    1.1 to 2 times the swing, and the clock is exact, off by up to 0.1 %, or rounded to milliseconds.
     """
     rng = np.random.default_rng([seed, masses, KINDS.index(kind)])
     rig, held = random_rig(kind, masses, rng)
@@ -227,42 +230,104 @@ def equivalent(record: Release, start: Second, stop: Second) -> tuple[RealArray,
 
 @dataclass(frozen=True, kw_only=True)
 class Outcome:
-    """What the first command says of one file, beside the truth."""
+    """What the first command says of one file, beside the truth.
 
-    count: int
-    found: int
-    near: bool
-    # Errors of the first mode's wn and zeta against the averages over the amplitudes met, as shares of the truth.
-    wn: float
-    zeta: float
-    covered: tuple[bool, bool]
-    far: bool
-    level: str
+    The truth of one mass is the mean over the cycles of the stretch that was used; of two masses, the frequencies
+    without friction and damping, if the springs are linear.
+    """
+
+    right: bool  # as many modes as masses
+    wn: float = np.nan  # largest error of a natural frequency, as a share
+    zeta: float = np.nan  # error of the damping ratio, as a share
+    sds: tuple[float, float] = (np.nan, np.nan)  # both in standard deviations
+    level: Level = Level.NONE
+
+
+def outcome(kind: str, masses: int, seed: int) -> Outcome:
+    """Write a record as a file, analyse it without any setting, and compare with the truth."""
+    record = release(kind, masses, seed=seed)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "release.csv"
+        write(record, path)
+        try:
+            found = analyse(path)
+        except SuspidError:
+            return Outcome(right=False)
+    return judged(record, found)
 
 
 def judged(record: Release, found: Analysis) -> Outcome:
     """Return how far the modes of an analysis are off."""
-    truth = record.rig.wn / record.pace
-    modes = found.modes
-    wn = zeta = np.nan
-    covered, far = (False, False), False
+    truth, modes, level = record.rig.wn / record.pace, found.modes, found.verdict.level
     right = len(modes) == len(truth)
-    if len(modes):
+    if not len(modes) or modes.wn_std is None or modes.zeta_std is None:
+        return Outcome(right=right, level=level)
+    if len(truth) == 1:
         used = found.identification.response.time
-        start, stop = float(used[0]), min(float(used[-1]), record.stop)
-        if len(truth) == 1:
-            _, each_wn, each_zeta = equivalent(record, start, stop)
-            held = (float(np.mean(each_wn)), float(np.mean(each_zeta))) if len(each_wn) else (np.nan, np.nan)
-            mode = int(np.argmin(np.abs(np.log(modes.wn / held[0])))) if len(each_wn) else 0
-            wn, zeta = float(modes.wn[mode] / held[0] - 1), float(modes.zeta[mode] / held[1] - 1)
-            stds = modes.wn_std[mode], modes.zeta_std[mode]
-            off = abs(modes.wn[mode] - held[0]) / stds[0], abs(modes.zeta[mode] - held[1]) / stds[1]
-            covered, far = (bool(off[0] < 1.96), bool(off[1] < 1.96)), bool(max(off) > 4)
-        elif right:
-            off_by = modes.wn / truth - 1
-            wn = float(off_by[np.argmax(np.abs(off_by))])
-            off = np.abs(modes.wn - truth) / modes.wn_std
-            covered, far = (bool(np.all(off < 1.96)),) * 2, bool(np.max(off) > 4)
-    near = right and abs(wn) < 0.01
-    return Outcome(count=len(truth), found=len(modes), near=near, wn=wn, zeta=zeta, covered=covered, far=far,
-                   level=found.verdict.level.name)  # fmt: skip
+        _, wn, zeta = equivalent(record, float(used[0]), min(float(used[-1]), record.stop))
+        if not len(wn):
+            return Outcome(right=right, level=level)
+        mean = np.array([np.mean(wn), np.mean(zeta)])
+        k = int(np.argmin(np.abs(modes.wn - mean[0])))
+        off = np.array([modes.wn[k], modes.zeta[k]]) - mean
+        sds = off / np.array([modes.wn_std[k], modes.zeta_std[k]])
+        shares = off / mean
+        return Outcome(right=right, wn=shares[0], zeta=shares[1], sds=(sds[0], sds[1]), level=level)
+    if not right or np.any(record.rig.cubic > 0):
+        return Outcome(right=right, level=level)
+    off = modes.wn - truth
+    worst = int(np.argmax(np.abs(off / truth)))
+    return Outcome(
+        right=right, wn=float(off[worst] / truth[worst]), sds=(float(np.max(off / modes.wn_std)), np.nan), level=level
+    )
+
+
+def report(*, seeds: int = 100) -> str:
+    """Return the report as markdown."""
+    rows = []
+    with ProcessPoolExecutor(max_workers=2) as pool:
+        for masses in (1, 2):
+            for kind in KINDS:
+                order = range(FIRST_SEED, FIRST_SEED + seeds)
+                found = list(pool.map(outcome, [kind] * seeds, [masses] * seeds, order, chunksize=5))
+                rows.append([f"{masses}, {kind}", str(seeds), *_shares(found)])
+    headers = [
+        "masses, kind", "records", "right number of modes", "wn within 1 %", "zeta within 15 %",
+        "wn within 95 % interval", "zeta within 95 % interval", "sound and beyond 4 sd",
+    ]  # fmt: skip
+    return (
+        "\n\n".join(
+            [
+                "# Rigs that are not quite linear",
+                f"Random rigs from their files, seeds {FIRST_SEED} and on, `analyse` without any setting. Friction 1 "
+                f"to 10 % of the first spring force; dampers 1:3; springs 5 to 20 % stiffer at the first peak. Errors "
+                f"are those of records with a mode to compare, against means over the cycles of the stretch "
+                f"that was used (one mass) or the linear frequencies (two masses).",
+                tabulate(rows, headers=headers, tablefmt="github", disable_numparse=True),
+            ]
+        )
+        + "\n"
+    )
+
+
+def _shares(found: Sequence[Outcome]) -> list[str]:
+    """Return the columns of a row: shares of the records to which each applies."""
+    wn, zeta = (np.array([getattr(one, name) for one in found]) for name in ("wn", "zeta"))
+    sds = np.abs([one.sds for one in found])
+    wrong = [one.level is Level.SOUND and bool(np.nanmax([*map(abs, one.sds), 0.0]) > 4) for one in found]
+
+    def share(held: NDArray[np.bool_], known: RealArray) -> str:
+        return f"{100 * np.mean(held[~np.isnan(known)]):.0f} %" if not np.all(np.isnan(known)) else "-"
+
+    return [
+        f"{100 * np.mean([one.right for one in found]):.0f} %",
+        share(np.abs(wn) < 0.01, wn),
+        share(np.abs(zeta) < 0.15, zeta),
+        share(sds[:, 0] < 1.96, sds[:, 0]),
+        share(sds[:, 1] < 1.96, sds[:, 1]),
+        f"{100 * np.mean(wrong):.0f} %",
+    ]
+
+
+if __name__ == "__main__":
+    print(report())

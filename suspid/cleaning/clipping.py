@@ -44,8 +44,8 @@ def clipped_run(samples: RealArray, *, largest: bool) -> tuple[int, int] | None:
 def _from_rest(samples: RealArray, least: float) -> bool:
     """Return whether a limit, and the samples next to it, are those of a mass that was held and let go.
 
-    A crest that is cut off over n samples is left with (n + 1) / 2 times the step by which the steps grow; from rest it is
-    half of that step at most.
+    A crest that is cut off over n samples is left with (n + 1) / 2 times the step by which the steps grow; from rest it
+    is half of that step at most.
     """
     first, *second = np.abs(np.diff(samples))
     return bool(first <= least + (abs(second[0] - first) if second else 0.0))

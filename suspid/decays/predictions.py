@@ -45,7 +45,7 @@ def at_rest_from(values: RealArray, finest: RealArray) -> int:
     >>> at_rest_from(np.array([[0.0, 2.0, 8.0, 5.0, 5.0, 5.0]]), np.array([0.29]))
     4
     """
-    return values.shape[1] - at_rest_until(values[:, ::-1], finest)
+    return int(values.shape[1]) - at_rest_until(values[:, ::-1], finest)
 
 
 def at_rest_until(values: RealArray, finest: RealArray) -> int:

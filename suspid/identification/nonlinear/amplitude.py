@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,8 +24,8 @@ WINDOWS = 12
 class AmplitudeDependence:
     """Natural frequency and damping ratio of a mode over the amplitudes that were met.
 
-    Each is that of the linear system whose motion decays and turns as much, within whole cycles of the mode: damping from
-    the logarithmic decrement, frequency from the time that the cycles take.
+    Each is that of the linear system whose motion decays and turns as much, within whole cycles of the mode: damping
+    from the logarithmic decrement, frequency from the time that the cycles take.
 
     Parameters
     ----------
@@ -41,7 +42,7 @@ class AmplitudeDependence:
     wn_std, zeta_std : ndarray (window,)
         Their standard deviations.
     holds_at : float
-        The amplitude at which the values of the table of modes hold: those of the pole that is the mean over all cycles.
+        The amplitude at which the values of the table of modes hold: the pole there is the mean over all cycles.
     """
 
     spans: tuple[tuple[Second, Second], ...]
@@ -112,8 +113,8 @@ def swings_of(fit: DrivenFit, pole: int, window: slice = slice(None)) -> Swings 
 def mean_pole(fit: DrivenFit, pole: int, window: slice = slice(None)) -> tuple[complex, RealArray]:
     """Return the mean of the exponent of a mode over a window, and its derivatives, (2, parameter).
 
-    Of a single mode it is that from its first to its last swing. In what several modes do together the swings of one are
-    not seen alone: there it is that of the equivalent linear system.
+    Of a single mode it is that from its first to its last swing. In what several modes do together the swings of one
+    are not seen alone: there it is that of the equivalent linear system.
     """
     swings = swings_of(fit, pole, window) if len(fit.drive.theta) == 1 else None
     if swings is not None:
@@ -168,6 +169,17 @@ def _pole_slopes(fit: DrivenFit, pole: int, by_gain: ComplexArray) -> RealArray:
     return out
 
 
+def window_changes(fit: DrivenFit, pole: int, theta: complex) -> ComplexArray:
+    """Return by how much the mean exponent of a mode changes with the stretch, (window,).
+
+    A decay that starts half a period later, or ends a fifth earlier, has other amplitudes and so another mean.
+    """
+    count = fit.states.shape[1]
+    half = min(int(np.pi / theta.imag), count // 2)
+    windows = (slice(half, count), slice(0, count - count // 5))
+    return np.array([mean_pole(fit, pole, window)[0] - theta for window in windows])
+
+
 def covariance_of(fit: DrivenFit) -> RealArray:
     """Return the covariance of the parameters of a fit, (parameter, parameter)."""
     return inverse_information(fit.information * (fit.freedom / fit.residual.shape[1]))
@@ -205,13 +217,13 @@ def _parts(
     swings = swings_of(fit, pole) if len(fit.drive.theta) == 1 else None
     if swings is not None:
         cuts = _cuts(np.log(swings.size), least=2)
-        pairs = list(zip(cuts[:-1], cuts[1:], strict=True))
+        pairs = list(pairwise(cuts))
         between = np.sqrt(swings.size[cuts[:-1]] * swings.size[cuts[1:]])
         return [(*swings.pole(a, b), (float(swings.time[a]), float(swings.time[b]))) for a, b in pairs], between
     envelope = np.log(size * np.abs(fit.states[pole]))
     cycle = int(np.ceil(2 * np.pi / float(np.min(np.abs(fit.drive.theta.imag)))))
     cuts = _cuts(envelope, least=max(8, cycle))
-    pairs = list(zip(cuts[:-1], cuts[1:], strict=True))
+    pairs = list(pairwise(cuts))
     inside = np.array([np.exp(np.mean(envelope[a : b + 1])) for a, b in pairs])
     return [(*mean_pole(fit, pole, slice(a, b + 1)), (float(a), float(b))) for a, b in pairs], inside
 

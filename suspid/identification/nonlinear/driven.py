@@ -18,6 +18,8 @@ from suspid.identification.poles import MOST_GROWTH
 from suspid.levels import NEGLIGIBLE_GAIN
 from suspid.units import ComplexArray, RealArray
 
+# States of motion that began with 1 stay below this; their squares must not overflow.
+UNBOUNDED = 1e50
 # Least pivot of the columns of unit norm: below it they are dependent.
 INDEPENDENT = 1e-7
 
@@ -197,8 +199,11 @@ def evaluate(values: RealArray, drive: Drive, noise: WhiteNoise) -> DrivenFit | 
     columns = np.column_stack([states.real.T, states.imag.T, np.exp(np.outer(samples, drive.nuisances))])
     if drive.through:
         columns = np.column_stack([columns, drive.forces.T])
+    # A step that lets a state grow without bound is none.
+    if not max(np.max(np.abs(columns)), np.max(np.abs(slopes), initial=0.0)) < UNBOUNDED:
+        return None
     norms = np.linalg.norm(columns, axis=0)
-    if not np.all(np.isfinite(norms) & (norms > 0)) or not np.all(np.isfinite(slopes)):
+    if not np.all(norms > 0):
         return None
     basis, triangle = np.linalg.qr(columns / norms)
     if not np.min(np.abs(triangle.diagonal())) > INDEPENDENT:

@@ -13,6 +13,7 @@ from suspid.identification.nonlinear.amplitude import (
     covariance_of,
     dependence,
     mean_pole,
+    window_changes,
 )
 from suspid.identification.nonlinear.driven import DrivenFit
 from suspid.identification.nonlinear.feedback import Bent
@@ -26,8 +27,8 @@ def modes_of_bent(
 ) -> tuple[ModalSet, RealArray, tuple[AmplitudeDependence, ...]]:
     """Return the modes, how loud the residual is near each, (mode,), and how each depends on its amplitude.
 
-    Each pole is the mean over the cycles of the record. Their variances are widened by the loudness and by noise that the
-    channels share.
+    Each pole is the mean over the cycles of the record. Their variances are widened by the loudness, by noise that the
+    channels share, and by what the choice of the stretch does.
     """
     fit, step = bent.fit, float(timepts[-1] - timepts[0]) / (len(timepts) - 1)
     means = [mean_pole(fit, k) for k in range(len(fit.drive.theta))]
@@ -61,21 +62,14 @@ def modes_of_bent(
     )
 
 
-def _with_windows(
-    modes: ModalSet, fit: DrivenFit, order: list[int], exponents: ComplexArray, step: Second
-) -> ModalSet:
-    """Return the modes with what the choice of the stretch does to each pole in its covariance.
-
-    A decay that starts half a period later, or ends a fifth earlier, has other amplitudes and so another mean.
-    """
+def _with_windows(modes: ModalSet, fit: DrivenFit, order: list[int], exponents: ComplexArray, step: Second) -> ModalSet:
+    """Return the modes with what the choice of the stretch does to each pole in its covariance."""
     assert modes.covariance is not None
-    covariance, count = modes.covariance.copy(), fit.states.shape[1]
+    covariance = modes.covariance.copy()
     for mode, k in enumerate(order):
-        half = min(int(np.pi / exponents[k].imag), count // 2)
-        for window in (slice(half, count), slice(0, count - count // 5)):
-            change = (mean_pole(fit, k, window)[0] - exponents[k]) / step
+        at = slice(2 * mode, 2 * mode + 2)
+        for change in window_changes(fit, k, complex(exponents[k])) / step:
             parts = np.array([change.real, change.imag])
-            at = slice(2 * mode, 2 * mode + 2)
             covariance[at, at] += np.outer(parts, parts)
     return replace(modes, covariance=covariance)
 

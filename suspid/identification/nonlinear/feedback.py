@@ -78,7 +78,7 @@ class Record:
 def with_forces(record: Record, plain: DrivenFit, *, least_fall: float = LEAST_FALL) -> Bent:
     """Return the best fit near that of given poles with forces of one kind or two, while BIC is lower for them.
 
-    Forces are fitted if those of one kind promise to lower the variance of the residual by a factor, less what they cost.
+    Forces are fitted if those of one kind promise to lower the variance of the residual by a factor, less their cost.
     """
     best = Bent(fit=plain, forces=(), order=0)
     motions = record.motions(0)

@@ -14,7 +14,7 @@ from suspid.identification.fitting import OTHER_FREQUENCY
 from suspid.identification.likelihood import DecayFit, bic_penalty
 from suspid.identification.likelihood import evaluate as evaluate_decay
 from suspid.identification.noise import LOUD, WhiteNoise, over_channels, power_beside
-from suspid.identification.nonlinear.amplitude import covariance_of, mean_pole, swings_of
+from suspid.identification.nonlinear.amplitude import covariance_of, mean_pole, swings_of, window_changes
 from suspid.identification.nonlinear.driven import DrivenFit, evaluate, maximize
 from suspid.identification.nonlinear.feedback import (
     LEAST_FALL,
@@ -36,9 +36,10 @@ from suspid.words import Reason
 # One more mode beside forces must lower the residual of a channel by this factor: a force that is not quite the true
 # one leaves a residual that further poles follow. Lower: distortions become modes. Higher: weak modes are lost.
 REDUCTION = 2.5
-# A mode whose pole has a standard deviation above this share of its modulus is none.
+# A mode whose pole has a standard deviation above this share of its modulus, or changes by more with the stretch, is
+# none.
 UNKNOWN = 0.1
-# Forces that explain this share of what a multiple of a mode does are preferred to it: a mode there would be a coincidence.
+# Forces that explain this share of what a multiple of a mode does are preferred to it: a mode there would be chance.
 NEARLY = 0.9
 # Poles tried as the next one, and modes at most where their number is not given.
 NEXT, MOST_MODES = 2, 6
@@ -129,7 +130,7 @@ def _significant(bent: Bent | None) -> Bent | None:
 
 
 def _stands(fit: DrivenFit) -> NDArray[np.bool_]:
-    """Return whether each pole decays, makes a cycle, stands out of the residual near it and is known at all, (pole,)."""
+    """Return whether each pole decays, makes a cycle, stands out of the residual near it and is known, (pole,)."""
     energy = _energies(fit)
     weights = np.abs(fit.amplitudes).T ** 2 / fit.variance[:, None]
     beside = over_channels(power_beside(fit.residual, fit.variance, fit.drive.theta), weights)
@@ -138,6 +139,9 @@ def _stands(fit: DrivenFit) -> NDArray[np.bool_]:
     means = [mean_pole(fit, k) for k in range(len(fit.drive.theta))]
     theta, covariance = np.array([each for each, _ in means]), covariance_of(fit)
     spread = np.sqrt([np.trace(slopes @ covariance @ slopes.T) for _, slopes in means] * beside)
+    if not np.all(theta.imag > 0):
+        return np.asarray(theta.imag > 0)
+    spread = np.maximum(spread, [np.max(np.abs(window_changes(fit, k, each))) for k, each in enumerate(theta)])
     turns = np.array([swings_of(fit, k) is not None for k in range(len(theta))])
     return np.asarray((energy > needed) & (theta.real < 0) & turns & (spread < UNKNOWN * np.abs(theta)))
 
@@ -251,7 +255,8 @@ def _repeated(
 ) -> bool:
     """Return whether a pole is part of another of the same shape, or a multiple of it below a share of its amplitude.
 
-    So is one at the sum or difference of two that are larger. The amplitudes, over the noise, are (channel,) and (other, channel).
+    So is one at the sum or difference of two that are larger. The amplitudes, over the noise, are (channel,) and
+    (other, channel).
     """
     ratio = np.abs(theta) / np.abs(others)
     size, sizes = float(np.sum(np.abs(amplitude) ** 2)), np.sum(np.abs(amplitudes) ** 2, axis=1)
@@ -264,7 +269,7 @@ def _repeated(
 
 
 def _combined(frequency: float, others: RealArray) -> bool:
-    """Return whether a frequency is the sum or the difference of two others, as where two modes bend the same spring."""
+    """Return whether a frequency is the sum or difference of two others, as where two modes bend the same spring."""
     first, second = np.triu_indices(len(others), 1)
     both = np.concatenate([others[first] + others[second], np.abs(others[first] - others[second])])
     return bool(np.any(np.abs(frequency / both - 1) < MULTIPLE))
