@@ -215,6 +215,7 @@ FULL_KNOCK = {
     "z_heave": 0.02, "v_pitch": 0.2, "v_roll": 0.4,
     "v_front_left": 1.0, "v_front_right": -0.4, "v_rear_left": 0.3, "v_rear_right": -0.8,
 }  # fmt: skip
+KNOWN: Mapping[str, Any] = {"gains": (), "delays": (), "mounts": ()}
 MOUNTED = QUARTER.with_parameters(mount_stiffness={"chassis": 1e6})
 SOFT = QUARTER.with_parameters(mount_stiffness={"chassis": 4e5})
 
@@ -240,9 +241,7 @@ def rows() -> dict[str, list[Row]]:
             ),
         ],
         "Everyday driving, wheels given": [
-            given_row(
-                "class B, 60 s, gain, delay, mount known", Drive(), options={"gains": (), "delays": (), "mounts": ()}
-            ),
+            given_row("class B, 60 s, gain, delay, mount known", Drive(), options=KNOWN),
             *(given_row(f"class B, {t:g} s", Drive(duration=t)) for t in (10, 60, 300, 1200)),
             *(given_row(f"class {road}, 60 s", Drive(road=road)) for road in "ACD"),
             given_row("class B, speed ±40 %", Drive(spread=0.4)),
@@ -258,6 +257,8 @@ def rows() -> dict[str, list[Row]]:
             given_row("mount 1e6 N/m", Drive(), car=MOUNTED),
             given_row("mount 4e5 N/m", Drive(), car=SOFT),
             given_row("half car, 60 s", Drive(), car=half(0.1)),
+            given_row("half car, 60 s, gain, delay, mount known", Drive(), car=half(0.1), options=KNOWN),
             given_row("full car, 60 s at 100 Hz", Drive(rate=100.0), car=FULL),
+            given_row("full car, 60 s at 100 Hz, gain, delay, mount known", Drive(rate=100.0), car=FULL, options=KNOWN),
         ],
     }
