@@ -108,40 +108,50 @@ def relative_errors(found: Suspension, car: Suspension) -> RealArray:
 
 
 class TestDynamics:
-    def test_slopes_of_a_step_are_those_of_finite_differences(self) -> None:
-        car, rows = PAPER, list(range(9))
-        p, forces = parameter_vector(car), np.array([[1.0, 0.0, -1.0]])
+    @pytest.mark.parametrize("mounts", [(), (1,), (2, 0)])
+    def test_slopes_of_a_step_are_those_of_finite_differences(self, mounts: tuple[int, ...]) -> None:
+        car, rows = PAPER.with_parameters(mount_stiffness={"seat": 4e5}), list(range(9 + len(mounts)))
+        p = np.append(parameter_vector(car), np.full(len(mounts), 2e-3))
+        forces = np.array([[1.0, 0.0, -1.0]])
 
         def step(q: RealArray) -> RealArray:
-            made = transition(plant_of(car, q, rows, roads=[0], forces=forces), 0.01)
+            made = transition(plant_of(car, q, rows, roads=[0], forces=forces, mounts=mounts), 0.01)
             return np.hstack([made.E, made.G])
 
-        exact = transition(plant_of(car, p, rows, roads=[0], forces=forces), 0.01)
+        exact = transition(plant_of(car, p, rows, roads=[0], forces=forces, mounts=mounts), 0.01)
         for i in rows:
-            move = np.zeros(9)
+            move = np.zeros(len(p))
             move[i] = 1e-4 * p[i]
             slope = (step(p + move) - step(p - move)) / (2 * move[i])
             expected = np.hstack([exact.by_state[i], exact.by_input[i]])
             np.testing.assert_allclose(slope, expected, atol=1e-6 * np.abs(expected).max())
 
-    def test_modes_have_the_covariance_of_finite_differences(self) -> None:
-        car, rows = HALF, [0, 1, 4]
-        covariance = np.diag((0.01 * parameter_vector(car)[rows]) ** 2)
-        found = modes_of(car, rows, covariance)
-        exact = eigenmodes(car)
+    @pytest.mark.parametrize("mounts", [(), (0,)])
+    def test_modes_have_the_covariance_of_finite_differences(self, mounts: tuple[int, ...]) -> None:
+        car, count = HALF, len(parameter_names(HALF))
+        rows = [0, 1, 4, *range(count, count + len(mounts))]
+        p = np.append(parameter_vector(car), np.full(len(mounts), 3e-3))
+
+        def made(q: RealArray) -> Suspension:
+            # A change of c at the same relaxation c / k_mount changes the mount.
+            names = [s.name for s in car.struts]
+            return car.with_parameters(
+                stiffness=dict(zip(names, q[:4].tolist(), strict=True)),
+                damping=dict(zip(names, q[4:8].tolist(), strict=True)),
+                mount_stiffness={names[i]: q[4 + i] / q[count + j] for j, i in enumerate(mounts)},
+            )
+
+        covariance = np.diag((0.01 * p[rows]) ** 2)
+        found, exact = modes_of(made(p), rows, covariance, mounts=mounts), eigenmodes(made(p))
         np.testing.assert_allclose(found.poles, exact.poles, rtol=1e-9)
-        names = parameter_names(car)
         moved: list[ComplexArray] = []
         for row in rows:
-            step = 1e-5 * parameter_vector(car)[row]
-            strut, quantity = names[row].split(".")
             ends = []
             for sign in (1, -1):
-                value = getattr(next(s for s in car.struts if s.name == strut), quantity) + sign * step
-                modes = eigenmodes(car.with_parameters(**{quantity: {strut: value}}))
+                modes = eigenmodes(made(p * (1 + 1e-5 * sign * (np.arange(len(p)) == row))))
                 assert modes.shapes is not None
                 ends.append(np.concatenate([modes.poles, modes.shapes.T.ravel()]))
-            moved.append((ends[0] - ends[1]) / (2 * step) * np.sqrt(np.diag(covariance))[len(moved)])
+            moved.append((ends[0] - ends[1]) / 2e-5 * 0.01)
         parts = np.stack([np.stack([m.real, m.imag], axis=1).ravel() for m in moved])
         assert found.covariance is not None
         np.testing.assert_allclose(
@@ -180,6 +190,46 @@ class TestFreeDecay:
             ends = found.interval(0.95)
             holds += sum(low <= truth[name] <= high for name, (low, high) in sorted(ends.items()))
         assert binom.ppf(1e-4, 6 * seeds, 0.95) <= holds
+
+    def test_a_mount_is_found_and_would_do_harm(self) -> None:
+        # A damper on a mount is a mass of next to nothing between them; SciPy integrates the equation of the damper.
+        mount, k, c, kt, ct = 3e5, 22e3, 1300.0, 200e3, 60.0
+
+        def slope(_: float, x: RealArray) -> RealArray:
+            body, wheel, v_body, v_wheel, damper = x
+            force = k * (body - wheel) + mount * (body - wheel - damper)
+            return np.array([
+                v_body, v_wheel, -force / 350, (force - kt * wheel - ct * v_wheel) / 45,
+                mount / c * (body - wheel - damper),
+            ])  # fmt: skip
+
+        x = solve_ivp(
+            slope, (0, TIMES[-1]), [0.02, 0.0, 0.0, 1.0, 0.02], t_eval=TIMES, method="DOP853", rtol=1e-12, atol=1e-14
+        ).y  # fmt: skip
+        record = record_of({"chassis": x[0], "tire": x[1]})
+        found = estimate(record, off(QUARTER), mounts=["chassis"])
+        assert found.parameters[-1] == "chassis.relaxation"
+        assert found.values[-1] == pytest.approx(c / mount, rel=1e-5)
+        assert relative_errors(found.suspension, QUARTER).max() < 1e-5
+        assert found.suspension.struts[0].mount_stiffness == pytest.approx(mount, rel=1e-5)
+        np.testing.assert_allclose(found.modes.poles, eigenmodes(found.suspension).poles, rtol=1e-9)
+        noisy = add_noise(record, snr_db=40.0, rng=np.random.default_rng(1))
+        assert not estimate(noisy, off(QUARTER)).explains
+        ends = estimate(noisy, off(QUARTER), mounts=["chassis"]).interval(0.999)
+        assert ends["chassis.relaxation"][0] < c / mount < ends["chassis.relaxation"][1] < 2 * c / mount
+        # Known, it is held.
+        known = estimate(noisy, off(QUARTER).with_parameters(mount_stiffness={"chassis": mount}))
+        assert known.explains
+
+    def test_a_rigid_mount_is_none(self) -> None:
+        noisy = add_noise(TestOptions.RECORD, snr_db=30.0, rng=np.random.default_rng(2))
+        found = estimate(noisy, off(QUARTER), mounts=["chassis"])
+        assert found.suspension.struts[0].mount_stiffness is None
+        assert found.explains
+        low, high = found.interval(0.999)["chassis.stiffness"]
+        assert low < 22e3 < high < 1.1 * low
+        with pytest.raises(InputError, match="mounts: 'chasis'.*Did you mean 'chassis'"):
+            estimate(noisy, QUARTER, mounts=["chasis"])
 
     def test_tests_with_an_added_mass_give_the_masses(self) -> None:
         loaded = QUARTER.with_parameters(masses={"chassis": 425})

@@ -42,9 +42,10 @@ the mean over all parameters. 'explained' is the share of the draws in which the
 is processor time on this machine.
 
 The bound knows the start as little as the estimator does. Where wheels are given, starts are left out, forces on the
-body are noise of known spectrum, and gain and delay of the wheels' sensors and a mount are unknown to both,
-except where they are known. Without a mount, delay and mount are nearly one thing, and the bound does not know that a mount is not
-negative: c is then found with half its error. `SUSPID_SEEDS=100 python -m validation greybox` prints these tables."""
+body are noise of known spectrum, and gain and delay of the wheels' sensors and a mount are unknown to both, unless they
+are said to be known. Without a mount, delay and mount are nearly one thing, and the bound does not know that a mount is
+not negative: c is then found with half its error. `SUSPID_SEEDS=100 python -m validation greybox` prints these
+tables."""
 SIMULATOR = """## Records of another simulator
 
 A quarter car with a seat over a chirp, over a step, and released, without noise (rizoit, `shared/data`), 30 % off at

@@ -1,10 +1,10 @@
 """Springs and dampers straight from a recording, whatever moved the car.
 
-`estimate` fits the parameters of a `suspid.Suspension` to records by maximum likelihood. `trials` are records as data;
-in the time domain `dynamics` (exact motion and its derivatives), `responses` (output error of one record), `problem`,
-`search` and `time_domain`; in the frequency domain `spectra`, `transfers`, `measured_causes` (errors in variables),
-`noise_levels` and `frequency_domain`. `whiteness`, `leftover`, `identifiability`, `modal` and `judgement` say how far
-the result can be trusted, `estimates` holds it.
+`estimate` fits the parameters of a `suspid.Suspension` to records by maximum likelihood. `trials` are records as
+data; in the time domain `dynamics` (exact motion and its derivatives), `responses` (output error of one record),
+`problem`, `mounts` (of unknown stiffness), `search` and `time_domain`; in the frequency domain `spectra`,
+`transfers`, `measured_causes` (errors in variables), `noise_levels` and `frequency_domain`. `whiteness`, `leftover`,
+`identifiability`, `modal` and `judgement` say how far the result can be trusted, `estimates` holds it.
 """
 
 from suspid.greybox.estimate import estimate

@@ -44,18 +44,26 @@ class Transition:
     by_input: RealArray  # (parameter, state, input coefficient): derivatives of G
 
 
-def plant_of(car: Suspension, p: RealArray, rows: Sequence[int], *, roads: Sequence[int], forces: RealArray) -> Plant:
+def plant_of(
+    car: Suspension,
+    p: RealArray,
+    rows: Sequence[int],
+    *,
+    roads: Sequence[int],
+    forces: RealArray,
+    mounts: Sequence[int] = (),
+) -> Plant:
     """Return the equations of motion with parameters p, and their slopes by the parameters ``rows``.
 
-    p holds k of every strut, c of every strut and every mass, in this order. ``roads`` are the indices of the roads
-    that are inputs; the others do not move. ``forces`` are the weights of the forces that are inputs, (force,
-    coordinate).
+    p holds k of every strut, c of every strut, every mass, and the relaxation of the struts ``mounts``, in this order.
+    ``roads`` are the indices of the roads that are inputs; the others do not move. ``forces`` are the weights of the
+    forces that are inputs, (force, coordinate).
     """
     n, struts = len(car.coordinates), len(car.struts)
-    k, c, mass = p[:struts], p[struts : 2 * struts], p[2 * struts :]
+    k, c, mass = p[:struts], p[struts : 2 * struts], p[2 * struts : 2 * struts + n]
     arms, road_arms = car.arms(car.coordinates), car.arms(car.roads)[:, list(roads)]
-    mount = [getattr(s, "mount_stiffness", None) for s in car.struts]
-    mounted = [i for i in range(struts) if mount[i] is not None and c[i] > 0]
+    known = [s.mount_stiffness for s in car.struts]
+    mounted = [i for i in range(struts) if i in mounts or (known[i] is not None and c[i] > 0)]
     size = 2 * n + len(mounted)
     width = size + DEGREE * (len(roads) + len(forces))
     # Elongation of each strut and its rate in terms of states and input coefficients.
@@ -72,17 +80,24 @@ def plant_of(car: Suspension, p: RealArray, rows: Sequence[int], *, roads: Seque
     F += pull[plain].T @ (c[plain, None] * rate[plain])
     for i, weights in enumerate(forces):
         F[n : 2 * n, size + DEGREE * (len(roads) + i)] = weights / mass
-    on_damper, on_mount = rate.copy(), pull.copy()
+    on_damper, by_damper = rate.copy(), pull.copy()
+    on_mount, by_mount = np.zeros((len(mounts), width)), np.zeros((len(mounts), size))
     for place, i in enumerate(mounted, 2 * n):
-        stiffness = float(mount[i] or 0.0)
-        strained = stretch[i].copy()
+        strained, own = stretch[i].copy(), np.eye(size)[place]
         strained[place] = -1.0
-        F += np.outer(pull[i], stiffness * strained)
-        F[place] += stiffness / c[i] * strained
-        on_damper[i], on_mount[i] = -stiffness / c[i] ** 2 * strained, np.eye(size)[place]
-    own = np.eye(size)[n : 2 * n]
-    b = np.concatenate([pull, on_mount, -own / mass[:, None]])
-    f = np.concatenate([stretch, on_damper, F[n : 2 * n]])
+        if i in mounts:
+            # The relaxation is the parameter: the mount's stiffness is c over it.
+            which = list(mounts).index(i)
+            relaxation = p[2 * struts + n + which]
+            on_damper[i] = strained / relaxation
+            on_mount[which], by_mount[which] = -strained / relaxation**2, c[i] * pull[i] + own
+        else:
+            relaxation = c[i] / float(known[i] or np.inf)
+            on_damper[i], by_damper[i] = -strained / (relaxation * c[i]), own
+        F += np.outer(c[i] * pull[i] + own, strained / relaxation)
+    inertia = np.eye(size)[n : 2 * n]
+    b = np.concatenate([pull, by_damper, -inertia / mass[:, None], by_mount])
+    f = np.concatenate([stretch, on_damper, F[n : 2 * n], on_mount])
     return Plant(F=F, b=b[list(rows)], f=f[list(rows)])
 
 

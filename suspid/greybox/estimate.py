@@ -13,12 +13,13 @@ from suspid.greybox.estimates import Estimate
 from suspid.greybox.frequency_domain import fit_in_frequency, wheel_problem
 from suspid.greybox.judgement import changes, on_bounds, rests_on
 from suspid.greybox.modal import modes_of
+from suspid.greybox.mounts import chosen_of, with_mounts
 from suspid.greybox.problem import Problem, default_holds
 from suspid.greybox.time_domain import fit_in_time
 from suspid.greybox.trials import RecordTest, Trial, trials_of
 from suspid.levels import NORMAL_95
-from suspid.model import Suspension, eigenmodes
-from suspid.reconstruction import Bounds, parameter_names, unknowns_of
+from suspid.model import ModalSet, Suspension, eigenmodes
+from suspid.reconstruction import Bounds, Unknowns, parameter_names, unknowns_of
 from suspid.signals import as_response
 from suspid.units import Hertz, Ratio, RealArray, Second
 from suspid.values import frozen_real, listed
@@ -85,9 +86,9 @@ def estimate(
         that show nothing but given motion. Those of the other channels can be asked for; of all channels together only
         ratios of gains and differences of delays can be found.
     mounts : sequence of str, optional
-        Struts between given and other coordinates whose damper may stand on a mount of unknown stiffness: the strut
-        is ``k + c s / (1 + tau s)`` with relaxation tau [s]. Default: all that have a damper. A rubber mount of
-        1e6 N/m that is left out makes k of a car 20 % too large.
+        Struts whose damper may stand on a mount of unknown stiffness: the strut is ``k + c s / (1 + tau s)`` with
+        relaxation tau [s]. Default: where motion is given, all that have a damper and act between given and other
+        coordinates; else none. A rubber mount of 1e6 N/m that is left out makes k of a driven car 20 % too large.
     band : (float, float), optional
         Frequencies that are used where motion is given [Hz]. Default: from 0.4 times the lowest natural frequency of
         the nominal car to twice the highest.
@@ -143,13 +144,12 @@ def estimate(
             f"{driven.index(False) + 1} has none; estimate from either, and give the result of one as nominal_std"
         )
     if not any(driven):
-        for argument, names in (("gains", gains), ("delays", delays), ("mounts", mounts)):
+        for argument, names in (("gains", gains), ("delays", delays)):
             if names:
                 raise InputError(
                     f"{argument}: {listed([names] if isinstance(names, str) else names)} can only be found where the "
-                    f"motion of a coordinate is given. From a free decay, or under known roads and forces, gains and "
-                    f"delays of channels and mounts count as known: correct the channels first, and state "
-                    f"mount_stiffness of the strut"
+                    f"motion of a coordinate is given. In a free decay, or under known roads and forces, gains and "
+                    f"delays count as known: correct the channels first"
                 )
     beyond = _beyond(suspension, trials)
     unknowns = unknowns_of(
@@ -165,6 +165,9 @@ def estimate(
         options = {"gains": gains, "delays": delays, "mounts": mounts}
         fit = fit_in_frequency(wheel_problem(suspension, trials, unknowns, band=band, stretch=stretch, **options))
     else:
+        damped = [s.name for s in suspension.struts if s.damping > 0]
+        soft = [[s.name for s in suspension.struts].index(name) for name in chosen_of("mounts", mounts, damped, ())]
+        unknowns = with_mounts(unknowns, soft)
         fit = fit_in_time(Problem(trials=trials, holds=default_holds(trials), unknowns=unknowns))
     u = unknowns
     parameters = (*u.names, *fit.extras)
@@ -177,10 +180,11 @@ def estimate(
     car = _mounted(u.suspension(fit.x), parameters, values, std)
     unused = tuple(dict.fromkeys(name for trial in trials for name in trial.unused))
     still = tuple(suspension.coordinates[i] for i in trials[0].wheels)
+    own = [i for i, name in enumerate(u.names) if not name.endswith(".relaxation")]
     checks = [
         *fit.checks,
         *on_bounds(u, fit.x),
-        *changes(suspension, u.names, values[: len(u.names)], std[: len(u.names)]),
+        *changes(suspension, u.names[: len(own)], values[: len(own)], std[: len(own)]),
         *rests_on(suspension, u.names, still=still, forced=any(len(trial.forces) for trial in trials)),
         *([Check(Remark(EstimateCheck.STILL, {"names": still}), Level.NOTE)] if still else []),
         *(
@@ -201,7 +205,7 @@ def estimate(
             np.vstack([np.column_stack([u.lower, u.upper])[u.column] * u.scale[u.column, None], fit.extra_ranges])
         ),
         held=tuple(n for n in parameter_names(suspension) if n not in u.names and not n.endswith(".mass")),
-        modes=modes_of(car, u.rows, covariance[: len(u.names), : len(u.names)], still=still),
+        modes=_modes(car, u, parameters, covariance, still),
         fitted=tuple(as_response(s.timepts, s.values, s.channels) for s in fit.fitted),
         residual=tuple(as_response(s.timepts, s.values, s.channels) for s in fit.residual),
         noise_std=tuple(frozen_real(std) for std in fit.noise),
@@ -211,6 +215,20 @@ def estimate(
         alternatives=fit.alternatives,
         verdict=Verdict(headline, tuple(checks)),
     )
+
+
+def _modes(
+    car: Suspension, u: Unknowns, parameters: Sequence[str], covariance: RealArray, still: Sequence[str]
+) -> ModalSet:
+    """Return the modes of the car that was found, with the covariance of all its parameters."""
+    mounts = [
+        i for i, s in enumerate(car.struts) if s.mount_stiffness is not None and f"{s.name}.relaxation" in parameters
+    ]
+    own = [i for i, name in enumerate(u.names) if not name.endswith(".relaxation")]
+    count = len(parameter_names(car))
+    rows = [*(u.rows[i] for i in own), *range(count, count + len(mounts))]
+    own += [parameters.index(f"{car.struts[i].name}.relaxation") for i in mounts]
+    return modes_of(car, rows, covariance[np.ix_(own, own)], still=still, mounts=mounts)
 
 
 def _check(suspension: object) -> None:

@@ -13,6 +13,7 @@ from suspid.greybox.fits import Fit
 from suspid.greybox.identifiability import blind, check_determined, names_in
 from suspid.greybox.leftover import coherent_leftover
 from suspid.greybox.measured_causes import TIMES, Extras, Source, WheelProblem, Whitened, first_levels, label
+from suspid.greybox.mounts import chosen_of
 from suspid.greybox.noise_levels import Levels, node_basis
 from suspid.greybox.search import starts_of
 from suspid.greybox.spectra import spectra_of
@@ -23,7 +24,6 @@ from suspid.model import Suspension, eigenmodes
 from suspid.reconstruction import Unknowns, descend
 from suspid.signals import Signal
 from suspid.units import Hertz, Ratio, RealArray, Second
-from suspid.values import nearest_names
 from suspid.words import Check, Level, Number, Remark
 from suspid.words.greybox import EstimateCheck
 
@@ -68,14 +68,14 @@ def wheel_problem(
                 layout=layout,
                 spectra=spectra,
                 basis=node_basis(spectra.hertz),
-                gains=tuple(trial.channels.index(c) for c in _named("gains", gains, trial.channels, causes)),
-                delays=tuple(trial.channels.index(c) for c in _named("delays", delays, trial.channels, causes)),
+                gains=tuple(trial.channels.index(c) for c in chosen_of("gains", gains, trial.channels, causes)),
+                delays=tuple(trial.channels.index(c) for c in chosen_of("delays", delays, trial.channels, causes)),
             )
         )
     struts = [s.name for s in car.struts]
     layout = sources[0].layout
     damped = [struts[j] for j in layout.bridges if np.any(layout.arms_given[j]) and car.struts[j].damping > 0]
-    springy = tuple(struts.index(name) for name in _named("mounts", mounts, damped, damped))
+    springy = tuple(struts.index(name) for name in chosen_of("mounts", mounts, damped, damped))
     bare = WheelProblem(sources=tuple(sources), unknowns=unknowns, extras=_extras(car, springy, [], []))
     return replace(
         bare,
@@ -86,16 +86,6 @@ def wheel_problem(
             [label(s.trial.channels[c], i, bare) for i, s in enumerate(sources) for c in s.delays],
         ),
     )
-
-
-def _named(argument: str, names: Sequence[str] | None, known: Sequence[str], default: Sequence[str]) -> Sequence[str]:
-    if names is None:
-        return default
-    chosen = [names] if isinstance(names, str) else list(names)
-    for name in chosen:
-        if name not in known:
-            raise InputError(f"{argument}: {name!r} is none of those that can be found.{nearest_names(name, known)}")
-    return chosen
 
 
 def _extras(car: Suspension, mounts: Sequence[int], gains: Sequence[str], delays: Sequence[str]) -> Extras:

@@ -15,14 +15,22 @@ from suspid.units import ComplexArray, RealArray
 COINCIDE = 1e-6
 
 
-def modes_of(car: Suspension, rows: Sequence[int], covariance: RealArray, *, still: Sequence[str] = ()) -> ModalSet:
+def modes_of(
+    car: Suspension,
+    rows: Sequence[int],
+    covariance: RealArray,
+    *,
+    still: Sequence[str] = (),
+    mounts: Sequence[int] = (),
+) -> ModalSet:
     """Return the modes of a car while some coordinates are held still, and their joint covariance to first order.
 
-    ``covariance`` is that of the parameters ``rows`` in SI units. With ``A V = V diag(lambda)``, a change dA moves pole
+    ``covariance`` is that of the parameters ``rows`` in SI units; the relaxations of the struts ``mounts`` follow k, c
+    and masses. With ``A V = V diag(lambda)``, a change dA moves pole
     i by ``G_ii`` and vector i by ``sum_k v_k G_ki / (lambda_i - lambda_k)``, ``G = V^-1 dA V``.
     """
-    plant = plant_of(car, parameter_vector(car), rows, roads=(), forces=np.zeros((0, len(car.coordinates))))
-    n = len(car.coordinates)
+    p, n = np.append(parameter_vector(car), [car.struts[i].relaxation for i in mounts]), len(car.coordinates)
+    plant = plant_of(car, p, rows, roads=(), forces=np.zeros((0, n)), mounts=mounts)
     moving = [i for i, name in enumerate(car.coordinates) if name not in still]
     keep = [*moving, *(n + i for i in moving), *range(2 * n, plant.states)]
     A, b, f = plant.F[np.ix_(keep, keep)], plant.b[:, keep], plant.f[:, keep]

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from suspid.greybox.mounts import mounts_of
 from suspid.greybox.responses import OutputError, output_error
 from suspid.greybox.trials import HOLDS, Hold, Trial
 from suspid.reconstruction import Unknowns
@@ -24,9 +25,9 @@ class Problem:
     def errors(self, x: RealArray, noise: Sequence[RealArray], *, slopes: bool = True) -> list[OutputError]:
         """Return the residual of each test, given the standard deviation of the noise of each channel."""
         u = self.unknowns
-        p = u.parameters(x)
+        p, mounts = u.parameters(x), mounts_of(u)
         return [
-            output_error(u.car, trial, p, u.rows if slopes else (), std=std, hold=hold)
+            output_error(u.car, trial, p, u.rows if slopes else (), std=std, hold=hold, mounts=mounts)
             for trial, hold, std in zip(self.trials, self.holds, noise, strict=True)
         ]
 

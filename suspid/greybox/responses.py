@@ -31,13 +31,20 @@ class OutputError:
 
 
 def output_error(
-    car: Suspension, trial: Trial, p: RealArray, rows: Sequence[int], *, std: RealArray, hold: Hold
+    car: Suspension,
+    trial: Trial,
+    p: RealArray,
+    rows: Sequence[int],
+    *,
+    std: RealArray,
+    hold: Hold,
+    mounts: Sequence[int] = (),
 ) -> OutputError:
     """Return residual and derivatives of a record, each channel weighted by its noise ``std`` (channel,)."""
     struts, n = len(car.struts), len(car.coordinates)
     loaded = p.copy()
-    loaded[2 * struts :] += trial.added
-    plant = plant_of(car, loaded, rows, roads=trial.roads, forces=trial.forces)
+    loaded[2 * struts : 2 * struts + n] += trial.added
+    plant = plant_of(car, loaded, rows, roads=trial.roads, forces=trial.forces, mounts=mounts)
     step = transition(plant, trial.step)
     C, D, direct = _outputs(plant, trial, n)
     count, size, channels = trial.count, plant.states, len(trial.channels)

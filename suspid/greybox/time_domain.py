@@ -111,7 +111,8 @@ def _twins(problem: Problem, best: Found) -> Iterator[RealArray]:
     u = problem.unknowns
     seen = np.concatenate([trial.weights for trial in problem.trials])
     blind_to_some = np.linalg.matrix_rank(seen) < seen.shape[1]
-    if not blind_to_some or any(len(trial.inputs) or np.any(trial.added) for trial in problem.trials):
+    sprung = any(s.mount_stiffness is not None for s in u.suspension(best.x).struts)
+    if sprung or not blind_to_some or any(len(trial.inputs) or np.any(trial.added) for trial in problem.trials):
         return
     car = u.suspension(best.x)
     modes = eigenmodes(car)

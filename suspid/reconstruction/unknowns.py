@@ -71,7 +71,7 @@ class Unknowns:
         return self.car.with_parameters(
             stiffness=dict(zip(struts, p[:n], strict=True)),
             damping=dict(zip(struts, p[n : 2 * n], strict=True)),
-            masses=dict(zip(self.car.coordinates, p[2 * n :], strict=True)),
+            masses=dict(zip(self.car.coordinates, p[2 * n : 2 * n + len(self.car.coordinates)], strict=True)),
         )
 
     def prior(self, x: RealArray) -> tuple[RealArray, RealArray]:
