@@ -12,8 +12,8 @@ from suspid.errors import InputError
 from suspid.greybox.fits import Fit
 from suspid.greybox.identifiability import blind, check_determined, names_in
 from suspid.greybox.leftover import coherent_leftover
-from suspid.greybox.measured_causes import TIMES, Extras, Source, WheelProblem, Whitened, first_levels, label
-from suspid.greybox.mounts import chosen_of
+from suspid.greybox.measured_causes import Extras, Source, WheelProblem, Whitened, first_levels, label
+from suspid.greybox.mounts import FIRST_RELAXATION, TIMES, chosen_of
 from suspid.greybox.noise_levels import Levels, node_basis
 from suspid.greybox.search import starts_of
 from suspid.greybox.spectra import spectra_of
@@ -36,7 +36,6 @@ SETTLED_UNKNOWNS = 0.02  # change of an unknown, in standard deviations, below w
 NEGLIGIBLE_RISE = 1e-3  # gain of chi-square that ends a descent
 LEAST_RELAXATION = 1e-9  # of `TIMES`: none
 SOFT = (0.2, 0.5)  # relaxations from which softer mounts are looked for, of `TIMES`: 2 and 5 ms
-FIRST_RELAXATION = 0.1  # of `TIMES`: at 0 a mount would begin on its bound
 
 
 def wheel_problem(

@@ -11,7 +11,7 @@ from suspid.units import Hertz, Ratio, RealArray
 FREEDOM = 48
 # Information on a variation, as a share of the largest, below which it is one of the parameters', or of the ends.
 SEEN = 1e-9
-TOGETHER = 8  # stretches that are varied at a time
+STRETCHES_TOGETHER = 8  # stretches that are varied at a time
 
 
 def coherent_leftover(found: Whitened, hertz: RealArray) -> tuple[float, int, Ratio, Hertz]:
@@ -57,8 +57,8 @@ def _products(found: Whitened, hats: RealArray) -> tuple[RealArray, RealArray, R
     lines, stretches = found.motion.shape[:2]
     outputs = found.factor.shape[1]
     own, cross, score = np.zeros(()), np.zeros(()), np.zeros(())
-    for first in range(0, stretches, TOGETHER):
-        part = slice(first, first + TOGETHER)
+    for first in range(0, stretches, STRETCHES_TOGETHER):
+        part = slice(first, first + STRETCHES_TOGETHER)
         # (stretch, line, row, output, cause, node)
         along = found.motion[:, part].swapaxes(0, 1)[:, :, :, None] * hats[:, None, :]
         moved = found.factor[None, :, :, :, None, None] * along[:, :, None, None]

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from suspid.greybox.mounts import TIMES
 from suspid.greybox.noise_levels import Levels, covariance_of, levels_of
 from suspid.greybox.problem import squeezed
 from suspid.greybox.spectra import Spectra
@@ -20,7 +21,6 @@ from suspid.greybox.trials import Trial
 from suspid.reconstruction import Unknowns
 from suspid.units import ComplexArray, RealArray
 
-TIMES = 0.01  # unit of delays and relaxations [s]
 # Least noise, as a share of that at the start: 80 dB below the signal, where what the ends of a stretch leave, held by
 # polynomials, would be taken for an error of the car.
 LEAST_NOISE = 1e-5

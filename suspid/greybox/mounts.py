@@ -13,10 +13,9 @@ from suspid.reconstruction import Unknowns
 from suspid.units import RealArray, Second
 from suspid.values import nearest_names
 
-# Unit of relaxations, where a search for them starts, and the least, which is as good as a rigid mount [s].
-UNIT: Second = 0.01
-FIRST: Second = 0.001
-RIGID: Second = 1e-5
+TIMES: Second = 0.01  # unit of delays and relaxations
+FIRST_RELAXATION = 0.1  # of `TIMES`: at 0 a mount would begin on its bound
+RIGID = 1e-3  # of `TIMES`: the least relaxation in time, as good as a rigid mount
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -41,18 +40,18 @@ def with_mounts(unknowns: Unknowns, mounts: Sequence[int]) -> Unknowns:
     if not mounts:
         return unknowns
     u, count = unknowns, len(mounts)
-    first = [max(u.car.struts[i].relaxation, FIRST) / UNIT for i in mounts]
+    first = [max(u.car.struts[i].relaxation / TIMES, FIRST_RELAXATION) for i in mounts]
     spread = np.zeros((len(u.base) + count, len(u) + count))
     spread[: len(u.base), : len(u)] = u.spread
-    spread[len(u.base) :, len(u) :] = UNIT * np.eye(count)
+    spread[len(u.base) :, len(u) :] = TIMES * np.eye(count)
     more = {
         "names": (*u.names, *(f"{u.car.struts[i].name}.relaxation" for i in mounts)),
         "rows": [*u.rows, *(len(u.base) + i for i in range(count))],
         "column": [*u.column, *(len(u) + i for i in range(count))],
-        "scale": np.append(u.scale, np.full(count, UNIT)),
+        "scale": np.append(u.scale, np.full(count, TIMES)),
         "nominal": np.append(u.nominal, first),
         "positive": np.append(u.positive, np.zeros(count, bool)),
-        "lower": np.append(u.lower, np.full(count, RIGID / UNIT)),
+        "lower": np.append(u.lower, np.full(count, RIGID)),
         "upper": np.append(u.upper, np.full(count, np.inf)),
         "prior_std": np.append(u.prior_std, np.full(count, np.inf)),
         "base": np.append(u.base, np.zeros(count)),
