@@ -12,7 +12,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from suspid.greybox.mounts import TIMES
 from suspid.greybox.noise_levels import Levels, covariance_of, levels_of
 from suspid.greybox.problem import squeezed
 from suspid.greybox.spectra import Spectra
