@@ -9,7 +9,7 @@ import pytest
 
 from suspid import Identification, Level, Verdict, add_noise, free_decay, identify, identify_repeats
 from suspid.identification.classification import LEAST_EXPLAINED
-from suspid.identification.identification import Considered
+from suspid.identification.considered import Considered
 from suspid.identification.lines import clear_line
 from suspid.identification.verdict import (
     ROUGH_WN,

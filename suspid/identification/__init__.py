@@ -7,9 +7,10 @@ several), `candidates`, `fitting`, `refinement`, `classification`, `selection` (
 `halves` (linearity), `modes_json` (files). Samples are (channel, sample), poles per sample.
 """
 
+from suspid.identification.considered import Considered
 from suspid.identification.exponentials import synthesize
 from suspid.identification.halves import FEWEST_SAMPLES
-from suspid.identification.identification import Considered, Identification, Method, tables_of
+from suspid.identification.identification import Identification, Method, tables_of
 from suspid.identification.identify import identify
 from suspid.identification.identify_repeats import Repeats, identify_repeats, tables_of_repeats
 from suspid.identification.modes_json import identification_to_dict, modes_to_dict, read_modes, to_json

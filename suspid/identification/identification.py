@@ -10,6 +10,7 @@ import numpy as np
 
 from suspid.errors import IdentificationError
 from suspid.files import printable
+from suspid.identification.considered import Considered
 from suspid.identification.halves import disagreement
 from suspid.identification.noise import lag_one
 from suspid.identification.nonlinear import AmplitudeDependence, Force
@@ -21,37 +22,13 @@ from suspid.signals import as_signal
 from suspid.units import RealArray
 from suspid.values import frozen_real, text_table
 from suspid.wavelets import BandwidthSearch, Ridge, Scalogram, SkeletonFit, fit_skeleton
-from suspid.words import Remark, Verdict
+from suspid.words import Verdict
 
 if TYPE_CHECKING:
     import control
 
 
 Method = Literal["likelihood", "ridge"]
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Considered:
-    """A pole that was considered and is not among the modes.
-
-    Parameters
-    ----------
-    pole : complex
-        The pole [rad/s].
-    remark : Remark
-        Why it is no mode: a `Reason` with its numbers.
-    removed : bool
-        Whether its motion was removed from the record with the fit (a tone, a drift), or left in the residual.
-    """
-
-    pole: complex
-    remark: Remark
-    removed: bool
-
-    @property
-    def reason(self) -> str:
-        """Why it is no mode, in words."""
-        return str(self.remark)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -10,13 +10,12 @@ import numpy as np
 
 from suspid.cleaning import clipped_run
 from suspid.errors import IdentificationError, InputError, RecordError
+from suspid.identification.considered import beside_bent, considered_of
 from suspid.identification.covariance import joint_covariance, spread_of
-from suspid.identification.fitting import OTHER_FREQUENCY
 from suspid.identification.halves import FEWEST_SAMPLES, disagreement
-from suspid.identification.identification import Considered, Identification, Method
+from suspid.identification.identification import Identification, Method
 from suspid.identification.noise import noise_of, shared_noise
 from suspid.identification.nonlinear import (
-    MULTIPLE,
     find_forces,
     modes_of_bent,
     unlike_linear,
@@ -28,7 +27,6 @@ from suspid.signals import Signal, as_response, as_signal
 from suspid.units import ComplexArray, RadianPerSecond, RealArray, Second
 from suspid.values import frozen_real
 from suspid.wavelets import sample_noise
-from suspid.words import Reason, Remark
 
 if TYPE_CHECKING:
     import control
@@ -172,12 +170,12 @@ def _by_likelihood(
     if bent is not None:
         modes, loudness, dependence = modes_of_bent(bent, timepts=signal.timepts, channels=signal.channels)
         left, freedom, forces = bent.fit.residual, bent.fit.freedom, bent.forces
-        considered = _beside_bent(selection, modes, signal)
+        considered = beside_bent(selection, modes, signal.step)
     else:
         modes, loudness = _modes_of(selection, centred, step=signal.step, channels=signal.channels)
         _check_count(modes, steps.count)
         left, freedom, forces = selection.residual, selection.fit.freedom, ()
-        considered, dependence = _considered(selection, signal), ()
+        considered, dependence = considered_of(selection, signal.step), ()
     return Identification(
         response=response,
         method="likelihood",
@@ -212,27 +210,6 @@ def _fades(values: RealArray) -> bool:
     return bool(np.sum(last / np.var(values, axis=1)) < 0.9 * np.sum(first / np.var(values, axis=1)))
 
 
-def _beside_bent(selection: Selection, modes: ModalSet, signal: Signal) -> tuple[Considered, ...]:
-    """Return what the linear fit took for further poles: parts and harmonics of the modes, and other distortion."""
-    out = []
-    for theta in selection.fit.poles.pairs:
-        ratio = abs(theta) / signal.step / modes.wn
-        nearest = int(np.argmin(np.abs(np.log(ratio))))
-        multiples = np.round(ratio)
-        strays = np.where(multiples > 1, np.abs(ratio / np.maximum(multiples, 1) - 1), np.inf)
-        mode = int(np.argmin(strays))
-        if abs(np.log(ratio[nearest])) < np.log(OTHER_FREQUENCY):
-            remark = Remark(Reason.SAME_MODE, {"mode": nearest + 1})
-        # Beyond the seventh harmonic one lies near every frequency.
-        elif strays[mode] < MULTIPLE and multiples[mode] <= 7:
-            remark = Remark(Reason.HARMONIC, {"mode": mode + 1, "multiple": int(multiples[mode])})
-        else:
-            remark = Remark(Reason.DISTORTION)
-        if remark.code is not Reason.SAME_MODE or abs(np.log(ratio[nearest])) > 1e-3:
-            out.append(Considered(pole=complex(theta) / signal.step, remark=remark, removed=False))
-    return tuple(out)
-
-
 def _modes_of(
     selection: Selection, values: RealArray, *, step: Second, channels: tuple[str, ...]
 ) -> tuple[ModalSet, RealArray]:
@@ -252,21 +229,6 @@ def _modes_of(
     joint = joint_covariance([fit], kept, widening)
     order = np.argsort(np.abs(joint.exponents), kind="stable")
     return joint.modes(step=step, channels=channels), frozen_real(loudness[order])
-
-
-def _considered(selection: Selection, signal: Signal) -> tuple[Considered, ...]:
-    """Return what was fitted but is no mode, then what was tried and not kept."""
-    every = np.concatenate([selection.fit.poles.pairs, selection.fit.poles.reals])
-    removed = tuple(
-        Considered(pole=complex(theta) / signal.step, remark=Remark(reason), removed=True)
-        for theta, reason in zip(every, selection.reasons, strict=True)
-        if reason is not None
-    )
-    left = tuple(
-        Considered(pole=candidate.theta / signal.step, remark=remark, removed=False)
-        for candidate, remark in sorted(selection.rejected, key=lambda item: -item[0].gain)
-    )
-    return removed + left
 
 
 def _check_clipping(signal: Signal) -> None:

@@ -1,0 +1,74 @@
+"""Poles that were considered and are no modes, and why."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from suspid.identification.fitting import OTHER_FREQUENCY
+from suspid.identification.nonlinear import MULTIPLE
+from suspid.identification.selection import Selection
+from suspid.model import ModalSet
+from suspid.units import Second
+from suspid.words import Reason, Remark
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Considered:
+    """A pole that was considered and is not among the modes.
+
+    Parameters
+    ----------
+    pole : complex
+        The pole [rad/s].
+    remark : Remark
+        Why it is no mode: a `Reason` with its numbers.
+    removed : bool
+        Whether its motion was removed from the record with the fit (a tone, a drift), or left in the residual.
+    """
+
+    pole: complex
+    remark: Remark
+    removed: bool
+
+    @property
+    def reason(self) -> str:
+        """Why it is no mode, in words."""
+        return str(self.remark)
+
+
+def considered_of(selection: Selection, step: Second) -> tuple[Considered, ...]:
+    """Return what was fitted but is no mode, then what was tried and not kept."""
+    every = np.concatenate([selection.fit.poles.pairs, selection.fit.poles.reals])
+    removed = tuple(
+        Considered(pole=complex(theta) / step, remark=Remark(reason), removed=True)
+        for theta, reason in zip(every, selection.reasons, strict=True)
+        if reason is not None
+    )
+    left = tuple(
+        Considered(pole=candidate.theta / step, remark=remark, removed=False)
+        for candidate, remark in sorted(selection.rejected, key=lambda item: -item[0].gain)
+    )
+    return removed + left
+
+
+def beside_bent(selection: Selection, modes: ModalSet, step: Second) -> tuple[Considered, ...]:
+    """Return what the linear fit took for further poles: parts and harmonics of the modes, and other distortion."""
+    out = []
+    for theta in selection.fit.poles.pairs:
+        ratio = abs(theta) / step / modes.wn
+        nearest = int(np.argmin(np.abs(np.log(ratio))))
+        multiples = np.round(ratio)
+        strays = np.where(multiples > 1, np.abs(ratio / np.maximum(multiples, 1) - 1), np.inf)
+        mode = int(np.argmin(strays))
+        if abs(np.log(ratio[nearest])) < np.log(OTHER_FREQUENCY):
+            remark = Remark(Reason.SAME_MODE, {"mode": nearest + 1})
+        # Beyond the seventh harmonic one lies near every frequency.
+        elif strays[mode] < MULTIPLE and multiples[mode] <= 7:
+            remark = Remark(Reason.HARMONIC, {"mode": mode + 1, "multiple": int(multiples[mode])})
+        else:
+            remark = Remark(Reason.DISTORTION)
+        if remark.code is not Reason.SAME_MODE or abs(np.log(ratio[nearest])) > 1e-3:
+            out.append(Considered(pole=complex(theta) / step, remark=remark, removed=False))
+    return tuple(out)
