@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+from suspid.errors import InputError
+from suspid.units import Ratio
+
+# Probability of intervals where no other is asked for.
+LEVEL = 0.95
 # Standard deviations of the interval that holds 95 % of a normal variable.
 NORMAL_95 = 1.959963984540054
 # Rise of chi-square up to which two values of one unknown are equally likely: 95 % of one degree of freedom.
@@ -23,3 +28,9 @@ def likely(chi_square: float, freedom: float) -> bool:
     from scipy.special import chdtrc
 
     return freedom <= 0 or bool(chdtrc(freedom, chi_square) >= UNLIKELY)
+
+
+def check_level(level: Ratio) -> None:
+    """Refuse what is no probability of an interval."""
+    if not 0 < level < 1:
+        raise InputError(f"{level=} must lie between 0 and 1, such as {LEVEL}")

@@ -10,8 +10,10 @@ from typing import Literal, TypeAlias, get_args
 from suspid.analysis import fields
 from suspid.errors import InputError
 from suspid.identification import Method
+from suspid.levels import LEVEL
 from suspid.reconstruction import Bounds
 from suspid.units import Hertz, Kilogram, RadianPerSecond, Ratio, Second
+from suspid.wavelets import BANDWIDTHS
 
 Pairs: TypeAlias = Mapping[str, str] | tuple[tuple[str, str], ...]
 Factors: TypeAlias = Mapping[str, float] | tuple[tuple[str, float], ...]
@@ -128,8 +130,8 @@ class Settings:
     method: Method = "likelihood"
     band: tuple[RadianPerSecond, RadianPerSecond] | None = None
     bandwidth: float | None = None
-    candidates: tuple[float, ...] = tuple(float(n) for n in range(1, 51))
-    level: Ratio = 0.95
+    candidates: tuple[float, ...] = tuple(float(n) for n in BANDWIDTHS)
+    level: Ratio = LEVEL
     springs: CarSettings = field(default_factory=CarSettings)
 
     def __post_init__(self) -> None:

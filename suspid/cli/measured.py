@@ -18,6 +18,7 @@ from suspid.cli.options import DBC_OPTION, FILE, FS_OPTION, TIME_OPTION, analysi
 from suspid.cli.support import ARGUMENTS, check_apart, named, said_warnings, say
 from suspid.errors import InputError
 from suspid.files import printable, replacing
+from suspid.levels import LEVEL
 from suspid.signals import as_signal
 from suspid.words import DAMAGE, Note, count
 
@@ -134,7 +135,7 @@ def _json_of(found: Analysis, files: Sequence[Path], said: Sequence[str]) -> dic
 @click.option("-o", "--output", type=FILE, metavar="FILE", required=True, help="The page to write (.html).")
 @analysing
 @click.option("--car", type=FILE, metavar="CAR", help="Masses and nominal struts (.toml): springs and dampers as well.")
-@click.option("--level", type=click.FloatRange(0, 1, min_open=True, max_open=True), default=0.95, show_default=True,
+@click.option("--level", type=click.FloatRange(0, 1, min_open=True, max_open=True), default=LEVEL, show_default=True,
               help="Probability of the intervals.")  # fmt: skip
 @click.option("--json", "json_file", type=FILE, metavar="FILE", help="Write all that the page shows as JSON.")
 @click.option("--title", metavar="TEXT", help="Heading of the page. [name of the file]")

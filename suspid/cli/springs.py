@@ -13,6 +13,7 @@ import click
 from suspid.cli.options import FILE, packed
 from suspid.cli.support import Positive, say
 from suspid.files import replacing
+from suspid.levels import LEVEL
 
 if TYPE_CHECKING:
     from suspid.greybox import Estimate
@@ -108,7 +109,7 @@ class Outputs:
     @property
     def probability(self) -> float:
         """Probability of the intervals in files and pictures [1]."""
-        return self.level or 0.95
+        return self.level or LEVEL
 
     @contextmanager
     def drafts(self) -> Iterator[tuple[Path | None, Path | None]]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from suspid.errors import InputError
+from suspid.levels import LEVEL, check_level
 from suspid.model import ModalSet, Suspension
 from suspid.signals import as_signal
 from suspid.units import UNITS, Ratio, RealArray
@@ -93,7 +93,7 @@ class Estimate:
         """
         return tuple(_lag_one(as_signal(response).values) for response in self.residual)
 
-    def interval(self, level: Ratio = 0.95) -> dict[str, tuple[float, float]]:
+    def interval(self, level: Ratio = LEVEL) -> dict[str, tuple[float, float]]:
         """Return the ends between which each of `parameters` lies with probability ``level``, cut at its bounds.
 
         Those of stiffnesses, masses and gains are symmetric in the logarithm.
@@ -103,8 +103,7 @@ class Estimate:
         InputError
             If the level is not between 0 and 1.
         """
-        if not 0 < level < 1:
-            raise InputError(f"{level=} must lie between 0 and 1, such as 0.95")
+        check_level(level)
         low, high = ends_of(self.parameters, self.values, self.std, level)
         low, high = (np.clip(end, self.ranges[:, 0], self.ranges[:, 1]) for end in (low, high))
         return {name: (float(a), float(b)) for name, a, b in zip(self.parameters, low, high, strict=True)}
@@ -144,7 +143,7 @@ def nominal_value(car: Suspension, name: str) -> float | None:
 def parameter_table(found: Estimate) -> str:
     """Return the table of all parameters, beside nominal."""
     nominal = [nominal_value(found.nominal, name) for name in found.parameters]
-    ends = found.interval(0.95)
+    ends = found.interval(LEVEL)
     rows: dict[str, list[str]] = {
         "parameter": list(found.parameters),
         "unit": [parameter_unit(name) for name in found.parameters],

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from suspid.greybox.estimates import ends_of, nominal_value
+from suspid.levels import LEVEL
 from suspid.model import Suspension
 from suspid.reconstruction import Unknowns
 from suspid.units import RealArray
@@ -44,7 +45,7 @@ def rests_on(car: Suspension, parameters: Sequence[str], *, still: Sequence[str]
 
 def changes(nominal: Suspension, parameters: Sequence[str], values: RealArray, std: RealArray) -> Iterator[Check]:
     """Yield which parameters differ from nominal, and which are hardly known."""
-    low, high = ends_of(parameters, values, std, 0.95)
+    low, high = ends_of(parameters, values, std, LEVEL)
     changed, vague = [], []
     for name, value, a, b in zip(parameters, values, low, high, strict=True):
         old = nominal_value(nominal, name)

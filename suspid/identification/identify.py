@@ -26,7 +26,7 @@ from suspid.model import ModalSet
 from suspid.signals import Signal, as_response, as_signal
 from suspid.units import ComplexArray, RadianPerSecond, RealArray, Second
 from suspid.values import frozen_real
-from suspid.wavelets import sample_noise
+from suspid.wavelets import BANDWIDTHS, sample_noise
 
 if TYPE_CHECKING:
     import control
@@ -43,7 +43,7 @@ def identify(
     method: Method = "likelihood",
     band: tuple[RadianPerSecond, RadianPerSecond] | None = None,
     bandwidth: float | None = None,
-    candidates: Iterable[float] = range(1, 51),
+    candidates: Iterable[float] = BANDWIDTHS,
 ) -> Identification:
     """Identify the modes of a free decay.
 

@@ -11,7 +11,7 @@ from suspid.files import printable
 from suspid.identification.classification import LEAST_EXPLAINED
 from suspid.identification.lines import clear_line
 from suspid.identification.noise import ABOVE_RESOLUTION, most_shared, resolution, shared_noise
-from suspid.levels import UNLIKELY
+from suspid.levels import LEVEL, UNLIKELY
 from suspid.signals import Signal, as_signal, late_start
 from suspid.units import Ratio
 from suspid.words import Check, Headline, Level, ModeCheck, Number, Reason, Remark, Verdict, amount
@@ -32,7 +32,7 @@ OUT_OF_PHASE = 0.5
 CYCLES_SEEN = 3.0
 
 
-def verdict_of(found: Identification, level: Ratio = 0.95) -> Verdict:
+def verdict_of(found: Identification, level: Ratio = LEVEL) -> Verdict:
     """Return the verdict on an identification; ``level`` is that of the intervals whose width is checked.
 
     Examples
@@ -286,7 +286,7 @@ def _dropped(found: Identification) -> Iterator[Check]:
         yield _of(ModeCheck.DROPPED, Level.CARE, {"number": len(beyond), "hertz": hertz})
 
 
-def verdict_of_repeats(repeats: Repeats, level: Ratio = 0.95) -> Verdict:
+def verdict_of_repeats(repeats: Repeats, level: Ratio = LEVEL) -> Verdict:
     """Return the verdict on several decays jointly: their agreement beside the checks of the first decay."""
     decays = len(repeats.spans)
     first = verdict_of(repeats.each[0], level)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from suspid.errors import InputError
+from suspid.levels import LEVEL, check_level
 from suspid.model.covariance import covariance_order, jacobian_of
 from suspid.model.modal_table import modal_table
 from suspid.units import ComplexArray, RadianPerSecond, Ratio, RealArray
@@ -208,7 +209,7 @@ class ModalSet:
         covariance = self.wn_zeta_covariance
         return None if covariance is None else np.sqrt(np.diag(covariance)[1::2])
 
-    def interval(self, level: Ratio = 0.95) -> Interval:
+    def interval(self, level: Ratio = LEVEL) -> Interval:
         """Return the bounds between which wn and zeta lie with probability ``level``.
 
         Raises
@@ -224,8 +225,7 @@ class ModalSet:
         """
         from scipy.special import ndtri
 
-        if not 0 < level < 1:
-            raise InputError(f"{level=} must lie between 0 and 1, such as 0.95")
+        check_level(level)
         if self.wn_std is None or self.zeta_std is None:
             raise InputError("these modes carry no uncertainty: exact, or published without it")
         reach = float(ndtri((1 + level) / 2)) * np.array([-1.0, 1.0])

@@ -19,13 +19,14 @@ An object with
 
 from __future__ import annotations
 
+from suspid.levels import LEVEL
 from suspid.model import Suspension
 from suspid.reconstruction.results import Reconstruction
 from suspid.reconstruction.unknowns import parameter_names, parameter_vector
 from suspid.units import UNITS, Ratio
 
 
-def reconstruction_to_dict(found: Reconstruction, *, level: Ratio = 0.95) -> dict[str, object]:
+def reconstruction_to_dict(found: Reconstruction, *, level: Ratio = LEVEL) -> dict[str, object]:
     """Return what was found as plain lists and numbers, every bit kept.
 
     Examples

@@ -23,7 +23,7 @@ from suspid.units import RealArray
 # An interior-point solver that meets tight tolerances and comes with cvxpy.
 SOLVER = "CLARABEL"
 # Residual of the optimality conditions up to which a solution counts, in a program scaled to 1. Exact steps reach
-# 1e-12; a point of the solver itself, where constraints depend on each other, 1e-8.
+# 1e-12; a point of the solver itself, where constraints depend on each other, 1e-8. A constraint that is as near acts.
 OPTIMAL = 1e-7
 SMALLEST = 1e-9  # size of a step to which a program is scaled: smaller ones are rounding
 FARTHEST = 1e3  # bounds in units of the step: those further away do not act, and would spoil the scaling

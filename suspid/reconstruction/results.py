@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from suspid.errors import InputError
-from suspid.levels import NORMAL_95
+from suspid.levels import LEVEL, NORMAL_95, check_level
 from suspid.model import Suspension
 from suspid.reconstruction.unknowns import QUANTITIES, parameter_names, parameter_vector
 from suspid.units import Kilogram, NewtonPerMetre, NewtonSecondPerMetre, Ratio, RealArray
@@ -109,7 +109,7 @@ class Reconstruction:
         """How far the springs and dampers can be trusted, and why."""
         return verdict_of(self)
 
-    def interval(self, level: Ratio = 0.95) -> dict[str, tuple[float, float]]:
+    def interval(self, level: Ratio = LEVEL) -> dict[str, tuple[float, float]]:
         """Return the ends between which each of `parameters` lies with probability ``level``, cut at its bounds.
 
         They belong to `suspension`: an alternative has its own.
@@ -121,8 +121,7 @@ class Reconstruction:
         """
         from scipy.special import ndtri
 
-        if not 0 < level < 1:
-            raise InputError(f"{level=} must lie between 0 and 1, such as 0.95")
+        check_level(level)
         if self.covariance is None:
             raise InputError("the modes carried no covariance, so the parameters have none; identify gives one")
         every = dict(zip(parameter_names(self.suspension), parameter_vector(self.suspension).tolist(), strict=True))

@@ -12,14 +12,12 @@ from numpy.typing import NDArray
 
 from suspid.errors import InputError
 from suspid.reconstruction.convexity import ByStrut, Maker, called, check, check_penalty, constraint, is_equation
-from suspid.reconstruction.programs import Program, build
+from suspid.reconstruction.programs import OPTIMAL, Program, build
 from suspid.reconstruction.texts import constraint_of
 from suspid.reconstruction.unknowns import Unknowns, parameter_names
 from suspid.units import RealArray
 
 Constraints: TypeAlias = str | Maker | Sequence[str | Maker]
-
-ACTS = 1e-7  # distance from a constraint, in units of the unknowns, below which it acts: the programs' accuracy
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -59,12 +57,12 @@ class Wishes:
 
     def acting(self, x: RealArray) -> list[int]:
         """Return which constraints hold with equality at x."""
-        rows = self.equal | (self.matrix @ x - self.limit > -ACTS)
+        rows = self.equal | (self.matrix @ x - self.limit > -OPTIMAL)
         found = {int(i) for i in self.owner[rows]}
         made = constants(self.unknowns, x)
         for i in self.curved:
             left, right = sides(self.makers[i](*made))
-            if float(np.max(left - right)) > -ACTS * max(1.0, float(np.max(np.abs(right)))):
+            if float(np.max(left - right)) > -OPTIMAL * max(1.0, float(np.max(np.abs(right)))):
                 found.add(i)
         return sorted(found)
 
@@ -95,7 +93,7 @@ class Wishes:
 
     def acting_rows(self, x: RealArray) -> RealArray:
         """Return the linear rows that hold with equality at x, (row, unknown)."""
-        return self.matrix[self.equal | (self.matrix @ x - self.limit > -ACTS)]
+        return self.matrix[self.equal | (self.matrix @ x - self.limit > -OPTIMAL)]
 
     @property
     def equations(self) -> RealArray:

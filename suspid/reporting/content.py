@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from suspid.analysis import Analysis, Settings
 from suspid.cleaning import Cleaned
+from suspid.levels import LEVEL
 from suspid.reporting.source import Source
 from suspid.reporting.thinning import drawable
 from suspid.signals import as_signal
@@ -79,7 +80,7 @@ def content_of(
     decays: Sequence[Decay] = (),
     repeats: Repeats | None = None,
     reconstruction: Reconstruction | None = None,
-    level: Ratio = 0.95,
+    level: Ratio = LEVEL,
     warnings: Sequence[str] = (),
 ) -> Content:
     """Return what `report` and `report_to_dict` show of an analysis, or of an identification and what goes with it.

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from suspid.greybox import nominal_value, parameter_unit
 from suspid.identification import modes_to_dict, to_json
+from suspid.levels import LEVEL
 from suspid.model import Suspension
 from suspid.reconstruction import parameter_values
 from suspid.signals import as_signal
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
     from suspid.greybox import Estimate
 
 
-def estimate_to_dict(found: Estimate, *, level: Ratio = 0.95) -> dict[str, object]:
+def estimate_to_dict(found: Estimate, *, level: Ratio = LEVEL) -> dict[str, object]:
     """Return an estimate as plain lists and numbers, every bit kept; numbers that are not finite are None.
 
     Examples

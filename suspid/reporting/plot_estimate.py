@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.greybox import nominal_value
+from suspid.levels import LEVEL
 from suspid.reporting.axes import key_above, plot_residual, shown, unit_ticks
 from suspid.reporting.colours import BLUE, GREY, PALE
 from suspid.signals import as_signal
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     from suspid.greybox import Estimate
 
 
-def plot_estimate(found: Estimate, figure: Figure, *, level: Ratio = 0.95) -> Figure:
+def plot_estimate(found: Estimate, figure: Figure, *, level: Ratio = LEVEL) -> Figure:
     """Draw the change of each parameter from nominal with its interval, and the first record with its residual.
 
     Parameters

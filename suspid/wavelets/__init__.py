@@ -5,7 +5,7 @@
 their trusted windows, and `fit_ridges` fits the modes to the slopes of log modulus and phase along them.
 """
 
-from suspid.wavelets.best_bandwidth import BandwidthSearch, best_bandwidth
+from suspid.wavelets.best_bandwidth import BANDWIDTHS, BandwidthSearch, best_bandwidth
 from suspid.wavelets.cwt import cwt
 from suspid.wavelets.denoise import denoise
 from suspid.wavelets.filter_bank import sample_noise
@@ -18,6 +18,7 @@ from suspid.wavelets.scalogram import Scalogram
 
 __all__ = [
     "ABOVE_NOISE",
+    "BANDWIDTHS",
     "BandwidthSearch",
     "Morlet",
     "Ridge",

@@ -19,6 +19,8 @@ from suspid.wavelets.scalogram import Scalogram
 if TYPE_CHECKING:
     import control
 
+# Bandwidths N of the wavelet that are tried: long wavelets suit light damping, more of them cost time.
+BANDWIDTHS = range(1, 51)
 # Precision of the transform. A larger value is faster; the accuracy stated in `best_bandwidth` needs this one.
 ENTROPY_CUT = 1e-8
 
@@ -53,7 +55,7 @@ def best_bandwidth(
     response: control.TimeResponseData,
     *,
     omega: Sequence[RadianPerSecond] | RealArray,
-    candidates: Iterable[float] = range(1, 51),
+    candidates: Iterable[float] = BANDWIDTHS,
     center: Radian = 2 * np.pi,
 ) -> BandwidthSearch:
     """Return the wavelet entropy of the record against the bandwidth N, Eq. (14).
