@@ -38,7 +38,7 @@ from suspid.identification import identify_repeats, verdict_of
 from suspid.identification.modes_json import read_modes
 from suspid.reporting import Source, content_of, json_schema, report, report_to_dict, source_of
 from suspid.reporting.axes import shown
-from suspid.reporting.colours import TONES
+from suspid.reporting.colours import Colour
 from suspid.reporting.pictures import NARROW, Picture, Pictures, pictures_of
 from suspid.reporting.rows import quantity
 from suspid.reporting.svg import page_style, svg_of
@@ -482,7 +482,7 @@ class TestPictures:
         with page_style():
             figure = Figure(figsize=(4, 3))
             ax = figure.add_axes((0.25, 0.25, 0.5, 0.5), xlim=(2, 4), ylim=(-1.5, 1.5))
-            ax.plot(x, y, color=TONES[0].light)
+            ax.plot(x, y, color=Colour.BLUE)
             (at,) = paths(svg_of(figure, name="line", described="A line"), "--blue")
         # 4 by 3 inches are 288 by 216 points; matplotlib drops corners that lie on a line to a ninth of a pixel.
         height = np.interp(at[:, 0], 72 + 72 * (x - 2), 54 + 36 * (1.5 - y))
@@ -515,7 +515,7 @@ class TestPictures:
         assert not re.findall(r"#[0-9a-f]{6}", text)
         names = set(re.findall(r"var\(--([\w-]+)\)", text))
         assert len(names) > 8
-        assert names <= {tone.name for tone in TONES}
+        assert names <= {colour.css for colour in Colour}
 
     def test_the_same_picture_whatever_the_users_style(self, found: Identification, pictures: Pictures) -> None:
         with matplotlib.rc_context({"lines.linewidth": 9.0, "font.size": 30.0, "svg.fonttype": "path"}):

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid import Identification, IdentificationError, cwt, identify, plot_entropy, plot_scalogram, plot_skeletons
-from suspid.reporting.colours import BLUE, VERMILION
+from suspid.reporting.colours import Colour
 from suspid.signals import as_signal
 from suspid.wavelets import best_bandwidth
 from validation.study import CANDIDATES, START, case_record
@@ -50,9 +50,9 @@ def draw_responses() -> Figure:
             time, case_mm, clean_mm = clean.timepts[kept], 1e3 * signal.values[0, kept], 1e3 * clean.values[0, kept]
             if case.snr_db is not None:
                 ax.plot(time, case_mm, color=PALE, linewidth=2.0, label=case.name)
-            ax.plot(time, clean_mm, color=BLUE, linewidth=0.8, label="original")
+            ax.plot(time, clean_mm, color=Colour.BLUE, linewidth=0.8, label="original")
             if case.snr_db is not None:
-                ax.plot(time, case_mm - clean_mm, color=VERMILION, linewidth=0.6, label="difference")
+                ax.plot(time, case_mm - clean_mm, color=Colour.VERMILION, linewidth=0.6, label="difference")
             ax.set_xlim(0.0, until)
         whole.set_title(case.name, loc="left")
         whole.set_ylabel("tire [mm]")

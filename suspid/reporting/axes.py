@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from suspid.errors import InputError
 from suspid.files import printable
-from suspid.reporting.colours import BLUE, PALE, VERMILION
+from suspid.reporting.colours import Colour
 from suspid.reporting.thinning import PIECES, extremes
 from suspid.units import RealArray
 from suspid.values import nearest_names
@@ -142,9 +142,9 @@ def unit_ticks(ax: Axes, unit: str) -> None:
 def plot_residual(ax: Axes, time: RealArray, record: RealArray, fit: RealArray, residual: RealArray) -> None:
     """Draw a channel of a record, what a fit explains of it, and the residual."""
     for values, label, colour, width in (
-        (record, "record", PALE, 2.0),
-        (fit, "fit", BLUE, 0.8),
-        (residual, "residual", VERMILION, 0.8),
+        (record, "record", Colour.PALE, 2.0),
+        (fit, "fit", Colour.BLUE, 0.8),
+        (residual, "residual", Colour.VERMILION, 0.8),
     ):
         ax.plot(*thinned(ax, time, values), color=colour, linewidth=width, label=label)
 

@@ -2,39 +2,58 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
-# Okabe and Ito's colours, distinct for readers of any colour vision; yellow is left out, as it fades on paper.
-BLUE, VERMILION, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#CC79A7"
-ORANGE, SKY = "#E69F00", "#56B4E9"
-BLACK, WHITE = "#000000", "#FFFFFF"
-GREY, PALE, SHADE, PALE_BLUE, PALE_GREEN = "#777777", "#B4B4B4", "#E6E6E6", "#A6CEE3", "#CFE6D9"
-# Colours of the channels, in their order; they repeat after the eighth.
-COLOURS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BLACK, GREY)
+from enum import StrEnum
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Tone:
-    """One colour of the pictures: its name in the page's style sheet, on light paper, and on a dark screen."""
+class Colour(StrEnum):
+    """A colour on light paper, as matplotlib takes it; ``dark`` is its counterpart on a dark screen.
 
-    name: str
-    light: str
+    They are Okabe and Ito's, distinct for readers of any colour vision; yellow is left out, as it fades on paper. A
+    picture may have no other: a test finds colours without a counterpart.
+
+    Examples
+    --------
+    >>> Colour.PALE_BLUE == "#A6CEE3", Colour.PALE_BLUE.css
+    (True, 'pale-blue')
+    """
+
     dark: str
 
+    def __new__(cls, light: str, dark: str) -> Colour:
+        """Make a member whose value is the colour on light paper."""
+        member = str.__new__(cls, light)
+        member._value_ = light
+        member.dark = dark
+        return member
 
-# Every colour that a picture may have: the page gives each its dark counterpart. A test finds colours without one.
-TONES = (
-    Tone(name="blue", light=BLUE, dark="#56B4E9"),
-    Tone(name="vermilion", light=VERMILION, dark="#FF9147"),
-    Tone(name="green", light=GREEN, dark="#3CCF9F"),
-    Tone(name="purple", light=PURPLE, dark="#E59FC6"),
-    Tone(name="orange", light=ORANGE, dark="#F0B72F"),
-    Tone(name="sky", light=SKY, dark="#9FD6FF"),
-    Tone(name="black", light=BLACK, dark="#E6E9EC"),
-    Tone(name="white", light=WHITE, dark="#15191E"),
-    Tone(name="grey", light=GREY, dark="#9AA4AE"),
-    Tone(name="pale", light=PALE, dark="#6B747D"),
-    Tone(name="shade", light=SHADE, dark="#2B333B"),
-    Tone(name="pale-blue", light=PALE_BLUE, dark="#24557A"),
-    Tone(name="pale-green", light=PALE_GREEN, dark="#1D4634"),
+    BLUE = "#0072B2", "#56B4E9"
+    VERMILION = "#D55E00", "#FF9147"
+    GREEN = "#009E73", "#3CCF9F"
+    PURPLE = "#CC79A7", "#E59FC6"
+    ORANGE = "#E69F00", "#F0B72F"
+    SKY = "#56B4E9", "#9FD6FF"
+    BLACK = "#000000", "#E6E9EC"
+    WHITE = "#FFFFFF", "#15191E"
+    GREY = "#777777", "#9AA4AE"
+    PALE = "#B4B4B4", "#6B747D"
+    SHADE = "#E6E6E6", "#2B333B"
+    PALE_BLUE = "#A6CEE3", "#24557A"
+    PALE_GREEN = "#CFE6D9", "#1D4634"
+
+    @property
+    def css(self) -> str:
+        """Name of the colour in the style sheet of a page."""
+        return self.name.lower().replace("_", "-")
+
+
+# Colours of the channels, in their order; they repeat after the eighth.
+CHANNEL_COLOURS = (
+    Colour.BLUE,
+    Colour.VERMILION,
+    Colour.GREEN,
+    Colour.PURPLE,
+    Colour.ORANGE,
+    Colour.SKY,
+    Colour.BLACK,
+    Colour.GREY,
 )

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from suspid.identification import AmplitudeDependence, Identification
 from suspid.levels import NORMAL_95
 from suspid.reporting.axes import checked_grid, in_legend
-from suspid.reporting.colours import BLUE, SHADE, VERMILION
+from suspid.reporting.colours import Colour
 from suspid.units import RealArray
 from suspid.wavelets import Ridge
 
@@ -61,21 +61,23 @@ def plot_amplitude(found: Identification, *, axes: Sequence[Sequence[Axes]] | ND
         _draw(grid[0, mode], each.amplitude, each.wn / hertz, each.wn_std / hertz)
         _draw(grid[1, mode], each.amplitude, each.zeta, each.zeta_std)
         if witness is not None:
-            grid[0, mode].plot(each.amplitude, witness[0] / hertz, "o", color=VERMILION, fillstyle="none", markersize=5)
-            grid[1, mode].plot(each.amplitude, witness[1], "o", color=VERMILION, fillstyle="none", markersize=5)
+            grid[0, mode].plot(
+                each.amplitude, witness[0] / hertz, "o", color=Colour.VERMILION, fillstyle="none", markersize=5
+            )
+            grid[1, mode].plot(each.amplitude, witness[1], "o", color=Colour.VERMILION, fillstyle="none", markersize=5)
         grid[0, mode].set(title=f"mode {mode + 1}", ylabel="frequency [Hz]" if mode == 0 else "")
         grid[1, mode].set(
             xlabel=f"amplitude in {in_legend(each.channel)}", ylabel="damping ratio [1]" if mode == 0 else ""
         )
         for ax in grid[:, mode]:
-            ax.axvline(each.holds_at, color=VERMILION, linewidth=0.8, linestyle="--")
+            ax.axvline(each.holds_at, color=Colour.VERMILION, linewidth=0.8, linestyle="--")
 
 
 def _draw(ax: Axes, amplitude: RealArray, value: RealArray, std: RealArray) -> None:
     order = np.argsort(amplitude)
     low, high = (value - NORMAL_95 * std)[order], (value + NORMAL_95 * std)[order]
-    ax.fill_between(amplitude[order], low, high, color=SHADE, linewidth=0.0)
-    ax.plot(amplitude[order], value[order], ".-", color=BLUE, linewidth=1.0, markersize=4)
+    ax.fill_between(amplitude[order], low, high, color=Colour.SHADE, linewidth=0.0)
+    ax.plot(amplitude[order], value[order], ".-", color=Colour.BLUE, linewidth=1.0, markersize=4)
     # A window of which little is known must not hide the others.
     inner = np.sort(std)[: max(1, (3 * len(std) + 3) // 4)]
     reach = 2 * NORMAL_95 * float(inner[-1]) + 0.1 * float(np.ptp(value)) + 1e-3 * float(np.mean(np.abs(value)))

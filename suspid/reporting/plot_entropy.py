@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from suspid.reporting.colours import BLUE, VERMILION
+from suspid.reporting.colours import Colour
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -40,16 +40,18 @@ def plot_entropy(search: BandwidthSearch, *, ax: Axes) -> Axes:
     """
     order = np.argsort(search.candidates)
     tried, entropy = search.candidates[order], search.entropy[order]
-    ax.plot(tried, entropy, color=BLUE, marker=".", markersize=4, linewidth=1.0)
+    ax.plot(tried, entropy, color=Colour.BLUE, marker=".", markersize=4, linewidth=1.0)
     least = float(np.min(search.entropy))
-    ax.plot([search.best], [least], color=VERMILION, marker="o", markersize=8, fillstyle="none", linestyle="none")
-    ax.axvline(search.best, color=VERMILION, linewidth=0.8, linestyle="--")
+    ax.plot(
+        [search.best], [least], color=Colour.VERMILION, marker="o", markersize=8, fillstyle="none", linestyle="none"
+    )
+    ax.axvline(search.best, color=Colour.VERMILION, linewidth=0.8, linestyle="--")
     if tried[-1] > 100 * tried[0]:
         ax.set_xscale("log")
     ax.set(xlabel="bandwidth N [1]", ylabel="wavelet entropy [nat]")
     title = f"least entropy at N = {search.best:.4g}"
     if search.at_end:
-        ax.set_title(f"{title},\nthe end of the range searched", loc="left", color=VERMILION)
+        ax.set_title(f"{title},\nthe end of the range searched", loc="left", color=Colour.VERMILION)
     else:
         ax.set_title(title, loc="left")
     return ax

@@ -9,7 +9,7 @@ import numpy as np
 from suspid.greybox import nominal_value
 from suspid.levels import LEVEL
 from suspid.reporting.axes import key_above, plot_residual, shown, unit_ticks
-from suspid.reporting.colours import BLUE, GREY, PALE
+from suspid.reporting.colours import Colour
 from suspid.signals import as_signal
 from suspid.units import Ratio
 
@@ -82,11 +82,11 @@ def _draw_changes(found: Estimate, ax: Axes, level: Ratio) -> None:
         if not nominal:
             continue
         low, here, high = (100 * (end / nominal - 1) for end in (ends[name][0], value, ends[name][1]))
-        colour = GREY if low <= 0 <= high else BLUE
+        colour = Colour.GREY if low <= 0 <= high else Colour.BLUE
         ax.plot([low, high], [len(names)] * 2, color=colour, linewidth=2.0)
         ax.plot([here], [len(names)], "o", color=colour, markersize=4)
         names.append(shown(name))
-    ax.axvline(0.0, color=PALE, linewidth=0.8, zorder=0)
+    ax.axvline(0.0, color=Colour.PALE, linewidth=0.8, zorder=0)
     ax.set_yticks(range(len(names)), names)
     ax.set_ylim(len(names) - 0.5, -0.5)
     ax.set_xlabel("change from nominal [%]")

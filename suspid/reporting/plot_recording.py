@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.reporting.axes import position, shown, thinned, unit_ticks
-from suspid.reporting.colours import BLUE, GREEN, PALE_GREEN, SHADE
+from suspid.reporting.colours import Colour
 from suspid.signals import as_signal
 from suspid.units import Second
 
@@ -49,10 +49,10 @@ def plot_recording(
     start, end = signal.start, signal.start + signal.duration
     # Decays may overlap: the one that was used is drawn last.
     for i in sorted(range(len(stretches)), key=lambda i: i == used):
-        ax.axvspan(*stretches[i], color=PALE_GREEN if i == used else SHADE, linewidth=0.0)
-        ax.axvline(stretches[i][0], color=GREEN, linewidth=0.6)
+        ax.axvspan(*stretches[i], color=Colour.PALE_GREEN if i == used else Colour.SHADE, linewidth=0.0)
+        ax.axvline(stretches[i][0], color=Colour.GREEN, linewidth=0.6)
     at = position(channel, signal.channels)
-    ax.plot(*thinned(ax, signal.timepts, signal.values[at]), color=BLUE, linewidth=0.8)
+    ax.plot(*thinned(ax, signal.timepts, signal.values[at]), color=Colour.BLUE, linewidth=0.8)
     ax.set(xlim=(start, end), xlabel="time [s]")
     low, high = ax.get_ylim()
     ax.set_ylim(low, high + 0.22 * (high - low))

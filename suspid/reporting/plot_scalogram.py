@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from suspid.reporting.axes import frequency_ticks, pieces_across, position, shown, thinned
-from suspid.reporting.colours import BLACK, GREEN, GREY, VERMILION, WHITE
+from suspid.reporting.colours import Colour
 from suspid.reporting.thinning import pooled, power_weights, row_edges
 from suspid.units import RealArray
 from suspid.wavelets import Ridge
@@ -111,9 +111,9 @@ def _draw_cone(ax: Axes, hertz: RealArray, cone: RealArray, start: float, end: f
     half = (end - start) / 2
     for side, sign in ((start, 1), (end, -1)):
         reach = side + sign * np.minimum(cone, half)
-        ax.fill_betweenx(hertz, side, reach, color=GREY, alpha=0.25, linewidth=0.0, zorder=2)
+        ax.fill_betweenx(hertz, side, reach, color=Colour.GREY, alpha=0.25, linewidth=0.0, zorder=2)
         label = "cone of influence" if side == start else None
-        ax.plot(side + sign * cone, hertz, color=GREY, linewidth=0.9, linestyle=":", label=label)
+        ax.plot(side + sign * cone, hertz, color=Colour.GREY, linewidth=0.9, linestyle=":", label=label)
 
 
 def _draw_ridges(ax: Axes, ridges: Sequence[Ridge]) -> None:
@@ -121,10 +121,10 @@ def _draw_ridges(ax: Axes, ridges: Sequence[Ridge]) -> None:
         sought = (ridge.timepts >= ridge.onset) & (ridge.timepts <= ridge.window.stop)
         trace = np.where(sought & _own(ridge, ridges), ridge.trace, np.nan) / (2 * np.pi)
         label = None if i else "largest modulus nearby"
-        ax.plot(*thinned(ax, ridge.timepts, trace), color=BLACK, linewidth=0.7, label=label)
+        ax.plot(*thinned(ax, ridge.timepts, trace), color=Colour.BLACK, linewidth=0.7, label=label)
         window, at = [ridge.window.start, ridge.window.stop], ridge.omega / (2 * np.pi)
         label = None if i else "ridge, trusted window"
-        ax.plot(window, [at, at], color=VERMILION, linewidth=2.0, label=label)
+        ax.plot(window, [at, at], color=Colour.VERMILION, linewidth=2.0, label=label)
 
 
 def _own(ridge: Ridge, ridges: Sequence[Ridge]) -> NDArray[np.bool_]:
@@ -141,11 +141,11 @@ def _mark_modes(ax: Axes, modes: ModalSet) -> None:
     if not numbers.size:
         return
     at = np.full(numbers.size, end)
-    ax.plot(at, hertz[numbers], color=GREEN, marker="<", linestyle="none", label="mode", clip_on=False)
+    ax.plot(at, hertz[numbers], color=Colour.GREEN, marker="<", linestyle="none", label="mode", clip_on=False)
     for k in numbers:
         ax.annotate(
             f"{k + 1}", (end, hertz[k]), xytext=(-8, 0), textcoords="offset points", ha="right", va="center",
-            fontsize="small", bbox={"facecolor": WHITE, "edgecolor": GREEN, "linewidth": 0.6, "pad": 1.5},
+            fontsize="small", bbox={"facecolor": Colour.WHITE, "edgecolor": Colour.GREEN, "linewidth": 0.6, "pad": 1.5},
         )  # fmt: skip
 
 

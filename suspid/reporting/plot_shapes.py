@@ -9,7 +9,7 @@ import numpy as np
 from suspid.errors import InputError
 from suspid.model import scaled_shapes
 from suspid.reporting.axes import shown
-from suspid.reporting.colours import BLACK, BLUE, PALE_BLUE, SHADE
+from suspid.reporting.colours import Colour
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -61,15 +61,17 @@ def plot_shapes(modes: ModalSet, *, ax: Axes) -> Axes:
     numbered = shapes.size <= 24
     for k, shape in enumerate(shapes.T, 1):
         amplitude = np.where(shape.real < 0, -1, 1) * np.abs(shape)
-        ax.barh(rows, FULL_BAR * amplitude, left=k, height=0.5, color=PALE_BLUE, edgecolor=BLUE, linewidth=0.6)
-        ax.barh(rows, FULL_BAR * shape.real, left=k, height=0.5, color=BLUE)
-        ax.plot([k, k], [-0.5, len(shapes) - 0.5], color=BLACK, linewidth=0.8)
+        ax.barh(
+            rows, FULL_BAR * amplitude, left=k, height=0.5, color=Colour.PALE_BLUE, edgecolor=Colour.BLUE, linewidth=0.6
+        )
+        ax.barh(rows, FULL_BAR * shape.real, left=k, height=0.5, color=Colour.BLUE)
+        ax.plot([k, k], [-0.5, len(shapes) - 0.5], color=Colour.BLACK, linewidth=0.8)
         for row, component in enumerate(shape):
             if numbered:
                 _write_phase(ax, k, row, complex(component))
     count = len(modes)
     for k in range(1, count):
-        ax.axvline(k + 0.5, color=SHADE, linewidth=0.8)
+        ax.axvline(k + 0.5, color=Colour.SHADE, linewidth=0.8)
     ax.set(xlim=(0.5, count + 0.5), ylim=(len(shapes) - 0.5, -0.5))
     ax.set_xticks(range(1, count + 1), [f"{wn / (2 * np.pi):.4g}" for wn in modes.wn])
     ax.set_yticks(rows, [shown(name, most=16) for name in modes.channels])

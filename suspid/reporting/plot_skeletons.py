@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from suspid.reporting.axes import checked_grid, decade_ticks, in_legend, thinned
-from suspid.reporting.colours import BLACK, COLOURS, SHADE
+from suspid.reporting.colours import CHANNEL_COLOURS, Colour
 from suspid.wavelets import ABOVE_NOISE, Ridge, SkeletonFit, fit_skeleton
 
 if TYPE_CHECKING:
@@ -52,7 +52,7 @@ def plot_skeletons(ridges: Sequence[Ridge], *, axes: Sequence[Sequence[Axes]] | 
     for i, ridge in enumerate(ridges):
         fit = fit_skeleton(ridge)
         for ax in grid[:, i]:
-            ax.axvspan(ridge.window.start, ridge.window.stop, color=SHADE, linewidth=0.0)
+            ax.axvspan(ridge.window.start, ridge.window.stop, color=Colour.SHADE, linewidth=0.0)
         _plot_modulus(ridge, fit, grid[0, i])
         _plot_phase(ridge, fit, grid[1, i])
         grid[0, i].set_title(f"ridge at {ridge.omega / (2 * np.pi):.4g} Hz", loc="left")
@@ -68,14 +68,14 @@ def _plot_modulus(ridge: Ridge, fit: SkeletonFit, ax: Axes) -> None:
     for i, name in enumerate(ridge.channels):
         if not np.any(modulus[i] > 0):
             continue
-        colour = COLOURS[i % len(COLOURS)]
+        colour = CHANNEL_COLOURS[i % len(CHANNEL_COLOURS)]
         ax.plot(*thinned(ax, ridge.timepts, modulus[i]), color=colour, linewidth=1.6, alpha=0.6, label=in_legend(name))
         label = None if np.isfinite(lowest) else f"{ABOVE_NOISE:g} × noise"
         level = ABOVE_NOISE * ridge.floor[i]
         ax.axhline(level, color=colour, linewidth=0.8, linestyle=":", label=label)
         line = np.exp(fit.lines[i].real)
         key = None if label is None else "fitted line"
-        ax.plot(*thinned(ax, fit.timepts, line), color=BLACK, linewidth=0.8, linestyle="--", label=key)
+        ax.plot(*thinned(ax, fit.timepts, line), color=Colour.BLACK, linewidth=0.8, linestyle="--", label=key)
         lowest = min(lowest, max(0.3 * level, 0.3 * float(line[-1])))
     largest = float(np.max(modulus))
     ax.set(yscale="log", xlim=(ridge.timepts[0], ridge.timepts[-1]))
@@ -96,10 +96,15 @@ def _plot_phase(ridge: Ridge, fit: SkeletonFit, ax: Axes) -> None:
         fitted = fit.logarithm[i].imag - reference - fit.origin[i].imag
         # Unwrapping starts in the noise or at the edge: whole turns are taken from the trusted samples.
         phase += fitted[0] - phase[np.argmax(ridge.trusted)]
-        ax.plot(*thinned(ax, ridge.timepts, phase), color=COLOURS[i % len(COLOURS)], linewidth=1.6, alpha=0.6)
+        ax.plot(
+            *thinned(ax, ridge.timepts, phase),
+            color=CHANNEL_COLOURS[i % len(CHANNEL_COLOURS)],
+            linewidth=1.6,
+            alpha=0.6,
+        )
         clear = np.abs(ridge.skeleton[i, ridge.trusted]) > ABOVE_NOISE * ridge.floor[i]
         reach = max(reach, float(np.max(np.abs(fitted[clear]), initial=0.0)))
     line = (fit.pole.imag - ridge.omega) * (fit.timepts - ridge.onset)
-    ax.plot(*thinned(ax, fit.timepts, line), color=BLACK, linewidth=0.8, linestyle="--")
+    ax.plot(*thinned(ax, fit.timepts, line), color=Colour.BLACK, linewidth=0.8, linestyle="--")
     ax.set(xlabel="time [s]", xlim=(ridge.timepts[0], ridge.timepts[-1]), ylim=(-1.3 * reach, 1.3 * reach))
     ax.yaxis.set_major_locator(MaxNLocator(5))

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.files import printable
-from suspid.reporting.colours import TONES
+from suspid.reporting.colours import Colour
 from suspid.reporting.content import Content, content_of
 from suspid.reporting.estimate_rows import estimate_rows, masses_of
 from suspid.reporting.pictures import MOST_CHANNELS, pictures_of
@@ -85,7 +85,7 @@ def report(found: Identification | Analysis | Content, *, title: str | None = No
         pictures=pictures_of(
             shown, cleaned=content.cleaned, decays=analysis.decays, units=content.units, used=content.used
         ),
-        tones=TONES,
+        colours=list(Colour),
         view=_view(shown),
         fits=[(_short(n), f"{100 * s:.2f} %") for n, s in zip(names, shown.explained, strict=True)][:MOST_CHANNELS],
         hidden_channels=max(0, len(names) - MOST_CHANNELS),

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from suspid.reporting.colours import TONES
+from suspid.reporting.colours import Colour
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -21,7 +21,7 @@ DOTS_PER_INCH = 120
 # Steps of a path for each point (1/72 inch): finer than any screen shows.
 STEPS_A_POINT = 10
 LOCAL_REFERENCE = re.compile(r"^(?:url\()?#([\w-]+)\)?$")
-VARIABLES = {tone.light.lower(): f"var(--{tone.name})" for tone in TONES}
+VARIABLES = {colour.lower(): f"var(--{colour.css})" for colour in Colour}
 
 
 @contextmanager
