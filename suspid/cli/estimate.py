@@ -11,7 +11,7 @@ import click
 from suspid.analysis import Settings, read
 from suspid.cli.measured import checked_picture, save_picture
 from suspid.cli.options import FILE, progress, reading
-from suspid.cli.springs import Outputs, Wanted, conclude, wanting, writing
+from suspid.cli.parameters import Outputs, Wanted, conclude, wanting, writing
 from suspid.cli.support import check_apart, named, said_warnings
 from suspid.files import replacing
 

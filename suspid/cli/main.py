@@ -16,8 +16,8 @@ from suspid.cli.estimate import estimate_command
 from suspid.cli.fleet import fleet_command
 from suspid.cli.measured import channels_command, identify_command, report_command
 from suspid.cli.options import FILE
+from suspid.cli.parameters import Outputs, Wanted, conclude, wanting, writing
 from suspid.cli.simulate import simulate_command
-from suspid.cli.springs import Outputs, Wanted, conclude, wanting, writing
 from suspid.cli.support import Commands, Positive, check_apart, said_warnings, say
 from suspid.files import replacing
 

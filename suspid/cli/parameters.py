@@ -1,4 +1,4 @@
-"""What the commands that find springs and dampers share: options, what they write, and how they end."""
+"""What the commands that find stiffness and damping share: options, what they write, and how they end."""
 
 from __future__ import annotations
 
