@@ -221,6 +221,30 @@ class TestFreeDecay:
         known = estimate(noisy, off(QUARTER).with_parameters(mount_stiffness={"chassis": mount}))
         assert known.explains
 
+    def test_gain_and_delay_of_channels_of_two_loggers(self) -> None:
+        # Steps of 1 ms, of which the loggers take every fifth: the second one 4 ms late, and 5 % high at the rear.
+        start = np.array([0.02, 0.0, 0.0, 0.0, 0.0, 0.2, 1.0, -0.5])
+        z, a = integrated(HALF, np.arange(0, 4, 0.001), still, start)
+        early, late = slice(10, None, 5), slice(6, -4, 5)
+        outputs = {
+            "heave": z[0, early], "pitch": z[1, early], "front_acceleration": a[2, late], "rear": 1.05 * z[3, late]
+        }  # fmt: skip
+        record = record_of(outputs, times=TIMES[: len(outputs["heave"])])
+        sensors = {"gains": ["rear"], "delays": ["front_acceleration", "rear"]}
+        found = estimate(record, off(HALF), fixed=TIRES, **sensors)  # type: ignore[arg-type]
+        assert found.parameters[-3:] == ("rear.gain", "front_acceleration.delay", "rear.delay")
+        np.testing.assert_allclose(found.values[-3:], [1.05, 0.004, 0.004], rtol=1e-5)
+        assert relative_errors(found.suspension, HALF).max() < 1e-6
+        noisy = add_noise(record, snr_db=30.0, rng=np.random.default_rng(1))
+        assert not estimate(noisy, off(HALF), fixed=TIRES).explains
+        one = estimate(noisy, off(HALF), fixed=TIRES, **sensors)  # type: ignore[arg-type]
+        assert one.explains
+        ends, truth = one.interval(0.999), parameter_vector(HALF)
+        for name, value in zip(parameter_names(HALF), truth, strict=True):
+            assert name not in ends or ends[name][0] < value < ends[name][1]
+        with pytest.raises(EstimationError, match=r"do not determine .*gain"):
+            estimate(noisy, off(HALF), fixed=TIRES, gains=list(outputs))
+
     def test_a_rigid_mount_is_none(self) -> None:
         noisy = add_noise(TestOptions.RECORD, snr_db=30.0, rng=np.random.default_rng(2))
         found = estimate(noisy, off(QUARTER), mounts=["chassis"])
@@ -260,6 +284,10 @@ class TestGivenRoad:
         z, _ = integrated(QUARTER, times, road, np.array([0.01, 0.02, 0.0, 0.1]))
         heights = np.array([road(t)[0] for t in times])
         record = record_of({"chassis": z[0], "tire": z[1]}, {"road": heights}, times)
+        with pytest.raises(InputError, match=r"delays: that of 'tire' cannot be found under a known road"):
+            estimate(record, off(QUARTER), given=("road",), delays=["tire"])
+        high = record_of({"chassis": z[0], "tire": 1.1 * z[1]}, {"road": heights}, times)
+        assert estimate(high, off(QUARTER), given=("road",), gains=["tire"]).values[-1] == pytest.approx(1.1, rel=1e-4)
         found = estimate(record, off(QUARTER), given=("road",))
         # A cubic spline follows 30 Hz at 250 Hz to 1e-3, and 15 Hz to 5e-5.
         assert relative_errors(found.suspension, QUARTER).max() < 1e-3
@@ -354,10 +382,10 @@ class TestOptions:
             estimate(self.RECORD, QUARTER, given=("road",))
         with pytest.raises(RecordError, match="measures the suspension"):
             estimate(record_of({"x": np.ones(1000)}), QUARTER)
-        with pytest.raises(
-            InputError, match=r"delays: 'tire' can only be found where the motion .* correct the channels"
-        ):
-            estimate(self.RECORD, QUARTER, delays=["tire"])
+        with pytest.raises(InputError, match="delays: of all channels together only differences"):
+            estimate(self.RECORD, QUARTER, delays=["chassis", "tire"])
+        with pytest.raises(InputError, match="gains: 'tyre' is none of those.*Did you mean 'tire'"):
+            estimate(self.RECORD, QUARTER, gains=["tyre"])
         with pytest.raises(InputError, match="needs a Suspension"):
             estimate(self.RECORD, eigenmodes(QUARTER))  # type: ignore[arg-type]
 

@@ -11,9 +11,9 @@ import numpy as np
 from suspid.errors import InputError
 from suspid.greybox.estimates import Estimate
 from suspid.greybox.frequency_domain import fit_in_frequency, wheel_problem
+from suspid.greybox.further import check_delays, chosen_of, label, with_further
 from suspid.greybox.judgement import changes, on_bounds, rests_on
 from suspid.greybox.modal import modes_of
-from suspid.greybox.mounts import chosen_of, with_mounts
 from suspid.greybox.problem import Problem, default_holds
 from suspid.greybox.time_domain import fit_in_time
 from suspid.greybox.trials import RecordTest, Trial, trials_of
@@ -82,9 +82,9 @@ def estimate(
     free_masses : sequence of str
         Masses that are unknown too, by coordinate; only known masses, or a given force, can give them a scale.
     gains, delays : sequence of str, optional
-        Channels whose gain [1], or delay behind the other channels [s], is unknown, where motion is given. Default: all
-        that show nothing but given motion. Those of the other channels can be asked for; of all channels together only
-        ratios of gains and differences of delays can be found.
+        Channels whose gain [1], or delay behind the other channels [s], is unknown. Default: where motion is given, all
+        that show nothing but given motion; else none. Of all channels together only ratios of gains and differences of
+        delays can be found, and no delays under known roads and forces.
     mounts : sequence of str, optional
         Struts whose damper may stand on a mount of unknown stiffness: the strut is ``k + c s / (1 + tau s)`` with
         relaxation tau [s]. Default: where motion is given, all that have a damper and act between given and other
@@ -143,14 +143,6 @@ def estimate(
             f"given: record {driven.index(True) + 1} has a cause that is measured motion of the car and record "
             f"{driven.index(False) + 1} has none; estimate from either, and give the result of one as nominal_std"
         )
-    if not any(driven):
-        for argument, names in (("gains", gains), ("delays", delays)):
-            if names:
-                raise InputError(
-                    f"{argument}: {listed([names] if isinstance(names, str) else names)} can only be found where the "
-                    f"motion of a coordinate is given. In a free decay, or under known roads and forces, gains and "
-                    f"delays count as known: correct the channels first"
-                )
     beyond = _beyond(suspension, trials)
     unknowns = unknowns_of(
         suspension,
@@ -165,9 +157,7 @@ def estimate(
         options = {"gains": gains, "delays": delays, "mounts": mounts}
         fit = fit_in_frequency(wheel_problem(suspension, trials, unknowns, band=band, stretch=stretch, **options))
     else:
-        damped = [s.name for s in suspension.struts if s.damping > 0]
-        soft = [[s.name for s in suspension.struts].index(name) for name in chosen_of("mounts", mounts, damped, ())]
-        unknowns = with_mounts(unknowns, soft)
+        unknowns = _further(unknowns, trials, gains=gains, delays=delays, mounts=mounts)
         fit = fit_in_time(Problem(trials=trials, holds=default_holds(trials), unknowns=unknowns))
     u = unknowns
     parameters = (*u.names, *fit.extras)
@@ -180,7 +170,7 @@ def estimate(
     car = _mounted(u.suspension(fit.x), parameters, values, std)
     unused = tuple(dict.fromkeys(name for trial in trials for name in trial.unused))
     still = tuple(suspension.coordinates[i] for i in trials[0].wheels)
-    own = [i for i, name in enumerate(u.names) if not name.endswith(".relaxation")]
+    own = _of_car(u)
     checks = [
         *fit.checks,
         *on_bounds(u, fit.x),
@@ -217,6 +207,48 @@ def estimate(
     )
 
 
+def _of_car(u: Unknowns) -> list[int]:
+    """Return which names of the unknowns are stiffnesses, dampings and masses; they come first."""
+    return [i for i, row in enumerate(u.rows) if row < len(parameter_names(u.car))]
+
+
+def _further(
+    unknowns: Unknowns,
+    trials: Sequence[Trial],
+    *,
+    gains: Sequence[str] | None,
+    delays: Sequence[str] | None,
+    mounts: Sequence[str] | None,
+) -> Unknowns:
+    """Return the unknowns in the time domain, with mounts, gains and delays that were asked for."""
+    struts = [s.name for s in unknowns.car.struts]
+    damped = [s.name for s in unknowns.car.struts if s.damping > 0]
+    channels = tuple(dict.fromkeys(c for trial in trials for c in trial.channels))
+    late = chosen_of("delays", delays, channels, ())
+    for trial in trials:
+        if late and len(trial.inputs):
+            raise InputError(
+                f"delays: that of {listed(late)} cannot be found under a known road or force; shift the channels until "
+                f"they agree with the inputs, or give the motion of the wheels instead"
+            )
+        check_delays(late, trial.channels)
+
+    def places(names: Sequence[str]) -> list[tuple[str, tuple[int, int]]]:
+        return [
+            (label(channel, i, len(trials)), (i, trial.channels.index(channel)))
+            for i, trial in enumerate(trials)
+            for channel in names
+            if channel in trial.channels
+        ]
+
+    return with_further(
+        unknowns,
+        mounts=[struts.index(name) for name in chosen_of("mounts", mounts, damped, ())],
+        gains=places(chosen_of("gains", gains, channels, ())),
+        delays=places(late),
+    )
+
+
 def _modes(
     car: Suspension, u: Unknowns, parameters: Sequence[str], covariance: RealArray, still: Sequence[str]
 ) -> ModalSet:
@@ -224,7 +256,7 @@ def _modes(
     mounts = [
         i for i, s in enumerate(car.struts) if s.mount_stiffness is not None and f"{s.name}.relaxation" in parameters
     ]
-    own = [i for i, name in enumerate(u.names) if not name.endswith(".relaxation")]
+    own = _of_car(u)
     count = len(parameter_names(car))
     rows = [*(u.rows[i] for i in own), *range(count, count + len(mounts))]
     own += [parameters.index(f"{car.struts[i].name}.relaxation") for i in mounts]

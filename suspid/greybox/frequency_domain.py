@@ -8,12 +8,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from suspid.errors import InputError
 from suspid.greybox.fits import Fit
+from suspid.greybox.further import FIRST_RELAXATION, TIMES, check_delays, chosen_of, label
 from suspid.greybox.identifiability import blind, check_determined, names_in
 from suspid.greybox.leftover import coherent_leftover
-from suspid.greybox.measured_causes import Extras, Source, WheelProblem, Whitened, first_levels, label
-from suspid.greybox.mounts import FIRST_RELAXATION, TIMES, chosen_of
+from suspid.greybox.measured_causes import Extras, Source, WheelProblem, Whitened, first_levels
 from suspid.greybox.noise_levels import Levels, node_basis
 from suspid.greybox.search import starts_of
 from suspid.greybox.spectra import spectra_of
@@ -58,8 +57,7 @@ def wheel_problem(
         layout = layout_of(car, trial)
         # The gain of a channel that shows free coordinates too, such as a travel, is that of springs and dampers.
         causes = [trial.channels[c] for c in layout.causes if not np.any(layout.on_free[c])]
-        if delays is not None and set(trial.channels) <= set(delays):
-            raise InputError("delays: of all channels together only differences can be found; leave one of them out")
+        check_delays(delays or (), trial.channels)
         spectra = spectra_of(trial, length=STRETCH_PERIODS / lowest if stretch is None else stretch, band=limits)
         sources.append(
             Source(
@@ -81,8 +79,8 @@ def wheel_problem(
         extras=_extras(
             car,
             springy,
-            [label(s.trial.channels[c], i, bare) for i, s in enumerate(sources) for c in s.gains],
-            [label(s.trial.channels[c], i, bare) for i, s in enumerate(sources) for c in s.delays],
+            [label(s.trial.channels[c], i, len(sources)) for i, s in enumerate(sources) for c in s.gains],
+            [label(s.trial.channels[c], i, len(sources)) for i, s in enumerate(sources) for c in s.delays],
         ),
     )
 

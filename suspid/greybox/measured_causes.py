@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from suspid.greybox.further import label
 from suspid.greybox.noise_levels import Levels, covariance_of, levels_of
 from suspid.greybox.problem import squeezed
 from suspid.greybox.spectra import Spectra
@@ -88,8 +89,8 @@ class WheelProblem:
             damping=p[struts : 2 * struts],
             masses=p[2 * struts :] + source.trial.added,
             relaxation=tau,
-            gains=np.array([values.get(f"{label(c, number, self)}.gain", 1.0) for c in channels]),
-            delays=np.array([values.get(f"{label(c, number, self)}.delay", 0.0) for c in channels]),
+            gains=np.array([values.get(f"{label(c, number, len(self.sources))}.gain", 1.0) for c in channels]),
+            delays=np.array([values.get(f"{label(c, number, len(self.sources))}.delay", 0.0) for c in channels]),
         )
 
     def columns(self, number: int) -> RealArray:
@@ -97,8 +98,8 @@ class WheelProblem:
         u, source, extras = self.unknowns, self.sources[number], self.extras
         channels = source.trial.channels
         names = [f"{u.car.struts[j].name}.relaxation" for j in extras.mounts]
-        names += [f"{label(channels[c], number, self)}.gain" for c in source.gains]
-        names += [f"{label(channels[c], number, self)}.delay" for c in source.delays]
+        names += [f"{label(channels[c], number, len(self.sources))}.gain" for c in source.gains]
+        names += [f"{label(channels[c], number, len(self.sources))}.delay" for c in source.delays]
         whole = np.zeros((len(u.rows) + len(names), len(u) + len(extras.names)))
         whole[: len(u.rows), : len(u)] = u.spread[u.rows]
         for i, name in enumerate(names):
@@ -143,11 +144,6 @@ class WheelProblem:
                 causes=np.maximum(own.causes, anchor.causes + np.log(LEAST_NOISE)),
             )
         return levels
-
-
-def label(channel: str, number: int, problem: WheelProblem) -> str:
-    """Return the name of a channel of a trial; with several trials, each logger has its own clock and gains."""
-    return channel if len(problem.sources) == 1 else f"{channel}[{number + 1}]"
 
 
 def _whitened(source: Source, made: Transfer, levels: Levels, columns: RealArray) -> Whitened:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from suspid.greybox.mounts import mounts_of
+from suspid.greybox.further import mounts_of, sensing_of
 from suspid.greybox.responses import OutputError, output_error
 from suspid.greybox.trials import HOLDS, Hold, Trial
 from suspid.reconstruction import Unknowns
@@ -25,11 +25,14 @@ class Problem:
     def errors(self, x: RealArray, noise: Sequence[RealArray], *, slopes: bool = True) -> list[OutputError]:
         """Return the residual of each test, given the standard deviation of the noise of each channel."""
         u = self.unknowns
-        p, mounts = u.parameters(x), mounts_of(u)
+        p, mounts, rows = u.parameters(x), mounts_of(u), u.rows if slopes else ()
         return [
-            output_error(u.car, trial, p, u.rows if slopes else (), std=std, hold=hold, mounts=mounts)
-            for trial, hold, std in zip(self.trials, self.holds, noise, strict=True)
-        ]
+            output_error(
+                u.car, trial, p, rows, std=std, hold=hold, mounts=mounts,
+                sensing=sensing_of(u, p, i, len(trial.channels)),
+            )
+            for i, (trial, hold, std) in enumerate(zip(self.trials, self.holds, noise, strict=True))
+        ]  # fmt: skip
 
     def equations(self, x: RealArray, noise: Sequence[RealArray]) -> tuple[RealArray, RealArray]:
         """Return the residual in standard deviations and its derivatives by x, turned into as few rows as can be."""

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from suspid.greybox.dynamics import DEGREE, Plant, plant_of, transition
+from suspid.greybox.further import Sensing
 from suspid.greybox.trials import Hold, Trial, input_pieces
 from suspid.model import Suspension
 from suspid.simulation import recursion
@@ -38,15 +39,21 @@ def output_error(
     *,
     std: RealArray,
     hold: Hold,
+    sensing: Sensing,
     mounts: Sequence[int] = (),
 ) -> OutputError:
-    """Return residual and derivatives of a record, each channel weighted by its noise ``std`` (channel,)."""
+    """Return residual and derivatives of a record, each channel weighted by its noise ``std`` (channel,).
+
+    ``rows`` are parameters of the car and relaxations of ``mounts``, then all gains and delays of `Sensing`.
+    """
     struts, n = len(car.struts), len(car.coordinates)
+    own = rows[: len(rows) - len(sensing.gain_of) - len(sensing.delay_of)]
     loaded = p.copy()
     loaded[2 * struts : 2 * struts + n] += trial.added
-    plant = plant_of(car, loaded, rows, roads=trial.roads, forces=trial.forces, mounts=mounts)
+    plant = plant_of(car, loaded, own, roads=trial.roads, forces=trial.forces, mounts=mounts)
     step = transition(plant, trial.step)
-    C, D, direct = _outputs(plant, trial, n)
+    seen = _seen(plant, trial, n, sensing)
+    C, D = seen.C, seen.D
     count, size, channels = trial.count, plant.states, len(trial.channels)
     linear = np.zeros((channels, count, size + channels))
     linear[:, :, :size] = recursion(step.E.T, None, C.T, count).transpose(2, 1, 0)
@@ -69,33 +76,70 @@ def output_error(
     whole = np.concatenate([x.T, pieces], axis=1)
     # Slopes of one step as one matrix: (state and input coefficient) by (state, parameter).
     turns = np.concatenate([step.by_state, step.by_input], axis=2).transpose(2, 1, 0)
-    pushed = (whole @ turns.reshape(len(turns), -1)).reshape(count, size, len(rows))
+    pushed = (whole @ turns.reshape(len(turns), -1)).reshape(count, size, len(own))
     if len(trial.inputs):
         struck = jumps @ plant.f[:, size + 1 :: DEGREE].T
         pushed += plant.b.T[None] * struck[:, None, :]
-    moved = recursion(step.E, pushed.transpose(1, 0, 2), np.zeros((size, len(rows))), count)
-    slope = (C @ moved.reshape(size, -1)).reshape(channels, count, len(rows))
-    if np.any(direct):
-        slope += direct[:, None, :] * (whole @ plant.f.T)
+    moved = recursion(step.E, pushed.transpose(1, 0, 2), np.zeros((size, len(own))), count)
+    slope = (C @ moved.reshape(size, -1)).reshape(channels, count, len(own))
+    if np.any(seen.slopes):
+        direct = whole @ seen.slopes.reshape(-1, whole.shape[1]).T
+        slope += direct.reshape(count, channels, len(own)).swapaxes(0, 1)
+    slope = np.concatenate([slope, _by_sensing(seen, whole, sensing)], axis=2)
     flat = (slope / -std[:, None, None]).reshape(channels * count, len(rows))
     flat -= basis @ (basis.T @ flat)
     return OutputError(residual=rest, slope=flat.reshape(slope.shape) * std[:, None, None], linear=basis.shape[1])
 
 
-def _outputs(plant: Plant, trial: Trial, n: int) -> tuple[RealArray, RealArray, RealArray]:
-    """Return C, D, and the factors of the derivatives of accelerations, (channel, parameter)."""
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class _Seen:
+    """How the channels show the state and the coefficients of inputs."""
+
+    C: RealArray  # (channel, state)
+    D: RealArray  # (channel, input coefficient)
+    slopes: RealArray  # (channel, parameter, state and input coefficient): derivatives of both
+    by_time: RealArray  # (channel, state): rate of C x along a free motion
+
+
+def _seen(plant: Plant, trial: Trial, n: int, sensing: Sensing) -> _Seen:
+    """Return what the channels show.
+
+    A delay counts from the latest channel: at the others the state moves on, ``C exp(A (tau_max - tau))``, which is
+    exact without inputs, and whose start is unknown anyway.
+    """
     size, width = plant.F.shape
     C, D = np.zeros((len(trial.channels), size)), np.zeros((len(trial.channels), width - size))
-    direct = np.zeros((len(trial.channels), len(plant.b)))
+    slopes = np.zeros((len(trial.channels), len(plant.b), width))
     for row, order in enumerate(trial.orders):
         weights = trial.weights[row]
         if order < 2:
             C[row, order * n : (order + 1) * n] = weights
         else:
             C[row], D[row] = weights @ plant.F[n : 2 * n, :size], weights @ plant.F[n : 2 * n, size:]
-            direct[row] = plant.b[:, n : 2 * n] @ weights
+            slopes[row] = (plant.b[:, n : 2 * n] @ weights)[:, None] * plant.f
         D[row, order : DEGREE * len(trial.roads) : DEGREE] += trial.road_weights[row, list(trial.roads)]
-    return C, D, direct
+    for row, ahead in enumerate(np.max(sensing.delays) - sensing.delays):
+        if ahead > 0:
+            later = transition(plant, float(ahead))
+            slopes[row, :, :size] = slopes[row, :, :size] @ later.E + C[row] @ later.by_state
+            C[row] = C[row] @ later.E
+    gains = sensing.gains[:, None]
+    return _Seen(C=C * gains, D=D * gains, slopes=slopes * gains[:, :, None], by_time=C * gains @ plant.F[:, :size])
+
+
+def _by_sensing(seen: _Seen, whole: RealArray, sensing: Sensing) -> RealArray:
+    """Return the derivatives of all channels by gains and delays, (channel, sample, unknown)."""
+    slope = np.zeros((len(seen.C), len(whole), len(sensing.gain_of) + len(sensing.delay_of)))
+    size = seen.C.shape[1]
+    for i, channel in enumerate((*sensing.gain_of, *sensing.delay_of)):
+        if channel is None:
+            continue
+        if i < len(sensing.gain_of):
+            shown = whole[:, :size] @ seen.C[channel] + whole[:, size:] @ seen.D[channel]
+            slope[channel, :, i] = shown / sensing.gains[channel]
+        else:
+            slope[channel, :, i] = -(whole[:, :size] @ seen.by_time[channel])
+    return slope
 
 
 def _orthonormal(columns: RealArray) -> tuple[RealArray, RealArray]:
