@@ -10,19 +10,20 @@ import numpy as np
 
 from suspid.errors import InputError
 from suspid.greybox.estimates import Estimate
-from suspid.greybox.frequency_domain import fit_in_frequency, wheel_problem
-from suspid.greybox.further import check_delays, chosen_of, label, with_further
+from suspid.greybox.frequency_domain import fit_in_frequency
+from suspid.greybox.further import further_asked
 from suspid.greybox.judgement import changes, on_bounds, rests_on
 from suspid.greybox.modal import modes_of
 from suspid.greybox.problem import Problem, default_holds
 from suspid.greybox.time_domain import fit_in_time
 from suspid.greybox.trials import RecordTest, Trial, trials_of
+from suspid.greybox.wheel_problem import wheel_problem
 from suspid.levels import NORMAL_95
 from suspid.model import ModalSet, Suspension, eigenmodes
 from suspid.reconstruction import Bounds, Unknowns, parameter_names, unknowns_of
 from suspid.signals import as_response
 from suspid.units import Hertz, Ratio, RealArray, Second
-from suspid.values import frozen_real, listed
+from suspid.values import frozen_real
 from suspid.words import Check, Level, Remark, Verdict
 from suspid.words.greybox import EstimateCheck, EstimateHeadline
 
@@ -157,7 +158,7 @@ def estimate(
         options = {"gains": gains, "delays": delays, "mounts": mounts}
         fit = fit_in_frequency(wheel_problem(suspension, trials, unknowns, band=band, stretch=stretch, **options))
     else:
-        unknowns = _further(unknowns, trials, gains=gains, delays=delays, mounts=mounts)
+        unknowns = further_asked(unknowns, trials, gains=gains, delays=delays, mounts=mounts)
         fit = fit_in_time(Problem(trials=trials, holds=default_holds(trials), unknowns=unknowns))
     u = unknowns
     parameters = (*u.names, *fit.extras)
@@ -210,43 +211,6 @@ def estimate(
 def _of_car(u: Unknowns) -> list[int]:
     """Return which names of the unknowns are stiffnesses, dampings and masses; they come first."""
     return [i for i, row in enumerate(u.rows) if row < len(parameter_names(u.car))]
-
-
-def _further(
-    unknowns: Unknowns,
-    trials: Sequence[Trial],
-    *,
-    gains: Sequence[str] | None,
-    delays: Sequence[str] | None,
-    mounts: Sequence[str] | None,
-) -> Unknowns:
-    """Return the unknowns in the time domain, with mounts, gains and delays that were asked for."""
-    struts = [s.name for s in unknowns.car.struts]
-    damped = [s.name for s in unknowns.car.struts if s.damping > 0]
-    channels = tuple(dict.fromkeys(c for trial in trials for c in trial.channels))
-    late = chosen_of("delays", delays, channels, ())
-    for trial in trials:
-        if late and len(trial.inputs):
-            raise InputError(
-                f"delays: that of {listed(late)} cannot be found under a known road or force; shift the channels until "
-                f"they agree with the inputs, or give the motion of the wheels instead"
-            )
-        check_delays(late, trial.channels)
-
-    def places(names: Sequence[str]) -> list[tuple[str, tuple[int, int]]]:
-        return [
-            (label(channel, i, len(trials)), (i, trial.channels.index(channel)))
-            for i, trial in enumerate(trials)
-            for channel in names
-            if channel in trial.channels
-        ]
-
-    return with_further(
-        unknowns,
-        mounts=[struts.index(name) for name in chosen_of("mounts", mounts, damped, ())],
-        gains=places(chosen_of("gains", gains, channels, ())),
-        delays=places(late),
-    )
 
 
 def _modes(

@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 
 from suspid.errors import InputError
+from suspid.greybox.trials import Trial
 from suspid.model import Suspension
 from suspid.reconstruction import Unknowns
 from suspid.units import RealArray, Second
-from suspid.values import nearest_names
+from suspid.values import listed, nearest_names
 
 TIMES: Second = 0.01  # unit of delays and relaxations
 FIRST_RELAXATION = 0.1  # of `TIMES`: at 0 a mount would begin on its bound
@@ -91,6 +92,49 @@ def with_further(
     kept: dict[str, Any] = {field.name: getattr(u, field.name) for field in fields(Unknowns) if field.name not in more}
     return FurtherUnknowns(
         **kept, **more, mounts=tuple(mounts), gains=tuple(p for _, p in gains), delays=tuple(p for _, p in delays)
+    )
+
+
+def further_asked(
+    unknowns: Unknowns,
+    trials: Sequence[Trial],
+    *,
+    gains: Sequence[str] | None,
+    delays: Sequence[str] | None,
+    mounts: Sequence[str] | None,
+) -> Unknowns:
+    """Return the unknowns in the time domain, with mounts, gains and delays that were asked for.
+
+    Raises
+    ------
+    InputError
+        If a name is unknown, or delays are asked for that cannot be found.
+    """
+    struts = [s.name for s in unknowns.car.struts]
+    damped = [s.name for s in unknowns.car.struts if s.damping > 0]
+    channels = tuple(dict.fromkeys(c for trial in trials for c in trial.channels))
+    late = chosen_of("delays", delays, channels, ())
+    for trial in trials:
+        if late and len(trial.inputs):
+            raise InputError(
+                f"delays: that of {listed(late)} cannot be found under a known road or force; shift the channels until "
+                f"they agree with the inputs, or give the motion of the wheels instead"
+            )
+        check_delays(late, trial.channels)
+
+    def places(names: Sequence[str]) -> list[tuple[str, tuple[int, int]]]:
+        return [
+            (label(channel, i, len(trials)), (i, trial.channels.index(channel)))
+            for i, trial in enumerate(trials)
+            for channel in names
+            if channel in trial.channels
+        ]
+
+    return with_further(
+        unknowns,
+        mounts=[struts.index(name) for name in chosen_of("mounts", mounts, damped, ())],
+        gains=places(chosen_of("gains", gains, channels, ())),
+        delays=places(late),
     )
 
 

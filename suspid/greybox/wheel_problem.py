@@ -1,0 +1,89 @@
+"""The problem of a drive: spectra of all records, and the unknowns of their channels and mounts."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from suspid.greybox.further import FIRST_RELAXATION, TIMES, check_delays, chosen_of, label
+from suspid.greybox.measured_causes import Extras, Source, WheelProblem
+from suspid.greybox.noise_levels import node_basis
+from suspid.greybox.spectra import spectra_of
+from suspid.greybox.transfers import layout_of
+from suspid.greybox.trials import Trial
+from suspid.model import Suspension, eigenmodes
+from suspid.reconstruction import Unknowns
+from suspid.units import Hertz, Second
+
+# The band, over the lowest and the highest natural frequency of the nominal car: 0.5 to 24 Hz for most cars. Below it
+# accelerations hold little, above it the wheels' motion hardly moves the body.
+BELOW, ABOVE = 0.4, 2.0
+STRETCH_PERIODS = 8.0  # of the lowest mode, in a stretch: longer ones have fewer ends, shorter ones follow slow changes
+
+
+def wheel_problem(
+    car: Suspension,
+    trials: Sequence[Trial],
+    unknowns: Unknowns,
+    *,
+    gains: Sequence[str] | None,
+    delays: Sequence[str] | None,
+    mounts: Sequence[str] | None,
+    band: tuple[Hertz, Hertz] | None,
+    stretch: Second | None,
+) -> WheelProblem:
+    """Return the problem, with gains and delays of all causes and all mounts unknown unless some are named."""
+    hertz = eigenmodes(car).wn / (2 * np.pi)
+    lowest = float(np.min(hertz[hertz > 0]))
+    limits = (BELOW * lowest, ABOVE * float(np.max(hertz))) if band is None else band
+    sources = []
+    for trial in trials:
+        layout = layout_of(car, trial)
+        # The gain of a channel that shows free coordinates too, such as a travel, is that of springs and dampers.
+        causes = [trial.channels[c] for c in layout.causes if not np.any(layout.on_free[c])]
+        check_delays(delays or (), trial.channels)
+        spectra = spectra_of(trial, length=STRETCH_PERIODS / lowest if stretch is None else stretch, band=limits)
+        sources.append(
+            Source(
+                trial=trial,
+                layout=layout,
+                spectra=spectra,
+                basis=node_basis(spectra.hertz),
+                gains=tuple(trial.channels.index(c) for c in chosen_of("gains", gains, trial.channels, causes)),
+                delays=tuple(trial.channels.index(c) for c in chosen_of("delays", delays, trial.channels, causes)),
+            )
+        )
+    struts = [s.name for s in car.struts]
+    layout = sources[0].layout
+    damped = [struts[j] for j in layout.bridges if np.any(layout.arms_given[j]) and car.struts[j].damping > 0]
+    springy = tuple(struts.index(name) for name in chosen_of("mounts", mounts, damped, damped))
+    bare = WheelProblem(sources=tuple(sources), unknowns=unknowns, extras=_extras(car, springy, [], []))
+    return replace(
+        bare,
+        extras=_extras(
+            car,
+            springy,
+            [label(s.trial.channels[c], i, len(sources)) for i, s in enumerate(sources) for c in s.gains],
+            [label(s.trial.channels[c], i, len(sources)) for i, s in enumerate(sources) for c in s.delays],
+        ),
+    )
+
+
+def _extras(car: Suspension, mounts: Sequence[int], gains: Sequence[str], delays: Sequence[str]) -> Extras:
+    a, b, c = len(mounts), len(gains), len(delays)
+    relaxation = [max(car.struts[j].relaxation, FIRST_RELAXATION * TIMES) / TIMES for j in mounts]
+    return Extras(
+        names=(
+            *(f"{car.struts[j].name}.relaxation" for j in mounts),
+            *(f"{name}.gain" for name in gains),
+            *(f"{name}.delay" for name in delays),
+        ),
+        mounts=tuple(mounts),
+        start=np.array([*relaxation, *[1.0] * b, *[0.0] * c]),
+        positive=np.array([False] * a + [True] * b + [False] * c, bool),
+        scale=np.array([TIMES] * a + [1.0] * b + [TIMES] * c),
+        lower=np.array([0.0] * a + [0.1] * b + [-np.inf] * c),
+        upper=np.array([np.inf] * a + [10.0] * b + [np.inf] * c),
+    )
