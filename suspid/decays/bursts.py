@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -62,6 +62,20 @@ def find_bursts(found: Envelopes) -> tuple[Burst, ...]:
                 again=_again(found, onset, stop),
             )
         )
+    return tuple(out)
+
+
+def died_down(found: Envelopes, burst: Burst) -> tuple[Burst, ...]:
+    """Return the event from when its highest bands have died, each time at least twice as late as the last."""
+    begin, end = np.searchsorted(found.timepts, [burst.onset, burst.stop])
+    out, last = list[Burst](), int(begin)
+    for band, centre in enumerate(found.centres[:-1]):
+        ringing = np.flatnonzero(found.levels[: band + 1, begin:end].max(axis=0) > found.threshold - RINGING)
+        after = begin + (int(ringing[-1]) + 1 if ringing.size else 0)
+        if centre > burst.top or after - begin <= 2 * (last - begin) or 2 * (after - begin) > end - begin:
+            continue
+        onset, top, last = float(found.timepts[after]), float(found.centres[band + 1]), after
+        out.append(replace(burst, onset=onset, peak=onset, top=top, width=1 / top, again=()))
     return tuple(out)
 
 

@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from suspid.decays.bursts import RINGING, Burst, find_bursts
+from suspid.decays.bursts import RINGING, Burst, died_down, find_bursts
 from suspid.decays.candidates import Recording, decays_after, examined
 from suspid.decays.decay import Decay, Decays
 from suspid.decays.doubts import doubts_of_company
 from suspid.decays.envelopes import Envelopes, envelopes, finest
+from suspid.decays.refusals import DECAYING_SHARE
 from suspid.errors import RecordError
 from suspid.identification import FEWEST_SAMPLES
 from suspid.signals import Signal, as_signal
@@ -93,10 +94,26 @@ def find_decays(response: control.TimeResponseData, *, given: Sequence[tuple[Sec
         last = signal.start + signal.step * (signal.values.shape[1] - 1)
         whole = examined(recording, replace(bursts[0], stop=last, cut=False, again=()), moved=True)[0]
         decays = [*whole, *(d for d in decays if not any(w.start <= d.stop and d.start <= w.stop for w in whole))]
+    if bursts and all(_left(decay) > DECAYING_SHARE for decay in decays):
+        # A blow excites more modes than can be told apart; once the fast ones have died, the slow ones can.
+        for later in died_down(recording.bands, bursts[0]):
+            slow = examined(recording, later, moved=True)[0]
+            if slow and _left(slow[0]) < min(map(_left, decays), default=np.inf):
+                decays = [*slow]
+            if decays and _left(decays[0]) <= DECAYING_SHARE:
+                break
     if len(bursts) > looked:
         remarks.insert(0, Remark(DecayRemark.NOT_ALL, {"found": len(bursts), "examined": looked}))
     company = doubts_of_company(looked - len(decays), looked)
     return _ranked([replace(decay, doubts=(*decay.doubts, *company)) for decay in decays], remarks)
+
+
+def _left(decay: Decay) -> float:
+    """Return the largest share of the motion that a doubt about a decay says is left unexplained."""
+    return max(
+        (float(d.numbers["share"]) for d in decay.doubts if d.code in (DecayDoubt.FORCED, DecayDoubt.DRIVEN)),
+        default=0.0,
+    )
 
 
 def _ranked(decays: Iterable[Decay], remarks: Iterable[Remark]) -> Decays:
