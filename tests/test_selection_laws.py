@@ -2,13 +2,14 @@
 
 from collections.abc import Callable
 
+import control
 import numpy as np
 import pytest
 from bounds import modal_bound
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
-from suspid import identify
+from suspid import Identification, identify
 from suspid.identification.candidates import ranked, searched
 from suspid.identification.exponentials import blocks_of
 from suspid.identification.likelihood import bic_penalty, evaluate, maximize
@@ -292,3 +293,28 @@ class TestLikelihood:
             ends.append(fit)
         apart = (ends[1].poles.pairs - ends[0].poles.pairs).view(float)
         assert float(apart @ ends[0].information @ apart) < 1e-4
+
+
+class TestHarmonics:
+    """A weak pole at a multiple of a mode is named; one beside it is a mode."""
+
+    @staticmethod
+    def found(ratio: float, rate: float, share: float) -> Identification:
+        time = np.arange(0, 6, 0.005)
+        first = np.exp(-0.4 * time) * np.cos(20 * time)
+        second = share * np.exp(-rate * time) * np.cos(ratio * 20 * time + 0.7)
+        noise = np.random.default_rng(5).normal(scale=1e-3, size=time.size)
+        return identify(control.TimeResponseData(time, first + second + noise, issiso=True))
+
+    @pytest.mark.parametrize(("ratio", "rate"), [(2.0, 0.4), (2.0, 0.8), (3.0, 0.9)])
+    def test_a_multiple_that_decays_as_a_harmonic_is_one(self, ratio: float, rate: float) -> None:
+        found = self.found(ratio, rate, 0.05)
+        assert len(found.modes) == 1
+        assert found.modes.wn[0] == pytest.approx(np.hypot(20, 0.4), rel=1e-3)
+        (named,) = [c.remark for c in found.considered if c.remark.code is Reason.HARMONIC]
+        assert named.numbers == {"mode": 1, "multiple": round(ratio)}
+
+    @pytest.mark.parametrize(("ratio", "rate", "share"), [(2.03, 0.4, 0.05), (2.0, 2.5, 0.05), (2.0, 0.6, 0.5)])
+    def test_a_mode_near_a_multiple_is_a_mode(self, ratio: float, rate: float, share: float) -> None:
+        """Beside the multiple, decaying faster than a harmonic, or too strong for one."""
+        assert len(self.found(ratio, rate, share).modes) == 2

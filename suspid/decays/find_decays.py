@@ -110,10 +110,8 @@ def find_decays(response: control.TimeResponseData, *, given: Sequence[tuple[Sec
 
 def _left(decay: Decay) -> float:
     """Return the largest share of the motion that a doubt about a decay says is left unexplained."""
-    return max(
-        (float(d.numbers["share"]) for d in decay.doubts if d.code in (DecayDoubt.FORCED, DecayDoubt.DRIVEN)),
-        default=0.0,
-    )
+    doubted = [doubt for doubt in decay.doubts if doubt.code in (DecayDoubt.FORCED, DecayDoubt.DRIVEN)]
+    return max((share for doubt in doubted if isinstance(share := doubt.numbers["share"], float)), default=0.0)
 
 
 def _ranked(decays: Iterable[Decay], remarks: Iterable[Remark]) -> Decays:

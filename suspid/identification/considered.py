@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from suspid.identification.fitting import OTHER_FREQUENCY
+from suspid.identification.harmonics import multiple_of
 from suspid.identification.nonlinear import MULTIPLE
 from suspid.identification.selection import Selection
 from suspid.model import ModalSet
@@ -38,19 +39,22 @@ class Considered:
         return str(self.remark)
 
 
-def considered_of(selection: Selection, step: Second) -> tuple[Considered, ...]:
+def considered_of(selection: Selection, modes: ModalSet, step: Second) -> tuple[Considered, ...]:
     """Return what was fitted but is no mode, then what was tried and not kept."""
     every = np.concatenate([selection.fit.poles.pairs, selection.fit.poles.reals])
-    removed = tuple(
-        Considered(pole=complex(theta) / step, remark=Remark(reason), removed=True)
-        for theta, reason in zip(every, selection.reasons, strict=True)
-        if reason is not None
-    )
+    removed = []
+    for theta, reason in zip(every.tolist(), selection.reasons, strict=True):
+        if reason is Reason.HARMONIC:
+            mode, multiple = multiple_of(modes, complex(theta) / step)
+            remark = Remark(reason, {"mode": mode, "multiple": multiple})
+            removed.append(Considered(pole=complex(theta) / step, remark=remark, removed=True))
+        elif reason is not None:
+            removed.append(Considered(pole=complex(theta) / step, remark=Remark(reason), removed=True))
     left = tuple(
         Considered(pole=candidate.theta / step, remark=remark, removed=False)
         for candidate, remark in sorted(selection.rejected, key=lambda item: -item[0].gain)
     )
-    return removed + left
+    return (*removed, *left)
 
 
 def beside_bent(selection: Selection, modes: ModalSet, step: Second) -> tuple[Considered, ...]:
@@ -59,14 +63,12 @@ def beside_bent(selection: Selection, modes: ModalSet, step: Second) -> tuple[Co
     for theta in selection.fit.poles.pairs:
         ratio = abs(theta) / step / modes.wn
         nearest = int(np.argmin(np.abs(np.log(ratio))))
-        multiples = np.round(ratio)
-        strays = np.where(multiples > 1, np.abs(ratio / np.maximum(multiples, 1) - 1), np.inf)
-        mode = int(np.argmin(strays))
+        mode, multiple = multiple_of(modes, complex(theta) / step)
+        stray = abs(abs(theta.imag) / step / (multiple * modes.poles[mode - 1].imag) - 1)
         if abs(np.log(ratio[nearest])) < np.log(OTHER_FREQUENCY):
             remark = Remark(Reason.SAME_MODE, {"mode": nearest + 1})
-        # Beyond the seventh harmonic one lies near every frequency.
-        elif strays[mode] < MULTIPLE and multiples[mode] <= 7:
-            remark = Remark(Reason.HARMONIC, {"mode": mode + 1, "multiple": int(multiples[mode])})
+        elif multiple > 1 and stray < MULTIPLE:
+            remark = Remark(Reason.HARMONIC, {"mode": mode, "multiple": multiple})
         else:
             remark = Remark(Reason.DISTORTION)
         if remark.code is not Reason.SAME_MODE or abs(np.log(ratio[nearest])) > 1e-3:

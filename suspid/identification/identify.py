@@ -13,6 +13,7 @@ from suspid.errors import IdentificationError, InputError, RecordError
 from suspid.identification.considered import beside_bent, considered_of
 from suspid.identification.covariance import joint_covariance, spread_of
 from suspid.identification.halves import FEWEST_SAMPLES, disagreement
+from suspid.identification.harmonics import without_harmonics
 from suspid.identification.identification import Identification, Method
 from suspid.identification.noise import noise_of, shared_noise
 from suspid.identification.nonlinear import (
@@ -173,9 +174,12 @@ def _by_likelihood(
         considered = beside_bent(selection, modes, signal.step)
     else:
         modes, loudness = _modes_of(selection, centred, step=signal.step, channels=signal.channels)
+        if steps.count is None:
+            selection = without_harmonics(selection, modes)
+            modes, loudness = _modes_of(selection, centred, step=signal.step, channels=signal.channels)
         _check_count(modes, steps.count)
         left, freedom, forces = selection.residual, selection.fit.freedom, ()
-        considered, dependence = considered_of(selection, signal.step), ()
+        considered, dependence = considered_of(selection, modes, signal.step), ()
     return Identification(
         response=response,
         method="likelihood",

@@ -1,0 +1,68 @@
+"""Name poles at multiples of a strong mode: harmonics of motion that is not quite linear."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from suspid.identification.selection import Selection
+from suspid.model import ModalSet
+from suspid.words import Reason
+
+# A harmonic has at most this share of the amplitude of its mode, and is at most the seventh: beyond that one lies near
+# every frequency.
+WEAK, HIGHEST = 0.2, 7
+# A pole is a multiple of another within this many standard deviations, if these are below a share of its frequency:
+# wider limits take weak modes for harmonics by chance.
+SURE, PRECISE = 3.0, 0.01
+
+
+def without_harmonics(selection: Selection, modes: ModalSet) -> Selection:
+    """Return the poles of a record, of which those at multiples of a stronger mode are no modes but stay in the fit.
+
+    A bilinear damper or a sensor that bends adds motion at twice the frequency of a mode. It decays as another mode
+    would, at once to twice the rate.
+    """
+    poles, kept = selection.fit.poles, selection.modes
+    if len(kept) < 2 or modes.covariance is None:
+        return selection
+    order = kept[np.argsort(np.abs(poles.every[kept]), kind="stable")]
+    amplitudes = selection.fit.amplitudes[poles.rows][order]
+    strengths = np.sum(np.abs(amplitudes) ** 2 / (selection.fit.squares + 1e-300), axis=1)
+    reasons = list(selection.reasons)
+    for k, number in enumerate(order.tolist()):
+        stronger = [j for j in range(k) if strengths[k] < WEAK**2 * strengths[j] and reasons[order[j]] is None]
+        if any(_is_multiple(modes, j, k) for j in stronger):
+            reasons[number] = Reason.HARMONIC
+    return replace(selection, reasons=tuple(reasons))
+
+
+def multiple_of(modes: ModalSet, pole: complex) -> tuple[int, int]:
+    """Return the number of the mode, from 1, of which a pole is nearest to a multiple, and the multiple."""
+    ratios = np.abs(pole.imag) / np.maximum(np.abs(modes.poles.imag), 1e-300)
+    multiples = np.round(ratios)
+    strays = np.where((multiples > 1) & (multiples <= HIGHEST), np.abs(ratios / np.maximum(multiples, 1) - 1), np.inf)
+    mode = int(np.argmin(strays))
+    return mode + 1, int(multiples[mode])
+
+
+def _is_multiple(modes: ModalSet, one: int, other: int) -> bool:
+    """Return whether the other mode turns at a multiple of one and decays between once and that multiple as fast."""
+    covariance = modes.covariance
+    assert covariance is not None
+    first, second = complex(modes.poles[one]), complex(modes.poles[other])
+    multiple = round(second.imag / first.imag) if first.imag > 0 else 0
+    if not 2 <= multiple <= HIGHEST:
+        return False
+
+    def std(part: int, factor: int) -> float:
+        row = np.zeros(len(covariance))
+        row[2 * one + part], row[2 * other + part] = -factor, 1.0
+        return float(np.sqrt(row @ covariance @ row))
+
+    off = std(1, multiple)
+    if off > PRECISE * second.imag or abs(second.imag - multiple * first.imag) > SURE * off:
+        return False
+    slow, fast = -first.real - SURE * std(0, 1), -multiple * first.real + SURE * std(0, multiple)
+    return slow <= -second.real <= fast
