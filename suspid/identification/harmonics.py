@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from suspid.identification.classification import SURE
 from suspid.identification.selection import Selection
 from suspid.model import ModalSet
 from suspid.words import Reason
@@ -13,9 +14,9 @@ from suspid.words import Reason
 # A harmonic has at most this share of the amplitude of its mode, and is at most the seventh: beyond that one lies near
 # every frequency.
 WEAK, HIGHEST = 0.2, 7
-# A pole is a multiple of another within this many standard deviations, if these are below a share of its frequency:
-# wider limits take weak modes for harmonics by chance.
-SURE, PRECISE = 3.0, 0.01
+# A frequency is known to be a multiple of another if its standard deviation is below this share of it: a higher one
+# takes weak modes for harmonics by chance.
+PRECISE = 0.01
 
 
 def without_harmonics(selection: Selection, modes: ModalSet) -> Selection:
