@@ -39,7 +39,8 @@ def _unexplained(numbers: Numbers) -> str:
     return (
         f"The residual is not noise alone (chi-square {numbers['chi_square']:.3g} at {numbers['freedom']}, mostly in "
         f"{numbers['channel']}): the car as described does not explain the records, or the noise is coloured. The "
-        f"intervals allow for its colour, not for a wrong topology."
+        f"intervals allow for its colour, not for a wrong topology. Let what may be missing be found too: mounts of "
+        f"dampers, gains and delays of channels (mounts=…, gains=…, delays=…); or describe another mass."
     )
 
 
