@@ -10,6 +10,7 @@ from suspid.analysis.settings import Settings
 from suspid.decays import GRAVE, Decay
 from suspid.errors import SuspidError
 from suspid.identification import Identification, identify, lag_one
+from suspid.levels import likely
 from suspid.signals import as_signal
 from suspid.words import Check, DecayDoubt, Level, ModeCheck, Reason, RecordCheck, Remark
 
@@ -28,9 +29,6 @@ STRUCTURE = frozenset(
 )
 # Doubts of a quick fit to a decay, which the identification of the decay answers.
 FIT = frozenset({DecayDoubt.FORCED, DecayDoubt.DRIVEN, DecayDoubt.NONLINEAR, DecayDoubt.HIGH_RESIDUAL})
-# Level of the test of a whole record against the best decay in it. A higher one cuts linear decays, a lower one keeps
-# what is not quite a decay.
-WHOLE_LEVEL = 1e-3
 
 
 def identified(record: control.TimeResponseData, settings: Settings) -> Identification:
@@ -66,8 +64,6 @@ def explains(whole: Identification, part: Identification) -> bool:
     compared with its distribution: a chi-square with one degree of freedom for each unknown of the stretch. A fit with
     more poles follows what is before or after the stretch, and does not count.
     """
-    from scipy.stats import chi2
-
     if not len(part.modes) or not len(whole.modes):
         return not len(part.modes)
     poles, most = _poles(whole), _poles(part)
@@ -83,7 +79,7 @@ def explains(whole: Identification, part: Identification) -> bool:
     free = count * (1 - together) / (1 + together)
     ratio = float(np.sum(free * np.log(np.maximum(theirs, 1e-300) / np.maximum(ours, 1e-300))))
     unknowns = 2 * most + (2 * most + 1) * len(rows)
-    return ratio <= float(chi2.isf(WHOLE_LEVEL, unknowns))
+    return likely(ratio, unknowns)
 
 
 def doubts_of(decay: Decay, found: Identification) -> tuple[Check, ...]:

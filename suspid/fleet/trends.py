@@ -9,11 +9,8 @@ from typing import TypeAlias
 import numpy as np
 
 from suspid.errors import InputError
-from suspid.levels import likely
+from suspid.levels import LEVEL, likely
 from suspid.units import Ratio, RealArray
-
-# Probability of the intervals; also one minus the share of reported trends that are chance.
-TREND_LEVEL = 0.95
 
 Measured: TypeAlias = "tuple[RealArray, RealArray, RealArray]"
 
@@ -58,7 +55,7 @@ class Trend:
     @property
     def changes(self) -> bool:
         """Whether the change is significant: less than 5 % of the trends that are reported so are chance."""
-        return self.p_adjusted < 1 - TREND_LEVEL
+        return self.p_adjusted < 1 - LEVEL
 
     @property
     def direction(self) -> str:
@@ -136,7 +133,7 @@ def _trend(vehicle: str, quantity: str, one: Measured, everyone: float, freedom:
     line, covariance, _ = _line(t, v, own + shared)
     start, end = (np.array([[1.0, np.min(t)], [1.0, np.max(t)]]) @ line).tolist()
     std = float(np.ptp(t) * np.sqrt(covariance[1, 1]))
-    reach = float(stats.t.ppf((1 + TREND_LEVEL) / 2, freedom)) * std
+    reach = float(stats.t.ppf((1 + LEVEL) / 2, freedom)) * std
     # Without any scatter every change is significant.
     p = float(2 * stats.t.sf(abs(end - start) / std, freedom)) if std > 0 else float(end == start)
     return Trend(

@@ -14,7 +14,7 @@ from suspid.reporting.axes import without_legend
 from suspid.reporting.plot_amplitude import plot_amplitude
 from suspid.reporting.plot_entropy import plot_entropy
 from suspid.reporting.plot_fit import plot_fit
-from suspid.reporting.plot_identification import MOST_RIDGES
+from suspid.reporting.plot_identification import ABREAST, MOST_RIDGES
 from suspid.reporting.plot_recording import plot_recording
 from suspid.reporting.plot_scalogram import plot_scalogram
 from suspid.reporting.plot_shapes import plot_shapes
@@ -40,8 +40,6 @@ if TYPE_CHECKING:
 NARROW, WIDE = 4.2, 9.0
 # What the page shows at most; the JSON has all.
 MOST_CHANNELS = 24
-# Modes side by side in a picture of shapes.
-MODES_ABREAST = 4
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -172,8 +170,8 @@ def _draw_fit(
 def _shapes(modes: ModalSet) -> Iterator[Picture]:
     if modes.shapes is None or len(modes.channels) < 2:
         return
-    for first in range(0, len(modes), MODES_ABREAST):
-        block = slice(first, first + MODES_ABREAST)
+    for first in range(0, len(modes), ABREAST):
+        block = slice(first, first + ABREAST)
         some = ModalSet(poles=modes.poles[block], shapes=modes.shapes[:, block], channels=modes.channels)
         described = f"Shapes of modes {first + 1} to {first + len(some)}"
         height = 0.6 + 0.22 * len(modes.channels)

@@ -27,8 +27,8 @@ if TYPE_CHECKING:
 
     from suspid.identification import Identification
 
-# What fits on one page in readable type: panels side by side, entries of a key side by side, ridges, channels, lines
-# of the table of modes.
+# What fits on one page in readable type: panels or shapes side by side, entries of a key side by side, ridges, lines of
+# the table of modes.
 ABREAST = 4
 KEYS_ABREAST = 5
 MOST_RIDGES = 8
