@@ -431,3 +431,18 @@ class TestAnyStamps:
             with contextlib.suppress(RecordError):
                 clock = read_clock(stamps, rng.standard_normal((2, size)), rate=rate)
                 assert np.all(np.diff(clock.timepts) > 0)
+
+
+class TestSignificantDigits:
+    """Stamps as ``%.3g`` writes them are rounded ten times as much from each power of ten on."""
+
+    @pytest.mark.parametrize("digits", [3, 4])
+    @pytest.mark.parametrize("rate", [29.97, 61.3, 100.0])
+    def test_the_clock_rounds_to_all_of_them(self, digits: int, rate: float) -> None:
+        rows = np.arange(900)
+        stamps = np.array([float(f"{row / rate:.{digits}g}") for row in rows])
+        grid = grid_of(stamps)
+        assert grid is not None
+        assert np.array_equal(grid.places, rows)
+        # Rounded to w over n rows: no step is further from the truth than w / n.
+        assert 1 / grid.step == pytest.approx(rate, abs=rate**2 * 10.0 ** (2 - digits) / 900)

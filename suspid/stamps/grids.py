@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from suspid.signals import JITTER
+from suspid.stamps.digits import line_within, resolutions
 from suspid.stamps.lines import FEWEST_POINTS, band, missing_rows, narrowest_line
 from suspid.stamps.rounding import Indices, resolution
 from suspid.units import RealArray, Second
@@ -72,6 +73,33 @@ def grid_of(stamps: RealArray, index: Indices | None = None) -> Grid | None:
     steps = np.diff(stamps)
     if stamps.size < FEWEST_POINTS or np.any(steps < 0) or not stamps[-1] > stamps[0]:
         return None
+    even = _evenly_rounded(stamps, index)
+    return even if even is not None and even.jitter == 0 else _of_digits(stamps, steps, index) or even
+
+
+def _of_digits(stamps: RealArray, steps: RealArray, index: Indices | None) -> Grid | None:
+    """Return the clock without missing rows that rounds to stamps of the same few significant digits."""
+    in_a_row = index is None or int(index[-1] - index[0]) == stamps.size - 1
+    wide = resolutions(stamps) if in_a_row else None
+    if wide is None or np.max(wide) <= JITTER * float(np.mean(steps)) or np.max(wide) < 5 * np.median(wide[1:3]):
+        return None
+    start, step, std, excess = line_within(stamps, wide)
+    jitter = 2 * excess / step
+    if not jitter <= JITTERS[0][1]:
+        return None
+    return Grid(
+        start=start,
+        step=step,
+        step_std=std,
+        places=np.arange(stamps.size),
+        resolution=float(np.max(wide)),
+        jitter=jitter if jitter > JITTER else 0.0,
+    )
+
+
+def _evenly_rounded(stamps: RealArray, index: Indices | None) -> Grid | None:
+    """Return the clock of stamps that are all rounded to the same step."""
+    steps = np.diff(stamps)
     changed = np.flatnonzero(steps > 0) + 1
     quantum = _quantum(stamps, steps[changed - 1])
     points = np.arange(stamps.size) if changed.size == steps.size else changed
