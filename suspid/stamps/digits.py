@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from suspid.units import RealArray, Second
@@ -44,11 +46,12 @@ def line_within(stamps: RealArray, wide: RealArray) -> tuple[Second, Second, Sec
     limits = np.vstack([np.column_stack([line, -np.ones(some.size)]), np.column_stack([-line, -np.ones(some.size)])])
     values = np.concatenate([centred + half, half - centred])
     free = [(None, None), (None, None)]
-    best = linprog([0.0, 0.0, 1.0], A_ub=limits, b_ub=values, bounds=[*free, (0.0, None)])
+    best: Any = linprog([0.0, 0.0, 1.0], A_ub=limits, b_ub=values, bounds=[*free, (0.0, None)])
     most = best.x[2] + 0.05 * float(np.median(wide)) / scale
-    spans = [
-        linprog([0.0, sign, 0.0], A_ub=limits, b_ub=values, bounds=[*free, (0.0, most)]).x[1] for sign in (1.0, -1.0)
+    ends: list[Any] = [
+        linprog([0.0, sign, 0.0], A_ub=limits, b_ub=values, bounds=[*free, (0.0, most)]) for sign in (1.0, -1.0)
     ]
+    spread = float(ends[1].x[1] - ends[0].x[1]) * scale / last
     start, step = float(stamps[0] + best.x[0] * scale), float(best.x[1] * scale / last)
     beyond = np.abs(start + step * np.arange(stamps.size) - stamps) - 0.5 * wide
-    return start, step, float((spans[1] - spans[0]) * scale / last / np.sqrt(12)), max(0.0, float(np.max(beyond)))
+    return start, step, spread / float(np.sqrt(12)), max(0.0, float(np.max(beyond)))
