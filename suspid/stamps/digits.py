@@ -9,7 +9,7 @@ import numpy as np
 from suspid.units import RealArray, Second
 
 # Most significant digits that are looked for: more resolve any sampling step of a record of this many rows.
-MOST_DIGITS = 7
+SIGNIFICANT_DIGITS = 7
 # Rows of which the line is found; the others are checked against it.
 MOST_ROWS_FITTED = 20_000
 
@@ -24,7 +24,7 @@ def resolutions(stamps: RealArray) -> RealArray | None:
     """
     size = np.abs(stamps)
     decades = np.floor(np.log10(np.where(size > 0, size, 1.0)) + 1e-12)
-    for digits in range(2, MOST_DIGITS + 1):
+    for digits in range(2, SIGNIFICANT_DIGITS + 1):
         steps = 10.0 ** (decades - digits + 1)
         if np.all(np.abs(stamps / steps - np.round(stamps / steps)) < 1e-6):
             return np.asarray(np.where(size > 0, steps, 0.0))
