@@ -10,7 +10,7 @@ import pytest
 from scipy.stats import binom, chi2
 
 from suspid import EstimationError, InputError, Level, Suspension, estimate, full_car, half_car, quarter_car
-from suspid.greybox.noise_levels import Levels, covariance_of, levels_of, node_basis
+from suspid.greybox.noise_levels import Levels, Shared, covariance_of, levels_of, node_basis, shared_of
 from suspid.greybox.transfers import Layout, Physics, layout_of, transfer
 from suspid.greybox.trials import trials_of
 from suspid.reconstruction import parameter_names, parameter_vector
@@ -155,9 +155,32 @@ class TestNoiseLevels:
         true = Levels(outputs=np.log(rng.uniform(0.5, 2.0, (basis.shape[1], 2))), causes=np.log(np.array([0.3, 3.0])))
         moments = covariance_of(T, *true.spectra(basis))
         start = Levels(outputs=np.zeros_like(true.outputs), causes=np.zeros(2))
-        found = levels_of(T, moments, basis, start, anchor=start, count=10_000)
+        nothing = Shared(A=np.zeros((2, 2)), b=np.zeros(2))
+        found = levels_of(T, moments, basis, start, anchor=start, count=10_000, shared=nothing)
         np.testing.assert_allclose(found.outputs, true.outputs, atol=1e-3)
         np.testing.assert_allclose(found.causes, true.causes, atol=1e-3)
+
+    def test_smooth_transfers_are_told_from_noise_by_what_residual_and_causes_share(self) -> None:
+        # Two causes that move together, and a transfer that is the same at all lines: r alone holds only the sum.
+        rng, lines, stretches = np.random.default_rng(2), 200, 400
+        shape = (lines, stretches, 2)
+        T = np.broadcast_to(np.array([[1.0 + 0.5j, -0.3], [0.2j, 0.8]]), (lines, 2, 2)).astype(complex)
+        out, cause = np.array([0.5, 2.0]), np.array([0.4, 1.5])
+
+        def noise(power: RealArray) -> ComplexArray:
+            return np.asarray(np.sqrt(power / 2) * (rng.standard_normal(shape) + 1j * rng.standard_normal(shape)))
+
+        motion = noise(np.array([1.0, 1.0])) @ np.array([[1.0, 0.9], [0.0, 0.4]])
+        errors = noise(cause)
+        left = noise(out) - errors @ T[0].T
+        basis = node_basis(np.linspace(0.5, 25, lines))
+        start = Levels(outputs=np.zeros((basis.shape[1], 2)), causes=np.zeros(2))
+        moments = left.swapaxes(1, 2) @ left.conj() / stretches
+        precision = np.asarray(np.linalg.inv(covariance_of(T, np.tile(out, (lines, 1)), cause)), complex)
+        shared = shared_of(T, precision, left, motion + errors)
+        found = levels_of(T, moments, basis, start, anchor=start, count=stretches, shared=shared)
+        np.testing.assert_allclose(np.exp(found.causes), cause, rtol=0.05)
+        np.testing.assert_allclose(np.exp(found.outputs), np.tile(out, (basis.shape[1], 1)), rtol=0.15)
 
 
 class TestDriving:
@@ -215,6 +238,21 @@ class TestDriving:
         for name, value, std in zip(found.parameters, found.values, found.std, strict=True):
             assert name not in truth or abs(value - truth[name]) < 4 * std < 0.05 * value
         assert found.explains
+
+    @pytest.mark.parametrize(("sensor", "seed"), [("tire", 3010), ("tire", 3032), ("chassis_travel", 3002)])
+    def test_noise_of_a_displacement_is_told_from_that_of_the_body(self, sensor: str, seed: int) -> None:
+        # Above 15 Hz the wheel's displacement is less than its noise, and what that does to the body is smooth.
+        noise = {"chassis": 0.03, sensor: 0.0003}
+        noisy, times = driven(QUARTER, seed, channels=["chassis_acceleration", sensor], noise=noise)
+        found = estimate(record_of(noisy, times), off(QUARTER), given=("tire",))
+        assert found.explains
+        body, cause = found.noise_std[0]
+        assert cause == pytest.approx(0.0003, rel=0.2)
+        # That of the body is a tenth of what the other's does to the residual at 20 Hz.
+        assert body == pytest.approx(0.03, rel=0.6)
+        ends = found.interval(0.999)
+        assert ends["chassis.stiffness"][0] < 22e3 < ends["chassis.stiffness"][1]
+        assert ends["chassis.damping"][0] < 1300 < ends["chassis.damping"][1]
 
     def test_records_of_two_loggers_are_used_jointly(self) -> None:
         records = [record_of(*driven(QUARTER, seed, noise=NOISE, delay={"tire": 0.001 * seed})) for seed in (1, 2)]

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from suspid.greybox.further import label
-from suspid.greybox.noise_levels import Levels, covariance_of, levels_of
+from suspid.greybox.noise_levels import Levels, covariance_of, levels_of, shared_of
 from suspid.greybox.problem import squeezed
 from suspid.greybox.spectra import Spectra
 from suspid.greybox.transfers import Layout, Physics, Transfer, transfer
@@ -138,7 +138,11 @@ class WheelProblem:
             moments = _turned(w.left) @ w.left.conj() / stretches
             moments /= np.maximum(1 - share, 0.1)[:, None, None]
             anchor = first_levels(source)
-            own = levels_of(w.transfer.T, moments, source.basis, before[i], anchor=anchor, count=stretches)
+            causes = source.spectra.values[:, :, list(source.layout.causes)]
+            shared = shared_of(w.transfer.T, _precision(w.factor), w.left, causes)
+            own = levels_of(
+                w.transfer.T, moments, source.basis, before[i], anchor=anchor, count=stretches, shared=shared
+            )
             levels[i] = Levels(
                 outputs=np.maximum(own.outputs, anchor.outputs + np.log(LEAST_NOISE)),
                 causes=np.maximum(own.causes, anchor.causes + np.log(LEAST_NOISE)),

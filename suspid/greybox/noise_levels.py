@@ -1,7 +1,9 @@
 """Noise of outputs and causes, from the moments of the residual.
 
 The residual ``r = Y_o - T Y_g`` of true parameters has the covariance ``R = diag(S_o) + T diag(S_g) T^H``: S_o is a
-smooth function of frequency by output, S_g a level by cause. They maximise the likelihood of r with T as it is.
+smooth function of frequency by output, S_g a level by cause. They maximise the likelihood of r with T as it is. Where
+``T diag(S_g) T^H`` is as smooth as S_o can be, r alone does not tell them apart, but ``r Y_g^H`` has the mean
+``-T diag(S_g)`` whatever the true motion: it counts as a measurement of S_g.
 """
 
 from __future__ import annotations
@@ -12,6 +14,7 @@ import numpy as np
 
 from suspid.units import ComplexArray, RealArray
 
+POWER_OF = 32  # lines and stretches over which the power of the causes is taken together, at least
 NODES = 6  # of the spectrum of an output, evenly spaced in the logarithm of frequency
 LEVEL_STEPS = 30  # Newton steps at most
 LOOSE = 4.0  # standard deviation of the logarithm of a level about its first value; holds what is not seen
@@ -27,6 +30,35 @@ class Levels:
     def spectra(self, basis: RealArray) -> tuple[RealArray, RealArray]:
         """Return S_o (line, output) and S_g (cause,)."""
         return np.exp(basis @ self.outputs), np.exp(self.causes)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Shared:
+    """What the residual has in common with the causes: minus log likelihood ``S^T A S + 2 b^T S`` of S = S_g."""
+
+    A: RealArray  # (cause, cause)
+    b: RealArray  # (cause,)
+
+
+def shared_of(T: ComplexArray, precision: ComplexArray, left: ComplexArray, causes: ComplexArray) -> Shared:
+    """Return what residuals ``left`` (line, stretch, output) have in common with causes (line, stretch, cause).
+
+    The variance of ``r Y_g^H`` is that of r, whose inverse is ``precision`` (line, output, output), times the power of
+    the causes, taken together over some lines.
+    """
+    from scipy.ndimage import uniform_filter1d
+
+    stretches = left.shape[1]
+    width = 2 * -(-POWER_OF // (2 * stretches)) + 1
+    power = causes.swapaxes(1, 2) @ causes.conj() / stretches
+    power = uniform_filter1d(power.real, width, axis=0) + 1j * uniform_filter1d(power.imag, width, axis=0)
+    inverse = np.linalg.inv(power.conj())
+    weighed = T.conj().swapaxes(1, 2) @ precision
+    common = left.swapaxes(1, 2) @ causes.conj()
+    return Shared(
+        A=stretches * np.sum(((weighed @ T) * inverse).real, axis=0),
+        b=np.sum(((weighed @ common) * inverse).real, axis=(0, 2)),
+    )
 
 
 def node_basis(hertz: RealArray) -> RealArray:
@@ -45,7 +77,14 @@ def covariance_of(T: ComplexArray, outputs: RealArray, causes: RealArray) -> Com
 
 
 def levels_of(
-    T: ComplexArray, moments: ComplexArray, basis: RealArray, start: Levels, *, anchor: Levels, count: int
+    T: ComplexArray,
+    moments: ComplexArray,
+    basis: RealArray,
+    start: Levels,
+    *,
+    anchor: Levels,
+    count: int,
+    shared: Shared,
 ) -> Levels:
     """Return the most likely noise levels given ``moments``, the mean of ``r r^H`` (line, output, output)."""
     nodes, outputs = start.outputs.shape
@@ -62,6 +101,7 @@ def levels_of(
         _, logdet = np.linalg.slogdet(R)
         fit = np.sum(inverse * moments.swapaxes(1, 2), axis=(1, 2)).real
         new = count * float(np.sum(logdet + fit)) + float(np.sum(((trial - about) / LOOSE) ** 2))
+        new += float(cause @ (shared.A @ cause + 2 * shared.b))
         if new > value:
             damping *= 10
         else:
@@ -72,7 +112,8 @@ def levels_of(
             weigh = inverse @ (moments - R) @ inverse
             per_output = out * np.einsum("laa->la", weigh).real
             per_cause = cause * np.sum(T.conj() * (weigh @ T), axis=1).real
-            gradient = np.concatenate([(basis.T @ per_output).ravel(), per_cause.sum(axis=0)]) * count
+            by_causes = count * per_cause.sum(axis=0) - 2 * cause * (shared.A @ cause + shared.b)
+            gradient = np.concatenate([count * (basis.T @ per_output).ravel(), by_causes])
             between = inverse @ T
             square = np.abs(inverse) ** 2 * out[:, :, None] * out[:, None, :]
             cross = np.abs(between) ** 2 * out[:, :, None] * cause
@@ -81,7 +122,8 @@ def levels_of(
             oo = (spread.T @ square.reshape(len(basis), -1)).reshape(nodes, nodes, outputs, outputs)
             oo = oo.swapaxes(1, 2).reshape(nodes * outputs, -1)
             oc = (basis.T @ cross.reshape(len(basis), -1)).reshape(nodes * outputs, causes)
-            information = count * np.block([[oo, oc], [oc.T, both.sum(axis=0)]])
+            gg = both.sum(axis=0) + 2 * cause[:, None] * cause * shared.A / count
+            information = count * np.block([[oo, oc], [oc.T, gg]])
             gradient -= (z - about) / LOOSE**2
             information[np.diag_indices_from(information)] += 1 / LOOSE**2
         scaled = information + damping * np.diag(np.diag(information))
