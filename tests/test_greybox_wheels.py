@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from types import SimpleNamespace
 
 import control
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 from scipy.stats import binom, chi2
 
 from suspid import EstimationError, InputError, Level, Suspension, estimate, full_car, half_car, quarter_car
+from suspid.greybox.frequency_domain import _sandwich
 from suspid.greybox.noise_levels import Levels, Shared, covariance_of, levels_of, node_basis, shared_of
 from suspid.greybox.transfers import Layout, Physics, layout_of, transfer
 from suspid.greybox.trials import trials_of
@@ -181,6 +183,29 @@ class TestNoiseLevels:
         found = levels_of(T, moments, basis, start, anchor=start, count=stretches, shared=shared)
         np.testing.assert_allclose(np.exp(found.causes), cause, rtol=0.05)
         np.testing.assert_allclose(np.exp(found.outputs), np.tile(out, (basis.shape[1], 1)), rtol=0.15)
+
+
+class TestIntervals:
+    def test_what_was_fitted_does_not_make_the_covariance_small(self) -> None:
+        # White noise; the ends take up much of the first lines, where the derivatives are largest.
+        rng, lines, stretches, draws = np.random.default_rng(3), 30, 4, 3000
+        decay = np.tile(np.exp(-np.arange(lines) / 3.0), 2)[:, None]
+        basis, _ = np.linalg.qr(decay * rng.standard_normal((2 * lines, 4)))
+        slope = np.sqrt(decay) * rng.standard_normal((stretches, 2 * lines, 2))
+        slope -= basis @ (basis.T @ slope)
+        flat = slope.reshape(-1, 2)
+        fit = flat @ np.linalg.inv(flat.T @ flat) @ flat.T
+        total = np.zeros((2, 2))
+        for _ in range(draws):
+            noise = rng.standard_normal((stretches, 2 * lines, 1))
+            left = (noise - basis @ (basis.T @ noise)).ravel()
+            left -= fit @ left
+            total += _sandwich([SimpleNamespace(
+                slope=slope, residual=left.reshape(stretches, -1), basis=basis, spurious=np.zeros((2, 2)),
+                left=np.zeros((lines, stretches, 1)),
+            )], np.zeros((0, 2)))  # type: ignore[list-item]  # fmt: skip
+        found = np.sqrt(np.diag(total / draws) / np.diag(np.linalg.inv(flat.T @ flat)))
+        np.testing.assert_allclose(found, 1.0, atol=0.05)
 
 
 class TestDriving:

@@ -25,6 +25,7 @@ from suspid.words.greybox import EstimateCheck
 FREQUENCY_ROUNDS = 12  # of fits and noise levels in turn; 3 to 6 are needed
 SETTLED_UNKNOWNS = 0.02  # change of an unknown, in standard deviations, below which both have settled
 NEGLIGIBLE_RISE = 1e-3  # gain of chi-square that ends a descent
+LEAST_LEFT = 0.1  # of the variance of a residual: where more was fitted, next to nothing is known of its noise
 LEAST_RELAXATION = 1e-9  # of `TIMES`: none
 SOFT = (0.2, 0.5)  # relaxations from which softer mounts are looked for, of `TIMES`: 2 and 5 ms
 
@@ -174,18 +175,23 @@ def _said(judged: Judged) -> Check:
 def _sandwich(every: Sequence[Whitened], prior: RealArray) -> RealArray:
     """Return the covariance of the unknowns from the scatter of the scores of all lines.
 
-    The information is that of the true motion: what the noise of the estimated motion adds is subtracted.
+    The information is that of the true motion: what the noise of the estimated motion adds is subtracted. A residual is
+    smaller than its noise by what was fitted to it, at few lines a large part: ``1 - h`` of its variance is left, with
+    h its leverage (HC2 of J. G. MacKinnon and H. White, J. Econometrics 29 (1985) 305-325).
     """
     information, scores = prior.T @ prior, prior.T @ prior
     for w in every:
-        lines, stretches, outputs = w.left.shape
-        count = w.slope.shape[2]
-        flat = w.slope.reshape(-1, count)
+        flat = w.slope.reshape(-1, w.slope.shape[2])
         information = information + flat.T @ flat - w.spurious
-        own = (w.slope * w.residual[:, :, None]).reshape(stretches, 2, lines, outputs, count).sum(axis=(1, 3))
-        scores = scores + own.reshape(-1, count).T @ own.reshape(-1, count)
     scale = np.sqrt(np.diag(information))
     inverse = np.linalg.inv(information / np.outer(scale, scale)) / np.outer(scale, scale)
+    for w in every:
+        lines, stretches, outputs = w.left.shape
+        leverage = np.sum((w.slope @ inverse) * w.slope, axis=2) + np.sum(w.basis**2, axis=1)
+        residual = w.residual / np.sqrt(np.maximum(1 - leverage, LEAST_LEFT))
+        own = (w.slope * residual[:, :, None]).reshape(stretches, 2, lines, outputs, -1).sum(axis=(1, 3))
+        flat = own.reshape(-1, own.shape[2])
+        scores = scores + flat.T @ flat
     return np.asarray(inverse @ scores @ inverse)
 
 
