@@ -64,10 +64,10 @@ def beside_bent(selection: Selection, modes: ModalSet, step: Second) -> tuple[Co
         ratio = abs(theta) / step / modes.wn
         nearest = int(np.argmin(np.abs(np.log(ratio))))
         mode, multiple = multiple_of(modes, complex(theta) / step)
-        stray = abs(abs(theta.imag) / step / (multiple * modes.poles[mode - 1].imag) - 1)
+        times = abs(theta.imag) / step / max(modes.poles[mode - 1].imag, 1e-300)
         if abs(np.log(ratio[nearest])) < np.log(OTHER_FREQUENCY):
             remark = Remark(Reason.SAME_MODE, {"mode": nearest + 1})
-        elif multiple > 1 and stray < MULTIPLE:
+        elif multiple > 1 and abs(times / multiple - 1) < MULTIPLE:
             remark = Remark(Reason.HARMONIC, {"mode": mode, "multiple": multiple})
         else:
             remark = Remark(Reason.DISTORTION)
