@@ -22,12 +22,12 @@ def likely(chi_square: float, freedom: float) -> bool:
 
     Examples
     --------
-    >>> likely(20.0, 1), likely(20.0, 9)
-    (False, True)
+    >>> likely(20.0, 1), likely(20.0, 9), likely(-1.0, 1)
+    (False, True, True)
     """
     from scipy.special import chdtrc
 
-    return freedom <= 0 or bool(chdtrc(freedom, chi_square) >= UNLIKELY)
+    return freedom <= 0 or bool(chdtrc(freedom, max(chi_square, 0.0)) >= UNLIKELY)
 
 
 def check_level(level: Ratio) -> None:
