@@ -69,6 +69,19 @@ class TestFigures:
         assert float(said[1]) == max(float(ratio) for ratio, _ in rows)
         assert [int(said[2]), int(said[3])] == [f([int(share) for _, share in rows]) for f in (min, max)]
 
+    def test_the_estimates_are_those_of_the_report(self) -> None:
+        report = (ROOT / "validation/report/greybox.md").read_text(encoding="utf-8")
+        start = README.index("| record | RMSE | RMSE/bound |")
+        rows = README[start : README.index("\n\n", start)].splitlines()[2:]
+        assert len(rows) == 10
+        for row in rows:
+            name, *figures = (cell.strip() for cell in row.strip("|").split("|"))
+            theirs = next(line for line in report.splitlines() if line.strip().startswith(f"{name}  "))
+            _, draws, failed, _, error, ratio, coverage, *_ = re.split(r"\s{2,}", theirs.strip())
+            largest = [max(re.split(r", | to ", cell), key=float) for cell in (error, ratio)]
+            assert (draws, failed) == ("100", "0")
+            assert figures == [f"{largest[0]} %", largest[1], coverage.replace("%", " %")]
+
     def test_the_peers_are_those_of_the_report(self) -> None:
         report = (ROOT / "validation/report/peers.md").read_text(encoding="utf-8")
         theirs = [

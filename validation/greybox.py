@@ -60,7 +60,8 @@ the verdict."""
 PEERS = """## Beside other methods
 
 On the same records. Gain, delay and mount are unknown to `estimate` in the second and third drive; the other methods
-have no place for them. 'failed' counts records of which the modes were not found, or the car was not rebuilt."""
+have no place for them. 'failed' counts records of which the modes were not found, or the car was not rebuilt. pyOMA_2
+works at the record's rate with 30 block rows; a lower rate or more rows may serve it better on drives."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
