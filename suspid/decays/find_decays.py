@@ -13,7 +13,6 @@ from suspid.decays.candidates import Recording, decays_after, examined
 from suspid.decays.decay import Decay, Decays
 from suspid.decays.doubts import doubts_of_company
 from suspid.decays.envelopes import Envelopes, envelopes, finest
-from suspid.decays.refusals import DECAYING_SHARE
 from suspid.errors import RecordError
 from suspid.identification import FEWEST_SAMPLES
 from suspid.signals import Signal, as_signal
@@ -94,13 +93,12 @@ def find_decays(response: control.TimeResponseData, *, given: Sequence[tuple[Sec
         last = signal.start + signal.step * (signal.values.shape[1] - 1)
         whole = examined(recording, replace(bursts[0], stop=last, cut=False, again=()), moved=True)[0]
         decays = [*whole, *(d for d in decays if not any(w.start <= d.stop and d.start <= w.stop for w in whole))]
-    if bursts and all(_left(decay) > DECAYING_SHARE for decay in decays):
+    if bursts and all(_left(decay) > 1 for decay in decays):
         # A blow excites more modes than can be told apart; once the fast ones have died, the slow ones can.
         for later in died_down(recording.bands, bursts[0]):
             slow = examined(recording, later, moved=True)[0]
-            if slow and _left(slow[0]) < min(map(_left, decays), default=np.inf):
+            if slow and _left(slow[0]) <= 1:
                 decays = [*slow]
-            if decays and _left(decays[0]) <= DECAYING_SHARE:
                 break
     if len(bursts) > looked:
         remarks.insert(0, Remark(DecayRemark.NOT_ALL, {"found": len(bursts), "examined": looked}))

@@ -38,6 +38,11 @@ def reasons_of(
     return tuple(_reason(p, s, bool(o), fit.count, band) for p, s, o in known)
 
 
+def is_tone(decay: float, spread: float, count: int) -> bool:
+    """Return whether a decay rate per sample, known to a standard deviation, is none over a number of samples."""
+    return decay * count < (1.0 if decay < SURE * spread else 0.25 if decay < TONE_SURE * spread else 0.0)
+
+
 def _reason(theta: complex, spread: float, other: bool, count: int, band: tuple[float, float]) -> Reason | None:
     decay = -theta.real
     if decay < -SURE * spread:
@@ -49,7 +54,7 @@ def _reason(theta: complex, spread: float, other: bool, count: int, band: tuple[
         return Reason.DRIFT if decay * count < 3.0 else None
     if abs(theta.imag) * count < 2 * np.pi:
         return Reason.UNDER_A_CYCLE
-    if decay * count < (1.0 if decay < SURE * spread else 0.25 if decay < TONE_SURE * spread else 0.0):
+    if is_tone(decay, spread, count):
         return Reason.TONE
     if other and decay < TONE_SURE * spread:
         return Reason.UNSURE

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from suspid.identification.candidates import ranked, searched
-from suspid.identification.classification import LEAST_EXPLAINED
+from suspid.identification.classification import LEAST_EXPLAINED, is_tone
 from suspid.identification.exponentials import blocks_of
 from suspid.identification.fitting import OTHER_FREQUENCY
 from suspid.identification.likelihood import DecayFit, bic_penalty
@@ -130,7 +130,10 @@ def _significant(bent: Bent | None) -> Bent | None:
 
 
 def _stands(fit: DrivenFit) -> NDArray[np.bool_]:
-    """Return whether each pole decays, makes a cycle, stands out of the residual near it and is known, (pole,)."""
+    """Return whether each pole decays, makes a cycle, stands out of the residual near it and is known, (pole,).
+
+    A steady tone does not decay.
+    """
     energy = _energies(fit)
     weights = np.abs(fit.amplitudes).T ** 2 / fit.variance[:, None]
     beside = over_channels(power_beside(fit.residual, fit.variance, fit.drive.theta), weights)
@@ -143,7 +146,9 @@ def _stands(fit: DrivenFit) -> NDArray[np.bool_]:
         return np.asarray(theta.imag > 0)
     spread = np.maximum(spread, [np.max(np.abs(window_changes(fit, k, each))) for k, each in enumerate(theta)])
     turns = np.array([swings_of(fit, k) is not None for k in range(len(theta))])
-    return np.asarray((energy > needed) & (theta.real < 0) & turns & (spread < UNKNOWN * np.abs(theta)))
+    rates = np.sqrt([(slopes @ covariance @ slopes.T)[0, 0] for _, slopes in means] * beside)
+    tones = [is_tone(-each.real, std, fit.residual.shape[1]) for each, std in zip(theta, rates, strict=True)]
+    return np.asarray((energy > needed) & ~np.array(tones) & turns & (spread < UNKNOWN * np.abs(theta)))
 
 
 def _energies(fit: DrivenFit) -> RealArray:
