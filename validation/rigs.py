@@ -26,6 +26,8 @@ from suspid.words import Level
 
 # Seeds that were not used during development.
 FIRST_SEED = 910_000
+# Share of the speed and of the friction below which a mass is at rest: event after event at one time is rounding.
+SLACK = 1e-9
 # Turns that near to the ends of a stretch are within it [s]: some samples.
 LATE = 0.005
 KINDS = ("friction", "bilinear", "cubic")
@@ -90,6 +92,8 @@ def released(rig: Rig, position: RealArray, timepts: RealArray) -> Motion:
     force = rig.force(position, np.zeros(count))
     signs = np.where(np.abs(force) > rig.friction, np.sign(force), 0.0)
     out = np.tile(np.asarray(position, float)[:, None], len(timepts))
+    # A mass that has just broken loose is not yet at rest again.
+    still = SLACK * float(np.max(np.abs(position)) * rig.wn[-1])
     turns: list[list[tuple[float, float]]] = [[(0.0, float(x))] for x in position]
     while now < end and np.any(signs):
         moving = signs != 0
@@ -100,8 +104,8 @@ def released(rig: Rig, position: RealArray, timepts: RealArray) -> Motion:
 
         def event(mass: int, sign: float) -> Callable[[float, RealArray], float]:
             if sign:
-                return lambda _, s: float(s[count + mass] * sign)
-            return lambda _, s: float(rig.friction[mass] - abs(rig.force(s[:count], s[count:])[mass]))
+                return lambda _, s: float(s[count + mass] * sign) + still
+            return lambda _, s: float((1 + SLACK) * rig.friction[mass] - abs(rig.force(s[:count], s[count:])[mass]))
 
         events = [event(mass, sign) for mass, sign in enumerate(signs)]
         for each in events:
