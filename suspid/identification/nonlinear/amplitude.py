@@ -14,6 +14,9 @@ from suspid.identification.nonlinear.forces import means
 from suspid.units import ComplexArray, RadianPerSecond, Ratio, RealArray, Second
 from suspid.values import frozen_real
 
+# A swing is seen if it is larger than this number of standard deviations of the noise. A lower limit brings in cycles
+# that the noise decides, a higher one leaves out the smallest amplitudes that were met.
+VISIBLE = 3.0
 # Harmonics of each mode beside which the part of a force in step with another mode is found.
 HARMONICS = (2, 3, 4, 5)
 # Parts of the decay over which a mode is described, at most; each is of one cycle at least.
@@ -91,7 +94,8 @@ class Swings:
 def swings_of(fit: DrivenFit, pole: int, window: slice = slice(None)) -> Swings | None:
     """Return the swings of a mode in its strongest channel within a window; None if there are not two."""
     state, own = fit.states[pole, window], np.flatnonzero(fit.owners == pole)
-    amplitude = fit.amplitudes[pole, np.argmax(np.abs(fit.amplitudes[pole]))]
+    strongest = int(np.argmax(np.abs(fit.amplitudes[pole])))
+    amplitude = fit.amplitudes[pole, strongest]
     phase = np.unwrap(np.angle(amplitude * fit.drive.theta[pole] * state))
     # The speed passes through 0 where its phase does through an odd quarter of a turn.
     turns = np.arange(np.ceil(phase[0] / np.pi - 0.5), np.floor(phase[-1] / np.pi - 0.5) + 1)
@@ -105,9 +109,12 @@ def swings_of(fit: DrivenFit, pole: int, window: slice = slice(None)) -> Swings 
     rows = rows[:, at] + (times - at) * (rows[:, at + 1] - rows[:, at])
     positions = np.real(amplitude * np.exp(rows[0]))
     size = 0.5 * np.abs(np.diff(positions))
-    if not np.all(size > 0):
+    # What is lost in the noise was not met.
+    lost = np.flatnonzero(size <= VISIBLE * np.sqrt(fit.variance[strongest]))
+    seen = int(lost[0]) if lost.size else len(size)
+    if seen < 2:
         return None
-    return Swings(time=times[:-1], size=size, slopes=rows[1:, :-1], own=own, free=fit.drive.free)
+    return Swings(time=times[:seen], size=size[:seen], slopes=rows[1:, :seen], own=own, free=fit.drive.free)
 
 
 def mean_pole(fit: DrivenFit, pole: int, window: slice = slice(None)) -> tuple[complex, RealArray]:
