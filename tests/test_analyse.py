@@ -41,10 +41,10 @@ ROOT = Path(__file__).parents[1]
 DATA = ROOT.parent / "shared" / "data"
 RECORDS = [
     ROOT / "examples" / "quarter_car.csv",
-    DATA / "vibtest_inout_mat" / "case1.mat",
+    pytest.param(DATA / "vibtest_inout_mat" / "case1.mat", marks=pytest.mark.slow),
     DATA / "rizoit_seat3dof_sim" / "release.csv",
     DATA / "rizoit_seat3dof_sim" / "step50mm.csv",
-    DATA / "rizoit_seat3dof_sim" / "chirp.csv",
+    pytest.param(DATA / "rizoit_seat3dof_sim" / "chirp.csv", marks=pytest.mark.slow),
     DATA / "css_canedge_car_mf4" / "stationary_2F6913DB_00000004_00000001.MF4",
 ]
 

@@ -141,7 +141,10 @@ class TestKilledOnThisMachine:
         assert content(tmp_path) == expected
 
     def test_stopped_by_hand(self, fleet: Path, expected: dict[str, bytes], tmp_path: Path) -> None:
-        command = [sys.executable, "-c", "from suspid.cli.fleet import fleet_command; fleet_command()", str(fleet)]
+        # A shell that starts these tests in the background makes their processes deaf to Ctrl-C; this one listens.
+        listen = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
+        code = f"{listen}; from suspid.cli.fleet import fleet_command; fleet_command()"
+        command = [sys.executable, "-c", code, str(fleet)]
         command += ["-o", str(tmp_path), "--car", str(fleet.parent / "car.toml"), "--chunk", str(CHUNK)]
         # Ctrl-C goes to everybody in the foreground: client and workers alike.
         process = subprocess.Popen(command, stderr=subprocess.PIPE, start_new_session=True)

@@ -75,6 +75,7 @@ def test_the_example(tmp_path: Path) -> None:
     check_same([ROOT / "examples" / "quarter_car.csv"], tmp_path)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not DATA.exists(), reason="no shared data")
 def test_measured_records(tmp_path: Path) -> None:
     check_same([DATA / name for name in SHARED], tmp_path)
