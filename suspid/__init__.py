@@ -57,6 +57,7 @@ from suspid.reporting import (
     plot_scalogram,
     plot_shapes,
     plot_skeletons,
+    plot_spectra,
     report,
     report_to_dict,
     source_of,
@@ -105,7 +106,7 @@ __all__ = [  # noqa: RUF022 - grouped by step
     "report", "report_to_dict", "content_of", "Source", "source_of",
     "identify_many", "FleetRun", "fleet_summary", "FleetSummary",
     # pictures of each step
-    "plot_scalogram", "plot_skeletons", "plot_amplitude", "plot_entropy", "plot_fit", "plot_shapes",
+    "plot_scalogram", "plot_skeletons", "plot_spectra", "plot_amplitude", "plot_entropy", "plot_fit", "plot_shapes",
     "plot_identification",
     "plot_estimate",
     # what is said of a result

@@ -58,7 +58,7 @@ def holds(content: dict[str, list[dict[str, object]]], reach: float = 5.0) -> bo
 )
 def test_springs_and_dampers_from_files(files: Path, arguments: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(files)
-    outputs = ["--json", "e.json", "--plot", "e.png", "-o", "found.toml", "--level", "0.9"]
+    outputs = ["--json", "e.json", "--plot", "e.png", "--page", "e.html", "-o", "found.toml", "--level", "0.9"]
     result = run("estimate", *arguments, "--car", "car.toml", *outputs)
     assert result.exit_code == 0, result.output
     content = json.loads((files / "e.json").read_text())
@@ -72,6 +72,10 @@ def test_springs_and_dampers_from_files(files: Path, arguments: list[str], monke
     assert (files / "e.png").read_bytes().startswith(b"\x89PNG")
     found = read_car(files / "found.toml")
     assert found.struts[0].stiffness == by_name["chassis.stiffness"]["value"]
+    page = (files / "e.html").read_text(encoding="utf-8")
+    shown = [content["verdict"]["headline"]["text"], "90 %", "chassis.stiffness", "<svg", *arguments[:1]]
+    assert not [text for text in shown if text.lower() not in page.lower()]
+    assert page.index("Springs and dampers</h2>") < page.index("Modes</h2>") < page.index("fit and residual</h2>")
     for text in ("nominal", "beyond chance", "90 % interval", "f [Hz]", "Verdict"):
         assert text in result.stdout
 
@@ -116,6 +120,7 @@ def test_a_car_that_does_not_explain_ends_with_three(files: Path, monkeypatch: p
         (["rig.csv", "--given", "rod"], 1, "given: 'rod'"),
         (["decay.csv", "--given", "road"], 1, "the record has no input or channel 'road'"),
         (["decay.csv", "--plot", "e.xyz"], 1, "pictures of type '.xyz' are not known"),
+        (["decay.csv", "--page", "e.pdf"], 1, "reports are written as .html"),
         (["decay.csv", "--added", "other.csv:chassis=1"], 2, "is none of the MODES"),
         (["missing.csv"], 1, "there is no such file"),
     ],

@@ -9,7 +9,7 @@ from pathlib import Path
 import click
 
 from suspid.analysis import Settings, read
-from suspid.cli.measured import checked_picture, save_picture
+from suspid.cli.measured import checked_page, checked_picture, save_picture, sources_of
 from suspid.cli.options import FILE, progress, reading
 from suspid.cli.parameters import Outputs, Wanted, conclude, wanting, writing
 from suspid.cli.support import check_apart, named, said_warnings
@@ -25,6 +25,7 @@ from suspid.files import replacing
 )
 @wanting
 @click.option("--plot", type=FILE, metavar="FILE", help="Write pictures of the estimate (.png, .svg, .pdf).")
+@click.option("--page", type=FILE, metavar="FILE", help="Write a page to print or to send (.html).")
 @writing
 def estimate_command(
     files: tuple[Path, ...],
@@ -33,6 +34,7 @@ def estimate_command(
     given: str,
     wanted: Wanted,
     plot: Path | None,
+    page: Path | None,
     outputs: Outputs,
 ) -> None:
     """Find springs and dampers from records of any motion.
@@ -48,16 +50,17 @@ def estimate_command(
     from suspid.greybox import RecordTest, estimate
     from suspid.identification import to_json
     from suspid.model import car_to_toml, read_car
-    from suspid.reporting import estimate_to_dict, plot_estimate
+    from suspid.reporting import content_of, estimate_to_dict, plot_estimate, report
     from suspid.signals import cut
 
     if len({path.resolve() for path in files}) < len(files):
         raise click.UsageError("One of the FILES is named twice: every test counts once.")
-    check_apart([*files, car], [plot, outputs.output, outputs.json_file])
+    check_apart([*files, car], [plot, page, outputs.output, outputs.json_file])
     masses, unknowns = wanted.added_masses(files), wanted.unknowns()
     causes = [name.strip() for name in given.split(",") if name.strip()]
     with (
         replacing(checked_picture(plot)) if plot else nullcontext() as figure_draft,
+        replacing(checked_page(page)) if page else nullcontext() as page_draft,
         outputs.drafts() as (draft, json_draft),
         said_warnings() as said,
         progress("reading", "estimating", "drawing") as step,
@@ -80,8 +83,12 @@ def estimate_command(
         if draft:
             draft.write_text(car_to_toml(found.suspension), encoding="utf-8")
         if json_draft:
-            content = estimate_to_dict(found, level=outputs.probability)
-            json_draft.write_text(to_json(content), encoding="utf-8")
+            plain = estimate_to_dict(found, level=outputs.probability)
+            json_draft.write_text(to_json(plain), encoding="utf-8")
+        if page_draft:
+            sources = sources_of(files)
+            content = content_of(found, source=sources, level=outputs.probability, warnings=said)
+            page_draft.write_text(report(content), encoding="utf-8")
         if figure_draft:
             save_picture(partial(plot_estimate, found, level=outputs.probability), figure_draft)
     conclude(text, explains=found.explains)

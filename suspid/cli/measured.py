@@ -28,6 +28,8 @@ if TYPE_CHECKING:
     import control
     from matplotlib.figure import Figure
 
+    from suspid.reporting import Source
+
 # Things in a file that are no channels which are listed; `suspid channels` lists all.
 MOST_LEFT_OUT = 3
 # Findings of the cleaning that are warned of; the report lists all.
@@ -156,12 +158,10 @@ def report_command(
     """
     from suspid.identification import to_json
     from suspid.model import read_car, read_constraints
-    from suspid.reporting import content_of, report, report_to_dict, source_of
+    from suspid.reporting import content_of, report, report_to_dict
 
-    if output.suffix.lower() not in (".html", ".htm"):
-        raise InputError(f"{printable(str(output))}: reports are written as .html; choose such a name")
+    checked_page(output)
     check_apart([file, *([car] if car else [])], [output, json_file])
-    created = date or datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC")
     with ExitStack() as outputs, said_warnings() as said, progress(*STEPS, "drawing") as step:
         draft = outputs.enter_context(replacing(output))
         json_draft = outputs.enter_context(replacing(json_file)) if json_file else None
@@ -172,8 +172,7 @@ def report_command(
             check_springs(settings.springs, suspension)
         with named(file):
             found = analyse(file, car=suspension, settings=settings, progress=step)
-        command = shlex.join(["suspid", *click.get_current_context().meta.get(ARGUMENTS, [])])
-        source = source_of(file, command=command, created=created)
+        (source,) = sources_of([file], date=date)
         step("drawing")
         content = content_of(found, source=source)
         draft.write_text(report(content, title=title), encoding="utf-8")
@@ -219,6 +218,22 @@ def record_in_words(record: control.TimeResponseData) -> str:
         f"{signal.values.shape[1]} samples at {1 / signal.step:.6g} Hz from t = {start:.6g} s, "
         f"{count(len(signal.channels), 'channel')}: {names}"
     )
+
+
+def checked_page(path: Path) -> Path:
+    """Return the path, if it is one of an HTML file."""
+    if path.suffix.lower() not in (".html", ".htm"):
+        raise InputError(f"{printable(str(path))}: reports are written as .html; choose such a name")
+    return path
+
+
+def sources_of(files: Sequence[Path], *, date: str | None = None) -> list[Source]:
+    """Return where each file's record comes from, with the command that is running and the date or now."""
+    from suspid.reporting import source_of
+
+    command = shlex.join(["suspid", *click.get_current_context().meta.get(ARGUMENTS, [])])
+    created = date or datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC")
+    return [source_of(file, command=command, created=created) for file in files]
 
 
 def checked_picture(path: Path) -> Path:

@@ -11,6 +11,7 @@ To add a picture to the page: draw it on Axes in a module of its own, as in ``pl
 
 from suspid.reporting.content import Content, content_of
 from suspid.reporting.estimate_json import estimate_to_dict
+from suspid.reporting.estimate_page import EstimateContent
 from suspid.reporting.json_schema import json_schema
 from suspid.reporting.plot_amplitude import plot_amplitude
 from suspid.reporting.plot_entropy import plot_entropy
@@ -21,6 +22,7 @@ from suspid.reporting.plot_recording import plot_recording
 from suspid.reporting.plot_scalogram import plot_scalogram
 from suspid.reporting.plot_shapes import plot_shapes
 from suspid.reporting.plot_skeletons import plot_skeletons
+from suspid.reporting.plot_spectra import plot_spectra
 from suspid.reporting.report import report
 from suspid.reporting.report_json import report_to_dict
 from suspid.reporting.source import Source, source_of
@@ -28,6 +30,7 @@ from suspid.reporting.source import Source, source_of
 __all__ = [
     "PAGE",
     "Content",
+    "EstimateContent",
     "Source",
     "content_of",
     "estimate_to_dict",
@@ -41,6 +44,7 @@ __all__ = [
     "plot_scalogram",
     "plot_shapes",
     "plot_skeletons",
+    "plot_spectra",
     "report",
     "report_to_dict",
     "source_of",

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, overload
 
 from suspid.analysis import Analysis, Settings
 from suspid.cleaning import Cleaned
-from suspid.levels import LEVEL
+from suspid.errors import InputError
+from suspid.greybox import Estimate
+from suspid.levels import LEVEL, check_level
+from suspid.reporting.estimate_page import EstimateContent
 from suspid.reporting.source import Source
 from suspid.reporting.thinning import drawable
 from suspid.signals import as_signal
@@ -72,25 +75,50 @@ class Content:
         return tuple(str(remark) for remark in getattr(self.analysis.decays, "remarks", ()))
 
 
+@overload
 def content_of(
     found: Identification | Analysis,
     *,
-    source: Source | None = None,
+    source: Source | None = ...,
+    cleaned: Cleaned | None = ...,
+    decays: Sequence[Decay] = ...,
+    repeats: Repeats | None = ...,
+    reconstruction: Reconstruction | None = ...,
+    level: Ratio = ...,
+    warnings: Sequence[str] = ...,
+) -> Content: ...
+
+
+@overload
+def content_of(
+    found: Estimate,
+    *,
+    source: Source | Sequence[Source] | None = ...,
+    level: Ratio = ...,
+    warnings: Sequence[str] = ...,
+) -> EstimateContent: ...
+
+
+def content_of(
+    found: Identification | Analysis | Estimate,
+    *,
+    source: Source | Sequence[Source] | None = None,
     cleaned: Cleaned | None = None,
     decays: Sequence[Decay] = (),
     repeats: Repeats | None = None,
     reconstruction: Reconstruction | None = None,
     level: Ratio = LEVEL,
     warnings: Sequence[str] = (),
-) -> Content:
-    """Return what `report` and `report_to_dict` show of an analysis, or of an identification and what goes with it.
+) -> Content | EstimateContent:
+    """Return what `report` and `report_to_dict` show of an analysis, an estimate, or an identification.
 
     Parameters
     ----------
-    found : Identification or Analysis
-        What was found; perhaps no mode. An `Analysis` brings all but source and warnings.
+    found : Identification, Analysis or Estimate
+        What was found; perhaps no mode. An `Analysis` brings all but source and warnings, an `Estimate` all but these
+        and the level.
     source : Source, optional
-        The file and the command; see `source_of`.
+        The file and the command; see `source_of`. Of an estimate from several records a sequence, one for each.
     cleaned : Cleaned, optional
         The whole recording and what was done to it. Its units are those of the figures.
     decays : sequence of Decay, optional
@@ -119,6 +147,12 @@ def content_of(
     >>> report_to_dict(content_of(found, level=0.9))["level"]
     0.9
     """
+    check_level(level)
+    if isinstance(found, Estimate):
+        sources = () if source is None else (source,) if isinstance(source, Source) else tuple(source)
+        return EstimateContent(found=found, sources=sources, level=level, warnings=warnings)
+    if not isinstance(source, Source | None):
+        raise InputError(f"source={source!r:.80} must be one Source: an identification has one file")
     if isinstance(found, Analysis):
         no_springs = [str(note) for note in found.notes if note.code is Note.NO_SPRINGS]
         analysis = replace(found, identification=drawable(found.identification))

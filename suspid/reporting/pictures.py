@@ -72,7 +72,7 @@ def pictures_of(
             scalogram=_scalogram(found),
             entropy=_entropy(found),
             fits=tuple(_fits(found, units)),
-            shapes=tuple(_shapes(found.modes)),
+            shapes=tuple(shape_pictures(found.modes)),
             skeletons=tuple(_skeleton(ridge, k) for k, ridge in enumerate(found.ridges[:MOST_RIDGES], 1)),
             amplitudes=_amplitudes(found),
             overviews=tuple(_overviews(found, cleaned, decays, used)),
@@ -167,7 +167,8 @@ def _draw_fit(
     _plain(ax).set_title("whole record" if between is None else "first cycles", loc="left")
 
 
-def _shapes(modes: ModalSet) -> Iterator[Picture]:
+def shape_pictures(modes: ModalSet) -> Iterator[Picture]:
+    """Draw the shapes of all modes, some abreast; nothing where there are none or one channel."""
     if modes.shapes is None or len(modes.channels) < 2:
         return
     for first in range(0, len(modes), ABREAST):

@@ -16,6 +16,7 @@ from suspid.units import Ratio
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from numpy.typing import NDArray
 
     from suspid.greybox import Estimate
 
@@ -57,12 +58,8 @@ def plot_estimate(found: Estimate, figure: Figure, *, level: Ratio = LEVEL) -> F
     # Heights of a line of the upper picture, and of a channel [inch].
     heights = [0.28 * (2 + len(found.parameters)), *([2.0] * len(channels))]
     axes = np.atleast_1d(figure.subplots(len(heights), 1, height_ratios=heights))
-    _draw_changes(found, axes[0], level)
-    fitted = as_signal(found.fitted[0])
-    slowest = min((wn for wn in found.modes.wn.tolist() if wn > 0), default=2 * np.pi / residual.duration)
-    # Of a long record 20 periods of the slowest mode are drawn: more would be a band without lines.
-    until = min(residual.duration, 20 * 2 * np.pi / slowest)
-    kept = residual.timepts - residual.start <= until
+    draw_changes(found, axes[0], level)
+    fitted, kept = as_signal(found.fitted[0]), lively(found, 0)
     for at, (ax, name) in enumerate(zip(axes[1:], channels, strict=True)):
         fit, left = fitted.values[at, kept], residual.values[at, kept]
         plot_residual(ax, residual.timepts[kept], fit + left, fit, left)
@@ -74,7 +71,15 @@ def plot_estimate(found: Estimate, figure: Figure, *, level: Ratio = LEVEL) -> F
     return figure
 
 
-def _draw_changes(found: Estimate, ax: Axes, level: Ratio) -> None:
+def lively(found: Estimate, record: int) -> NDArray[np.bool_]:
+    """Return which samples of a record are drawn: of a long one 20 periods of the slowest mode, not a band of ink."""
+    residual = as_signal(found.residual[record])
+    slowest = min((wn for wn in found.modes.wn.tolist() if wn > 0), default=2 * np.pi / residual.duration)
+    until = min(residual.duration, 20 * 2 * np.pi / slowest)
+    return np.asarray(residual.timepts - residual.start <= until)
+
+
+def draw_changes(found: Estimate, ax: Axes, level: Ratio) -> None:
     """Draw found over nominal with intervals, one line for each parameter that has a nominal value."""
     ends, names = found.interval(level), list[str]()
     for name, value in zip(found.parameters, found.values.tolist(), strict=True):

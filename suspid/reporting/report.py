@@ -1,4 +1,4 @@
-"""The HTML page of an identification: verdict first, then everything that it rests on.
+"""The HTML page of an identification or an estimate: verdict first, then everything that it rests on.
 
 The page is one file without a script. Its policy forbids the network. Its pictures are SVG in the colours of the page
 (light, dark or paper). Every text that comes from a file is escaped. The same input gives the same bytes.
@@ -11,8 +11,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.files import printable
+from suspid.greybox import Estimate
 from suspid.reporting.colours import Colour
 from suspid.reporting.content import Content, content_of
+from suspid.reporting.estimate_page import EstimateContent, page_fields
 from suspid.reporting.estimate_rows import estimate_rows, masses_of
 from suspid.reporting.pictures import MOST_CHANNELS, pictures_of
 from suspid.reporting.rows import channel_rows, mode_rows, parameter_rows, pole_rows, repeat_rows
@@ -31,12 +33,12 @@ MOST_CARDS = 6
 MOST_LETTERS = 40
 
 
-def report(found: Identification | Analysis | Content, *, title: str | None = None) -> str:
+def report(found: Identification | Analysis | Estimate | Content | EstimateContent, *, title: str | None = None) -> str:
     """Return the page as HTML.
 
     Parameters
     ----------
-    found : Identification, Analysis or Content
+    found : Identification, Analysis, Estimate, or what `content_of` returns
         What was found; perhaps no mode. `content_of` adds where it comes from, and more to an identification.
     title : str, optional
         Heading. Default: name of the file, or title of the record.
@@ -58,11 +60,6 @@ def report(found: Identification | Analysis | Content, *, title: str | None = No
     """
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
-    content = found if isinstance(found, Content) else content_of(found)
-    shown, source, analysis = content.identification, content.source, content.analysis
-    repeats, car = analysis.repeats, analysis.reconstruction
-    names, level = as_signal(shown.response).channels, content.level
-    heading = title or (source.file if source else str(shown.response.title or "")) or "Record"
     environment = Environment(
         loader=PackageLoader("suspid.reporting", "templates"),
         autoescape=True,
@@ -71,42 +68,64 @@ def report(found: Identification | Analysis | Content, *, title: str | None = No
         lstrip_blocks=True,
     )
     environment.filters["safe_text"] = _shown
-    return environment.get_template("report.html.j2").render(
-        title=_shown(heading),
-        source=source,
-        size="" if source is None else _in_bytes(source.size),
-        record=_record_facts(shown),
-        verdict=analysis.verdict,
-        cards=_cards(shown),
-        level=f"{100 * level:g} %",
-        method=shown.method,
-        modes=mode_rows(shown, level),
-        channels=channel_rows(shown, content.units),
-        pictures=pictures_of(
+    if isinstance(found, Estimate):
+        found = content_of(found)
+    if isinstance(found, EstimateContent):
+        file = found.sources[0].file if len(found.sources) == 1 else ""
+        fields, template = page_fields(found), "estimate.html.j2"
+        verdict, sources = found.found.verdict, found.sources
+    else:
+        content = found if isinstance(found, Content) else content_of(found)
+        sources = (content.source,) if content.source else ()
+        file = sources[0].file if sources else str(content.identification.response.title or "")
+        fields, template, verdict = _fields(content), "report.html.j2", content.analysis.verdict
+        found = content
+    return environment.get_template(template).render(
+        title=_shown(title or file or "Record"),
+        verdict=verdict,
+        level=f"{100 * found.level:g} %",
+        colours=list(Colour),
+        sources=sources,
+        sizes=[_in_bytes(source.size) for source in sources],
+        warnings=[_shown(text) for text in found.warnings],
+        versions=versions(),
+        **fields,
+    )
+
+
+def _fields(content: Content) -> dict[str, object]:
+    """Return what the template of an identification shows beside what every page does."""
+    shown, analysis = content.identification, content.analysis
+    repeats, car = analysis.repeats, analysis.reconstruction
+    names, level = as_signal(shown.response).channels, content.level
+    return {
+        "record": _record_facts(shown),
+        "cards": _cards(shown),
+        "method": shown.method,
+        "modes": mode_rows(shown, level),
+        "channels": channel_rows(shown, content.units),
+        "pictures": pictures_of(
             shown, cleaned=content.cleaned, decays=analysis.decays, units=content.units, used=content.used
         ),
-        colours=list(Colour),
-        view=_view(shown),
-        fits=[(_short(n), f"{100 * s:.2f} %") for n, s in zip(names, shown.explained, strict=True)][:MOST_CHANNELS],
-        hidden_channels=max(0, len(names) - MOST_CHANNELS),
-        names=[_short(name) for name in names],
-        cleaned=content.cleaned,
-        decays=analysis.decays,
-        remarks=content.remarks,
-        used=content.used,
-        poles=pole_rows(shown)[:MOST_POLES],
-        hidden_poles=max(0, len(shown.considered) - MOST_POLES),
-        repeats=None if repeats is None else repeat_rows(repeats, level),
-        estimate=[] if analysis.estimate is None else estimate_rows(analysis.estimate, level),
-        masses="" if analysis.estimate is None else masses_of(analysis.estimate),
-        reconstruction=car,
-        parameters=[] if car is None else parameter_rows(car, level),
-        chi_square="" if car is None else _chi_square(car),
-        status="" if car is None else _sentence(car.status),
-        twins=[] if car is None else _twins(car),
-        warnings=[_shown(text) for text in content.warnings],
-        versions=versions(),
-    )
+        "view": _view(shown),
+        "fits": [(_short(n), f"{100 * s:.2f} %") for n, s in zip(names, shown.explained, strict=True)][:MOST_CHANNELS],
+        "hidden_channels": max(0, len(names) - MOST_CHANNELS),
+        "names": [_short(name) for name in names],
+        "cleaned": content.cleaned,
+        "decays": analysis.decays,
+        "remarks": content.remarks,
+        "used": content.used,
+        "poles": pole_rows(shown)[:MOST_POLES],
+        "hidden_poles": max(0, len(shown.considered) - MOST_POLES),
+        "repeats": None if repeats is None else repeat_rows(repeats, level),
+        "estimate": [] if analysis.estimate is None else estimate_rows(analysis.estimate, level),
+        "masses": "" if analysis.estimate is None else masses_of(analysis.estimate),
+        "reconstruction": car,
+        "parameters": [] if car is None else parameter_rows(car, level),
+        "chi_square": "" if car is None else _chi_square(car),
+        "status": "" if car is None else _sentence(car.status),
+        "twins": [] if car is None else _twins(car),
+    }
 
 
 def _shown(text: object) -> str:

@@ -141,7 +141,7 @@ def mode_rows(identification: Identification, level: Ratio) -> list[ModeRow]:
     notes = {"pair": "", "real": "overdamped: one real pole", "rigid": "rigid body: pole at zero"}
     collinearity = identification.collinearity if modes.shapes is not None else np.full(len(modes), np.nan)
     rows = []
-    for k, (kind, (frequency, wn, zeta)) in enumerate(zip(modes.kinds, _quantities(modes, level), strict=True)):
+    for k, (kind, (frequency, wn, zeta)) in enumerate(zip(modes.kinds, mode_quantities(modes, level), strict=True)):
         judged = identification.method != "ridge"
         rows.append(
             ModeRow(
@@ -158,7 +158,7 @@ def mode_rows(identification: Identification, level: Ratio) -> list[ModeRow]:
     return rows
 
 
-def _quantities(modes: ModalSet, level: Ratio) -> list[tuple[Quantity, Quantity, Quantity]]:
+def mode_quantities(modes: ModalSet, level: Ratio) -> list[tuple[Quantity, Quantity, Quantity]]:
     """Return frequency [Hz], angular frequency [rad/s] and damping ratio [1] of each mode."""
     ends = modes.interval(level) if modes.covariance is not None else None
     turn, rows = 2 * np.pi, []
@@ -181,7 +181,9 @@ def repeat_rows(repeats: Repeats, level: Ratio) -> RepeatRows:
             freedom=f"{agreement.freedom}",
             chance=_or_nothing(agreement.probability, "{:.2g}"),
         )
-        for (frequency, wn, zeta), agreement in zip(_quantities(repeats.modes, level), repeats.consistency, strict=True)
+        for (frequency, wn, zeta), agreement in zip(
+            mode_quantities(repeats.modes, level), repeats.consistency, strict=True
+        )
     )
     single = tuple(
         (

@@ -1,0 +1,148 @@
+"""The HTML page of an estimate: verdict, springs and dampers beside nominal, modes, and the records with their fit."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING
+
+from suspid.files import printable
+from suspid.reconstruction import parameter_values
+from suspid.reporting.axes import plot_residual, unit_ticks
+from suspid.reporting.estimate_rows import estimate_rows, masses_of
+from suspid.reporting.pictures import Picture, picture, shape_pictures
+from suspid.reporting.plot_estimate import draw_changes, lively
+from suspid.reporting.plot_spectra import draw_spectra
+from suspid.reporting.rows import mode_quantities, signed
+from suspid.reporting.svg import page_style
+from suspid.signals import as_signal
+from suspid.words import count
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from suspid.greybox import Estimate
+    from suspid.reporting.source import Source
+    from suspid.units import Ratio
+
+# Channels of a record, and records, that the page draws at most; the JSON has all.
+MOST_DRAWN = 6
+
+
+@dataclass(frozen=True, kw_only=True)
+class EstimateContent:
+    """An estimate and where it comes from.
+
+    Parameters
+    ----------
+    found : Estimate
+        What was found.
+    sources : sequence of Source
+        The file of each record and the command.
+    level : float
+        Probability of all intervals [1].
+    warnings : sequence of str
+        Warnings that were given on the way.
+    """
+
+    found: Estimate
+    sources: Sequence[Source]
+    level: Ratio
+    warnings: Sequence[str]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class RecordPart:
+    """What the page shows of one record: pictures by channel, noise and whiteness of every channel."""
+
+    heading: str
+    pictures: tuple[tuple[str, tuple[Picture, ...]], ...]
+    channels: tuple[tuple[str, str, str], ...]
+
+
+def page_fields(content: EstimateContent) -> dict[str, object]:
+    """Return what the template of an estimate shows beside what every page does."""
+    found, level = content.found, content.level
+    records = found.residual
+    samples = sum(as_signal(residual).timepts.size for residual in records)
+    seconds = sum(as_signal(residual).duration for residual in records)
+    twins = [parameter_values(car) for car in found.alternatives]
+    tested = f"{found.chi_square:.4g} at {count(found.freedom, 'degree')} of freedom"
+    hidden = max(0, len(records) - MOST_DRAWN)
+    with page_style():
+        return {
+            "facts": f"{count(len(records), 'record')}, {samples} samples, {seconds:.4g} s",
+            "estimate": estimate_rows(found, level),
+            "masses": masses_of(found),
+            "chi_square": tested if found.freedom else "was not tested: the residual is rounding",
+            "changed": _changes(found, level),
+            "twins": twins,
+            "twin_rows": [(printable(name), [signed(f"{t[name]:.5g}") for t in twins]) for name in found.parameters
+                          if all(name in t for t in twins)],
+            "modes": mode_quantities(found.modes, level),
+            "shapes": list(shape_pictures(found.modes)),
+            "records": [_part(content, k) for k in range(min(len(records), MOST_DRAWN))],
+            "hidden": count(hidden, "further record") if hidden else "",
+        }  # fmt: skip
+
+
+def _changes(found: Estimate, level: Ratio) -> Picture:
+    described = "Change of each parameter from nominal with its interval"
+    height = 0.6 + 0.22 * (2 + len(found.parameters))
+    draw = partial(_draw_changes, found, level)
+    return picture(draw, name="changes", described=described, height=height, wide_height=height)
+
+
+def _draw_changes(found: Estimate, level: Ratio, figure: Figure) -> None:
+    ax = figure.subplots()
+    draw_changes(found, ax, level)
+    ax.set_title("", loc="left")
+
+
+def _part(content: EstimateContent, which: int) -> RecordPart:
+    found = content.found
+    residual = as_signal(found.residual[which])
+    named = f": {printable(content.sources[which].file)}" if len(content.sources) == len(found.residual) else ""
+    rate = f"{residual.timepts.size} samples at {1 / residual.step:.6g} Hz"
+    noise, white = found.noise_std[which].tolist(), found.whiteness[which].tolist()
+    return RecordPart(
+        heading=f"Record {which + 1}{named}, {rate}",
+        pictures=tuple(_pictures(found, which)),
+        channels=tuple(
+            (printable(name), f"{std:#.3g}", signed(f"{correlation:+.2f}"))
+            for name, std, correlation in zip(residual.channels, noise, white, strict=True)
+        ),
+    )
+
+
+def _pictures(found: Estimate, which: int) -> Iterator[tuple[str, tuple[Picture, ...]]]:
+    residual = as_signal(found.residual[which])
+    for k, name in enumerate(residual.channels[:MOST_DRAWN]):
+        described = f"channel {k + 1} of record {which + 1} with fit and residual"
+        yield (
+            printable(name),
+            (
+                picture(partial(_draw_time, found, which, k), name=f"time-{which}-{k}", height=1.75,
+                        described=f"Motion of {described}"),
+                picture(partial(_draw_spectra, found, which, k), name=f"spectrum-{which}-{k}", height=1.75,
+                        described=f"Power spectra of {described}"),
+            ),
+        )  # fmt: skip
+
+
+def _draw_time(found: Estimate, which: int, channel: int, figure: Figure) -> None:
+    fitted, residual, kept = as_signal(found.fitted[which]), as_signal(found.residual[which]), lively(found, which)
+    fit, left = fitted.values[channel, kept], residual.values[channel, kept]
+    ax = figure.subplots()
+    plot_residual(ax, residual.timepts[kept], fit + left, fit, left)
+    ax.set_xlabel("time [s]")
+    unit_ticks(ax, "SI")
+
+
+def _draw_spectra(found: Estimate, which: int, channel: int, figure: Figure) -> None:
+    fitted, residual = as_signal(found.fitted[which]), as_signal(found.residual[which])
+    fit, left = fitted.values[channel], residual.values[channel]
+    ax = figure.subplots()
+    draw_spectra(ax, fit + left, fit, left, 1 / residual.step)
+    ax.set_xlabel("frequency [Hz]")

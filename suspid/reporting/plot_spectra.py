@@ -1,0 +1,83 @@
+"""Power spectra of a record beside those of what an estimate explains of it and what it leaves."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from suspid.reporting.axes import checked_grid, key_above, shown
+from suspid.reporting.colours import Colour
+from suspid.signals import as_signal
+from suspid.units import RealArray
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from matplotlib.axes import Axes
+    from numpy.typing import NDArray
+
+    from suspid.greybox import Estimate
+
+# Stretches that are averaged at least, and the share of the largest density below which nothing is shown [1].
+STRETCHES, SHOWN = 8, 1e-9
+
+
+def plot_spectra(found: Estimate, *, axes: Sequence[Axes] | NDArray[np.object_], record: int = 0) -> None:
+    """Draw the power spectral density of each channel of a record, of its fit and of the residual.
+
+    The densities are Welch's, of Hann windows over an eighth of the record or more of them.
+
+    Parameters
+    ----------
+    found : Estimate
+        What was found.
+    axes : (channel,) of matplotlib.axes.Axes
+        Where to draw.
+    record : int
+        Which of the records, from 0 on.
+
+    Raises
+    ------
+    InputError
+        If the numbers of Axes and channels differ.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> from suspid import add_noise, estimate, free_decay, quarter_car
+    >>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3,
+    ...                   tire_stiffness=200e3, chassis_damping=1500)
+    >>> response = free_decay(car, np.arange(0, 3, 0.005), initial_state={"v_tire": 1.0})
+    >>> noisy = add_noise(response, snr_db=30.0, rng=np.random.default_rng(1))
+    >>> axes = Figure().subplots(2)
+    >>> plot_spectra(estimate(noisy, car, fixed=["tire.damping"]), axes=axes)
+    >>> axes[1].get_xlabel()
+    'frequency [Hz]'
+    """
+    residual, fitted = as_signal(found.residual[record]), as_signal(found.fitted[record])
+    drawn = checked_grid(axes, (len(residual.channels),))
+    for ax, name, fit, left in zip(drawn, residual.channels, fitted.values, residual.values, strict=True):
+        draw_spectra(ax, fit + left, fit, left, 1 / residual.step)
+        ax.set_title(shown(name), loc="left")
+    drawn[-1].set_xlabel("frequency [Hz]")
+    key_above(drawn[0])
+
+
+def draw_spectra(ax: Axes, record: RealArray, fit: RealArray, residual: RealArray, rate: float) -> None:
+    """Draw the densities of one channel on logarithmic axes."""
+    from scipy.signal import welch
+
+    length = max(min(record.size, 64), record.size // STRETCHES)
+    top = 0.0
+    for values, colour, label, width in (
+        (record, Colour.PALE, "record", 2.4),
+        (fit, Colour.BLUE, "fit", 1.0),
+        (residual, Colour.VERMILION, "residual", 0.9),
+    ):
+        frequency, density = welch(values, fs=rate, nperseg=length)
+        ax.loglog(frequency[1:], np.maximum(density[1:], 1e-300), color=colour, linewidth=width, label=label)
+        top = max(top, float(np.max(density[1:])))
+    if top > 0:
+        ax.set_ylim(bottom=max(ax.get_ylim()[0], SHOWN * top))
+    ax.set_ylabel("PSD [SI²/Hz]")
