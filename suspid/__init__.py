@@ -53,6 +53,7 @@ from suspid.reporting import (
     plot_entropy,
     plot_estimate,
     plot_fit,
+    plot_grip,
     plot_identification,
     plot_scalogram,
     plot_shapes,
@@ -62,6 +63,7 @@ from suspid.reporting import (
     report_to_dict,
     source_of,
 )
+from suspid.ride import Grip, grip
 from suspid.signals import cut
 from suspid.simulation import add_noise, free_decay, road_profile, simulate
 from suspid.wavelets import (
@@ -102,13 +104,15 @@ __all__ = [  # noqa: RUF022 - grouped by step
     "reconstruct", "Reconstruction", "ModalTest", "compare", "Comparison",
     # the car itself, straight from records
     "estimate", "Estimate", "RecordTest",
+    # figures that a car is judged by
+    "grip", "Grip",
     # a page for others, and many records
     "report", "report_to_dict", "content_of", "Source", "source_of",
     "identify_many", "FleetRun", "fleet_summary", "FleetSummary",
     # pictures of each step
     "plot_scalogram", "plot_skeletons", "plot_spectra", "plot_amplitude", "plot_entropy", "plot_fit", "plot_shapes",
     "plot_identification",
-    "plot_estimate",
+    "plot_estimate", "plot_grip",
     # what is said of a result
     "Verdict", "Level", "Check", "Remark", "Code",
     # what goes wrong

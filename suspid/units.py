@@ -13,6 +13,7 @@ Kilogram: TypeAlias = Annotated[float, "kg"]
 Metre: TypeAlias = Annotated[float, "m"]
 Second: TypeAlias = Annotated[float, "s"]
 Hertz: TypeAlias = Annotated[float, "Hz"]
+Newton: TypeAlias = Annotated[float, "N"]
 RadianPerSecond: TypeAlias = Annotated[float, "rad/s"]
 Radian: TypeAlias = Annotated[float, "rad"]
 NewtonPerMetre: TypeAlias = Annotated[float, "N/m"]
@@ -22,6 +23,8 @@ Ratio: TypeAlias = Annotated[float, "1"]
 
 RealArray: TypeAlias = NDArray[np.float64]
 ComplexArray: TypeAlias = NDArray[np.complex128]
+
+STANDARD_GRAVITY = 9.80665  # [m/s2]
 
 # The unit of a value by the last word of its name.
 UNITS = {

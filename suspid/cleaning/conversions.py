@@ -11,14 +11,13 @@ from numpy.typing import ArrayLike
 from suspid.errors import InputError
 from suspid.files import printable
 from suspid.signals import as_response, as_signal
-from suspid.units import RealArray
+from suspid.units import STANDARD_GRAVITY, RealArray
 from suspid.values import nearest_names
 
 if TYPE_CHECKING:
     import control
 
 # Exact by definition.
-STANDARD_GRAVITY = 9.80665
 INCH = 0.0254
 # Factor and SI unit of each unit.
 FACTORS: dict[str, tuple[float, str]] = {

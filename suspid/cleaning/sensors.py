@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from suspid.cleaning.conversions import STANDARD_GRAVITY
 from suspid.cleaning.conversions import to_si as to_si
 from suspid.errors import InputError, RecordError
 from suspid.files import printable
 from suspid.signals import Signal, as_response, as_signal
-from suspid.units import Ratio, RealArray
+from suspid.units import STANDARD_GRAVITY, Ratio, RealArray
 from suspid.values import frozen_real, nearest_names
 
 if TYPE_CHECKING:

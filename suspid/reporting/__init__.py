@@ -17,6 +17,7 @@ from suspid.reporting.plot_amplitude import plot_amplitude
 from suspid.reporting.plot_entropy import plot_entropy
 from suspid.reporting.plot_estimate import plot_estimate
 from suspid.reporting.plot_fit import plot_fit
+from suspid.reporting.plot_grip import plot_grip
 from suspid.reporting.plot_identification import PAGE, plot_identification
 from suspid.reporting.plot_recording import plot_recording
 from suspid.reporting.plot_scalogram import plot_scalogram
@@ -39,6 +40,7 @@ __all__ = [
     "plot_entropy",
     "plot_estimate",
     "plot_fit",
+    "plot_grip",
     "plot_identification",
     "plot_recording",
     "plot_scalogram",

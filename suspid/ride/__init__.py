@@ -1,5 +1,11 @@
-"""Figures that a car or a record is judged by: comfort, grip, travel.
+"""Figures that a car or a record is judged by: comfort, grip, wear.
 
-The room for `ride`, `grip`, `road` and `tune`. Nothing is here yet. A metric is a module of its name with a
-function that takes a `suspid.Suspension` or a record and returns a frozen result in SI units.
+A metric is a module of its name with a function that takes a `suspid.Suspension`, a `suspid.Estimate` or a record and
+returns a frozen result in SI units. `grip`: wheels on a test bench; below it `contact` (forces at the road) and
+`uncertain` (what is not known of a car).
 """
+
+from suspid.ride.grip import grip
+from suspid.ride.grips import CLASSES, PHASE_LIMIT, Grip
+
+__all__ = ["CLASSES", "PHASE_LIMIT", "Grip", "grip"]

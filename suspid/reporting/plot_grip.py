@@ -1,0 +1,90 @@
+"""Grip on a test bench: contact force and phase over the sweep, with limits and bands."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from suspid.levels import LEVEL, check_level
+from suspid.reporting.axes import frequency_ticks, in_legend, key_above
+from suspid.reporting.colours import CHANNEL_COLOURS, Colour
+from suspid.ride import CLASSES, PHASE_LIMIT
+from suspid.units import Ratio, RealArray
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from suspid.ride import Grip
+
+
+def plot_grip(found: Grip, figure: Figure, *, level: Ratio = LEVEL) -> Figure:
+    """Draw least contact force and phase of each wheel over frequency, with bands and the limits of EUSAMA and EGEA.
+
+    A dot marks the figure of each wheel. The force is negative where a linear wheel would pull: it leaves the platform.
+
+    Parameters
+    ----------
+    found : Grip
+        What was found.
+    figure : matplotlib.figure.Figure
+        An empty figure.
+    level : float
+        Probability of the bands [1], at each frequency.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        ``figure``.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> from suspid import grip, quarter_car
+    >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3,
+    ...                   chassis_damping=650, tire_damping=60)
+    >>> page = plot_grip(grip(car), Figure())
+    >>> [ax.get_ylabel() for ax in page.axes]
+    ['least / static force [%]', 'phase [deg]']
+    """
+    from scipy.special import ndtri
+
+    check_level(level)
+    if figure.get_layout_engine() is None:
+        figure.set_layout_engine("constrained")
+    reach, degrees = float(ndtri((1 + level) / 2)), float(np.degrees(1.0))
+    upper, lower = figure.subplots(2, 1, sharex=True)
+    _draw(upper, found, 100 * found.adhesion_curve, 100 * reach * found.adhesion_band)
+    _draw(lower, found, degrees * found.phase_curve, degrees * reach * found.phase_band)
+    for i, colour in zip(range(len(found.wheels)), _colours(found), strict=True):
+        upper.plot(found.adhesion_hertz[i], 100 * found.least[i], "o", color=colour, markersize=4)
+        lower.plot(found.phase_hertz[i], degrees * found.phase[i], "o", color=colour, markersize=4)
+    for least in [100 * share for share in CLASSES.values()]:
+        upper.axhline(least, color=Colour.GREY, linewidth=0.8, linestyle=":")
+    for name, share in CLASSES.items():
+        upper.annotate(name, (1.0, 100 * share), xycoords=("axes fraction", "data"), xytext=(3, 3),
+                       textcoords="offset points", fontsize="small", color=Colour.GREY)  # fmt: skip
+    lower.axhline(degrees * PHASE_LIMIT, color=Colour.GREY, linewidth=0.8, linestyle=":")
+    lower.annotate("limit", (1.0, degrees * PHASE_LIMIT), xycoords=("axes fraction", "data"), xytext=(3, -3),
+                   textcoords="offset points", fontsize="small", color=Colour.GREY)  # fmt: skip
+    lower.axvspan(found.resonances[0, 0], float(np.max(found.resonances[:, 1])), color=Colour.SHADE, zorder=0)
+    upper.set(ylabel="least / static force [%]", ylim=(min(-5.0, *(105 * found.least)), 105.0))
+    upper.set_title("EUSAMA", loc="left")
+    lower.set(xlabel="frequency [Hz]", ylabel="phase [deg]", ylim=(0.0, 180.0), yticks=range(0, 181, 45))
+    lower.set_title("EGEA; grey: between the resonances", loc="left")
+    lower.set_xscale("log")
+    lower.set_xlim(0.5, float(found.hertz[-1]))
+    frequency_ticks(lower.xaxis, float(found.hertz[-1]) / 0.5)
+    key_above(upper)
+    return figure
+
+
+def _draw(ax: Axes, found: Grip, values: RealArray, reach: RealArray) -> None:
+    for wheel, row, band, colour in zip(found.wheels, values, reach, _colours(found), strict=True):
+        ax.fill_between(found.hertz, row - band, row + band, color=colour, alpha=0.25, linewidth=0.0)
+        ax.plot(found.hertz, row, color=colour, linewidth=1.0, label=in_legend(wheel))
+
+
+def _colours(found: Grip) -> list[Colour]:
+    return [CHANNEL_COLOURS[i % len(CHANNEL_COLOURS)] for i in range(len(found.wheels))]

@@ -1,0 +1,142 @@
+"""The grip of wheels on a test bench: adhesion after EUSAMA, least phase after EGEA, with their uncertainty."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+import numpy as np
+
+from suspid.levels import LEVEL, check_level
+from suspid.units import Ratio, RealArray
+from suspid.values import text_table
+from suspid.words import Verdict
+
+# EUSAMA's classes: least adhesion of each [1].
+CLASSES = {"excellent": 0.6, "good": 0.4, "fair": 0.2, "poor": 0.0}
+# EGEA SPECSUS2018: a wheel whose least phase is below this fails [rad].
+PHASE_LIMIT = float(np.radians(35.0))
+
+Figure: TypeAlias = Literal["adhesion", "phase"]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Grip:
+    """Adhesion and least phase of each wheel on a test bench, as figures and as curves.
+
+    Parameters
+    ----------
+    wheels : tuple of str
+        The wheels, by coordinate.
+    load : ndarray (wheel,)
+        Static contact force [N].
+    least : ndarray (wheel,)
+        Least over static contact force during the sweep [1]; negative where the linear force is, see `adhesion`.
+    phase : ndarray (wheel,)
+        Least phase of the contact force against the platform between the resonances of body and wheel [rad]; NaN where
+        the phase has no least value there.
+    adhesion_hertz, phase_hertz : ndarray (wheel,)
+        Where these are met [Hz].
+    hertz : ndarray (frequency,)
+        Frequencies of the curves [Hz].
+    adhesion_curve, phase_curve : ndarray (wheel, frequency)
+        Least over static contact force, negative where the linear force would be, and phase [rad].
+    adhesion_band, phase_band : ndarray (wheel, frequency)
+        Standard deviations of the curves; 0 for a car that is known.
+    resonances : ndarray (wheel, 2)
+        Frequencies between which the least phase is looked for [Hz].
+    amplitude : float
+        Amplitude of the platform [m].
+    parameters : tuple of str
+        The uncertain parameters of the car.
+    jacobian : ndarray (figure, parameter)
+        Derivatives of `least` of every wheel, then of their phases; in SI units.
+    covariance : ndarray (parameter, parameter)
+        Joint covariance of the parameters.
+    verdict : Verdict
+        Each wheel against the limit, and what the figures rest on.
+    """
+
+    wheels: tuple[str, ...]
+    load: RealArray
+    least: RealArray
+    phase: RealArray
+    adhesion_hertz: RealArray
+    phase_hertz: RealArray
+    hertz: RealArray
+    adhesion_curve: RealArray
+    phase_curve: RealArray
+    adhesion_band: RealArray
+    phase_band: RealArray
+    resonances: RealArray
+    amplitude: float
+    parameters: tuple[str, ...]
+    jacobian: RealArray
+    covariance: RealArray
+    verdict: Verdict
+
+    @property
+    def adhesion(self) -> RealArray:
+        """EUSAMA's adhesion [1], (wheel,): `least`, or 0 where the wheel leaves the platform."""
+        return np.maximum(self.least, 0.0)
+
+    @property
+    def adhesion_std(self) -> RealArray:
+        """Standard deviations of `least` [1], (wheel,)."""
+        return self._std[: len(self.wheels)]
+
+    @property
+    def phase_std(self) -> RealArray:
+        """Standard deviations of `phase` [rad], (wheel,)."""
+        return self._std[len(self.wheels) :]
+
+    @property
+    def classes(self) -> tuple[str, ...]:
+        """EUSAMA's class of each wheel: excellent from 60 %, good from 40 %, fair from 20 %, else poor."""
+        return tuple(next(name for name, least in CLASSES.items() if one >= least) for one in self.adhesion)
+
+    @property
+    def _std(self) -> RealArray:
+        return np.asarray(np.sqrt(np.einsum("ip,pq,iq->i", self.jacobian, self.covariance, self.jacobian)))
+
+    def interval(self, level: Ratio = LEVEL) -> dict[str, tuple[float, float]]:
+        """Return the ends between which each figure lies with probability ``level``, as of ``"tire.adhesion"``.
+
+        To first order in the parameters, cut at 0 and 1 and at 0 and pi; NaN where there is no least phase.
+
+        Raises
+        ------
+        InputError
+            If the level is not between 0 and 1.
+        """
+        from scipy.special import ndtri
+
+        check_level(level)
+        reach = float(ndtri((1 + level) / 2))
+        ends: dict[str, tuple[float, float]] = {}
+        for what, values, stds, top in (
+            ("adhesion", self.least, self.adhesion_std, 1.0),
+            ("phase", self.phase, self.phase_std, np.pi),
+        ):
+            for wheel, value, std in zip(self.wheels, values.tolist(), stds.tolist(), strict=True):
+                low, high = np.clip([value - reach * std, value + reach * std], 0.0, top).tolist()
+                ends[f"{wheel}.{what}"] = low, high
+        return ends
+
+    def __str__(self) -> str:
+        certain = not np.any(self.covariance)
+        adhesion = {"adhesion [%]": [f"{100 * one:.1f}" for one in self.adhesion]}
+        phase = {"least phase [deg]": ["none" if np.isnan(one) else f"{np.degrees(one):.1f}" for one in self.phase]}
+        if not certain:
+            adhesion["±"] = [f"{100 * one:.1f}" for one in self.adhesion_std]
+            phase["± "] = ["" if np.isnan(one) else f"{np.degrees(one):.1f}" for one in self.phase_std]
+        columns = {
+            "wheel": list(self.wheels),
+            "load [N]": [f"{load:.0f}" for load in self.load],
+            **adhesion,
+            "class": list(self.classes),
+            "at [Hz]": [f"{one:.1f}" for one in self.adhesion_hertz],
+            **phase,
+            "at [Hz] ": ["" if np.isnan(one) else f"{one:.2f}" for one in self.phase_hertz],
+        }
+        return f"{text_table(columns)}\n{self.verdict}"

@@ -1,0 +1,102 @@
+"""A car and what is uncertain of it: from a description, or from an estimate with its covariance."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from suspid.errors import InputError
+from suspid.greybox import Estimate
+from suspid.model import Suspension
+from suspid.reconstruction import parameter_names, parameter_values
+from suspid.units import Ratio, RealArray, Second
+from suspid.values import frozen_real, nearest_names
+from suspid.words import Level
+
+ALL = "all springs, dampers and masses"
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Uncertain:
+    """A car, its uncertain parameters with their joint covariance, and what is taken as known."""
+
+    car: Suspension
+    parameters: tuple[str, ...]
+    covariance: RealArray
+    relaxations: Mapping[str, Second]  # of mounts that are parameters
+    known: tuple[str, ...]
+    doubt: Level | None  # the level of the estimate's verdict, where it is below sound
+
+
+def uncertain(car: Suspension | Estimate, nominal_std: Ratio | Mapping[str, Ratio] | None = None) -> Uncertain:
+    """Return a car with the parameters of springs, dampers, masses and mounts that are uncertain.
+
+    Raises
+    ------
+    InputError
+        If the car is neither a Suspension nor an Estimate, or ``nominal_std`` names what is unknown or was estimated.
+    """
+    _check(car)
+    found = car if isinstance(car, Estimate) else None
+    described = car.suspension if isinstance(car, Estimate) else car
+    values, names = parameter_values(described), parameter_names(described)
+    estimated = () if found is None else found.parameters
+    own = [i for i, name in enumerate(estimated) if name in names or _is_mount(described, name)]
+    stds = _stated(nominal_std, [name for name in names if name not in estimated], values, names)
+    parameters = (*(estimated[i] for i in own), *stds)
+    covariance = np.diag([0.0] * len(own) + [values[name] * std for name, std in stds.items()]) ** 2
+    relaxations: dict[str, float] = {}
+    if found is not None:
+        covariance[: len(own), : len(own)] = found.covariance[np.ix_(own, own)]
+        relaxations = {
+            estimated[i].rpartition(".")[0]: float(found.values[i]) for i in own if estimated[i] not in names
+        }
+    known = tuple(name for name in names if name not in parameters and values[name])
+    level = None if found is None else found.verdict.level
+    return Uncertain(
+        car=described,
+        parameters=parameters,
+        covariance=frozen_real(covariance),
+        relaxations=relaxations,
+        known=known if parameters else (ALL,),
+        doubt=level if level is not None and level < Level.SOUND else None,
+    )
+
+
+def _check(car: object) -> None:
+    if not isinstance(car, Suspension | Estimate):
+        hint = "; take its .suspension" if hasattr(car, "suspension") else ""
+        raise InputError(f"this needs a Suspension or an Estimate, not {type(car).__name__}{hint}")
+
+
+def _is_mount(car: Suspension, name: str) -> bool:
+    owner, _, quantity = name.rpartition(".")
+    return quantity == "relaxation" and any(strut.name == owner for strut in car.struts)
+
+
+def _stated(
+    given: Ratio | Mapping[str, Ratio] | None,
+    held: list[str],
+    values: Mapping[str, float],
+    names: list[str],
+) -> dict[str, float]:
+    """Return the relative standard deviations of parameters that were not estimated, by name."""
+    if given is None:
+        return {}
+    if isinstance(given, Mapping):
+        for name in given:
+            if name not in names:
+                raise InputError(f"nominal_std: there is no parameter {name!r}.{nearest_names(name, names)}")
+            if name not in held:
+                raise InputError(f"nominal_std: {name!r} was estimated; its uncertainty is that of the estimate")
+    stds = dict(given) if isinstance(given, Mapping) else {
+        name: given for name in held if values[name] and not name.endswith(".mass")
+    }  # fmt: skip
+    for name, std in stds.items():
+        if not (isinstance(std, int | float | np.number) and np.isfinite(std) and std >= 0):
+            raise InputError(
+                f"nominal_std: {name!r} = {std!r} must be a relative standard deviation >= 0, such as 0.05"
+            )
+    return {name: float(std) for name, std in stds.items()}

@@ -1,0 +1,45 @@
+"""What can be said of the grip of wheels on a test bench."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any, TypeAlias
+
+from suspid.words.remarks import Code, in_a_row
+
+Numbers: TypeAlias = Mapping[str, Any]
+
+
+def _named(text: str) -> Callable[[Numbers], str]:
+    """Return words with the names in place of ``{names}``, the last after an "and"."""
+    return lambda numbers: text.format_map({**numbers, "names": in_a_row(numbers["names"])})
+
+
+class GripHeadline(Code):
+    """What was found."""
+
+    GRIP = "grip", _named("grip of {names}")
+
+
+class GripCheck(Code):
+    """What speaks for and against the grip of a wheel."""
+
+    PASSES = "passes", "{wheel}: the least phase, {phase:.1f} deg, is above the limit of {limit:.0f} deg."
+    FAILS = "fails", "{wheel}: the least phase, {phase:.1f} deg, is below the limit of {limit:.0f} deg."
+    NEAR = (
+        "near",
+        "{wheel}: the limit of {limit:.0f} deg lies inside the interval of the least phase, {low:.1f} to {high:.1f} "
+        "deg.",
+    )
+    NO_LEAST = (
+        "no least phase",
+        "{wheel}: the phase falls all the way from the body's to the wheel's resonance, as with strong dampers; it has "
+        "no least value to judge.",
+    )
+    LIFTS = (
+        "lifts",
+        "{wheel}: the wheel leaves the platform near {hertz:.3g} Hz, where the linear force would be negative; its "
+        "adhesion is 0.",
+    )
+    KNOWN = "known", _named("Taken as known, without any error in the intervals: {names}.")
+    UNTRUSTED = "untrusted", "The estimate of the car is {level}: its verdict says why."

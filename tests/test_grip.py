@@ -1,0 +1,261 @@
+"""Grip on a test bench: laws of contact forces, statics, derivatives, and figures of another source."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from suspid import (
+    Estimate,
+    InputError,
+    Strut,
+    Suspension,
+    add_noise,
+    estimate,
+    free_decay,
+    full_car,
+    grip,
+    half_car,
+    quarter_car,
+    statespace,
+)  # fmt: skip
+from suspid.ride.contact import contact, static_loads, wheels_of
+from suspid.units import STANDARD_GRAVITY as GRAVITY
+from suspid.words import Level
+from suspid.words.grip import GripCheck
+from validation.greybox_rows import FULL
+from validation.motion import STEP, integrated
+
+
+def quarter(damping: float, *, tire_damping: float = 60.0) -> Suspension:
+    return quarter_car(
+        chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3, chassis_damping=damping,
+        tire_damping=tire_damping,
+    )  # fmt: skip
+
+
+HALF = half_car(
+    seat_mass=80, chassis_mass=600, pitch_inertia=900, front_tire_mass=40, rear_tire_mass=45, cg_to_front=1.1,
+    cg_to_rear=1.4, seat_ahead=0.2, seat_stiffness=12e3, front_stiffness=21e3, rear_stiffness=24e3,
+    front_tire_stiffness=190e3, rear_tire_stiffness=200e3, seat_damping=300, front_damping=1350, rear_damping=1100,
+    front_tire_damping=60, rear_tire_damping=40,
+)  # fmt: skip
+MOUNTED = HALF.with_parameters(mount_stiffness={"front": 4e5})
+
+
+@pytest.fixture(scope="module")
+def found() -> Estimate:
+    car = quarter(900)
+    decay = free_decay(car, np.arange(0, 3, 0.005), initial_state={"v_tire": 1.0})
+    noisy = add_noise(decay, snr_db=20.0, rng=np.random.default_rng(1))
+    return estimate(noisy, car.with_parameters(damping={"chassis": 1300}), fixed=["tire.damping"])
+
+
+class TestFigures:
+    """Least phase and adhesion of the car of GREYBOX.md, from an independent calculation."""
+
+    @pytest.mark.parametrize(("damping", "degrees"), [(1300, 63.9), (900, 47.8), (650, 35.9), (400, 22.7)])
+    def test_least_phase(self, damping: float, degrees: float) -> None:
+        assert np.degrees(grip(quarter(damping)).phase[0]) == pytest.approx(degrees, abs=0.05)
+
+    @pytest.mark.parametrize(("damping", "percent"), [(1300, 60), (650, 29), (400, 0)])
+    def test_adhesion(self, damping: float, percent: float) -> None:
+        # The tire's damper is not stated there: with 50 N s/m all three figures round as printed.
+        assert round(100 * grip(quarter(damping, tire_damping=50)).adhesion[0]) == percent
+
+    def test_a_wheel_that_leaves_the_platform_is_said(self) -> None:
+        lifted = grip(quarter(400))
+        assert lifted.least[0] < 0 == lifted.adhesion[0]
+        assert GripCheck.LIFTS in [check.remark.code for check in lifted.verdict.checks]
+        assert lifted.classes == ("poor",)
+
+
+class TestContact:
+    @pytest.mark.parametrize("car", [quarter(900), HALF, MOUNTED, FULL])
+    def test_the_force_is_that_of_the_state_space(self, car: Suspension) -> None:
+        hertz = np.array([0.5, 1.3, 4.0, 11.0, 24.0])
+        G, _ = contact(wheels_of(car), hertz)
+        tires = [s for road in car.roads for s in car.struts if road in s.arms]
+        system = statespace(car, outputs=[f"{s.name}_travel" for s in tires])
+        s = 2j * np.pi * hertz
+        for i, tire in enumerate(tires):
+            H = np.array([system(one) for one in s])
+            travel = H[:, i, i] + s * H[:, i, len(tires) + i]
+            np.testing.assert_allclose(G[i], -(tire.stiffness + tire.damping * s) * travel, rtol=1e-9)
+
+    def test_the_swing_is_that_of_an_independent_integrator(self) -> None:
+        car, hertz = quarter(650), 10.97
+        t = STEP / 2 * np.arange(round(6 / STEP) * 2 + 1)
+        inputs = np.zeros((4, len(t)))
+        inputs[0], inputs[1] = (
+            0.003 * np.sin(2 * np.pi * hertz * t),
+            0.003 * 2 * np.pi * hertz * np.cos(2 * np.pi * hertz * t),
+        )
+        _, acceleration = integrated(car, inputs, np.zeros(4), keep=1)
+        force = np.array(list(car.masses.values())) @ acceleration
+        late = force[len(force) // 2 :]
+        least = 1 + np.min(late) / (400 * GRAVITY)
+        assert grip(car).least[0] == pytest.approx(least, abs=2e-4)
+
+    def test_no_phase_is_negative_without_a_source_of_energy(self) -> None:
+        curves = grip(MOUNTED).phase_curve
+        assert np.min(curves) > 0
+        assert np.max(curves) < np.pi
+
+    def test_ratios_to_mass_decide(self) -> None:
+        double = HALF.with_parameters(
+            masses={name: 2 * m for name, m in HALF.masses.items()},
+            stiffness={s.name: 2 * s.stiffness for s in HALF.struts},
+            damping={s.name: 2 * s.damping for s in HALF.struts},
+        )
+        one, two = grip(HALF), grip(double)
+        np.testing.assert_allclose(two.least, one.least, rtol=1e-9)
+        np.testing.assert_allclose(two.phase, one.phase, rtol=1e-9)
+
+
+class TestLoads:
+    def test_law_of_the_lever(self) -> None:
+        load, _ = static_loads(wheels_of(HALF))
+        body, seat, base = 600 * GRAVITY, 80 * GRAVITY, 2.5
+        front = body * 1.4 / base + seat * (1.4 + 0.2) / base + 40 * GRAVITY
+        np.testing.assert_allclose(load, [front, (600 + 80 + 40 + 45) * GRAVITY - front], rtol=1e-12)
+
+    def test_moments_balance_on_a_car_with_a_load_at_one_side(self) -> None:
+        car = full_car(
+            seat_mass=90, seat_ahead=0.3, seat_left=0.4, seat_stiffness=15e3, seat_damping=400, chassis_mass=1200,
+            pitch_inertia=1800, roll_inertia=500, front_tire_mass=40, rear_tire_mass=42, cg_to_front=1.2,
+            cg_to_rear=1.5, front_track=1.5, rear_track=1.48, front_stiffness=(20e3, 20.5e3),
+            rear_stiffness=(18e3, 18.5e3), front_antiroll_stiffness=8e3, front_tire_stiffness=200e3,
+            rear_tire_stiffness=205e3, front_damping=1500, rear_damping=1400,
+        )  # fmt: skip
+        load, _ = static_loads(wheels_of(car))
+        wheels = np.array([40, 40, 42, 42]) * GRAVITY
+        left = np.array([0.75, -0.75, 0.74, -0.74])
+        ahead = np.array([1.2, 1.2, -1.5, -1.5])
+        assert np.sum(load) == pytest.approx(sum(car.masses[m] for m in car.masses if m not in ("pitch", "roll"))
+                                             * GRAVITY, rel=1e-12)  # fmt: skip
+        assert (load - wheels) @ left == pytest.approx(90 * GRAVITY * 0.4, rel=1e-9)
+        assert (load - wheels) @ ahead == pytest.approx(90 * GRAVITY * 0.3, rel=1e-9)
+
+    def test_weighed_loads_replace_computed_ones(self) -> None:
+        one, heavy = grip(HALF), grip(HALF, loads={"front": 2 * grip(HALF).load[0]})
+        assert 1 - heavy.least[0] == pytest.approx((1 - one.least[0]) / 2)
+        assert heavy.least[1] == one.least[1]
+
+
+class TestUncertainty:
+    @pytest.mark.parametrize("car", [quarter(900), MOUNTED])
+    def test_derivatives_are_differences(self, car: Suspension) -> None:
+        known = {f"{s.name}.{q}": 0.1 for s in car.struts for q in ("stiffness", "damping") if getattr(s, q)}
+        known |= {f"{name}.mass": 0.1 for name in car.masses}
+        exact = grip(car, nominal_std=known)
+        for column, name in enumerate(exact.parameters):
+            owner, _, quantity = name.rpartition(".")
+            key = {"mass": "masses"}.get(quantity, quantity)
+            value = car.masses[owner] if quantity == "mass" else next(
+                getattr(s, quantity) for s in car.struts if s.name == owner
+            )  # fmt: skip
+            step = 1e-4 * value
+            # A mount of known stiffness: its relaxation grows with the damping.
+            high, low = (grip(car.with_parameters(**{key: {owner: value + sign * step}})) for sign in (1, -1))
+            slopes = (np.append(high.least, high.phase) - np.append(low.least, low.phase)) / (2 * step)
+            np.testing.assert_allclose(
+                exact.jacobian[:, column] * value, slopes * value, rtol=2e-4, atol=2e-6, err_msg=name
+            )
+
+    def test_relaxation_is_a_parameter_of_its_own(self) -> None:
+        wheels = wheels_of(HALF, {"front": 2e-3})
+        names, step = ("front.relaxation", "front.damping"), 1e-6
+        hertz = np.array([1.5, 8.0])
+        _, slopes = contact(wheels, hertz, names)
+        for row, (by_time, by_damping) in enumerate([(step, 0.0), (0.0, 0.1)]):
+            sides = [
+                contact(
+                    wheels_of(
+                        HALF.with_parameters(damping={"front": 1350 + sign * by_damping}),
+                        {"front": 2e-3 + sign * by_time},
+                    ),
+                    hertz,
+                )[0]
+                for sign in (1, -1)
+            ]
+            difference = (sides[0] - sides[1]) / (2 * (by_time + by_damping))
+            np.testing.assert_allclose(slopes[row], difference, rtol=1e-5, atol=1e-4)
+
+    def test_standard_deviations_are_those_of_draws(self, found: Estimate) -> None:
+        # Six times the deviations of the estimate are still small beside what bends the figures.
+        wide = replace(found, covariance=36 * found.covariance)
+        stated = grip(wide)
+        rng, figures = np.random.default_rng(2), []
+        for draw in rng.multivariate_normal(wide.values, wide.covariance, size=300):
+            parts = dict(zip(wide.parameters, draw.tolist(), strict=True))
+            car = wide.suspension.with_parameters(
+                stiffness={n.split(".")[0]: v for n, v in parts.items() if n.endswith("stiffness")},
+                damping={n.split(".")[0]: v for n, v in parts.items() if n.endswith("damping")},
+            )
+            one = grip(car)
+            figures.append([one.least[0], one.phase[0]])
+        spread = np.std(figures, axis=0)
+        # 300 draws tell a standard deviation to 4 %.
+        np.testing.assert_allclose([stated.adhesion_std[0], stated.phase_std[0]], spread, rtol=0.12)
+
+    def test_bands_of_the_curves_meet_those_of_the_figures(self, found: Estimate) -> None:
+        one = grip(found)
+        k = int(np.argmin(np.abs(one.hertz - one.phase_hertz[0])))
+        assert one.phase_band[0, k] == pytest.approx(one.phase_std[0], rel=0.02)
+
+    def test_the_interval_decides_against_the_limit(self, found: Estimate) -> None:
+        near = replace(found, suspension=quarter(640))
+        codes = [check.remark.code for check in grip(near, nominal_std={"tire.mass": 0.3}).verdict.checks]
+        assert GripCheck.NEAR in codes
+        weak = grip(replace(found, suspension=quarter(400)))
+        assert GripCheck.FAILS in [check.remark.code for check in weak.verdict.checks]
+        assert weak.verdict.level is Level.CARE
+
+    def test_what_is_taken_as_known_is_named(self, found: Estimate) -> None:
+        checks = {check.remark.code: check.remark for check in grip(found).verdict.checks}
+        assert checks[GripCheck.KNOWN].numbers["names"] == ("tire.damping", "chassis.mass", "tire.mass")
+        wider = grip(found, nominal_std={"chassis.mass": 0.05})
+        assert wider.phase_std[0] > grip(found).phase_std[0]
+
+    def test_strong_dampers_have_no_least_phase(self) -> None:
+        strong = grip(quarter(4000))
+        assert np.isnan(strong.phase[0])
+        assert "none" in str(strong)
+        assert np.isnan(strong.interval()["tire.phase"][0])
+
+
+class TestRefusals:
+    def test_what_has_no_wheel(self) -> None:
+        body = Strut(name="spring", stiffness=4e3, damping=10.0, arms={"body": 1.0, "road": -1.0})
+        with pytest.raises(InputError, match="carries nothing"):
+            grip(Suspension(masses={"body": 10.0}, struts=[body]))
+        loose = Strut(name="link", stiffness=4e3, damping=10.0, arms={"a": 1.0, "b": -1.0})
+        with pytest.raises(InputError, match="no road"):
+            grip(Suspension(masses={"a": 10.0, "b": 1.0}, struts=[loose]))
+
+    def test_springs_must_hold_the_car(self) -> None:
+        car = quarter(900).with_parameters(stiffness={"chassis": 0.0})
+        with pytest.raises(InputError, match="do not hold"):
+            grip(car)
+
+    @pytest.mark.parametrize(
+        ("arguments", "words"),
+        [
+            ({"amplitude": 0.0}, "amplitude"),
+            ({"highest": np.inf}, "highest"),
+            ({"loads": {"tyre": 1.0}}, "no wheel"),
+            ({"loads": {"tire": -1.0}}, "positive number of N"),
+            ({"nominal_std": {"tire.mas": 0.1}}, "no parameter"),
+            ({"nominal_std": -0.1}, "standard deviation"),
+        ],
+    )
+    def test_arguments(self, arguments: dict[str, object], words: str) -> None:
+        with pytest.raises(InputError, match=words):
+            grip(quarter(900), **arguments)  # type: ignore[arg-type]
+
+    def test_other_types(self, found: Estimate) -> None:
+        with pytest.raises(InputError, match="Suspension or an Estimate"):
+            grip(found.modes)  # type: ignore[arg-type]
+        with pytest.raises(InputError, match="was estimated"):
+            grip(found, nominal_std={"chassis.damping": 0.1})
