@@ -25,7 +25,7 @@ from suspid.errors import (
     SuspidError,
 )
 from suspid.fleet import FleetRun, FleetSummary, fleet_summary, identify_many
-from suspid.greybox import Estimate, RecordTest, estimate
+from suspid.greybox import Drive, DriveLimits, Drives, Estimate, RecordTest, estimate, find_drives
 from suspid.identification import Considered, FourSteps, Identification, Repeats, identify, identify_repeats
 from suspid.io import read_recording, write_record
 from suspid.model import (
@@ -94,6 +94,7 @@ __all__ = [  # noqa: RUF022 - grouped by step
     # files as they come, cleaned, and the decays in them
     "read_recording", "Recording", "RawChannel", "clean", "Cleaned", "Finding",
     "vertical", "Vertical", "scaled", "to_si", "find_decays", "Decays", "Decay",
+    "find_drives", "Drives", "Drive", "DriveLimits",
     # the whole recipe
     "analyse", "Analysis", "Settings", "CarSettings",
     # a record's modes, at once or step by step, and those of repeats

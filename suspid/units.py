@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 Kilogram: TypeAlias = Annotated[float, "kg"]
 Metre: TypeAlias = Annotated[float, "m"]
 Second: TypeAlias = Annotated[float, "s"]
+MetrePerSecond: TypeAlias = Annotated[float, "m/s"]
+MetrePerSecond2: TypeAlias = Annotated[float, "m/s2"]
 Hertz: TypeAlias = Annotated[float, "Hz"]
 Newton: TypeAlias = Annotated[float, "N"]
 RadianPerSecond: TypeAlias = Annotated[float, "rad/s"]

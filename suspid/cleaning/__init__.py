@@ -5,10 +5,12 @@ outliers, sentinels. Each repair, and each defect left alone, is a `Finding`. `r
 file in one step. `vertical` combines the axes of a tilted accelerometer, `scaled` and `to_si` convert units.
 """
 
+from suspid.cleaning.aligned import Aligned, aligned, parts_of
 from suspid.cleaning.clean import clean
 from suspid.cleaning.cleaned import Cleaned
 from suspid.cleaning.clipping import CLIPPED, clipped_run
 from suspid.cleaning.conversions import scaled, to_si
+from suspid.cleaning.faults import clipped_times, stuck_times
 from suspid.cleaning.findings import Finding
 from suspid.cleaning.gaps import runs
 from suspid.cleaning.joining import ONE_RATE
@@ -19,16 +21,21 @@ from suspid.cleaning.sensors import Vertical, vertical
 __all__ = [
     "CLIPPED",
     "ONE_RATE",
+    "Aligned",
     "Cleaned",
     "Finding",
     "Vertical",
+    "aligned",
     "clean",
     "clipped_run",
+    "clipped_times",
     "halving_error",
     "interpolate",
+    "parts_of",
     "read_record",
     "runs",
     "scaled",
+    "stuck_times",
     "to_si",
     "vertical",
 ]

@@ -69,7 +69,7 @@ def inspect(name: str, times: RealArray, values: RealArray) -> Inspected:
     huge = np.flatnonzero(np.abs(values) >= IMPOSSIBLE) if whole is not values else np.empty(0, np.intp)
     if huge.size:
         findings.append(found(Defect.SENTINEL, times[huge], huge.size, {"limit": IMPOSSIBLE}, channel=name))
-    repaired, sentinels = _without_sentinels(name, times, whole)
+    repaired, sentinels = without_sentinels(name, times, whole)
     findings += sentinels
     if np.sum(~np.isnan(repaired)) >= 8:
         findings += clipping(name, *_known(times, repaired))
@@ -94,7 +94,7 @@ def _known(times: RealArray, values: RealArray) -> tuple[RealArray, RealArray]:
     return (times[~missing], values[~missing]) if np.any(missing) else (times, values)
 
 
-def _without_sentinels(name: str, times: RealArray, values: RealArray) -> tuple[RealArray, list[Finding]]:
+def without_sentinels(name: str, times: RealArray, values: RealArray) -> tuple[RealArray, list[Finding]]:
     """Return the samples with NaN for values far from all others, and a finding for each such value."""
     findings: list[Finding] = []
     for _ in range(6):

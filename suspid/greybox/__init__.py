@@ -5,11 +5,25 @@ data; in the time domain `dynamics` (exact motion and its derivatives), `respons
 `problem`, `further` (unknowns: mounts, gains, delays), `search` and `time_domain`; in the frequency domain `spectra`,
 `transfers`, `measured_causes` (errors in variables), `noise_levels`, `wheel_problem` and `frequency_domain`.
 `whiteness`, `leftover`, `identifiability`, `modal` and `judgement` say how far the result can be trusted, `estimates`
-holds it.
+holds it. `find_drives` finds the usable stretches of long recordings: `speeds`, `blocks`, `stretches`, `drives`.
 """
 
+from suspid.greybox.drives import Drive, DriveLimits, Drives, summary_table
 from suspid.greybox.estimate import estimate
 from suspid.greybox.estimates import Estimate, nominal_value, parameter_table, parameter_unit
+from suspid.greybox.find_drives import find_drives
 from suspid.greybox.trials import RecordTest
 
-__all__ = ["Estimate", "RecordTest", "estimate", "nominal_value", "parameter_table", "parameter_unit"]
+__all__ = [
+    "Drive",
+    "DriveLimits",
+    "Drives",
+    "Estimate",
+    "RecordTest",
+    "estimate",
+    "find_drives",
+    "nominal_value",
+    "parameter_table",
+    "parameter_unit",
+    "summary_table",
+]

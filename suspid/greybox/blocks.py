@@ -1,0 +1,120 @@
+"""What speaks for and against each block of a recorded drive."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from suspid.cleaning import Aligned, aligned, clipped_times, stuck_times
+from suspid.errors import RecordError
+from suspid.greybox.drives import DriveLimits
+from suspid.greybox.speeds import Going, Way, going
+from suspid.recordings import RawChannel
+from suspid.units import RealArray, Second
+from suspid.words.drives import DriveReason
+
+Flags: TypeAlias = NDArray[np.bool_]
+
+# Share of the samples of a channel in a block that may be interpolated.
+MOST_FILLED_OF_BLOCK = 0.1
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Blocks:
+    """What was found in each block of a part of a recording."""
+
+    part: Aligned
+    size: int  # samples of a block
+    going: Going
+    level: RealArray  # (block,): vibration [m/s2]
+    flags: Mapping[DriveReason, Flags]  # reasons against, the gravest first
+    faults: Mapping[DriveReason, Mapping[str, Flags]]  # those of channels, by channel
+
+    @property
+    def count(self) -> int:
+        """Number of blocks."""
+        return len(self.level)
+
+
+def examined(part: Sequence[RawChannel], way: Way, orders: dict[str, tuple[int, float]], limits: DriveLimits) -> Blocks:
+    """Return what speaks against each block of a part of a recording."""
+    together = aligned(part)
+    size = max(2, round(limits.block / together.step))
+    count = together.timepts.size // size
+    if not count:
+        raise RecordError(f"the part is shorter than a block of {limits.block:g} s")
+    edges = together.timepts[0] + together.step * size * np.arange(count + 1)
+    moves = going(way, edges)
+    clear, faults = {}, dict[DriveReason, dict[str, Flags]]()
+    for reason in (DriveReason.MISSING, DriveReason.CLIPPED, DriveReason.STUCK):
+        faults[reason] = {}
+    levels = []
+    for row, channel in enumerate(part):
+        values = together.values[row, : count * size].reshape(count, size)
+        filled = together.filled[row, : count * size].reshape(count, size)
+        holes = np.any(np.isnan(values), axis=1) | (np.mean(filled, axis=1) > MOST_FILLED_OF_BLOCK)
+        still = _hit(stuck_times(channel, limits.stuck), edges)
+        faults[DriveReason.MISSING][channel.name] = holes
+        faults[DriveReason.CLIPPED][channel.name] = _hit(clipped_times(channel), edges)
+        faults[DriveReason.STUCK][channel.name] = still
+        order, factor = orders[channel.name]
+        level = factor * vibration(together.values[row, : count * size], together.step, order, size, limits)
+        levels.append(np.where(still, np.nan, level))
+    quiet = np.nanmin(np.where(np.isnan(levels), np.inf, levels), axis=0)
+    level = np.where(np.isinf(quiet), 0.0, quiet)
+    known = np.isfinite(moves.speed)
+    slow, standing = known & (moves.speed < limits.least_speed), ~known & (level < limits.least_vibration)
+    for reason, by_channel in faults.items():
+        clear[reason] = np.any(list(by_channel.values()), axis=0)
+    clear[DriveReason.STUCK] &= ~slow & ~standing
+    standing &= ~clear[DriveReason.MISSING]
+    return Blocks(
+        part=together,
+        size=size,
+        going=moves,
+        level=level,
+        faults=faults,
+        flags={
+            DriveReason.MISSING: clear[DriveReason.MISSING],
+            DriveReason.CLIPPED: clear[DriveReason.CLIPPED],
+            DriveReason.SLOW: slow,
+            DriveReason.STANDING: standing,
+            DriveReason.STUCK: clear[DriveReason.STUCK],
+            DriveReason.BRAKING: moves.longitudinal > limits.longitudinal,
+            DriveReason.CORNERING: moves.lateral > limits.lateral,
+        },
+    )
+
+
+def vibration(values: RealArray, step: Second, order: int, size: int, limits: DriveLimits) -> RealArray:
+    """Return the level of acceleration near each block of the ``order``-th derivative of a displacement (sample,).
+
+    Spectra are those of twice a block, about its middle. The level is the root of the median of the spectrum in the
+    band times the bandwidth: the root mean square if the spectrum is flat, and single lines, such as those of an idling
+    engine, count for nothing. What is missing is left out of the mean and of the spectrum.
+    """
+    count, wide = len(values) // size, min(2 * size, len(values))
+    first = np.clip(size * np.arange(count) - (wide - size) // 2, 0, len(values) - wide)
+    about = np.lib.stride_tricks.sliding_window_view(values, wide)[first]
+    missing = np.isnan(about)
+    if np.any(missing):
+        number = np.maximum(np.sum(~missing, axis=1, keepdims=True), 1)
+        about = np.where(missing, np.nansum(about, axis=1, keepdims=True) / number, about)
+    window = np.hanning(wide + 2)[1:-1]
+    hertz = np.fft.rfftfreq(wide, step)
+    inside = (hertz >= limits.band[0]) & (hertz <= min(limits.band[1], 0.4 / step))
+    lines = np.fft.rfft((about - np.mean(about, axis=1, keepdims=True)) * window, axis=1)[:, inside]
+    lines = lines * (2 * np.pi * hertz[inside]) ** (2 - order)
+    power = 2 * step * np.abs(lines) ** 2 / np.sum(window**2)
+    # The median of a periodogram of noise is ln 2 of its mean.
+    return np.asarray(np.sqrt(np.median(power, axis=1) / np.log(2) * (limits.band[1] - limits.band[0])))
+
+
+def _hit(times: RealArray, edges: RealArray) -> Flags:
+    """Return which blocks hold one of some times."""
+    at = np.searchsorted(edges, times[np.isfinite(times)], side="right") - 1
+    return np.bincount(at[(at >= 0) & (at < len(edges) - 1)], minlength=len(edges) - 1) > 0

@@ -1,0 +1,192 @@
+"""The stretches of a drive, taken and left, with the reasons."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, overload
+
+import numpy as np
+
+from suspid.errors import InputError
+from suspid.units import Hertz, MetrePerSecond, MetrePerSecond2, Second
+from suspid.values import text_table
+from suspid.words import Check, Code, Level, Remark, Verdict
+from suspid.words.drives import DriveRemark
+
+if TYPE_CHECKING:
+    import control
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class DriveLimits:
+    """What a usable stretch of a drive keeps to. All are physical quantities, and none depends on the record.
+
+    Parameters
+    ----------
+    least_speed : float
+        Speed from which a car counts as moving [m/s]. Below walking pace a car manoeuvres: it is steered, pulls away
+        and stops.
+    least_vibration : float
+        Vibration from which a car counts as moving where its speed is not known [m/s2], see `band`. A very good road
+        (class A of ISO 8608) taken at 3 m/s moves the bodies of ordinary cars by 0.1 m/s2, cars at rest by less than
+        0.02 m/s2.
+    longitudinal, lateral : float
+        Largest acceleration [m/s2], mean over a block. With a centre of gravity at a fifth of the wheelbase, 1.5 m/s2
+        move 3 % of the weight from one axle to the other; springs and dampers then work away from their usual point,
+        and the inertia of the body is a force that no channel shows.
+    band : (float, float)
+        Frequencies in which the vibration is judged [Hz]: above the pitching of braking, below the second order of
+        idling engines. Its level follows from the median of the spectrum in the band, which single lines do not change.
+    block : float
+        Length of the blocks for each of which it is decided [s]: a period of the body or more, so that braking is not
+        hidden by vibration.
+    shortest : float
+        Least length of a stretch [s]: `estimate` transforms stretches of eight periods of the body.
+    stuck : float
+        How long a channel may stay at exactly one value while the car moves [s]: half a period of the slowest body.
+    """
+
+    least_speed: MetrePerSecond = 3.0
+    least_vibration: MetrePerSecond2 = 0.05
+    longitudinal: MetrePerSecond2 = 1.5
+    lateral: MetrePerSecond2 = 1.5
+    band: tuple[Hertz, Hertz] = (1.0, 15.0)
+    block: Second = 1.0
+    shortest: Second = 10.0
+    stuck: Second = 0.5
+
+    def __post_init__(self) -> None:
+        for name in ("least_speed", "least_vibration", "longitudinal", "lateral", "block", "shortest", "stuck"):
+            if not getattr(self, name) > 0:
+                raise InputError(f"{name}={getattr(self, name)} must be positive")
+        if not 0 < self.band[0] < self.band[1]:
+            raise InputError(f"band={self.band} must be a lower and a higher frequency [Hz]")
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Drive:
+    """A stretch of a recorded drive.
+
+    Parameters
+    ----------
+    start, stop : float
+        Its first and last time [s].
+    taken : bool
+        Whether it is usable.
+    reasons : tuple of Remark
+        Why it was taken or left, each a `suspid.words.drives.DriveReason` with its numbers.
+    speed : float
+        Mean speed [m/s]; NaN where it is not known.
+    """
+
+    start: Second
+    stop: Second
+    taken: bool
+    reasons: tuple[Remark, ...]
+    speed: MetrePerSecond
+
+    @property
+    def length(self) -> Second:
+        """Its length [s]."""
+        return self.stop - self.start
+
+    def __str__(self) -> str:
+        said = "; ".join(map(str, self.reasons))
+        return f"{self.start:.6g} … {self.stop:.6g} s {'taken' if self.taken else 'left'}: {said}"
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Drives(Sequence[Drive]):
+    """The stretches of a recorded drive in order of time, as a sequence.
+
+    Parameters
+    ----------
+    stretches : tuple of Drive
+        All stretches; together they cover the recording.
+    records : tuple of control.TimeResponseData
+        The record of each stretch that was taken: all channels on one clock, short gaps filled.
+    remarks : tuple of Check
+        What was judged and what could not be.
+    title : str
+        Name of the recording.
+    """
+
+    stretches: tuple[Drive, ...] = ()
+    records: tuple[control.TimeResponseData, ...] = ()
+    remarks: tuple[Check, ...] = field(default=())
+    title: str = ""
+
+    def __len__(self) -> int:
+        return len(self.stretches)
+
+    def __iter__(self) -> Iterator[Drive]:
+        return iter(self.stretches)
+
+    @overload
+    def __getitem__(self, index: int) -> Drive: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> tuple[Drive, ...]: ...
+
+    def __getitem__(self, index: int | slice) -> Drive | tuple[Drive, ...]:
+        return self.stretches[index]
+
+    @property
+    def taken(self) -> tuple[Drive, ...]:
+        """The usable stretches."""
+        return tuple(one for one in self.stretches if one.taken)
+
+    @property
+    def left(self) -> tuple[Drive, ...]:
+        """The other stretches."""
+        return tuple(one for one in self.stretches if not one.taken)
+
+    @property
+    def usable(self) -> Second:
+        """Length of all usable stretches together [s]."""
+        return float(sum(one.length for one in self.taken))
+
+    @property
+    def length(self) -> Second:
+        """Length of all stretches together [s]."""
+        return float(sum(one.length for one in self.stretches))
+
+    @property
+    def verdict(self) -> Verdict:
+        """Whether there is a usable stretch, and what could not be judged."""
+        if not self.taken:
+            none = Remark(DriveRemark.NONE, {"length": self.length})
+            return Verdict(none, (Check(none, Level.NONE), *self.remarks))
+        numbers = {"stretches": len(self.taken), "seconds": self.usable, "length": self.length}
+        return Verdict(Remark(DriveRemark.FOUND, numbers), self.remarks)
+
+    def __str__(self) -> str:
+        return f"{summary_table(self)}\n{self.verdict}"
+
+    def details(self) -> str:
+        """Return everything as text: each stretch with its reasons, and `str`."""
+        rows = {
+            "start [s]": [f"{one.start:.6g}" for one in self],
+            "stop [s]": [f"{one.stop:.6g}" for one in self],
+            "speed [m/s]": ["" if np.isnan(one.speed) else f"{one.speed:.3g}" for one in self],
+            "": ["taken" if one.taken else "left" for one in self],
+            "because": ["; ".join(map(str, one.reasons)) for one in self],
+        }
+        return f"{text_table(rows)}\n{self}" if self else str(self)
+
+
+def summary_table(drives: Sequence[Drive]) -> str:
+    """Return a table of how long was taken, and left for which reason first."""
+    groups: dict[tuple[bool, Code], list[Drive]] = {}
+    for one in drives:
+        groups.setdefault((not one.taken, one.reasons[0].code), []).append(one)
+    order = sorted(groups.items(), key=lambda item: (item[0][0], -sum(one.length for one in item[1])))
+    return text_table(
+        {
+            "stretches": [str(len(every)) for _, every in order],
+            "length [s]": [f"{sum(one.length for one in every):.4g}" for _, every in order],
+            "": ["left" if left else "taken" for (left, _), _ in order],
+            "because": [str(code) for (_, code), _ in order],
+        }
+    )

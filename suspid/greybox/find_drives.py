@@ -1,0 +1,179 @@
+"""Find the stretches of a recording in which a car drives as usual, and its sensors measure."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from suspid.cleaning import parts_of, to_si
+from suspid.errors import InputError, RecordError
+from suspid.greybox.blocks import examined
+from suspid.greybox.drives import Drive, DriveLimits, Drives
+from suspid.greybox.speeds import way_of
+from suspid.greybox.stretches import judged, stretches_of
+from suspid.model import Suspension, output_weights
+from suspid.recordings import RawChannel, Recording
+from suspid.signals import as_signal
+from suspid.words import Check, Level, Number, Remark
+from suspid.words.drives import DriveRemark
+
+if TYPE_CHECKING:
+    import control
+
+# Derivatives of a displacement, by unit.
+ORDERS = {"m": 0, "m/s": 1, "m/s2": 2, "rad": 0, "rad/s": 1}
+
+
+def find_drives(
+    recording: Recording | control.TimeResponseData,
+    *,
+    car: Suspension | None = None,
+    channels: Sequence[str] | None = None,
+    speed: str | None = None,
+    speed_unit: str | None = None,
+    longitudinal: str | None = None,
+    lateral: str | None = None,
+    limits: DriveLimits | None = None,
+) -> Drives:
+    """Return the stretches of a recorded drive, and which are usable.
+
+    A stretch is usable where the car moves, does not brake or corner hard, and all channels are there and in range.
+    It is decided for blocks of a second; pauses of the logger part a recording.
+
+    Parameters
+    ----------
+    recording : Recording or control.TimeResponseData
+        The recording, of any length, with channels on any clocks.
+    car : Suspension, optional
+        The channels that measure it, named as its outputs or sensors, are those that must be usable.
+    channels : sequence of str, optional
+        The channels that must be usable. Default: those that measure the car; without one, all on the fastest clock.
+    speed : str, optional
+        The channel of speed, in any unit. Default: the one named so, in a unit of speed. ``"none"``, and where there is
+        none: whether the car moves is judged by its vibration.
+    speed_unit : str, optional
+        Unit of the speed, where the file states none: ``"km/h"``, ``"m/s"``, ``"mph"``, ``"kn"``.
+    longitudinal, lateral : str, optional
+        Channels of acceleration along and across the car. Default: those named so. Braking is judged by the speed as
+        well, cornering by the speed and a channel of yaw rate.
+    limits : DriveLimits, optional
+        What usable means.
+
+    Returns
+    -------
+    Drives
+        All stretches with the reasons, and the records of those that were taken.
+
+    Raises
+    ------
+    InputError
+        If a channel is not there, or has no unit that fits.
+    RecordError
+        If no part of the recording has a clock.
+
+    Examples
+    --------
+    >>> t = np.arange(6000) / 100
+    >>> speed = np.clip(2.0 * (t - 20), 0, 20)
+    >>> body = (0.3 * (speed > 0) + 0.002) * np.random.default_rng(1).standard_normal(t.size)
+    >>> rows = {"chassis": (body, "m/s2"), "speed": (3.6 * speed, "km/h")}
+    >>> made = [RawChannel(name=n, unit=u, timepts=t, values=v, rate=None) for n, (v, u) in rows.items()]
+    >>> for one in find_drives(Recording(title="ride", channels=tuple(made))):
+    ...     print(one)
+    0 … 22 s left: slower than 3 m/s (down to 0 m/s); braking or accelerating with up to 2 m/s2 (limit 1.5 m/s2)
+    22 … 30 s left: braking or accelerating with up to 2 m/s2 (limit 1.5 m/s2)
+    30 … 60 s taken: moving at 20 to 20 m/s
+    """
+    whole, limits = _opened(recording), limits or DriveLimits()
+    needed = _needed(whole, car, channels)
+    way = way_of(
+        whole, speed=speed, speed_unit=speed_unit, longitudinal=longitudinal, lateral=lateral, without=needed or ()
+    )
+    if needed is None:
+        needed = _fastest([c for c in whole.channels if c.name not in way.names])
+    orders, said = _orders(whole, needed, car)
+    stretches: list[Drive] = []
+    records: list[control.TimeResponseData] = []
+    parts = parts_of([whole[name] for name in needed])
+    for part in parts:
+        try:
+            blocks = examined(part, way, orders, limits)
+        except RecordError as error:
+            if len(parts) == 1:
+                raise
+            ends = part[0].timepts[np.isfinite(part[0].timepts)]
+            numbers: dict[str, Number] = {"start": float(np.min(ends)), "stop": float(np.max(ends)), "why": str(error)}
+            said.append(Check(Remark(DriveRemark.UNREADABLE, numbers), Level.CARE))
+            continue
+        found, kept = stretches_of(blocks, limits, whole.title)
+        stretches += found
+        records += kept
+    return Drives(stretches=tuple(stretches), records=tuple(records), remarks=(*said, *judged(way)), title=whole.title)
+
+
+def _opened(recording: Recording | control.TimeResponseData) -> Recording:
+    if isinstance(recording, Recording):
+        return recording
+    signal = as_signal(recording)
+    t = signal.timepts
+    return Recording(
+        title=str(getattr(recording, "title", None) or ""),
+        channels=tuple(
+            RawChannel(name=name, unit="", timepts=t, values=row, rate=1 / signal.step)
+            for name, row in zip(signal.channels, signal.values, strict=True)
+        ),
+    )
+
+
+def _needed(recording: Recording, car: Suspension | None, channels: Sequence[str] | None) -> tuple[str, ...] | None:
+    """Return the channels that must be usable; None where neither they nor a car say."""
+    if channels is not None:
+        return tuple(recording[name].name for name in channels)
+    if car is None:
+        return None
+    known = tuple(name for name in recording.names if _order_in(car, name) is not None)
+    if not known:
+        raise InputError(
+            f"no channel of the recording measures the car: {', '.join(map(repr, recording.names[:10]))}; rename them "
+            f"to outputs or sensors of the car, such as '{car.coordinates[0]}_acceleration'"
+        )
+    return known
+
+
+def _order_in(car: Suspension, name: str) -> int | None:
+    try:
+        return output_weights(car, name)[0]
+    except InputError:
+        return None
+
+
+def _fastest(channels: Sequence[RawChannel]) -> tuple[str, ...]:
+    """Return the names of the channels on the fastest clock, and on others as fast."""
+    if not channels:
+        raise InputError("the recording has no channel beside those of the motion along the way")
+    rates = [channel.mean_rate for channel in channels]
+    best = np.nanmax(rates) if np.any(np.isfinite(rates)) else np.nan
+    return tuple(c.name for c, rate in zip(channels, rates, strict=True) if not rate < 0.5 * best)
+
+
+def _orders(
+    recording: Recording, needed: Sequence[str], car: Suspension | None
+) -> tuple[dict[str, tuple[int, float]], list[Check]]:
+    """Return the derivative that each channel measures, and the factor to SI; what is not known counts as m/s2."""
+    orders: dict[str, tuple[int, float]] = {}
+    unknown = []
+    for name in needed:
+        order = None if car is None else _order_in(car, name)
+        try:
+            factor, si = to_si(1.0, recording[name].unit)
+        except InputError:
+            factor, si = np.asarray(1.0), ""
+        if order is None:
+            order = ORDERS.get(si)
+        if order is None:
+            unknown.append(name)
+        orders[name] = (2 if order is None else order, float(factor))
+    said = Check(Remark(DriveRemark.NO_UNIT, {"channels": tuple(unknown)}), Level.NOTE)
+    return orders, [said] if unknown else []

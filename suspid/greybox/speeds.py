@@ -1,0 +1,177 @@
+"""How a car moves along its way, block by block: its speed, and how hard it brakes and corners."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from suspid.cleaning import to_si
+from suspid.errors import InputError
+from suspid.recordings import RawChannel, Recording
+from suspid.units import MetrePerSecond, RealArray
+
+# Words in the name of a channel that say what it holds, and those that say that it is something else.
+SPEED_WORDS = frozenset(
+    {"speed", "spd", "vehspd", "vehspeed", "vehiclespeed", "velocity", "geschwindigkeit", "vitesse"}
+)
+LATERAL_WORDS = frozenset({"lateral", "latacc", "lat"})
+LONGITUDINAL_WORDS = frozenset({"longitudinal", "longacc", "lon", "long"})
+YAW_WORDS = frozenset({"yaw", "yawrate", "gierrate"})
+OTHER_WORDS = frozenset(
+    {"accuracy", "valid", "limit", "error", "std", "engine", "motor", "fan", "shaft", "wind", "target", "set"}
+)
+# How names and files spell units that `to_si` knows.
+SPELLED = {
+    "kmh": "km/h", "kmph": "km/h", "kph": "km/h", "km/hr": "km/h", "mps": "m/s", "mph": "mph", "mi/h": "mph",
+    "kt": "kn", "kts": "kn", "knot": "kn", "knots": "kn",
+}  # fmt: skip
+# No road car is faster; larger values, and negative ones, are what buses send for a speed that is not known.
+FASTEST_CAR: MetrePerSecond = 120.0
+# A value counts as known for this many steps of its channel, but for at least this time: longer ones are tunnels.
+KNOWN_STEPS, KNOWN_FOR = 3.0, 2.0
+NO_CHANNEL = "none"  # asks for no channel, as with time
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Way:
+    """Channels of the motion along the way, in SI units; None where there is none."""
+
+    speed: RawChannel | None
+    longitudinal: RawChannel | None
+    lateral: RawChannel | None
+    yaw: RawChannel | None
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the channels."""
+        every = (self.speed, self.longitudinal, self.lateral, self.yaw)
+        return tuple(channel.name for channel in every if channel is not None)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Going:
+    """Motion along the way by block; NaN where it is not known."""
+
+    speed: RealArray  # [m/s]
+    longitudinal: RealArray  # [m/s2]
+    lateral: RealArray  # [m/s2]
+
+
+def way_of(
+    recording: Recording,
+    *,
+    speed: str | None,
+    speed_unit: str | None,
+    longitudinal: str | None,
+    lateral: str | None,
+    without: Iterable[str],
+) -> Way:
+    """Return the channels of the motion along the way: those that are named, else those whose name and unit say so.
+
+    Raises
+    ------
+    InputError
+        If a channel that is named has no unit that fits.
+    """
+    free = [channel for channel in recording.channels if channel.name not in set(without)]
+
+    def chosen(name: str | None, words: frozenset[str], si: str, unit: str | None = None) -> RawChannel | None:
+        if name == NO_CHANNEL:
+            return None
+        if name is not None:
+            return _in_si(recording[name], si, unit)
+        named = [c for c in free if _words(c.name) & words and not _words(c.name) & OTHER_WORDS]
+        fit = [c for c in named if _unit(c, unit if si == "m/s" else None, si) is not None]
+        best = min(fit, key=lambda c: len(_words(c.name)), default=None)
+        return None if best is None else _in_si(best, si, unit if si == "m/s" else None)
+
+    return Way(
+        speed=chosen(speed, SPEED_WORDS, "m/s", speed_unit),
+        longitudinal=chosen(longitudinal, LONGITUDINAL_WORDS, "m/s2"),
+        lateral=chosen(lateral, LATERAL_WORDS, "m/s2"),
+        yaw=chosen(None, YAW_WORDS, "rad/s"),
+    )
+
+
+def going(way: Way, edges: RealArray) -> Going:
+    """Return the motion along the way in the blocks between edges [s]."""
+    nothing = np.full(len(edges) - 1, np.nan)
+    v = nothing if way.speed is None else by_block(way.speed, edges, low=0.0, high=FASTEST_CAR)
+    # The harder of the changes to the block before and to the one behind: a speed may come late by a block.
+    change = np.abs(np.diff(v)) / np.diff(edges)[1:]
+    along = np.fmax(np.append(np.nan, change), np.append(change, np.nan)) if len(v) > 1 else nothing
+    if way.longitudinal is not None:
+        along = np.fmax(along, np.abs(_about_usual(by_block(way.longitudinal, edges))))
+    across = nothing
+    if way.lateral is not None:
+        across = np.abs(_about_usual(by_block(way.lateral, edges)))
+    if way.yaw is not None:
+        across = np.fmax(across, np.abs(v * _about_usual(by_block(way.yaw, edges))))
+    return Going(speed=v, longitudinal=along, lateral=across)
+
+
+def by_block(channel: RawChannel, edges: RealArray, *, low: float = -np.inf, high: float = np.inf) -> RealArray:
+    """Return the mean of a channel in each block; interpolated where it is slower, NaN where it is lost.
+
+    Examples
+    --------
+    >>> t = np.array([0.0, 2.0, 4.0, 30.0])
+    >>> speed = RawChannel(name="speed", unit="m/s", timepts=t, values=np.array([0.0, 2.0, 4.0, -1.0]), rate=None)
+    >>> by_block(speed, np.arange(7.0), low=0.0)
+    array([0.5, 1.5, 2.5, 3.5, 4. , 4. ])
+    """
+    good = np.isfinite(channel.timepts) & (channel.values >= low) & (channel.values <= high)
+    order = np.argsort(channel.timepts[good], kind="stable")
+    t, y = channel.timepts[good][order], channel.values[good][order]
+    blocks = len(edges) - 1
+    if not t.size:
+        return np.full(blocks, np.nan)
+    middle = 0.5 * (edges[:-1] + edges[1:])
+    at = np.searchsorted(edges, t, side="right") - 1
+    inside = (at >= 0) & (at < blocks)
+    number = np.bincount(at[inside], minlength=blocks)
+    mean = np.bincount(at[inside], weights=y[inside], minlength=blocks) / np.maximum(number, 1)
+    between = np.interp(middle, t, y)
+    step = float(np.median(np.diff(t))) if t.size > 1 else 0.0
+    after = np.clip(np.searchsorted(t, middle), 0, t.size - 1)
+    nearest = np.minimum(np.abs(t[after] - middle), np.abs(t[np.maximum(after - 1, 0)] - middle))
+    between[nearest > max(KNOWN_FOR, KNOWN_STEPS * step)] = np.nan
+    # A single sample in a block stands for its own time, not for the block.
+    return np.where(number > 1, mean, between)
+
+
+def _about_usual(values: RealArray) -> RealArray:
+    """Return values less their median: a tilted sensor shows a part of gravity, and a drive is straight on average."""
+    return np.asarray(values - np.nanmedian(values)) if np.any(np.isfinite(values)) else values
+
+
+def _words(name: str) -> frozenset[str]:
+    """Return the words of a name, of which capitals may begin one."""
+    apart = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", re.sub(r"[\[(].*", "", name))
+    return frozenset(word for word in re.split(r"[\W\d_]+", apart.lower()) if word)
+
+
+def _unit(channel: RawChannel, unit: str | None, si: str) -> str | None:
+    """Return the unit of a channel, as given, stated, or in its name, if it is one of the quantity; else None."""
+    tail = re.split(r"[\s_]", channel.name.strip("[]() ").lower())[-1]
+    for candidate in (unit, channel.unit, tail):
+        spelled = SPELLED.get(candidate.strip().lower(), candidate) if candidate else ""
+        try:
+            if spelled and to_si(0.0, spelled)[1] == si:
+                return spelled
+        except InputError:
+            continue
+    return None
+
+
+def _in_si(channel: RawChannel, si: str, unit: str | None) -> RawChannel:
+    found = _unit(channel, unit, si)
+    if found is None:
+        hint = "; give it as speed_unit" if si == "m/s" else ""
+        raise InputError(f"channel {channel.name!r} has no unit like {si} (it states {channel.unit or 'none'}){hint}")
+    return RawChannel(
+        name=channel.name, unit=si, timepts=channel.timepts, values=to_si(channel.values, found)[0], rate=channel.rate
+    )

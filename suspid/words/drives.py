@@ -1,0 +1,56 @@
+"""What can be said of the stretches of a drive: why they were taken or left."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from suspid.words.remarks import Code, Number, count
+
+
+def _channels(numbers: Mapping[str, Number]) -> str:
+    names = numbers["channels"]
+    assert isinstance(names, tuple)
+    return ", ".join(map(repr, names))
+
+
+def _found(numbers: Mapping[str, Number]) -> str:
+    stretches = numbers["stretches"]
+    assert isinstance(stretches, int)
+    return "{what}, {seconds:.4g} of {length:.4g} s, usable".format_map(
+        {**numbers, "what": count(stretches, "stretch") if stretches == 1 else f"{stretches} stretches"}
+    )
+
+
+class DriveReason(Code):
+    """Why a stretch of a drive was taken or left."""
+
+    MOVING = "moving", "moving at {low:.3g} to {high:.3g} m/s"
+    VIBRATING = "vibrating", "moving, by its vibration of {level:.2g} m/s2"
+    MISSING = "missing", lambda n: f"samples missing in {_channels(n)}"
+    CLIPPED = "clipped", lambda n: f"{_channels(n)} clipped"
+    STUCK = "stuck", lambda n: f"{_channels(n)} stuck at one value"
+    SLOW = "slow", "slower than {limit:g} m/s (down to {low:.2g} m/s)"
+    STANDING = "standing", "standing, by a vibration of only {level:.2g} m/s2 (limit {limit:g} m/s2)"
+    BRAKING = "braking", "braking or accelerating with up to {most:.2g} m/s2 (limit {limit:g} m/s2)"
+    CORNERING = "cornering", "cornering with up to {most:.2g} m/s2 (limit {limit:g} m/s2)"
+    SHORT = "short", "usable, but only {length:.3g} s long (least {least:g} s)"
+
+
+class DriveRemark(Code):
+    """What is said of a drive as a whole."""
+
+    FOUND = "found", _found
+    NONE = "none", "no stretch of {length:.4g} s is usable"
+    NO_SPEED = "no speed", "No channel of speed: whether the car moves was judged by its vibration."
+    BRAKING_UNKNOWN = (
+        "braking unknown",
+        "Neither speed nor longitudinal acceleration was measured: braking was not judged, and its forces may be in "
+        "the records.",
+    )
+    CORNERING_UNKNOWN = (
+        "cornering unknown",
+        "Neither lateral acceleration nor yaw rate and speed were measured: cornering was not judged, and its forces "
+        "may be in the records.",
+    )
+    NO_UNIT = "no unit", lambda n: f"No unit is stated for {_channels(n)}: taken as SI."
+    UNREADABLE = "unreadable", "The part from {start:.6g} to {stop:.6g} s was left out: {why}."

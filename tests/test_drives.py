@@ -1,0 +1,255 @@
+"""Usable stretches of drives: expected from how the drive was made."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from suspid import DriveLimits, Drives, InputError, RawChannel, Recording, find_drives, quarter_car
+from suspid.cleaning import clipped_times
+from suspid.greybox.blocks import vibration
+from suspid.signals import as_response, as_signal
+from suspid.units import RealArray
+from suspid.words.drives import DriveReason, DriveRemark
+
+RATE = 100.0
+TIME = np.arange(12000) / RATE
+
+
+def channel(name: str, values: RealArray, unit: str = "m/s2", times: RealArray = TIME) -> RawChannel:
+    return RawChannel(name=name, unit=unit, timepts=times, values=np.array(values, float), rate=None)
+
+
+def body(seed: int = 1, rms: float = 0.5) -> RealArray:
+    return rms * np.random.default_rng(seed).standard_normal(TIME.size)
+
+
+def ride(*channels: RawChannel) -> Recording:
+    return Recording(title="ride", channels=channels)
+
+
+def ends(drives: Drives) -> list[tuple[float, float]]:
+    return [(round(one.start, 2), round(one.stop, 2)) for one in drives.taken]
+
+
+def why(drives: Drives, time: float) -> set[DriveReason]:
+    """Return the reasons of the stretch at a time."""
+    return {one_reason.code for one in drives if one.start <= time < one.stop for one_reason in one.reasons}  # type: ignore[misc]
+
+
+def constant(value: float) -> RealArray:
+    return np.full(TIME.size, value)
+
+
+class TestSpeed:
+    @pytest.mark.parametrize(
+        ("unit", "per"), [("m/s", 1.0), ("km/h", 3.6), ("mph", 1 / 0.44704), ("kn", 3600 / 1852), ("Km/h", 3.6)]
+    )
+    def test_units_do_not_matter(self, unit: str, per: float) -> None:
+        speed = np.where(TIME < 40, 2.5, 15.0)
+        found = find_drives(ride(channel("az", body()), channel("Vehicle Speed", per * speed, unit)))
+        assert ends(found) == [(41.0, 120.0)]
+        assert DriveReason.SLOW in why(found, 20.0)
+        assert found.taken[0].speed == pytest.approx(15.0)
+
+    def test_a_unit_may_stand_in_the_name_or_be_given(self) -> None:
+        speed = np.where(TIME < 40, 2.5, 15.0)
+        named = find_drives(ride(channel("az", body()), channel("speed_kmh", 3.6 * speed, "")))
+        given = find_drives(ride(channel("az", body()), channel("v", 3.6 * speed, "")), speed="v", speed_unit="km/h")
+        assert ends(named) == ends(given) == [(41.0, 120.0)]
+
+    def test_a_named_channel_without_a_unit_is_refused(self) -> None:
+        with pytest.raises(InputError, match="speed_unit"):
+            find_drives(ride(channel("az", body()), channel("v", constant(15.0), "")), speed="v")
+
+    def test_values_of_a_bus_for_no_speed_are_no_speed(self) -> None:
+        """Where the speed is not known, the vibration says that the car moves."""
+        speed = np.where((TIME > 30) & (TIME < 60), 655.35, 15.0)
+        found = find_drives(ride(channel("az", body()), channel("speed", speed, "m/s")))
+        assert ends(found) == [(0.0, 120.0)]
+
+    def test_a_slow_clock_of_the_speed(self) -> None:
+        slow = np.arange(121.0)
+        speed = channel("speed", np.where(slow < 50, 0.0, 20.0), "m/s", slow)
+        (start, stop), *others = ends(find_drives(ride(channel("az", body()), speed)))
+        assert 50 <= start <= 52
+        assert stop == 120.0
+        assert not others
+
+    def test_channels_about_a_speed_are_not_the_speed(self) -> None:
+        found = find_drives(
+            ride(channel("az", body()), channel("SpeedAccuracy", constant(0.1), "m/s")), channels=["az"]
+        )
+        assert DriveRemark.NO_SPEED in {note.code for note in found.verdict.notes}
+
+
+class TestBraking:
+    @pytest.mark.parametrize(("rate", "usable"), [(1.2, True), (2.0, False)])
+    def test_by_the_speed(self, rate: float, usable: bool) -> None:
+        speed = 25 - rate * np.clip(TIME - 50, 0, 8)
+        found = find_drives(ride(channel("az", body()), channel("speed", speed, "m/s")))
+        assert (DriveReason.BRAKING in why(found, 54.0)) is not usable
+
+    @pytest.mark.parametrize("name", ["longitudinal", "LongAcc"])
+    def test_by_an_accelerometer_that_is_tilted(self, name: str) -> None:
+        along = 0.9 + np.where((TIME > 50) & (TIME < 55), -3.0, 0.0) + body(2)
+        found = find_drives(ride(channel("az", body()), channel(name, along)))
+        assert ends(found) == [(0.0, 50.0), (55.0, 120.0)]
+        assert why(found, 52.0) == {DriveReason.BRAKING}
+
+    def test_what_was_not_measured_is_said(self) -> None:
+        found = find_drives(ride(channel("az", body())))
+        codes = {doubt.code for doubt in found.verdict.doubts}
+        assert codes == {DriveRemark.BRAKING_UNKNOWN, DriveRemark.CORNERING_UNKNOWN}
+
+
+class TestCornering:
+    @pytest.mark.parametrize(("radius", "usable"), [(250.0, True), (100.0, False)])
+    def test_by_yaw_rate_and_speed(self, radius: float, usable: bool) -> None:
+        """The lateral acceleration is v^2 / R."""
+        yaw = np.degrees(np.where((TIME > 50) & (TIME < 60), 15.0 / radius, 0.0))
+        found = find_drives(
+            ride(channel("az", body()), channel("speed", constant(54.0), "km/h"), channel("yaw rate", yaw, "deg/s"))
+        )
+        assert (DriveReason.CORNERING in why(found, 55.0)) is not usable
+
+    def test_by_an_accelerometer(self) -> None:
+        across = np.where((TIME > 50) & (TIME < 60), 0.3, 0.0)
+        found = find_drives(ride(channel("az", body()), channel("ay", across, "g")), lateral="ay", channels=["az"])
+        assert ends(found) == [(0.0, 50.0), (60.0, 120.0)]
+
+
+class TestSensors:
+    def test_clipped(self) -> None:
+        motion = body(3)
+        burst = (TIME > 50) & (TIME < 53)
+        # Motion of the wheels, slow beside the rate, is cut off for many samples at a time.
+        motion[burst] = np.clip(30 * np.sin(2 * np.pi * 6 * TIME[burst]), -16, 16)
+        found = find_drives(ride(channel("az", motion)))
+        assert ends(found) == [(0.0, 50.0), (53.0, 120.0)]
+        assert DriveReason.CLIPPED in why(found, 51.0)
+
+    @pytest.mark.parametrize("step", [0.0, 0.01, 0.1])
+    def test_large_motion_is_not_clipped(self, step: float) -> None:
+        """Crests of sines and of noise, also as a coarse converter gives them."""
+        rng = np.random.default_rng(4)
+        smooth = np.convolve(rng.standard_normal(TIME.size + 20), np.hanning(21), "valid")
+        for values in (smooth, np.sin(2 * np.pi * 1.3 * TIME) * (1 + 0.2 * np.sin(TIME)), body()):
+            some = np.round(values / step) * step if step else values
+            assert clipped_times(channel("az", some)).size == 0
+
+    def test_stuck(self) -> None:
+        motion = body(5)
+        motion[5000:5500] = motion[5000]
+        found = find_drives(ride(channel("az", motion), channel("wheel", body(6))))
+        assert ends(found) == [(0.0, 50.0), (55.0, 120.0)]
+        assert DriveReason.STUCK in why(found, 52.0) or DriveReason.MISSING in why(found, 52.0)
+
+    def test_missing_rows_and_samples(self) -> None:
+        motion, keep = body(7), np.ones(TIME.size, bool)
+        keep[3000:3200] = False
+        motion[7000:7100] = np.nan
+        found = find_drives(ride(channel("az", motion[keep], times=TIME[keep])))
+        assert ends(found) == [(0.0, 30.0), (32.0, 70.0), (71.0, 120.0)]
+        assert why(found, 31.0) == why(found, 70.5) == {DriveReason.MISSING}
+
+    def test_a_channel_that_is_not_needed_may_be_missing(self) -> None:
+        both = ride(channel("az", body()), channel("other", np.where(TIME > 60, np.nan, body())))
+        assert ends(find_drives(both, channels=["az"])) == [(0.0, 120.0)]
+        assert ends(find_drives(both)) == [(0.0, 60.0)]
+
+    def test_a_pause_parts_the_recording(self) -> None:
+        late = np.where(TIME < 60, TIME, TIME + 1000.0)
+        found = find_drives(ride(channel("az", body(), times=late)))
+        assert ends(found) == [(0.0, 60.0), (1060.0, 1120.0)]
+
+
+class TestVibration:
+    def test_the_level_of_white_noise_is_its_share_of_the_power(self) -> None:
+        limits = DriveLimits()
+        values = body(8, rms=1.0)
+        expected = np.sqrt((limits.band[1] - limits.band[0]) / (RATE / 2))
+        assert np.mean(vibration(values, 1 / RATE, 2, 100, limits) ** 2) ** 0.5 == pytest.approx(expected, rel=0.1)
+
+    def test_the_same_motion_as_displacement_and_acceleration(self) -> None:
+        """A sum of sines at the centres of the lines."""
+        limits, f = DriveLimits(), np.arange(1.0, 16.0)
+        t = np.arange(1000) / 1000
+        phase = np.random.default_rng(9).uniform(0, 6, f.size)[:, None]
+        waves = np.sin(2 * np.pi * f[:, None] * t + phase) / (2 * np.pi * f[:, None]) ** 2
+        z, a = np.sum(waves, axis=0), np.sum(-waves * (2 * np.pi * f[:, None]) ** 2, axis=0)
+        levels = [vibration(values, 1e-3, order, 1000, limits)[0] for values, order in ((z, 0), (a, 2))]
+        assert levels[0] == pytest.approx(levels[1], rel=0.2)
+
+    def test_an_idling_engine_does_not_move_the_car(self) -> None:
+        """Lines of 0.3 m/s2 at 6.5, 13 and 26 Hz over the noise of a sensor."""
+        idle = 0.3 * sum(np.sin(2 * np.pi * f * TIME) for f in (6.5, 13.0, 26.0)) + body(10, rms=0.01)
+        found = find_drives(ride(channel("az", idle)))
+        assert not found.taken
+        assert why(found, 50.0) == {DriveReason.STANDING}
+
+    def test_displacements_in_any_unit(self) -> None:
+        moving = np.cumsum(np.cumsum(body())) / RATE**2
+        moving -= np.polyval(np.polyfit(TIME, moving, 7), TIME)
+        car = quarter_car(
+            chassis_mass=400, tire_mass=40, chassis_stiffness=20e3, tire_stiffness=200e3, chassis_damping=1500
+        )
+        for unit, per in (("mm", 1e3), ("m", 1.0)):
+            assert ends(find_drives(ride(channel("chassis", per * moving, unit)), car=car)) == [(0.0, 120.0)]
+            assert not find_drives(ride(channel("chassis", per * moving / 100, unit)), car=car).taken
+
+
+class TestStretches:
+    def test_they_cover_the_recording_in_order(self) -> None:
+        speed = 12 + 12 * np.sin(2 * np.pi * TIME / 37)
+        found = find_drives(ride(channel("az", body()), channel("speed", speed, "m/s")))
+        assert len(found) > 4
+        assert found[0].start == 0.0
+        assert found[-1].stop == pytest.approx(120.0)
+        assert all(a.stop == pytest.approx(b.start) for a, b in pairwise(found))
+        assert all(one.length >= 10 - 1e-9 for one in found.taken)
+        assert found.length == pytest.approx(found.usable + sum(one.length for one in found.left))
+
+    def test_records_are_the_samples_of_the_file(self) -> None:
+        motion = body()
+        speed = channel("speed", np.where(TIME < 40, 0.0, 15.0), "m/s")
+        (record,) = find_drives(ride(channel("az", motion), speed)).records
+        signal = as_signal(record)
+        assert signal.channels == ("az",)
+        np.testing.assert_array_equal(signal.values[0], motion[np.searchsorted(TIME, signal.start) :])
+
+    def test_short_ones_are_left(self) -> None:
+        speed = channel("speed", np.where(TIME % 20 < 12, 15.0, 0.0), "m/s")
+        quick = DriveLimits(shortest=5.0, longitudinal=1e3)
+        assert len(find_drives(ride(channel("az", body()), speed), limits=quick).taken) == 6
+        long = find_drives(ride(channel("az", body()), speed), limits=DriveLimits(shortest=15.0, longitudinal=1e3))
+        assert not long.taken
+        assert why(long, 5.0) == {DriveReason.SHORT}
+        assert long.verdict.level.label == "none"
+
+    def test_a_response_is_a_recording(self) -> None:
+        found = find_drives(as_response(TIME, body()[None], ["az"]))
+        assert ends(found) == [(0.0, 120.0)]
+        assert DriveRemark.NO_UNIT in {note.code for note in found.verdict.notes}
+
+    def test_a_car_says_which_channels_are_needed(self) -> None:
+        car = quarter_car(
+            chassis_mass=400, tire_mass=40, chassis_stiffness=20e3, tire_stiffness=200e3, chassis_damping=1500
+        )
+        both = ride(channel("chassis_acceleration", body()), channel("temperature", np.full(TIME.size, np.nan), "°C"))
+        assert ends(find_drives(both, car=car)) == [(0.0, 120.0)]
+        with pytest.raises(InputError, match="measures the car"):
+            find_drives(ride(channel("az", body())), car=car)
+
+    def test_text_fits_a_screen(self) -> None:
+        speed = 12 + 12 * np.sin(2 * np.pi * TIME / 7)
+        text = str(find_drives(ride(channel("az", body()), channel("speed", speed, "m/s"))))
+        assert len(text.splitlines()) < 25
+
+
+@pytest.mark.parametrize("wrong", [{"block": 0.0}, {"band": (5.0, 1.0)}, {"lateral": -1.0}])
+def test_limits_that_make_no_sense(wrong: dict[str, float]) -> None:
+    with pytest.raises(InputError):
+        DriveLimits(**wrong)  # type: ignore[arg-type]
