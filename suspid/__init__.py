@@ -44,6 +44,7 @@ from suspid.model import (
     statespace,
     write_car,
 )
+from suspid.performance import Grip, grip
 from suspid.reconstruction import ModalTest, Reconstruction, reconstruct
 from suspid.recordings import RawChannel, Recording
 from suspid.reporting import (
@@ -63,7 +64,6 @@ from suspid.reporting import (
     report_to_dict,
     source_of,
 )
-from suspid.ride import Grip, grip
 from suspid.signals import cut
 from suspid.simulation import add_noise, free_decay, road_profile, simulate
 from suspid.wavelets import (

@@ -19,7 +19,7 @@ from suspid import (
     quarter_car,
     statespace,
 )  # fmt: skip
-from suspid.ride.contact import contact, static_loads, wheels_of
+from suspid.performance.contact import contact, static_loads, wheels_of
 from suspid.units import STANDARD_GRAVITY as GRAVITY
 from suspid.words import Level
 from suspid.words.grip import GripCheck

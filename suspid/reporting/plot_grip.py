@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.levels import LEVEL, check_level
+from suspid.performance import CLASSES, PHASE_LIMIT
 from suspid.reporting.axes import frequency_ticks, in_legend, key_above
 from suspid.reporting.colours import CHANNEL_COLOURS, Colour
-from suspid.ride import CLASSES, PHASE_LIMIT
 from suspid.units import Ratio, RealArray
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from suspid.ride import Grip
+    from suspid.performance import Grip
 
 
 def plot_grip(found: Grip, figure: Figure, *, level: Ratio = LEVEL) -> Figure:

@@ -5,7 +5,7 @@ returns a frozen result in SI units. `grip`: wheels on a test bench; below it `c
 `uncertain` (what is not known of a car).
 """
 
-from suspid.ride.grip import grip
-from suspid.ride.grips import CLASSES, PHASE_LIMIT, Grip
+from suspid.performance.grip import grip
+from suspid.performance.grips import CLASSES, PHASE_LIMIT, Grip
 
 __all__ = ["CLASSES", "PHASE_LIMIT", "Grip", "grip"]

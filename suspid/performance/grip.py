@@ -11,9 +11,9 @@ from suspid.errors import InputError
 from suspid.greybox import Estimate
 from suspid.levels import LEVEL
 from suspid.model import Suspension
-from suspid.ride.contact import Wheels, contact, static_loads, wheels_of
-from suspid.ride.grips import PHASE_LIMIT, Grip
-from suspid.ride.uncertain import Uncertain, uncertain
+from suspid.performance.contact import Wheels, contact, static_loads, wheels_of
+from suspid.performance.grips import PHASE_LIMIT, Grip
+from suspid.performance.uncertain import Uncertain, uncertain
 from suspid.units import ComplexArray, Hertz, Metre, Newton, Ratio, RealArray
 from suspid.values import frozen_real, nearest_names
 from suspid.words import Check, Level, Number, Remark, Verdict
