@@ -60,6 +60,7 @@ from suspid.reporting import (
     plot_shapes,
     plot_skeletons,
     plot_spectra,
+    read_estimate,
     report,
     report_to_dict,
     source_of,
@@ -104,7 +105,7 @@ __all__ = [  # noqa: RUF022 - grouped by step
     # back to springs and dampers, and how near that is
     "reconstruct", "Reconstruction", "ModalTest", "compare", "Comparison",
     # the car itself, straight from records
-    "estimate", "Estimate", "RecordTest",
+    "estimate", "Estimate", "RecordTest", "read_estimate",
     # figures that a car is judged by
     "grip", "Grip",
     # a page for others, and many records

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import secrets
 from collections.abc import Iterator
@@ -56,6 +57,23 @@ def read_text(path: Path) -> str:
     if "\0" in text:
         raise InputError(f"{printable(str(path))}: is not text: it contains zero bytes")
     return text.replace("\r\n", "\n").replace("\r", "\n")
+
+
+def parsed_json(text: str) -> dict[str, object]:
+    """Return the object that a JSON text holds; raise an `InputError` if it is none.
+
+    Examples
+    --------
+    >>> parsed_json('{"modes": []}')
+    {'modes': []}
+    """
+    try:
+        content = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"is not JSON: {printable(str(error))}") from None
+    if not isinstance(content, dict):
+        raise InputError(f"must contain a JSON object, not {type(content).__name__}")
+    return content
 
 
 @contextmanager

@@ -13,7 +13,7 @@ from suspid.identification.halves import FEWEST_SAMPLES
 from suspid.identification.identification import Identification, Method, tables_of
 from suspid.identification.identify import identify
 from suspid.identification.identify_repeats import Repeats, identify_repeats, tables_of_repeats
-from suspid.identification.modes_json import identification_to_dict, modes_to_dict, read_modes, to_json
+from suspid.identification.modes_json import identification_to_dict, modes_from_dict, modes_to_dict, read_modes, to_json
 from suspid.identification.noise import (
     ABOVE_RESOLUTION,
     UNIFORM_STD,
@@ -48,6 +48,7 @@ __all__ = [
     "identify",
     "identify_repeats",
     "lag_one",
+    "modes_from_dict",
     "modes_to_dict",
     "read_modes",
     "resolution",

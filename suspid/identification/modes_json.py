@@ -35,7 +35,7 @@ from pathlib import Path
 import numpy as np
 
 from suspid.errors import InputError
-from suspid.files import printable, read_text
+from suspid.files import parsed_json, printable, read_text
 from suspid.identification.identification import Identification
 from suspid.model import ModalSet, parsed_toml
 from suspid.signals import Signal, as_signal
@@ -181,20 +181,10 @@ def read_modes(path: str | os.PathLike[str]) -> ModalSet:
     file = Path(path)
     text = read_text(file)
     try:
-        content = parsed_toml(text) if file.suffix.lower() == ".toml" else _parsed_json(text)
+        content = parsed_toml(text) if file.suffix.lower() == ".toml" else parsed_json(text)
         return modes_from_dict(content)
     except InputError as error:
         raise InputError(f"{printable(str(path))}: {error}") from None
-
-
-def _parsed_json(text: str) -> dict[str, object]:
-    try:
-        content = json.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"is not JSON: {printable(str(error))}") from None
-    if not isinstance(content, dict):
-        raise InputError("must contain a JSON object with the key 'modes'")
-    return content
 
 
 def _mode(where: str, entry: object) -> tuple[complex, list[complex] | None, tuple[float, float] | None]:

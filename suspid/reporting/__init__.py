@@ -10,7 +10,7 @@ To add a picture to the page: draw it on Axes in a module of its own, as in ``pl
 """
 
 from suspid.reporting.content import Content, content_of
-from suspid.reporting.estimate_json import estimate_to_dict
+from suspid.reporting.estimate_json import estimate_from_dict, estimate_to_dict, read_estimate
 from suspid.reporting.estimate_page import EstimateContent
 from suspid.reporting.json_schema import json_schema
 from suspid.reporting.plot_amplitude import plot_amplitude
@@ -34,6 +34,7 @@ __all__ = [
     "EstimateContent",
     "Source",
     "content_of",
+    "estimate_from_dict",
     "estimate_to_dict",
     "json_schema",
     "plot_amplitude",
@@ -47,6 +48,7 @@ __all__ = [
     "plot_shapes",
     "plot_skeletons",
     "plot_spectra",
+    "read_estimate",
     "report",
     "report_to_dict",
     "source_of",

@@ -1,24 +1,35 @@
-"""An estimate as JSON: what ``suspid estimate --json`` writes.
+"""An estimate as JSON: what ``suspid estimate --json`` writes and ``suspid compare`` reads.
 
 Every field is described with its unit in ``suspid/reporting/schemas/estimate.schema.json`` (JSON Schema, draft
-2020-12), which `json_schema` returns. The modes in it are those of `suspid identify`.
+2020-12), which `json_schema` returns. The modes in it are those of `suspid identify`. `read_estimate` reads it back
+bit for bit, but for the records: of these the file holds what was left of each, not the samples.
 """
 
 from __future__ import annotations
 
+import hashlib
 import json
-from typing import TYPE_CHECKING
+import os
+import reprlib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
 
-from suspid.greybox import nominal_value, parameter_unit
-from suspid.identification import modes_to_dict, to_json
+import numpy as np
+
+from suspid.errors import InputError
+from suspid.files import parsed_json, printable, read_text
+from suspid.greybox import Estimate, nominal_value, parameter_unit
+from suspid.identification import modes_from_dict, modes_to_dict, to_json
 from suspid.levels import LEVEL
-from suspid.model import Suspension
+from suspid.model import Suspension, car_from_toml, car_to_toml
 from suspid.reconstruction import parameter_values
 from suspid.signals import as_signal
 from suspid.units import Ratio
+from suspid.values import frozen_real
+from suspid.words import Check, Code, EstimateCheck, EstimateHeadline, Level, Remark, Verdict
 
-if TYPE_CHECKING:
-    from suspid.greybox import Estimate
+ESTIMATE_FORMAT = "suspid estimate 1"
 
 
 def estimate_to_dict(found: Estimate, *, level: Ratio = LEVEL) -> dict[str, object]:
@@ -38,13 +49,18 @@ def estimate_to_dict(found: Estimate, *, level: Ratio = LEVEL) -> dict[str, obje
     from importlib.metadata import version
 
     fields = {
-        "format": "suspid estimate 1",
+        "format": ESTIMATE_FORMAT,
         "verdict": found.verdict.to_dict(),
         "level": level,
         "parameters": _parameters(found, level),
         "covariance": found.covariance.tolist(),
         "held": [{"name": n, "value": nominal_value(found.nominal, n), "unit": parameter_unit(n)} for n in found.held],
         "masses": [{"name": name, "value": mass, "unit": "kg"} for name, mass in found.suspension.masses.items()],
+        "car": {
+            "found": car_to_toml(found.suspension),
+            "nominal": car_to_toml(found.nominal),
+            "sha256": _digest(car_to_toml(found.nominal)),
+        },
         "modes": modes_to_dict(found.modes),
         "records": _records(found),
         "chi_square": found.chi_square,
@@ -57,9 +73,134 @@ def estimate_to_dict(found: Estimate, *, level: Ratio = LEVEL) -> dict[str, obje
     return plain
 
 
+def estimate_from_dict(content: Mapping[str, object]) -> Estimate:
+    """Return an estimate from what `estimate_to_dict` returned, without its records.
+
+    Raises
+    ------
+    InputError
+        If it is none, or its parts contradict each other.
+    """
+    if content.get("format") != ESTIMATE_FORMAT:
+        raise InputError(
+            f"format {reprlib.repr(content.get('format'))} is not {ESTIMATE_FORMAT!r}; write the file with "
+            f"suspid estimate --json"
+        )
+    try:
+        return _estimate(content)
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        reason = f"{error.args[0]!r} is missing" if isinstance(error, KeyError) else str(error)
+        raise InputError(
+            f"is no complete estimate: {printable(reason)}; write it anew with suspid estimate --json"
+        ) from None
+
+
+def read_estimate(path: str | os.PathLike[str]) -> Estimate:
+    """Return the estimate that ``suspid estimate --json`` wrote; its records are not in the file.
+
+    Parameters
+    ----------
+    path : path
+        The JSON file.
+
+    Returns
+    -------
+    Estimate
+        As it was, with empty ``fitted``, ``residual`` and ``noise_std``.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, is not such a JSON, or its car was changed.
+
+    Examples
+    --------
+    >>> import json, pathlib, tempfile
+    >>> import numpy as np
+    >>> from suspid import estimate, free_decay, quarter_car
+    >>> from suspid.reporting import estimate_to_dict
+    >>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3,
+    ...                   tire_stiffness=200e3, chassis_damping=1500)
+    >>> record = free_decay(car, np.arange(0, 3, 0.005), initial_state={"v_tire": 1.0})
+    >>> found = estimate(record, car, fixed=["tire.damping"])
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = pathlib.Path(folder) / "found.json"
+    ...     _ = path.write_text(json.dumps(estimate_to_dict(found)))
+    ...     read_estimate(path).suspension == found.suspension
+    True
+    """
+    try:
+        return estimate_from_dict(parsed_json(read_text(Path(path))))
+    except InputError as error:
+        name = printable(str(path))
+        raise InputError(str(error) if str(error).startswith(name) else f"{name}: {error}") from None
+
+
+def _estimate(content: Mapping[str, Any]) -> Estimate:
+    rows, texts = content["parameters"], content["car"]
+    if _digest(texts["nominal"]) != texts["sha256"]:
+        raise ValueError("the car was changed after it was written: its SHA-256 is another")
+    found, nominal = car_from_toml(texts["found"]), car_from_toml(texts["nominal"])
+    names, values = tuple(str(row["name"]) for row in rows), np.array([row["value"] for row in rows], float)
+    known = parameter_values(found)
+    for name, value in zip(names, values.tolist(), strict=True):
+        if name in known and not np.isclose(value, known[name], rtol=1e-9, atol=0.0):
+            raise ValueError(f"{name} is {value:g} among the parameters and {known[name]:g} in the car")
+    covariance = np.array(content["covariance"], float).reshape(len(names), len(names))
+    if not np.all(np.isfinite(covariance)):
+        raise ValueError("the covariance is not finite")
+    ends = [[-np.inf if row["least"] is None else row["least"], np.inf if row["most"] is None else row["most"]]
+            for row in rows]  # fmt: skip
+    return Estimate(
+        suspension=found,
+        nominal=nominal,
+        parameters=names,
+        values=frozen_real(values),
+        covariance=frozen_real(covariance),
+        ranges=frozen_real(np.array(ends, float).reshape(len(names), 2)),
+        held=tuple(str(row["name"]) for row in content["held"]),
+        modes=modes_from_dict(content["modes"]),
+        fitted=(),
+        residual=(),
+        noise_std=(),
+        chi_square=float("nan") if content["chi_square"] is None else float(content["chi_square"]),
+        freedom=int(content["freedom"]),
+        explains=bool(content["explains"]),
+        alternatives=tuple(_with(nominal, values) for values in content["alternatives"]),
+        verdict=_verdict(content["verdict"]),
+    )
+
+
+def _with(car: Suspension, values: Mapping[str, float]) -> Suspension:
+    parts: dict[str, dict[str, float]] = {"stiffness": {}, "damping": {}, "mass": {}}
+    for name, value in values.items():
+        owner, _, quantity = name.rpartition(".")
+        parts[quantity][owner] = value
+    return car.with_parameters(stiffness=parts["stiffness"], damping=parts["damping"], masses=parts["mass"])
+
+
+def _verdict(content: Mapping[str, Any]) -> Verdict:
+    checks = [Check(_remark(one, EstimateCheck), Level[one["level"].upper()]) for one in content["checks"]]
+    return Verdict(_remark(content["headline"], EstimateHeadline), tuple(checks))
+
+
+def _remark(content: Mapping[str, Any], codes: type[Code]) -> Remark:
+    """Return a remark; what another version of suspid says keeps its sentence."""
+    if content["code"] not in [code.value for code in codes]:
+        return Remark(EstimateCheck.SAID, {"text": content["text"]})
+    numbers = {name: tuple(n) if isinstance(n, list) else n for name, n in content["numbers"].items()}
+    return Remark(codes(content["code"]), numbers)
+
+
+def _digest(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
 def _parameters(found: Estimate, level: Ratio) -> list[dict[str, object]]:
     ends, rows = found.interval(level), []
-    for name, value, std in zip(found.parameters, found.values.tolist(), found.std.tolist(), strict=True):
+    for name, value, std, (least, most) in zip(
+        found.parameters, found.values.tolist(), found.std.tolist(), found.ranges.tolist(), strict=True
+    ):
         nominal = nominal_value(found.nominal, name)
         low, high = ends[name]
         rows.append(
@@ -70,6 +211,8 @@ def _parameters(found: Estimate, level: Ratio) -> list[dict[str, object]]:
                 "std": std,
                 "lower": low,
                 "upper": high,
+                "least": least,
+                "most": most,
                 "nominal": nominal,
                 "change": value / nominal - 1 if nominal else None,
                 "significant": None if nominal is None else not low <= nominal <= high,

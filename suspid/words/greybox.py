@@ -86,4 +86,5 @@ class EstimateCheck(Code):
     VAGUE = "vague", _listed("Hardly known, with a 95 % interval wider than the value: {names}.")
     UNUSED = "unused", _listed("Channels that measure nothing of the car were not used: {names}.")
     CHANGED = "changed", _listed("Differs from nominal by more than its 95 % interval: {names}.")
+    SAID = "said", "{text}"
     UNCHANGED = "unchanged", "No parameter differs from nominal by more than its 95 % interval."
