@@ -21,6 +21,8 @@ from suspid.identification.nonlinear import (
     modes_of_bent,
     unlike_linear,
 )
+from suspid.identification.ongoing import without_lines
+from suspid.identification.pulses import without_pulse
 from suspid.identification.selection import Selection, select
 from suspid.identification.steps import FourSteps
 from suspid.model import ModalSet
@@ -176,6 +178,8 @@ def _by_likelihood(
         left, freedom, forces = bent.fit.residual, bent.fit.freedom, bent.forces
         considered = beside_bent(selection, modes, signal.step)
     else:
+        if steps.count is None:
+            selection = without_pulse(without_lines(selection), centred)
         modes, loudness = _modes_of(selection, centred, step=signal.step, channels=signal.channels)
         if steps.count is None:
             selection = without_harmonics(selection, modes)

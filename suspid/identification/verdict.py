@@ -11,7 +11,8 @@ from suspid.files import printable
 from suspid.identification.classification import LEAST_EXPLAINED
 from suspid.identification.lines import clear_line
 from suspid.identification.noise import ABOVE_RESOLUTION, most_shared, resolution, shared_noise
-from suspid.levels import LEVEL, UNLIKELY
+from suspid.identification.pulses import one_shape
+from suspid.levels import LEVEL
 from suspid.signals import Signal, as_signal, late_start
 from suspid.units import Ratio
 from suspid.words import Check, Headline, Level, ModeCheck, Number, Reason, Remark, Verdict, amount
@@ -186,12 +187,8 @@ def _unresolved(found: Identification) -> Iterator[Check]:
 
 def _one_shape(found: Identification) -> bool:
     """Return whether all channels move alike: the fitted motion beside its principal direction is noise."""
-    from scipy.special import chdtri
-
-    fitted = as_signal(found.fitted).values / np.where(found.noise_std > 0, found.noise_std, 1.0)[:, None]
-    sizes = np.linalg.svd(fitted - fitted.mean(axis=1, keepdims=True), compute_uv=False)
     unknowns = 2 * (len(found.modes) + sum(c.removed for c in found.considered))
-    return len(sizes) < 2 or bool(np.sum(sizes[1:] ** 2) < chdtri(unknowns * (len(sizes) - 1), UNLIKELY))
+    return one_shape(as_signal(found.fitted).values, found.noise_std, unknowns)
 
 
 def _few_samples(found: Identification) -> Iterator[Check]:

@@ -31,6 +31,8 @@ class Reason(Code):
     TONE = "tone", "steady tone: it does not decay within the record"
     DRIFT = "drift", "drift: it decays more slowly than the record lasts"
     GROWING = "growing", "it grows"
+    LINE = "line", "part of a line that goes on: something that turns, at a speed that wanders"
+    PULSE = "pulse", "the poles follow a pulse of force, not a decay: their motions cancel each other"
     UNSURE = "unsure", "its decay is not significant beside the residual near it"
     UNDER_A_CYCLE = "under a cycle", "less than one cycle in the record"
     A_FEW_SAMPLES = "a few samples", "decayed within a few samples"

@@ -1,0 +1,65 @@
+"""Motion that is no free decay has no modes; decays beside it keep theirs."""
+
+import numpy as np
+import pytest
+from numpy.typing import ArrayLike
+
+from suspid import Identification, identify
+from suspid.identification.pulses import one_shape
+from suspid.signals import as_response
+from suspid.units import RealArray
+
+TIME = np.arange(1500) / 200.0
+RNG = np.random.default_rng
+
+
+def found(values: ArrayLike, seed: int, noise: float) -> Identification:
+    record = np.atleast_2d(values)
+    record = record + noise * RNG(seed).standard_normal(record.shape)
+    return identify(as_response(TIME, record, [f"y{k}" for k in range(len(record))]))
+
+
+def line(hertz: float, wander: float, seed: int) -> RealArray:
+    """A turning part whose speed wanders by a share, with a memory of a second."""
+    drawn, share = RNG(seed).standard_normal(len(TIME)), np.exp(-TIME[1])
+    speed = np.zeros(len(TIME))
+    for k in range(1, len(TIME)):
+        speed[k] = share * speed[k - 1] + np.sqrt(1 - share**2) * drawn[k]
+    phase = 2 * np.pi * hertz * np.cumsum(1 + wander * speed) * TIME[1]
+    return np.array([np.cos(phase), 0.6 * np.cos(phase + 1.0)])
+
+
+class TestLines:
+    @pytest.mark.parametrize("seed", range(6))
+    def test_a_line_that_wanders_is_no_mode(self, seed: int) -> None:
+        assert not len(found(line(12.0, 0.01, seed), seed, 0.2).modes)
+
+    @pytest.mark.parametrize("hertz", [11.0, 11.7, 12.4])
+    def test_a_mode_beside_hum_is_one(self, hertz: float) -> None:
+        wn = 2 * np.pi * 12.0
+        decay = np.exp(-0.01 * wn * TIME) * np.cos(wn * TIME)
+        hum = 0.2 * np.cos(2 * np.pi * hertz * TIME + 1.0)
+        modes = found([decay + hum, 0.7 * decay - hum], 1, 0.02).modes
+        np.testing.assert_allclose(modes.wn, [wn], rtol=1e-3)
+        np.testing.assert_allclose(modes.zeta, [0.01], rtol=0.05)
+
+
+class TestPulses:
+    @pytest.mark.parametrize("width", [0.1, 0.3])
+    @pytest.mark.parametrize("at", [1.0, 3.0])
+    def test_a_pulse_without_ringing_has_no_mode(self, width: float, at: float) -> None:
+        pulse = np.exp(-(((TIME - at * width) / width) ** 2) / 2)
+        assert not len(found([pulse, -0.4 * pulse], 3, 0.01).modes)
+
+    @pytest.mark.parametrize("zeta", [0.2, 0.5])
+    def test_a_heavily_damped_decay_has_modes(self, zeta: float) -> None:
+        wn = 2 * np.pi * np.array([1.3, 11.0])
+        poles = wn * (-zeta + 1j * np.sqrt(1 - zeta**2))
+        decay = np.real(np.exp(np.outer(poles, TIME))).T @ np.array([1.0, 0.5])
+        modes = found(decay, 4, 0.003).modes
+        np.testing.assert_allclose(modes.wn, wn, rtol=0.05)
+
+    def test_one_shape_is_that_of_a_multiple(self) -> None:
+        motion = np.sin(3 * TIME)
+        assert one_shape(np.array([motion, -2 * motion]), np.array([0.1, 0.1]), 4)
+        assert not one_shape(np.array([motion, np.cos(3 * TIME)]), np.array([0.1, 0.1]), 4)
