@@ -35,6 +35,8 @@ UNITS = {
     "stiffness": "N/m",
     "damping": "N s/m",
     "mount_stiffness": "N/m",
+    "friction": "N",
+    "force": "N",
     "wn": "rad/s",
     "zeta": "1",
     "gain": "1",

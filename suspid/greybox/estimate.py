@@ -19,7 +19,7 @@ from suspid.greybox.time_domain import fit_in_time
 from suspid.greybox.trials import RecordTest, Trial, trials_of
 from suspid.greybox.wheel_problem import wheel_problem
 from suspid.levels import NORMAL_95
-from suspid.model import ModalSet, Suspension, eigenmodes
+from suspid.model import ModalSet, Suspension, check_linear, eigenmodes
 from suspid.reconstruction import Bounds, Unknowns, parameter_names, unknowns_of
 from suspid.signals import as_response
 from suspid.units import Hertz, Ratio, RealArray, Second
@@ -231,6 +231,7 @@ def _check(suspension: object) -> None:
     if not isinstance(suspension, Suspension):
         hint = "; take its .suspension" if hasattr(suspension, "suspension") else ""
         raise InputError(f"estimate needs a Suspension here, not {type(suspension).__name__}{hint}")
+    check_linear(suspension, "estimate")
 
 
 def _beyond(car: Suspension, trials: Sequence[Trial]) -> tuple[str, ...]:

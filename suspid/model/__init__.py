@@ -12,6 +12,7 @@ from suspid.model.checks import added_masses
 from suspid.model.compare import compare
 from suspid.model.comparison import Comparison
 from suspid.model.eigenmodes import eigenmodes, scaled_shapes
+from suspid.model.force_curves import Curve, equal_work, piecewise, slopes
 from suspid.model.full_car import full_car
 from suspid.model.half_car import half_car
 from suspid.model.matching import pole_distances
@@ -22,11 +23,12 @@ from suspid.model.quarter_car import quarter_car
 from suspid.model.sensor import Sensor
 from suspid.model.statespace import statespace
 from suspid.model.strut import Strut
-from suspid.model.suspension import Suspension, check_plain
+from suspid.model.suspension import Suspension, check_linear, check_plain
 
 __all__ = [
     "FORCE",
     "Comparison",
+    "Curve",
     "Interval",
     "ModalSet",
     "OutputRows",
@@ -36,9 +38,11 @@ __all__ = [
     "added_masses",
     "car_from_toml",
     "car_to_toml",
+    "check_linear",
     "check_plain",
     "compare",
     "eigenmodes",
+    "equal_work",
     "force_weights",
     "full_car",
     "half_car",
@@ -46,11 +50,13 @@ __all__ = [
     "output_rows",
     "output_weights",
     "parsed_toml",
+    "piecewise",
     "pole_distances",
     "quarter_car",
     "read_car",
     "read_constraints",
     "scaled_shapes",
+    "slopes",
     "statespace",
     "write_car",
 ]

@@ -21,10 +21,17 @@ Masses [kg] by coordinate, struts with stiffness [N/m], damping [N s/m] and arms
 or, shorter, a table ``[quarter_car]``, ``[half_car]`` or ``[full_car]`` with the arguments of `quarter_car`,
 `half_car` or `full_car`; where `full_car` takes a pair of values, write ``[left, right]``.
 
-Both may be followed by rubber mounts in series with dampers, by strut [N/m], and by the sensors of its records::
+Both may be followed by rubber mounts in series with dampers, by strut [N/m], by the friction of dampers [N] and their
+curves (points of velocity [m/s] and force [N]), and by the sensors of its records::
 
     [mounts]
     front = 1e6
+
+    [friction]
+    front = 30.0
+
+    [curves]
+    front = [[-1.0, -700.0], [0.0, 0.0], [1.0, 2000.0]]
 
     [sensors]
     az_seat = { acceleration = "heave", ahead = 0.3, left = 0.4 }  # a point of the body [m]
@@ -57,6 +64,7 @@ from suspid.model.suspension import Suspension
 from suspid.units import UNITS
 from suspid.values import nearest_names
 
+EXTRAS = ("mounts", "friction", "curves", "sensors")  # tables that go with any description of the car
 STRUT_KEYS = ("name", "stiffness", "damping", "arms")
 PRESETS: Mapping[str, Callable[..., Suspension]] = {
     "quarter_car": quarter_car,
@@ -129,13 +137,17 @@ def car_from_toml(text: str) -> Suspension:
     {'chassis': 400.0, 'tire': 40.0}
     """
     content = parsed_toml(text)
-    _check_keys("the file", content, ("constraints", "masses", "struts", "mounts", "sensors", *PRESETS))
+    _check_keys("the file", content, ("constraints", "masses", "struts", *EXTRAS, *PRESETS))
     content.pop("constraints", None)
     mounts = _table("[mounts]", content.pop("mounts", {}))
+    friction = _table("[friction]", content.pop("friction", {}))
+    curves = _table("[curves]", content.pop("curves", {}))
     sensors = _table("[sensors]", content.pop("sensors", {}))
     return replace(
         _car(content).with_parameters(
-            mount_stiffness={name: _number("[mounts]", name, value, "N/m") for name, value in mounts.items()}
+            mount_stiffness={name: _number("[mounts]", name, value, "N/m") for name, value in mounts.items()},
+            friction={name: _number("[friction]", name, value, "N") for name, value in friction.items()},
+            curve={name: _curve(name, points) for name, points in curves.items()},
         ),
         sensors=[_sensor(f"[sensors] {name!r}", name, table) for name, table in sensors.items()],
     )
@@ -233,6 +245,16 @@ def _strut(where: str, given: object) -> Strut:
         damping=_number(where, "damping", table["damping"], "N s/m"),
         arms={coordinate: _number(f"{where}: arms", coordinate, arm, "1 or m") for coordinate, arm in arms.items()},
     )
+
+
+def _curve(name: str, given: object) -> list[tuple[float, float]]:
+    points = []
+    for point in given if isinstance(given, list) else [given]:
+        if not (isinstance(point, list) and len(point) == 2):
+            _refuse(f"[curves]: {name} = {reprlib.repr(given)} must be a list of pairs [velocity in m/s, force in N]")
+        velocity = _number("[curves]", name, point[0], "m/s")
+        points.append((velocity, _number("[curves]", name, point[1], "N")))
+    return points
 
 
 def _sensor(where: str, name: str, given: object) -> Sensor:

@@ -40,6 +40,14 @@ def car_to_toml(suspension: Suspension) -> str:
     mounts = {strut.name: strut.mount_stiffness for strut in suspension.struts if strut.mount_stiffness is not None}
     if mounts:
         lines += ["", "[mounts]  # N/m", *(f"{_key(name)} = {stiffness!r}" for name, stiffness in mounts.items())]
+    friction = {strut.name: strut.friction for strut in suspension.struts if strut.friction}
+    if friction:
+        lines += ["", "[friction]  # N", *(f"{_key(name)} = {force!r}" for name, force in friction.items())]
+    curves = {strut.name: strut.curve for strut in suspension.struts if strut.curve is not None}
+    if curves:
+        lines += ["", "[curves]  # m/s, N"]
+    for name, points in curves.items():
+        lines.append(f"{_key(name)} = [{', '.join(f'[{v!r}, {f!r}]' for v, f in points)}]")
     if suspension.sensors:
         lines += ["", "[sensors]"]
     for sensor in suspension.sensors:

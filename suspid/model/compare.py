@@ -9,8 +9,10 @@ import numpy as np
 from suspid.errors import InputError
 from suspid.levels import NORMAL_95
 from suspid.model.comparison import ComparedValue, Comparison
+from suspid.model.force_curves import piecewise
 from suspid.model.matching import common_mac, paired
 from suspid.model.modes import ModalSet
+from suspid.model.strut import Strut
 from suspid.model.suspension import Suspension
 from suspid.units import UNITS, Ratio, RealArray
 from suspid.values import FrozenMapping, frozen_real
@@ -136,7 +138,12 @@ def _compare_suspensions(found: Suspension, expected: Suspension, rtol: Ratio | 
         mounts = (struts[strut.name].mount_stiffness, strut.mount_stiffness)
         if mounts != (None, None):
             values.append((strut.name, "mount_stiffness", *mounts))
+        if strut.friction or struts[strut.name].friction:
+            values.append((strut.name, "friction", struts[strut.name].friction, strut.friction))
+        values += _curve_forces(struts[strut.name], strut)
     scales["mount_stiffness"] = stiffest
+    for what in ("friction", "force"):
+        scales[what] = max((abs(true) for _, quantity, _, true in values if quantity == what and true), default=1.0)
     tolerance = EXACT if rtol is None else rtol
     rows = [
         _row(item, what, value, truth, 0.0 if truth is None else _allowed(truth, scales[what], tolerance))
@@ -144,6 +151,16 @@ def _compare_suspensions(found: Suspension, expected: Suspension, rtol: Ratio | 
     ]
     mae = _mean_errors(rows, ("stiffness", "damping"))
     return Comparison(table=tuple(rows), mae=mae, mac=None, rule=_rule(rtol))
+
+
+def _curve_forces(found: Strut, expected: Strut) -> list[tuple[str, str, float | None, float | None]]:
+    """Return the forces of two dampers at the velocities of their curves; none where both are viscous."""
+    velocities = np.array(sorted({v for strut in (found, expected) for v, _ in strut.curve or () if v}))
+    ours, theirs = (piecewise(s.curve or ((0.0, 0.0), (1.0, s.damping)), velocities) for s in (found, expected))
+    return [
+        (f"{expected.name} at {v:g} m/s", "force", float(a), float(b))
+        for v, a, b in zip(velocities, ours, theirs, strict=True)
+    ]
 
 
 def _check_topology(found: Suspension, expected: Suspension) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 from suspid.errors import InputError
 from suspid.model.modes import ModalSet
 from suspid.model.statespace import state_matrix
-from suspid.model.suspension import Suspension
+from suspid.model.suspension import Suspension, check_linear
 from suspid.units import ComplexArray
 
 if TYPE_CHECKING:
@@ -47,6 +47,7 @@ def eigenmodes(system: control.StateSpace | Suspension) -> ModalSet:
     array([21.2737, 50.1386, 83.8549])
     """
     if isinstance(system, Suspension):
+        check_linear(system, "eigenmodes")
         matrix, channels, dt = state_matrix(system), system.coordinates, None
         outputs = np.eye(len(channels), len(matrix))
     else:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from suspid.errors import InputError
 from suspid.model.outputs import FORCE, OutputRows, force_weights, output_rows
-from suspid.model.suspension import Suspension
+from suspid.model.suspension import Suspension, check_linear
 from suspid.units import RealArray
 from suspid.values import nearest_names
 
@@ -75,6 +75,7 @@ def statespace(
     """
     import control
 
+    check_linear(suspension, "statespace")
     names = _once("output", suspension.coordinates if outputs is None else outputs)
     acting = _once("force", [force.removesuffix(FORCE) for force in _several("force", forces)])
     used = _once("road", (() if acting else suspension.roads) if roads is None else roads)
@@ -121,6 +122,7 @@ def statespace(
 
 def state_matrix(suspension: Suspension) -> RealArray:
     """Return A of Eq. (6), ``[[0, I], [-M^-1 K, -M^-1 C]]``, with one row more for each damper on a mount."""
+    check_linear(suspension, "a state matrix")
     return _equations(suspension)[0]
 
 

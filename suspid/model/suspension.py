@@ -6,6 +6,7 @@ import difflib
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from suspid.errors import InputError
 from suspid.model.checks import check_name, finite_number
 from suspid.model.sensor import Sensor
 from suspid.model.strut import Strut
-from suspid.units import Kilogram, NewtonPerMetre, NewtonSecondPerMetre, RealArray
+from suspid.units import Kilogram, MetrePerSecond, Newton, NewtonPerMetre, NewtonSecondPerMetre, RealArray
 from suspid.values import FrozenMapping, nearest_names
 
 # Suffixes of outputs that are time derivatives of a coordinate, with the order of the derivative.
@@ -90,7 +91,7 @@ class Suspension:
 
     @property
     def C(self) -> RealArray:
-        """Damping matrix [N s/m], (coordinate, coordinate); refused where a damper is on a mount."""
+        """Damping matrix [N s/m], (coordinate, coordinate); refused where a damper is on a mount or not linear."""
         check_plain(self, "a damping matrix")
         arms = self.arms(self.coordinates)
         return np.asarray(arms.T * [s.damping for s in self.struts] @ arms)
@@ -124,8 +125,12 @@ class Suspension:
         damping: Mapping[str, NewtonSecondPerMetre] | None = None,
         masses: Mapping[str, Kilogram] | None = None,
         mount_stiffness: Mapping[str, NewtonPerMetre] | None = None,
+        friction: Mapping[str, Newton] | None = None,
+        curve: Mapping[str, Any] | None = None,
     ) -> Suspension:
         """Return a copy with some parameters changed, by name of strut or of mass.
+
+        The curve of a damper, points or None as in `Strut`, stays where ``damping`` alone is changed.
 
         Raises
         ------
@@ -140,9 +145,15 @@ class Suspension:
         >>> car.with_parameters(damping={"chassis": 900}).struts[0].damping
         900.0
         """
-        stiffness, damping, masses, mounts = stiffness or {}, damping or {}, masses or {}, mount_stiffness or {}
-        struts = [s.name for s in self.struts]
-        by_strut = {**stiffness, **damping, **mounts}
+        masses, struts = masses or {}, [s.name for s in self.struts]
+        quantities: dict[str, Mapping[str, Any]] = {
+            "stiffness": stiffness or {},
+            "damping": damping or {},
+            "mount_stiffness": mount_stiffness or {},
+            "friction": friction or {},
+            "curve": curve or {},
+        }
+        by_strut = [name for given in quantities.values() for name in given]
         for kind, given, known in (("strut", by_strut, struts), ("mass", masses, self.coordinates)):
             for name in given:
                 if name not in known:
@@ -151,19 +162,50 @@ class Suspension:
             self,
             masses={**self.masses, **masses},
             struts=tuple(
-                replace(
-                    s,
-                    stiffness=stiffness.get(s.name, s.stiffness),
-                    damping=damping.get(s.name, s.damping),
-                    mount_stiffness=mounts.get(s.name, s.mount_stiffness),
-                )
+                replace(s, **{quantity: given[s.name] for quantity, given in quantities.items() if s.name in given})
                 for s in self.struts
             ),
         )
 
+    @property
+    def linear(self) -> bool:
+        """Whether no strut has friction or a curve."""
+        return all(strut.linear for strut in self.struts)
+
+    def linearised(self, amplitude: MetrePerSecond | None = None) -> Suspension:
+        """Return the suspension with linear struts, each as `Strut.linearised` returns it.
+
+        Parameters
+        ----------
+        amplitude : float, optional
+            Amplitude of the dampers' velocities [m/s]. Default: their ``damping`` as stated.
+
+        Examples
+        --------
+        >>> from suspid import eigenmodes, quarter_car
+        >>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3,
+        ...                   tire_stiffness=200e3, chassis_damping=1500).with_parameters(friction={"chassis": 50})
+        >>> eigenmodes(car.linearised(amplitude=0.2)).zeta.round(3)
+        array([0.282, 0.316])
+        """
+        return self if self.linear else replace(self, struts=[s.linearised(amplitude) for s in self.struts])
+
+
+def check_linear(suspension: Suspension, what: str) -> None:
+    """Refuse a suspension with friction or curves where only linear struts are meant."""
+    for strut in suspension.struts:
+        if not strut.linear:
+            has = "a curve" if strut.curve is not None else f"friction of {strut.friction:g} N"
+            raise InputError(
+                f"{what} needs linear struts, but strut {strut.name!r} has {has}; use "
+                f"car.linearised(amplitude=…), with the dampers of equal work at that amplitude of velocity [m/s], or "
+                f"car.linearised(), with damping as stated; free_decay and simulate take the car as it is"
+            )
+
 
 def check_plain(suspension: Suspension, what: str) -> None:
-    """Refuse a suspension with a damper on a mount where only springs and dampers in parallel are meant."""
+    """Refuse a suspension with struts that are more than a linear spring and a viscous damper in parallel."""
+    check_linear(suspension, what)
     mounted = [strut.name for strut in suspension.struts if strut.relaxation]
     if mounted:
         raise InputError(
@@ -210,7 +252,7 @@ def _check_coordinates(suspension: Suspension) -> set[str]:
                 f"correct the arm, or give the road input another name"
             )
     for coordinate, mass in masses.items():
-        if not any(s.arms.get(coordinate) and (s.stiffness or s.damping) for s in struts):
+        if not any(s.arms.get(coordinate) and (s.stiffness or s.damping or not s.linear) for s in struts):
             raise InputError(
                 f"mass {coordinate!r} = {mass:g} kg is not connected: "
                 f"no strut with stiffness or damping has an arm on it"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from suspid.errors import InputError
 from suspid.model import Suspension, statespace
 from suspid.signals import as_response
+from suspid.simulation.piecewise import Driving, machine_of, motion, observed, state_labels
 from suspid.units import RealArray, Second
 from suspid.values import nearest_names
 
@@ -32,10 +33,13 @@ def free_decay(
     (critically damped) systems. Each doubling computes its own exponential, so errors do not accumulate over
     the record.
 
+    A suspension with friction or curves is linear between the points of its curves, and stepped exactly from one to
+    the next. Friction holds a damper up to a creep of 1e-9 m/s.
+
     Parameters
     ----------
     system : control.StateSpace or Suspension
-        The model; a suspension is taken as ``statespace(suspension)``.
+        The model; a suspension is taken as ``statespace(suspension)``, or as it is if it has friction or curves.
     timepts : array_like (sample,)
         Increasing times [s]; the initial state holds at the first of them.
     initial_state : mapping of str to float, or array_like (state,), optional
@@ -64,9 +68,10 @@ def free_decay(
     >>> free_decay(car, np.arange(0, 3, 0.01), initial_state={"v_tire": 1.0}).y.shape
     (2, 300)
     """
-    if isinstance(system, Suspension):
+    if isinstance(system, Suspension) and system.linear:
         system = statespace(system)
-    check_continuous(system, "free_decay")
+    if not isinstance(system, Suspension):
+        check_continuous(system, "free_decay")
     time = np.asarray(timepts, float)
     if time.ndim != 1 or time.size < 1:
         raise InputError(f"timepts must be a vector of at least one time; got shape {time.shape}")
@@ -74,8 +79,10 @@ def free_decay(
         raise InputError("timepts must be finite and increase strictly")
     if (initial_state is None) == (impulse is None):
         raise InputError("give either initial_state or impulse")
+    if isinstance(system, Suspension):
+        return _piecewise_decay(system, time, initial_state)
     A, C = np.asarray(system.A, float), np.asarray(system.C, float)
-    start = state_of(system, initial_state) if impulse is None else _impulse_state(system, impulse)
+    start = state_of(system.state_labels, initial_state) if impulse is None else _impulse_state(system, impulse)
     # Times within 8 floats of a uniform grid count as uniform: rounding moves them by no more.
     step = (time[-1] - time[0]) / max(time.size - 1, 1)
     deviation = np.max(np.abs(time - (time[0] + step * np.arange(time.size))))
@@ -94,6 +101,22 @@ def free_decay(
     return as_response(time, values, system.output_labels, title="Free decay")
 
 
+def _piecewise_decay(
+    car: Suspension, time: RealArray, given: Mapping[str, float] | ArrayLike | None
+) -> control.TimeResponseData:
+    """Return the decay of a suspension with friction or curves."""
+    if given is None:
+        raise InputError(
+            "the suspension has friction or curves, so its response is not in proportion to an impulse; give the state "
+            "after it as initial_state, such as {'v_tire': 1.0}"
+        )
+    machine = machine_of(car, Driving())
+    states, choices = motion(machine, np.zeros((0, len(time))), state_of(state_labels(car), given), time)
+    still = np.zeros((2, len(car.roads), len(time)))
+    values = observed(machine, car, car.coordinates, states, choices, still)
+    return as_response(time, values, car.coordinates, title="Free decay")
+
+
 def check_continuous(system: control.StateSpace, verb: str) -> None:
     """Refuse what is no continuous-time system."""
     if not hasattr(system, "A") or not hasattr(system, "state_labels"):
@@ -102,9 +125,8 @@ def check_continuous(system: control.StateSpace, verb: str) -> None:
         raise InputError(f"{verb} needs a continuous-time system; this one is sampled (dt = {system.dt})")
 
 
-def state_of(system: control.StateSpace, given: Mapping[str, float] | ArrayLike | None) -> RealArray:
+def state_of(labels: Sequence[str], given: Mapping[str, float] | ArrayLike | None) -> RealArray:
     """Return a state that is given by label, the others zero, or as a vector."""
-    labels = list(system.state_labels)
     if isinstance(given, Mapping):
         for name in given:
             if name not in labels:

@@ -1,0 +1,263 @@
+"""Motion of a suspension whose dampers have friction or piecewise linear curves.
+
+Between two points of every curve such a suspension is linear. The motion is stepped by the exponential of the linear
+system that holds, and where a damper passes a point of its curve the step is halved until it ends there. Friction is a
+steep piece at rest: its force grows from zero to its full size over a velocity of `CREEP`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+import numpy as np
+
+from suspid.errors import InputError
+from suspid.model import Strut, Suspension, force_weights, output_rows, slopes
+from suspid.units import MetrePerSecond, RealArray, Second
+
+# The piece of each law that holds.
+Choice: TypeAlias = tuple[int, ...]
+# Velocity up to which friction holds [m/s]: a stuck damper creeps no faster. Less meets the rounding of velocities.
+CREEP: MetrePerSecond = 1e-9
+# A step is halved so often where a piece ends: 5 ms to 5e-12 s, much less than friction needs to change its sign.
+CROSSING_HALVINGS = 30
+# Steps are halved so often while a damper turns back near the end of its piece: it may leave the piece and return.
+TURN_HALVINGS = 6
+# Exponentials that are kept; more appear only where times are not uniform.
+MOST_KEPT = 20_000
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Pieces:
+    """Pieces of a curve: between ``ends`` the output is ``offset + slope * input``; one piece more than ends."""
+
+    ends: RealArray
+    offset: RealArray
+    slope: RealArray
+
+
+def law_of(strut: Strut) -> Pieces:
+    """Return a damper's force over its velocity, or its velocity over its force where it is on a mount."""
+    points = np.array(((0.0, 0.0), (1.0, strut.damping)) if strut.curve is None else strut.curve, float)
+    inner, rate = points[1:-1], slopes(points.tolist())
+    offset = points[:-1, 1] - rate * points[:-1, 0]
+    velocities = inner[:, 0]
+    if strut.mount_stiffness is None:
+        if not strut.friction:
+            return Pieces(ends=velocities, offset=offset, slope=rate)
+        ends = np.sort(np.concatenate([velocities[np.abs(velocities) > CREEP], [-CREEP, CREEP]]))
+        middle = (np.concatenate([[ends[0] - 1], ends]) + np.concatenate([ends, [ends[-1] + 1]])) / 2
+        at = np.clip(np.searchsorted(points[:, 0], middle) - 1, 0, len(rate) - 1)
+        held = np.abs(middle) < CREEP
+        full = offset[at] + strut.friction * np.sign(middle)
+        return Pieces(
+            ends=ends, offset=np.where(held, 0.0, full), slope=np.where(held, strut.friction / CREEP, rate[at])
+        )
+    forces = inner[:, 1]
+    forces = forces[np.abs(forces) > 0] if strut.friction else forces
+    ends = forces + strut.friction * np.sign(forces)
+    if strut.friction:
+        ends = np.sort(np.concatenate([ends, [-strut.friction, strut.friction]]))
+    middle = (np.concatenate([[ends[:1].sum() - 1], ends]) + np.concatenate([ends, [ends[-1:].sum() + 1]])) / 2
+    held = np.abs(middle) < strut.friction
+    own = middle - strut.friction * np.sign(middle) * (strut.friction > 0)
+    at = np.clip(np.searchsorted(points[:, 1], own) - 1, 0, len(rate) - 1)
+    inverse = (own - points[at, 1]) / rate[at] + points[at, 0] - middle / rate[at]
+    return Pieces(ends=ends, offset=np.where(held, 0.0, inverse), slope=np.where(held, 0.0, 1 / rate[at]))
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Machine:
+    """A suspension as one linear system for each choice of pieces.
+
+    The state is that of `suspid.statespace` (coordinates, velocities, dampers on mounts), followed by the inputs with
+    their derivatives and a one.
+    """
+
+    fixed: RealArray  # generator without the dampers that have pieces, (state, state)
+    laws: tuple[Pieces, ...]  # of each damper that has pieces
+    sees: RealArray  # what the law of each depends on, (damper, state)
+    acts: RealArray  # what the output of each law drives, (damper, state)
+    states: int  # of the suspension
+    steps: dict[tuple[Choice, Second], RealArray] = field(default_factory=dict)  # exponentials in use
+    known: dict[Choice, tuple[RealArray, RealArray, RealArray]] = field(default_factory=dict)
+
+    def generator(self, choice: Choice) -> RealArray:
+        """Return the generator of the linear system with the chosen pieces."""
+        whole = self.fixed.copy()
+        for law, piece, sees, acts in zip(self.laws, choice, self.sees, self.acts, strict=True):
+            whole += np.outer(acts, law.slope[piece] * sees)
+            whole[:, -1] += acts * law.offset[piece]
+        return whole
+
+    def step(self, choice: Choice, span: Second) -> RealArray:
+        """Return the exponential of a step with the chosen pieces."""
+        from scipy.linalg import expm
+
+        if (choice, span) not in self.steps:
+            if len(self.steps) > MOST_KEPT:
+                self.steps.clear()
+            self.steps[choice, span] = np.asarray(expm(self.generator(choice) * span))
+        return self.steps[choice, span]
+
+    def limits(self, choice: Choice) -> tuple[RealArray, RealArray, RealArray]:
+        """Return the ends of the chosen pieces, and the rate of what each law depends on, (damper, state)."""
+        if choice not in self.known:
+            ends = [np.concatenate([[-np.inf], law.ends, [np.inf]]) for law in self.laws]
+            low = np.array([one[piece] for one, piece in zip(ends, choice, strict=True)])
+            high = np.array([one[piece + 1] for one, piece in zip(ends, choice, strict=True)])
+            self.known[choice] = low, high, self.sees @ self.generator(choice)
+        return self.known[choice]
+
+    def choice(self, state: RealArray) -> Choice:
+        """Return the pieces that hold."""
+        return tuple(
+            int(np.searchsorted(law.ends, value)) for law, value in zip(self.laws, self.sees @ state, strict=True)
+        )
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Driving:
+    """What moves a suspension: names of inputs, and how many of their derivatives are states, their values included."""
+
+    roads: tuple[str, ...] = ()
+    rates: tuple[str, ...] = ()  # roads whose rate is an input of its own
+    forces: tuple[str, ...] = ()
+    degrees: int = 2
+
+
+def state_labels(car: Suspension) -> list[str]:
+    """Return the names of the states of a suspension with friction or curves, as `suspid.statespace` names them."""
+    motions = [f"{kind}_{c}" for kind in ("z", "v") for c in car.coordinates]
+    return [*motions, *(f"d_{car.struts[i].name}" for i in _mounted(car))]
+
+
+def _mounted(car: Suspension) -> list[int]:
+    return [i for i, s in enumerate(car.struts) if s.mount_stiffness is not None and (s.damping or not s.linear)]
+
+
+def machine_of(car: Suspension, driving: Driving) -> Machine:
+    """Return the machine of a suspension; its inputs are roads, rates of roads and forces, each with derivatives."""
+    roads, rates, forces, degrees = driving.roads, driving.rates, driving.forces, driving.degrees
+    n, struts = len(car.coordinates), car.struts
+    arms, road_arms = car.arms(car.coordinates), car.arms(car.roads)
+    mounted = _mounted(car)
+    width = len(roads) + len(rates) + len(forces)
+    size = 2 * n + len(mounted)
+    total = size + degrees * width + 1
+    elongation, rate = np.zeros((len(struts), total)), np.zeros((len(struts), total))
+    elongation[:, :n], rate[:, n : 2 * n] = arms, arms
+    for i, road in enumerate(roads):
+        column = road_arms[:, car.roads.index(road)]
+        elongation[:, size + i] = column
+        own = size + len(roads) + rates.index(road) if road in rates else size + width + i
+        rate[:, own] += column
+    inverse_mass = 1 / np.diag(car.M)
+    fixed = np.zeros((total, total))
+    fixed[:n, n : 2 * n] = np.eye(n)
+    fixed[size : size + (degrees - 1) * width, size + width : size + degrees * width] = np.eye((degrees - 1) * width)
+    for i, force in enumerate(forces):
+        fixed[n : 2 * n, size + len(roads) + len(rates) + i] = inverse_mass * force_weights(car, force)
+    laws, sees, acts = [], [], []
+    for i, strut in enumerate(struts):
+        pull = np.zeros(total)
+        pull[n : 2 * n] = -inverse_mass * arms[i]
+        fixed += np.outer(pull, strut.stiffness * elongation[i])
+        if i not in mounted and strut.linear:
+            fixed += np.outer(pull, strut.damping * rate[i])
+            continue
+        laws.append(law_of(strut))
+        if i in mounted:
+            stretch = elongation[i].copy()
+            stretch[2 * n + mounted.index(i)] -= 1
+            fixed += np.outer(pull, float(strut.mount_stiffness or 0.0) * stretch)
+            sees.append(float(strut.mount_stiffness or 0.0) * stretch)
+            acts.append(np.eye(total)[2 * n + mounted.index(i)])
+        else:
+            sees.append(rate[i])
+            acts.append(pull)
+    return Machine(fixed=fixed, laws=tuple(laws), sees=np.array(sees), acts=np.array(acts), states=size)
+
+
+def motion(machine: Machine, pieces: RealArray, start: RealArray, time: RealArray) -> tuple[RealArray, list[Choice]]:
+    """Return the states at given times, (state, sample), with the inputs, and the pieces that hold there.
+
+    ``pieces`` are the inputs and their derivatives just after each time, (input and derivative, sample).
+    """
+    states = np.empty((len(machine.fixed), len(time)))
+    states[machine.states : -1], states[-1] = pieces, 1.0
+    states[: machine.states, 0] = start
+    uniform = (time[-1] - time[0]) / max(len(time) - 1, 1)
+    spans = np.diff(time)
+    # Stamps that are rounded count as uniform: each span of its own would need exponentials of its own.
+    if spans.size and np.max(np.abs(spans - uniform)) <= 16 * np.spacing(np.max(np.abs(time))):
+        spans = np.full(len(spans), uniform)
+    choices = [machine.choice(states[:, 0])]
+    for k, span in enumerate(spans.tolist()):
+        after = advanced(machine, states[:, k], span)
+        states[: machine.states, k + 1] = after[: machine.states]
+        choices.append(machine.choice(states[:, k + 1]))
+    return states, choices
+
+
+def advanced(machine: Machine, state: RealArray, span: Second) -> RealArray:
+    """Return the state after a span in which the inputs are polynomials."""
+    choice = machine.choice(state)
+    smallest = span * 2.0**-CROSSING_HALVINGS
+    left = size = 2**CROSSING_HALVINGS
+    while left:
+        while size > left:
+            size //= 2
+        after = machine.step(choice, size * smallest) @ state
+        if _stays(machine, choice, state, after, size * smallest, look=size > 2 ** (CROSSING_HALVINGS - TURN_HALVINGS)):
+            state, left = after, left - size
+        elif size > 1:
+            size //= 2
+        else:
+            state, left, size = after, left - 1, 2**CROSSING_HALVINGS
+            choice = machine.choice(state)
+    return state
+
+
+def _stays(machine: Machine, choice: Choice, before: RealArray, after: RealArray, span: Second, *, look: bool) -> bool:
+    """Return whether every damper is in its piece after a step, and, looking into the step, cannot have left it."""
+    now = machine.sees @ after
+    low, high, rates = machine.limits(choice)
+    if np.any(now < low) or np.any(now > high):
+        return False
+    if not look:
+        return True
+    first, last = rates @ before, rates @ after
+    turns = first * last < 0
+    if not np.any(turns):
+        return True
+    # A damper that turns within the step gets no further than its rates at both ends carry it.
+    was = machine.sees @ before
+    upper = np.minimum(was + np.abs(first) * span, now + np.abs(last) * span)
+    lower = np.maximum(was - np.abs(first) * span, now - np.abs(last) * span)
+    return not np.any(turns & np.where(first > 0, upper > high, lower < low))
+
+
+def observed(
+    machine: Machine,
+    car: Suspension,
+    names: Sequence[str],
+    states: RealArray,
+    choices: Sequence[Choice],
+    seen: RealArray,
+) -> RealArray:
+    """Return outputs, (output, sample); ``seen`` are the roads and their rates, (order, road, sample)."""
+    rows, n = output_rows(car, names), len(car.coordinates)
+    parts = [states[:n], states[n : 2 * n], np.empty((n, states.shape[1]))]
+    for choice in set(choices):
+        here = np.array([one == choice for one in choices])
+        parts[2][:, here] = machine.generator(choice)[n : 2 * n] @ states[:, here]
+    values = np.array([weights @ parts[order] for order, weights in zip(rows.orders, rows.coordinates, strict=True)])
+    for at, (order, weights) in enumerate(zip(rows.orders, rows.roads, strict=True)):
+        if np.any(weights):
+            if order == 2:
+                raise InputError(f"output {names[at]!r} depends on the acceleration of a road, which is not known")
+            values[at] += weights @ seen[order]
+    return values
