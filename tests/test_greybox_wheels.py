@@ -4,13 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from types import SimpleNamespace
+from typing import Any
 
 import control
 import numpy as np
 import pytest
 from scipy.stats import binom, chi2
 
-from suspid import EstimationError, InputError, Level, Suspension, estimate, full_car, half_car, quarter_car
+from suspid import (
+    EstimationError,
+    InputError,
+    Level,
+    RecordTest,
+    Suspension,
+    cut,
+    estimate,
+    full_car,
+    half_car,
+    quarter_car,
+)
 from suspid.greybox.frequency_domain import _sandwich
 from suspid.greybox.noise_levels import Levels, Shared, covariance_of, levels_of, node_basis, shared_of
 from suspid.greybox.transfers import Layout, Physics, layout_of, transfer
@@ -287,6 +299,21 @@ class TestDriving:
         assert delays["tire_acceleration[1].delay"] == pytest.approx(0.001, abs=1e-4)
         assert delays["tire_acceleration[2].delay"] == pytest.approx(0.002, abs=1e-4)
         assert both.std[0] < 0.85 * alone.std[0]
+
+    def test_parts_of_a_record_by_one_logger_are_the_record(self) -> None:
+        """Cut between two stretches, and with the parts out of order."""
+        record = record_of(*driven(QUARTER, 21, noise={"tire_acceleration": 0.1, "chassis_acceleration": 0.03}))
+        options: dict[str, Any] = {"given": ["tire"], "stretch": 6.0}
+        whole = estimate(record, off(QUARTER), **options)
+        cuts = [cut(record, start=24.0), cut(record, stop=24.0 - 1 / RATE)]
+        parts = estimate([RecordTest(record=part, logger="a") for part in cuts], off(QUARTER), **options)
+        assert parts.parameters == whole.parameters
+        assert parts.values == pytest.approx(whole.values, rel=1e-6, abs=1e-9)
+        assert parts.std == pytest.approx(whole.std, rel=1e-4)
+        assert [len(one.time) for one in parts.residual] == [36 * 200, 24 * 200]
+        np.testing.assert_allclose(parts.residual[1].y, whole.residual[0].y[:, : 24 * 200], atol=1e-6)
+        apart = estimate([RecordTest(record=part) for part in cuts], off(QUARTER), **options)
+        assert len(apart.parameters) == len(whole.parameters) + 2
 
     def test_a_late_sensor_and_a_mount_are_found_and_would_do_harm(self) -> None:
         motions, times = driven(QUARTER, 3, noise=NOISE, delay={"tire": 0.002}, mount=1e6)

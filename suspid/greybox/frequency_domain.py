@@ -57,13 +57,14 @@ def fit_in_frequency(problem: WheelProblem) -> Fit:
     checks = [_said(judged)]
     if len(prior) and len(blind(squares)):
         checks.append(Check(Remark(EstimateCheck.BY_NOMINAL, {"names": names_in(blind(squares), labels)}), Level.CARE))
-    signals = [_in_time(problem, w, i) for i, w in enumerate(every)]
+    signals = sorted((made for i, w in enumerate(every) for made in _in_time(problem, w, i)), key=lambda made: made[0])
+    noise = {n: _noise(problem, own, i) for i, own in enumerate(levels) for n in problem.sources[i].numbers}
     return Fit(
         x=z[: len(u)],
         covariance=_sandwich(_at_stiff_mounts(problem, z, levels) or every, prior),
-        fitted=tuple(fitted for fitted, _ in signals),
-        residual=tuple(residual for _, residual in signals),
-        noise=tuple(_noise(problem, own, i) for i, own in enumerate(levels)),
+        fitted=tuple(fitted for _, fitted, _ in signals),
+        residual=tuple(residual for _, _, residual in signals),
+        noise=tuple(noise[n] for n in sorted(noise)),
         chi_square=judged.chi_square,
         freedom=judged.freedom,
         explains=judged.likely,
@@ -205,8 +206,8 @@ def _noise(problem: WheelProblem, levels: Levels, number: int) -> RealArray:
     return noise
 
 
-def _in_time(problem: WheelProblem, found: Whitened, number: int) -> tuple[Signal, Signal]:
-    """Return the record in the band as explained by the car, and what is left of it."""
+def _in_time(problem: WheelProblem, found: Whitened, number: int) -> list[tuple[int, Signal, Signal]]:
+    """Return the number of each record, its motion in the band as explained by the car, and what is left of it."""
     source = problem.sources[number]
     spectra, trial = source.spectra, source.trial
     left = np.zeros_like(spectra.values)
@@ -220,5 +221,11 @@ def _in_time(problem: WheelProblem, found: Whitened, number: int) -> tuple[Signa
         whole = np.zeros((len(lines), samples // 2 + 1, lines.shape[2]), complex)
         whole[:, first : first + lines.shape[1]] = lines
         time = np.fft.irfft(whole, samples, axis=1) * np.sqrt(samples)
-        made.append(replace(signal_of(trial), values=time.reshape(-1, lines.shape[2]).T))
-    return made[0], made[1]
+        parts = np.split(time, np.cumsum(spectra.counts)[:-1])
+        made.append(
+            [
+                replace(signal_of(trial), start=start, values=part.reshape(-1, lines.shape[2]).T)
+                for start, part in zip(source.starts, parts, strict=True)
+            ]
+        )
+    return list(zip(source.numbers, *made, strict=True))

@@ -19,7 +19,7 @@ from suspid.greybox.spectra import Spectra
 from suspid.greybox.transfers import Layout, Physics, Transfer, transfer
 from suspid.greybox.trials import Trial
 from suspid.reconstruction import Unknowns
-from suspid.units import ComplexArray, RealArray
+from suspid.units import ComplexArray, RealArray, Second
 
 # Least noise, as a share of that at the start: 80 dB below the signal, where what the ends of a stretch leave, held by
 # polynomials, would be taken for an error of the car.
@@ -28,9 +28,11 @@ LEAST_NOISE = 1e-5
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Source:
-    """One trial with measured causes."""
+    """Trials of one logger with measured causes."""
 
-    trial: Trial
+    trial: Trial  # the first of them
+    numbers: tuple[int, ...]  # of the trials, among all
+    starts: tuple[Second, ...]  # of the trials
     layout: Layout
     spectra: Spectra
     basis: RealArray  # (line, node): of the spectra of noise

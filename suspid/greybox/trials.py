@@ -36,6 +36,9 @@ class RecordTest:
         Causes in this test, if not those of all tests; see `estimate`.
     added_masses : mapping of str to float
         Mass [kg] (or moment of inertia [kg m2]) added at each coordinate, such as a driver or a bag of sand.
+    logger : str, optional
+        What recorded it. Where motion is given, records of one logger, such as stretches of one drive, share gains,
+        delays and noise levels. Default: each record has its own.
 
     Raises
     ------
@@ -46,6 +49,7 @@ class RecordTest:
     record: control.TimeResponseData
     given: Sequence[str] | None = None
     added_masses: Mapping[str, Kilogram] = field(default_factory=dict)
+    logger: str | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "added_masses", added_masses(self.added_masses))
@@ -69,6 +73,7 @@ class Trial:
     inputs: RealArray  # (input, sample): roads, then forces
     least: RealArray  # (channel,): least variance
     unused: tuple[str, ...]  # channels that measure nothing of the suspension
+    logger: str | None = None
 
     @property
     def count(self) -> int:
@@ -142,6 +147,7 @@ def _trial(one: object, car: Suspension, given: Sequence[str]) -> Trial:
         inputs=frozen_real(np.array([known[name] for name in (*roads, *forces)]).reshape(-1, values.shape[1])),
         least=frozen_real(np.maximum(resolution(values) ** 2, 1e-300)),
         unused=tuple(unused),
+        logger=test.logger,
     )
 
 

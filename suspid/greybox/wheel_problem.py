@@ -20,6 +20,8 @@ from suspid.units import Hertz, Second
 # The band, over the lowest and the highest natural frequency of the nominal car: 0.5 to 24 Hz for most cars. Below it
 # accelerations hold little, above it the wheels' motion hardly moves the body.
 BELOW, ABOVE = 0.4, 2.0
+# Relative difference of two rates of one logger, whose clock strays with its temperature; both count as the first.
+SAME_RATE = 1e-4
 STRETCH_PERIODS = 8.0  # of the lowest mode, in a stretch: longer ones have fewer ends, shorter ones follow slow changes
 
 
@@ -39,15 +41,19 @@ def wheel_problem(
     lowest = float(np.min(hertz[hertz > 0]))
     limits = (BELOW * lowest, ABOVE * float(np.max(hertz))) if band is None else band
     sources = []
-    for trial in trials:
+    for numbers in _by_logger(trials):
+        trial = trials[numbers[0]]
         layout = layout_of(car, trial)
         # The gain of a channel that shows free coordinates too, such as a travel, is that of springs and dampers.
         causes = [trial.channels[c] for c in layout.causes if not np.any(layout.on_free[c])]
         check_delays(delays or (), trial.channels)
-        spectra = spectra_of(trial, length=STRETCH_PERIODS / lowest if stretch is None else stretch, band=limits)
+        length = STRETCH_PERIODS / lowest if stretch is None else stretch
+        spectra = spectra_of([trials[i] for i in numbers], length=length, band=limits)
         sources.append(
             Source(
                 trial=trial,
+                numbers=numbers,
+                starts=tuple(trials[i].start for i in numbers),
                 layout=layout,
                 spectra=spectra,
                 basis=node_basis(spectra.hertz),
@@ -69,6 +75,25 @@ def wheel_problem(
             [label(s.trial.channels[c], i, len(sources)) for i, s in enumerate(sources) for c in s.delays],
         ),
     )
+
+
+def _by_logger(trials: Sequence[Trial]) -> list[tuple[int, ...]]:
+    """Return the numbers of trials in groups that share gains, delays and noise levels."""
+    groups: list[list[int]] = []
+    for i, trial in enumerate(trials):
+        home = next((group for group in groups if _alike(trials[group[0]], trial)), None)
+        if home is None:
+            groups.append([i])
+        else:
+            home.append(i)
+    return [tuple(numbers) for numbers in groups]
+
+
+def _alike(one: Trial, other: Trial) -> bool:
+    """Return whether two trials are of one logger, with the same channels and masses, at one rate."""
+    same = one.logger is not None and one.logger == other.logger and one.channels == other.channels
+    same = same and one.wheels == other.wheels and np.array_equal(one.added, other.added)
+    return same and abs(one.step / other.step - 1) < SAME_RATE
 
 
 def _extras(car: Suspension, mounts: Sequence[int], gains: Sequence[str], delays: Sequence[str]) -> Extras:
