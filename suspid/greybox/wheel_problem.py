@@ -21,7 +21,7 @@ from suspid.units import Hertz, Second
 # accelerations hold little, above it the wheels' motion hardly moves the body.
 BELOW, ABOVE = 0.4, 2.0
 # Relative difference of two rates of one logger, whose clock strays with its temperature; both count as the first.
-SAME_RATE = 1e-4
+STRAYING = 1e-4
 STRETCH_PERIODS = 8.0  # of the lowest mode, in a stretch: longer ones have fewer ends, shorter ones follow slow changes
 
 
@@ -93,7 +93,7 @@ def _alike(one: Trial, other: Trial) -> bool:
     """Return whether two trials are of one logger, with the same channels and masses, at one rate."""
     same = one.logger is not None and one.logger == other.logger and one.channels == other.channels
     same = same and one.wheels == other.wheels and np.array_equal(one.added, other.added)
-    return same and abs(one.step / other.step - 1) < SAME_RATE
+    return same and abs(one.step / other.step - 1) < STRAYING
 
 
 def _extras(car: Suspension, mounts: Sequence[int], gains: Sequence[str], delays: Sequence[str]) -> Extras:
