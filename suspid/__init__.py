@@ -13,7 +13,7 @@
 from importlib.metadata import version
 
 from suspid.analysis import Analysis, CarSettings, Settings, analyse
-from suspid.cleaning import Cleaned, Finding, Vertical, clean, read_record, scaled, to_si, vertical
+from suspid.cleaning import Cleaned, Finding, Vertical, as_record, clean, read_record, scaled, to_si, vertical
 from suspid.decays import Decay, Decays, find_decays
 from suspid.errors import (
     EstimationError,
@@ -92,8 +92,8 @@ __all__ = [  # noqa: RUF022 - grouped by step
     "ModalSet", "Interval", "eigenmodes",
     # its responses, and measured ones
     "free_decay", "simulate", "road_profile", "add_noise", "read_record", "write_record", "cut", "denoise",
-    # files as they come, cleaned, and the decays in them
-    "read_recording", "Recording", "RawChannel", "clean", "Cleaned", "Finding",
+    # arrays and files as they come, cleaned, and the decays in them
+    "as_record", "read_recording", "Recording", "RawChannel", "clean", "Cleaned", "Finding",
     "vertical", "Vertical", "scaled", "to_si", "find_decays", "Decays", "Decay",
     "find_drives", "Drives", "Drive", "DriveLimits",
     # the whole recipe

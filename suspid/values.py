@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import difflib
+import numbers
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TypeVar
 
 import numpy as np
 from tabulate import tabulate
 
+from suspid.errors import InputError
 from suspid.units import ComplexArray, RealArray
 
 # Names that a message lists; a file may have hundreds of channels.
@@ -119,3 +121,16 @@ def spread(std: float) -> str:
     ('0.012', '1.0', '510')
     """
     return f"{std:#.2g}" if std < 9.95 else f"{float(f'{std:.2g}'):.0f}"
+
+
+def check_count(name: str, value: object) -> None:
+    """Refuse a number of things that is neither None nor a whole number from one on.
+
+    Examples
+    --------
+    >>> check_count("modes", 1.5)
+    Traceback (most recent call last):
+    suspid.errors.InputError: modes=1.5 must be a whole number from 1 on, or left out
+    """
+    if value is not None and (isinstance(value, bool) or not isinstance(value, numbers.Integral) or value < 1):
+        raise InputError(f"{name}={value!r:.40} must be a whole number from 1 on, or left out")

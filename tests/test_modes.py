@@ -310,7 +310,6 @@ class TestStateSpaces:
         [
             (control.ss([[0.5]], [[1]], [[1]], 0, dt=True), "give dt in seconds"),
             (control.ss([[0.0]], [[1]], [[1]], 0, dt=0.1), "pure delays"),
-            (control.tf([1], [1, 1]), "not TransferFunction"),
         ],
     )
     def test_refused(self, system: control.StateSpace, message: str) -> None:

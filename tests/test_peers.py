@@ -11,7 +11,7 @@ from suspid import eigenmodes
 from suspid.signals import as_response, as_signal
 from suspid.units import RealArray
 from suspid.wavelets import Morlet
-from suspid.wavelets.cwt import transform
+from suspid.wavelets.transform import transform
 from validation import cars, speed
 from validation.peer_methods import METHODS, Method, slowed
 from validation.peer_skeletons import RATE, Estimates

@@ -20,7 +20,7 @@ from suspid.signals import Signal, as_response, as_signal
 from suspid.units import ComplexArray, Hertz, RealArray
 from suspid.wavelets import Morlet
 from suspid.wavelets.best_bandwidth import ENTROPY_CUT
-from suspid.wavelets.cwt import CUT, transform
+from suspid.wavelets.transform import CUT, transform
 from validation import cars
 from validation.peer_methods import mwdi
 from validation.peer_skeletons import RATE

@@ -14,6 +14,7 @@ from suspid.analysis.settings import Settings
 from suspid.analysis.several import Part, alike, belonging, check_each_once, source_names
 from suspid.analysis.springs import Springs, check_springs, springs_of
 from suspid.analysis.stretch import Used, stretch_of
+from suspid.cleaning import RecordLike
 from suspid.decays import Decay, Decays
 from suspid.errors import InputError
 from suspid.files import printable
@@ -39,7 +40,7 @@ if TYPE_CHECKING:
     from suspid.cleaning import Cleaned
 
 
-Source: TypeAlias = "str | os.PathLike[str] | Recording | control.TimeResponseData"
+Source: TypeAlias = "str | os.PathLike[str] | Recording | RecordLike"
 
 # The steps of `analyse`, in order; ``progress`` is called with each as it begins.
 STEPS = ("reading", "finding decays", "identifying", "reconstructing")
@@ -155,7 +156,7 @@ def analyse(
 
     Parameters
     ----------
-    source : path, Recording or control.TimeResponseData, or a list of them
+    source : path, Recording, control.TimeResponseData or what `as_record` takes, or a list of them
         A file of any known format, a recording as read, or a record on a uniform clock. Several are tests of one
         structure: the decays of all are joined.
     car : Suspension, optional
@@ -195,7 +196,7 @@ def analyse(
     if car is not None:
         check_springs(settings.springs, car)
     begin = progress or (lambda _: None)
-    if isinstance(source, list | tuple):
+    if isinstance(source, list) or (isinstance(source, tuple) and not hasattr(source[0], "dtype")):
         return _of_several(source, car, settings, begin)
     # In place of the name of a test: all of them, jointly.
     if settings.test == "all" and isinstance(source, str | os.PathLike | Recording):

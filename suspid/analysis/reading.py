@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from suspid.analysis.settings import Settings
-from suspid.cleaning import Cleaned, clean, scaled, to_si, vertical
+from suspid.cleaning import Cleaned, RecordLike, as_record, clean, scaled, to_si, vertical
 from suspid.errors import InputError, RecordError, SuspidError
 from suspid.files import printable
 from suspid.io import bare_name, read_recording
@@ -49,7 +49,7 @@ def naming(name: str) -> Iterator[None]:
         raise named from error
 
 
-def read(source: str | os.PathLike[str] | Recording | control.TimeResponseData, settings: Settings) -> Read:
+def read(source: str | os.PathLike[str] | Recording | RecordLike, settings: Settings) -> Read:
     """Return a source as a cleaned record; a response is on a uniform clock already."""
     if isinstance(source, str | os.PathLike):
         recording = _opened(source, settings)
@@ -57,6 +57,7 @@ def read(source: str | os.PathLike[str] | Recording | control.TimeResponseData, 
     elif isinstance(source, Recording):
         recording, name = source, f"{printable(source.title)}: " if source.title else ""
     else:
+        source = as_record(source)
         _refuse_clock(settings)
         cleaned, done = _as_wanted(_chosen(source, settings), settings)
         return Read(recording=None, cleaned=cleaned, notes=done)

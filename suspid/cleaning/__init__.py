@@ -2,10 +2,12 @@
 
 `clean` puts all channels on one uniform clock and repairs what can be repaired safely: time stamps, gaps,
 outliers, sentinels. Each repair, and each defect left alone, is a `Finding`. `read_record` reads and cleans a
-file in one step. `vertical` combines the axes of a tilted accelerometer, `scaled` and `to_si` convert units.
+file in one step, `as_record` takes arrays and tables. `vertical` combines the axes of a tilted accelerometer,
+`scaled` and `to_si` convert units.
 """
 
 from suspid.cleaning.aligned import Aligned, aligned, parts_of
+from suspid.cleaning.as_record import RecordLike, as_record
 from suspid.cleaning.clean import clean
 from suspid.cleaning.cleaned import Cleaned
 from suspid.cleaning.clipping import CLIPPED, clipped_run
@@ -24,8 +26,10 @@ __all__ = [
     "Aligned",
     "Cleaned",
     "Finding",
+    "RecordLike",
     "Vertical",
     "aligned",
+    "as_record",
     "clean",
     "clipped_run",
     "clipped_times",

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from suspid.cleaning import RecordLike, as_record
 from suspid.decays.bursts import RINGING, Burst, died_down, find_bursts
 from suspid.decays.candidates import Recording, decays_after, examined
 from suspid.decays.decay import Decay, Decays
@@ -20,7 +21,7 @@ from suspid.units import Second
 from suspid.words import DecayDoubt, DecayRemark, Remark
 
 if TYPE_CHECKING:
-    import control
+    pass
 
 # Most events that are examined, the strongest first, and the number of doubtful or refused ones in a row that ends the
 # search. Higher numbers find more of the weak decays of a long drive; each costs about a second.
@@ -29,7 +30,7 @@ MOST_BURSTS, MOST_IN_VAIN = 16, 8
 FEW_BURSTS = 4
 
 
-def find_decays(response: control.TimeResponseData, *, given: Sequence[tuple[Second, Second]] | None = None) -> Decays:
+def find_decays(response: RecordLike, *, given: Sequence[tuple[Second, Second]] | None = None) -> Decays:
     """Return the free decays in a recording, the best first.
 
     Each channel is split into octave bands; an event is a stretch in which a band rises further above its background
@@ -40,7 +41,7 @@ def find_decays(response: control.TimeResponseData, *, given: Sequence[tuple[Sec
 
     Parameters
     ----------
-    response : control.TimeResponseData
+    response : control.TimeResponseData, or what `as_record` takes
         The recording, uniformly sampled: displacements, velocities, accelerations, any channels.
     given : sequence of (float, float), optional
         First and last time [s] of stretches that are known to decay freely: they are judged and not moved.
@@ -68,7 +69,7 @@ def find_decays(response: control.TimeResponseData, *, given: Sequence[tuple[Sec
     >>> [round(decay.start, 1) for decay in decays]
     [12.0]
     """
-    signal = as_signal(response, least=FEWEST_SAMPLES)
+    signal = as_signal(as_record(response), least=FEWEST_SAMPLES)
     recording = Recording(signal=signal, bands=envelopes(signal), finest=finest(signal.values))
     if given is not None:
         bursts = [_given(signal, recording.bands, first, last) for first, last in given]

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from suspid.cleaning import RecordLike
 from suspid.errors import InputError
 from suspid.greybox.estimates import Estimate
 from suspid.greybox.frequency_domain import fit_in_frequency
@@ -28,11 +29,11 @@ from suspid.words import Check, Level, Remark, Verdict
 from suspid.words.greybox import EstimateCheck, EstimateHeadline
 
 if TYPE_CHECKING:
-    import control
+    pass
 
 
 def estimate(
-    records: control.TimeResponseData | RecordTest | Sequence[control.TimeResponseData | RecordTest],
+    records: RecordLike | RecordTest | Sequence[RecordLike | RecordTest],
     suspension: Suspension,
     *,
     given: Sequence[str] = (),
@@ -61,7 +62,7 @@ def estimate(
 
     Parameters
     ----------
-    records : control.TimeResponseData or RecordTest, or sequence of them
+    records : control.TimeResponseData, RecordTest, what `as_record` takes, or a sequence of them
         Measured motions as outputs, named as the outputs of `statespace` or as the sensors of the suspension, in SI
         units. Causes are inputs or outputs.
     suspension : Suspension

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from suspid.cleaning import RecordLike, as_record
 from suspid.errors import InputError, RecordError
 from suspid.identification import resolution
 from suspid.model import Suspension, added_masses, force_weights, output_weights
@@ -30,7 +31,7 @@ class RecordTest:
 
     Parameters
     ----------
-    record : control.TimeResponseData
+    record : control.TimeResponseData, or what `as_record` takes
         Measured motions as outputs, causes as inputs or outputs.
     given : sequence of str, optional
         Causes in this test, if not those of all tests; see `estimate`.
@@ -46,7 +47,7 @@ class RecordTest:
         If an added mass is not a finite number >= 0.
     """
 
-    record: control.TimeResponseData
+    record: RecordLike
     given: Sequence[str] | None = None
     added_masses: Mapping[str, Kilogram] = field(default_factory=dict)
     logger: str | None = None
@@ -98,7 +99,8 @@ def trials_of(records: object, suspension: Suspension, given: Sequence[str]) -> 
 
 def _trial(one: object, car: Suspension, given: Sequence[str]) -> Trial:
     test = one if isinstance(one, RecordTest) else RecordTest(record=one)
-    signal, causes = as_signal(test.record, least=8), _inputs(test.record)
+    record = as_record(test.record)
+    signal, causes = as_signal(record, least=8), _inputs(record)
     names = tuple(given if test.given is None else test.given)
     for name in test.added_masses:
         if name not in car.coordinates:

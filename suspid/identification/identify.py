@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from suspid.cleaning import clipped_run
+from suspid.cleaning import RecordLike, as_record, clipped_run
 from suspid.errors import IdentificationError, InputError, RecordError
 from suspid.identification.considered import beside_bent, considered_of
 from suspid.identification.covariance import joint_covariance, spread_of
@@ -28,8 +28,8 @@ from suspid.identification.steps import FourSteps
 from suspid.model import ModalSet
 from suspid.signals import Signal, as_response, as_signal
 from suspid.units import ComplexArray, RadianPerSecond, RealArray, Second
-from suspid.values import frozen_real
-from suspid.wavelets import BANDWIDTHS, sample_noise
+from suspid.values import check_count, frozen_real
+from suspid.wavelets import BANDWIDTHS, row_band, sample_noise
 
 if TYPE_CHECKING:
     import control
@@ -40,7 +40,7 @@ LARGEST_PEAK = 1e100
 
 
 def identify(
-    response: control.TimeResponseData,
+    response: RecordLike,
     *,
     modes: int | None = None,
     method: Method = "likelihood",
@@ -67,7 +67,7 @@ def identify(
 
     Parameters
     ----------
-    response : control.TimeResponseData
+    response : control.TimeResponseData, or what `as_record` takes
         A free decay from its first sample on, uniformly sampled; all channels are used together.
     modes : int, optional
         Number of modes: the strongest of those that the record supports. Poles beside them in frequency are then left
@@ -111,8 +111,8 @@ def identify(
     """
     if method not in ("likelihood", "ridge"):
         raise InputError(f"{method=} is unknown; the methods are 'likelihood' and 'ridge'")
-    if modes is not None and modes < 1:
-        raise InputError(f"{modes=}: ask for at least one mode, or leave it out to find out")
+    check_count("modes", modes)
+    response = as_record(response)
     signal = as_signal(response, least=FEWEST_SAMPLES)
     _check_size(signal)
     centred = signal.values - signal.values.mean(axis=1, keepdims=True)
@@ -123,7 +123,7 @@ def identify(
     steps = FourSteps(
         signal=replace(signal, values=centred),
         count=modes,
-        band=_band(signal, band),
+        band=row_band(signal, band),
         bandwidth=bandwidth,
         candidates=tuple(float(n) for n in candidates),
     )
@@ -256,22 +256,6 @@ def _check_clipping(signal: Signal) -> None:
                     f"them consecutive from t = {time[first]:g} s; start the record after t = {time[at[-1]]:g} s, "
                     f"or leave the channel out"
                 )
-
-
-def _band(
-    signal: Signal, band: tuple[RadianPerSecond, RadianPerSecond] | None
-) -> tuple[RadianPerSecond, RadianPerSecond]:
-    """Return the angular frequencies between which ridges are looked for."""
-    nyquist = np.pi / signal.step
-    # Ridges are searched from four cycles in the record to 0.9 of the Nyquist frequency.
-    low, high = band or (2 * np.pi * 4.0 / signal.duration, 0.9 * nyquist)
-    if not 0 < low < high <= nyquist:
-        raise InputError(
-            f"the band {low:.5g} … {high:.5g} rad/s ({low / (2 * np.pi):.5g} … {high / (2 * np.pi):.5g} Hz) must be "
-            f"two increasing angular frequencies between 0 and the Nyquist frequency {nyquist:.5g} rad/s "
-            f"({0.5 / signal.step:.5g} Hz)"
-        )
-    return float(low), float(min(high, 0.999 * nyquist))
 
 
 def _decay_of(modes: ModalSet, signal: Signal, onset: float) -> RealArray:

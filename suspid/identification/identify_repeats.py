@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from suspid.cleaning import RecordLike, as_record
 from suspid.errors import IdentificationError, InputError, RecordError
 from suspid.identification.covariance import joint_covariance
 from suspid.identification.exponentials import blocks_of
@@ -22,7 +23,7 @@ from suspid.identification.verdict import verdict_of_repeats
 from suspid.model import ModalSet
 from suspid.signals import Stretch, as_signal, cut
 from suspid.units import RadianPerSecond, RealArray, Second
-from suspid.values import frozen_real, text_table
+from suspid.values import check_count, frozen_real, text_table
 from suspid.words import Verdict
 
 if TYPE_CHECKING:
@@ -95,7 +96,7 @@ def tables_of_repeats(found: Repeats) -> str:
 
 
 def identify_repeats(
-    response: control.TimeResponseData | Sequence[control.TimeResponseData],
+    response: RecordLike | Sequence[RecordLike],
     decays: Sequence[Stretch | tuple[Second, Second]] | None = None,
     *,
     modes: int | None = None,
@@ -113,7 +114,7 @@ def identify_repeats(
 
     Parameters
     ----------
-    response : control.TimeResponseData, or several
+    response : control.TimeResponseData or what `as_record` takes, or several
         One recording with several decays, or several records with the same channels and rate, each a decay from its
         first sample on.
     decays : sequence of Decay or (float, float), optional
@@ -151,8 +152,7 @@ def identify_repeats(
     >>> (found.modes.wn / (2 * np.pi)).round(2)
     array([ 1.08, 11.68])
     """
-    if modes is not None and modes < 1:
-        raise InputError(f"{modes=}: ask for at least one mode, or leave it out to find out")
+    check_count("modes", modes)
     parts = _stretches(response, decays, names)
     each = tuple(_identified(name, part, band) for name, part in parts)
     signals = [as_signal(found.response, least=FEWEST_SAMPLES) for found in each]
@@ -200,7 +200,7 @@ def identify_repeats(
 
 
 def _stretches(
-    response: control.TimeResponseData | Sequence[control.TimeResponseData],
+    response: RecordLike | Sequence[RecordLike],
     decays: Sequence[Stretch | tuple[Second, Second]] | None,
     names: Sequence[str],
 ) -> list[tuple[str, control.TimeResponseData]]:
@@ -209,12 +209,13 @@ def _stretches(
         if decays is not None:
             raise InputError("decays are stretches of one recording; several records are decays as they are")
         called = names or [f"record {number}" for number in range(1, len(response) + 1)]
-        parts = list(zip(called, response, strict=True))
+        parts = list(zip(called, map(as_record, response), strict=True))
         _check_alike(parts)
     else:
         spans = [(d.start, d.stop) if not isinstance(d, tuple) else (float(d[0]), float(d[1])) for d in decays or ()]
         stretches = [f"the decay {start:g} … {stop:g} s" for start, stop in spans]
-        parts = [(name, _cut(name, response, *span)) for name, span in zip(stretches, spans, strict=True)]
+        record = as_record(response)
+        parts = [(name, _cut(name, record, *span)) for name, span in zip(stretches, spans, strict=True)]
     if not parts:
         raise InputError("no decay is given; give at least one, as from find_decays, or (start, stop) in seconds")
     return parts

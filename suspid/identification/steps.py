@@ -12,7 +12,6 @@ from suspid.errors import IdentificationError
 from suspid.model import ModalSet
 from suspid.signals import Signal, as_response
 from suspid.units import RadianPerSecond, RealArray
-from suspid.values import frozen_real
 from suspid.wavelets import (
     BandwidthSearch,
     Ridge,
@@ -22,6 +21,7 @@ from suspid.wavelets import (
     find_ridges,
     fit_ridges,
     fit_skeleton,
+    row_frequencies,
 )
 
 if TYPE_CHECKING:
@@ -63,9 +63,7 @@ class FourSteps:
     @cached_property
     def omega(self) -> RealArray:
         """Angular frequencies of the rows [rad/s], (row,): the band, evenly spaced in its logarithm."""
-        low, high = self.band
-        # 24 rows per octave: a third of the width of the narrowest row in use. Fewer rows miss ridges.
-        return frozen_real(np.geomspace(low, high, max(8, int(np.ceil(24 * np.log2(high / low))))))
+        return row_frequencies(self.signal, self.band)
 
     @cached_property
     def search(self) -> BandwidthSearch | None:

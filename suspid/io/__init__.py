@@ -10,6 +10,7 @@ from suspid.io.foreign import install_line
 from suspid.io.formats import READERS
 from suspid.io.read_recording import read_recording
 from suspid.io.tables import bare_name
+from suspid.io.time_columns import seconds_in
 from suspid.io.write_record import check_record_name, write_record
 
-__all__ = ["READERS", "bare_name", "check_record_name", "install_line", "read_recording", "write_record"]
+__all__ = ["READERS", "bare_name", "check_record_name", "install_line", "read_recording", "seconds_in", "write_record"]

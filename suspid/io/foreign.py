@@ -8,16 +8,19 @@ import io
 import logging
 import re
 import sys
+import threading
 import warnings
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from importlib.metadata import requires
-from typing import TypeVar
+from typing import TextIO, TypeVar
 
 from suspid.errors import RecordError
 from suspid.files import printable
 
 Answer = TypeVar("Answer")
+ONE_AT_A_TIME = threading.RLock()
 # Characters of a foreign message that are passed on: some state the whole content of a block.
 LONGEST_MESSAGE = 160
 
@@ -67,21 +70,44 @@ def install_line(extra: str) -> str:
 
 @contextlib.contextmanager
 def _silence() -> Iterator[None]:
-    logged, unraisable = logging.root.manager.disable, sys.unraisablehook
-    with (
-        warnings.catch_warnings(),
-        contextlib.redirect_stdout(io.StringIO()),
-        contextlib.redirect_stderr(io.StringIO()),
-    ):
+    """Suppress what this thread prints, logs and warns of; what other threads print and log goes where it went.
+
+    One thread at a time: what is changed for the process is put back before the next one changes it.
+    """
+    with ONE_AT_A_TIME, warnings.catch_warnings(), contextlib.ExitStack() as stack:
         warnings.simplefilter("ignore")
-        logging.disable(logging.CRITICAL)
+        silent = threading.get_ident()
+        stack.enter_context(contextlib.redirect_stdout(_Elsewhere(sys.stdout, silent)))
+        stack.enter_context(contextlib.redirect_stderr(_Elsewhere(sys.stderr, silent)))
+        for handler in [*logging.root.handlers, *filter(None, [logging.lastResort])]:
+            kept = partial(_is_of_others, silent)
+            handler.addFilter(kept)
+            stack.callback(handler.removeFilter, kept)
+        unraisable = sys.unraisablehook
+        stack.callback(setattr, sys, "unraisablehook", unraisable)
         # The destructor of a reader that failed may fail as well.
-        sys.unraisablehook = lambda _: None
-        try:
-            yield
-        finally:
-            sys.unraisablehook = unraisable
-            logging.disable(logged)
+        sys.unraisablehook = lambda raised: None if threading.get_ident() == silent else unraisable(raised)
+        yield
+
+
+def _is_of_others(silent: int, record: logging.LogRecord) -> bool:
+    return record.thread != silent
+
+
+class _Elsewhere(io.TextIOBase):
+    """A stream that drops what one thread writes and passes on what others do."""
+
+    def __init__(self, stream: TextIO | None, silent: int) -> None:
+        self._stream, self._silent = stream, silent
+
+    def write(self, text: str, /) -> int:
+        if self._stream is not None and threading.get_ident() != self._silent:
+            return self._stream.write(text)
+        return len(text)
+
+    def flush(self) -> None:
+        if self._stream is not None and threading.get_ident() != self._silent:
+            self._stream.flush()
 
 
 def unique_names(named: Sequence[tuple[str, str]]) -> list[str]:

@@ -18,6 +18,7 @@ from suspid.io.tables import (
     is_abscissa,
     is_count,
     is_time,
+    is_time_in_unknown_unit,
     may_be_time,
     split_unit,
 )
@@ -191,6 +192,22 @@ def in_seconds(table: Table, time: str, stamps: RealArray) -> RealArray:
     unit = time_unit(table, time) or epoch_unit(stamps)
     if unit not in PER_SECOND:
         raise RecordError(unknown_unit(time))
+    return np.asarray(stamps / PER_SECOND[unit])
+
+
+def seconds_in(name: str, stamps: RealArray) -> RealArray | None:
+    """Return stamps in seconds by the unit in their name; None where the name is not one of a time.
+
+    Examples
+    --------
+    >>> seconds_in("time [ms]", np.array([0.0, 5.0])), seconds_in("seat", np.array([0.0]))
+    (array([0.   , 0.005]), None)
+    """
+    if is_time_in_unknown_unit(name):
+        raise RecordError(unknown_unit(name))
+    if not is_time(name):
+        return None
+    unit = split_unit(name)[1] or epoch_unit(stamps)
     return np.asarray(stamps / PER_SECOND[unit])
 
 

@@ -17,9 +17,9 @@ def jacobian_of(pole: complex) -> RealArray:
     return np.array([[re / wn, im / wn], [-((im / wn) ** 2) / wn, (re / wn) * (im / wn) / wn]])
 
 
-def covariance_order(order: NDArray[np.intp], size: int) -> list[int]:
-    """Return where each entry of the covariance goes when the modes are put in ``order``."""
-    per_mode = size // (2 * len(order)) - 1 if len(order) else 0
+def covariance_order(order: NDArray[np.intp], size: int, count: int) -> list[int]:
+    """Return the entries of the covariance of ``count`` modes that belong to those in ``order``, in that order."""
+    per_mode = size // (2 * count) - 1 if count else 0
     poles = [2 * m + part for m in order for part in (0, 1)]
-    shapes = [2 * len(order) + 2 * (m * per_mode + c) + part for m in order for c in range(per_mode) for part in (0, 1)]
+    shapes = [2 * count + 2 * (m * per_mode + c) + part for m in order for c in range(per_mode) for part in (0, 1)]
     return [int(i) for i in poles + shapes]

@@ -16,13 +16,14 @@ if TYPE_CHECKING:
     import control
 
 
-def eigenmodes(system: control.StateSpace | Suspension) -> ModalSet:
+def eigenmodes(system: control.LTI | Suspension) -> ModalSet:
     """Return the exact modes of a model: its eigenvalues, and its eigenvectors at the outputs.
 
     Parameters
     ----------
-    system : control.StateSpace or Suspension
-        The model. The poles z of a sampled system are converted to continuous time, ``log(z) / dt``.
+    system : control.StateSpace, control.TransferFunction or Suspension
+        The model. A transfer function is realised first: poles that cancel are kept. The poles z of a sampled system
+        are converted to continuous time, ``log(z) / dt``.
 
     Returns
     -------
@@ -51,6 +52,11 @@ def eigenmodes(system: control.StateSpace | Suspension) -> ModalSet:
         matrix, channels, dt = state_matrix(system), system.coordinates, None
         outputs = np.eye(len(channels), len(matrix))
     else:
+        if not hasattr(system, "A") and hasattr(system, "num"):
+            # A transfer function; the poles of the realisation are its own.
+            import control
+
+            system = control.ss(system)
         if not hasattr(system, "A") or not hasattr(system, "output_labels"):
             raise InputError(f"eigenmodes needs a control.StateSpace or a Suspension, not {type(system).__name__}")
         matrix, outputs = np.asarray(system.A, float), np.asarray(system.C, float)

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from suspid.errors import InputError
 from suspid.levels import LEVEL, check_level
@@ -107,7 +108,7 @@ class ModalSet:
                 raise InputError(
                     f"covariance must be finite, with variances >= 0; its diagonal is {np.diag(covariance)}"
                 )
-            index = covariance_order(order, len(covariance))
+            index = covariance_order(order, len(covariance), len(poles))
             object.__setattr__(self, "covariance", frozen_real(covariance[np.ix_(index, index)]))
 
     @classmethod
@@ -170,6 +171,32 @@ class ModalSet:
 
     def __len__(self) -> int:
         return len(self.poles)
+
+    def __getitem__(self, index: int | slice | Sequence[int] | NDArray[np.bool_]) -> ModalSet:
+        """Return some of the modes, with their shapes and their joint covariance.
+
+        Examples
+        --------
+        >>> modes = ModalSet.from_wn_zeta([10.0, 70.0], [0.3, 0.2])
+        >>> modes[1].wn, [mode.zeta.item() for mode in modes]
+        (array([70.]), [0.3, 0.2])
+        """
+        if isinstance(index, int | np.integer) and not -len(self) <= index < len(self):
+            raise IndexError(f"there is no mode {index}: there are {len(self)}")
+        kept, covariance = np.atleast_1d(np.arange(len(self))[index]), self.covariance
+        if covariance is not None:
+            entries = covariance_order(kept, len(covariance), len(self))
+            covariance = covariance[np.ix_(entries, entries)]
+        return ModalSet(
+            poles=self.poles[kept],
+            shapes=None if self.shapes is None else self.shapes[:, kept],
+            channels=self.channels,
+            covariance=covariance,
+        )
+
+    def __iter__(self) -> Iterator[ModalSet]:
+        """Iterate over the modes, each a set of one."""
+        return (self[k] for k in range(len(self)))
 
     @property
     def wn(self) -> RealArray:

@@ -15,6 +15,7 @@ from suspid.wavelets.morlet import Morlet
 from suspid.wavelets.ridge import Ridge, Window
 from suspid.wavelets.ridge_at import ABOVE_NOISE
 from suspid.wavelets.scalogram import Scalogram
+from suspid.wavelets.transform import row_band, row_frequencies
 
 __all__ = [
     "ABOVE_NOISE",
@@ -31,5 +32,7 @@ __all__ = [
     "find_ridges",
     "fit_ridges",
     "fit_skeleton",
+    "row_band",
+    "row_frequencies",
     "sample_noise",
 ]

@@ -8,16 +8,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from suspid.cleaning import RecordLike, as_record
 from suspid.errors import InputError
 from suspid.signals import as_signal
 from suspid.units import Radian, RadianPerSecond, RealArray
 from suspid.values import frozen_real
-from suspid.wavelets.cwt import transform
 from suspid.wavelets.morlet import Morlet
 from suspid.wavelets.scalogram import Scalogram
+from suspid.wavelets.transform import row_frequencies, transform
 
 if TYPE_CHECKING:
-    import control
+    pass
 
 # Bandwidths N of the wavelet that are tried: long wavelets suit light damping, more of them cost time.
 BANDWIDTHS = range(1, 51)
@@ -52,9 +53,9 @@ class BandwidthSearch:
 
 
 def best_bandwidth(
-    response: control.TimeResponseData,
+    response: RecordLike,
     *,
-    omega: Sequence[RadianPerSecond] | RealArray,
+    omega: Sequence[RadianPerSecond] | RealArray | None = None,
     candidates: Iterable[float] = BANDWIDTHS,
     center: Radian = 2 * np.pi,
 ) -> BandwidthSearch:
@@ -71,10 +72,10 @@ def best_bandwidth(
 
     Parameters
     ----------
-    response : control.TimeResponseData
+    response : control.TimeResponseData, or what `as_record` takes
         The record.
-    omega : array_like (row,)
-        Angular frequencies [rad/s].
+    omega : array_like (row,), optional
+        Angular frequencies [rad/s]. Default: as in `cwt`.
     candidates : iterable of float
         Bandwidths to try.
     center : float
@@ -98,7 +99,8 @@ def best_bandwidth(
     >>> best_bandwidth(decay, omega=np.geomspace(10, 40, 60), candidates=[1, 8, 64, 512]).best
     64.0
     """
-    signal, rows = as_signal(response), np.atleast_1d(np.asarray(omega, float))
+    signal = as_signal(as_record(response))
+    rows = row_frequencies(signal) if omega is None else np.atleast_1d(np.asarray(omega, float))
     tried = np.array([float(n) for n in candidates])
     if not tried.size:
         raise InputError("candidates is empty; give at least one bandwidth")

@@ -3,35 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from suspid.errors import InputError
-from suspid.signals import Signal, as_signal
-from suspid.units import ComplexArray, Radian, RadianPerSecond, RealArray
-from suspid.values import frozen_complex, frozen_real
+from suspid.cleaning import RecordLike, as_record
+from suspid.signals import as_signal
+from suspid.units import Radian, RadianPerSecond, RealArray
+from suspid.wavelets.best_bandwidth import best_bandwidth
 from suspid.wavelets.morlet import Morlet
 from suspid.wavelets.scalogram import Normalization, Scalogram
-
-if TYPE_CHECKING:
-    import control
-
-# Share of its peak below which the spectrum of the wavelet counts as zero. It is near rounding; a larger share is
-# faster and leaves that error in the coefficients.
-CUT = 1e-13
-# Most samples of all rows that are transformed at once. More are no faster and take more memory.
-BLOCK = 2**21
-# Longest envelope of a wavelet [records]. A longer wavelet sees only the ends of the record.
-LONGEST_ENVELOPE = 10.0
+from suspid.wavelets.transform import CUT, row_frequencies, transform
 
 
 def cwt(
-    response: control.TimeResponseData,
+    response: RecordLike,
     *,
-    omega: Sequence[RadianPerSecond] | RealArray,
-    bandwidth: float,
+    omega: Sequence[RadianPerSecond] | RealArray | None = None,
+    bandwidth: float | None = None,
     center: Radian = 2 * np.pi,
     normalization: Normalization = "paper",
     full_rate: bool = False,
@@ -45,12 +33,13 @@ def cwt(
 
     Parameters
     ----------
-    response : control.TimeResponseData
+    response : control.TimeResponseData, or what `as_record` takes
         The record, uniformly sampled.
-    omega : array_like (row,)
-        Angular frequencies of the rows [rad/s], below the Nyquist frequency; the scale is ``center / omega``.
-    bandwidth : float
-        N of the modified Morlet wavelet.
+    omega : array_like (row,), optional
+        Angular frequencies of the rows [rad/s], below the Nyquist frequency; the scale is ``center / omega``. Default:
+        24 an octave from four cycles in the record to 0.9 of the Nyquist frequency.
+    bandwidth : float, optional
+        N of the modified Morlet wavelet. Default: that of least entropy, see `best_bandwidth`.
     center : float
         w0 [rad].
     normalization : {"paper", "amplitude"}
@@ -84,116 +73,16 @@ def cwt(
     >>> float(np.abs(scalogram.rows[0][0, scalogram.inside(0, cones=3)]).mean().round(6))
     3.0
     """
+    record = as_record(response)
+    signal = as_signal(record)
+    rows = row_frequencies(signal) if omega is None else np.atleast_1d(np.asarray(omega, float))
+    if bandwidth is None:
+        bandwidth = best_bandwidth(record, omega=rows, center=center).best
     return transform(
-        as_signal(response),
-        omega=np.atleast_1d(np.asarray(omega, float)),
+        signal,
+        omega=rows,
         wavelet=Morlet(center=center, bandwidth=bandwidth),
         normalization=normalization,
         full_rate=full_rate,
         precision=precision,
     )
-
-
-def transform(
-    signal: Signal,
-    *,
-    omega: RealArray,
-    wavelet: Morlet,
-    normalization: Normalization = "paper",
-    full_rate: bool = False,
-    precision: float = CUT,
-) -> Scalogram:
-    """Return the transform of checked samples; see `cwt`."""
-    from scipy.fft import fft
-
-    _check_rows(signal, omega, wavelet)
-    if not CUT / 10 <= precision < 0.1:
-        raise InputError(f"{precision=} must be a share between {CUT / 10:g} and 0.1, such as {CUT:g}")
-    scale = wavelet.center / omega
-    count = signal.values.shape[1]
-    reach = np.sqrt(-np.log(precision) * wavelet.bandwidth) * np.max(scale) / signal.step
-    length = _length(count + int(np.ceil(reach)))
-    fourier = fft(signal.values, n=length, axis=1)
-    per_bin = 2 * np.pi / (length * signal.step)
-    halfwidth = 2 * np.sqrt(-np.log(precision) / wavelet.bandwidth)
-    first = np.ceil((wavelet.center - halfwidth) / scale / per_bin).astype(int)
-    last = np.floor((wavelet.center + halfwidth) / scale / per_bin).astype(int)
-    doublings = np.maximum(np.floor(np.log2(length / (last - first + 1))), 0).astype(int)
-    strides = 1 << np.minimum(doublings, _twos(length)) if not full_rate else np.ones_like(first)
-    factor = np.sqrt(scale) if normalization == "paper" else 2 / np.sqrt(np.pi * wavelet.bandwidth) + 0 * scale
-    rows: list[ComplexArray] = [np.empty(0, complex)] * len(omega)
-    for stride in np.unique(strides):
-        members = np.flatnonzero(strides == stride)
-        at_once = max(1, BLOCK // (len(signal.channels) * (length // stride)))
-        for some in np.array_split(members, -(-len(members) // at_once)):
-            block = _row_block(fourier, first[some], last[some], scale[some] * per_bin, wavelet, length // stride)
-            block = block[..., : -(-count // stride)] * (factor[some, None] / stride)
-            for i, index in enumerate(some):
-                rows[index] = frozen_complex(block[:, i])
-    return Scalogram(
-        signal=signal,
-        wavelet=wavelet,
-        normalization=normalization,
-        omega=frozen_real(omega),
-        rows=tuple(rows),
-        strides=tuple(int(s) for s in strides),
-    )
-
-
-def _row_block(
-    fourier: ComplexArray,
-    first: NDArray[np.intp],
-    last: NDArray[np.intp],
-    per_bin: RealArray,
-    wavelet: Morlet,
-    length: int,
-) -> ComplexArray:
-    """Return rows (channel, row, length): inverse FFTs of the Fourier bins first … last, folded to ``length``."""
-    from scipy.fft import ifft
-
-    whole = fourier.shape[1]
-    folded = np.zeros((len(fourier), len(first), length), complex)
-    width = int(np.max(last - first)) + 1
-    kernels = wavelet.spectrum((first[:, None] + np.arange(width)) * per_bin[:, None])
-    for row, (start, kernel) in enumerate(zip(first, kernels, strict=True)):
-        done = 0
-        # A slice ends where the spectrum of the record or the folded one ends. Bins beyond Nyquist repeat the periodic
-        # spectrum of the record, as in the sum of Eq. (12).
-        while done < width:
-            source, target = (start + done) % whole, (start + done) % length
-            size = min(width - done, whole - source, length - target)
-            folded[:, row, target : target + size] += fourier[:, source : source + size] * kernel[done : done + size]
-            done += size
-    return np.asarray(ifft(folded, axis=2, overwrite_x=True))
-
-
-def _check_rows(signal: Signal, omega: RealArray, wavelet: Morlet) -> None:
-    nyquist = np.pi / signal.step
-    if omega.ndim != 1 or not omega.size:
-        raise InputError(f"omega must be a vector of at least one angular frequency; got shape {omega.shape}")
-    wrong = omega[~((omega > 0) & (omega < nyquist))]
-    if wrong.size:
-        raise InputError(
-            f"{wrong.size} of {omega.size} angular frequencies (the first: {wrong[0]:g} rad/s) do not lie between 0 "
-            f"and the Nyquist frequency {nyquist:g} rad/s of the record"
-        )
-    longest = float(np.max(wavelet.envelope(omega)))
-    if longest > LONGEST_ENVELOPE * signal.duration:
-        raise InputError(
-            f"at omega = {np.min(omega):g} rad/s the envelope of the wavelet lasts {longest:g} s, over "
-            f"{LONGEST_ENVELOPE:g} times the {signal.duration:g} s of the record; raise the lowest omega, or lower "
-            f"bandwidth or center"
-        )
-
-
-def _length(least: int) -> int:
-    """Return a length for a fast FFT that can be halved often."""
-    from scipy.fft import next_fast_len
-
-    unit = 1 << max(0, least.bit_length() - 8)
-    return int(next_fast_len(-(-least // unit))) * unit
-
-
-def _twos(length: int) -> int:
-    """Return the number of times that the length can be halved."""
-    return (length & -length).bit_length() - 1

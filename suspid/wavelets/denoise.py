@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Literal, TypeAlias, get_args
 
 import numpy as np
 
+from suspid.cleaning import RecordLike, as_record
 from suspid.errors import InputError
 from suspid.signals import as_response, as_signal
 from suspid.units import RealArray
@@ -29,7 +30,7 @@ TransformName: TypeAlias = Literal["stationary", "decimated"]
 
 
 def denoise(
-    response: control.TimeResponseData,
+    response: RecordLike,
     *,
     wavelet: str = "sym8",
     level: int | None = None,
@@ -52,7 +53,7 @@ def denoise(
 
     Parameters
     ----------
-    response : control.TimeResponseData
+    response : control.TimeResponseData, or what `as_record` takes
         One trace, any number of channels, of any length from ``2 (taps - 1)`` samples on (30 for "sym8").
     wavelet : str
         A discrete wavelet of PyWavelets, orthogonal or biorthogonal. "bior3.1" and "rbio3.1" are unsuitable: their
@@ -113,6 +114,7 @@ def denoise(
     ):
         if name not in known:
             raise InputError(f"{keyword}={name!r} is unknown.{nearest_names(str(name), known)}")
+    response = as_record(response)
     signal = as_signal(response)
     filters = filter_bank(wavelet, signal.values.shape[1])
     depth = _depth(filters, level)

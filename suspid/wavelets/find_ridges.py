@@ -6,17 +6,19 @@ from dataclasses import replace
 
 import numpy as np
 
+from suspid.cleaning import RecordLike, as_record
 from suspid.errors import IdentificationError, InputError
-from suspid.signals import Signal
+from suspid.signals import Signal, as_response, as_signal
 from suspid.units import RealArray
-from suspid.values import frozen_real
-from suspid.wavelets.cwt import transform
+from suspid.values import check_count, frozen_real
+from suspid.wavelets.cwt import cwt
 from suspid.wavelets.filter_bank import sample_noise
 from suspid.wavelets.fit_ridges import fit_ridges, fit_skeleton
 from suspid.wavelets.morlet import Morlet
 from suspid.wavelets.ridge import Ridge
 from suspid.wavelets.ridge_at import ridge_at
 from suspid.wavelets.scalogram import Scalogram
+from suspid.wavelets.transform import transform
 
 # Standard deviations by which a decay may grow: more than that is no decay.
 GROWTH = 5.0
@@ -25,7 +27,7 @@ GROWTH = 5.0
 RIDGE_FARTHEST, MISFIT = 0.1, 0.25
 
 
-def find_ridges(scalogram: Scalogram, *, count: int | None = None) -> tuple[Ridge, ...]:
+def find_ridges(scalogram: Scalogram | RecordLike, *, count: int | None = None) -> tuple[Ridge, ...]:
     """Return the ridges of a scalogram in order of frequency, each refined between its rows.
 
     Ridges are the maxima over scale of the energy of each row away from the ends of the record, summed over the
@@ -36,7 +38,8 @@ def find_ridges(scalogram: Scalogram, *, count: int | None = None) -> tuple[Ridg
     Parameters
     ----------
     scalogram : Scalogram
-        The transform, with rows over the band of interest.
+        The transform, with rows over the band of interest. Of a record (anything that `as_record` takes) the transform
+        of its deviation from the mean with the defaults of `cwt` is used.
     count : int, optional
         Number of ridges to return, those of most energy. Default: all that are significant.
 
@@ -61,8 +64,11 @@ def find_ridges(scalogram: Scalogram, *, count: int | None = None) -> tuple[Ridg
     >>> [round(ridge.omega, 2) for ridge in ridges]
     [20.0, 60.0]
     """
-    if count is not None and count < 1:
-        raise InputError(f"{count=} must be at least 1")
+    check_count("count", count)
+    if not isinstance(scalogram, Scalogram):
+        whole = as_signal(as_record(scalogram))
+        about = whole.values - whole.values.mean(axis=1, keepdims=True)
+        scalogram = cwt(as_response(whole.timepts, about, whole.channels))
     if len(scalogram.omega) < 3:
         raise InputError(f"the scalogram has {len(scalogram.omega)} rows; a maximum over scale needs at least 3")
     signal = scalogram.signal

@@ -7,10 +7,10 @@ import numpy as np
 from suspid.signals import Signal
 from suspid.units import ComplexArray, RealArray, Second
 from suspid.values import frozen_complex, frozen_real
-from suspid.wavelets.cwt import CUT, transform
 from suspid.wavelets.fit_ridges import SkeletonFit
 from suspid.wavelets.morlet import Morlet
 from suspid.wavelets.ridge import Ridge, Window
+from suspid.wavelets.transform import CUT, transform
 
 # A skeleton is trusted while its modulus is this many times the noise in its row. A lower limit biases the damping by
 # the noise; a higher one shortens the window.

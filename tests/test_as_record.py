@@ -1,0 +1,215 @@
+"""Arrays and tables become records: same samples, same time, or an error with the line to write."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import logging
+import sys
+import warnings
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import control
+import numpy as np
+import pytest
+from scipy.io import wavfile
+
+from suspid import (
+    ModalSet,
+    RecordError,
+    SuspidError,
+    add_noise,
+    analyse,
+    as_record,
+    best_bandwidth,
+    cwt,
+    denoise,
+    eigenmodes,
+    estimate,
+    find_decays,
+    find_ridges,
+    fit_ridges,
+    free_decay,
+    identify,
+    identify_repeats,
+    read_record,
+    statespace,
+)
+from suspid.errors import InputError
+from validation import cars
+
+FS = 200.0
+TIME = np.arange(1000) / FS
+RECORD = add_noise(
+    free_decay(cars.HATCHBACK, TIME, initial_state={"v_tire": 1.0}), snr_db=40.0, rng=np.random.default_rng(1)
+)
+VALUES, NAMES = np.asarray(RECORD.y), list(RECORD.output_labels)
+pd: Any = pytest.importorskip("pandas")
+
+
+def table(**index: Any) -> Any:
+    return pd.DataFrame(dict(zip(NAMES, VALUES, strict=True)), **index)
+
+
+FORMS: dict[str, Any] = {
+    "response": RECORD,
+    "pair": (TIME, VALUES),
+    "index of time": table(index=pd.Index(TIME)),
+    "named index in ms": table(index=pd.Index(1e3 * TIME, name="time [ms]")),
+    "column of time": table().assign(time=TIME),
+    "dates": table(index=pd.Timestamp("2026-03-29 01:59:58", tz="Europe/Berlin") + pd.to_timedelta(TIME, unit="s")),
+    "durations": table(index=pd.to_timedelta(TIME, unit="s")),
+    "column of dates": table().assign(when=pd.Timestamp("2026-01-01") + pd.to_timedelta(TIME, unit="s")),
+}
+
+
+@pytest.mark.parametrize("form", FORMS, ids=str)
+def test_every_form_gives_the_same_record_and_modes(form: str) -> None:
+    record = as_record(FORMS[form])
+    assert np.array_equal(record.y, VALUES)
+    np.testing.assert_allclose(np.asarray(record.time) - record.time[0], TIME, rtol=0, atol=1e-9)
+    if form != "pair":
+        assert list(record.output_labels) == NAMES
+    found = identify(FORMS[form]).modes
+    np.testing.assert_allclose(found.poles, identify(RECORD).modes.poles, rtol=1e-6)
+
+
+def test_a_response_is_not_copied() -> None:
+    assert as_record(RECORD) is RECORD
+
+
+def test_arrays_need_a_rate_and_take_names_and_units() -> None:
+    record = as_record(1e3 * VALUES, fs=FS, channels=NAMES, units={NAMES[0]: "mm"})
+    np.testing.assert_allclose(record.y[0], VALUES[0], rtol=1e-12)
+    np.testing.assert_allclose(record.y[1], 1e3 * VALUES[1], rtol=1e-15)
+    assert list(record.output_labels) == NAMES
+    assert as_record(VALUES[0].tolist(), fs=FS).y.shape == (1, 1000)
+    assert np.array_equal(as_record(table(), timepts=TIME + 3.0).time, TIME + 3.0)
+
+
+def test_xarray() -> None:
+    xr: Any = pytest.importorskip("xarray")
+    array = xr.DataArray(VALUES.T, dims=("time", "channel"), coords={"time": TIME, "channel": NAMES})
+    for data in (array, array.to_dataset(dim="channel")):
+        record = as_record(data)
+        assert np.array_equal(record.y, VALUES)
+        assert list(record.output_labels) == NAMES
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: as_record(VALUES), r"write as_record\(data, fs="),
+        (lambda: identify(VALUES), r"write as_record\(data, fs="),
+        (lambda: as_record(VALUES.T, fs=FS), r"\.T"),
+        (lambda: as_record(table()), "no time"),
+        (lambda: as_record(VALUES + 1j, fs=FS), "is complex"),
+        (lambda: as_record(np.ma.masked_greater(VALUES, 0.0), fs=FS), "samples are masked"),
+        (lambda: as_record([[1.0, 2.0], [1.0]], fs=FS), "different lengths"),
+        (lambda: as_record(["a", "b"], fs=FS), "no numbers"),
+        (lambda: as_record(table().assign(note="x"), fs=FS), r"'note'.*select_dtypes"),
+        (lambda: as_record((TIME[:-1], VALUES)), "999 time points, but 1000 samples"),
+        (lambda: as_record((TIME**2, VALUES)), "irregular"),
+        (lambda: as_record(VALUES, fs=0.0), "must be positive"),
+        (lambda: as_record(VALUES, fs=FS, timepts=TIME), "one of them"),
+        (lambda: as_record(VALUES, fs=FS, channels=["a"]), "must name 3 channels"),
+        (lambda: as_record(VALUES, fs=FS, units=["mm"]), "unit of each of 3 channels"),
+        (lambda: as_record(VALUES, fs=FS, units={"z": "mm"}), "no such channel"),
+        (lambda: as_record("decay.csv"), "read it with read_record"),
+        (lambda: as_record(table().assign(**{"time [furlong]": TIME})), "not known"),
+    ],
+)
+def test_what_is_missing_is_said_with_the_next_step(make: Any, message: str) -> None:
+    with pytest.raises(RecordError, match=message):
+        make()
+
+
+def test_every_verb_takes_a_table() -> None:
+    data = FORMS["index of time"]
+    assert np.array_equal(denoise(data).y, denoise(RECORD).y)
+    mine, theirs = (cwt(form, omega=[70.0], bandwidth=4.0).rows[0] for form in (data, RECORD))
+    assert np.array_equal(mine, theirs)
+    assert [d.start for d in find_decays(data)] == [d.start for d in find_decays(RECORD)]
+    assert np.array_equal(analyse(data).modes.poles, analyse(RECORD).modes.poles)
+    assert np.array_equal(identify_repeats([data, data]).modes.poles, identify_repeats([RECORD, RECORD]).modes.poles)
+    given = estimate(data, cars.HATCHBACK, fixed=["tire.damping"])
+    assert np.array_equal(given.values, estimate(RECORD, cars.HATCHBACK, fixed=["tire.damping"]).values)
+    assert len(analyse((TIME, VALUES)).modes) == 3
+
+
+def test_the_transform_has_defaults_and_its_ridges_are_the_modes() -> None:
+    decay = free_decay(cars.PAPER, np.arange(0, 10, 0.005), initial_state={"v_tire": 1.0})
+    scalogram = cwt(decay)
+    assert scalogram.wavelet.bandwidth == best_bandwidth(decay).best
+    modes = fit_ridges(find_ridges(decay))
+    np.testing.assert_allclose(modes.wn, eigenmodes(cars.PAPER).wn, rtol=1e-3)
+
+
+def test_impulse_responses_of_several_inputs_are_one_record_with_the_systems_poles() -> None:
+    system = statespace(cars.HATCHBACK)
+    response = control.impulse_response(system, TIME)
+    record = as_record(response)
+    outputs, inputs = response.y.shape[:2]
+    assert record.y.shape == (outputs * inputs, TIME.size)
+    assert record.output_labels[1] == f"{system.output_labels[0]}_from_{system.input_labels[1]}"
+    assert np.array_equal(record.y[1], response.y[0, 1])
+
+
+def test_transfer_functions_have_modes() -> None:
+    system = control.tf([1.0], [1.0, 0.4, 25.0])
+    np.testing.assert_allclose(eigenmodes(system).poles, [-0.2 + 1j * np.sqrt(25 - 0.04)], rtol=1e-12)
+
+
+@pytest.mark.parametrize("modes", [0, -1, 1.5, True, "two"])
+def test_a_number_of_modes_is_whole(modes: Any) -> None:
+    with pytest.raises(InputError, match="whole number from 1 on"):
+        identify(RECORD, modes=modes)
+
+
+class TestModesOneByOne:
+    def test_a_mode_keeps_pole_shape_and_covariance(self) -> None:
+        whole = identify(RECORD).modes
+        assert whole.covariance is not None
+        assert whole.shapes is not None
+        for k, mode in enumerate(whole):
+            assert (len(mode), mode.poles[0]) == (1, whole.poles[k])
+            assert mode.shapes is not None
+            assert np.array_equal(mode.shapes[:, 0], whole.shapes[:, k])
+            np.testing.assert_array_equal(mode.interval(0.9).wn[0], whole.interval(0.9).wn[k])
+            np.testing.assert_array_equal(mode.interval(0.9).zeta[0], whole.interval(0.9).zeta[k])
+        swapped = whole[[2, 0, 1]]
+        assert swapped.covariance is not None
+        assert np.array_equal(swapped.covariance, whole.covariance)
+
+    def test_slices_and_masks(self) -> None:
+        modes = ModalSet.from_wn_zeta([1.0, 2.0, 3.0], [0.1, 0.2, 0.3])
+        assert modes[1:].wn.tolist() == [2.0, 3.0]
+        assert modes[-1].zeta.tolist() == pytest.approx([0.3])
+        assert modes[modes.zeta > 0.15].wn.tolist() == pytest.approx([2.0, 3.0])
+        with pytest.raises(IndexError, match="no mode 3"):
+            modes[3]
+
+
+def test_reading_in_threads_leaves_the_host_as_it_was(tmp_path: Path) -> None:
+    for k in range(8):
+        wavfile.write(tmp_path / f"{k}.wav", 800, (1e4 * VALUES[0] / np.max(np.abs(VALUES[0]))).astype(np.int16))
+    stdout, stderr, hook, level = sys.stdout, sys.stderr, sys.unraisablehook, logging.root.manager.disable
+    shown = io.StringIO()
+    written = 0
+
+    def read(path: Path) -> None:
+        with contextlib.suppress(SuspidError), warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            read_record(path)
+
+    with contextlib.redirect_stdout(shown), ThreadPoolExecutor(4) as pool:
+        done = [pool.submit(read, path) for path in sorted(tmp_path.glob("*.wav")) * 5]
+        while not all(one.done() for one in done):
+            sys.stdout.write("x")
+            written += 1
+    assert [one.result() for one in done] == [None] * 40
+    assert (sys.stdout, sys.stderr, sys.unraisablehook) == (stdout, stderr, hook)
+    assert logging.root.manager.disable == level
+    assert shown.getvalue().count("x") == written > 0
