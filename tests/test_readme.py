@@ -79,7 +79,8 @@ class TestFigures:
             theirs = next(line for line in report.splitlines() if line.strip().startswith(f"{name}  "))
             _, draws, failed, _, error, ratio, coverage, *_ = re.split(r"\s{2,}", theirs.strip())
             largest = [max(re.split(r", | to ", cell), key=float) for cell in (error, ratio)]
-            assert (draws, failed) == ("100", "0")
+            assert int(draws) >= 100
+            assert failed == "0"
             assert figures == [f"{largest[0]} %", largest[1], coverage.replace("%", " %")]
 
     def test_the_peers_are_those_of_the_report(self) -> None:
