@@ -160,3 +160,20 @@ class TestShown:
         codes = {each.remark.code for each in self.found().considered}
         assert codes <= {Reason.SAME_MODE, Reason.HARMONIC, Reason.DISTORTION}
         assert codes
+
+
+class TestMeans:
+    def test_of_friction_alone_are_those_of_its_cycles(self) -> None:
+        # Each turn is 2 F / k nearer to rest, each swing lasts pi / wn: from 20 mm on, nearer by 2.4 mm a swing.
+        wn, size, loss = 2 * np.pi * 5.0, 20.0, 2.4
+        time = np.arange(0.0, 8 * np.pi / wn, 1e-3)
+        swing = (time * wn / np.pi).astype(int)
+        middle = 0.5 * loss * (-1.0) ** swing
+        values = (size - loss * (swing + 0.5)) * np.cos(wn * time) + middle
+        values += 0.01 * np.random.default_rng(1).standard_normal(len(time))
+        modes = identify(as_response(time, values, ["x [mm]"])).modes
+        swings = size - loss * (np.arange(8) + 0.5)
+        zeta = np.log(swings[:-2] / swings[2:]) / (2 * np.pi)
+        zeta /= np.sqrt(1 + zeta**2)
+        np.testing.assert_allclose(modes.zeta, [np.mean(zeta)], rtol=5e-3)
+        np.testing.assert_allclose(modes.wn, [np.mean(wn / np.sqrt(1 - zeta**2))], rtol=2e-4)

@@ -17,6 +17,8 @@ from suspid.values import frozen_real
 # A swing is seen if it is larger than this number of standard deviations of the noise. A lower limit brings in cycles
 # that the noise decides, a higher one leaves out the smallest amplitudes that were met.
 VISIBLE = 3.0
+# A turn that the record misses by so many samples, and by less than this share of a swing, is one of its turns.
+MISSED, MISSED_SHARE = 3.0, 0.1
 # Harmonics of each mode beside which the part of a force in step with another mode is found.
 HARMONICS = (2, 3, 4, 5)
 # Parts of the decay over which a mode is described, at most; each is of one cycle at least.
@@ -90,24 +92,46 @@ class Swings:
         out[:, 2 * self.own + 1] = -by_own.imag, by_own.real
         return complex((np.log(self.size[last] / self.size[first]) + 1j * np.pi * turns) / span), out
 
+    def mean(self) -> tuple[complex, RealArray]:
+        """Return the pole of the mean natural frequency and damping ratio of all cycles, and its derivatives.
+
+        A cycle is two swings. Its pole is that of `pole`: two means and not one, because the modulus of a mean
+        exponent is less than the mean of the moduli, where the damping differs from cycle to cycle.
+        """
+        count = len(self.time)
+        cycles = [self.pole(first, first + 2) for first in range(count - 2)] or [self.pole()]
+        exponents, slopes = np.array([theta for theta, _ in cycles]), np.array([by for _, by in cycles])
+        wn, zeta = float(np.mean(np.abs(exponents))), float(np.mean(-exponents.real / np.abs(exponents)))
+        by_wn, by_zeta = np.einsum("pci,cij->pj", _by_pole(exponents), slopes) / len(cycles)
+        turned = np.sqrt(1 - zeta**2)
+        change = (-zeta + 1j * turned) * by_wn - wn * (1 + 1j * zeta / turned) * by_zeta
+        return wn * (-zeta + 1j * turned), np.array([change.real, change.imag])
+
+
+def _by_pole(theta: ComplexArray) -> RealArray:
+    """Return the derivatives of natural frequency and damping ratio by Re and Im of a pole, (2, …, 2)."""
+    size = np.abs(theta)
+    of_wn = np.stack([theta.real, theta.imag], axis=-1) / size[..., None]
+    of_zeta = np.stack([-(theta.imag**2), theta.real * theta.imag], axis=-1) / size[..., None] ** 3
+    return np.array([of_wn, of_zeta])
+
 
 def swings_of(fit: DrivenFit, pole: int, window: slice = slice(None)) -> Swings | None:
     """Return the swings of a mode in its strongest channel within a window; None if there are not two."""
     state, own = fit.states[pole, window], np.flatnonzero(fit.owners == pole)
     strongest = int(np.argmax(np.abs(fit.amplitudes[pole])))
     amplitude = fit.amplitudes[pole, strongest]
-    phase = np.unwrap(np.angle(amplitude * fit.drive.theta[pole] * state))
-    # The speed passes through 0 where its phase does through an odd quarter of a turn.
-    turns = np.arange(np.ceil(phase[0] / np.pi - 0.5), np.floor(phase[-1] / np.pi - 0.5) + 1)
-    if len(turns) < 3:
+    speed = np.real(amplitude * fit.drive.theta[pole] * state)
+    times = _turns(speed, most=min(MISSED, MISSED_SHARE * np.pi / float(fit.drive.theta[pole].imag)))
+    if len(times) < 3:
         return None
-    samples = np.arange(len(state), dtype=float)
-    times = np.interp(np.pi * (turns + 0.5), np.maximum.accumulate(phase), samples)
-    at = np.minimum(times.astype(int), len(state) - 2)
+    inside = np.clip(times, 0, len(state) - 1)
+    at = np.minimum(inside.astype(int), len(state) - 2)
     logs = np.log(np.abs(state)) + 1j * np.unwrap(np.angle(state))
     rows = np.vstack([logs, fit.slopes[own][:, window] / state])
-    rows = rows[:, at] + (times - at) * (rows[:, at + 1] - rows[:, at])
-    positions = np.real(amplitude * np.exp(rows[0]))
+    rows = rows[:, at] + (inside - at) * (rows[:, at + 1] - rows[:, at])
+    # Outside, the speed falls to 0 along a straight line.
+    positions = np.real(amplitude * np.exp(rows[0])) + 0.5 * (times - inside) * speed[np.rint(inside).astype(int)]
     size = 0.5 * np.abs(np.diff(positions))
     # What is lost in the noise was not met.
     lost = np.flatnonzero(size <= VISIBLE * np.sqrt(fit.variance[strongest]))
@@ -117,15 +141,32 @@ def swings_of(fit: DrivenFit, pole: int, window: slice = slice(None)) -> Swings 
     return Swings(time=times[:seen], size=size[:seen], slopes=rows[1:, :seen], own=own, free=fit.drive.free)
 
 
-def mean_pole(fit: DrivenFit, pole: int, window: slice = slice(None)) -> tuple[complex, RealArray]:
-    """Return the mean of the exponent of a mode over a window, and its derivatives, (2, parameter).
+def _turns(speed: RealArray, *, most: float) -> RealArray:
+    """Return where a speed passes through 0, in samples, also up to ``most`` before and after the record.
 
-    Of a single mode it is that from its first to its last swing. In what several modes do together the swings of one
-    are not seen alone: there it is that of the equivalent linear system.
+    Examples
+    --------
+    >>> _turns(np.array([0.9, 2.0, 1.0, -1.0, -2.0]), most=1.0)
+    array([-0.81818182,  2.5       ])
+    """
+    passed = np.flatnonzero((speed[:-1] > 0) != (speed[1:] > 0))
+    inside = passed + speed[passed] / (speed[passed] - speed[passed + 1])
+    rises = np.array([speed[1] - speed[0], speed[-1] - speed[-2]])
+    ends = np.array([0.0, len(speed) - 1]) - speed[[0, -1]] / np.where(rises == 0, np.nan, rises)
+    missed = np.array([-ends[0], ends[1] - (len(speed) - 1)])
+    near = (missed > 0) & (missed < most)
+    return np.concatenate([ends[:1][near[:1]], inside, ends[1:][near[1:]]])
+
+
+def mean_pole(fit: DrivenFit, pole: int, window: slice = slice(None)) -> tuple[complex, RealArray]:
+    """Return the mean pole of a mode over a window, and its derivatives, (2, parameter).
+
+    Of a single mode it has the mean natural frequency and damping ratio of its cycles. In what several modes do
+    together the swings of one are not seen alone: there it is that of the equivalent linear system.
     """
     swings = swings_of(fit, pole, window) if len(fit.drive.theta) == 1 else None
     if swings is not None:
-        return swings.pole()
+        return swings.mean()
     poles, by_gain = _equivalent(fit, window)
     return complex(poles[pole]), _pole_slopes(fit, pole, by_gain[pole])
 
@@ -201,10 +242,8 @@ def dependence(
     parts, amplitude = _parts(fit, pole, size=float(np.abs(fit.amplitudes[pole, strongest])))
     poles, stds = np.empty(len(parts), complex), np.empty((len(parts), 2))
     for i, (theta, slopes, _) in enumerate(parts):
-        spread = slopes @ covariance @ slopes.T
-        of_wn = np.array([theta.real, theta.imag]) / abs(theta)
-        of_zeta = np.array([-(theta.imag**2), theta.real * theta.imag]) / abs(theta) ** 3
-        poles[i], stds[i] = theta, np.sqrt([of_wn @ spread @ of_wn, of_zeta @ spread @ of_zeta])
+        by_parameter = _by_pole(np.asarray(theta)) @ slopes
+        poles[i], stds[i] = theta, np.sqrt(np.diag(by_parameter @ covariance @ by_parameter.T))
     return AmplitudeDependence(
         spans=tuple((float(timepts[0] + step * a), float(timepts[0] + step * b)) for _, _, (a, b) in parts),
         channel=channels[strongest],
