@@ -44,7 +44,7 @@ from suspid.model import (
     statespace,
     write_car,
 )
-from suspid.performance import Grip, grip
+from suspid.performance import DamperWear, Grip, Wear, WearRule, grip, wear
 from suspid.reconstruction import ModalTest, Reconstruction, reconstruct
 from suspid.recordings import RawChannel, Recording
 from suspid.reporting import (
@@ -80,7 +80,7 @@ from suspid.wavelets import (
     find_ridges,
     fit_ridges,
 )
-from suspid.words import Check, Code, Level, Remark, Verdict
+from suspid.words import Check, Code, DamperState, Level, Remark, Verdict
 
 __version__ = version("suspid")
 
@@ -107,7 +107,7 @@ __all__ = [  # noqa: RUF022 - grouped by step
     # the car itself, straight from records
     "estimate", "Estimate", "RecordTest", "read_estimate",
     # figures that a car is judged by
-    "grip", "Grip",
+    "grip", "Grip", "wear", "Wear", "WearRule", "DamperWear",
     # a page for others, and many records
     "report", "report_to_dict", "content_of", "Source", "source_of",
     "identify_many", "FleetRun", "fleet_summary", "FleetSummary",
@@ -116,7 +116,7 @@ __all__ = [  # noqa: RUF022 - grouped by step
     "plot_identification",
     "plot_estimate", "plot_grip",
     # what is said of a result
-    "Verdict", "Level", "Check", "Remark", "Code",
+    "Verdict", "Level", "Check", "Remark", "Code", "DamperState",
     # what goes wrong
     "SuspidError", "InputError", "RecordError", "RecordWarning", "IdentificationError", "ReconstructionError",
     "EstimationError",

@@ -27,15 +27,18 @@ from suspid.reporting.plot_spectra import plot_spectra
 from suspid.reporting.report import report
 from suspid.reporting.report_json import report_to_dict
 from suspid.reporting.source import Source, source_of
+from suspid.reporting.wear_json import comparison_to_dict, grip_to_dict, wear_to_dict
 
 __all__ = [
     "PAGE",
     "Content",
     "EstimateContent",
     "Source",
+    "comparison_to_dict",
     "content_of",
     "estimate_from_dict",
     "estimate_to_dict",
+    "grip_to_dict",
     "json_schema",
     "plot_amplitude",
     "plot_entropy",
@@ -52,4 +55,5 @@ __all__ = [
     "report",
     "report_to_dict",
     "source_of",
+    "wear_to_dict",
 ]

@@ -16,12 +16,14 @@ from suspid.words.io import DAMAGE, LeftOut
 from suspid.words.reconstruction import ReconstructionCheck, ReconstructionHeadline, ReconstructionNote, Suspect
 from suspid.words.remarks import Code, Number, Remark, amount, count, in_a_row
 from suspid.words.verdicts import Check, Level, Verdict
+from suspid.words.wear import DamperState, WearCheck, WearHeadline
 
 __all__ = [
     "DAMAGE",
     "Check",
     "Cleaning",
     "Code",
+    "DamperState",
     "DecayDoubt",
     "DecayKind",
     "DecayRemark",
@@ -44,6 +46,8 @@ __all__ = [
     "Step",
     "Suspect",
     "Verdict",
+    "WearCheck",
+    "WearHeadline",
     "amount",
     "count",
     "dead",

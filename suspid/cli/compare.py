@@ -1,0 +1,107 @@
+"""The command that compares two results: springs, dampers, grip and wear, or modes."""
+
+from __future__ import annotations
+
+from contextlib import nullcontext
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from suspid.cli.measured import checked_picture, save_picture
+from suspid.cli.options import FILE
+from suspid.cli.support import Positive, check_apart, named, said_warnings, say
+from suspid.errors import InputError
+from suspid.files import parsed_json, read_text, replacing
+
+if TYPE_CHECKING:
+    from suspid.performance import WearRule
+
+
+@click.command("compare")
+@click.argument("before", type=FILE)
+@click.argument("after", type=FILE)
+@click.option(
+    "--damper-std", type=Positive("share"), metavar="SHARE", help="Scatter of one damper from drive to drive. [0.03]"
+)
+@click.option("--load-std", type=Positive("share"), metavar="SHARE", help="Scatter of the load. [0.1]")
+@click.option(
+    "--nominal-std",
+    type=Positive("share"),
+    metavar="SHARE",
+    help="Relative standard deviation of springs and dampers that were not estimated, such as those of tires.",
+)
+@click.option("--plot", type=FILE, metavar="FILE", help="Write a picture of the grip after (.png, .svg, .pdf).")
+@click.option("--json", "json_file", type=FILE, metavar="FILE", help="Write changes, grip and verdicts as JSON.")
+def compare_command(
+    before: Path,
+    after: Path,
+    damper_std: float | None,
+    load_std: float | None,
+    nominal_std: float | None,
+    plot: Path | None,
+    json_file: Path | None,
+) -> None:
+    """Compare the result AFTER with the result BEFORE.
+
+    Both are the JSON of `suspid estimate`: shows the change of every spring and damper, the grip before and after, and
+    whether each damper is good, to be watched, or worn. Or both are the JSON of `suspid identify`: shows which modes
+    differ by more than their intervals.
+    """
+    from suspid.identification import to_json
+
+    check_apart([before, after], [plot, json_file])
+    with (
+        replacing(checked_picture(plot)) if plot else nullcontext() as figure_draft,
+        replacing(json_file) if json_file else nullcontext() as json_draft,
+        said_warnings(),
+    ):
+        kinds = [_kind(before), _kind(after)]
+        if kinds[0] != kinds[1]:
+            raise InputError(f"{before} has {kinds[0]} and {after} has {kinds[1]}: compare two of one kind")
+        if kinds[0] == "an estimate":
+            from suspid.performance import wear
+            from suspid.reporting import plot_grip, read_estimate, wear_to_dict
+
+            rule = _rule(damper_std, load_std)
+            found = wear(read_estimate(after), before=read_estimate(before), rule=rule, nominal_std=nominal_std)
+            text, content = str(found), wear_to_dict(found)
+            if figure_draft:
+                if found.after is None:
+                    raise click.UsageError("--plot draws the grip of wheels, but the car has none on a road.")
+                save_picture(partial(plot_grip, found.after), figure_draft)
+        else:
+            text, content = _modes(before, after)
+            if figure_draft:
+                raise click.UsageError("--plot draws the grip of estimates; modes have none.")
+        if json_draft:
+            json_draft.write_text(to_json(content), encoding="utf-8")
+    say(text)
+
+
+def _kind(path: Path) -> str:
+    """Return what a file has, by its format; the files themselves are checked by their readers."""
+    if path.suffix.lower() == ".toml":
+        return "modes"
+    with named(path):
+        form = parsed_json(read_text(path)).get("format")
+    return "an estimate" if str(form).startswith("suspid estimate") else "modes"
+
+
+def _rule(damper_std: float | None, load_std: float | None) -> WearRule:
+    from dataclasses import replace
+
+    from suspid.performance import WearRule
+
+    given = {"damper_std": damper_std, "load_std": load_std}
+    return replace(WearRule(), **{name: value for name, value in given.items() if value is not None})
+
+
+def _modes(before: Path, after: Path) -> tuple[str, dict[str, object]]:
+    from suspid.identification import read_modes
+    from suspid.model import compare
+    from suspid.reporting import comparison_to_dict
+
+    found = compare(read_modes(after), read_modes(before))
+    return str(found), comparison_to_dict(found)

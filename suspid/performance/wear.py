@@ -1,0 +1,218 @@
+"""Wear of dampers, from estimates of a car."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+
+from suspid.errors import InputError
+from suspid.greybox import Estimate, nominal_value, parameter_unit
+from suspid.levels import NORMAL_95
+from suspid.model import Strut, Suspension
+from suspid.performance.contact import wheels_of
+from suspid.performance.grip import grip
+from suspid.performance.losses import ENOUGH_DRIVES, TESTS, Rates, WearRule, loss_of
+from suspid.performance.wear_checks import said_of_loss, said_of_phase, untrusted, verdict_of, worst
+from suspid.performance.wears import DamperWear, ParameterChange, Wear
+from suspid.units import Ratio
+from suspid.words import DamperState
+
+
+def wear(
+    now: Estimate,
+    *,
+    before: Estimate | Sequence[Estimate] | None = None,
+    rule: WearRule | None = None,
+    nominal_std: Ratio | Mapping[str, Ratio] | None = None,
+) -> Wear:
+    """Return a verdict on each damper of a car: good, watch, worn or cannot tell.
+
+    A damper is worn if it has certainly lost more than a small share of its damping (10 %), or if the least phase of
+    its wheel on a test bench is certainly below EGEA's limit and was not before. It is good if a large loss (30 %) is
+    excluded, watch if some loss is certain, and cannot tell if the interval is too wide. Certain means: wrong in at
+    most 0.5 % of the comparisons, if drives differ as the rule says.
+
+    Parameters
+    ----------
+    now : Estimate
+        The newest estimate.
+    before : Estimate or sequence of Estimate, optional
+        Earlier estimates of the same car. From six on their own scatter is taken in place of the stated one.
+        Default: the nominal values that the estimate began with, which new dampers meet to within a few percent only.
+    rule : WearRule, optional
+        What is assumed of drives, and what is asked.
+    nominal_std : float, or mapping of str to float, optional
+        Relative standard deviation of parameters that were not estimated [1], such as ``{"tire.stiffness": 0.05}``; see
+        `grip`.
+
+    Returns
+    -------
+    Wear
+        Verdicts, changes of all springs and dampers, grip before and after; ``str()`` is the tables.
+
+    Raises
+    ------
+    InputError
+        If an argument is of the wrong type, the estimates are of different cars, or no damper was estimated.
+
+    Notes
+    -----
+    Estimates from drives give ratios to the mass, so a load that is not described changes springs and dampers alike.
+    The spring beside a damper tells how much of a change is load; where it changed by more than load and temperature
+    explain, the interval of the loss allows for either cause.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from suspid import add_noise, estimate, free_decay, quarter_car
+    >>> new = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3,
+    ...                   tire_stiffness=210e3, chassis_damping=1300)
+    >>> found = []
+    >>> for damping in (1300, 900):
+    ...     car = new.with_parameters(damping={"chassis": damping})
+    ...     record = free_decay(car, np.arange(0, 3, 0.005), initial_state={"v_tire": 1.0})
+    ...     noisy = add_noise(record, snr_db=30.0, rng=np.random.default_rng(1))
+    ...     found.append(estimate(noisy, new, fixed=["tire.damping"]))
+    >>> {name: str(state) for name, state in wear(found[1], before=found[0]).states.items()}
+    {'chassis': 'worn'}
+    """
+    from scipy.special import ndtri
+
+    rule = WearRule() if rule is None else rule
+    earlier = _estimates(now, before)
+    reference: Suspension | Estimate = earlier[-1] if earlier else now.nominal
+    on_road = _stands(now.suspension)
+    after = grip(now, nominal_std=nominal_std) if on_road else None
+    former = grip(reference, nominal_std=nominal_std if earlier else None) if on_road else None
+    doubts = tuple(untrusted(now, earlier))
+    quantile = float(-ndtri(rule.rate / TESTS))
+    dampers = []
+    for strut in _dampers(now, earlier):
+        rates = [_rates(one, strut) for one in earlier] or [_nominal_rates(now, strut)]
+        new = _rates(now, strut)
+        if not all(one.damping > 0 for one in rates):
+            continue
+        loss = loss_of(new, rates, rule, nominal=not earlier, tests=TESTS)
+        wheel = _wheel_of(now.suspension, strut) if on_road else None
+        phase = said_of_phase(strut.name, wheel, former, after, quantile) if wheel else None
+        state = rule.state(loss.low, loss.high)
+        checks = list(said_of_loss(strut.name, loss, state, rule, new, rates))
+        if phase is not None:
+            checks.append(phase[0])
+            state = worst(state, phase[1])
+        dampers.append(
+            DamperWear(
+                damper=strut.name,
+                state=DamperState.CANNOT_TELL if doubts else state,
+                damping=new.damping,
+                reference=new.damping / (1 - loss.value) if loss.value < 1 else rates[-1].damping,
+                loss=loss,
+                wheel=wheel,
+                checks=tuple(checks),
+            )
+        )
+    if not dampers:
+        raise InputError("no damper above a wheel was estimated in all of these estimates: there is nothing to judge")
+    against = "nominal" if not earlier else "history" if len(earlier) >= ENOUGH_DRIVES else "earlier"
+    return Wear(
+        dampers=tuple(dampers),
+        changes=tuple(_changes(now, earlier)),
+        before=former,
+        after=after,
+        rule=rule,
+        against=against,
+        verdict=verdict_of(dampers, doubts, rule, against),
+    )
+
+
+def _estimates(now: Estimate, before: Estimate | Sequence[Estimate] | None) -> list[Estimate]:
+    """Return the earlier estimates as a list, checked against the new one."""
+    given = [] if before is None else [before] if isinstance(before, Estimate) else list(before)
+    _check("now", now)
+    for one in given:
+        _check("before", one)
+        if _shape(one.suspension) != _shape(now.suspension):
+            raise InputError("the estimates are of different cars: their masses, struts or arms differ by name")
+    return given
+
+
+def _check(what: str, one: object) -> None:
+    if not isinstance(one, Estimate):
+        raise InputError(f"{what}: wear compares estimates, not {type(one).__name__}; see estimate and read_estimate")
+
+
+def _shape(car: Suspension) -> tuple[object, ...]:
+    """Return masses by name, and struts with the coordinates that they connect."""
+    return tuple(car.masses), tuple((s.name, tuple(n for n, arm in s.arms.items() if arm)) for s in car.struts)
+
+
+def _stands(car: Suspension) -> bool:
+    try:
+        wheels_of(car)
+    except InputError:
+        return False
+    return True
+
+
+def _dampers(now: Estimate, earlier: Sequence[Estimate]) -> list[Strut]:
+    """Return the struts between masses whose damping was found in all estimates."""
+    return [
+        strut
+        for strut in now.suspension.struts
+        if all(f"{strut.name}.damping" in one.parameters for one in (now, *earlier))
+        and not any(name in now.suspension.roads for name, arm in strut.arms.items() if arm)
+    ]
+
+
+def _wheel_of(car: Suspension, strut: Strut) -> str | None:
+    return next((wheel for wheel in wheels_of(car).names if strut.arms.get(wheel)), None)
+
+
+def _rates(found: Estimate, strut: Strut) -> Rates:
+    """Return damping and stiffness of a strut, with their covariance; stiffness 0 where it was not found."""
+    names, car = found.parameters, found.suspension
+    c = names.index(f"{strut.name}.damping")
+    # A damper alone is judged beside the spring that acts along the same coordinates.
+    springs = [strut.name, *(s.name for s in car.struts if dict(s.arms) == dict(strut.arms))]
+    k = next((names.index(f"{s}.stiffness") for s in springs if f"{s}.stiffness" in names), None)
+    if k is None or found.values[k] <= 0:
+        covariance = np.diag([found.covariance[c, c], 0.0])
+        return Rates(damping=float(found.values[c]), stiffness=0.0, covariance=covariance)
+    return Rates(
+        damping=float(found.values[c]),
+        stiffness=float(found.values[k]),
+        covariance=found.covariance[np.ix_([c, k], [c, k])],
+    )
+
+
+def _nominal_rates(found: Estimate, strut: Strut) -> Rates:
+    old = next(one for one in found.nominal.struts if one.name == strut.name)
+    known = f"{strut.name}.stiffness" in found.parameters
+    return Rates(damping=old.damping, stiffness=old.stiffness if known else 0.0, covariance=np.zeros((2, 2)))
+
+
+def _changes(now: Estimate, earlier: Sequence[Estimate]) -> Iterator[ParameterChange]:
+    """Yield the parameters of the car in the new estimate and in the last one before, or at their nominal values."""
+    old = earlier[-1] if earlier else None
+    for name, after, std in zip(now.parameters, now.values.tolist(), now.std.tolist(), strict=True):
+        if nominal_value(now.nominal, name) is None or (old is not None and name not in old.parameters):
+            continue
+        spread = 0.0
+        if old is None:
+            before = float(nominal_value(now.nominal, name) or 0.0)
+        else:
+            at = old.parameters.index(name)
+            before, spread = float(old.values[at]), float(old.std[at])
+        if before <= 0:
+            continue
+        ratio = after / before
+        reach = NORMAL_95 * float(np.hypot(std, ratio * spread)) / before
+        yield ParameterChange(
+            name=name,
+            unit=parameter_unit(name),
+            before=before,
+            after=after,
+            low=ratio - 1 - reach,
+            high=ratio - 1 + reach,
+        )

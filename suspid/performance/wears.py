@@ -1,0 +1,151 @@
+"""The wear of a car's dampers: what each has lost, what its wheel's grip says, and the verdict."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from suspid.levels import LEVEL
+from suspid.performance.grips import Grip
+from suspid.performance.losses import TESTS, Loss, WearRule
+from suspid.units import NewtonSecondPerMetre, Ratio
+from suspid.values import text_table
+from suspid.words import Check, DamperState, Verdict
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class DamperWear:
+    """One damper.
+
+    Parameters
+    ----------
+    damper : str
+        Its strut.
+    state : DamperState
+        Good, watch, worn or cannot tell.
+    damping, reference : float
+        Rate found, and the one it is compared with [N s/m], which has the load of the new estimate.
+    loss : Loss
+        Share of its damping that it has lost, with its ends at the rate of the rule.
+    wheel : str or None
+        The wheel that it damps; None of a damper elsewhere, such as that of a seat.
+    checks : tuple of Check
+        What the state rests on.
+    """
+
+    damper: str
+    state: DamperState
+    damping: NewtonSecondPerMetre
+    reference: NewtonSecondPerMetre
+    loss: Loss
+    wheel: str | None
+    checks: tuple[Check, ...]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ParameterChange:
+    """A spring, a damper or a mass in two estimates.
+
+    Parameters
+    ----------
+    name, unit : str
+        The parameter, such as ``"front.damping"``, and its unit.
+    before, after : float
+        Its values; ``before`` is the nominal one where nothing was estimated before.
+    low, high : float
+        Ends of the 95 % interval of ``after / before - 1`` [1], by the errors of the estimates alone.
+    """
+
+    name: str
+    unit: str
+    before: float
+    after: float
+    low: Ratio
+    high: Ratio
+
+    @property
+    def change(self) -> Ratio:
+        """``after / before - 1`` [1]."""
+        return self.after / self.before - 1
+
+    @property
+    def significant(self) -> bool:
+        """Whether the interval leaves 0 out: the drives differ by more than the errors of the estimates."""
+        return not self.low <= 0 <= self.high
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Wear:
+    """Result of `wear`; ``str()`` has the changes of springs and dampers, the grip before and after, and the verdict.
+
+    Parameters
+    ----------
+    dampers : tuple of DamperWear
+        Each damper that was estimated.
+    changes : tuple of ParameterChange
+        Each spring, damper and mass that was estimated.
+    before : Grip or None
+        Grip with the last of the earlier estimates, or of the nominal car; None of a car that has no wheel on a road.
+    after : Grip or None
+        Grip with the new estimate.
+    rule : WearRule
+        What was assumed.
+    against : str
+        ``"nominal"``, ``"earlier"``, or ``"history"`` where the scatter of earlier drives was used.
+    verdict : Verdict
+        The state of every damper, with the reasons.
+    """
+
+    dampers: tuple[DamperWear, ...]
+    changes: tuple[ParameterChange, ...]
+    before: Grip | None
+    after: Grip | None
+    rule: WearRule
+    against: str
+    verdict: Verdict
+
+    @property
+    def states(self) -> dict[str, DamperState]:
+        """The state of each damper."""
+        return {one.damper: one.state for one in self.dampers}
+
+    def __str__(self) -> str:
+        reach = f"{100 * LEVEL:g} % interval"
+        changes = {
+            "parameter": [one.name for one in self.changes],
+            "unit": [one.unit for one in self.changes],
+            "before": [f"{one.before:.6g}" for one in self.changes],
+            "after": [f"{one.after:.6g}" for one in self.changes],
+            "change": [_percent(one.change) for one in self.changes],
+            reach: [f"{_percent(one.low)} to {_percent(one.high)}" for one in self.changes],
+            "beyond chance": ["yes" if one.significant else "no" for one in self.changes],
+        }
+        parts = [text_table(changes)]
+        if self.before is not None and self.after is not None:
+            parts.append(text_table(_grips(self.before, self.after)))
+        sides = f"{100 * (1 - self.rule.rate / TESTS):g} % certain"
+        dampers = {
+            "damper": [one.damper for one in self.dampers],
+            "verdict": [str(one.state) for one in self.dampers],
+            "lost": [f"{one.loss.value:.1%}" for one in self.dampers],
+            f"at least ({sides})": [f"{one.loss.low:.1%}" if np.isfinite(one.loss.low) else "" for one in self.dampers],
+            "at most": [f"{one.loss.high:.1%}" for one in self.dampers],
+        }
+        return "\n\n".join([*parts, text_table(dampers), str(self.verdict)])
+
+
+def _grips(before: Grip, after: Grip) -> dict[str, list[str]]:
+    columns: dict[str, list[str]] = {"wheel": list(after.wheels)}
+    for what, scale, name in (("adhesion", 100.0, "adhesion [%]"), ("phase", np.degrees(1.0), "least phase [deg]")):
+        for when, one in (("before", before), ("after", after)):
+            values, stds = getattr(one, what), getattr(one, f"{what}_std")
+            columns[f"{name} {when}"] = [
+                "none" if np.isnan(v) else f"{scale * v:.1f} ± {scale * s:.1f}"
+                for v, s in zip(values, stds, strict=True)
+            ]
+    return columns
+
+
+def _percent(value: Ratio) -> str:
+    return f"{100 * value:+.1f} %" if np.isfinite(value) else "any"

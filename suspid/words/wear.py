@@ -1,0 +1,81 @@
+"""What can be said of the wear of dampers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, TypeAlias
+
+from suspid.words.remarks import Code, in_a_row
+
+Numbers: TypeAlias = Mapping[str, Any]
+
+# What is assumed of the drives, by what the new estimate is compared with.
+ASSUMED = {
+    "nominal": "new dampers and springs differ from nominal by {nominal:.0%}, and from drive to drive dampers by "
+    "{damper:.0%}, springs by {spring:.0%} and loads by {load:.0%} (standard deviations)",
+    "earlier": "from drive to drive dampers differ by {damper:.0%}, springs by {spring:.0%} and loads by {load:.0%} "
+    "(standard deviations)",
+    "history": "the last drive differs from the earlier ones as these among themselves",
+}
+
+
+def _rates(numbers: Numbers) -> str:
+    told = (
+        "A damper that lost no more than {small:.0%} is called worn, and one that lost {large:.0%} or more good, in at "
+        "most {rate:.2%} of such comparisons, if "
+    )
+    return f"{told.format_map(numbers)}{ASSUMED[numbers['against']].format_map(numbers)}."
+
+
+class DamperState(Code):
+    """What is said of a damper."""
+
+    GOOD = "good"
+    WATCH = "watch"
+    WORN = "worn"
+    CANNOT_TELL = "cannot tell"
+
+
+class WearHeadline(Code):
+    """What was found of all dampers."""
+
+    DAMPERS = "dampers", lambda numbers: in_a_row(numbers["texts"])
+
+
+class WearCheck(Code):
+    """What speaks for and against a damper."""
+
+    LOST = "lost", "{damper}: lost {loss:.0%} of its damping, at least {low:.0%}."
+    SOME = (
+        "some lost",
+        "{damper}: lost {loss:.0%} of its damping; a loss is certain, but not that it is more than {small:.0%} (at "
+        "most {high:.0%}).",
+    )
+    HOLDS = "holds", "{damper}: lost no more than {high:.0%} of its damping."
+    WIDE = (
+        "wide",
+        "{damper}: has between {remains:.0%} and {most:.0%} of its former damping, too wide to tell a good damper from "
+        "one that lost {large:.0%}. Drive longer, or give an earlier estimate in place of nominal values.",
+    )
+    GAINED = "gained", "{damper}: its damping rose by at least {gain:.0%}."
+    SPRING = (
+        "spring",
+        "{damper}: its spring changed by {change:+.0%}, more than load and temperature explain; the loss allows for "
+        "either cause, a spring that changed or a load that is not described.",
+    )
+    PHASE_PASSES = "phase passes", "{damper}: the least phase of {wheel}, {phase:.1f} deg, is above {limit:.0f} deg."
+    PHASE_FAILS = (
+        "phase fails",
+        "{damper}: the least phase of {wheel}, {phase:.1f} deg, is certainly below {limit:.0f} deg.",
+    )
+    PHASE_NEAR = (
+        "phase near",
+        "{damper}: the least phase of {wheel}, {phase:.1f} deg, is not certainly above {limit:.0f} deg.",
+    )
+    PHASE_AS_BEFORE = (
+        "phase as before",
+        "{damper}: the least phase of {wheel}, {phase:.1f} deg, is below {limit:.0f} deg, as it was in the car it is "
+        "compared with ({before:.1f} deg).",
+    )
+    UNTRUSTED = "untrusted", "The estimate {which} is {level}: dampers cannot be judged from it."
+    RATES = "rates", _rates
