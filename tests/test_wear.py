@@ -67,11 +67,12 @@ class TestErrorRates:
     @pytest.mark.parametrize("setting", [{}, {"nominal": True}, {"history": 3}, {"history": 8}])
     def test_at_the_edge_of_worn_and_of_good(self, setting: dict[str, bool | int]) -> None:
         # A large rate, so that few draws tell whether it is met: half of it is for the loss, half for the phase.
-        rule, count = WearRule(rate=0.1), 1000
+        rule, count = WearRule(rate=0.1), 2000
         worn = share(draws(1 - rule.small, rule, count=count, **setting), DamperState.WORN)  # type: ignore[arg-type]
         good = share(draws(1 - rule.large, rule, count=count, **setting), DamperState.GOOD)  # type: ignore[arg-type]
-        assert worn == pytest.approx(0.05, abs=0.02)
-        assert good < 0.07
+        # 2000 draws tell 5 % to half a percent; changes that are ratios, not sums, make it a little less.
+        assert 0.025 < worn < 0.065
+        assert good < 0.065
 
     def test_a_healthy_damper_is_not_called_worn(self) -> None:
         assert share(draws(1.0, WearRule(), count=2000), DamperState.WORN) == 0
