@@ -25,7 +25,7 @@ from suspid.errors import (
     SuspidError,
 )
 from suspid.fleet import FleetRun, FleetSummary, fleet_summary, identify_many
-from suspid.greybox import Drive, DriveLimits, Drives, Estimate, RecordTest, estimate, find_drives
+from suspid.greybox import Drive, DriveLimits, Drives, Estimate, RecordTest, RoadEstimate, estimate, find_drives
 from suspid.identification import Considered, FourSteps, Identification, Repeats, identify, identify_repeats
 from suspid.io import read_recording, write_record
 from suspid.model import (
@@ -105,7 +105,7 @@ __all__ = [  # noqa: RUF022 - grouped by step
     # back to springs and dampers, and how near that is
     "reconstruct", "Reconstruction", "ModalTest", "compare", "Comparison",
     # the car itself, straight from records
-    "estimate", "Estimate", "RecordTest", "read_estimate",
+    "estimate", "Estimate", "RecordTest", "RoadEstimate", "read_estimate",
     # figures that a car is judged by
     "grip", "Grip", "wear", "Wear", "WearRule", "DamperWear",
     # a page for others, and many records

@@ -29,6 +29,8 @@ FINE = 2  # steps between the samples that the logger filters
 GRID: Metre = 0.01  # of the road
 PATCH = 13  # points of the road over which a tire averages, with weights of a raised cosine: at 20 m/s, up to 285 Hz
 CORNER = 0.01  # cycle/m, below which the road is level
+BEND = 0.17  # cycle/m, where a bent road changes its slope: at 20 m/s in the middle between 0.5 and 24 Hz
+RADIUS: Metre = 0.3  # of a wheel
 LEVELS = {"level": 0.0, "A": 16e-6, "B": 64e-6, "C": 256e-6, "D": 1024e-6}  # G_d(0.1 cycle/m) [m3]
 
 
@@ -42,6 +44,8 @@ class Drive:
     duration: Second = 60.0
     rate: Hertz = 200.0
     road: str = "B"
+    exponents: tuple[float, float] = (2.0, 2.0)  # of the road, below and above the wave number BEND
+    order: float = 0.0  # force of an unbalanced wheel at `speed` [N], growing with the square of the speed
     speed: float = 20.0
     spread: float = 0.15  # of the speed: it swings so far up and down, once in 30 s
     bumps: int = 0
@@ -130,6 +134,27 @@ def road_heights(distance: RealArray, level: float, rng: np.random.Generator) ->
     return np.asarray(CubicSpline(GRID * np.arange(len(heights)), heights)(distance - low))
 
 
+def bent_heights(
+    distance: RealArray, level: float, exponents: tuple[float, float], rng: np.random.Generator
+) -> RealArray:
+    """Return the heights of a road whose spectrum has one exponent below BEND and another above.
+
+    It is a sum of waves of random phase and Gaussian amplitude, averaged over the tire's patch.
+    """
+    low = float(np.min(distance))
+    count = next_fast_len(int(np.ceil((float(np.max(distance)) - low + 1 / CORNER) / GRID)) + 4, real=True)
+    n = np.fft.rfftfreq(count, GRID)[1:]
+    below, above = exponents
+    density = level * (BEND / 0.1) ** -below * (n / BEND) ** -np.where(n < BEND, below, above) * (n > CORNER)
+    patch = np.hanning(PATCH + 2)[1:-1]
+    places = GRID * (np.arange(PATCH) - PATCH // 2)
+    seen = np.cos(2 * np.pi * n[:, None] * places) @ (patch / np.sum(patch))
+    lines = rng.standard_normal((2, len(n)))
+    waves = np.sqrt(density / (4 * count * GRID)) * count * seen * (lines[0] + 1j * lines[1])
+    heights = np.fft.irfft(np.concatenate([[0.0], waves]), count)
+    return np.asarray(CubicSpline(GRID * np.arange(count), heights)(distance - low))
+
+
 def driven(car: Suspension, drive: Drive, rng: np.random.Generator) -> tuple[dict[str, RealArray], RealArray]:
     """Return the clean channels of a drive by name at the rate of the logger, and the times."""
     lead: Second = 2.0  # before the record, so that no start is special
@@ -146,7 +171,9 @@ def driven(car: Suspension, drive: Drive, rng: np.random.Generator) -> tuple[dic
         track = side if side in ("left", "right") else ""
         if track not in tracks:
             both = np.stack([distance, distance - drive.wheelbase])
-            heights = road_heights(both, LEVELS[drive.road], rng)
+            straight = drive.exponents == (2.0, 2.0)
+            level = LEVELS[drive.road]
+            heights = road_heights(both, level, rng) if straight else bent_heights(both, level, drive.exponents, rng)
             for place in distance[-1] * (1 + np.arange(drive.bumps)) / (drive.bumps + 1):
                 # A speed bump of 5 cm, half a sine of 0.5 m.
                 heights += 0.05 * np.sin(np.pi * np.clip((both - place) / 0.5, 0, 1))
@@ -157,12 +184,17 @@ def driven(car: Suspension, drive: Drive, rng: np.random.Generator) -> tuple[dic
     body = next(i for i, name in enumerate(car.masses) if name in ("chassis", "heave"))
     mass = list(car.masses.values())[body]
     inputs[2 * len(roads) + body] = mass * force
+    if drive.order:
+        turned = distance / RADIUS + rng.uniform(0, 2 * np.pi)
+        wheel = list(car.masses).index("tire")
+        inputs[2 * len(roads) + wheel] = drive.order * (1 + swing) ** 2 * np.sin(turned)
     displacement, acceleration = integrated(car, inputs, np.zeros(2 * len(car.masses) + _mounts(car)))
     clean: dict[str, RealArray] = {}
     for name, z, a in zip(car.masses, displacement, acceleration, strict=True):
         clean[name], clean[f"{name}_acceleration"] = z, a
     for i, road in enumerate(roads):
         clean[road] = inputs[i, :: 2 * FINE]
+    clean["speed"] = drive.speed * (1 + swing[:: 2 * FINE])
     first, count = round(lead * drive.rate), round(drive.duration * drive.rate)
     late = {name: _late(row, drive.delay.get(name, 0.0)) for name, row in clean.items()}
     times = np.arange(count) / drive.rate

@@ -6,12 +6,14 @@ data; in the time domain `dynamics` (exact motion and its derivatives), `respons
 `transfers`, `measured_causes` (errors in variables), `noise_levels`, `wheel_problem` and `frequency_domain`.
 `whiteness`, `leftover`, `identifiability`, `modal` and `judgement` say how far the result can be trusted, `estimates`
 holds it. `find_drives` finds the usable stretches of long recordings: `speeds`, `blocks`, `stretches`, `drives`.
+With a model of the road: `rolling`, `wheel_power`, `reach`, `road_model`, `tire_fit`, `whole_car`, `roads`.
 """
 
 from suspid.greybox.drives import Drive, DriveLimits, Drives, summary_table
 from suspid.greybox.estimate import estimate
 from suspid.greybox.estimates import Estimate, nominal_value, parameter_table, parameter_unit
 from suspid.greybox.find_drives import find_drives
+from suspid.greybox.roads import RoadEstimate
 from suspid.greybox.trials import RecordTest
 
 __all__ = [
@@ -20,6 +22,7 @@ __all__ = [
     "Drives",
     "Estimate",
     "RecordTest",
+    "RoadEstimate",
     "estimate",
     "find_drives",
     "nominal_value",

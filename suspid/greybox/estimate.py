@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import Literal
 
 import numpy as np
 
@@ -14,22 +13,20 @@ from suspid.greybox.estimates import Estimate
 from suspid.greybox.frequency_domain import fit_in_frequency
 from suspid.greybox.further import further_asked
 from suspid.greybox.judgement import changes, on_bounds, rests_on
-from suspid.greybox.modal import modes_of
+from suspid.greybox.modal import modes_with, mounted_car, of_car
 from suspid.greybox.problem import Problem, default_holds
+from suspid.greybox.rolling import Speed, rolling_of, without_speed
 from suspid.greybox.time_domain import fit_in_time
 from suspid.greybox.trials import RecordTest, Trial, trials_of
 from suspid.greybox.wheel_problem import wheel_problem
-from suspid.levels import NORMAL_95
-from suspid.model import ModalSet, Suspension, check_linear, eigenmodes
-from suspid.reconstruction import Bounds, Unknowns, parameter_names, unknowns_of
+from suspid.greybox.whole_car import check_road, fit_with_road
+from suspid.model import Suspension, check_linear, eigenmodes
+from suspid.reconstruction import Bounds, parameter_names, unknowns_of
 from suspid.signals import as_response
-from suspid.units import Hertz, Ratio, RealArray, Second
+from suspid.units import Hertz, Metre, Ratio, Second
 from suspid.values import frozen_real
 from suspid.words import Check, Level, Remark, Verdict
 from suspid.words.greybox import EstimateCheck, EstimateHeadline
-
-if TYPE_CHECKING:
-    pass
 
 
 def estimate(
@@ -47,6 +44,9 @@ def estimate(
     mounts: Sequence[str] | None = None,
     band: tuple[Hertz, Hertz] | None = None,
     stretch: Second | None = None,
+    road: Literal["iso8608"] | None = None,
+    speed: Speed | Sequence[Speed] | None = None,
+    wheel_radius: Metre | None = None,
 ) -> Estimate:
     """Estimate the stiffness and the damping of every strut straight from records, for known topology.
 
@@ -59,6 +59,11 @@ def estimate(
     the wheels are not used: road, tires and wheel masses cancel. The noise of the wheels' sensors is allowed for
     (errors in variables, in the frequency domain), their true motion is free at every frequency, and forces on the
     body (engine, wind) go into a noise of unknown smooth spectrum.
+
+    With ``road="iso8608"`` a model of the road comes in as a second step, after springs and dampers: the spectrum of
+    each wheel's motion is a power law of free exponent and of free level in every stretch, with smooth departures,
+    plus wheel orders, through the whole car. It gives the tires, the wheels' masses if they are free, the modes of the
+    whole car, and the road itself.
 
     Parameters
     ----------
@@ -96,6 +101,14 @@ def estimate(
         the nominal car to twice the highest.
     stretch : float, optional
         Length of the stretches that are transformed [s]. Default: eight periods of the lowest mode.
+    road : "iso8608", optional
+        Model of the road, where the motion of wheels is given. Default: none; tires then stay at their nominal values.
+        The damping of tires counts as known to 50 % unless it has a `nominal_std` or is fixed.
+    speed : float, str, array or sequence of them, optional
+        Speed of the car [m/s], for a model of the road: a number, the name of a channel, or the speed at each sample;
+        with several records one for all, or one for each.
+    wheel_radius : float, optional
+        Rolling radius of the wheels [m], to about 2 %; with the speed it gives the frequencies of unbalanced wheels.
 
     Returns
     -------
@@ -139,6 +152,7 @@ def estimate(
     """
     _check(suspension)
     trials = trials_of(records, suspension, given)
+    check_road(trials, road=road, rolling=(speed, wheel_radius))
     driven = [bool(trial.wheels) for trial in trials]
     if any(driven) and not all(driven):
         raise InputError(
@@ -149,13 +163,20 @@ def estimate(
     unknowns = unknowns_of(
         suspension,
         rate=float(np.median(eigenmodes(suspension).wn)),
-        fixed=[*([fixed] if isinstance(fixed, str) else fixed), *beyond],
+        fixed=[*([fixed] if isinstance(fixed, str) else fixed), *(() if road else beyond)],
         bounds=bounds,
         ties=ties,
         nominal_std=nominal_std,
         free_masses=free_masses,
     )
-    if any(driven):
+    if road:
+        rolling = rolling_of(records, trials, speed=speed, radius=wheel_radius)
+        trials = without_speed(trials, rolling)
+        fit = fit_with_road(
+            unknowns, trials, rolling, beyond=beyond, gains=gains, delays=delays, mounts=mounts, band=band,
+            stretch=stretch,
+        )  # fmt: skip
+    elif any(driven):
         options = {"gains": gains, "delays": delays, "mounts": mounts}
         fit = fit_in_frequency(wheel_problem(suspension, trials, unknowns, band=band, stretch=stretch, **options))
     else:
@@ -169,10 +190,10 @@ def estimate(
     covariance = turned @ fit.covariance @ turned.T
     values = np.append(u.parameters(fit.x)[u.rows], fit.extra_values)
     std = np.sqrt(np.diag(covariance))
-    car = _mounted(u.suspension(fit.x), parameters, values, std)
+    car = mounted_car(u.suspension(fit.x), parameters, values, std)
     unused = tuple(dict.fromkeys(name for trial in trials for name in trial.unused))
-    still = tuple(suspension.coordinates[i] for i in trials[0].wheels)
-    own = _of_car(u)
+    still = () if road else tuple(suspension.coordinates[i] for i in trials[0].wheels)
+    own = of_car(u)
     checks = [
         *fit.checks,
         *on_bounds(u, fit.x),
@@ -181,7 +202,7 @@ def estimate(
         *([Check(Remark(EstimateCheck.STILL, {"names": still}), Level.NOTE)] if still else []),
         *(
             [Check(Remark(EstimateCheck.CANCELS, {"names": beyond, "given": ", ".join(still)}), Level.NOTE)]
-            if beyond
+            if beyond and not road
             else []
         ),
         *([Check(Remark(EstimateCheck.UNUSED, {"names": unused}), Level.NOTE)] if unused else []),
@@ -197,7 +218,7 @@ def estimate(
             np.vstack([np.column_stack([u.lower, u.upper])[u.column] * u.scale[u.column, None], fit.extra_ranges])
         ),
         held=tuple(n for n in parameter_names(suspension) if n not in u.names and not n.endswith(".mass")),
-        modes=_modes(car, u, parameters, covariance, still),
+        modes=modes_with(car, u, parameters, covariance, still),
         fitted=tuple(as_response(s.timepts, s.values, s.channels) for s in fit.fitted),
         residual=tuple(as_response(s.timepts, s.values, s.channels) for s in fit.residual),
         noise_std=tuple(frozen_real(std) for std in fit.noise),
@@ -206,26 +227,8 @@ def estimate(
         explains=fit.explains,
         alternatives=fit.alternatives,
         verdict=Verdict(headline, tuple(checks)),
+        road=fit.roads,
     )
-
-
-def _of_car(u: Unknowns) -> list[int]:
-    """Return which names of the unknowns are stiffnesses, dampings and masses; they come first."""
-    return [i for i, row in enumerate(u.rows) if row < len(parameter_names(u.car))]
-
-
-def _modes(
-    car: Suspension, u: Unknowns, parameters: Sequence[str], covariance: RealArray, still: Sequence[str]
-) -> ModalSet:
-    """Return the modes of the car that was found, with the covariance of all its parameters."""
-    mounts = [
-        i for i, s in enumerate(car.struts) if s.mount_stiffness is not None and f"{s.name}.relaxation" in parameters
-    ]
-    own = _of_car(u)
-    count = len(parameter_names(car))
-    rows = [*(u.rows[i] for i in own), *range(count, count + len(mounts))]
-    own += [parameters.index(f"{car.struts[i].name}.relaxation") for i in mounts]
-    return modes_of(car, rows, covariance[np.ix_(own, own)], still=still, mounts=mounts)
 
 
 def _check(suspension: object) -> None:
@@ -243,15 +246,3 @@ def _beyond(car: Suspension, trials: Sequence[Trial]) -> tuple[str, ...]:
         free = [i for i in range(len(car.coordinates)) if i not in trial.wheels]
         acts |= np.any(arms[:, free] != 0, axis=1)
     return tuple(s.name for s, one in zip(car.struts, acts, strict=True) if not one)
-
-
-def _mounted(car: Suspension, parameters: Sequence[str], values: RealArray, std: RealArray) -> Suspension:
-    """Return the car with the mounts whose relaxation is known not to be zero, at a level of 95 %."""
-    found: dict[str, float | None] = {}
-    for name, value, spread in zip(parameters, values.tolist(), std.tolist(), strict=True):
-        strut, _, quantity = name.rpartition(".")
-        if quantity == "relaxation":
-            damping = next(s.damping for s in car.struts if s.name == strut)
-            found[strut] = damping / value if value > NORMAL_95 * spread and damping > 0 else None
-    struts = [replace(s, mount_stiffness=found[s.name]) if s.name in found else s for s in car.struts]
-    return replace(car, struts=struts)

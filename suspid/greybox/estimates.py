@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from suspid.greybox.roads import RoadEstimate
 from suspid.levels import LEVEL, check_level
 from suspid.model import ModalSet, Suspension
 from suspid.signals import as_signal
@@ -44,7 +45,7 @@ class Estimate:
         The strut parameters held at their nominal values.
     modes : ModalSet
         Modes of `suspension` with the covariance of the parameters carried through; where the motion of wheels was
-        given, those with these wheels held still.
+        given, those with these wheels held still, unless a model of the road was asked for.
     fitted : tuple of control.TimeResponseData
         Motion of each record as the suspension explains it.
     residual : tuple of control.TimeResponseData
@@ -61,6 +62,8 @@ class Estimate:
         Other suspensions found that explain the records as well.
     verdict : Verdict
         How far the result can be trusted, and why.
+    road : tuple of RoadEstimate
+        The road under each wheel, by logger, where a model of it was asked for.
     """
 
     suspension: Suspension
@@ -79,6 +82,7 @@ class Estimate:
     explains: bool
     alternatives: tuple[Suspension, ...]
     verdict: Verdict
+    road: tuple[RoadEstimate, ...] = ()
 
     @property
     def std(self) -> RealArray:
@@ -109,7 +113,7 @@ class Estimate:
         return {name: (float(a), float(b)) for name, a, b in zip(self.parameters, low, high, strict=True)}
 
     def __str__(self) -> str:
-        return "\n".join([parameter_table(self), *(str(part) for part in (self.modes, self.verdict))])
+        return "\n".join([parameter_table(self), *(str(part) for part in (self.modes, *self.road, self.verdict))])
 
     def details(self) -> str:
         """Return everything as text: the tables of `str`, and one of the channels of every record."""

@@ -6,6 +6,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from suspid.greybox.noise_levels import Levels
+from suspid.greybox.roads import RoadEstimate
 from suspid.model import Suspension
 from suspid.signals import Signal
 from suspid.units import RealArray
@@ -31,3 +33,5 @@ class Fit:
     extra_values: RealArray = field(default_factory=lambda: np.zeros(0))
     extra_ranges: RealArray = field(default_factory=lambda: np.zeros((0, 2)))
     extra_scale: RealArray = field(default_factory=lambda: np.zeros(0))
+    levels: tuple[Levels, ...] = ()  # by test, where motion is given
+    roads: tuple[RoadEstimate, ...] = ()

@@ -71,6 +71,7 @@ def fit_in_frequency(problem: WheelProblem) -> Fit:
         alternatives=(),
         checks=tuple(checks),
         extras=extras.names,
+        levels=tuple(levels),
         extra_scale=extras.scale,
         extra_values=z[len(u) :] * extras.scale,
         extra_ranges=np.column_stack([extras.lower, extras.upper]) * extras.scale[:, None],

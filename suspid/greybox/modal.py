@@ -3,16 +3,49 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from suspid.greybox.dynamics import plant_of
+from suspid.levels import NORMAL_95
 from suspid.model import ModalSet, Suspension, scaled_shapes
-from suspid.reconstruction import parameter_vector
+from suspid.reconstruction import Unknowns, parameter_names, parameter_vector
 from suspid.units import ComplexArray, RealArray
 
 # Poles nearer to each other than this share of their modulus count as one: their shapes have no derivatives.
 COINCIDE = 1e-6
+
+
+def of_car(u: Unknowns) -> list[int]:
+    """Return which names of the unknowns are stiffnesses, dampings and masses; they come first."""
+    return [i for i, row in enumerate(u.rows) if row < len(parameter_names(u.car))]
+
+
+def modes_with(
+    car: Suspension, u: Unknowns, parameters: Sequence[str], covariance: RealArray, still: Sequence[str]
+) -> ModalSet:
+    """Return the modes of the car that was found, with the covariance of all its parameters."""
+    mounts = [
+        i for i, s in enumerate(car.struts) if s.mount_stiffness is not None and f"{s.name}.relaxation" in parameters
+    ]
+    own = of_car(u)
+    count = len(parameter_names(car))
+    rows = [*(u.rows[i] for i in own), *range(count, count + len(mounts))]
+    own += [parameters.index(f"{car.struts[i].name}.relaxation") for i in mounts]
+    return modes_of(car, rows, covariance[np.ix_(own, own)], still=still, mounts=mounts)
+
+
+def mounted_car(car: Suspension, parameters: Sequence[str], values: RealArray, std: RealArray) -> Suspension:
+    """Return the car with the mounts whose relaxation is known not to be zero, at a level of 95 %."""
+    found: dict[str, float | None] = {}
+    for name, value, spread in zip(parameters, values.tolist(), std.tolist(), strict=True):
+        strut, _, quantity = name.rpartition(".")
+        if quantity == "relaxation":
+            damping = next(s.damping for s in car.struts if s.name == strut)
+            found[strut] = damping / value if value > NORMAL_95 * spread and damping > 0 else None
+    struts = [replace(s, mount_stiffness=found[s.name]) if s.name in found else s for s in car.struts]
+    return replace(car, struts=struts)
 
 
 def modes_of(

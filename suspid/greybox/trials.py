@@ -90,11 +90,22 @@ def trials_of(records: object, suspension: Suspension, given: Sequence[str]) -> 
     """Return records as data, checked against the suspension."""
     if isinstance(given, str):
         raise InputError(f"{given=} is one string; give a sequence of names: [{given!r}]")
+    return tuple(_trial(one, suspension, given) for one in records_of(records))
+
+
+def records_of(records: object) -> list[object]:
+    """Return one record or several as a list.
+
+    Raises
+    ------
+    InputError
+        If there is none.
+    """
     single = isinstance(records, RecordTest) or hasattr(records, "output_labels")
     every = [records] if single else list(records) if isinstance(records, Sequence) else [records]
     if not every:
         raise InputError("there is no record; give a control.TimeResponseData, or a sequence of them")
-    return tuple(_trial(one, suspension, given) for one in every)
+    return every
 
 
 def _trial(one: object, car: Suspension, given: Sequence[str]) -> Trial:

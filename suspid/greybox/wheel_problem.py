@@ -37,9 +37,8 @@ def wheel_problem(
     stretch: Second | None,
 ) -> WheelProblem:
     """Return the problem, with gains and delays of all causes and all mounts unknown unless some are named."""
-    hertz = eigenmodes(car).wn / (2 * np.pi)
-    lowest = float(np.min(hertz[hertz > 0]))
-    limits = (BELOW * lowest, ABOVE * float(np.max(hertz))) if band is None else band
+    limits = band_of(car, ABOVE) if band is None else band
+    lowest = band_of(car, ABOVE)[0] / BELOW
     sources = []
     for numbers in _by_logger(trials):
         trial = trials[numbers[0]]
@@ -94,6 +93,12 @@ def _alike(one: Trial, other: Trial) -> bool:
     same = one.logger is not None and one.logger == other.logger and one.channels == other.channels
     same = same and one.wheels == other.wheels and np.array_equal(one.added, other.added)
     return same and abs(one.step / other.step - 1) < STRAYING
+
+
+def band_of(car: Suspension, above: float) -> tuple[Hertz, Hertz]:
+    """Return the band about the natural frequencies of a car, up to ``above`` times the highest."""
+    hertz = eigenmodes(car).wn / (2 * np.pi)
+    return BELOW * float(np.min(hertz[hertz > 0])), above * float(np.max(hertz))
 
 
 def _extras(car: Suspension, mounts: Sequence[int], gains: Sequence[str], delays: Sequence[str]) -> Extras:

@@ -58,6 +58,10 @@ class Unknowns:
         # A spring below a thousandth of nominal is judged beside the nominal one.
         return np.where(self.positive & (x > 1e-3), x, 1.0)
 
+    def per_step(self, x: RealArray) -> RealArray:
+        """Return what a step of 1 changes: springs and masses are stepped in their logarithm."""
+        return np.where(self.positive, x, 1.0)
+
     def settled(self, x: RealArray) -> RealArray:
         """Return x with dampers that are nothing but rounding on their bound."""
         strongest = np.max(x[~self.positive], initial=0.0)

@@ -9,7 +9,17 @@ comes from the generator that the caller passes.
 from suspid.simulation.add_noise import add_noise
 from suspid.simulation.free_decay import free_decay
 from suspid.simulation.recursion import recursion
-from suspid.simulation.road_profile import ROUGHNESS, WAVELENGTHS, road_profile
+from suspid.simulation.road_profile import REFERENCE, ROUGHNESS, WAVELENGTHS, road_class, road_profile
 from suspid.simulation.simulate import simulate
 
-__all__ = ["ROUGHNESS", "WAVELENGTHS", "add_noise", "free_decay", "recursion", "road_profile", "simulate"]
+__all__ = [
+    "REFERENCE",
+    "ROUGHNESS",
+    "WAVELENGTHS",
+    "add_noise",
+    "free_decay",
+    "recursion",
+    "road_class",
+    "road_profile",
+    "simulate",
+]

@@ -20,6 +20,17 @@ WAVELENGTHS = (0.1, 100.0)
 MOST_POINTS = 2**26
 
 
+def road_class(roughness: float) -> str:
+    """Return the class of ISO 8608 of a road, by its G_d(n_0) [m3]: each spans a factor of four about its mean.
+
+    Examples
+    --------
+    >>> road_class(31e-6), road_class(33e-6), road_class(1.0)
+    ('A', 'B', 'H')
+    """
+    return next((name for name, mean in ROUGHNESS.items() if roughness <= 2 * mean), list(ROUGHNESS)[-1])
+
+
 def road_profile(
     distance: ArrayLike,
     *,

@@ -78,6 +78,31 @@ class EstimateCheck(Code):
         _listed("Held at nominal, because the motion of {given} is given and they act beyond it: {names}."),
     )
     STILL = "still", _listed("The modes are those with {names} held still.")
+    ROAD = (
+        "road model",
+        _listed(
+            "A model of the road decided {names} and the modes of the whole car: a power law of exponent "
+            "{exponent:.2f} ± {std:.2f} with smooth departures of 30 %, its level free in every stretch. The "
+            "intervals hold for such roads; springs and dampers of the suspension do not depend on it."
+        ),
+    )
+    TIRE_DAMPING = (
+        "tire damping",
+        _listed(
+            "Hardly told from the damper of the suspension, so known mainly beforehand, to 50 % where nothing is "
+            "stated: {names}. 5 % of the damper's are 4 % of the wheel's mass."
+        ),
+    )
+    NO_SPEED = (
+        "no speed",
+        "The speed is not known: neither the road's class nor the wheels' rotation. An unbalanced wheel may be taken "
+        "for a mode of the wheel; give speed=… and wheel_radius=….",
+    )
+    NO_RADIUS = (
+        "no radius",
+        "The wheels' radius is not known, so nor is their rotation. An unbalanced wheel may be taken for a mode of the "
+        "wheel; give wheel_radius=….",
+    )
     ALTERNATIVES = "alternatives", _others
     ONE_START = "one start", "Only {count} of {starts} starts ended at this fit; another minimum may be better."
     VANISHED = "vanished", _listed("The records need no {names}: the topology may be wrong.")
