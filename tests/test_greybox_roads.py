@@ -16,7 +16,7 @@ from suspid.greybox.road_model import RoadModel, road_model
 from suspid.greybox.tire_fit import TireProblem, fit_tires
 from suspid.greybox.transfers import Physics
 from suspid.greybox.trials import Trial, trials_of
-from suspid.greybox.wheel_power import BANDWIDTH, TAPERS, Track, _kernel
+from suspid.greybox.wheel_power import TAPER_BANDWIDTH, TAPERS, Track, _kernel
 from suspid.reconstruction import parameter_vector, unknowns_of
 from suspid.signals import as_response
 from suspid.units import RealArray
@@ -109,7 +109,7 @@ def track_of(*, stretches: int = 20, speeds: RealArray | None = None, samples: i
     from scipy.signal.windows import dpss
 
     wide, lines = np.arange(1, 196), np.arange(4, 190)
-    tapers = dpss(samples, BANDWIDTH, TAPERS)
+    tapers = dpss(samples, TAPER_BANDWIDTH, TAPERS)
     moments = ((np.arange(96) + 0.5) / 96 * samples).astype(int)
     weights = np.mean(tapers**2, axis=0)[moments]
     return Track(
@@ -132,7 +132,7 @@ class TestSpectrum:
         expected = model.rotations(1, 0.0, 0.0) @ track.kernel.T
         turned = np.cumsum(speed) / 200 / 0.3
         waves = np.sqrt(2) * np.sin(turned + np.linspace(0, 2 * np.pi, 8, endpoint=False)[:, None])
-        tapers = dpss(samples, BANDWIDTH, TAPERS)
+        tapers = dpss(samples, TAPER_BANDWIDTH, TAPERS)
         shown = np.mean(np.abs(np.fft.rfft(waves[:, None] * tapers, axis=2)) ** 2, axis=(0, 1))[4:190]
         near = slice(50, 110)
         assert np.sum(expected[0, near]) == pytest.approx(np.sum(shown[near]), rel=0.02)

@@ -20,10 +20,10 @@ EXPONENT = (2.0, 1.0)  # mean and standard deviation of the exponent, before the
 DEPARTURE = 0.3  # standard deviation of the logarithm of the density about the power law
 LENGTH = 0.6  # of the departure's correlation, in the logarithm of frequency: shorter ones look like resonances
 FAINT = 1e-4  # power of the departure, over that of its largest component, from which on it is left out
-GRID = 100  # points at which the departure is worked out
+POINTS = 100  # points at which the departure is worked out
 REFERENCE_HERTZ: Hertz = 4.0  # at which the level is taken, in the middle of the band
 NOISE_STD = 0.3  # of the logarithm of the noise of the wheel's motion, about what the suspension's fit found
-ORDERS = (1, 2, 3)  # of wheel rotation
+WHEEL_ORDERS = (1, 2, 3)  # of wheel rotation
 # Force of an order [N]: typical size, and standard deviation of the logarithm of its square, 0.2 to 500 N.
 ORDER_FORCE, ORDER_STD = 10.0, 4.0
 # Power of the speed to which the square of the force grows: 0 for a tire out of round, 4 for an unbalanced one.
@@ -107,9 +107,9 @@ class RoadModel:
         if self.orders:
             for unknown in (-2, -1):
                 near = own.copy()
-                near[unknown] += STEP
+                near[unknown] += SMALL_MOVE
                 again = np.sum(self._rotating(near, moved), axis=0)
-                columns.append(((again - made.turning) / STEP) @ onto)
+                columns.append(((again - made.turning) / SMALL_MOVE) @ onto)
         by_car = [
             (made.road * a + made.turning * b) @ onto for a, b in zip(moved.by_road.T, moved.by_force.T, strict=True)
         ]
@@ -154,7 +154,7 @@ class _Parts(NamedTuple):
     noise: RealArray  # (line,)
 
 
-STEP = 1e-4  # of the growth of orders and of the logarithm of the radius, in derivatives
+SMALL_MOVE = 1e-4  # of the growth of orders and of the logarithm of the radius, in derivatives
 
 
 class Expected(NamedTuple):
@@ -169,14 +169,14 @@ class Expected(NamedTuple):
 def road_model(track: Track, *, radius: Metre | None) -> RoadModel:
     """Return the model of one wheel's road; wheel orders are in it where speed and radius are known."""
     logs = np.log(track.wide) - track.log_speed[:, None]
-    points = np.linspace(np.min(logs), np.max(logs), GRID)
+    points = np.linspace(np.min(logs), np.max(logs), POINTS)
     covariance = DEPARTURE**2 * np.exp(-0.5 * ((points[:, None] - points) / LENGTH) ** 2)
     values, vectors = np.linalg.eigh(covariance)
     keep = values > FAINT * values[-1]
     orders: tuple[int, ...] = ()
     if track.speeds is not None and radius is not None:
         turns = np.array([np.min(track.speeds), np.max(track.speeds)]) / (2 * np.pi * radius)
-        orders = tuple(h for h in ORDERS if h * turns[0] < track.hertz[-1] and h * turns[1] > track.hertz[0])
+        orders = tuple(h for h in WHEEL_ORDERS if h * turns[0] < track.hertz[-1] and h * turns[1] > track.hertz[0])
     return RoadModel(
         track=track,
         orders=orders,

@@ -15,7 +15,7 @@ from suspid.greybox.reach import Reach, reach
 from suspid.greybox.road_model import Expected, RoadModel
 from suspid.greybox.transfers import Physics
 from suspid.greybox.trials import Trial
-from suspid.greybox.wheel_power import REACH
+from suspid.greybox.wheel_power import SPAN
 from suspid.levels import NEGLIGIBLE_GAIN
 from suspid.reconstruction import Unknowns
 from suspid.units import RealArray
@@ -23,7 +23,7 @@ from suspid.units import RealArray
 SCORING_STEPS = 60  # at most; 5 to 15 are needed
 LARGEST_MOVE = 0.5  # in a step: of the logarithm of a level, a spring or a mass, of other unknowns in their scale
 FIRST_FACTORS = (0.5, 0.7, 1.0, 1.4, 2.0)  # of springs and masses, where the search begins
-OVERLAP = 2 * REACH  # lines over which scores are taken together: the tapers correlate about four
+OVERLAP = 2 * SPAN  # lines over which scores are taken together: the tapers correlate about four
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)

@@ -15,14 +15,14 @@ from numpy.typing import NDArray
 
 from suspid.greybox.measured_causes import WheelProblem
 from suspid.greybox.noise_levels import Levels, covariance_of
-from suspid.greybox.spectra import HIGHEST
+from suspid.greybox.spectra import HIGHEST_SHARE
 from suspid.greybox.transfers import transfer
 from suspid.greybox.trials import Trial
 from suspid.units import Hertz, RealArray
 
-BANDWIDTH = 2.0  # half bandwidth of the tapers, in lines
+TAPER_BANDWIDTH = 2.0  # half bandwidth of the tapers, in lines
 TAPERS = 3  # one less than twice the bandwidth: the next one leaks
-REACH = 6  # lines to either side that the kernel of the tapers spans
+SPAN = 6  # lines to either side that the kernel of the tapers spans
 MOMENTS = 96  # of a stretch at which the speed is taken
 
 
@@ -76,10 +76,10 @@ def tracks_of(
     source = problem.sources[number]
     trial, layout, spectra = source.trial, source.layout, source.spectra
     samples = spectra.samples
-    tapers = dpss(samples, BANDWIDTH, TAPERS)
+    tapers = dpss(samples, TAPER_BANDWIDTH, TAPERS)
     spacing = 1 / (samples * trial.step)
     first = max(1, int(np.ceil(band[0] / spacing)))
-    lines = np.arange(first, int(min(band[1], HIGHEST / trial.step) / spacing) + 1)
+    lines = np.arange(first, int(min(band[1], HIGHEST_SHARE / trial.step) / spacing) + 1)
     made = transfer(
         layout, np.asarray(2j * np.pi * spacing * lines, complex), problem.physics(z, number), problem.unknowns.rows,
         mounts=problem.extras.mounts, gains=source.gains, delays=source.delays,
@@ -99,7 +99,7 @@ def tracks_of(
         y_o, y_g = (shown[list(which)].transpose(2, 0, 1) for which in (layout.outputs, layout.causes))
         motion = y_g + weigh @ (y_o - made.T @ y_g)
         power += np.abs(motion.transpose(1, 2, 0)) ** 2 / TAPERS
-    wide = np.arange(max(1, first - REACH), min(lines[-1] + REACH, samples // 2) + 1)
+    wide = np.arange(max(1, first - SPAN), min(lines[-1] + SPAN, samples // 2) + 1)
     moments = ((np.arange(MOMENTS) + 0.5) / MOMENTS * samples).astype(int)
     weights = np.mean(tapers**2, axis=0)[moments]
     rolling = None if speeds is None else np.concatenate([_cut(speeds[i][None], samples)[0] for i in source.numbers])
@@ -131,10 +131,10 @@ def _cut(values: RealArray, samples: int) -> RealArray:
 
 def _kernel(tapers: RealArray, lines: np.ndarray, wide: np.ndarray) -> RealArray:
     """Return how much of the power at each line of the model the tapers show at each line."""
-    apart = np.arange(REACH + 1)
+    apart = np.arange(SPAN + 1)
     t = np.arange(tapers.shape[1]) / tapers.shape[1]
     seen = np.exp(-2j * np.pi * apart[:, None] * t) @ tapers.T
     share = np.mean(np.abs(seen) ** 2, axis=1)
     share /= share[0] + 2 * np.sum(share[1:])
     away = np.abs(lines[:, None] - wide)
-    return np.asarray(np.where(away <= REACH, share[np.minimum(away, REACH)], 0.0))
+    return np.asarray(np.where(away <= SPAN, share[np.minimum(away, SPAN)], 0.0))
