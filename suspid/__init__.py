@@ -24,7 +24,7 @@ from suspid.errors import (
     RecordWarning,
     SuspidError,
 )
-from suspid.fleet import FleetRun, FleetSummary, fleet_summary, identify_many
+from suspid.fleet import DamperTrends, FleetRun, FleetSummary, damper_trends, fleet_summary, identify_many
 from suspid.greybox import Drive, DriveLimits, Drives, Estimate, RecordTest, RoadEstimate, estimate, find_drives
 from suspid.identification import Considered, FourSteps, Identification, Repeats, identify, identify_repeats
 from suspid.io import read_recording, write_record
@@ -110,7 +110,7 @@ __all__ = [  # noqa: RUF022 - grouped by step
     "grip", "Grip", "wear", "Wear", "WearRule", "DamperWear",
     # a page for others, and many records
     "report", "report_to_dict", "content_of", "Source", "source_of",
-    "identify_many", "FleetRun", "fleet_summary", "FleetSummary",
+    "identify_many", "FleetRun", "fleet_summary", "FleetSummary", "damper_trends", "DamperTrends",
     # pictures of each step
     "plot_scalogram", "plot_skeletons", "plot_spectra", "plot_amplitude", "plot_entropy", "plot_fit", "plot_shapes",
     "plot_identification",

@@ -6,8 +6,19 @@ them: `listing` and `records` (what to do), `job` (how), `rows` and `tables` (re
 and `children` (who), `parts`, `manifest` and `folder` (what makes a run resumable).
 """
 
+from suspid.fleet.damper_trends import DamperTrend, DamperTrends, damper_trends
 from suspid.fleet.fleet_summary import fleet_summary
 from suspid.fleet.identify_many import CHUNK, FleetRun, Progress, identify_many
 from suspid.fleet.summary import FleetSummary
 
-__all__ = ["CHUNK", "FleetRun", "FleetSummary", "Progress", "fleet_summary", "identify_many"]
+__all__ = [
+    "CHUNK",
+    "DamperTrend",
+    "DamperTrends",
+    "FleetRun",
+    "FleetSummary",
+    "Progress",
+    "damper_trends",
+    "fleet_summary",
+    "identify_many",
+]

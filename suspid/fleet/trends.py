@@ -39,6 +39,10 @@ class Trend:
         The same, adjusted for the number of trends (Benjamini and Hochberg).
     scatter : float
         Standard deviation from test to test, beyond the stated ones.
+    std : float
+        Standard deviation of ``end - start``.
+    freedom : int
+        Degrees of freedom of Student's t that its interval has.
     """
 
     vehicle: str
@@ -51,6 +55,8 @@ class Trend:
     p: Ratio
     p_adjusted: Ratio
     scatter: float
+    std: float
+    freedom: int
 
     @property
     def changes(self) -> bool:
@@ -147,6 +153,8 @@ def _trend(vehicle: str, quantity: str, one: Measured, everyone: float, freedom:
         p=p,
         p_adjusted=p,
         scatter=float(np.sqrt(shared)),
+        std=std,
+        freedom=freedom,
     )
 
 

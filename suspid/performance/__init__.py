@@ -6,6 +6,7 @@ returns a frozen result in SI units. `grip`: wheels on a test bench; below it `c
 rule and its interval).
 """
 
+from suspid.performance.damper_rates import dampers_of, rates_of
 from suspid.performance.grip import grip
 from suspid.performance.grips import CLASSES, PHASE_LIMIT, Grip
 from suspid.performance.losses import Loss, Rates, WearRule, loss_of
@@ -22,7 +23,9 @@ __all__ = [
     "Rates",
     "Wear",
     "WearRule",
+    "dampers_of",
     "grip",
     "loss_of",
+    "rates_of",
     "wear",
 ]

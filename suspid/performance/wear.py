@@ -11,8 +11,9 @@ from suspid.greybox import Estimate, nominal_value, parameter_unit
 from suspid.levels import NORMAL_95
 from suspid.model import Strut, Suspension
 from suspid.performance.contact import wheels_of
+from suspid.performance.damper_rates import dampers_of, nominal_rates, rates_of
 from suspid.performance.grip import grip
-from suspid.performance.losses import ENOUGH_DRIVES, TESTS, Rates, WearRule, loss_of
+from suspid.performance.losses import ENOUGH_DRIVES, TESTS, WearRule, loss_of
 from suspid.performance.wear_checks import said_of_loss, said_of_phase, untrusted, verdict_of, worst
 from suspid.performance.wears import DamperWear, ParameterChange, Wear
 from suspid.units import Ratio
@@ -88,9 +89,9 @@ def wear(
     doubts = tuple(untrusted(now, earlier))
     quantile = float(-ndtri(rule.rate / TESTS))
     dampers = []
-    for strut in _dampers(now, earlier):
-        rates = [_rates(one, strut) for one in earlier] or [_nominal_rates(now, strut)]
-        new = _rates(now, strut)
+    for strut in dampers_of(now, earlier):
+        rates = [rates_of(one, strut.name) for one in earlier] or [nominal_rates(now, strut.name)]
+        new = rates_of(now, strut.name)
         if not all(one.damping > 0 for one in rates):
             continue
         loss = loss_of(new, rates, rule, nominal=not earlier, tests=TESTS)
@@ -155,41 +156,8 @@ def _stands(car: Suspension) -> bool:
     return True
 
 
-def _dampers(now: Estimate, earlier: Sequence[Estimate]) -> list[Strut]:
-    """Return the struts between masses whose damping was found in all estimates."""
-    return [
-        strut
-        for strut in now.suspension.struts
-        if all(f"{strut.name}.damping" in one.parameters for one in (now, *earlier))
-        and not any(name in now.suspension.roads for name, arm in strut.arms.items() if arm)
-    ]
-
-
 def _wheel_of(car: Suspension, strut: Strut) -> str | None:
     return next((wheel for wheel in wheels_of(car).names if strut.arms.get(wheel)), None)
-
-
-def _rates(found: Estimate, strut: Strut) -> Rates:
-    """Return damping and stiffness of a strut, with their covariance; stiffness 0 where it was not found."""
-    names, car = found.parameters, found.suspension
-    c = names.index(f"{strut.name}.damping")
-    # A damper alone is judged beside the spring that acts along the same coordinates.
-    springs = [strut.name, *(s.name for s in car.struts if dict(s.arms) == dict(strut.arms))]
-    k = next((names.index(f"{s}.stiffness") for s in springs if f"{s}.stiffness" in names), None)
-    if k is None or found.values[k] <= 0:
-        covariance = np.diag([found.covariance[c, c], 0.0])
-        return Rates(damping=float(found.values[c]), stiffness=0.0, covariance=covariance)
-    return Rates(
-        damping=float(found.values[c]),
-        stiffness=float(found.values[k]),
-        covariance=found.covariance[np.ix_([c, k], [c, k])],
-    )
-
-
-def _nominal_rates(found: Estimate, strut: Strut) -> Rates:
-    old = next(one for one in found.nominal.struts if one.name == strut.name)
-    known = f"{strut.name}.stiffness" in found.parameters
-    return Rates(damping=old.damping, stiffness=old.stiffness if known else 0.0, covariance=np.zeros((2, 2)))
 
 
 def _changes(now: Estimate, earlier: Sequence[Estimate]) -> Iterator[ParameterChange]:

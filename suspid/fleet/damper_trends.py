@@ -1,0 +1,163 @@
+"""Trends of dampers: what each damper of each vehicle has lost over its drives, judged by the rule of wear."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from suspid.errors import InputError
+from suspid.fleet.trends import Measured, trends_of
+from suspid.greybox import Estimate
+from suspid.performance import Loss, Rates, WearRule, dampers_of, rates_of
+from suspid.values import text_table
+from suspid.words import DamperState
+
+# Between a vehicle and its damper in the name of a trend; no name of a strut has a dot.
+BETWEEN = "."
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class DamperTrend:
+    """The loss of one damper over its drives.
+
+    Parameters
+    ----------
+    vehicle, damper : str
+        The vehicle, and the damper's strut.
+    drives : int
+        How many drives.
+    span : float
+        Time from first to last.
+    loss : Loss
+        Share of its damping that it has lost over this time, with its ends at the rate of the rule.
+    scatter : float
+        Standard deviation from drive to drive [1], beyond the errors of the estimates.
+    state : DamperState
+        Good, watch, worn or cannot tell.
+    """
+
+    vehicle: str
+    damper: str
+    drives: int
+    span: float
+    loss: Loss
+    scatter: float
+    state: DamperState
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class DamperTrends:
+    """Result of `damper_trends`, the gravest first; ``str()`` is the table."""
+
+    trends: tuple[DamperTrend, ...]
+    rule: WearRule
+
+    def __str__(self) -> str:
+        if not self.trends:
+            return "no trend: a vehicle needs at least four drives in which a damper was found"
+        percent = f"{100 * (1 - self.rule.rate):g} % certain"
+        return text_table(
+            {
+                "vehicle": [one.vehicle for one in self.trends],
+                "damper": [one.damper for one in self.trends],
+                "drives": [str(one.drives) for one in self.trends],
+                "verdict": [str(one.state) for one in self.trends],
+                "lost": [f"{one.loss.value:.1%}" for one in self.trends],
+                f"at least ({percent})": [f"{one.loss.low:.1%}" for one in self.trends],
+                "at most": [f"{one.loss.high:.1%}" for one in self.trends],
+                "scatter": [f"{one.scatter:.1%}" for one in self.trends],
+            }
+        )
+
+
+def damper_trends(drives: Iterable[tuple[str, float, Estimate]], *, rule: WearRule | None = None) -> DamperTrends:
+    """Return what each damper of each vehicle has lost over its drives.
+
+    A straight line is drawn through the logarithm of damping over stiffness of the spring beside it, in which a load
+    that is not described cancels. Scatter from drive to drive (temperature) is estimated from all vehicles, so its
+    stated values in the rule are not used. The verdict is that of `wear`, by the loss between the first and the last
+    drive.
+
+    Parameters
+    ----------
+    drives : iterable of (str, float, Estimate)
+        Vehicle, time (years, or a mileage) and estimate of each drive, in any order.
+    rule : WearRule, optional
+        What is asked of the verdicts.
+
+    Returns
+    -------
+    DamperTrends
+        A trend of each damper that was found in at least four drives of a vehicle.
+
+    Raises
+    ------
+    InputError
+        If a drive is of another form.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from suspid import add_noise, estimate, free_decay, quarter_car
+    >>> new = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3,
+    ...                   tire_stiffness=210e3, chassis_damping=1300)
+    >>> drives = []
+    >>> for number, damping in enumerate((1300, 1280, 1150, 1120, 1000, 960)):
+    ...     car = new.with_parameters(damping={"chassis": damping})
+    ...     record = free_decay(car, np.arange(0, 3, 0.005), initial_state={"v_tire": 1.0})
+    ...     noisy = add_noise(record, snr_db=30.0, rng=np.random.default_rng(number))
+    ...     drives.append(("VAN 7", 2024 + number / 4, estimate(noisy, new, fixed=["tire.damping"])))
+    >>> [(one.damper, str(one.state)) for one in damper_trends(drives).trends]
+    [('chassis', 'worn')]
+    """
+    asked = WearRule() if rule is None else rule
+    return trends_of_rates(
+        ((vehicle, damper, when, rates) for vehicle, when, found in drives for damper, rates in _checked(found)), asked
+    )
+
+
+def trends_of_rates(rows: Iterable[tuple[str, str, float, Rates]], rule: WearRule) -> DamperTrends:
+    """Return the trends of vehicle, damper, time and rates of each drive; rows without a damping are left out."""
+    from scipy import stats
+
+    tests: dict[str, list[tuple[float, float, float]]] = {}
+    for vehicle, damper, when, rates in rows:
+        if rates.damping > 0:
+            weights = np.array([1.0, -1.0 if rates.stiffness > 0 else 0.0])
+            value = float(np.log(rates.damping) - (np.log(rates.stiffness) if rates.stiffness > 0 else 0.0))
+            std = float(np.sqrt(max(weights @ rates.relative @ weights, 0.0)))
+            tests.setdefault(f"{vehicle}{BETWEEN}{damper}", []).append((when, value, std))
+    measured: dict[str, Measured] = {name: _columns(rows) for name, rows in tests.items()}
+    found = []
+    for trend in trends_of("damping", measured):
+        vehicle, _, damper = trend.vehicle.rpartition(BETWEEN)
+        change, reach = trend.end - trend.start, float(stats.t.isf(rule.rate, trend.freedom)) * trend.std
+        low, value, high = (float(-np.expm1(change + side * reach)) for side in (1, 0, -1))
+        found.append(
+            DamperTrend(
+                vehicle=vehicle,
+                damper=damper,
+                drives=trend.count,
+                span=trend.span,
+                loss=Loss(value=value, low=low, high=high),
+                scatter=trend.scatter,
+                state=rule.state(low, high),
+            )
+        )
+    grave = (DamperState.WORN, DamperState.WATCH, DamperState.CANNOT_TELL, DamperState.GOOD)
+    found.sort(key=lambda one: (grave.index(one.state), -one.loss.value, one.vehicle, one.damper))
+    return DamperTrends(trends=tuple(found), rule=rule)
+
+
+def _columns(rows: list[tuple[float, float, float]]) -> Measured:
+    time, value, std = np.array(rows, float).T
+    return time, value, std
+
+
+def _checked(found: object) -> list[tuple[str, Rates]]:
+    """Return the dampers of a drive with their rates."""
+    if not isinstance(found, Estimate):
+        raise InputError(f"a drive is (vehicle, time, Estimate), but its last part is of type {type(found).__name__}")
+    return [(strut.name, rates_of(found, strut.name)) for strut in dampers_of(found)]

@@ -1,0 +1,50 @@
+"""Damping and stiffness of a strut in an estimate, and at their nominal values."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from suspid.greybox import Estimate
+from suspid.model import Strut
+from suspid.performance.losses import Rates
+
+
+def dampers_of(now: Estimate, earlier: Sequence[Estimate] = ()) -> list[Strut]:
+    """Return the struts between masses whose damping was found in all estimates."""
+    return [
+        strut
+        for strut in now.suspension.struts
+        if all(f"{strut.name}.damping" in one.parameters for one in (now, *earlier))
+        and not any(name in now.suspension.roads for name, arm in strut.arms.items() if arm)
+    ]
+
+
+def rates_of(found: Estimate, damper: str) -> Rates:
+    """Return damping and stiffness of a strut, with their covariance; stiffness 0 where it was not found."""
+    c, spring = found.parameters.index(f"{damper}.damping"), _spring_beside(found, damper)
+    if spring is None:
+        covariance = np.diag([found.covariance[c, c], 0.0])
+        return Rates(damping=float(found.values[c]), stiffness=0.0, covariance=covariance)
+    k = found.parameters.index(f"{spring}.stiffness")
+    return Rates(
+        damping=float(found.values[c]),
+        stiffness=float(found.values[k]),
+        covariance=found.covariance[np.ix_([c, k], [c, k])],
+    )
+
+
+def nominal_rates(found: Estimate, damper: str) -> Rates:
+    """Return the nominal damping and stiffness of a strut, the latter 0 where it was not found."""
+    struts, spring = {strut.name: strut for strut in found.nominal.struts}, _spring_beside(found, damper)
+    stiffness = struts[spring].stiffness if spring else 0.0
+    return Rates(damping=struts[damper].damping, stiffness=stiffness, covariance=np.zeros((2, 2)))
+
+
+def _spring_beside(found: Estimate, damper: str) -> str | None:
+    """Return the strut whose spring was found and acts along with a damper: its own, or one between the same points."""
+    arms = {strut.name: dict(strut.arms) for strut in found.suspension.struts}
+    near = [damper, *(name for name, one in arms.items() if one == arms[damper])]
+    values = dict(zip(found.parameters, found.values.tolist(), strict=True))
+    return next((name for name in near if values.get(f"{name}.stiffness", 0.0) > 0), None)
