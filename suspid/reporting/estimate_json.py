@@ -106,7 +106,7 @@ def read_estimate(path: str | os.PathLike[str]) -> Estimate:
     Returns
     -------
     Estimate
-        As it was, with empty ``fitted``, ``residual`` and ``noise_std``.
+        As it was, but for the records: ``fitted``, ``residual``, ``noise_std`` and ``road`` are empty.
 
     Raises
     ------
