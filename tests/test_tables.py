@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import datetime
+import time
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -11,7 +13,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from suspid import RecordError
+from suspid import RecordError, SuspidError
 from suspid.io.read_recording import read_recording
 from suspid.io.tables import bracketed_unit, stated_rate
 from suspid.io.text.columns import UNIT
@@ -461,3 +463,21 @@ class TestOddExports:
         recording = read(tmp_path, "Sample rate: 100 S/s\nseat|tire\n" + "".join(f"{v}|{-v}\n" for v in SINE))
         assert recording.names == ("seat", "tire")
         assert recording["seat"].mean_rate == FS
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["a" + " " * 20000 + "[" + " " * 20000 + "x", "[ " * 20000, "k" * 20000 + " : " + "1" * 20000, "1" * 20000 + "x",
+     "a_ /" * 20000, "-" * 20000 + "x"],
+    ids=["blanks", "brackets", "key", "digits", "units", "rule"],
+)  # fmt: skip
+@pytest.mark.parametrize("top", [True, False], ids=["header", "cell"])
+def test_no_pattern_takes_a_power_of_the_length(text: str, top: bool, tmp_path: Path) -> None:
+    rows = "\n".join(f"{k / 100},{k % 7}" for k in range(300))
+    path = tmp_path / "long.csv"
+    path.write_text(f"{text},b\n{rows}" if top else f"t,b\n{rows}\n3.0,{text}\n")
+    before = time.process_time()
+    with contextlib.suppress(SuspidError):
+        read_recording(path)
+    # A quadratic pattern takes 20 s, one of fourth power longer than a life.
+    assert time.process_time() - before < 5

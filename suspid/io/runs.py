@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 
-from suspid.io.tables import bare_name
+from suspid.io.tables import bare_name, plain
 
 # Between the parts of a name, such as those of a structure, of a group, or of a run of Logger Pro.
 SEPARATORS = re.compile(r"[.:/|]\s*")
@@ -39,7 +39,7 @@ def runs_of(clocks: Mapping[str, int]) -> dict[str, str]:
         return {}
     used = {group: {clocks[name] for name in names} for group, names in groups.items()}
     shared = sum(map(len, used.values())) > len(set().union(*used.values()))
-    if shared and not all(NUMBERED.fullmatch(group) for group in groups):
+    if shared and not all(NUMBERED.fullmatch(plain(group)) for group in groups):
         return {}
     by_clock = {clock: group for group, some in used.items() for clock in some} if not shared else {}
     of = {name: group for group, names in groups.items() for name in names}

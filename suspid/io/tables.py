@@ -56,6 +56,8 @@ TIME_WORDS |= {"время", "时间", "時間", "시간"}
 ABSCISSA = {"x", "axis", "value", "values", "data"}
 # Names of columns that count the rows.
 COUNTERS = {"#", "n", "no", "nr", "sample", "samples", "samplenumber", "index", "row", "line", "count", "counter"}
+# Characters of a name or of a line that patterns are tried on. Longer ones are no names that a program wrote.
+LONGEST_READ = 200
 # A name and, in brackets behind it, its unit; a number there counts columns.
 BRACKETED = re.compile(r"(.*\S)\s*[\[(]\s*(?!\d+\s*[\])])([^\[\]()]*(?:\([^\[\]()]*\))?[^\[\]()]*)[\])]")
 
@@ -116,6 +118,17 @@ class Table:
         return name
 
 
+def plain(text: str) -> str:
+    """Return a text with single blanks, as far as a pattern is to look: patterns take the power of its length.
+
+    Examples
+    --------
+    >>> plain("  seat   [ mm ] "), len(plain(1000 * "x"))
+    ('seat [ mm ]', 200)
+    """
+    return " ".join(text[: 10 * LONGEST_READ].split())[:LONGEST_READ]
+
+
 def bare_name(name: str) -> str:
     """Return the name without the unit in brackets behind it.
 
@@ -124,7 +137,7 @@ def bare_name(name: str) -> str:
     >>> bare_name("seat [mm]"), bare_name("a_seat_m/s2")
     ('seat', 'a_seat_m/s2')
     """
-    found = BRACKETED.fullmatch(name.strip())
+    found = BRACKETED.fullmatch(plain(name))
     return found[1].strip() if found else name.strip()
 
 
@@ -136,7 +149,7 @@ def bracketed_unit(name: str) -> str:
     >>> bracketed_unit("seat [mm]"), bracketed_unit("acc (m/s^2)"), bracketed_unit("a_seat_m/s2")
     ('mm', 'm/s^2', '')
     """
-    found = BRACKETED.fullmatch(name.strip())
+    found = BRACKETED.fullmatch(plain(name))
     return found[2].strip() if found else ""
 
 
@@ -149,7 +162,7 @@ def split_unit(name: str) -> tuple[str, str]:
     (('time', 'ms'), ('t', 's'), ('timedomain', ''))
     """
     # A number behind a name that occurs twice is none of its own.
-    lowered = re.sub(r"\s+\(\d+\)$", "", name.strip()).lower()
+    lowered = re.sub(r"\s+\(\d+\)$", "", plain(name)).lower()
     bracketed = re.fullmatch(r"(.*?)[\s_,/]*[\[(]\s*(?!\d+\s*[\])])(.*?)\s*[\])]", lowered)
     suffixed = re.fullmatch(r"(.*?)[\s_,/]+([^\s_,/]+)", lowered)
     stem, unit = lowered, ""

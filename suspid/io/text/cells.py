@@ -10,6 +10,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from suspid.errors import RecordError
+from suspid.io.tables import LONGEST_READ
 from suspid.units import RealArray
 
 Kind: TypeAlias = Literal["number", "missing", "stamp", "date", "text"]
@@ -46,6 +47,8 @@ def kind_of(cell: str, *, comma: bool) -> Kind:
     ['number', 'text', 'missing', 'stamp', 'date', 'text']
     """
     text = cell.strip()
+    if len(text) > LONGEST_READ:
+        return "text"
     if (COMMA_NUMBER if comma else POINT_NUMBER).fullmatch(text):
         return "number"
     if text.lower().lstrip("+-") in MISSING or text in MISSING:

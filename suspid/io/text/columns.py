@@ -6,7 +6,7 @@ import re
 from bisect import bisect_left, bisect_right
 from dataclasses import dataclass
 
-from suspid.io.tables import is_time
+from suspid.io.tables import is_time, plain
 from suspid.io.text.cells import Kind, kind_of
 from suspid.io.text.dialects import COMMENTS, Dialect
 
@@ -79,7 +79,7 @@ class Columns:
         """Whether a line holds nothing but units."""
         cells, filled = self.units(line), [cell for cell in self.titles(line) if cell]
         bracketed = len(filled) > 1 and all(re.fullmatch(r"\(.*\)|\[.*\]", cell) for cell in filled)
-        return bracketed or (any(cells) and all(not cell or UNIT.fullmatch(cell) for cell in cells))
+        return bracketed or (any(cells) and all(not cell or UNIT.fullmatch(plain(cell)) for cell in cells))
 
 
 def _aligned(line: str, row: str) -> list[str]:

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 
 from suspid.errors import RecordError
 from suspid.files import printable
+from suspid.io.tables import plain
 from suspid.io.text.cells import Kind, kind_of
 
 # Digits with marks between them, in a cell that is not a number.
@@ -137,7 +138,7 @@ def _score(cells: Sequence[str], kinds: Sequence[Kind], width: int) -> float:
         return 0.0
     texts = [cell for cell, kind in zip(cells, kinds, strict=True) if kind == "text"]
     # A semicolon or tab between digits is the delimiter.
-    if any(NUMERIC.fullmatch(text) and re.search(r"[;\t]", text) for text in texts):
+    if any(NUMERIC.fullmatch(plain(text)) and re.search(r"[;\t]", text) for text in texts):
         return 0.0
     return 1 - len(texts) / width
 

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from suspid.errors import RecordError
-from suspid.io.tables import bracketed_unit, stated_rate
+from suspid.io.tables import bracketed_unit, plain, stated_rate
 from suspid.io.text.cells import Kind, kind_of, number
 from suspid.io.text.columns import Columns
 from suspid.io.text.dialects import NUMERIC, Dialect, find_dialect, shapes, shortened
@@ -101,7 +101,7 @@ def _commonest(kinds: Sequence[Kind], often: Sequence[int]) -> Kind:
 
 def _header(above: Sequence[str], columns: Columns) -> tuple[int | None, int | None]:
     """Return the indices of the lines of names and of units above the data."""
-    filled = [k for k, line in enumerate(above) if line.strip() and not RULE.fullmatch(line)]
+    filled = [k for k, line in enumerate(above) if line.strip() and not RULE.fullmatch(plain(line))]
     rows = list(itertools.takewhile(lambda k: columns.may_be_named_by(above[k]), reversed(filled)))[::-1]
     if not rows:
         if filled:
@@ -160,7 +160,7 @@ def _listed(others: Mapping[int, str]) -> dict[str, Remark]:
 
 def _rates(lines: Iterable[str], dialect: Dialect) -> dict[str, Hertz]:
     """Return the sampling rates that lines such as ``Sample rate: 500 Hz`` state, once or for each channel."""
-    found = [match for line in lines if (match := KEY_VALUE.fullmatch(_said_once(line, dialect)))]
+    found = [match for line in lines if (match := KEY_VALUE.fullmatch(plain(_said_once(line, dialect))))]
     rates = {match[1].strip(): stated_rate(match[1], float(match[2]), match[3]) for match in found}
     return {name: rate for name, rate in rates.items() if rate is not None}
 
