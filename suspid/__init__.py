@@ -44,7 +44,19 @@ from suspid.model import (
     statespace,
     write_car,
 )
-from suspid.performance import DamperWear, Grip, Wear, WearRule, grip, wear
+from suspid.performance import (
+    DamperWear,
+    Grip,
+    Ride,
+    RoadClass,
+    Wear,
+    WearRule,
+    classify_road,
+    grip,
+    ride,
+    wear,
+    weighting,
+)
 from suspid.reconstruction import ModalTest, Reconstruction, reconstruct
 from suspid.recordings import RawChannel, Recording
 from suspid.reporting import (
@@ -66,7 +78,7 @@ from suspid.reporting import (
     source_of,
 )
 from suspid.signals import cut
-from suspid.simulation import add_noise, free_decay, road_profile, simulate
+from suspid.simulation import Road, add_noise, free_decay, road, road_profile, simulate
 from suspid.wavelets import (
     BandwidthSearch,
     Morlet,
@@ -91,7 +103,8 @@ __all__ = [  # noqa: RUF022 - grouped by step
     # its modes
     "ModalSet", "Interval", "eigenmodes",
     # its responses, and measured ones
-    "free_decay", "simulate", "road_profile", "add_noise", "read_record", "write_record", "cut", "denoise",
+    "free_decay", "simulate", "road", "Road", "road_profile", "add_noise", "read_record", "write_record", "cut",
+    "denoise",
     # arrays and files as they come, cleaned, and the decays in them
     "as_record", "read_recording", "Recording", "RawChannel", "clean", "Cleaned", "Finding",
     "vertical", "Vertical", "scaled", "to_si", "find_decays", "Decays", "Decay",
@@ -107,7 +120,8 @@ __all__ = [  # noqa: RUF022 - grouped by step
     # the car itself, straight from records
     "estimate", "Estimate", "RecordTest", "RoadEstimate", "read_estimate",
     # figures that a car is judged by
-    "grip", "Grip", "wear", "Wear", "WearRule", "DamperWear",
+    "grip", "Grip", "wear", "Wear", "WearRule", "DamperWear", "ride", "Ride", "weighting",
+    "classify_road", "RoadClass",
     # a page for others, and many records
     "report", "report_to_dict", "content_of", "Source", "source_of",
     "identify_many", "FleetRun", "fleet_summary", "FleetSummary", "damper_trends", "DamperTrends",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from suspid import Strut, Suspension, quarter_car
+from suspid import Strut, Suspension, full_car, half_car, quarter_car
 
 PAPER = quarter_car(
     seat_mass=200, chassis_mass=200, tire_mass=200,
@@ -54,3 +54,16 @@ def random_car(rng: np.random.Generator) -> Suspension:
         seat_stiffness=between(8e3, 25e3), chassis_stiffness=between(15e3, 40e3), tire_stiffness=between(150e3, 280e3),
         seat_damping=between(200, 900), chassis_damping=between(700, 2500), tire_damping=between(10, 100),
     )  # fmt: skip
+
+
+FOUR_WHEELS = full_car(
+    chassis_mass=1200, pitch_inertia=1800, roll_inertia=500, front_tire_mass=40, rear_tire_mass=40, cg_to_front=1.2,
+    cg_to_rear=1.5, front_track=1.5, rear_track=1.5, front_stiffness=20e3, rear_stiffness=18e3,
+    front_antiroll_stiffness=8e3, front_tire_stiffness=200e3, rear_tire_stiffness=200e3, front_damping=1500,
+    rear_damping=1400,
+)  # fmt: skip
+TWO_AXLES = half_car(
+    chassis_mass=600, pitch_inertia=900, front_tire_mass=40, rear_tire_mass=45, cg_to_front=1.1, cg_to_rear=1.4,
+    front_stiffness=21e3, rear_stiffness=24e3, front_tire_stiffness=190e3, rear_tire_stiffness=200e3,
+    front_damping=1350, rear_damping=1100,
+)  # fmt: skip

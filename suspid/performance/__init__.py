@@ -1,31 +1,42 @@
-"""Figures that a car or a record is judged by: comfort, grip, wear.
+"""Figures that a car or a record is judged by: comfort, travel, wheel load, grip, wear; and a better suspension.
 
 A metric is a module of its name with a function that takes a `suspid.Suspension`, a `suspid.Estimate` or a record and
 returns a frozen result in SI units. `grip`: wheels on a test bench; below it `contact` (forces at the road) and
 `uncertain` (what is not known of a car). `wear`: dampers against limits and earlier estimates; below it `losses` (the
-rule and its interval).
+rule and its interval). `ride`: cars on roads (`road_response`: variances and their derivatives; `figures`: what is made
+of them) and records (`recorded`), weighted as ISO 2631-1 says (`weightings`). `classify_road`: measured roads.
 """
 
 from suspid.performance.damper_rates import dampers_of, rates_of
 from suspid.performance.grip import grip
 from suspid.performance.grips import CLASSES, PHASE_LIMIT, Grip
 from suspid.performance.losses import Loss, Rates, WearRule, loss_of
+from suspid.performance.ride import ride
+from suspid.performance.rides import Ride
+from suspid.performance.road_classes import ROAD_LIMITS, RoadClass, classify_road
 from suspid.performance.wear import wear
 from suspid.performance.wears import DamperWear, ParameterChange, Wear
+from suspid.performance.weightings import weighting
 
 __all__ = [
     "CLASSES",
     "PHASE_LIMIT",
+    "ROAD_LIMITS",
     "DamperWear",
     "Grip",
     "Loss",
     "ParameterChange",
     "Rates",
+    "Ride",
+    "RoadClass",
     "Wear",
     "WearRule",
+    "classify_road",
     "dampers_of",
     "grip",
     "loss_of",
     "rates_of",
+    "ride",
     "wear",
+    "weighting",
 ]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -77,34 +77,95 @@ def road_profile(
     >>> road.shape, bool(0.001 < np.std(road) < 0.1)
     ((2000,), True)
     """
+    level = level_of(roughness, exponent, wavelengths)
+    if not isinstance(rng, np.random.Generator):
+        raise InputError(f"{rng=} is not a random generator; pass np.random.default_rng(seed)")
+    where = np.asarray(distance, float)
+    if not where.size or not np.all(np.isfinite(where)):
+        raise InputError("distance must hold finite distances [m]")
+    return tracks([where], np.zeros(1), roughness=level, rng=rng, exponent=exponent, wavelengths=wavelengths)[0]
+
+
+def level_of(roughness: str | float, exponent: Ratio, wavelengths: tuple[Metre, Metre]) -> float:
+    """Return G_d(n_0) [m3] of a class or as given; refuse a spectrum that is none."""
     level = ROUGHNESS.get(roughness) if isinstance(roughness, str) else roughness
     if level is None:
         raise InputError(f"{roughness=} is no class of ISO 8608; give one of {', '.join(ROUGHNESS)}, or G_d(n_0) [m3]")
     short, long = wavelengths
     if not (np.isfinite(level) and level >= 0 and np.isfinite(exponent) and 0 < short < long < np.inf):
         raise InputError(f"{roughness=}, {exponent=}, {wavelengths=} must be finite, and the wavelengths ascend from 0")
-    if not isinstance(rng, np.random.Generator):
-        raise InputError(f"{rng=} is not a random generator; pass np.random.default_rng(seed)")
-    where = np.asarray(distance, float)
-    if not where.size or not np.all(np.isfinite(where)):
-        raise InputError("distance must hold finite distances [m]")
+    return float(level)
+
+
+def tracks(
+    distances: Sequence[RealArray],
+    offsets: RealArray,
+    *,
+    roughness: float,
+    rng: np.random.Generator,
+    exponent: Ratio,
+    wavelengths: tuple[Metre, Metre],
+    coherence: Ratio | None = None,
+) -> list[RealArray]:
+    """Return the heights of parallel tracks at distances of each; see `road_profile` and `track_coherence`.
+
+    ``offsets`` are their lateral positions [m].
+    """
     from scipy.interpolate import CubicSpline
 
+    short, long = wavelengths
     # Cubic interpolation between eight points per shortest wavelength is right to 1e-3 of its amplitude.
-    first, spacing = float(np.min(where)), short / 8
+    first, spacing = min(float(np.min(where)) for where in distances), short / 8
+    last = max(float(np.max(where)) for where in distances)
     # A periodic road, one longest wavelength longer than needed, so that its ends are no neighbours.
-    count = int(np.ceil((float(np.max(where)) - first + long) / spacing)) + 1
-    if count > MOST_POINTS:
+    count = int(np.ceil((last - first + long) / spacing)) + 1
+    if count * len(distances) > MOST_POINTS:
         raise InputError(
-            f"the road is {np.ptp(where):.4g} m long, {count} points at a shortest wavelength of {short:g} m; "
+            f"the road is {last - first:.4g} m long, {count} points at a shortest wavelength of {short:g} m; "
             f"at most {MOST_POINTS} are made: give longer wavelengths, or a shorter road"
         )
     n = np.fft.rfftfreq(count, spacing)
     inside = (n >= 1 / long) & (n <= 1 / short)
     density = np.zeros(len(n))
-    density[inside] = level * (n[inside] / REFERENCE) ** -exponent
-    lines = rng.standard_normal((2, len(n)))
+    density[inside] = roughness * (n[inside] / REFERENCE) ** -exponent
+    lines = rng.standard_normal((len(distances), 2, len(n)))
     # One-sided density: the line 2 (a cos - b sin) has the variance 4 std(a)^2 = G dn.
-    amplitude = np.sqrt(density / (4 * count * spacing)) * (lines[0] + 1j * lines[1])
+    amplitude = np.sqrt(density / (4 * count * spacing)) * (lines[:, 0] + 1j * lines[:, 1])
+    if len(distances) > 1:
+        shared = track_coherence(np.asarray(n[inside], float), offsets, exponent=exponent, coherence=coherence)
+        # Semidefinite where tracks coincide: the root of the eigenvalues, cut at zero, is a root of the matrix.
+        values, vectors = np.linalg.eigh(shared)
+        root = vectors * np.sqrt(np.maximum(values, 0.0))[:, None, :]
+        amplitude[:, inside] = np.einsum("nij,jn->in", root, amplitude[:, inside])
     heights = np.fft.irfft(amplitude * count, count)
-    return np.asarray(CubicSpline(spacing * np.arange(count), heights)(where - first))
+    grid = spacing * np.arange(count)
+    return [np.asarray(CubicSpline(grid, row)(where - first)) for row, where in zip(heights, distances, strict=True)]
+
+
+def track_coherence(
+    wavenumbers: RealArray, offsets: RealArray, *, exponent: Ratio, coherence: Ratio | None = None
+) -> RealArray:
+    """Return the share of amplitude that parallel tracks have in common, (wavenumber, track, track).
+
+    Of an isotropic road, whose statistics are the same in all directions, it is
+    ``2 (x / 2)^(w / 2) K(x) / Gamma(w / 2)`` with ``x = 2 pi n d``, d the distance of the tracks and K the modified
+    Bessel function of order w / 2 (Dodds and Robson, J. Sound and Vibration 31, 1973, 175-183, for any exponent w). A
+    number ``coherence`` is used at all wavenumbers instead, between different tracks.
+
+    Examples
+    --------
+    Long waves lift both sides of a car, short ones do not:
+
+    >>> track_coherence(np.array([0.01, 0.1, 1.0]), np.array([0.0, 1.5]), exponent=2.0)[:, 0, 1].round(3)
+    array([0.987, 0.626, 0.   ])
+    """
+    from scipy.special import gamma, kv
+
+    apart = np.abs(np.subtract.outer(offsets, offsets))
+    if coherence is not None:
+        return np.broadcast_to(np.where(apart > 0, coherence, 1.0), (len(wavenumbers), *apart.shape)).copy()
+    x = 2 * np.pi * np.asarray(wavenumbers, float)[:, None, None] * apart
+    order = exponent / 2
+    with np.errstate(invalid="ignore", over="ignore"):
+        shared = 2 / gamma(order) * (x / 2) ** order * kv(order, x)
+    return np.where(x > 0, np.nan_to_num(shared), 1.0)

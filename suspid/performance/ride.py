@@ -1,0 +1,191 @@
+"""Comfort, travel and wheel load: of a car on a road by its spectra, of a record from its samples."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from suspid.errors import InputError
+from suspid.greybox import Estimate
+from suspid.model import Suspension, output_rows
+from suspid.performance.figures import ROTATION, SICKNESS, Plan, plan_of
+from suspid.performance.reactions import reaction
+from suspid.performance.recorded import recorded
+from suspid.performance.rides import Ride
+from suspid.performance.road_response import Signals, densities
+from suspid.performance.uncertain import Uncertain, uncertain
+from suspid.performance.weightings import weighting_named
+from suspid.simulation import Road, places_of
+from suspid.simulation import road as road_of
+from suspid.units import Metre, Ratio, Second
+from suspid.values import FrozenItems, frozen_real
+from suspid.words import Check, Level, Number, Remark, Verdict
+from suspid.words.ride import RideCheck, RideHeadline
+
+if TYPE_CHECKING:
+    import control
+
+HOUR: Second = 3600.0
+# Frequencies of the spectra of a car.
+DRAWN = 1024
+
+
+def ride(
+    car: Suspension | Estimate | control.TimeResponseData,
+    *,
+    road: Road | str | float | None = None,
+    speed: float | None = None,
+    duration: Second | None = None,
+    weightings: Mapping[str, str | Sequence[str]] | None = None,
+    clearance: Mapping[str, Metre | tuple[Metre, Metre]] | None = None,
+    nominal_std: Ratio | Mapping[str, Ratio] | None = None,
+) -> Ride:
+    """Return comfort after ISO 2631-1, travel and wheel load, of a car on a road or of a record.
+
+    Those of a car on a random road are expected values, from its exact spectra without a simulation. Those of a record
+    are from its samples: weighted rms, VDV or MSDV and crest factor of each acceleration, rms and largest value of each
+    travel.
+
+    Parameters
+    ----------
+    car : Suspension, Estimate or control.TimeResponseData
+        A car as described; as estimated: the figures then have the uncertainty of its parameters; or a record.
+    road : Road, str or float
+        The road, with a car: from `road`, or its class or G_d(n_0) [m3], driven at ``speed``.
+    speed : float
+        Speed [m/s], with a road that is a class or a number.
+    duration : float, optional
+        Time over which doses are taken and peaks expected [s]. Default: an hour; the length of a record.
+    weightings : mapping of str to str or sequence of str, optional
+        Weightings of accelerations, such as ``{"seat_acceleration": ["Wk", "Wf"]}``; see `weighting`. Default: Wk and
+        Wf, We of pitch and roll, of all coordinates of a car but its wheels, of sensors of acceleration on them, and of
+        the channels of a record that end in ``_acceleration``.
+    clearance : mapping of str to float or tuple of float, optional
+        Distances of struts to their stops in compression and rebound [m], with a car.
+    nominal_std : float, or mapping of str to float, optional
+        Relative standard deviation of parameters that were not estimated, as in `grip`.
+
+    Returns
+    -------
+    Ride
+        ``["chassis_acceleration.Wk"]`` is one figure, ``.interval()`` has the ends of all; ``str()`` is the table.
+
+    Raises
+    ------
+    InputError
+        If the road or its speed is missing or given with a record, a name is unknown, or a number is not positive.
+
+    Notes
+    -----
+    Variances are integrals of the spectra over the wavelengths of the road, to eight digits. With exponent 2 and all
+    wavelengths they are those of the Lyapunov equation with white slopes. Standard deviations are to first order with
+    exact derivatives. VDV and crest factor are those of a Gaussian vibration.
+
+    Examples
+    --------
+    >>> from suspid import quarter_car
+    >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3,
+    ...                   chassis_damping=1300, tire_damping=60)
+    >>> found = ride(car, road="C", speed=20.0)
+    >>> round(found["chassis_acceleration.Wk"], 3), round(found["tire.load_share"], 3)
+    (1.066, 0.24)
+    """
+    if not isinstance(car, Suspension | Estimate):
+        if road is not None or speed is not None or clearance is not None or nominal_std is not None:
+            raise InputError("road, speed, clearance and nominal_std go with a car; this is a record")
+        return recorded(car, duration=duration, weightings=weightings)
+    about = uncertain(car, nominal_std)
+    seconds = HOUR if duration is None else duration
+    if not (np.isfinite(seconds) and seconds > 0):
+        raise InputError(f"{duration=} must be a positive number of s")
+    driven = driven_road(about.car, road, speed)
+    plan = plan_of(about.car, driven, duration=seconds, weightings=weightings, clearance=clearance)
+    values, jacobian = plan.values(about.car, parameters=about.parameters, relaxations=about.relaxations)
+    channels = tuple(plan.weightings)
+    hertz = np.geomspace(*driven.band, DRAWN)
+    plain = Signals(rows=output_rows(about.car, channels), weightings=(None,) * len(channels), loads=0)
+    figures = tuple(plan.formulas)
+    return Ride(
+        figures=figures,
+        values=frozen_real(values),
+        units=tuple(unit for unit, _, _ in plan.formulas.values()),
+        duration=float(seconds),
+        parameters=about.parameters,
+        jacobian=frozen_real(jacobian),
+        covariance=about.covariance,
+        scatter=frozen_real(np.zeros(len(figures))),
+        hertz=frozen_real(hertz),
+        channels=channels,
+        density=frozen_real(densities(about.car, plain, driven, hertz)),
+        weightings=FrozenItems(plan.weightings),
+        verdict=_judged(plan, dict(zip(figures, values.tolist(), strict=True)), about),
+    )
+
+
+def driven_road(car: Suspension, road: Road | str | float | None, speed: float | None) -> Road:
+    """Return the road under a car, from one or from its class and the speed.
+
+    Raises
+    ------
+    InputError
+        If one of both is missing or too much, or the road is under other inputs than those of the car.
+    """
+    if isinstance(road, Road):
+        if speed is not None:
+            raise InputError("the road has a speed of its own; leave speed out, or give the class of the road")
+        if set(road.places) != set(car.roads):
+            raise InputError(
+                f"the road is under {', '.join(road.places)}, the car has {', '.join(car.roads)}: road(…, under=car)"
+            )
+        if tuple(road.places) != car.roads:
+            return road_of(
+                road.roughness,
+                speed=road.speed,
+                under={name: road.places[name] for name in car.roads},
+                exponent=road.exponent,
+                wavelengths=road.wavelengths,
+                coherence=road.coherence,
+            )
+        return road
+    if road is None or speed is None:
+        raise InputError(
+            'a car needs a road and a speed: road="C", speed=20.0, or road=road("C", speed=20.0, under=car)'
+        )
+    return road_of(road, speed=speed, under=places_of(car))
+
+
+def _judged(plan: Plan, values: Mapping[str, float], about: Uncertain) -> Verdict:
+    driven = plan.road
+    checks = [*_comforts(plan, values), *_limits_met(plan, values)]
+    low = driven.band[0]
+    weighs = weighting_named(SICKNESS).f1
+    if low > weighs and any(SICKNESS in kinds for kinds in plan.weightings.values()):
+        numbers = {"metres": driven.wavelengths[1], "hertz": low}
+        checks.append(Check(Remark(RideCheck.LONG_WAVES, numbers), Level.NOTE))
+    if about.doubt is not None:
+        checks.append(Check(Remark(RideCheck.UNTRUSTED, {"level": about.doubt.label}), about.doubt))
+    if about.known:
+        checks.append(Check(Remark(RideCheck.KNOWN, {"names": about.known}), Level.NOTE))
+    headline = Remark(RideHeadline.DRIVEN, {"speed": driven.speed, "roughness": driven.roughness})
+    return Verdict(headline, tuple(checks))
+
+
+def _comforts(plan: Plan, values: Mapping[str, float]) -> Iterator[Check]:
+    """Yield what people say of each vertical or horizontal acceleration."""
+    for channel, kinds in plan.weightings.items():
+        if kinds[0] not in (SICKNESS, *ROTATION):
+            yield reaction(channel, values[f"{channel}.{kinds[0]}"])
+
+
+def _limits_met(plan: Plan, values: Mapping[str, float]) -> Iterator[Check]:
+    """Yield where the linear figures are not those of the car: wheels that leave the road, stops that are reached."""
+    for name, value in values.items():
+        part, _, figure = name.rpartition(".")
+        code, what = {"lift_rate": (RideCheck.LIFTS, "wheel"), "stops": (RideCheck.STOPS, "strut")}.get(
+            figure, (None, "")
+        )
+        if code is not None and value * plan.duration > 1:
+            numbers: dict[str, Number] = {what: part, "times": value * plan.duration, "seconds": plan.duration}
+            yield Check(Remark(code, numbers), Level.CARE)

@@ -1,0 +1,120 @@
+"""The ride of a car or of a record: its figures with their uncertainty, and the spectra behind them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from suspid.errors import InputError
+from suspid.levels import LEVEL, check_level
+from suspid.units import Ratio, RealArray, Second
+from suspid.values import nearest_names, rounded, spread, text_table
+from suspid.words import Verdict
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Ride:
+    """Comfort, travel and wheel load of a car on a road, or of a record.
+
+    Parameters
+    ----------
+    figures : tuple of str
+        Names, such as ``"chassis_acceleration.Wk"`` (weighted rms), ``"….VDV"``, ``"….MSDV"``, ``"….crest"``,
+        ``"chassis.travel"`` (rms) and ``"chassis.peak_travel"``, ``"tire.load"`` (rms of the dynamic load),
+        ``"tire.load_share"`` (of the static one) and ``"tire.lifts"`` (probability of loss of contact).
+    values : ndarray (figure,)
+        Their values.
+    units : tuple of str
+        Their units.
+    duration : float
+        Time over which doses are taken and peaks expected [s].
+    parameters : tuple of str
+        The uncertain parameters of the car.
+    jacobian : ndarray (figure, parameter)
+        Exact derivatives of the figures by these, in SI units.
+    covariance : ndarray (parameter, parameter)
+        Joint covariance of the parameters.
+    scatter : ndarray (figure,)
+        Standard deviation over other records of the same length, of the figures of a record; NaN where unknown, and 0
+        for those of a car, which are exact expected values.
+    hertz : ndarray (frequency,)
+        Frequencies of the spectra [Hz].
+    channels : tuple of str
+        The accelerations.
+    density : ndarray (channel, frequency)
+        Spectral density of each, not weighted [m2/s4/Hz or rad2/s4/Hz].
+    weightings : mapping of str to tuple of str
+        Weightings of each channel, the first that of comfort.
+    verdict : Verdict
+        What the figures mean and how far they can be trusted.
+    """
+
+    figures: tuple[str, ...]
+    values: RealArray
+    units: tuple[str, ...]
+    duration: Second
+    parameters: tuple[str, ...]
+    jacobian: RealArray
+    covariance: RealArray
+    scatter: RealArray
+    hertz: RealArray
+    channels: tuple[str, ...]
+    density: RealArray
+    weightings: Mapping[str, tuple[str, ...]]
+    verdict: Verdict
+
+    def __getitem__(self, figure: str) -> float:
+        """Return the value of a figure."""
+        if figure not in self.figures:
+            raise InputError(f"there is no figure {figure!r}.{nearest_names(figure, self.figures)}")
+        return float(self.values[self.figures.index(figure)])
+
+    @property
+    def std(self) -> RealArray:
+        """Standard deviations of `values`, (figure,): of the car's parameters and of the scatter of a record."""
+        by_car = np.einsum("ip,pq,iq->i", self.jacobian, self.covariance, self.jacobian)
+        return np.asarray(np.sqrt(np.maximum(by_car, 0.0) + self.scatter**2))
+
+    def interval(self, level: Ratio = LEVEL) -> dict[str, tuple[float, float]]:
+        """Return the ends between which each figure lies with probability ``level``, symmetric in the logarithm.
+
+        Raises
+        ------
+        InputError
+            If the level is not between 0 and 1.
+        """
+        from scipy.special import ndtri
+
+        check_level(level)
+        reach = float(ndtri((1 + level) / 2))
+        with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
+            factor = np.exp(np.where(self.values > 0, reach * self.std / self.values, 0.0))
+        top = np.where([name.endswith(".lifts") for name in self.figures], 1.0, np.inf)
+        low, high = self.values / factor, np.minimum(self.values * factor, top)
+        return {name: (float(a), float(b)) for name, a, b in zip(self.figures, low, high, strict=True)}
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Return the figures as a table with value, std and unit, by name."""
+        import pandas as pd
+
+        columns = {"value": self.values, "std": self.std, "unit": list(self.units)}
+        return pd.DataFrame(columns, index=pd.Index(self.figures, name="figure"))
+
+    def __str__(self) -> str:
+        std, known = self.std, bool(np.nanmax(self.std, initial=0.0) == 0)
+        rows = {"figure": list(self.figures), "unit": list(self.units)}
+        if known:
+            rows["value"] = [f"{value:.4g}" for value in self.values]
+        else:
+            rows["value"] = [
+                rounded(np.array([value]), np.array([one]))[0] if one > 0 else f"{value:.4g}"
+                for value, one in zip(self.values.tolist(), std.tolist(), strict=True)
+            ]
+            rows["±"] = [spread(one) if one > 0 else "" for one in std.tolist()]
+        return f"{text_table(rows)}\n{self.verdict}"

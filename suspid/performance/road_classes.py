@@ -1,0 +1,228 @@
+"""Class of a measured road after ISO 8608, with its interval."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from suspid.errors import InputError
+from suspid.levels import LEVEL, check_level, likely
+from suspid.signals import as_signal
+from suspid.simulation import REFERENCE, ROUGHNESS, WAVELENGTHS, road_class
+from suspid.units import Metre, Ratio, RealArray
+from suspid.values import FrozenMapping, frozen_real, nearest_names, spread, text_table
+from suspid.words import Check, Level, Remark, Verdict
+from suspid.words.ride import RoadCheck, RoadHeadline
+
+if TYPE_CHECKING:
+    import control
+
+# Upper limits of G_d(0.1 cycle/m) of the classes [m3], ISO 8608, table C.1; the last one has none.
+ROAD_LIMITS: Mapping[str, float] = FrozenMapping(
+    {name: 2 * mean if name != "H" else np.inf for name, mean in ROUGHNESS.items()}
+)
+# Share of the band up to half the sampling rate that is used: above, interpolation and folding bend a spectrum.
+USED = 0.5
+# Fewest spectral lines from which a level and an exponent are told, and lines of each piece of the test of a bend.
+FEWEST, PIECE = 20, 16
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class RoadClass:
+    """Level and exponent of a road's spectrum, with their uncertainty, and its class.
+
+    Parameters
+    ----------
+    roughness : float
+        G_d(0.1 cycle/m) [m3].
+    exponent : float
+        Exponent w of ``G_d(n) = G_d(n_0) (n / n_0)^-w`` [1].
+    covariance : ndarray (2, 2)
+        Joint covariance of the logarithm of the roughness and of the exponent.
+    wavelengths : tuple of float
+        Shortest and longest wavelength that was used [m].
+    verdict : Verdict
+        The class and how sure it is.
+    """
+
+    roughness: float
+    exponent: float
+    covariance: RealArray
+    wavelengths: tuple[Metre, Metre]
+    verdict: Verdict
+
+    @property
+    def name(self) -> str:
+        """Class ``"A"`` to ``"H"``."""
+        return road_class(self.roughness)
+
+    @property
+    def shares(self) -> dict[str, float]:
+        """Probability of each class."""
+        return class_shares(self.roughness, float(np.sqrt(self.covariance[0, 0])))
+
+    def interval(self, level: Ratio = LEVEL) -> dict[str, tuple[float, float]]:
+        """Return the ends between which roughness and exponent lie with probability ``level``.
+
+        Raises
+        ------
+        InputError
+            If the level is not between 0 and 1.
+        """
+        from scipy.special import ndtri
+
+        check_level(level)
+        reach = float(ndtri((1 + level) / 2)) * np.sqrt(np.diag(self.covariance))
+        factor = float(np.exp(reach[0]))
+        return {
+            "roughness": (self.roughness / factor, self.roughness * factor),
+            "exponent": (self.exponent - float(reach[1]), self.exponent + float(reach[1])),
+        }
+
+    def __str__(self) -> str:
+        stds = np.sqrt(np.diag(self.covariance)) * [1e6 * self.roughness, 1.0]
+        rows = {
+            "road": ["G_d(0.1 cycle/m)", "exponent"],
+            "unit": ["1e-6 m3", "1"],
+            "found": [f"{1e6 * self.roughness:.4g}", f"{self.exponent:.3f}"],
+            "±": [spread(std) for std in stds.tolist()],
+        }
+        return f"{text_table(rows)}\n{self.verdict}"
+
+
+def classify_road(
+    record: control.TimeResponseData,
+    *,
+    speed: ArrayLike,
+    channel: str | None = None,
+    wavelengths: tuple[Metre, Metre] = WAVELENGTHS,
+) -> RoadClass:
+    """Return the class of a road after ISO 8608, from its measured heights, with interval.
+
+    The spectrum of the road's slope over distance is fitted by maximum likelihood (Whittle) to
+    ``G_d(n) = G_d(n_0) (n / n_0)^-w`` within the wavelengths, at ``n_0 = 0.1`` cycle/m.
+
+    Parameters
+    ----------
+    record : control.TimeResponseData
+        Heights of the road over time [m].
+    speed : float or array_like (sample,)
+        Speed, constant or at each sample [m/s], positive.
+    channel : str, optional
+        The heights. Default: the first channel.
+    wavelengths : tuple of float
+        Shortest and longest wavelength to use [m]; shorter ones than the samples hold with certainty are left out.
+
+    Returns
+    -------
+    RoadClass
+        Level, exponent, their intervals, and the probability of each class.
+
+    Raises
+    ------
+    InputError
+        If there is no such channel, a speed is not positive, or the record is too short for the wavelengths.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from suspid import road
+    >>> heights = road("B", speed=20.0).record(np.arange(0, 30, 0.005), rng=np.random.default_rng(1))
+    >>> classify_road(heights, speed=20.0).name
+    'B'
+    """
+    signal = as_signal(record)
+    name = signal.channels[0] if channel is None else channel
+    if name not in signal.channels:
+        raise InputError(f"there is no channel {name!r}.{nearest_names(name, signal.channels)}")
+    pace = np.asarray(speed, float)
+    if pace.shape not in ((), signal.timepts.shape) or not np.all(np.isfinite(pace) & (pace > 0)):
+        raise InputError(f"speed must be positive, one number or one for each of {len(signal.timepts)} samples [m/s]")
+    spacing, heights = _over_distance(signal.values[signal.channels.index(name)], signal.step, pace)
+    n, power, held = _slopes(heights, spacing, wavelengths)
+    if len(n) < FEWEST:
+        raise InputError(
+            f"the record is too short: {len(n)} spectral lines between wavelengths of {wavelengths[0]:g} and "
+            f"{wavelengths[1]:g} m, {FEWEST} are needed"
+        )
+    level, exponent, covariance, excess = _fitted(n, power, held)
+    used = (float(1 / n[-1]), float(1 / n[0]))
+    return RoadClass(
+        roughness=float(np.exp(level)),
+        exponent=exponent,
+        covariance=frozen_real(covariance),
+        wavelengths=used,
+        verdict=Verdict(
+            Remark(RoadHeadline.CLASS, {"name": road_class(float(np.exp(level)))}),
+            tuple(_checks(level, float(np.sqrt(covariance[0, 0])), excess)),
+        ),
+    )
+
+
+def class_shares(roughness: float, std: float) -> dict[str, float]:
+    """Return the probability of each class where the logarithm of the roughness has a standard deviation."""
+    from scipy.special import ndtr
+
+    with np.errstate(divide="ignore"):
+        ends = ndtr((np.log(list(ROAD_LIMITS.values())) - np.log(roughness)) / max(std, 1e-300))
+    return dict(zip(ROAD_LIMITS, np.diff(ends, prepend=0.0).tolist(), strict=True))
+
+
+def _over_distance(heights: RealArray, step: float, pace: RealArray) -> tuple[Metre, RealArray]:
+    """Return the largest spacing of samples over distance, and heights at that spacing."""
+    if pace.ndim == 0 or not np.ptp(pace):
+        return float(pace.flat[0]) * step, heights
+    from scipy.interpolate import CubicSpline
+
+    distance = np.concatenate([[0.0], np.cumsum((pace[1:] + pace[:-1]) / 2 * step)])
+    spacing = float(np.max(pace)) * step
+    return spacing, np.asarray(CubicSpline(distance, heights)(np.arange(0, distance[-1], spacing)))
+
+
+def _slopes(
+    heights: RealArray, spacing: Metre, wavelengths: tuple[Metre, Metre]
+) -> tuple[RealArray, RealArray, RealArray]:
+    """Return wavenumbers, the periodogram of differences of the heights, and what differences do to a density."""
+    differences = np.diff(heights)
+    differences = differences - np.mean(differences)
+    n = np.fft.rfftfreq(len(differences), spacing)
+    power = 2 * spacing / len(differences) * np.abs(np.fft.rfft(differences)) ** 2
+    use = (n >= 1 / wavelengths[1]) & (n <= min(1 / wavelengths[0], USED / spacing / 2)) & (n > 0)
+    lines = np.asarray(n[use], float)
+    return lines, power[use], 4 * np.sin(np.pi * lines * spacing) ** 2
+
+
+def _fitted(n: RealArray, power: RealArray, held: RealArray) -> tuple[float, float, RealArray, tuple[float, int]]:
+    """Return log level, exponent, their covariance, and chi-square of the spectrum against the line."""
+    X = np.column_stack([np.ones(len(n)), -np.log(n / REFERENCE)])
+    p = np.linalg.lstsq(X, np.log(np.maximum(power / held, 1e-300)) + np.euler_gamma, rcond=None)[0]
+    for _ in range(50):
+        # Fisher scoring of an exponential distribution with a log-linear mean.
+        score = power / (held * np.exp(X @ p)) - 1
+        step = np.linalg.solve(X.T @ X, X.T @ score)
+        p = p + step
+        if np.max(np.abs(step)) < 1e-10:
+            break
+    score = power / (held * np.exp(X @ p)) - 1
+    bread = np.linalg.inv(X.T @ X)
+    # The larger of what exponential lines have by law and what these have: a bent spectrum scatters more.
+    covariance = bread * max(1.0, float(np.mean(score**2)))
+    pieces = np.array_split(score, max(len(score) // PIECE, 3))
+    bends = np.array([np.sum(piece) ** 2 / len(piece) for piece in pieces])
+    return float(p[0]), float(p[1]), covariance, (float(np.sum(bends)), len(pieces) - 2)
+
+
+def _checks(level: float, std: float, excess: tuple[float, int]) -> Iterator[Check]:
+    shares = class_shares(float(np.exp(level)), std)
+    best = max(shares, key=lambda name: shares[name])
+    if shares[best] >= LEVEL:
+        yield Check(Remark(RoadCheck.CLASS, {"name": best, "share": shares[best]}), Level.SOUND)
+    else:
+        names = tuple(name for name, share in shares.items() if share > 1 - LEVEL)
+        yield Check(Remark(RoadCheck.BETWEEN, {"names": names}), Level.CARE)
+    if not likely(*excess):
+        yield Check(Remark(RoadCheck.BENT, {"chi_square": excess[0], "freedom": excess[1]}), Level.CARE)

@@ -1,0 +1,116 @@
+"""What can be said of the ride of a car, of roads, and of a better suspension."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any, TypeAlias
+
+from suspid.words.remarks import Code, amount, count, in_a_row
+
+Numbers: TypeAlias = Mapping[str, Any]
+
+
+def _listed(text: str) -> Callable[[Numbers], str]:
+    """Return words with the names in place of ``{names}``, the last after an "and"."""
+    return lambda numbers: text.format_map({**numbers, "names": in_a_row(numbers["names"])})
+
+
+def _driven(numbers: Numbers) -> str:
+    return f"ride at {numbers['speed']:.3g} m/s on a road of {amount(1e6 * numbers['roughness'])}e-6 m3"
+
+
+def _comfort(numbers: Numbers) -> str:
+    return f"{numbers['channel']}: {' to '.join(numbers['words'])} ({numbers['weighted']:.2g} m/s2, ISO 2631-1, C.2.3)."
+
+
+def _front(numbers: Numbers) -> str:
+    points, parameters = count(numbers["points"], "car"), in_a_row(numbers["parameters"])
+    best = "best compromises" if numbers["points"] > 1 else "the best car"
+    return f"{best} over {parameters}: {points}"
+
+
+class RideHeadline(Code):
+    """What was found."""
+
+    DRIVEN = "driven", _driven
+    RECORDED = "recorded", "ride over a record of {seconds:.4g} s"
+
+
+class RideCheck(Code):
+    """What speaks for and against the figures of a ride."""
+
+    COMFORT = "comfort", _comfort
+    CREST = (
+        "crest",
+        "{channel}: the crest factor, {crest:.1f}, is above {limit:.0f}: the weighted rms understates single shocks; "
+        "use VDV (ISO 2631-1, 6.2).",
+    )
+    SHOCKS = (
+        "shocks",
+        "{channel}: VDV is {ratio:.2f} times the weighted rms and the fourth root of the duration, above {limit:.2f}: "
+        "use VDV (ISO 2631-1, 6.3.3).",
+    )
+    LIFTS = (
+        "lifts",
+        "{wheel}: the linear force would pull at the road {times:.2g} times in {seconds:.4g} s; there the wheel leaves "
+        "it, and the figures are those of a wheel that does not.",
+    )
+    STOPS = (
+        "stops",
+        "{strut}: the travel reaches the stops {times:.2g} times in {seconds:.4g} s; the figures are those of a car "
+        "without stops.",
+    )
+    LONG_WAVES = (
+        "long waves",
+        "The road has no waves longer than {metres:.4g} m: motion below {hertz:.2g} Hz, which Wf weighs, is left out.",
+    )
+    HIGH = (
+        "high",
+        "The record holds frequencies up to {held:.4g} Hz, {weighting} weighs up to {hertz:.4g} Hz: what is above is "
+        "left out.",
+    )
+    SHORT = (
+        "short",
+        "The record of {seconds:.3g} s is short for {weighting}, which weighs from {hertz:.2g} Hz on: the start of the "
+        "filter is part of its figures.",
+    )
+    UNTRUSTED = "untrusted", "The estimate that the figures rest on is {level}: read its verdict first."
+    KNOWN = "known", _listed("Taken as known, without any error in the intervals: {names}.")
+
+
+class RoadHeadline(Code):
+    """What was found."""
+
+    CLASS = "class", "road of class {name} of ISO 8608"
+
+
+class RoadCheck(Code):
+    """What speaks for and against the class of a road."""
+
+    CLASS = "sure", "It is of class {name} with a probability of {share:.1%}."
+    BETWEEN = "between", _listed("It may be of class {names}: the interval crosses a limit.")
+    BENT = (
+        "bent",
+        "The spectrum is no straight line (chi-square {chi_square:.3g} at {freedom}): the exponent is a mean over the "
+        "band, and the intervals leave the bend out.",
+    )
+
+
+class TuningHeadline(Code):
+    """What was found."""
+
+    FRONT = "front", _front
+
+
+class TuningCheck(Code):
+    """What speaks for and against a tuning."""
+
+    STARTS = "starts", "{share:.0%} of the {count} searches from other starts ended at the same values."
+    LOCAL = "local", "Searches from other starts ended at other values; a better car may exist."
+    UNFINISHED = "unfinished", "{count} of {points} points did not converge and were left out."
+    AT_BOUND = "at bound", _listed("At a bound somewhere on the front: {names}.")
+    ROBUST = (
+        "robust",
+        "Figures are means and {reach:.3g} standard deviations over what is uncertain: {names}.",
+    )
+    ONE = "one", "Both objectives are best in the same car: there is no compromise to make."
