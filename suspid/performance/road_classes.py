@@ -26,9 +26,9 @@ ROAD_LIMITS: Mapping[str, float] = FrozenMapping(
     {name: 2 * mean if name != "H" else np.inf for name, mean in ROUGHNESS.items()}
 )
 # Share of the band up to half the sampling rate that is used: above, interpolation and folding bend a spectrum.
-USED = 0.5
+USED_BAND = 0.5
 # Fewest spectral lines from which a level and an exponent are told, and lines of each piece of the test of a bend.
-FEWEST, PIECE = 20, 16
+FEWEST_WAVES, LINES_OF_PIECE = 20, 16
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -144,10 +144,10 @@ def classify_road(
         raise InputError(f"speed must be positive, one number or one for each of {len(signal.timepts)} samples [m/s]")
     spacing, heights = _over_distance(signal.values[signal.channels.index(name)], signal.step, pace)
     n, power, held = _slopes(heights, spacing, wavelengths)
-    if len(n) < FEWEST:
+    if len(n) < FEWEST_WAVES:
         raise InputError(
             f"the record is too short: {len(n)} spectral lines between wavelengths of {wavelengths[0]:g} and "
-            f"{wavelengths[1]:g} m, {FEWEST} are needed"
+            f"{wavelengths[1]:g} m, {FEWEST_WAVES} are needed"
         )
     level, exponent, covariance, excess = _fitted(n, power, held)
     used = (float(1 / n[-1]), float(1 / n[0]))
@@ -191,7 +191,7 @@ def _slopes(
     differences = differences - np.mean(differences)
     n = np.fft.rfftfreq(len(differences), spacing)
     power = 2 * spacing / len(differences) * np.abs(np.fft.rfft(differences)) ** 2
-    use = (n >= 1 / wavelengths[1]) & (n <= min(1 / wavelengths[0], USED / spacing / 2)) & (n > 0)
+    use = (n >= 1 / wavelengths[1]) & (n <= min(1 / wavelengths[0], USED_BAND / spacing / 2)) & (n > 0)
     lines = np.asarray(n[use], float)
     return lines, power[use], 4 * np.sin(np.pi * lines * spacing) ** 2
 
@@ -211,7 +211,7 @@ def _fitted(n: RealArray, power: RealArray, held: RealArray) -> tuple[float, flo
     bread = np.linalg.inv(X.T @ X)
     # The larger of what exponential lines have by law and what these have: a bent spectrum scatters more.
     covariance = bread * max(1.0, float(np.mean(score**2)))
-    pieces = np.array_split(score, max(len(score) // PIECE, 3))
+    pieces = np.array_split(score, max(len(score) // LINES_OF_PIECE, 3))
     bends = np.array([np.sum(piece) ** 2 / len(piece) for piece in pieces])
     return float(p[0]), float(p[1]), covariance, (float(np.sum(bends)), len(pieces) - 2)
 

@@ -19,9 +19,9 @@ from suspid.simulation import Road
 from suspid.units import ComplexArray, RealArray, Second
 
 # Gauss points of each panel, panels to begin with, and at most: a mode with a damping ratio of 1e-4 needs some 4000.
-POINTS, PANELS, MOST_PANELS = 8, 32, 8192
+GAUSS_POINTS, PANELS, MOST_PANELS = 8, 32, 8192
 # Relative change of every variance by twice as many panels up to which the integral is exact.
-EXACT = 1e-8
+EXACT_VARIANCE = 1e-8
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -46,19 +46,19 @@ class Moments:
 def nodes(road: Road, panels: int) -> tuple[RealArray, RealArray]:
     """Return frequencies [Hz] in the band of a road, and weights of an integral over it [Hz]."""
     low, high = np.log(road.band)
-    x, w = np.polynomial.legendre.leggauss(POINTS)
+    x, w = np.polynomial.legendre.leggauss(GAUSS_POINTS)
     width = (high - low) / panels
     f = np.exp(low + width * (np.arange(panels)[:, None] + (x + 1) / 2)).ravel()
     return f, f * np.tile(w * width / 2, panels)
 
 
 def enough_panels(variances: Callable[[int], RealArray]) -> int:
-    """Return a number of panels at which variances no longer change by `EXACT`."""
+    """Return a number of panels at which variances no longer change by `EXACT_VARIANCE`."""
     panels, before = PANELS, variances(PANELS)
     while panels < MOST_PANELS:
         panels *= 2
         now = variances(panels)
-        if np.all(np.abs(now - before) <= EXACT * np.abs(now)):
+        if np.all(np.abs(now - before) <= EXACT_VARIANCE * np.abs(now)):
             return panels // 2
         before = now
     return panels
