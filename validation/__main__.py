@@ -28,6 +28,7 @@ REPORTS = (
     "rigs",
     "fleet",
     "greybox",
+    "wear",
 )
 FOLDER = Path(__file__).parent / "report"
 RATIOS = FOLDER / "speed.json"

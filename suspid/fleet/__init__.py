@@ -6,7 +6,7 @@ them: `listing` and `records` (what to do), `job` (how), `rows` and `tables` (re
 and `children` (who), `parts`, `manifest` and `folder` (what makes a run resumable).
 """
 
-from suspid.fleet.damper_trends import DamperTrend, DamperTrends, damper_trends
+from suspid.fleet.damper_trends import DamperTrend, DamperTrends, damper_trends, trends_of_rates
 from suspid.fleet.fleet_summary import fleet_summary
 from suspid.fleet.identify_many import CHUNK, FleetRun, Progress, identify_many
 from suspid.fleet.summary import FleetSummary
@@ -21,4 +21,5 @@ __all__ = [
     "damper_trends",
     "fleet_summary",
     "identify_many",
+    "trends_of_rates",
 ]
