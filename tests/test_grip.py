@@ -234,6 +234,12 @@ class TestRefusals:
         with pytest.raises(InputError, match="no road"):
             grip(Suspension(masses={"a": 10.0, "b": 1.0}, struts=[loose]))
 
+    def test_struts_must_be_linear(self) -> None:
+        stuck = quarter(900).with_parameters(friction={"chassis": 30.0})
+        with pytest.raises(InputError, match="grip needs linear struts"):
+            grip(stuck)
+        assert grip(stuck.linearised()).phase == grip(quarter(900)).phase
+
     def test_springs_must_hold_the_car(self) -> None:
         car = quarter(900).with_parameters(stiffness={"chassis": 0.0})
         with pytest.raises(InputError, match="do not hold"):

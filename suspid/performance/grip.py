@@ -10,7 +10,7 @@ import numpy as np
 from suspid.errors import InputError
 from suspid.greybox import Estimate
 from suspid.levels import LEVEL
-from suspid.model import Suspension
+from suspid.model import Suspension, check_linear
 from suspid.performance.contact import Wheels, contact, static_loads, wheels_of
 from suspid.performance.grips import PHASE_LIMIT, Grip
 from suspid.performance.uncertain import Uncertain, uncertain
@@ -63,8 +63,8 @@ def grip(
     Raises
     ------
     InputError
-        If an argument is of the wrong type, a name is unknown, the car has no wheel on a road, or its springs do not
-        hold it.
+        If an argument is of the wrong type, a name is unknown, the car has no wheel on a road, its springs do not hold
+        it, or a strut has friction or a curve.
 
     Notes
     -----
@@ -87,6 +87,7 @@ def grip(
     """
     about = uncertain(car, nominal_std)
     _check(amplitude, highest)
+    check_linear(about.car, "grip")
     wheels = wheels_of(about.car, about.relaxations)
     load, load_slopes = _loads(wheels, about.parameters, loads)
     hertz = np.arange(1, int(np.ceil(highest / GRID)) + 1) * (highest / np.ceil(highest / GRID))
