@@ -49,11 +49,13 @@ from suspid.performance import (
     Grip,
     Ride,
     RoadClass,
+    Sensitivities,
     Wear,
     WearRule,
     classify_road,
     grip,
     ride,
+    sensitivities,
     wear,
     weighting,
 )
@@ -121,7 +123,7 @@ __all__ = [  # noqa: RUF022 - grouped by step
     "estimate", "Estimate", "RecordTest", "RoadEstimate", "read_estimate",
     # figures that a car is judged by
     "grip", "Grip", "wear", "Wear", "WearRule", "DamperWear", "ride", "Ride", "weighting",
-    "classify_road", "RoadClass",
+    "classify_road", "RoadClass", "sensitivities", "Sensitivities",
     # a page for others, and many records
     "report", "report_to_dict", "content_of", "Source", "source_of",
     "identify_many", "FleetRun", "fleet_summary", "FleetSummary", "damper_trends", "DamperTrends",

@@ -24,7 +24,7 @@ from suspid import (
 from suspid.model import output_rows
 from suspid.performance.figures import plan_of
 from suspid.performance.ride import driven_road
-from suspid.performance.road_response import Signals, response
+from suspid.performance.road_response import Signals, grid_of, response
 from suspid.performance.weightings import WEIGHTINGS, weighted
 from suspid.reconstruction import parameter_names, parameter_values
 from suspid.signals import as_response
@@ -209,12 +209,13 @@ class TestDerivatives:
         names = [name for name in parameter_names(car) if parameter_values(car)[name]]
         clearance = {car.struts[0].name: (0.03, 0.04)}
         plan = plan_of(car, driven_road(car, "D", 20.0), duration=60.0, clearance=clearance)
-        _, jacobian = plan.values(car, parameters=names, panels=64)
+        grid = grid_of(plan.signals, plan.road, 64)
+        _, jacobian = plan.values(car, parameters=names, grid=grid)
         for p, name in enumerate(names):
             value = parameter_values(car)[name]
-            ends = [plan.values(changed(car, name, value * (1 + h)), panels=64)[0] for h in (-1e-5, 1e-5)]
+            ends = [plan.values(changed(car, name, value * (1 + h)), grid=grid)[0] for h in (-1e-5, 1e-5)]
             expected = (ends[1] - ends[0]) / (2e-5 * value)
-            scale = np.abs(plan.values(car, panels=64)[0] / value)
+            scale = np.abs(plan.values(car, grid=grid)[0] / value)
             np.testing.assert_allclose(jacobian[:, p] / scale, expected / scale, atol=2e-6, rtol=2e-6)
 
     def test_intervals_of_an_estimate(self) -> None:

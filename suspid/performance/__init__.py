@@ -14,6 +14,7 @@ from suspid.performance.losses import Loss, Rates, WearRule, loss_of
 from suspid.performance.ride import ride
 from suspid.performance.rides import Ride
 from suspid.performance.road_classes import ROAD_LIMITS, RoadClass, classify_road
+from suspid.performance.sensitivities import Sensitivities, sensitivities
 from suspid.performance.wear import wear
 from suspid.performance.wears import DamperWear, ParameterChange, Wear
 from suspid.performance.weightings import weighting
@@ -29,6 +30,7 @@ __all__ = [
     "Rates",
     "Ride",
     "RoadClass",
+    "Sensitivities",
     "Wear",
     "WearRule",
     "classify_road",
@@ -37,6 +39,7 @@ __all__ = [
     "loss_of",
     "rates_of",
     "ride",
+    "sensitivities",
     "wear",
     "weighting",
 ]

@@ -10,7 +10,7 @@ import numpy as np
 from suspid.errors import InputError
 from suspid.model import Suspension, check_linear, output_rows
 from suspid.performance.contact import static_loads, wheels_of
-from suspid.performance.road_response import Moments, Signals, moments
+from suspid.performance.road_response import Grid, Moments, Signals, exact_grid, moments
 from suspid.performance.weightings import weighting_named
 from suspid.simulation import Road
 from suspid.units import Metre, RealArray, Second
@@ -71,11 +71,15 @@ class Plan:
         car: Suspension,
         *,
         parameters: Sequence[str] = (),
-        panels: int | None = None,
+        grid: Grid | None = None,
         relaxations: Mapping[str, Second] | None = None,
     ) -> tuple[RealArray, RealArray]:
-        """Return all figures of a car and their derivatives, (figure,) and (figure, parameter)."""
-        found = moments(car, self.signals, self.road, panels=panels, parameters=parameters, relaxations=relaxations)
+        """Return all figures of a car and their derivatives, (figure,) and (figure, parameter).
+
+        Without a grid the integrals are refined until they are exact.
+        """
+        used = exact_grid(car, self.signals, self.road) if grid is None else grid
+        found = moments(car, self.signals, used, parameters=parameters, relaxations=relaxations)
         loads: tuple[RealArray, RealArray] | None = None
         if self.signals.loads:
             loads = static_loads(wheels_of(car), parameters)

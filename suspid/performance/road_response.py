@@ -119,16 +119,16 @@ def response(
     relaxation = np.array([given.get(strut.name, strut.relaxation) for strut in car.struts])
     b, slopes = strut_slopes(car, relaxation, tuple(given), s, parameters)
     arms, road_arms = car.arms(car.coordinates), car.arms(car.roads)
-    D = np.einsum("ji,fj,jk->fik", arms, b, arms, optimize=True) + (s**2)[:, None, None] * car.M
-    inverse = np.linalg.inv(D)
-    q = -inverse @ np.einsum("ji,fj,jr->fir", arms, b, road_arms, optimize=True)
+    pulled = arms.T * b[:, None, :]
+    inverse = np.linalg.inv(pulled @ arms + (s**2)[:, None, None] * car.M)
+    q = -inverse @ (pulled @ road_arms)
     elongation = arms @ q + road_arms
     order = s[:, None] ** wanted.rows.orders
     h = order[:, :, None] * wanted.rows.coordinates
     direct = order[:, :, None] * wanted.rows.roads
-    through = np.zeros((len(hertz), len(h[0]), len(car.struts)))
+    through = np.zeros((len(hertz), len(h[0]), len(car.struts)), np.complex128)
     if wanted.loads:
-        carried = np.einsum("jr,fj->frj", road_arms, b)
+        carried = road_arms.T * b[:, None, :]
         h = np.concatenate([h, carried @ arms], axis=1)
         direct = np.concatenate([direct, carried @ road_arms], axis=1)
         through = np.concatenate([through, np.broadcast_to(road_arms.T, carried.shape)], axis=1)
@@ -150,33 +150,45 @@ def densities(car: Suspension, wanted: Signals, road: Road, hertz: RealArray) ->
     return np.asarray(power * road.spectrum(hertz) * _filters(wanted, hertz))
 
 
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Grid:
+    """Where the spectra of signals on a road are summed, and all that does not depend on the car."""
+
+    hertz: RealArray  # (frequency,)
+    level: RealArray  # (2, signal, frequency): density of the road times weighting, and that of rates
+    shares: ComplexArray  # (frequency, road, road)
+
+
+def grid_of(wanted: Signals, road: Road, panels: int) -> Grid:
+    """Return the grid of some signals on a road."""
+    f, weights = nodes(road, panels)
+    level = weights * road.spectrum(f) * _filters(wanted, f)
+    return Grid(hertz=f, level=np.stack([level, level * (2 * np.pi * f) ** 2]), shares=road.shares(f))
+
+
+def exact_grid(car: Suspension, wanted: Signals, road: Road) -> Grid:
+    """Return a grid that is fine enough for a car."""
+
+    def variances(panels: int) -> RealArray:
+        grid = grid_of(wanted, road, panels)
+        return moments(car, wanted, grid).variance
+
+    return grid_of(wanted, road, enough_panels(variances))
+
+
 def moments(
     car: Suspension,
     wanted: Signals,
-    road: Road,
+    grid: Grid,
     *,
-    panels: int | None = None,
     parameters: Sequence[str] = (),
     relaxations: Mapping[str, Second] | None = None,
 ) -> Moments:
-    """Return the variances of signals on a road, and of their rates, with derivatives by parameters.
-
-    Without ``panels`` the integral is refined until it is exact.
-    """
-    if panels is None:
-
-        def variances(count: int) -> RealArray:
-            f, weights = nodes(road, count)
-            return densities(car, wanted, road, f) @ weights
-
-        panels = enough_panels(variances)
-    f, weights = nodes(road, panels)
-    found = response(car, wanted, f, parameters=parameters, relaxations=relaxations)
-    level = weights * road.spectrum(f) * _filters(wanted, f)
-    both = np.stack([level, level * (2 * np.pi * f) ** 2])
-    shared = road.shares(f) @ found.signals.conj().transpose(0, 2, 1)
-    power = np.einsum("fyr,fry->yf", found.signals, shared).real
-    variance, rate = np.einsum("myf,yf->my", both, power)
+    """Return the variances of signals on a road, and of their rates, with derivatives by parameters."""
+    found = response(car, wanted, grid.hertz, parameters=parameters, relaxations=relaxations)
+    shared = grid.shares @ found.signals.conj().transpose(0, 2, 1)
+    power = np.sum(found.signals * shared.transpose(0, 2, 1), axis=2).real.T
+    variance, rate = np.sum(grid.level * power, axis=2)
     slopes = np.zeros((2, len(power), len(parameters)))
     along = found.elongation @ shared
     for p, name in enumerate(parameters):
@@ -187,10 +199,10 @@ def moments(
             moved = change[:, None] * found.by_strut[:, :, j] * along[:, j]
         elif quantity == "mass" and owner in car.coordinates:
             i = car.coordinates.index(owner)
-            moved = found.by_mass[:, :, i] * np.einsum("fr,fry->fy", found.motion[:, i], shared)
+            moved = found.by_mass[:, :, i] * (found.motion[:, i : i + 1] @ shared)[:, 0]
         else:
             continue
-        slopes[:, :, p] = 2 * np.einsum("myf,fy->my", both, moved.real)
+        slopes[:, :, p] = 2 * np.sum(grid.level * moved.real.T, axis=2)
     return Moments(variance=variance, rate=rate, variance_slopes=slopes[0], rate_slopes=slopes[1])
 
 

@@ -1,0 +1,165 @@
+"""Which spring and which damper moves which mode and which figure."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from suspid.errors import InputError
+from suspid.model import Suspension, statespace
+from suspid.performance.figures import plan_of
+from suspid.performance.ride import HOUR, driven_road
+from suspid.performance.road_response import strut_slopes
+from suspid.reconstruction import parameter_names, parameter_values
+from suspid.simulation import Road
+from suspid.units import ComplexArray, Metre, RealArray, Second
+from suspid.values import frozen_real, nearest_names, text_table
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Sensitivities:
+    """Relative change of modes and figures per relative change of parameters.
+
+    Parameters
+    ----------
+    names : tuple of str
+        Modes, as ``"mode 1.wn"`` and ``"mode 1.zeta"`` in ascending frequency, then figures of a `Ride`.
+    values : ndarray (name,)
+        Their values, in SI units.
+    parameters : tuple of str
+        The parameters.
+    elasticity : ndarray (name, parameter)
+        ``d ln value / d ln parameter``, exact: per cent for each per cent. NaN where a value is zero.
+    """
+
+    names: tuple[str, ...]
+    values: RealArray
+    parameters: tuple[str, ...]
+    elasticity: RealArray
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Return the elasticities as a table, a column for each parameter."""
+        import pandas as pd
+
+        return pd.DataFrame(self.elasticity, index=pd.Index(self.names, name="figure"), columns=list(self.parameters))
+
+    def __str__(self) -> str:
+        columns = {"% for each %": list(self.names), "value": [f"{value:.4g}" for value in self.values]}
+        for name, column in zip(self.parameters, self.elasticity.T, strict=True):
+            columns[name] = ["" if np.isnan(one) else f"{one:+.2f}" for one in column.tolist()]
+        return text_table(columns)
+
+
+def sensitivities(
+    car: Suspension,
+    *,
+    parameters: Sequence[str] | None = None,
+    road: Road | str | float | None = None,
+    speed: float | None = None,
+    duration: Second = HOUR,
+    weightings: Mapping[str, str | Sequence[str]] | None = None,
+    clearance: Mapping[str, Metre | tuple[Metre, Metre]] | None = None,
+) -> Sensitivities:
+    """Return which spring and which damper moves which mode, and on a road which figure of the ride.
+
+    Parameters
+    ----------
+    car : Suspension
+        The car.
+    parameters : sequence of str, optional
+        Parameters such as ``"chassis.damping"`` or ``"tire.mass"``. Default: every stiffness and damping that is not
+        zero.
+    road, speed, duration, weightings, clearance
+        As in `ride`; without a road only modes are looked at.
+
+    Returns
+    -------
+    Sensitivities
+        ``.elasticity`` and, by ``str()``, a table of per cent for each per cent.
+
+    Raises
+    ------
+    InputError
+        If a parameter is unknown or zero, or `ride` would refuse the request.
+
+    Notes
+    -----
+    The pole lambda of ``D(lambda) phi = 0``, with ``D = M lambda^2 + arms^T b(lambda) arms``, moves by
+    ``-phi^T dD phi / (phi^T D' phi)``.
+
+    Examples
+    --------
+    >>> from suspid import quarter_car
+    >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3,
+    ...                   chassis_damping=1300)
+    >>> print(sensitivities(car))
+      % for each %    value    chassis.stiffness    tire.stiffness    chassis.damping
+    --------------  -------  -------------------  ----------------  -----------------
+         mode 1.wn    7.606                +0.45             +0.04              +0.02
+       mode 1.zeta   0.2025                -0.65             +0.14              +1.01
+         mode 2.wn    67.55                +0.05             +0.46              -0.02
+       mode 2.zeta   0.1971                -0.03             -0.48              +1.01
+    """
+    known = parameter_values(car)
+    if parameters is None:
+        parameters = [name for name in parameter_names(car) if known[name] and not name.endswith(".mass")]
+    for name in parameters:
+        if name not in known:
+            raise InputError(f"there is no parameter {name!r}.{nearest_names(name, known)}")
+        if not known[name]:
+            raise InputError(f"parameter {name!r} is zero: it has no relative change")
+    at = np.array([known[name] for name in parameters])
+    poles, slopes = pole_slopes(car, parameters)
+    names, values, rows = [], [], []
+    for mode, (pole, slope) in enumerate(zip(poles, slopes, strict=True), 1):
+        wn, by_wn = abs(pole), np.real(np.conj(pole) * slope) / abs(pole) ** 2 * at
+        names += [f"mode {mode}.wn", f"mode {mode}.zeta"]
+        values += [wn, -pole.real / wn]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            by_zeta = np.where(pole.real, np.real(slope) / pole.real * at - by_wn, np.nan)
+        rows += [by_wn, by_zeta]
+    if road is not None:
+        plan = plan_of(
+            car, driven_road(car, road, speed), duration=duration, weightings=weightings, clearance=clearance
+        )
+        figures, jacobian = plan.values(car, parameters=parameters)
+        names += list(plan.formulas)
+        values += figures.tolist()
+        with np.errstate(divide="ignore", invalid="ignore"):
+            rows += list(np.where(figures[:, None] > 0, jacobian * at / figures[:, None], np.nan))
+    return Sensitivities(
+        names=tuple(names),
+        values=frozen_real(values),
+        parameters=tuple(parameters),
+        elasticity=frozen_real(np.array(rows).reshape(len(names), len(parameters))),
+    )
+
+
+def pole_slopes(car: Suspension, parameters: Sequence[str]) -> tuple[ComplexArray, ComplexArray]:
+    """Return the poles on and above the real axis, ascending, and their derivatives, (pole, parameter)."""
+    poles, vectors = np.linalg.eig(np.asarray(statespace(car).A, float))
+    use = np.flatnonzero((poles.imag >= 0) & (np.abs(poles) > 0))
+    use = use[np.argsort(np.abs(poles[use]))]
+    arms, n = car.arms(car.coordinates), len(car.coordinates)
+    s = np.asarray(poles[use], np.complex128)
+    relaxation = np.array([strut.relaxation for strut in car.struts])
+    c = np.array([strut.damping for strut in car.struts])
+    _, changes = strut_slopes(car, relaxation, (), s, parameters)
+    slopes = np.zeros((len(s), len(parameters)), np.complex128)
+    for row, (pole, shape) in enumerate(zip(s, vectors[:n, use].T, strict=True)):
+        stretched = (arms @ shape) ** 2
+        turned = np.sum((2 * pole * np.diag(car.M)) * shape**2) + np.sum(c / (1 + relaxation * pole) ** 2 * stretched)
+        for p, name in enumerate(parameters):
+            change = changes[p]
+            owner = name.rpartition(".")[0]
+            if change is not None:
+                slopes[row, p] = -change[1][row] * stretched[change[0]] / turned
+            elif owner in car.coordinates:
+                slopes[row, p] = -(pole**2) * shape[car.coordinates.index(owner)] ** 2 / turned
+    return s, slopes
