@@ -12,7 +12,7 @@
 
 from importlib.metadata import version
 
-from suspid.analysis import Analysis, CarSettings, Settings, analyse
+from suspid.analysis import Analysis, CarSettings, DriveAnalysis, Settings, analyse, analyse_drive
 from suspid.cleaning import Cleaned, Finding, Vertical, as_record, clean, read_record, scaled, to_si, vertical
 from suspid.decays import Decay, Decays, find_decays
 from suspid.errors import (
@@ -25,7 +25,19 @@ from suspid.errors import (
     SuspidError,
 )
 from suspid.fleet import DamperTrends, FleetRun, FleetSummary, damper_trends, fleet_summary, identify_many
-from suspid.greybox import Drive, DriveLimits, Drives, Estimate, RecordTest, RoadEstimate, estimate, find_drives
+from suspid.greybox import (
+    BodyMode,
+    BodyModes,
+    Drive,
+    DriveLimits,
+    Drives,
+    Estimate,
+    RecordTest,
+    RoadEstimate,
+    body_modes,
+    estimate,
+    find_drives,
+)
 from suspid.identification import Considered, FourSteps, Identification, Repeats, identify, identify_repeats
 from suspid.io import read_recording, write_record
 from suspid.model import (
@@ -65,6 +77,7 @@ from suspid.reporting import (
     Source,
     content_of,
     plot_amplitude,
+    plot_drive,
     plot_entropy,
     plot_estimate,
     plot_fit,
@@ -110,9 +123,9 @@ __all__ = [  # noqa: RUF022 - grouped by step
     # arrays and files as they come, cleaned, and the decays in them
     "as_record", "read_recording", "Recording", "RawChannel", "clean", "Cleaned", "Finding",
     "vertical", "Vertical", "scaled", "to_si", "find_decays", "Decays", "Decay",
-    "find_drives", "Drives", "Drive", "DriveLimits",
+    "find_drives", "Drives", "Drive", "DriveLimits", "body_modes", "BodyModes", "BodyMode",
     # the whole recipe
-    "analyse", "Analysis", "Settings", "CarSettings",
+    "analyse", "Analysis", "Settings", "CarSettings", "analyse_drive", "DriveAnalysis",
     # a record's modes, at once or step by step, and those of repeats
     "identify", "Identification", "FourSteps", "Considered", "identify_repeats", "Repeats",
     "best_bandwidth", "BandwidthSearch", "cwt", "Scalogram", "Morlet",
@@ -130,7 +143,7 @@ __all__ = [  # noqa: RUF022 - grouped by step
     # pictures of each step
     "plot_scalogram", "plot_skeletons", "plot_spectra", "plot_amplitude", "plot_entropy", "plot_fit", "plot_shapes",
     "plot_identification",
-    "plot_estimate", "plot_grip",
+    "plot_estimate", "plot_grip", "plot_drive",
     # what is said of a result
     "Verdict", "Level", "Check", "Remark", "Code", "DamperState",
     # what goes wrong

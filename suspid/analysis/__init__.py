@@ -2,11 +2,24 @@
 
 `analyse` does it for a file, a recording or a record, as `Settings` ask for it, and returns an `Analysis`: every step's
 result, and the verdict on all. The commands, the report and the fleet call it and nothing else.
+`analyse_drive` is the recipe for drives.
 """
 
 from suspid.analysis.analyse import STEPS, Analysis, analyse
+from suspid.analysis.analyse_drive import DriveAnalysis, analyse_drive
 from suspid.analysis.reading import channel_named, read
 from suspid.analysis.settings import CarSettings, Settings
 from suspid.analysis.springs import check_springs
 
-__all__ = ["STEPS", "Analysis", "CarSettings", "Settings", "analyse", "channel_named", "check_springs", "read"]
+__all__ = [
+    "STEPS",
+    "Analysis",
+    "CarSettings",
+    "DriveAnalysis",
+    "Settings",
+    "analyse",
+    "analyse_drive",
+    "channel_named",
+    "check_springs",
+    "read",
+]

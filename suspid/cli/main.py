@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import click
 
 from suspid.cli.compare import compare_command
+from suspid.cli.drive import drive_command
 from suspid.cli.estimate import estimate_command
 from suspid.cli.fleet import fleet_command
 from suspid.cli.measured import channels_command, identify_command, report_command
@@ -41,6 +42,7 @@ main.add_command(identify_command)
 main.add_command(report_command)
 main.add_command(estimate_command)
 main.add_command(compare_command)
+main.add_command(drive_command)
 main.add_command(fleet_command)
 main.add_command(simulate_command)
 

@@ -120,9 +120,10 @@ class Outputs:
                 stack.enter_context(replacing(self.json_file)) if self.json_file else None,
             )
 
-    def words(self, found: Reconstruction | Estimate) -> str:
-        """Return what was found as text, or refuse intervals that there are not."""
-        return str(found) if self.level is None else f"{found}\n\n{_interval_table(found, self.level)}"
+    def words(self, found: Reconstruction | Estimate, text: str | None = None) -> str:
+        """Return what was found as text, by default that of its own, or refuse intervals that there are not."""
+        said = str(found) if text is None else text
+        return said if self.level is None else f"{said}\n\n{_interval_table(found, self.level)}"
 
 
 def conclude(text: str, *, explains: bool) -> None:

@@ -9,24 +9,33 @@ holds it. `find_drives` finds the usable stretches of long recordings: `speeds`,
 With a model of the road: `rolling`, `wheel_power`, `reach`, `road_model`, `tire_fit`, `whole_car`, `roads`.
 """
 
-from suspid.greybox.drives import Drive, DriveLimits, Drives, summary_table
+from suspid.greybox.body_modes import BodyMode, BodyModes, body_modes
+from suspid.greybox.drives import Drive, DriveLimits, Drives, stretch_table, summary_table
 from suspid.greybox.estimate import estimate
 from suspid.greybox.estimates import Estimate, nominal_value, parameter_table, parameter_unit
 from suspid.greybox.find_drives import find_drives
 from suspid.greybox.roads import RoadEstimate
 from suspid.greybox.trials import RecordTest
+from suspid.greybox.wheels import body_channels, wheels_missing, wheels_of
 
 __all__ = [
+    "BodyMode",
+    "BodyModes",
     "Drive",
     "DriveLimits",
     "Drives",
     "Estimate",
     "RecordTest",
     "RoadEstimate",
+    "body_channels",
+    "body_modes",
     "estimate",
     "find_drives",
     "nominal_value",
     "parameter_table",
     "parameter_unit",
+    "stretch_table",
     "summary_table",
+    "wheels_missing",
+    "wheels_of",
 ]

@@ -166,14 +166,20 @@ class Drives(Sequence[Drive]):
 
     def details(self) -> str:
         """Return everything as text: each stretch with its reasons, and `str`."""
-        rows = {
-            "start [s]": [f"{one.start:.6g}" for one in self],
-            "stop [s]": [f"{one.stop:.6g}" for one in self],
-            "speed [m/s]": ["" if np.isnan(one.speed) else f"{one.speed:.3g}" for one in self],
-            "": ["taken" if one.taken else "left" for one in self],
-            "because": ["; ".join(map(str, one.reasons)) for one in self],
+        return f"{stretch_table(self)}\n{self}" if self else str(self)
+
+
+def stretch_table(drives: Sequence[Drive]) -> str:
+    """Return a table of all stretches with their reasons."""
+    return text_table(
+        {
+            "start [s]": [f"{one.start:.6g}" for one in drives],
+            "stop [s]": [f"{one.stop:.6g}" for one in drives],
+            "speed [m/s]": ["" if np.isnan(one.speed) else f"{one.speed:.3g}" for one in drives],
+            "": ["taken" if one.taken else "left" for one in drives],
+            "because": ["; ".join(map(str, one.reasons)) for one in drives],
         }
-        return f"{text_table(rows)}\n{self}" if self else str(self)
+    )
 
 
 def summary_table(drives: Sequence[Drive]) -> str:

@@ -10,10 +10,12 @@ To add a picture to the page: draw it on Axes in a module of its own, as in ``pl
 """
 
 from suspid.reporting.content import Content, content_of
+from suspid.reporting.drive_json import drive_to_dict
 from suspid.reporting.estimate_json import estimate_from_dict, estimate_to_dict, read_estimate
 from suspid.reporting.estimate_page import EstimateContent
 from suspid.reporting.json_schema import json_schema
 from suspid.reporting.plot_amplitude import plot_amplitude
+from suspid.reporting.plot_drive import plot_drive
 from suspid.reporting.plot_entropy import plot_entropy
 from suspid.reporting.plot_estimate import plot_estimate
 from suspid.reporting.plot_fit import plot_fit
@@ -36,11 +38,13 @@ __all__ = [
     "Source",
     "comparison_to_dict",
     "content_of",
+    "drive_to_dict",
     "estimate_from_dict",
     "estimate_to_dict",
     "grip_to_dict",
     "json_schema",
     "plot_amplitude",
+    "plot_drive",
     "plot_entropy",
     "plot_estimate",
     "plot_fit",

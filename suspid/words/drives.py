@@ -4,13 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from suspid.words.remarks import Code, Number, count
+from suspid.words.remarks import Code, Number, count, in_a_row
 
 
 def _channels(numbers: Mapping[str, Number]) -> str:
     names = numbers["channels"]
     assert isinstance(names, tuple)
     return ", ".join(map(repr, names))
+
+
+def _listed(numbers: Mapping[str, Number]) -> str:
+    names = numbers["names"]
+    assert isinstance(names, tuple)
+    return in_a_row(names)
 
 
 def _found(numbers: Mapping[str, Number]) -> str:
@@ -53,4 +59,36 @@ class DriveRemark(Code):
         "may be in the records.",
     )
     NO_UNIT = "no unit", lambda n: f"No unit is stated for {_channels(n)}: taken as SI."
+    NO_WHEELS = (
+        "no wheels",
+        lambda n: (
+            f"No channel shows the motion of {_listed(n)} alone: springs and dampers cannot be told from the road. "
+            "Frequencies of the body are all that is found."
+        ),
+    )
     UNREADABLE = "unreadable", "The part from {start:.6g} to {stop:.6g} s was left out: {why}."
+
+
+class DriveHeadline(Code):
+    """What was found in a drive."""
+
+    SPRINGS = "springs", "springs and dampers from {seconds:.4g} usable of {length:.4g} s"
+    FREQUENCIES = "frequencies", "frequencies of the body from {seconds:.4g} usable of {length:.4g} s"
+
+
+class BodyCheck(Code):
+    """What is said of a body that was measured alone."""
+
+    FOUND = "found", lambda n: f"the body's frequency in {n['channels']} of the channels, from {n['seconds']:.4g} s"
+    NO_RESONANCE = "no resonance", "The spectrum of {channel!r} has no resonance that a smooth one would not explain."
+    NOT_DETERMINED = "not determined", "The records do not determine the resonance of {channel!r}."
+    NO_DAMPING = (
+        "no damping",
+        "Damping is not reported: by the model of the road it would be {low:.2g} or {high:.2g}. Measure the motion of "
+        "the wheels as well, or a free decay.",
+    )
+    ONE_EACH = (
+        "one each",
+        "One frequency stands for all modes of the body that a channel shows; what follows the turning of wheels, such "
+        "as lines of 8 to 15 Hz, is no mode and not looked for.",
+    )

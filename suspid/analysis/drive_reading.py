@@ -1,0 +1,83 @@
+"""Recordings of drives, with the channels, names and units that are asked for."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from suspid.analysis.reading import channel_named, naming
+from suspid.analysis.settings import Settings
+from suspid.cleaning import to_si
+from suspid.errors import InputError, RecordError
+from suspid.files import printable
+from suspid.io import bare_name, read_recording
+from suspid.recordings import RawChannel, Recording
+
+
+def read_drive(source: str | os.PathLike[str] | Recording, settings: Settings) -> Recording:
+    """Return a recording with channels in SI units where the file states a unit, renamed and scaled.
+
+    Names lose the units in brackets behind them where that leaves them different.
+
+    Raises
+    ------
+    RecordError
+        If the source cannot be read, or a channel is not there.
+    InputError
+        If a setting is of no use here.
+    """
+    if settings.vertical is not None:
+        raise InputError("vertical is not found in drives; name the vertical axis of the sensor with rename")
+    if isinstance(source, Recording):
+        return _wanted(source, settings)
+    recording = read_recording(source, time=settings.time, fs=settings.fs, dbc=settings.dbc)
+    with naming(printable(os.fspath(source))):
+        return _wanted(recording, settings)
+
+
+def _wanted(recording: Recording, settings: Settings) -> Recording:
+    if settings.test is not None:
+        recording = recording.of_test(settings.test)
+    elif len(recording.tests) > 1:
+        raise RecordError(f"holds {len(recording.tests)} tests; choose one: {', '.join(recording.tests)}")
+    names = recording.names
+    for name in settings.channels or ():
+        channel_named(name, names)
+    dropped = {channel_named(name, names) for name in settings.without}
+    scale = {channel_named(name, names): factor for name, factor in dict(settings.scale).items()}
+    rename = {channel_named(name, names): new for name, new in dict(settings.rename).items()}
+    short = [bare_name(name) for name in names]
+    called = {name: own if short.count(own) == 1 else name for name, own in zip(names, short, strict=True)} | rename
+    channels = [_made(recording[name], called, scale) for name in names if name not in dropped]
+    if len({channel.name for channel in channels}) < len(channels):
+        raise InputError("renaming leaves two channels of the same name")
+    if settings.start is not None or settings.stop is not None:
+        channels = _between(channels, settings)
+    return replace(recording, channels=tuple(channels))
+
+
+def _made(channel: RawChannel, called: Mapping[str, str], scale: Mapping[str, float]) -> RawChannel:
+    """Return a channel in SI, if its unit is known, times its factor, with its name."""
+    try:
+        factor, unit = to_si(1.0, channel.unit)
+    except InputError:
+        factor, unit = np.asarray(1.0), channel.unit
+    by = float(factor) * scale.get(channel.name, 1.0)
+    values = channel.values if by == 1.0 else channel.values * by
+    return replace(channel, name=called[channel.name], unit=unit, values=values)
+
+
+def _between(channels: list[RawChannel], settings: Settings) -> list[RawChannel]:
+    low = -np.inf if settings.start is None else settings.start
+    high = np.inf if settings.stop is None else settings.stop
+    # One array of stamps stays one array, so that the channels of a clock are known to be of one.
+    inside = {id(c.timepts): (c.timepts >= low) & (c.timepts <= high) for c in channels}
+    stamps = {id(c.timepts): c.timepts[inside[id(c.timepts)]] for c in channels}
+    return [
+        replace(c, timepts=stamps[id(c.timepts)], values=c.values[inside[id(c.timepts)]])
+        for c in channels
+        if np.sum(inside[id(c.timepts)]) > 1
+    ]

@@ -1,0 +1,129 @@
+"""The command for recorded drives: usable stretches, springs and dampers, or the frequencies of a body alone."""
+
+from __future__ import annotations
+
+from contextlib import nullcontext
+from functools import partial
+from pathlib import Path
+
+import click
+
+from suspid.analysis import Settings
+from suspid.cli.measured import checked_picture, save_picture
+from suspid.cli.options import FILE, packed, progress, reading
+from suspid.cli.parameters import Outputs, Wanted, conclude, wanting, writing
+from suspid.cli.support import Positive, check_apart, said_warnings
+from suspid.files import printable, replacing
+from suspid.greybox import DriveLimits, Drives
+
+# Stretches that are listed one by one; of more, lengths by reason are.
+MOST_LISTED = 30
+DEFAULTS = DriveLimits()
+
+
+def way_of(
+    speed: str | None, speed_unit: str | None, longitudinal: str | None, lateral: str | None
+) -> dict[str, str | None]:
+    """Return the channels of the motion along the way by argument of `find_drives`."""
+    return {"speed": speed, "speed_unit": speed_unit, "longitudinal": longitudinal, "lateral": lateral}
+
+
+def limits_of(least_speed: float, most_braking: float, most_cornering: float, shortest: float) -> DriveLimits:
+    """Return the limits that the options ask for."""
+    return DriveLimits(least_speed=least_speed, longitudinal=most_braking, lateral=most_cornering, shortest=shortest)
+
+
+WAY = (
+    click.option("--speed", metavar="NAME", help="Channel of speed; none: judge by the vibration. [named so]"),
+    click.option("--speed-unit", metavar="UNIT", help="Its unit, if the file states none: km/h, m/s, mph, kn."),
+    click.option("--longitudinal", metavar="NAME", help="Channel of acceleration along the car. [named so]"),
+    click.option("--lateral", metavar="NAME", help="Channel of acceleration across the car. [named so]"),
+)
+LIMITS = (
+    click.option("--least-speed", type=Positive("m/s"), default=DEFAULTS.least_speed, show_default=True,
+                 help="Slower is left."),
+    click.option("--most-braking", type=Positive("m/s2"), default=DEFAULTS.longitudinal, show_default=True,
+                 help="Braking or accelerating harder is left."),
+    click.option("--most-cornering", type=Positive("m/s2"), default=DEFAULTS.lateral, show_default=True,
+                 help="Cornering harder is left."),
+    click.option("--shortest", type=Positive("s"), default=DEFAULTS.shortest, show_default=True,
+                 help="Shorter stretches are left."),
+)  # fmt: skip
+
+
+@click.command("drive")
+@click.argument("files", type=FILE, nargs=-1, required=True, metavar="FILE...")
+@click.option("--car", type=FILE, metavar="CAR", help="Masses and nominal struts (.toml). [frequencies alone]")
+@reading
+@packed(way_of, WAY, "way")
+@packed(limits_of, LIMITS, "limits")
+@wanting
+@click.option("--plot", type=FILE, metavar="FILE", help="Write pictures of the drive (.png, .svg, .pdf).")
+@writing
+def drive_command(
+    files: tuple[Path, ...],
+    car: Path | None,
+    settings: Settings,
+    way: dict[str, str | None],
+    limits: DriveLimits,
+    wanted: Wanted,
+    plot: Path | None,
+    outputs: Outputs,
+) -> None:
+    """Find springs and dampers from recorded drives.
+
+    FILEs are recordings of one car with the same sensors, of any length. Usable stretches are found: the car moves,
+    does not brake or corner hard, and the sensors are in range. Channels in other units become SI.
+
+    If CAR names a channel of the motion of each wheel, springs and dampers are estimated over all stretches. If the
+    body alone was measured, its frequencies are found; damping is not, because the road is not known.
+
+    Ends with 3 if the car that was found does not explain the records.
+    """
+    from suspid.analysis import analyse_drive
+    from suspid.identification import to_json
+    from suspid.model import car_to_toml, read_car
+    from suspid.reporting import drive_to_dict, plot_drive
+
+    if len({path.resolve() for path in files}) < len(files):
+        raise click.UsageError("One of the FILES is named twice: every drive counts once.")
+    if wanted.added:
+        raise click.UsageError("--added belongs to tests; name the masses of the loaded car in CAR.")
+    if outputs.output and car is None:
+        raise click.UsageError("--output writes a car: give one with --car.")
+    check_apart([*files, *([car] if car else [])], [plot, outputs.output, outputs.json_file])
+    steps = [*["reading", "finding stretches"] * len(files), "estimating", "drawing"]
+    with (
+        replacing(checked_picture(plot)) if plot else nullcontext() as figure_draft,
+        outputs.drafts() as (draft, json_draft),
+        said_warnings() as said,
+        progress(*steps) as step,
+    ):
+        found = analyse_drive(
+            list(files),
+            car=None if car is None else read_car(car),
+            settings=settings,
+            limits=limits,
+            way=way,
+            unknowns=wanted.unknowns(),
+            progress=step,
+        )
+        text = outputs.words(found.estimate, str(found)) if found.estimate else str(found)
+        step("drawing")
+        if not found.explains:
+            said.append("the car that was found does not explain these records")
+        if draft and found.estimate:
+            draft.write_text(car_to_toml(found.estimate.suspension), encoding="utf-8")
+        if json_draft:
+            json_draft.write_text(to_json(drive_to_dict(found, level=outputs.probability)), encoding="utf-8")
+        if figure_draft:
+            save_picture(partial(plot_drive, found), figure_draft)
+    conclude("\n\n".join([*map(listed, found.drives), text]), explains=found.explains)
+
+
+def listed(drives: Drives) -> str:
+    """Return the stretches of a file as text: each of them, or how long was left for which reason."""
+    from suspid.greybox import stretch_table, summary_table
+
+    table = stretch_table(drives) if len(drives) <= MOST_LISTED else summary_table(drives)
+    return f"{printable(drives.title)}\n{table}"

@@ -1,0 +1,180 @@
+"""The command `drive`: from recorded drives to springs and dampers, or to the frequencies of a body alone."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+
+import jsonschema
+import numpy as np
+import pytest
+from asammdf import MDF, Signal
+from click.testing import CliRunner, Result
+from nptdms import ChannelObject, TdmsWriter
+
+from suspid import analyse_drive, quarter_car, read_car, write_car
+from suspid.cli.main import main
+from suspid.reporting import json_schema
+from suspid.units import RealArray
+from suspid.words.drives import BodyCheck, DriveReason, DriveRemark
+from validation.motion import Drive, driven
+
+CAR = quarter_car(
+    chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3, chassis_damping=1300, tire_damping=60
+)
+NOMINAL = CAR.with_parameters(stiffness={"chassis": 28e3}, damping={"chassis": 900})
+NOISE = {"chassis_acceleration": 0.03, "tire_acceleration": 0.1}
+CSS = Path(__file__).resolve().parents[2] / "shared" / "data" / "css_canedge_car_mf4"
+STOP = (30.0, 50.0)
+
+
+def run(*arguments: object) -> Result:
+    return CliRunner().invoke(main, [str(argument) for argument in arguments])
+
+
+@cache
+def drive(seed: int = 1, duration: float = 100.0) -> tuple[RealArray, Mapping[str, RealArray]]:
+    """Return times and channels of a drive, as an independent simulator makes them, with a stop."""
+    rng = np.random.default_rng(seed)
+    motions, times = driven(CAR, Drive(duration=duration, noise=NOISE), rng)
+    stands = (times >= STOP[0]) & (times < STOP[1])
+    channels = {
+        name: np.where(stands, 0.0, motions[name]) + std * rng.standard_normal(times.size)
+        for name, std in NOISE.items()
+    }
+    return times, {**channels, "Vehicle speed": np.where(stands, 0.0, 72.0)}
+
+
+def write(path: Path, times: RealArray, channels: Mapping[str, RealArray]) -> Path:
+    """Write a drive in the format that the name says, accelerations in g."""
+    units = {name: "km/h" if "speed" in name else "g" for name in channels}
+    scaled = {name: values if "speed" in name else values / 9.80665 for name, values in channels.items()}
+    if path.suffix == ".mf4":
+        with MDF(version="4.10") as file:
+            file.append([Signal(samples=v, timestamps=times, name=n, unit=units[n]) for n, v in scaled.items()])
+            file.save(path, overwrite=True)
+    elif path.suffix == ".tdms":
+        with TdmsWriter(str(path)) as writer:
+            for name, values in scaled.items():
+                more = {"unit_string": units[name], "wf_increment": float(times[1] - times[0]), "wf_start_offset": 0.0}
+                writer.write_segment([ChannelObject("drive", name, values, properties=more)])
+    else:
+        head = ",".join(["time [s]", *(f"{name} [{units[name]}]" for name in channels)])
+        table = np.column_stack([times, *scaled.values()])
+        np.savetxt(path, table, delimiter=",", header=head, comments="", fmt="%.6f")
+    return path
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    write_car(NOMINAL, tmp_path / "car.toml")
+    return tmp_path
+
+
+class TestSprings:
+    @pytest.mark.parametrize("name", ["drive.csv", "drive.mf4", "drive.tdms"])
+    def test_springs_and_dampers_from_a_file(self, folder: Path, name: str) -> None:
+        write(folder / name, *drive())
+        done = run("drive", folder / name, "--car", folder / "car.toml", "--json", folder / "out.json",
+                   "-o", folder / "found.toml", "--plot", folder / "out.png", "--level", 0.95)  # fmt: skip
+        assert done.exit_code == 0, done.output
+        content = json.loads((folder / "out.json").read_text(encoding="utf-8"))
+        jsonschema.validate(content, json_schema("drive"))
+        jsonschema.validate(content["estimate"], json_schema("estimate"))
+        found = {p["name"]: p for p in content["estimate"]["parameters"]}
+        for parameter, truth in (("chassis.stiffness", 22e3), ("chassis.damping", 1300.0)):
+            # One false alarm in two million.
+            assert abs(found[parameter]["value"] - truth) < 5 * found[parameter]["std"]
+            assert found[parameter]["std"] < 0.01 * truth
+        ends = [
+            (round(one["start"], 1), round(one["stop"], 1)) for one in content["files"][0]["stretches"] if one["taken"]
+        ]
+        assert len(ends) == 2
+        assert ends[0] == (0.0, pytest.approx(STOP[0], abs=1.01))
+        assert ends[1][0] == pytest.approx(STOP[1], abs=1.01)
+        assert read_car(folder / "found.toml").struts[0].stiffness == pytest.approx(22e3, rel=0.02)
+        assert (folder / "out.png").stat().st_size > 10_000
+        for text in ("slower than 3 m/s", "taken", "95 % interval", "Verdict"):
+            assert text in done.output
+
+    def test_several_files_of_one_logger_share_its_gains(self, folder: Path) -> None:
+        files = [write(folder / f"{seed}.csv", *drive(seed, 60.0)) for seed in (2, 3)]
+        found = analyse_drive(files, car=NOMINAL)
+        assert found.estimate is not None
+        assert found.estimate.parameters[-2:] == ("tire_acceleration.gain", "tire_acceleration.delay")
+        assert len(found.estimate.residual) == 2  # What follows the stops is too short.
+        low, high = found.estimate.interval(0.9999)["chassis.damping"]
+        assert low < 1300 < high
+
+    def test_a_car_that_lacks_something_ends_with_3(self, folder: Path) -> None:
+        times, channels = drive()
+        other = 0.5 * np.roll(channels["tire_acceleration"], 26)
+        wrong = {**channels, "chassis_acceleration": channels["chassis_acceleration"] + 0.1 * other}
+        write(folder / "wrong.csv", times, wrong)
+        done = run("drive", folder / "wrong.csv", "--car", folder / "car.toml")
+        assert done.exit_code == 3, done.output
+
+
+class TestBodyAlone:
+    def test_no_damping_without_the_wheels(self, folder: Path) -> None:
+        times, channels = drive(4, 400.0)
+        body = {name: values for name, values in channels.items() if "tire" not in name}
+        write(folder / "body.mf4", times, body)
+        done = run("drive", folder / "body.mf4", "--car", folder / "car.toml", "--json", folder / "out.json")
+        assert done.exit_code == 0, done.output
+        content = json.loads((folder / "out.json").read_text(encoding="utf-8"))
+        jsonschema.validate(content, json_schema("drive"))
+        assert content["estimate"] is None
+        codes = {check["code"] for check in content["verdict"]["checks"]}
+        assert {str(BodyCheck.NO_DAMPING), str(DriveRemark.NO_WHEELS)} <= codes
+        assert "zeta" not in content["body"][0]
+        assert content["body"][0]["lower"] < 1.2105 < content["body"][0]["upper"]
+
+    @pytest.mark.skipif(not CSS.is_dir(), reason="needs the measured drive in ../shared")
+    def test_a_real_car(self, tmp_path: Path) -> None:
+        files = sorted(CSS.glob("00000164*.MF4"))
+        done = run("drive", *files, "--dbc", CSS / "canmod-gps.dbc", "--channel", "AccelerationX",
+                   "--json", tmp_path / "out.json")  # fmt: skip
+        assert done.exit_code == 0, done.output
+        content = json.loads((tmp_path / "out.json").read_text(encoding="utf-8"))
+        (mode,) = content["body"]
+        # The consensus of other methods.
+        assert 1.35 < mode["hertz"] < 1.75
+        assert mode["upper"] - mode["lower"] < 0.6
+        assert content["estimate"] is None
+        assert 0.6 < content["usable"] / sum(one["length"] for one in content["files"]) < 0.9
+
+    @pytest.mark.skipif(not CSS.is_dir(), reason="needs the measured record in ../shared")
+    def test_a_real_car_at_rest_tells_nothing(self) -> None:
+        for more in ((), ("--speed", "none")):
+            (file,) = CSS.glob("stationary*")
+            done = run("drive", file, "--dbc", CSS / "canmod-gps.dbc", "--channel", "AccelerationX", *more)
+            assert done.exit_code == 0
+            assert "none. There is no result" in done.output
+
+
+class TestRefusals:
+    def test_what_makes_no_sense_is_a_wrong_command(self, folder: Path) -> None:
+        file = write(folder / "drive.csv", *drive())
+        for arguments in (
+            [file, file],
+            [file, "--output", folder / "found.toml"],
+            [file, "--car", folder / "car.toml", "--added", "chassis=3"],
+        ):
+            assert run("drive", *arguments).exit_code == 2
+
+    def test_no_usable_stretch_is_an_answer(self, folder: Path) -> None:
+        times, channels = drive()
+        file = write(folder / "parked.csv", times, {**channels, "Vehicle speed": np.zeros(times.size)})
+        done = run("drive", file, "--car", folder / "car.toml")
+        assert done.exit_code == 0
+        assert "There is no result" in done.output
+
+    def test_limits_are_options(self, folder: Path) -> None:
+        times, channels = drive()
+        file = write(folder / "drive.csv", times, channels)
+        done = run("drive", file, "--car", folder / "car.toml", "--least-speed", 30)
+        assert "slower than 30 m/s" in done.output
+        assert DriveReason.SLOW.value == "slow"
