@@ -12,8 +12,8 @@ from suspid.errors import InputError, RecordError
 from suspid.greybox.body_spectra import (
     LINE_WIDTH,
     LOWER,
+    PERIODOGRAM,
     UPPER,
-    WINDOW,
     WORTH,
     Fitted,
     Periodograms,
@@ -41,8 +41,8 @@ SHAPES = tuple(
     Shape(bent=bent, numerator=free, band=band) for band in BANDS for bent in (False, True) for free in (False, True)
 )
 DRAWS = 60  # of the bootstrap: standard deviations to 9 %
-FEWEST_BLOCKS = 6  # fewer say nothing of their scatter
-AT_END = 0.02  # of the range of a parameter: nearer to an end it is not determined
+FEWEST_PARTS = 6  # fewer say nothing of their scatter
+AT_BOUND_SHARE = 0.02  # of the range of a parameter: nearer to an end it is not determined
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -211,10 +211,10 @@ def _order(car: Suspension, channel: str) -> int:
 
 def _mode(channel: str, spectra: Periodograms, rng: np.random.Generator) -> BodyMode:
     blocks = np.unique(spectra.blocks)
-    if len(blocks) < FEWEST_BLOCKS:
+    if len(blocks) < FEWEST_PARTS:
         raise RecordError(
-            f"{len(spectra.power)} windows of {WINDOW:g} s in {len(blocks)} parts of the drive are too few for "
-            f"intervals; {FEWEST_BLOCKS} parts of {WINDOW / 2 * 6:g} s are needed: record a longer drive"
+            f"{len(spectra.power)} windows of {PERIODOGRAM:g} s in {len(blocks)} parts of the drive are too few for "
+            f"intervals; {FEWEST_PARTS} parts of {PERIODOGRAM / 2 * 6:g} s are needed: record a longer drive"
         )
     mean, nothing = spectra.mean, float("nan")
     worth = WORTH * len(spectra.power) / LINE_WIDTH
@@ -251,4 +251,4 @@ def _ruled_out(one: Fitted, every: Sequence[Fitted], worth: float) -> bool:
 def _at_end(one: Fitted) -> bool:
     """Return whether frequency or damping ended at a bound: the spectrum has no peak that belongs to a mode."""
     share = (one.parameters - LOWER) / (UPPER - LOWER)
-    return bool(np.any((share[2:4] < AT_END) | (share[2:4] > 1 - AT_END)))
+    return bool(np.any((share[2:4] < AT_BOUND_SHARE) | (share[2:4] > 1 - AT_BOUND_SHARE)))

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from suspid.units import Hertz, Ratio, RealArray, Second
 
-WINDOW: Second = 12.0  # of a periodogram: lines of 1/12 Hz are narrow beside any damped body mode
+PERIODOGRAM: Second = 12.0  # of a periodogram: lines of 1/12 Hz are narrow beside any damped body mode
 IN_BLOCK = 5  # windows, half overlapping, that are drawn together: 36 s, over which a road is much the same
 # Averages of windows that half overlap and are tapered: as good as so many independent ones, and the lines of one
 # spread over so many (F. J. Harris, Proc. IEEE 66 (1978) 51-83).
@@ -27,7 +27,7 @@ MIDDLE: Hertz = 1.5  # about which the bend is
 LOWER = np.array([0.0, -2.0, np.log(0.6), 0.05, 0.0])
 UPPER = np.array([3.0, 2.0, np.log(4.0), 0.9, 1.5])
 SCALE = np.array([0.5, 0.3, 0.1, 0.1, 0.3])
-STARTS = (1.0, 1.4, 2.0)  # Hz
+FIRST_HERTZ = (1.0, 1.4, 2.0)  # Hz
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -84,9 +84,9 @@ class Fitted:
 def periodograms(rows: Sequence[tuple[RealArray, Second]], *, order: int, band: tuple[Hertz, Hertz]) -> Periodograms:
     """Return the periodograms of stretches (samples, step) of the ``order``-th derivative of a displacement."""
     found, blocks, count = [], list[int](), 0
-    lines = np.arange(1, int(band[1] * WINDOW) + 2)
+    lines = np.arange(1, int(band[1] * PERIODOGRAM) + 2)
     for values, step in rows:
-        size = round(WINDOW / step)
+        size = round(PERIODOGRAM / step)
         starts = range(0, len(values) - size + 1, size // 2)
         window = np.hanning(size + 2)[1:-1]
         for k, start in enumerate(starts):
@@ -95,7 +95,7 @@ def periodograms(rows: Sequence[tuple[RealArray, Second]], *, order: int, band: 
             found.append(np.abs(spectrum) ** 2)
             blocks.append(count + k // IN_BLOCK)
         count = blocks[-1] + 1 if blocks else 0
-    hertz = lines / WINDOW
+    hertz = lines / PERIODOGRAM
     power = np.array(found).reshape(len(found), len(lines)) * (2 * np.pi * hertz) ** (2 * (2 - order))
     inside = (hertz >= band[0]) & (hertz <= band[1])
     level = np.mean(power[:, inside], axis=1, keepdims=True)
@@ -126,7 +126,7 @@ def fitted(shape: Shape, hertz: RealArray, mean: RealArray, starts: Sequence[Rea
 
     margin = 1e-3
     best, at = np.inf, base
-    for start in starts or [np.array([2.0, 0.0, np.log(hz), 0.25, 0.9]) for hz in STARTS]:
+    for start in starts or [np.array([2.0, 0.0, np.log(hz), 0.25, 0.9]) for hz in FIRST_HERTZ]:
         found = least_squares(
             residual,
             np.clip(start, LOWER + margin, UPPER - margin)[free],
