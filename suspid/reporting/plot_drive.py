@@ -31,7 +31,7 @@ REASON_COLOURS: dict[Code, Colour] = {
     DriveReason.CORNERING: Colour.PURPLE,
     DriveReason.SHORT: Colour.PALE_GREEN,
 }
-DRAWN: Second = 8.0  # of the spectra that are drawn
+WELCH_WINDOW: Second = 8.0  # of the spectra that are drawn
 MOST_FILES = 6  # of which the stretches are drawn
 
 
@@ -129,7 +129,7 @@ def _transfers(
     rows: Sequence[RealArray], step: Second, causes: Sequence[int], outputs: Sequence[int]
 ) -> tuple[RealArray, ComplexArray]:
     """Return frequencies and transfers (line, output, cause), from spectra over all windows."""
-    size = round(DRAWN / step)
+    size = round(WELCH_WINDOW / step)
     window = np.hanning(size + 2)[1:-1]
     spectra = []
     for values in rows:
@@ -148,10 +148,10 @@ def _transfers(
 
 def _band(values: RealArray, step: Second) -> tuple[float, float]:
     """Return the band outside of which fitted motion is nothing [Hz]."""
-    size = min(values.shape[1], round(DRAWN / step))
+    size = min(values.shape[1], round(WELCH_WINDOW / step))
     power = np.sum(np.abs(np.fft.rfft(values[:, :size] * np.hanning(size), axis=1)) ** 2, axis=0)
     some = np.fft.rfftfreq(size, step)[power > 1e-4 * np.max(power)]
-    return max(float(some[0]), 1 / DRAWN), float(some[-1])
+    return max(float(some[0]), 1 / WELCH_WINDOW), float(some[-1])
 
 
 def _draw_body(ax: Axes, found: DriveAnalysis, records: Sequence[control.TimeResponseData]) -> None:
@@ -161,7 +161,7 @@ def _draw_body(ax: Axes, found: DriveAnalysis, records: Sequence[control.TimeRes
     modes = {mode.channel: mode for mode in found.body or ()}
     signals = [as_signal(record) for record in records]
     for channel, colour in zip(signals[0].channels, CHANNEL_COLOURS, strict=False):
-        size = round(DRAWN / signals[0].step)
+        size = round(WELCH_WINDOW / signals[0].step)
         rows = [s.values[s.channels.index(channel)] for s in signals if s.values.shape[1] >= size]
         if not rows:
             continue
