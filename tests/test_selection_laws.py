@@ -234,7 +234,10 @@ class TestCandidates:
         width = 2 * np.maximum(-theta.real[one], -theta.real[other])
         assert np.all(np.abs(theta.imag[one] - theta.imag[other]) > width)
 
-    def test_a_record_of_twenty_modes_is_fitted_with_the_sixteen_strongest(self) -> None:
+    def test_a_record_of_more_modes_than_the_most_is_fitted_with_the_strongest(
+        self, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        monkeypatch.setattr("suspid.identification.selection.MOST_PAIRS", 16)
         # Modes far apart, each 20 % weaker than the one before it.
         poles: Complex = np.asarray(-0.003 + 1j * np.linspace(0.1, 2.9, 20), complex)
         sizes = 0.8 ** np.random.default_rng(12).permutation(20)
@@ -318,3 +321,17 @@ class TestHarmonics:
     def test_a_mode_near_a_multiple_is_a_mode(self, ratio: float, rate: float, share: float) -> None:
         """Beside the multiple, decaying faster than a harmonic, or too strong for one."""
         assert len(self.found(ratio, rate, share).modes) == 2
+
+
+@pytest.mark.parametrize(("count", "channels"), [(17, 3), (24, 12)])
+def test_many_modes_are_all_found(count: int, channels: int) -> None:
+    rng = np.random.default_rng(count)
+    time, wn, zeta = np.arange(6000) / 500, 2 * np.pi * np.geomspace(3.0, 200.0, count), 0.005
+    poles = wn * (-zeta + 1j * np.sqrt(1 - zeta**2))
+    residues = rng.standard_normal((channels, count)) + 1j * rng.standard_normal((channels, count))
+    values = (residues @ np.exp(poles[:, None] * time)).real
+    noisy = values + 1e-3 * np.std(values) * rng.standard_normal(values.shape)
+    found = identify(as_response(time, noisy, [f"c{k}" for k in range(channels)])).modes
+    assert len(found) == count
+    ends = found.interval(1 - 1e-6).wn
+    assert np.all((ends[:, 0] < wn) & (wn < ends[:, 1]))

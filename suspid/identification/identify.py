@@ -51,9 +51,9 @@ def identify(
     """Identify the modes of a free decay.
 
     "likelihood" fits damped exponentials to all channels jointly, by maximum likelihood: common poles, and in each
-    channel amplitudes, an offset and white noise of unknown level. Poles are added while BIC decreases. Tones and
-    drifts are fitted but are not modes. The covariance is the Cramér-Rao bound at the estimate, widened where the
-    residual is not white noise.
+    channel amplitudes, an offset and white noise of unknown level. Poles are added while BIC decreases, up to 50 pairs.
+    Tones and drifts are fitted but are not modes. The covariance is the Cramér-Rao bound at the estimate, widened where
+    the residual is not white noise.
 
     Where the linear fit leaves signs of a decay that is not linear, and there is no ``band``, friction, drag, and cubic
     and bilinear springs and dampers are fitted as well. They are kept if they explain more than a further pole would;

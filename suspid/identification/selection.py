@@ -19,8 +19,8 @@ from suspid.identification.refinement import Rejected, paired, single, straighte
 from suspid.units import ComplexArray, RealArray
 from suspid.words import Reason, Remark
 
-# The largest number of pairs. A record of more modes is fitted with this many of the strongest.
-MOST_PAIRS = 16
+# The largest number of pairs: a bound on time and memory for records that no number of poles explains.
+MOST_PAIRS = 50
 # Candidates whose gain is the first number times the BIC penalty and which lie the second number of linewidths apart
 # are fitted together; this saves searches. They stay where each then gains `STRONG_GAIN` times the penalty. So strong a
 # candidate is also accepted from the previous search.
