@@ -30,7 +30,7 @@ from suspid.fleet.trends import trends_of
 from suspid.fleet.vehicles import read_vehicles, vehicles_from_names
 from suspid.model.car_files import write_car
 from suspid.units import RealArray
-from suspid.words import Failure, Step
+from suspid.words import DamperState, Failure, Step
 
 
 @pytest.fixture(autouse=True)
@@ -255,6 +255,10 @@ class TestAWornDamper:
         springs = {t.quantity for t in summary.trends if t.quantity.endswith("stiffness") and t.changes}
         assert not springs
         assert "chassis.damping falls" in str(summary)
+        assert summary.dampers is not None
+        states = {one.vehicle: one.state for one in summary.dampers.trends}
+        assert states == {"V1": DamperState.GOOD, "V2": DamperState.WORN, "V3": DamperState.GOOD}
+        assert "2 good, 1 worn" in str(summary)
 
     def test_names_do_as_well_as_a_table(self, fleet: Path) -> None:
         by_name = fleet_summary(fleet / "out", pattern=r"(?P<vehicle>\w+)/(?P<date>\d{4}-\d{2}-\d{2})")

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from suspid.errors import InputError
 from suspid.fleet.trends import Measured, trends_of
 from suspid.greybox import Estimate
-from suspid.performance import Loss, Rates, WearRule, dampers_of, rates_of
+from suspid.model import Suspension
+from suspid.performance import Loss, Rates, WearRule, dampers_between, dampers_of, rates_of
 from suspid.values import text_table
 from suspid.words import DamperState
 
@@ -53,6 +54,11 @@ class DamperTrends:
 
     trends: tuple[DamperTrend, ...]
     rule: WearRule
+
+    @property
+    def doubtful(self) -> DamperTrends:
+        """Those that are not good."""
+        return replace(self, trends=tuple(one for one in self.trends if one.state is not DamperState.GOOD))
 
     def __str__(self) -> str:
         if not self.trends:
@@ -149,6 +155,30 @@ def trends_of_rates(rows: Iterable[tuple[str, str, float, Rates]], rule: WearRul
     grave = (DamperState.WORN, DamperState.WATCH, DamperState.CANNOT_TELL, DamperState.GOOD)
     found.sort(key=lambda one: (grave.index(one.state), -one.loss.value, one.vehicle, one.damper))
     return DamperTrends(trends=tuple(found), rule=rule)
+
+
+def trends_of_table(
+    rows: Iterable[tuple[str, str, float, float]],
+    vehicles: Mapping[str, tuple[str, float]],
+    car: Suspension,
+    rule: WearRule | None = None,
+) -> DamperTrends:
+    """Return the trends of the dampers of a car from rows of record, parameter, value and standard deviation.
+
+    ``vehicles`` has vehicle and time of each record. Rows hold no covariance of k and c, which is taken as 0.
+    """
+    found: dict[str, dict[str, tuple[float, float]]] = {}
+    for record, parameter, value, std in rows:
+        if record in vehicles and np.isfinite(value):
+            found.setdefault(record, {})[parameter] = value, float(np.nan_to_num(std))
+    nothing = 0.0, 0.0
+    measured = []
+    for record, values in found.items():
+        for name in [strut.name for strut in dampers_between(car) if f"{strut.name}.damping" in values]:
+            (c, c_std), (k, k_std) = values[f"{name}.damping"], values.get(f"{name}.stiffness", nothing)
+            rates = Rates(damping=c, stiffness=max(k, 0.0), covariance=np.diag([c_std, k_std]) ** 2)
+            measured.append((vehicles[record][0], name, vehicles[record][1], rates))
+    return trends_of_rates(measured, WearRule() if rule is None else rule)
 
 
 def _columns(rows: list[tuple[float, float, float]]) -> Measured:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from suspid.fleet.damper_trends import DamperTrends, trends_of_table
 from suspid.fleet.distributions import Distribution, Outlier, distribution, outliers_of
 from suspid.fleet.families import OTHERS, families_by_density, families_of_car
 from suspid.fleet.manifest import read_manifest
@@ -18,7 +19,7 @@ from suspid.fleet.parts import part_counts, part_numbers, read_table
 from suspid.fleet.summary import FailureCount, FleetSummary
 from suspid.fleet.trends import Trend, adjusted, trends_of
 from suspid.fleet.vehicles import read_vehicles, vehicles_from_names
-from suspid.model import car_from_toml, eigenmodes
+from suspid.model import Suspension, car_from_toml, eigenmodes
 from suspid.units import RealArray
 from suspid.words import Failure, Step
 
@@ -101,6 +102,7 @@ def fleet_summary(
         distributions=tuple(distributions),
         outliers=tuple(sorted(outliers, key=lambda one: (-abs(one.z), one.record, one.quantity))),
         trends=adjusted(trends),
+        dampers=_dampers(place, vehicles, car_from_toml(car)) if isinstance(car, str) and vehicles else None,
         others=int(np.sum(label == OTHERS)),
         unplaced=sum(1 for name in names if name not in vehicles) if asked else None,
         complete="complete" in manifest,
@@ -171,6 +173,17 @@ def _quantities(
         some = springs.take(np.flatnonzero(free & (parameter == name)))
         values, stds = (np.asarray(some[column].to_numpy(), float) for column in ("value", "std"))
         yield name, some["unit"][0].as_py(), some["record"].to_pylist(), values, stds
+
+
+def _dampers(folder: Path, vehicles: Mapping[str, tuple[str, float]], car: Suspension) -> DamperTrends | None:
+    """Return the trends of dampers; None where springs and dampers were not looked for."""
+    if not part_numbers(folder, "springs"):
+        return None
+    springs = read_table(folder, "springs", columns=["record", "parameter", "value", "std", "held"])
+    free = springs.take(np.flatnonzero(~springs["held"].to_numpy())).to_pydict()
+    rows = zip(*(free[name] for name in ("record", "parameter", "value", "std")), strict=True)
+    known = ((who, what, value, np.nan if std is None else std) for who, what, value, std in rows if value is not None)
+    return trends_of_table(known, vehicles, car)
 
 
 def _trends(

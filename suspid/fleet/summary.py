@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from suspid.files import printable
+from suspid.fleet.damper_trends import DamperTrends
 from suspid.fleet.distributions import FEWEST_RECORDS, QUANTILES, Distribution, Outlier
 from suspid.fleet.trends import Trend
 from suspid.values import text_table
@@ -64,6 +66,9 @@ class FleetSummary:
         The furthest first.
     trends : tuple of Trend
         Of each quantity of each vehicle, the surest change first; none without vehicles.
+    dampers : DamperTrends or None
+        What each damper of each vehicle has lost over its records, by the rule of `wear`; None without vehicles or
+        springs.
     others : int
         How many modes belong to no family.
     unplaced : int or None
@@ -81,6 +86,7 @@ class FleetSummary:
     distributions: tuple[Distribution, ...]
     outliers: tuple[Outlier, ...]
     trends: tuple[Trend, ...]
+    dampers: DamperTrends | None
     others: int
     unplaced: int | None
     complete: bool
@@ -120,6 +126,8 @@ class FleetSummary:
             parts.append(_no_outlier(self.distributions))
         if self.unplaced is not None:
             parts.append(_trends_in_words(self.trends, self.unplaced))
+        if self.dampers is not None and self.dampers.trends:
+            parts.append(_dampers_in_words(self.dampers))
         return "\n\n".join(parts)
 
 
@@ -184,6 +192,19 @@ def _trends_in_words(trends: Sequence[Trend], unplaced: int) -> str:
         "p": [f"{one.p_adjusted:.1g}" for one in shown],
     }
     return f"{said}\n\n{text_table(columns)}{_more(len(changing))}"
+
+
+def _dampers_in_words(dampers: DamperTrends) -> str:
+    rule, doubtful = dampers.rule, dampers.doubtful
+    states = Counter(str(one.state) for one in dampers.trends)
+    numbers = ", ".join(f"{number} {state}" for state, number in sorted(states.items()))
+    said = (
+        f"{count(len(dampers.trends), 'damper')} over their records: {numbers} (of those that lost no more than "
+        f"{rule.small:.0%}, at most {rule.rate:.1%} are called worn)"
+    )
+    if not doubtful.trends:
+        return said
+    return f"{said}\n\n{replace(doubtful, trends=doubtful.trends[:MOST_SHOWN])}{_more(len(doubtful.trends))}"
 
 
 def _more(number: int) -> str:

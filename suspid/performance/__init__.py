@@ -7,7 +7,7 @@ rule and its interval). `ride`: cars on roads (`road_response`: variances and th
 of them) and records (`recorded`), weighted as ISO 2631-1 says (`weightings`). `classify_road`: measured roads.
 """
 
-from suspid.performance.damper_rates import dampers_of, rates_of
+from suspid.performance.damper_rates import dampers_between, dampers_of, rates_of
 from suspid.performance.grip import grip
 from suspid.performance.grips import CLASSES, PHASE_LIMIT, Grip
 from suspid.performance.losses import Loss, Rates, WearRule, loss_of
@@ -34,6 +34,7 @@ __all__ = [
     "Wear",
     "WearRule",
     "classify_road",
+    "dampers_between",
     "dampers_of",
     "grip",
     "loss_of",

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from suspid.greybox import Estimate
-from suspid.model import Strut
+from suspid.model import Strut, Suspension
 from suspid.performance.losses import Rates
 
 
@@ -15,10 +15,14 @@ def dampers_of(now: Estimate, earlier: Sequence[Estimate] = ()) -> list[Strut]:
     """Return the struts between masses whose damping was found in all estimates."""
     return [
         strut
-        for strut in now.suspension.struts
+        for strut in dampers_between(now.suspension)
         if all(f"{strut.name}.damping" in one.parameters for one in (now, *earlier))
-        and not any(name in now.suspension.roads for name, arm in strut.arms.items() if arm)
     ]
+
+
+def dampers_between(car: Suspension) -> list[Strut]:
+    """Return the struts between masses: all but those of tires."""
+    return [s for s in car.struts if not any(name in car.roads for name, arm in s.arms.items() if arm)]
 
 
 def rates_of(found: Estimate, damper: str) -> Rates:
