@@ -51,6 +51,13 @@ def test_the_same_estimate_twice_is_good(files: Path) -> None:
     assert "chassis good" in run("compare", files / "new.json", files / "new.json").output
 
 
+def test_a_history(files: Path) -> None:
+    result = run("compare", *[files / "new.json"] * 6, files / "worn.json")
+    assert "chassis worn" in result.output
+    assert "as these among themselves" in result.output
+    assert run("compare", *[files / "new_modes.json"] * 2, files / "worn_modes.json").exit_code == 2
+
+
 def test_the_scatter_of_drives_decides(files: Path) -> None:
     result = run("compare", files / "new.json", files / "worn.json", "--damper-std", 0.15)
     assert "chassis worn" not in result.output
@@ -71,9 +78,9 @@ def test_modes(files: Path, tmp_path: Path) -> None:
 
 def test_refusals(files: Path, tmp_path: Path) -> None:
     mixed = run("compare", files / "new.json", files / "worn_modes.json")
-    assert (mixed.exit_code, "two of one kind" in mixed.output) == (1, True)
+    assert (mixed.exit_code, "results of one kind" in mixed.output) == (1, True)
     plot = run("compare", files / "new_modes.json", files / "worn_modes.json", "--plot", tmp_path / "g.png")
-    assert (plot.exit_code, "modes have none" in plot.output) == (2, True)
+    assert (plot.exit_code, "have no grip" in plot.output) == (2, True)
     assert run("compare", files / "new.json", tmp_path / "none.json").exit_code == 1
     assert run("compare", files / "new.json", files / "worn.json", "--json", files / "new.json").exit_code == 2
     assert not (tmp_path / "g.png").exists()

@@ -154,6 +154,13 @@ class TestVerdicts:
         assert found.verdict.level is Level.DOUBTFUL
 
 
+def test_a_car_without_a_load_on_its_wheels_is_judged_by_the_loss(fresh: Estimate) -> None:
+    bare = replace(fresh, suspension=fresh.suspension.with_parameters(stiffness={"chassis": 0.0}))
+    found = wear(bare, before=bare)
+    assert found.after is None
+    assert found.states["chassis"] is DamperState.GOOD
+
+
 class TestChanges:
     def test_intervals_of_changes(self, fresh: Estimate) -> None:
         found = {one.name: one for one in wear(scaled(fresh, 0.9), before=fresh).changes}

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 @click.command("compare")
-@click.argument("before", type=FILE)
+@click.argument("before", type=FILE, nargs=-1, required=True, metavar="BEFORE...")
 @click.argument("after", type=FILE)
 @click.option(
     "--damper-std", type=Positive("share"), metavar="SHARE", help="Scatter of one damper from drive to drive. [0.03]"
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 @click.option("--plot", type=FILE, metavar="FILE", help="Write a picture of the grip after (.png, .svg, .pdf).")
 @click.option("--json", "json_file", type=FILE, metavar="FILE", help="Write changes, grip and verdicts as JSON.")
 def compare_command(
-    before: Path,
+    before: tuple[Path, ...],
     after: Path,
     damper_std: float | None,
     load_std: float | None,
@@ -46,35 +46,38 @@ def compare_command(
     """Compare the result AFTER with the result BEFORE.
 
     Both are the JSON of `suspid estimate`: shows the change of every spring and damper, the grip before and after, and
-    whether each damper is good, to be watched, or worn. Or both are the JSON of `suspid identify`: shows which modes
-    differ by more than their intervals.
+    whether each damper is good, to be watched, or worn. Several BEFORE, in order of time, are a history: from six on
+    their own scatter is used. Or both are the JSON of `suspid identify`: shows which modes differ by more than their
+    intervals.
     """
     from suspid.identification import to_json
 
-    check_apart([before, after], [plot, json_file])
+    check_apart([*before, after], [plot, json_file])
     with (
         replacing(checked_picture(plot)) if plot else nullcontext() as figure_draft,
         replacing(json_file) if json_file else nullcontext() as json_draft,
         said_warnings(),
     ):
-        kinds = [_kind(before), _kind(after)]
-        if kinds[0] != kinds[1]:
-            raise InputError(f"{before} has {kinds[0]} and {after} has {kinds[1]}: compare two of one kind")
-        if kinds[0] == "an estimate":
+        kind = _kind(after)
+        for path in before:
+            if _kind(path) != kind:
+                raise InputError(f"{path} has {_kind(path)} and {after} has {kind}: compare results of one kind")
+        if kind == "an estimate":
             from suspid.performance import wear
             from suspid.reporting import plot_grip, read_estimate, wear_to_dict
 
             rule = _rule(damper_std, load_std)
-            found = wear(read_estimate(after), before=read_estimate(before), rule=rule, nominal_std=nominal_std)
+            earlier = [read_estimate(path) for path in before]
+            found = wear(read_estimate(after), before=earlier, rule=rule, nominal_std=nominal_std)
             text, content = str(found), wear_to_dict(found)
             if figure_draft:
                 if found.after is None:
                     raise click.UsageError("--plot draws the grip of wheels, but the car has none on a road.")
                 save_picture(partial(plot_grip, found.after), figure_draft)
         else:
-            text, content = _modes(before, after)
-            if figure_draft:
-                raise click.UsageError("--plot draws the grip of estimates; modes have none.")
+            if figure_draft or len(before) > 1:
+                raise click.UsageError("Modes are compared two by two, and have no grip to draw with --plot.")
+            text, content = _modes(before[0], after)
         if json_draft:
             json_draft.write_text(to_json(content), encoding="utf-8")
     say(text)

@@ -9,11 +9,12 @@ import numpy as np
 from suspid.errors import InputError
 from suspid.greybox import Estimate, nominal_value, parameter_unit
 from suspid.levels import NORMAL_95
-from suspid.model import Strut, Suspension
-from suspid.performance.contact import wheels_of
+from suspid.model import Suspension
 from suspid.performance.damper_rates import dampers_of, nominal_rates, rates_of
 from suspid.performance.grip import grip
+from suspid.performance.grips import Grip
 from suspid.performance.losses import ENOUGH_DRIVES, TESTS, WearRule, loss_of
+from suspid.performance.uncertain import uncertain
 from suspid.performance.wear_checks import said_of_loss, said_of_phase, untrusted, verdict_of, worst
 from suspid.performance.wears import DamperWear, ParameterChange, Wear
 from suspid.units import Ratio
@@ -82,10 +83,8 @@ def wear(
 
     rule = WearRule() if rule is None else rule
     earlier = _estimates(now, before)
-    reference: Suspension | Estimate = earlier[-1] if earlier else now.nominal
-    on_road = _stands(now.suspension)
-    after = grip(now, nominal_std=nominal_std) if on_road else None
-    former = grip(reference, nominal_std=nominal_std if earlier else None) if on_road else None
+    after = _grip(now, nominal_std)
+    former = _grip(earlier[-1], nominal_std) if earlier else _grip(now.nominal)
     doubts = tuple(untrusted(now, earlier))
     quantile = float(-ndtri(rule.rate / TESTS))
     dampers = []
@@ -95,7 +94,7 @@ def wear(
         if not all(one.damping > 0 for one in rates):
             continue
         loss = loss_of(new, rates, rule, nominal=not earlier, tests=TESTS)
-        wheel = _wheel_of(now.suspension, strut) if on_road else None
+        wheel = None if after is None else next((one for one in after.wheels if strut.arms.get(one)), None)
         phase = said_of_phase(strut.name, wheel, former, after, quantile) if wheel else None
         state = rule.state(loss.low, loss.high)
         checks = list(said_of_loss(strut.name, loss, state, rule, new, rates))
@@ -148,16 +147,13 @@ def _shape(car: Suspension) -> tuple[object, ...]:
     return tuple(car.masses), tuple((s.name, tuple(n for n, arm in s.arms.items() if arm)) for s in car.struts)
 
 
-def _stands(car: Suspension) -> bool:
+def _grip(car: Suspension | Estimate, nominal_std: Ratio | Mapping[str, Ratio] | None = None) -> Grip | None:
+    """Return the grip of a car; None of one that has no wheel on a road, or whose springs do not hold it."""
+    uncertain(car, nominal_std)
     try:
-        wheels_of(car)
+        return grip(car, nominal_std=nominal_std)
     except InputError:
-        return False
-    return True
-
-
-def _wheel_of(car: Suspension, strut: Strut) -> str | None:
-    return next((wheel for wheel in wheels_of(car).names if strut.arms.get(wheel)), None)
+        return None
 
 
 def _changes(now: Estimate, earlier: Sequence[Estimate]) -> Iterator[ParameterChange]:

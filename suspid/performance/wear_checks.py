@@ -34,7 +34,7 @@ def said_of_loss(
     """Yield what the loss says of a damper."""
     numbers: dict[str, Number] = {
         "damper": damper, "loss": loss.value, "low": loss.low, "high": loss.high, "small": rule.small,
-        "large": rule.large, "remains": 1 - loss.high, "most": 1 - loss.low, "gain": -loss.high,
+        "large": rule.large, "gain": -loss.high,
     }  # fmt: skip
     code = {
         DamperState.WORN: WearCheck.LOST,

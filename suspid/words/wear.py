@@ -54,8 +54,8 @@ class WearCheck(Code):
     HOLDS = "holds", "{damper}: lost no more than {high:.0%} of its damping."
     WIDE = (
         "wide",
-        "{damper}: has between {remains:.0%} and {most:.0%} of its former damping, too wide to tell a good damper from "
-        "one that lost {large:.0%}. Drive longer, or give an earlier estimate in place of nominal values.",
+        "{damper}: may have lost nothing or as much as {high:.0%}, too wide to tell a good damper from one that lost "
+        "{large:.0%}. Drive longer, or give an earlier estimate in place of nominal values.",
     )
     GAINED = "gained", "{damper}: its damping rose by at least {gain:.0%}."
     SPRING = (
