@@ -29,6 +29,7 @@ REPORTS = (
     "fleet",
     "greybox",
     "wear",
+    "tyres",
 )
 FOLDER = Path(__file__).parent / "report"
 RATIOS = FOLDER / "speed.json"

@@ -81,7 +81,13 @@ def era_and_reconstruct(record: control.TimeResponseData, nominal: Suspension, f
 
 
 def ssi_and_reconstruct(record: control.TimeResponseData, nominal: Suspension, fixed: tuple[str, ...]) -> Suspension:
-    """Return the car from the modes of pyOMA_2's SSI-cov, its order given, by `reconstruct`.
+    """Return the car from the modes of pyOMA_2's SSI-cov, its order given, by `reconstruct`."""
+    found = ssi_modes(record, len(nominal.masses))
+    return reconstruct(found, nominal, fixed=fixed, tolerance=0.5, search=False).suspension
+
+
+def ssi_modes(record: control.TimeResponseData, modes: int) -> ModalSet:
+    """Return the modes that pyOMA_2's SSI-cov finds, their number given.
 
     Raises
     ------
@@ -90,7 +96,7 @@ def ssi_and_reconstruct(record: control.TimeResponseData, nominal: Suspension, f
     """
     setup, algorithms = importlib.import_module("pyoma2.setup"), importlib.import_module("pyoma2.algorithms")
     logging.getLogger("pyoma2").setLevel(logging.ERROR)
-    signal, order = as_signal(record), 2 * len(nominal.masses)
+    signal, order = as_signal(record), 2 * modes
     no_limits = {"xi_max": 1.0, "mpc_lim": None, "mpd_lim": None, "CoV_max": None}
     ssi = algorithms.SSI(name="ssi", br=BLOCK_ROWS, ordmax=order, method="cov", hc=no_limits)
     single = setup.SingleSetup(signal.values.T.copy(), 1 / signal.step)
@@ -98,16 +104,20 @@ def ssi_and_reconstruct(record: control.TimeResponseData, nominal: Suspension, f
     with contextlib.redirect_stderr(io.StringIO()):
         single.run_by_name("ssi")
     found = np.isfinite(ssi.result.Fn_poles[:, -1])
-    if np.sum(found) != len(nominal.masses):
+    if np.sum(found) != modes:
         raise ValueError(f"SSI finds {np.sum(found)} modes")
     poles, shapes = ssi.result.Lambds[found, -1], ssi.result.Phi_poles[found, -1].T
-    return _rebuilt(poles, shapes, signal.channels, nominal, fixed)
+    return _modes(poles, shapes, signal.channels)
+
+
+def _modes(poles: ComplexArray, shapes: ComplexArray, channels: tuple[str, ...]) -> ModalSet:
+    """Return modes; the shapes of accelerations are those of displacements."""
+    names = [name.removesuffix("_acceleration") for name in channels]
+    return ModalSet(poles=poles, shapes=shapes, channels=names)
 
 
 def _rebuilt(
     poles: ComplexArray, shapes: ComplexArray, channels: tuple[str, ...], nominal: Suspension, fixed: tuple[str, ...]
 ) -> Suspension:
-    """Return the car with these modes; the shapes of accelerations are those of displacements."""
-    names = [name.removesuffix("_acceleration") for name in channels]
-    found = ModalSet(poles=poles, shapes=shapes, channels=names)
-    return reconstruct(found, nominal, fixed=fixed, tolerance=0.5, search=False).suspension
+    """Return the car with these modes."""
+    return reconstruct(_modes(poles, shapes, channels), nominal, fixed=fixed, tolerance=0.5, search=False).suspension
