@@ -148,7 +148,8 @@ def compared(found: Estimate, car: Suspension) -> tuple[RealArray, RealArray]:
     of_m, both = (0.0, 0.0) if m is None else (float(relative[m, m]), float(relative[k, m]))
     stiffness, true = strut.stiffness / 210e3, mass / 50.0
     errors, stds = [stiffness / true - 1, stiffness - 1, true - 1], [of_k + of_m - 2 * both, of_k, of_m]
-    modes, exact = found.modes, eigenmodes(car)
+    # Where a mount is found, by chance, there is a real pole too.
+    modes, exact = found.modes[found.modes.zeta < 1], eigenmodes(car)
     assert modes.wn_std is not None
     assert modes.zeta_std is not None
     ratios = (modes.wn / exact.wn - 1, modes.zeta / exact.zeta - 1)
