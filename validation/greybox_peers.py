@@ -12,7 +12,7 @@ import numpy as np
 
 from suspid import ModalSet, Suspension, reconstruct
 from suspid.signals import as_signal
-from suspid.units import ComplexArray, RealArray
+from suspid.units import ComplexArray, RealArray, Second
 from validation.greybox_bounds import BAND
 
 if TYPE_CHECKING:
@@ -94,20 +94,25 @@ def ssi_modes(record: control.TimeResponseData, modes: int) -> ModalSet:
     ValueError
         If SSI finds another number of modes than the car has.
     """
+    signal = as_signal(record)
+    poles, shapes = ssi_poles(signal.values, signal.step, 2 * modes)
+    if len(poles) != modes:
+        raise ValueError(f"SSI finds {len(poles)} modes")
+    return _modes(poles, shapes, signal.channels)
+
+
+def ssi_poles(values: RealArray, step: Second, order: int) -> tuple[ComplexArray, ComplexArray]:
+    """Return poles and shapes (channel, pole) that pyOMA_2's SSI-cov finds at an order."""
     setup, algorithms = importlib.import_module("pyoma2.setup"), importlib.import_module("pyoma2.algorithms")
     logging.getLogger("pyoma2").setLevel(logging.ERROR)
-    signal, order = as_signal(record), 2 * modes
     no_limits = {"xi_max": 1.0, "mpc_lim": None, "mpd_lim": None, "CoV_max": None}
     ssi = algorithms.SSI(name="ssi", br=BLOCK_ROWS, ordmax=order, method="cov", hc=no_limits)
-    single = setup.SingleSetup(signal.values.T.copy(), 1 / signal.step)
+    single = setup.SingleSetup(values.T.copy(), 1 / step)
     single.add_algorithms(ssi)
     with contextlib.redirect_stderr(io.StringIO()):
         single.run_by_name("ssi")
     found = np.isfinite(ssi.result.Fn_poles[:, -1])
-    if np.sum(found) != modes:
-        raise ValueError(f"SSI finds {np.sum(found)} modes")
-    poles, shapes = ssi.result.Lambds[found, -1], ssi.result.Phi_poles[found, -1].T
-    return _modes(poles, shapes, signal.channels)
+    return ssi.result.Lambds[found, -1], ssi.result.Phi_poles[found, -1].T
 
 
 def _modes(poles: ComplexArray, shapes: ComplexArray, channels: tuple[str, ...]) -> ModalSet:

@@ -14,11 +14,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from suspid import Estimate, ModalSet, Suspension, SuspidError, eigenmodes, estimate
+from suspid import Estimate, Suspension, SuspidError, eigenmodes, estimate
 from suspid.levels import NORMAL_95
+from suspid.signals import as_signal
 from suspid.units import RealArray
 from suspid.values import text_table
-from validation.greybox_peers import ssi_modes
+from validation.greybox_peers import ssi_poles
 from validation.greybox_rows import NOISE, QUARTER
 from validation.motion import LEVELS, RADIUS, Drive, driven, record_of
 
@@ -50,9 +51,13 @@ HARM = """## What is left out
 The same drives, of which `estimate` is not told something. The verdict names what it does not know."""
 PEERS = """## Beside SSI
 
-RMSE of modes in % on the same records. pyOMA_2's SSI-cov knows the number of modes and takes roads for white noise; it
-works at the record's rate with 30 block rows. It gives no springs and masses. 'failed' counts records of which it did
-not find two modes."""
+RMSE of modes in % on the same records. pyOMA_2's SSI-cov takes the excitation for white noise and gives no springs and
+masses. It works at 50 Hz with 30 block rows; at the order of the car, 4, it misses the body's mode, so its order is 20
+and the poles that are nearest to the true ones are taken, which only a simulation tells. Errors of more than half
+the truth count as failed."""
+SLOWER = 4  # how many samples SSI takes as one
+SSI_ORDER = 20
+FAILED = 0.5
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -88,11 +93,9 @@ def rows() -> dict[str, list[TireRow]]:
             row("unbalance, ±40 %, bent 1.5 to 2.5", order=UNBALANCE, spread=0.4, exponents=UP),
             row("unbalance, ±40 %, bent 2.5 to 1.5", order=UNBALANCE, spread=0.4, exponents=DOWN),
             row("class A", road="A"),
-            row("class D", road="D"),
         ],
         "Other lengths and knowledge": [
             row("60 s", duration=60.0),
-            row("20 min", duration=1200.0),
             row("wheel's mass known", told={"mass_known": True}),
             row("unbalance, speed told 2 % high", order=UNBALANCE, told={"speed_factor": 1.02}),
         ],
@@ -221,10 +224,12 @@ def peers_table(*, seeds: int = PEER_SEEDS) -> str:
             record, speed, car = draw(every[name], seed)
             ours.append(compared(found_in(every[name], record, speed), car)[0][3:])
             try:
-                theirs.append(_mode_errors(ssi_modes(record, len(car.masses)), car))
+                one = _by_ssi(record, car)
             except ValueError:
-                failed += 1
-        for method, errors, lost in (("suspid, estimate", ours, 0), ("pyOMA_2 SSI-cov (order given)", theirs, failed)):
+                one = np.full(4, np.inf)
+            failed += bool(np.any(np.abs(one) > FAILED))
+            theirs += [one] if np.all(np.abs(one) <= FAILED) else []
+        for method, errors, lost in (("suspid, estimate", ours, 0), ("pyOMA_2 SSI-cov, nearest poles", theirs, failed)):
             rmse = 100 * np.sqrt(np.mean(np.square(errors), axis=0)) if errors else np.full(4, np.nan)
             cells = (name, method, f"{lost}/{seeds}", *(f"{value:.2f}" for value in rmse))
             for column, cell in zip(columns.values(), cells, strict=True):
@@ -232,9 +237,22 @@ def peers_table(*, seeds: int = PEER_SEEDS) -> str:
     return text_table(columns)
 
 
-def _mode_errors(modes: ModalSet, car: Suspension) -> RealArray:
-    exact = eigenmodes(car)
-    return np.column_stack([modes.wn / exact.wn - 1, modes.zeta / exact.zeta - 1]).ravel()
+def _by_ssi(record: control.TimeResponseData, car: Suspension) -> RealArray:
+    """Return the errors of the poles that are nearest to the true ones.
+
+    Raises
+    ------
+    ValueError
+        If there are none.
+    """
+    from scipy.signal import decimate
+
+    signal, exact = as_signal(record), eigenmodes(car)
+    slow = np.asarray(decimate(signal.values, SLOWER, axis=1, zero_phase=True), float)
+    poles = ssi_poles(slow, SLOWER * signal.step, SSI_ORDER)[0]
+    nearest = poles[np.argmin(np.abs(poles - exact.poles[:, None]), axis=1)]
+    wn, zeta = np.abs(nearest), -nearest.real / np.abs(nearest)
+    return np.column_stack([wn / exact.wn - 1, zeta / exact.zeta - 1]).ravel()
 
 
 def report() -> str:
