@@ -2,22 +2,40 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import control
 import numpy as np
 import pytest
+from click.testing import CliRunner
+from jsonschema import validate
 
-from suspid import Estimate, InputError, Level, Suspension, eigenmodes, estimate, half_car, statespace
+from suspid import (
+    Estimate,
+    InputError,
+    Level,
+    Suspension,
+    eigenmodes,
+    estimate,
+    half_car,
+    statespace,
+    write_car,
+    write_record,
+)
+from suspid.cli import main
 from suspid.greybox.reach import Reach, reach
 from suspid.greybox.road_model import RoadModel, road_model
 from suspid.greybox.tire_fit import TireProblem, fit_tires
 from suspid.greybox.transfers import Physics
 from suspid.greybox.trials import Trial, trials_of
 from suspid.greybox.wheel_power import TAPER_BANDWIDTH, TAPERS, Track, _kernel
+from suspid.identification import to_json
 from suspid.reconstruction import parameter_vector, unknowns_of
+from suspid.reporting import estimate_from_dict, estimate_to_dict, json_schema
 from suspid.signals import as_response
 from suspid.units import RealArray
 from suspid.words import EstimateCheck
@@ -223,6 +241,15 @@ class TestDrives:
         assert set(road.classes) == {"B"}
         assert "class B" in str(found())
 
+    def test_it_is_read_back_from_json(self) -> None:
+        content = json.loads(to_json(estimate_to_dict(found())))
+        validate(content, json_schema("estimate"))
+        (road,), (back,) = found().road, estimate_from_dict(content).road
+        assert str(back) == str(road)
+        assert (back.classes, back.records) == (road.classes, road.records)
+        for name in ("times", "speeds", "roughness", "roughness_std"):
+            np.testing.assert_array_equal(getattr(back, name), getattr(road, name))
+
     def test_the_verdict_says_what_the_road_decided(self) -> None:
         codes = {check.remark.code for check in found().verdict.checks}
         assert {EstimateCheck.ROAD, EstimateCheck.TIRE_DAMPING} <= codes
@@ -256,6 +283,18 @@ class TestDrives:
         )
         np.testing.assert_array_equal(by_name.values, found().values)
         assert EstimateCheck.UNUSED not in {check.remark.code for check in by_name.verdict.checks}
+
+    def test_on_the_command_line(self, tmp_path: Path) -> None:
+        record, speed = drive(5)
+        whole = as_response(record.time, np.vstack([record.y, speed]), (*CHANNELS, "speed"))
+        write_record(whole, tmp_path / "drive.csv")
+        write_car(NOMINAL, tmp_path / "car.toml")
+        words = ["estimate", str(tmp_path / "drive.csv"), "--car", str(tmp_path / "car.toml"), "--given", "tire"]
+        words += ["--free-mass", "tire", "--road", "iso8608", "--speed", "speed", "--wheel-radius", str(RADIUS)]
+        said = CliRunner().invoke(main, words)
+        assert said.exit_code == 0, said.output
+        assert "class B" in said.output
+        assert "tire.mass" in said.output
 
     @pytest.mark.parametrize(
         ("options", "said"),

@@ -2,18 +2,34 @@
 
 from __future__ import annotations
 
-from contextlib import nullcontext
+from contextlib import nullcontext, suppress
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import click
 
 from suspid.analysis import Settings, read
 from suspid.cli.measured import checked_page, checked_picture, save_picture, sources_of
-from suspid.cli.options import FILE, progress, reading
+from suspid.cli.options import FILE, packed, progress, reading
 from suspid.cli.parameters import Outputs, Wanted, conclude, wanting, writing
-from suspid.cli.support import check_apart, named, said_warnings
+from suspid.cli.support import Positive, check_apart, named, said_warnings
 from suspid.files import replacing
+
+
+def road_of(road: str | None, speed: str | None, wheel_radius: float | None) -> dict[str, Any]:
+    """Return the arguments of `estimate` on the road; a speed is a number [m/s] or the name of a channel."""
+    known: str | float | None = speed
+    with suppress(TypeError, ValueError):
+        known = float(speed)  # type: ignore[arg-type]
+    return {"road": road, "speed": known, "wheel_radius": wheel_radius}
+
+
+ROAD = (
+    click.option("--road", type=click.Choice(["iso8608"]), help="Model of the road: tires and whole car too. [none]"),
+    click.option("--speed", metavar="NAME|M/S", help="Channel of speed, or its value, for --road."),
+    click.option("--wheel-radius", type=Positive("m"), help="Rolling radius of the wheels, for --road."),
+)
 
 
 @click.command("estimate")
@@ -23,6 +39,7 @@ from suspid.files import replacing
 @click.option(
     "--given", metavar="NAME,…", default="", help="Causes that were measured: roads, forces, wheels. [free decay]"
 )
+@packed(road_of, ROAD, "road")
 @wanting
 @click.option("--plot", type=FILE, metavar="FILE", help="Write pictures of the estimate (.png, .svg, .pdf).")
 @click.option("--page", type=FILE, metavar="FILE", help="Write a page to print or to send (.html).")
@@ -32,6 +49,7 @@ def estimate_command(
     settings: Settings,
     car: Path,
     given: str,
+    road: dict[str, Any],
     wanted: Wanted,
     plot: Path | None,
     page: Path | None,
@@ -43,7 +61,8 @@ def estimate_command(
     chassis_travel; --rename gives them these names. Several FILES are tests of one car.
 
     Without --given a record is a free decay. --given road is a rig or a known road, --given chassis_force an actuator,
-    --given wheel everyday driving: the motion of the wheel is measured, and the road is not needed.
+    --given wheel everyday driving: the motion of the wheel is measured, and the road is not needed. With --road
+    iso8608 tires and the modes of the whole car are found too, by a model of the road.
 
     Ends with 3 if the car that was found does not explain the records.
     """
@@ -75,7 +94,7 @@ def estimate_command(
                 record = cut(opened.cleaned.record, start=settings.start, stop=settings.stop)
             tests.append(RecordTest(record=record, added_masses=kg))
         step("estimating")
-        found = estimate(tests, suspension, given=causes, **unknowns)
+        found = estimate(tests, suspension, given=causes, **road, **unknowns)
         text = outputs.words(found)
         step("drawing")
         if not found.explains:

@@ -24,6 +24,7 @@ from suspid.identification import modes_from_dict, modes_to_dict, to_json
 from suspid.levels import LEVEL
 from suspid.model import Suspension, car_from_toml, car_to_toml
 from suspid.reconstruction import parameter_values
+from suspid.reporting.road_json import road_from_dict, road_to_dict
 from suspid.signals import as_signal
 from suspid.units import Ratio
 from suspid.values import frozen_real
@@ -67,6 +68,7 @@ def estimate_to_dict(found: Estimate, *, level: Ratio = LEVEL) -> dict[str, obje
         "freedom": found.freedom,
         "explains": found.explains,
         "alternatives": [_values(found, car) for car in found.alternatives],
+        "road": [road_to_dict(road) for road in found.road],
         "suspid": version("suspid"),
     }
     plain: dict[str, object] = json.loads(to_json(fields))
@@ -168,6 +170,7 @@ def _estimate(content: Mapping[str, Any]) -> Estimate:
         explains=bool(content["explains"]),
         alternatives=tuple(_with(nominal, values) for values in content["alternatives"]),
         verdict=_verdict(content["verdict"]),
+        road=tuple(road_from_dict(road) for road in content.get("road", ())),
     )
 
 
