@@ -62,12 +62,14 @@ from suspid.performance import (
     Ride,
     RoadClass,
     Sensitivities,
+    Tuning,
     Wear,
     WearRule,
     classify_road,
     grip,
     ride,
     sensitivities,
+    tune,
     wear,
     weighting,
 )
@@ -136,7 +138,7 @@ __all__ = [  # noqa: RUF022 - grouped by step
     "estimate", "Estimate", "RecordTest", "RoadEstimate", "read_estimate",
     # figures that a car is judged by
     "grip", "Grip", "wear", "Wear", "WearRule", "DamperWear", "ride", "Ride", "weighting",
-    "classify_road", "RoadClass", "sensitivities", "Sensitivities",
+    "classify_road", "RoadClass", "sensitivities", "Sensitivities", "tune", "Tuning",
     # a page for others, and many records
     "report", "report_to_dict", "content_of", "Source", "source_of",
     "identify_many", "FleetRun", "fleet_summary", "FleetSummary", "damper_trends", "DamperTrends",

@@ -15,6 +15,8 @@ from suspid.performance.ride import ride
 from suspid.performance.rides import Ride
 from suspid.performance.road_classes import ROAD_LIMITS, RoadClass, classify_road
 from suspid.performance.sensitivities import Sensitivities, sensitivities
+from suspid.performance.tune import tune
+from suspid.performance.tunings import Tuning
 from suspid.performance.wear import wear
 from suspid.performance.wears import DamperWear, ParameterChange, Wear
 from suspid.performance.weightings import weighting
@@ -31,6 +33,7 @@ __all__ = [
     "Ride",
     "RoadClass",
     "Sensitivities",
+    "Tuning",
     "Wear",
     "WearRule",
     "classify_road",
@@ -41,6 +44,7 @@ __all__ = [
     "rates_of",
     "ride",
     "sensitivities",
+    "tune",
     "wear",
     "weighting",
 ]

@@ -218,6 +218,9 @@ def plan_of(
     formulas: dict[str, tuple[str, int, Formula]] = {}
     for channel, kinds in chosen.items():
         turn = "rad" if channel.removesuffix(ACCELERATION) in ANGLES else "m"
+        formulas[f"{channel}.rms"] = f"{turn}/s2", len(names), rms
+        names.append(channel)
+        filters.append(None)
         comfort = next((kind for kind in kinds if kind != SICKNESS), None)
         for kind in kinds:
             for figure, unit, formula in _of_acceleration(kind, turn, first=kind == comfort):

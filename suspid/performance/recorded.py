@@ -64,6 +64,8 @@ def recorded(
     found: list[Measured] = []
     checks: list[Check] = []
     for channel, kinds in chosen.items():
+        plain, scatter = _power_mean(about[channel], 2)
+        found.append(Measured(name=f"{channel}.rms", value=plain, unit=f"{_turn(channel)}/s2", scatter=scatter))
         for kind in kinds:
             felt = weighted(about[channel], signal.step, kind)
             figures = list(_of_weighted(channel, kind, felt, seconds, first=kind == kinds[0]))
@@ -119,7 +121,7 @@ def _chosen(signal: Signal, given: Mapping[str, str | Sequence[str]] | None) -> 
 
 def _of_weighted(channel: str, kind: str, felt: RealArray, seconds: Second, *, first: bool) -> Iterator[Measured]:
     """Yield the figures of one weighted acceleration [m/s2]; doses are those of the wanted time."""
-    turn = "rad" if channel.removesuffix(ACCELERATION) in ANGLES else "m"
+    turn = _turn(channel)
     rms, scatter = _power_mean(felt, 2)
     yield Measured(name=f"{channel}.{kind}", value=rms, unit=f"{turn}/s2", scatter=scatter)
     if kind == SICKNESS:
@@ -131,6 +133,11 @@ def _of_weighted(channel: str, kind: str, felt: RealArray, seconds: Second, *, f
         yield Measured(name=f"{channel}.VDV", value=root * fourth, unit=f"{turn}/s1.75", scatter=root * fourth_scatter)
         peak = float(np.max(np.abs(felt)))
         yield Measured(name=f"{channel}.crest", value=peak / rms if rms else 0.0, unit="1")
+
+
+def _turn(channel: str) -> str:
+    """Return the unit of what a channel is the acceleration of."""
+    return "rad" if channel.removesuffix(ACCELERATION) in ANGLES else "m"
 
 
 def _of_travel(channel: str, travel: RealArray) -> Iterator[Measured]:

@@ -25,8 +25,8 @@ class Ride:
     Parameters
     ----------
     figures : tuple of str
-        Names, such as ``"chassis_acceleration.Wk"`` (weighted rms), ``"….VDV"``, ``"….MSDV"``, ``"….crest"``,
-        ``"chassis.travel"`` (rms) and ``"chassis.peak_travel"``, ``"tire.load"`` (rms of the dynamic load),
+        Names, such as ``"chassis_acceleration.rms"``, ``"….Wk"`` (weighted rms), ``"….VDV"``, ``"….MSDV"``,
+        ``"….crest"``, ``"chassis.travel"`` (rms), ``"chassis.peak_travel"``, ``"tire.load"`` (rms of the dynamic load),
         ``"tire.load_share"`` (of the static one) and ``"tire.lifts"`` (probability of loss of contact).
     values : ndarray (figure,)
         Their values.

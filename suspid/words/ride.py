@@ -106,11 +106,10 @@ class TuningCheck(Code):
     """What speaks for and against a tuning."""
 
     STARTS = "starts", "{share:.0%} of the {count} searches from other starts ended at the same values."
-    LOCAL = "local", "Searches from other starts ended at other values; a better car may exist."
     UNFINISHED = "unfinished", "{count} of {points} points did not converge and were left out."
     AT_BOUND = "at bound", _listed("At a bound somewhere on the front: {names}.")
     ROBUST = (
         "robust",
-        "Figures are means and {reach:.3g} standard deviations over what is uncertain: {names}.",
+        _listed("Each figure is its mean plus {reach:.3g} standard deviations over what is uncertain: {names}."),
     )
     ONE = "one", "Both objectives are best in the same car: there is no compromise to make."

@@ -1,0 +1,292 @@
+"""Springs and dampers that make the best compromises between figures of a ride."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from suspid.errors import InputError
+from suspid.greybox import Estimate
+from suspid.model import Suspension
+from suspid.performance.figures import Plan, plan_of
+from suspid.performance.fronts import Front, Search, front_of
+from suspid.performance.ride import HOUR, driven_road
+from suspid.performance.road_response import Grid, exact_grid
+from suspid.performance.tunings import Tuning
+from suspid.performance.uncertain import Uncertain, uncertain
+from suspid.reconstruction import parameter_values
+from suspid.simulation import Road
+from suspid.units import Metre, Ratio, RealArray, Second
+from suspid.values import frozen_real, nearest_names
+from suspid.words import Check, Level, Number, Remark, Verdict
+from suspid.words.ride import RideCheck, TuningCheck, TuningHeadline
+
+# Parameters are looked for within this factor of the car's own, both ways.
+REACH = 4.0
+# Figures that are zero to rounding, such as the probability of a rare event, have no logarithm.
+NO_FIGURE = 1e-300
+# A factor nearer to its bound than this is at it.
+AT_BOUND = 1e-3
+KINDS_TUNED = ("stiffness", "damping")
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Choice:
+    """The unknowns: groups of parameters that keep their ratios, and the cars that are looked at for each choice."""
+
+    base: Suspension
+    groups: tuple[tuple[str, ...], ...]
+    values: Mapping[str, float]
+    scenarios: tuple[Mapping[str, float], ...]  # factors of parameters that are uncertain
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """All parameters that are chosen."""
+        return tuple(name for group in self.groups for name in group)
+
+    def chosen(self, x: RealArray) -> dict[str, float]:
+        """Return the parameters at logarithms of factors, one for each group."""
+        factors = np.exp(x)
+        pairs = zip(self.groups, factors.tolist(), strict=True)
+        return {name: self.values[name] * factor for group, factor in pairs for name in group}
+
+    def car(self, x: RealArray, scenario: Mapping[str, float]) -> Suspension:
+        """Return the car with chosen parameters, in a scenario."""
+        parts: dict[str, dict[str, float]] = {"stiffness": {}, "damping": {}, "mass": {}}
+        drawn = {name: self.values[name] * factor for name, factor in scenario.items()}
+        for name, value in {**drawn, **self.chosen(x)}.items():
+            owner, _, quantity = name.rpartition(".")
+            parts[quantity][owner] = value
+        return self.base.with_parameters(stiffness=parts["stiffness"], damping=parts["damping"], masses=parts["mass"])
+
+
+def tune(
+    car: Suspension | Estimate,
+    *,
+    parameters: Sequence[str | Sequence[str]],
+    objective: str | Sequence[str],
+    road: Road | str | float,
+    speed: float | None = None,
+    constraints: Mapping[str, float] | None = None,
+    bounds: Mapping[str, tuple[float, float]] | None = None,
+    points: int = 11,
+    robust: Ratio = 0.0,
+    nominal_std: Ratio | Mapping[str, Ratio] | None = None,
+    duration: Second = HOUR,
+    weightings: Mapping[str, str | Sequence[str]] | None = None,
+    clearance: Mapping[str, Metre | tuple[Metre, Metre]] | None = None,
+) -> Tuning:
+    """Return the springs and dampers of the best compromises between two figures, or of the best one.
+
+    Parameters
+    ----------
+    car : Suspension or Estimate
+        The car to begin with.
+    parameters : sequence of str or of sequence of str
+        What may change, such as ``"chassis.stiffness"``; a sequence of names changes by one factor, such as those of
+        both sides of an axle.
+    objective : str or sequence of str
+        One or two figures of `ride` to be small, such as ``("chassis_acceleration.Wk", "tire.load")``.
+    road, speed, duration, weightings, clearance
+        As in `ride`.
+    constraints : mapping of str to float, optional
+        Largest values of figures, such as ``{"chassis.travel": 0.02}``, in SI units.
+    bounds : mapping of str to tuple of float, optional
+        Least and largest value of parameters, in SI units; of a group by its first name. Default: a quarter to four
+        times the car's own.
+    points : int
+        Cars on the front, at least two.
+    robust : float
+        Standard deviations, over what is uncertain and not chosen, that are added to the mean of each figure: the cars
+        are then best for cars as uncertain as this one. Default: none, the car is taken as known.
+    nominal_std : float, or mapping of str to float, optional
+        Relative standard deviation of parameters that were not estimated, as in `grip`.
+
+    Returns
+    -------
+    Tuning
+        The cars and their figures; ``.cars[.knee]`` is where the front bends most.
+
+    Raises
+    ------
+    InputError
+        If a name is unknown, no car meets the constraints, or a number is not positive.
+
+    Notes
+    -----
+    Each point of the front has the least largest of both figures, in logarithms, relative to a point on the line
+    between the ends (Das and Dennis, SIAM J. Optimization 8, 1998, 631-657), by sequential quadratic programming with
+    exact derivatives. Searches begin at the best of points spread over the box, and at the neighbour on the front; the
+    verdict tells how many agree. Scenarios of what is uncertain are its sigma points: one standard deviation times the
+    root of their number along each parameter, in principal directions.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from suspid import quarter_car
+    >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3,
+    ...                   chassis_damping=1300)
+    >>> found = tune(car, parameters=["chassis.damping"], objective=["chassis_acceleration.Wk", "tire.load"],
+    ...              road="C", speed=20.0, points=5)
+    >>> bool(np.all(np.diff(found.values[:, 0]) > 0) and np.all(np.diff(found.values[:, 1]) < 0))
+    True
+    """
+    about = uncertain(car, nominal_std)
+    wanted = (objective,) if isinstance(objective, str) else tuple(objective)
+    limits = dict(constraints or {})
+    _check(wanted, limits, points, robust)
+    driven = driven_road(about.car, road, speed)
+    figures = (*wanted, *(name for name in limits if name not in wanted))
+    plan = plan_of(about.car, driven, duration=duration, weightings=weightings, clearance=clearance).only(figures)
+    choice = _choice(about, parameters, robust)
+    low, high = _box(choice, bounds or {})
+    grid = exact_grid(about.car, plan.signals, driven)
+    start = np.clip(np.zeros(len(low)), low, high)
+    # An objective that is limited too stands once more, as a figure of its own.
+    order = [*range(len(wanted)), *(figures.index(name) for name in limits)]
+
+    def evaluate(x: RealArray) -> tuple[RealArray, RealArray]:
+        values, slopes = _figures(plan, choice, grid, x, robust)
+        return np.log(np.maximum(values, NO_FIGURE))[order], (slopes / np.maximum(values, NO_FIGURE)[:, None])[order]
+
+    search = Search(
+        evaluate=evaluate,
+        low=low,
+        high=high,
+        objectives=len(wanted),
+        limits=np.log(np.array(list(limits.values()), float)),
+    )
+    front = front_of(search, start, points)
+    if not front.points:
+        raise InputError(
+            f"no car within the bounds meets the constraints {limits}: widen the bounds or the limits, or let more "
+            f"parameters change"
+        )
+    cars = tuple(choice.car(point.x, {}) for point in front.points)
+    exact = _figures_of(plan, choice, robust, [point.x for point in front.points])
+    now, _ = _figures(plan, choice, exact_grid(about.car, plan.signals, driven), np.zeros(len(low)), robust)
+    chosen = [choice.chosen(point.x) for point in front.points]
+    return Tuning(
+        objectives=wanted,
+        figures=figures,
+        units=tuple(unit for unit, _, _ in plan.formulas.values()),
+        values=frozen_real(exact),
+        present=frozen_real(now),
+        parameters=choice.names,
+        choices=frozen_real([[one[name] for name in choice.names] for one in chosen]),
+        cars=cars,
+        verdict=_judged(front, choice, search, robust, about),
+    )
+
+
+def _figures(plan: Plan, choice: Choice, grid: Grid, x: RealArray, robust: Ratio) -> tuple[RealArray, RealArray]:
+    """Return figures at a choice and their derivatives by the logarithms of its factors, (figure, group)."""
+    pairs = [plan.values(choice.car(x, each), parameters=choice.names, grid=grid) for each in choice.scenarios]
+    values, jacobians = np.array([one for one, _ in pairs]), np.array([two for _, two in pairs])
+    at = np.array([choice.chosen(x)[name] for name in choice.names])
+    member = np.array([[name in group for group in choice.groups] for name in choice.names], float)
+    slopes = (jacobians * at) @ member
+    mean, mean_slopes = values.mean(axis=0), slopes.mean(axis=0)
+    if not robust:
+        return mean, mean_slopes
+    about = values - mean
+    std = np.sqrt(np.mean(about**2, axis=0))
+    std_slopes = np.mean(about[:, :, None] * (slopes - mean_slopes), axis=0) / np.maximum(std, NO_FIGURE)[:, None]
+    return mean + robust * std, mean_slopes + robust * std_slopes
+
+
+def _figures_of(plan: Plan, choice: Choice, robust: Ratio, where: Sequence[RealArray]) -> RealArray:
+    """Return the figures at choices, each on a grid that is fine enough for it."""
+    rows = []
+    for x in where:
+        grid = exact_grid(choice.car(x, {}), plan.signals, plan.road)
+        rows.append(_figures(plan, choice, grid, x, robust)[0])
+    return np.array(rows)
+
+
+def _check(wanted: Sequence[str], limits: Mapping[str, float], points: int, robust: Ratio) -> None:
+    if not 1 <= len(wanted) <= 2 or len(set(wanted)) < len(wanted):
+        raise InputError(f"objective={tuple(wanted)} must be one figure or two different ones")
+    for name, limit in limits.items():
+        if not (isinstance(limit, int | float | np.number) and 0 < limit < np.inf):
+            raise InputError(f"constraints: {name!r} = {limit!r} must be a positive number")
+    if points < 2:
+        raise InputError(f"{points=} must be two or more")
+    if not (np.isfinite(robust) and robust >= 0):
+        raise InputError(f"{robust=} must be a number of standard deviations, 0 or more")
+
+
+def _choice(about: Uncertain, parameters: Sequence[str | Sequence[str]], robust: Ratio) -> Choice:
+    """Return the unknowns of a request."""
+    known = parameter_values(about.car)
+    if isinstance(parameters, str) or not len(parameters):
+        raise InputError(f"{parameters=} must be a sequence of names such as ['chassis.damping']")
+    groups = tuple((one,) if isinstance(one, str) else tuple(one) for one in parameters)
+    names = [name for group in groups for name in group]
+    for name in names:
+        if name not in known or name.rpartition(".")[2] not in KINDS_TUNED:
+            allowed = [one for one in known if one.rpartition(".")[2] in KINDS_TUNED]
+            raise InputError(f"there is no spring or damper {name!r}.{nearest_names(name, allowed)}")
+        if names.count(name) > 1:
+            raise InputError(f"parameter {name!r} is given twice")
+        if not known[name]:
+            raise InputError(f"parameter {name!r} is zero: a factor does not change it; give the car a first guess")
+    scenarios: tuple[Mapping[str, float], ...] = ({},)
+    if robust:
+        rows = [i for i, name in enumerate(about.parameters) if name in known and name not in names and known[name]]
+        if not rows:
+            raise InputError("robust: nothing is uncertain beside what is chosen; give an Estimate or nominal_std")
+        uncertain_names = [about.parameters[i] for i in rows]
+        at = np.array([known[name] for name in uncertain_names])
+        relative = about.covariance[np.ix_(rows, rows)] / np.outer(at, at)
+        values, vectors = np.linalg.eigh(relative)
+        reach = vectors * np.sqrt(np.maximum(values, 0.0) * len(rows))
+        moves = [sign * column for column in reach.T for sign in (1.0, -1.0)]
+        scenarios = tuple(dict(zip(uncertain_names, np.exp(move).tolist(), strict=True)) for move in moves)
+    return Choice(base=about.car, groups=groups, values=known, scenarios=scenarios)
+
+
+def _box(choice: Choice, bounds: Mapping[str, tuple[float, float]]) -> tuple[RealArray, RealArray]:
+    """Return the bounds of the logarithms of factors, of each group."""
+    firsts = [group[0] for group in choice.groups]
+    for name in bounds:
+        if name not in firsts:
+            raise InputError(f"bounds: {name!r} is not chosen.{nearest_names(name, firsts)}")
+    ends = [bounds.get(name, (choice.values[name] / REACH, choice.values[name] * REACH)) for name in firsts]
+    for name, (low, high) in zip(firsts, ends, strict=True):
+        if not 0 < low < high < np.inf:
+            raise InputError(f"bounds: {name!r} = {(low, high)} must ascend from above 0")
+    logs = np.log(np.array(ends) / np.array([[choice.values[name]] for name in firsts]))
+    return logs[:, 0], logs[:, 1]
+
+
+def _judged(front: Front, choice: Choice, search: Search, robust: Ratio, about: Uncertain) -> Verdict:
+    return Verdict(
+        Remark(TuningHeadline.FRONT, {"points": len(front.points), "parameters": choice.names}),
+        tuple(_checks(front, choice, search, robust, about)),
+    )
+
+
+def _checks(front: Front, choice: Choice, search: Search, robust: Ratio, about: Uncertain) -> Iterator[Check]:
+    share = front.agreed / front.searches if front.searches else 1.0
+    yield Check(
+        Remark(TuningCheck.STARTS, {"share": share, "count": front.searches}),
+        Level.SOUND if share >= 0.5 else Level.CARE,
+    )
+    if front.failed:
+        numbers = {"count": front.failed, "points": front.failed + len(front.points)}
+        yield Check(Remark(TuningCheck.UNFINISHED, numbers), Level.CARE)
+    if search.objectives == 2 and len(front.points) == 1:
+        yield Check(Remark(TuningCheck.ONE), Level.NOTE)
+    x = np.array([point.x for point in front.points])
+    stuck = np.any((x <= search.low + AT_BOUND) | (x >= search.high - AT_BOUND), axis=0)
+    if np.any(stuck):
+        names = tuple(group[0] for group, one in zip(choice.groups, stuck, strict=True) if one)
+        yield Check(Remark(TuningCheck.AT_BOUND, {"names": names}), Level.NOTE)
+    if robust:
+        reached: dict[str, Number] = {"reach": robust, "names": tuple(choice.scenarios[0])}
+        yield Check(Remark(TuningCheck.ROBUST, reached), Level.NOTE)
+    if about.doubt is not None:
+        yield Check(Remark(RideCheck.UNTRUSTED, {"level": about.doubt.label}), about.doubt)

@@ -1,0 +1,78 @@
+"""The result of a tuning: the best compromises between two figures, and the cars that make them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from suspid.model import Suspension
+from suspid.units import RealArray
+from suspid.values import text_table
+from suspid.words import Verdict
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Tuning:
+    """Cars of which none is better in one objective without being worse in the other.
+
+    Parameters
+    ----------
+    objectives : tuple of str
+        The one or two figures that were minimised.
+    figures : tuple of str
+        These and the figures that were limited.
+    units : tuple of str
+        Their units.
+    values : ndarray (point, figure)
+        Figures of each car, the best in the first objective first; means with a margin where the tuning is robust.
+    present : ndarray (figure,)
+        Figures of the car as it was.
+    parameters : tuple of str
+        The parameters that were chosen.
+    choices : ndarray (point, parameter)
+        Their values for each car.
+    cars : tuple of Suspension
+        The cars.
+    verdict : Verdict
+        How far they can be trusted to be best.
+    """
+
+    objectives: tuple[str, ...]
+    figures: tuple[str, ...]
+    units: tuple[str, ...]
+    values: RealArray
+    present: RealArray
+    parameters: tuple[str, ...]
+    choices: RealArray
+    cars: tuple[Suspension, ...]
+    verdict: Verdict
+
+    @property
+    def knee(self) -> int:
+        """Number of the point where the front bends most: farthest below the line between its ends, in logarithms."""
+        logs = np.log(self.values[:, : len(self.objectives)])
+        span = np.ptp(logs, axis=0)
+        if len(self.objectives) < 2 or not np.all(span > 0):
+            return 0
+        return int(np.argmin(np.sum((logs - logs.min(axis=0)) / span, axis=1)))
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Return parameters and figures of each car as a table."""
+        import pandas as pd
+
+        return pd.DataFrame(np.hstack([self.choices, self.values]), columns=[*self.parameters, *self.figures])
+
+    def __str__(self) -> str:
+        knee = self.knee
+        labels = [f"{i + 1}{' (knee)' if i == knee and len(self.cars) > 2 else ''}" for i in range(len(self.cars))]
+        columns = {"car": [*labels, "now"]}
+        for name, column in zip(self.parameters, self.choices.T, strict=True):
+            columns[name] = [*(f"{value:.4g}" for value in column.tolist()), ""]
+        for name, unit, column, now in zip(self.figures, self.units, self.values.T, self.present, strict=True):
+            columns[f"{name} [{unit}]"] = [f"{value:.4g}" for value in (*column.tolist(), float(now))]
+        return f"{text_table(columns)}\n{self.verdict}"
