@@ -14,7 +14,7 @@ from suspid.units import RealArray
 Evaluate = Callable[[RealArray], tuple[RealArray, RealArray]]
 
 # Points at which the box is looked at before the search, for each unknown, and how many of the best begin a search.
-SAMPLES_EACH, BEST_STARTS = 16, 3
+PLACES_EACH, BEST_STARTS = 16, 3
 # Two searches agree where their figures differ by less than this share; a limit is met to it.
 SAME_FIGURE = 1e-4
 # How far the ends of a front may be from the very best in one figure, for the sake of the other.
@@ -37,7 +37,7 @@ class Search:
         inside = np.clip(x, self.low, self.high)
         key = inside.tobytes()
         if key not in self.known:
-            if len(self.known) > 4 * SAMPLES_EACH:
+            if len(self.known) > 4 * PLACES_EACH:
                 self.known.clear()
             self.known[key] = self.evaluate(inside)
         return self.known[key]
@@ -64,7 +64,7 @@ class Front:
 
 def front_of(search: Search, start: RealArray, points: int) -> Front:
     """Return the front of one or two objectives: its ends, and points spread evenly between them."""
-    sample = _spread(search.low, search.high, SAMPLES_EACH * len(start))
+    sample = _spread(search.low, search.high, PLACES_EACH * len(start))
     seen = np.array([search.evaluate(x)[0] for x in (start, *sample)])
     places = np.vstack([start, sample])
     over = np.sum(np.maximum(seen[:, search.objectives :] - search.limits, 0.0), axis=1)

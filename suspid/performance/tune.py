@@ -24,7 +24,7 @@ from suspid.words import Check, Level, Number, Remark, Verdict
 from suspid.words.ride import RideCheck, TuningCheck, TuningHeadline
 
 # Parameters are looked for within this factor of the car's own, both ways.
-REACH = 4.0
+REACH_OF_BOUNDS = 4.0
 # Figures that are zero to rounding, such as the probability of a rare event, have no logarithm.
 NO_FIGURE = 1e-300
 # A factor nearer to its bound than this is at it.
@@ -254,7 +254,10 @@ def _box(choice: Choice, bounds: Mapping[str, tuple[float, float]]) -> tuple[Rea
     for name in bounds:
         if name not in firsts:
             raise InputError(f"bounds: {name!r} is not chosen.{nearest_names(name, firsts)}")
-    ends = [bounds.get(name, (choice.values[name] / REACH, choice.values[name] * REACH)) for name in firsts]
+    ends = [
+        bounds.get(name, (choice.values[name] / REACH_OF_BOUNDS, choice.values[name] * REACH_OF_BOUNDS))
+        for name in firsts
+    ]
     for name, (low, high) in zip(firsts, ends, strict=True):
         if not 0 < low < high < np.inf:
             raise InputError(f"bounds: {name!r} = {(low, high)} must ascend from above 0")
