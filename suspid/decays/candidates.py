@@ -13,8 +13,9 @@ from suspid.decays.decay import Decay
 from suspid.decays.doubts import COUNTING_SHARE, clipped_samples, doubts_of, doubts_of_background
 from suspid.decays.envelopes import Envelopes
 from suspid.decays.kinds import kind_of
-from suspid.decays.predictions import at_rest_from, at_rest_until
+from suspid.decays.predictions import at_rest_from, at_rest_until, released_at
 from suspid.decays.refusals import Refusal, drowned, fits, refused
+from suspid.decays.rests import decay_between
 from suspid.decays.starts import LATEST_START, Start, find_start
 from suspid.decays.trials import Trial, block_size, quiet_variance, tried
 from suspid.decays.verification import verified
@@ -74,8 +75,11 @@ def examined(recording: Recording, burst: Burst, *, moved: bool) -> Found:
     signal = recording.signal
     first = max(0, int(np.ceil((burst.onset - signal.start) / signal.step - 1e-6)))
     last = min(signal.values.shape[1], int(np.floor((burst.stop - signal.start) / signal.step + 1e-6)) + 1)
+    end = last
     if last > first:
         last = first + at_rest_from(signal.values[:, first:last], recording.finest)
+    if moved and last > first:
+        first += released_at(signal.values[:, first:last], recording.finest)
     # Channels that are constant in the second half, such as the road after a step, take no part.
     later = signal.values[:, first + (last - first) // 2 : last]
     moving = np.flatnonzero(np.ptp(later, axis=1) > 0) if later.size else np.zeros(0, np.intp)
@@ -101,6 +105,11 @@ def examined(recording: Recording, burst: Burst, *, moved: bool) -> Found:
             start = replace(start, trial=whole or start.trial)
     refusal = _refusal(recording, start, alone=alone)
     if start.trial is None or refusal is not None:
+        if moved and moving.size and last < end:
+            first += at_rest_until(part.values[:, first:last], recording.finest[moving])
+            stopped = decay_between(part, first, last, level=burst.level)
+            if stopped is not None:
+                return (stopped,), ()
         code, numbers = refusal or (DecayRemark.TOO_SHORT, {})
         return (), (Remark(code, {"time": burst.onset, "level": burst.level, **numbers}),)
     if not moved and fits(start.trial):

@@ -26,6 +26,8 @@ RIDGE = 1e-6
 # An error this many times the largest one within the decay is a force. Less stops at the jumps of friction; more lets
 # a weak force pass.
 FORCED_ERROR = 3.0
+# Fewest samples of a rest.
+FEWEST_HELD = 8
 # A force smaller than this share of the motion is left to the fit, which sees it better.
 SMALL_FORCE = 0.003
 
@@ -61,6 +63,33 @@ def at_rest_until(values: RealArray, finest: RealArray) -> int:
     swing = np.maximum.accumulate(values, axis=1) - np.minimum.accumulate(values, axis=1)
     moving = np.flatnonzero(np.any(swing > within[:, None], axis=0))
     return int(moving[0]) - 1 if moving.size else values.shape[1] - 1
+
+
+def released_at(values: RealArray, finest: RealArray) -> int:
+    """Return the last sample of the last rest in a stretch after which it moves further than before; 0 without one.
+
+    A decay does not grow: what rests for longer than it then takes to move half of its way has been held and let go.
+
+    Examples
+    --------
+    A mass is pulled within 20 samples, held for 80 and let go:
+
+    >>> time = np.arange(300.0)
+    >>> free = np.exp(-0.01 * (time - 100)) * np.cos(0.1 * (time - 100))
+    >>> released_at(np.where(time < 100, np.minimum(time / 20, 1.0), free)[None], np.array([1e-4]))
+    100
+    """
+    within = 1.5 * np.sqrt(12.0) * finest
+    still = np.all(np.abs(np.diff(values, axis=1)) <= within[:, None], axis=0)
+    for end in np.flatnonzero(still[:-1] & ~still[1:])[::-1].tolist():
+        ahead, behind = values[:, end + 1 :], values[:, : end + 2]
+        rest = behind.shape[1] - at_rest_from(behind, finest)
+        sizes = np.ptp(ahead, axis=1)
+        moved = np.any(np.abs(ahead - ahead[:, :1]) > 0.5 * np.where(sizes > within, sizes, np.inf)[:, None], axis=0)
+        grown = np.any(sizes > np.maximum(np.ptp(behind, axis=1), within))
+        if grown and rest > max(FEWEST_HELD, int(np.argmax(moved))):
+            return end + at_rest_until(ahead, finest) + 1
+    return 0
 
 
 def freed_at(values: RealArray, finest: RealArray, *, step: Second) -> tuple[int, int]:
