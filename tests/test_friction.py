@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from suspid import find_decays, read_record
-from suspid.signals import as_response, as_signal
+from suspid import find_decays, identify, read_record
+from suspid.signals import as_response, as_signal, cut
 from validation.friction import Rig, release, released, write
 
 
@@ -72,3 +72,22 @@ class TestStartsAndEnds:
         # A quarter of a period of the first mode: two blocks.
         assert abs(best.start - record.start) < 0.5 * np.pi / record.rig.wn[0]
         assert best.stop < record.stop + 2 * step
+
+
+class TestHeldAndStopped:
+    """Few cycles between a hold and a dead stop: no sum of damped exponentials follows them."""
+
+    @pytest.mark.parametrize("swings", [5, 7])
+    def test_a_decay_begins_where_a_mass_is_let_go_and_has_one_mode(self, swings: int) -> None:
+        held, wn, step = 0.02, 40.0, 0.01
+        # Each swing of pi / wn ends 2 F / k nearer to rest.
+        rig = Rig(mass=(1.0,), stiffness=(wn**2,), damping=(0.0,), friction=(held * wn**2 / (2 * swings + 1),))
+        time = step * np.arange(200)
+        free, stop = released(rig, np.array([held]), np.maximum(time - 0.5, 0.0))
+        values = np.where(time < 0.5, held * np.clip((time - 0.1) / 0.1, 0.0, 1.0), free[0])
+        values = 1e-5 * np.round(values / 1e-5)
+        found = find_decays(as_response(time, values, ["x"]))
+        assert found[0].start == pytest.approx(0.5, abs=2 * step)
+        assert found[0].stop == pytest.approx(0.5 + stop, abs=2 * step)
+        modes = identify(cut(as_response(time, values, ["x"]), start=found[0].start, stop=found[0].stop)).modes
+        np.testing.assert_allclose(modes.wn, [wn], rtol=0.02)

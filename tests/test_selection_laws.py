@@ -17,7 +17,7 @@ from suspid.identification.noise import WhiteNoise, noise_colour
 from suspid.identification.poles import Poles
 from suspid.identification.selection import Selection, select
 from suspid.signals import as_response, as_signal
-from suspid.words import Reason
+from suspid.words import Level, Reason
 
 Complex = NDArray[np.complex128]
 Real = NDArray[np.float64]
@@ -316,6 +316,13 @@ class TestHarmonics:
         assert found.modes.wn[0] == pytest.approx(np.hypot(20, 0.4), rel=1e-3)
         (named,) = [c.remark for c in found.considered if c.remark.code is Reason.HARMONIC]
         assert named.numbers == {"mode": 1, "multiple": round(ratio)}
+
+    @pytest.mark.parametrize(("rate", "moves"), [(0.6, True), (0.75, True), (2.5, False)])
+    def test_a_middle_that_moves_with_its_swings_is_named(self, rate: float, moves: bool) -> None:
+        found = self.found(0.0, rate, 0.08)
+        named = [c.remark.numbers for c in found.considered if c.remark.code is Reason.HARMONIC]
+        assert named == ([{"mode": 1, "multiple": 0}] if moves else [])
+        assert (found.verdict.level is Level.CARE) or not moves
 
     @pytest.mark.parametrize(("ratio", "rate", "share"), [(2.03, 0.4, 0.05), (2.0, 2.5, 0.05), (2.0, 0.6, 0.5)])
     def test_a_mode_near_a_multiple_is_a_mode(self, ratio: float, rate: float, share: float) -> None:

@@ -17,13 +17,16 @@ WEAK, HIGHEST = 0.2, 7
 # A frequency is known to be a multiple of another if its standard deviation is below this share of it: a higher one
 # takes weak modes for harmonics by chance.
 PRECISE = 0.01
+# A real pole is the middle of a swing that moves with its size if the standard deviation of its rate is below this
+# share of it: a higher one takes other real poles for it by chance.
+PRECISE_RATE = 0.2
 
 
 def without_harmonics(selection: Selection, modes: ModalSet) -> Selection:
     """Return the poles of a record, of which those at multiples of a stronger mode are no modes but stay in the fit.
 
-    A bilinear damper or a sensor that bends adds motion at twice the frequency of a mode. It decays as another mode
-    would, at once to twice the rate.
+    A bilinear damper or a sensor that bends adds motion at twice the frequency of a mode, and moves the middle of its
+    swings. Both decay as another mode would, at once to twice the rate.
     """
     poles, kept = selection.fit.poles, selection.modes
     if len(kept) < 2 or modes.covariance is None:
@@ -33,14 +36,20 @@ def without_harmonics(selection: Selection, modes: ModalSet) -> Selection:
     strengths = np.sum(np.abs(amplitudes) ** 2 / (selection.fit.squares + 1e-300), axis=1)
     reasons = list(selection.reasons)
     for k, number in enumerate(order.tolist()):
-        stronger = [j for j in range(k) if strengths[k] < WEAK**2 * strengths[j] and reasons[order[j]] is None]
+        stronger = [j for j in range(len(order)) if strengths[k] < WEAK**2 * strengths[j] and reasons[order[j]] is None]
         if any(_is_multiple(modes, j, k) for j in stronger):
             reasons[number] = Reason.HARMONIC
     return replace(selection, reasons=tuple(reasons))
 
 
 def multiple_of(modes: ModalSet, pole: complex) -> tuple[int, int]:
-    """Return the number of the mode, from 1, of which a pole is nearest to a multiple, and the multiple."""
+    """Return the number of the mode, from 1, of which a pole is nearest to a multiple, and the multiple.
+
+    A real pole is 0 times a mode.
+    """
+    if not pole.imag:
+        rates = np.where(modes.poles.imag > 0, np.abs(modes.poles.real), np.inf)
+        return int(np.argmin(np.abs(np.log(abs(pole) / np.maximum(rates, 1e-300))))) + 1, 0
     ratios = np.abs(pole.imag) / np.maximum(np.abs(modes.poles.imag), 1e-300)
     multiples = np.round(ratios)
     strays = np.where((multiples > 1) & (multiples <= HIGHEST), np.abs(ratios / np.maximum(multiples, 1) - 1), np.inf)
@@ -53,8 +62,8 @@ def _is_multiple(modes: ModalSet, one: int, other: int) -> bool:
     covariance = modes.covariance
     assert covariance is not None
     first, second = complex(modes.poles[one]), complex(modes.poles[other])
-    multiple = round(second.imag / first.imag) if first.imag > 0 else 0
-    if not 2 <= multiple <= HIGHEST:
+    multiple = round(second.imag / first.imag) if first.imag > 0 else 1
+    if multiple == 1 or multiple > HIGHEST:
         return False
 
     def std(part: int, factor: int) -> float:
@@ -63,7 +72,12 @@ def _is_multiple(modes: ModalSet, one: int, other: int) -> bool:
         return float(np.sqrt(row @ covariance @ row))
 
     off = std(1, multiple)
-    if off > PRECISE * second.imag or abs(second.imag - multiple * first.imag) > SURE * off:
+    if multiple:
+        known = off < PRECISE * second.imag and abs(second.imag - multiple * first.imag) < SURE * off
+    else:
+        known = second.imag == 0 and std(0, 1) < PRECISE_RATE * -second.real
+    if not known:
         return False
-    slow, fast = -first.real - SURE * std(0, 1), -multiple * first.real + SURE * std(0, multiple)
+    fastest = max(multiple, 2)
+    slow, fast = -first.real - SURE * std(0, 1), -fastest * first.real + SURE * std(0, fastest)
     return slow <= -second.real <= fast

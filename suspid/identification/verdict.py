@@ -59,6 +59,8 @@ def _checks(found: Identification, level: Ratio) -> Iterator[Check]:
     if growing:
         yield _of(ModeCheck.GROWING, Level.DOUBTFUL, {"modes": growing})
     yield from _amplitudes(found)
+    if any(c.removed and c.remark.code is Reason.HARMONIC for c in found.considered):
+        yield _of(ModeCheck.HARMONICS, Level.CARE)
     yield from _halves(found)
     if found.method != "ridge":
         yield from _residual(found)

@@ -55,7 +55,14 @@ class Reason(Code):
     NOT_NEEDED = "not needed", "not needed beside the others"
     BENT = "bent", "drift: removed with the offset, as a parabola"
     SAME_MODE = "same mode", "part of mode {mode}, whose frequency and damping depend on its amplitude"
-    HARMONIC = "harmonic", "{multiple} times mode {mode}: a harmonic of its nonlinear motion"
+    HARMONIC = (
+        "harmonic",
+        lambda n: (
+            f"{n['multiple']} times mode {n['mode']}: a harmonic of its nonlinear motion"
+            if n["multiple"]
+            else f"the middle of mode {n['mode']}, which moves with its size: its motion is nonlinear"
+        ),
+    )
     DISTORTION = "distortion", "no stronger than what the nonlinear forces leave"
 
 
@@ -135,6 +142,11 @@ class ModeCheck(Code):
             f"Mode {_names(n['modes'])} may be two modes close together, or one that is not quite linear: the record "
             f"leaves it open. The intervals cover both."
         ),
+    )
+    HARMONICS = (
+        "harmonics",
+        "Motion at multiples of the modes decays with them: a spring or damper that bends, or a sensor. The values are "
+        "those of the nearest linear decay; the intervals do not contain what bends them.",
     )
     ONE_SHAPE = (
         "one shape",
