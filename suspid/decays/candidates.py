@@ -30,6 +30,8 @@ MOST_AGAIN, LEAST_PERIODS = 3, 8.0
 # Most blocks of the final fit, from the start that was found. More follow long decays further and cost time.
 FINAL_BLOCKS = 2000
 
+# Samples at rest before a decay that begins with a release.
+LEAST_STILL = 2
 # An event that fills most of the recording may decay after this share of it only.
 LATEST_ALONE = 0.9
 
@@ -78,8 +80,8 @@ def examined(recording: Recording, burst: Burst, *, moved: bool) -> Found:
     end = last
     if last > first:
         last = first + at_rest_from(signal.values[:, first:last], recording.finest)
-    if moved and last > first:
-        first += released_at(signal.values[:, first:last], recording.finest)
+    released = released_at(signal.values[:, first:last], recording.finest) if moved and last > first else 0
+    first += released
     # Channels that are constant in the second half, such as the road after a step, take no part.
     later = signal.values[:, first + (last - first) // 2 : last]
     moving = np.flatnonzero(np.ptp(later, axis=1) > 0) if later.size else np.zeros(0, np.intp)
@@ -105,11 +107,12 @@ def examined(recording: Recording, burst: Burst, *, moved: bool) -> Found:
             start = replace(start, trial=whole or start.trial)
     refusal = _refusal(recording, start, alone=alone)
     if start.trial is None or refusal is not None:
-        if moved and moving.size and last < end:
-            first += at_rest_until(part.values[:, first:last], recording.finest[moving])
-            stopped = decay_between(part, first, last, level=burst.level)
-            if stopped is not None:
-                return (stopped,), ()
+        if moved and moving.size:
+            rest = at_rest_until(part.values[:, first:last], recording.finest[moving])
+            still = last < end or rest > LEAST_STILL or released
+            found = decay_between(part, first + rest, last, level=burst.level) if still else None
+            if found is not None:
+                return (found,), ()
         code, numbers = refusal or (DecayRemark.TOO_SHORT, {})
         return (), (Remark(code, {"time": burst.onset, "level": burst.level, **numbers}),)
     if not moved and fits(start.trial):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from suspid.identification.candidates import CANDIDATES_TRIED, Candidate
 from suspid.identification.fitting import BENT, Fit, Problem
@@ -30,8 +31,10 @@ def divided(problem: Problem, fit: Fit) -> Fit | None:
     return None
 
 
-def unresolved(problem: Problem, fit: Fit) -> tuple[ComplexArray, Rejected]:
+def unresolved(problem: Problem, fit: Fit) -> tuple[ComplexArray, NDArray[np.bool_], Rejected]:
     """Return how far each pair lies from the nearer of two that fit better in its place, (pair,), and their partners.
+
+    Between them, whether the residual of each pair bends beyond chance, (pair,).
 
     The gain of the two is significant at `UNLIKELY`, though not enough for two modes: the record leaves it open. The
     distance is 0 where one pair suffices.
@@ -41,8 +44,10 @@ def unresolved(problem: Problem, fit: Fit) -> tuple[ComplexArray, Rejected]:
     channels = problem.blocks.channels
     needed = float(chdtri(2 + 2 * channels, UNLIKELY))
     shifts, partners = np.zeros(len(fit.poles.pairs), complex), list[tuple[Candidate, Remark]]()
-    for which, (pole, (promise, start)) in enumerate(zip(fit.poles.pairs, apart(fit), strict=True)):
-        if promise < needed:
+    promises = apart(fit)
+    bends = np.array([promise > needed for promise, _ in promises], bool)
+    for which, (pole, (_, start)) in enumerate(zip(fit.poles.pairs, promises, strict=True)):
+        if not bends[which]:
             continue
         trial = problem.fitted(with_two(fit.poles, which, start))
         if trial is None:
@@ -56,7 +61,7 @@ def unresolved(problem: Problem, fit: Fit) -> tuple[ComplexArray, Rejected]:
             partners.append(
                 (Candidate(theta=complex(other), real=False, gain=gain), Remark(Reason.UNRESOLVED, numbers))
             )
-    return shifts, tuple(partners)
+    return shifts, bends, tuple(partners)
 
 
 def with_two(poles: Poles, which: int, two: ComplexArray) -> Poles:

@@ -48,8 +48,8 @@ def multiple_of(modes: ModalSet, pole: complex) -> tuple[int, int]:
     A real pole is 0 times a mode.
     """
     if not pole.imag:
-        rates = np.where(modes.poles.imag > 0, np.abs(modes.poles.real), np.inf)
-        return int(np.argmin(np.abs(np.log(abs(pole) / np.maximum(rates, 1e-300))))) + 1, 0
+        rates = np.where(modes.poles.imag > 0, np.abs(modes.poles.real) + 1e-300, 1e300)
+        return int(np.argmin(np.abs(np.log(rates / abs(pole))))) + 1, 0
     ratios = np.abs(pole.imag) / np.maximum(np.abs(modes.poles.imag), 1e-300)
     multiples = np.round(ratios)
     strays = np.where((multiples > 1) & (multiples <= HIGHEST), np.abs(ratios / np.maximum(multiples, 1) - 1), np.inf)

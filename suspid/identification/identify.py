@@ -226,15 +226,15 @@ def _modes_of(
 ) -> tuple[ModalSet, RealArray]:
     """Return the modes of one decay and how loud the residual is near each, (mode,).
 
-    The variances of a mode are widened by its loudness, or by the square of the disagreement of the two halves of
-    the decay where that is more, and by noise that the channels share. Where a mode may be two, its interval reaches
-    the nearer of them.
+    The variances of a mode are widened by its loudness, and by noise that the channels share; or by the square of the
+    disagreement of the two halves of the decay where that is more and the residual shows that it is no chance. Where a
+    mode may be two, its interval reaches the nearer of them.
     """
     fit, kept = selection.fit, selection.modes
     loudness = selection.loudness[kept]
     widening = loudness * shared_noise(selection.residual)
     noise_std = np.sqrt(fit.squares / fit.count)
-    for k in np.flatnonzero((loudness > 1) & (kept < len(fit.poles.pairs))):
+    for k in np.flatnonzero(((loudness > 1) | selection.bends[kept]) & (kept < len(fit.poles.pairs))):
         widening[k] = np.nanmax([widening[k], disagreement(values, fit.poles, int(kept[k]), noise_std) ** 2])
     widening = np.maximum(widening, spread_of(fit, kept, selection.shifts[kept]))
     joint = joint_covariance([fit], kept, widening)

@@ -42,6 +42,7 @@ class Selection:
     residual: RealArray  # (channel, sample): the record less the fitted motion
     # (pole,): distance to the nearer of two poles that fit better in its place; 0 where one suffices
     shifts: ComplexArray
+    bends: NDArray[np.bool_]  # (pole,): whether the residual shows beyond chance that each pair is not quite linear
     rejected: Rejected  # poles that were tried and not kept, and why
 
     @property
@@ -77,7 +78,7 @@ def select(
         lost += dropped
     # Sums of squares from samples are more accurate than differences of energies.
     solution = reweighed(fit.solution, problem.noise, fit.squares)
-    shifts, open_ones = unresolved(problem, fit)
+    shifts, bends, open_ones = unresolved(problem, fit)
     reasons = list(reasons_of(solution, band, fit.loudness, fit.explained))
     pairs = len(solution.poles.pairs)
     for index in pairs + np.flatnonzero(ambiguous(gains[pairs:], pair_gains, channels=blocks.channels)):
@@ -92,6 +93,7 @@ def select(
         loudness=fit.loudness,
         residual=fit.residual,
         shifts=np.concatenate([shifts, np.zeros(len(fit.poles.reals))]),
+        bends=np.concatenate([bends, np.zeros(len(fit.poles.reals), bool)]),
         rejected=rejected + lost + open_ones,
     )
 

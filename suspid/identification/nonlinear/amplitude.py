@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from suspid.identification.covariance import inverse_information
-from suspid.identification.nonlinear.driven import DrivenFit
+from suspid.identification.nonlinear.driven import DrivenFit, maximize
 from suspid.identification.nonlinear.forces import means
 from suspid.units import ComplexArray, RadianPerSecond, Ratio, RealArray, Second
 from suspid.values import frozen_real
@@ -21,6 +21,10 @@ VISIBLE = 3.0
 MISSED, MISSED_SHARE = 3.0, 0.1
 # Harmonics of each mode beside which the part of a force in step with another mode is found.
 HARMONICS = (2, 3, 4, 5)
+# States begin with 1; below this their ratios are not known to rounding.
+GONE_BELOW = 1e-100
+# Steps of the fit to a part of the record; they begin at the fit to the whole.
+REFIT_STEPS = 5
 # Parts of the decay over which a mode is described, at most; each is of one cycle at least.
 WINDOWS = 12
 
@@ -121,6 +125,10 @@ def swings_of(fit: DrivenFit, pole: int, window: slice = slice(None)) -> Swings 
     state, own = fit.states[pole, window], np.flatnonzero(fit.owners == pole)
     strongest = int(np.argmax(np.abs(fit.amplitudes[pole])))
     amplitude = fit.amplitudes[pole, strongest]
+    gone = np.flatnonzero(np.abs(state) < GONE_BELOW)
+    state = state[: int(gone[0])] if gone.size else state
+    if len(state) < 3:
+        return None
     speed = np.real(amplitude * fit.drive.theta[pole] * state)
     times = _turns(speed, most=min(MISSED, MISSED_SHARE * np.pi / float(fit.drive.theta[pole].imag)))
     if len(times) < 3:
@@ -128,7 +136,7 @@ def swings_of(fit: DrivenFit, pole: int, window: slice = slice(None)) -> Swings 
     inside = np.clip(times, 0, len(state) - 1)
     at = np.minimum(inside.astype(int), len(state) - 2)
     logs = np.log(np.abs(state)) + 1j * np.unwrap(np.angle(state))
-    rows = np.vstack([logs, fit.slopes[own][:, window] / state])
+    rows = np.vstack([logs, fit.slopes[own][:, window][:, : len(state)] / state])
     rows = rows[:, at] + (inside - at) * (rows[:, at + 1] - rows[:, at])
     # Outside, the speed falls to 0 along a straight line.
     positions = np.real(amplitude * np.exp(rows[0])) + 0.5 * (times - inside) * speed[np.rint(inside).astype(int)]
@@ -217,15 +225,28 @@ def _pole_slopes(fit: DrivenFit, pole: int, by_gain: ComplexArray) -> RealArray:
     return out
 
 
-def window_changes(fit: DrivenFit, pole: int, theta: complex) -> ComplexArray:
-    """Return by how much the mean exponent of a mode changes with the stretch, (window,).
+def window_changes(fit: DrivenFit, pole: int, theta: complex, *, refit: bool = False) -> ComplexArray:
+    """Return by how much the mean pole of a mode changes with the stretch, (window,).
 
-    A decay that starts half a period later, or ends a fifth earlier, has other amplitudes and so another mean.
+    A decay that starts half a period later, or ends a fifth earlier, has other amplitudes and so another mean. With
+    ``refit`` the parts are fitted anew: where the forces are not quite the true ones, they have other values.
     """
     count = fit.states.shape[1]
     half = min(int(np.pi / theta.imag), count // 2)
     windows = (slice(half, count), slice(0, count - count // 5))
-    return np.array([mean_pole(fit, pole, window)[0] - theta for window in windows])
+    parts = [_within(fit, window) if refit else None for window in windows]
+    means = [
+        mean_pole(fit, pole, window) if part is None else mean_pole(part, pole)
+        for part, window in zip(parts, windows, strict=True)
+    ]
+    return np.array([mean - theta for mean, _ in means])
+
+
+def _within(fit: DrivenFit, window: slice) -> DrivenFit | None:
+    """Return the fit to a window of the record, from the same poles and forces on."""
+    first = fit.states[:, window.start]
+    drive = replace(fit.drive, gains=fit.drive.gains / first[:, None], forces=fit.drive.forces[:, window])
+    return maximize(fit.values[:, window], drive, fit.noise, steps=REFIT_STEPS)
 
 
 def covariance_of(fit: DrivenFit) -> RealArray:

@@ -88,6 +88,7 @@ class Drive:
 class DrivenFit:
     """The amplitudes that fit a record best at given poles and gains, and what a step needs."""
 
+    values: RealArray  # (channel, sample): the record
     drive: Drive
     noise: WhiteNoise
     states: ComplexArray  # (pole, sample): z
@@ -211,6 +212,7 @@ def evaluate(values: RealArray, drive: Drive, noise: WhiteNoise) -> DrivenFit | 
     inverse = solve_triangular(triangle, np.eye(len(triangle))) / norms[:, None]
     inner = basis.T @ values.T
     return DrivenFit(
+        values=values,
         drive=drive,
         noise=noise,
         states=states,

@@ -68,7 +68,7 @@ def _with_windows(modes: ModalSet, fit: DrivenFit, order: list[int], exponents: 
     covariance = modes.covariance.copy()
     for mode, k in enumerate(order):
         at = slice(2 * mode, 2 * mode + 2)
-        for change in window_changes(fit, k, complex(exponents[k])) / step:
+        for change in window_changes(fit, k, complex(exponents[k]), refit=True) / step:
             parts = np.array([change.real, change.imag])
             covariance[at, at] += np.outer(parts, parts)
     return replace(modes, covariance=covariance)
