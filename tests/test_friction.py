@@ -82,10 +82,10 @@ class TestHeldAndStopped:
         held, wn, step = 0.02, 40.0, 0.01
         # Each swing of pi / wn ends 2 F / k nearer to rest.
         rig = Rig(mass=(1.0,), stiffness=(wn**2,), damping=(0.0,), friction=(held * wn**2 / (2 * swings + 1),))
-        time = step * np.arange(200)
+        time = np.asarray(step * np.arange(200), float)
         free, stop = released(rig, np.array([held]), np.maximum(time - 0.5, 0.0))
         values = np.where(time < 0.5, held * np.clip((time - 0.1) / 0.1, 0.0, 1.0), free[0])
-        values = 1e-5 * np.round(values / 1e-5)
+        values = np.asarray(1e-5 * np.round(values / 1e-5), float)
         found = find_decays(as_response(time, values, ["x"]))
         assert found[0].start == pytest.approx(0.5, abs=2 * step)
         assert found[0].stop == pytest.approx(0.5 + stop, abs=2 * step)

@@ -108,9 +108,9 @@ def examined(recording: Recording, burst: Burst, *, moved: bool) -> Found:
     refusal = _refusal(recording, start, alone=alone)
     if start.trial is None or refusal is not None:
         if moved and moving.size:
-            rest = at_rest_until(part.values[:, first:last], recording.finest[moving])
-            still = last < end or rest > LEAST_STILL or released
-            found = decay_between(part, first + rest, last, level=burst.level) if still else None
+            held = at_rest_until(part.values[:, first:last], recording.finest[moving])
+            still = last < end or held > LEAST_STILL or released
+            found = decay_between(part, first + held, last, level=burst.level) if still else None
             if found is not None:
                 return (found,), ()
         code, numbers = refusal or (DecayRemark.TOO_SHORT, {})

@@ -88,7 +88,7 @@ def released_at(values: RealArray, finest: RealArray) -> int:
         moved = np.any(np.abs(ahead - ahead[:, :1]) > 0.5 * np.where(sizes > within, sizes, np.inf)[:, None], axis=0)
         grown = np.any(sizes > np.maximum(np.ptp(behind, axis=1), within))
         if grown and rest > max(FEWEST_HELD, int(np.argmax(moved))):
-            return end + at_rest_until(ahead, finest) + 1
+            return int(end) + at_rest_until(ahead, finest) + 1
     return 0
 
 
