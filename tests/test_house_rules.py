@@ -123,7 +123,7 @@ class TestModules:
         assert not calls, f"suspid/{name}.py prints in line {calls[0].lineno}"
 
     def test_matplotlib_is_imported_by_plots_alone(self, name: str) -> None:
-        helpers = {"reporting.axes", "reporting.pictures", "reporting.svg"}
+        helpers = {"reporting.axes", "reporting.pictures", "reporting.svg", "results"}
         if not name.startswith("reporting.plot_") and name not in {*helpers, "cli.measured"}:
             assert not [i for i in imports(name) if i.split(".")[0] == "matplotlib"]
 

@@ -31,6 +31,7 @@ from suspid.identification import (
 from suspid.model import ModalSet, Suspension
 from suspid.reconstruction import Reconstruction
 from suspid.recordings import Recording
+from suspid.results import Result
 from suspid.signals import cut
 from suspid.words import Check, Defect, Level, ModeCheck, Note, RecordCheck, Remark, Verdict
 
@@ -47,7 +48,7 @@ STEPS = ("reading", "finding decays", "identifying", "reconstructing")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Analysis:
+class Analysis(Result):
     """What `analyse` found, step by step.
 
     Parameters
@@ -130,6 +131,9 @@ class Analysis:
             ]
         doubts = doubts_of(self.used[0], self.identification) if len(self.used) == 1 else ()
         return Verdict(found.headline, (*doubts, *found.checks, *of_recording, *springs, *failed))
+
+    def _table(self) -> Mapping[str, Sequence[object]]:
+        return self.modes._table()
 
     def __str__(self) -> str:
         parts = [tables_of(self.identification) if self.repeats is None else tables_of_repeats(self.repeats)]

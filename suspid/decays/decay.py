@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import overload
 
 import numpy as np
 
+from suspid.results import Result, columns_of
 from suspid.units import Decibel, RealArray, Second
 from suspid.values import text_table
 from suspid.words import Check, DecayDoubt, DecayKind, DecayRemark, Level, Remark, Verdict
@@ -69,7 +70,7 @@ class Decay:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Decays(Sequence[Decay]):
+class Decays(Sequence[Decay], Result):
     """Free decays of a recording in order of rank, as a sequence, and remarks on the other events.
 
     Parameters
@@ -106,6 +107,9 @@ class Decays(Sequence[Decay]):
             return Verdict(none, tuple(Check(remark, Level.NONE) for remark in self.remarks or (none,)))
         checks = [Check(d, Level.DOUBTFUL if d.code in GRAVE else Level.CARE) for d in self.decays[0].doubts]
         return Verdict(Remark(DecayRemark.FOUND, {"decays": len(self.decays)}), tuple(checks))
+
+    def _table(self) -> Mapping[str, Sequence[object]]:
+        return columns_of(self, ["rank", "start", "stop", "cycles", "level", "strength", "kind", "doubts"])
 
     def __str__(self) -> str:
         columns: dict[str, list[str]] = {

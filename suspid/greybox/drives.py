@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, overload
 
 import numpy as np
 
 from suspid.errors import InputError
+from suspid.results import Result, columns_of
 from suspid.units import Hertz, MetrePerSecond, MetrePerSecond2, Second
 from suspid.values import text_table
 from suspid.words import Check, Code, Level, Remark, Verdict
@@ -97,7 +98,7 @@ class Drive:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
-class Drives(Sequence[Drive]):
+class Drives(Sequence[Drive], Result):
     """The stretches of a recorded drive in order of time, as a sequence.
 
     Parameters
@@ -160,6 +161,9 @@ class Drives(Sequence[Drive]):
             return Verdict(none, (Check(none, Level.NONE), *self.remarks))
         numbers = {"stretches": len(self.taken), "seconds": self.usable, "length": self.length}
         return Verdict(Remark(DriveRemark.FOUND, numbers), self.remarks)
+
+    def _table(self) -> Mapping[str, Sequence[object]]:
+        return columns_of(self, ["start", "stop", "taken", "speed", "reasons"])
 
     def __str__(self) -> str:
         return f"{summary_table(self)}\n{self.verdict}"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -11,6 +11,7 @@ import numpy as np
 from suspid.greybox.roads import RoadEstimate
 from suspid.levels import LEVEL, check_level
 from suspid.model import ModalSet, Suspension
+from suspid.results import Result
 from suspid.signals import as_signal
 from suspid.units import UNITS, Ratio, RealArray
 from suspid.values import rounded, spread, text_table
@@ -24,7 +25,7 @@ POSITIVE = ("stiffness", "mass", "gain")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
-class Estimate:
+class Estimate(Result):
     """The suspension that explains the records best, and all that is needed to judge it.
 
     Parameters
@@ -111,6 +112,18 @@ class Estimate:
         low, high = ends_of(self.parameters, self.values, self.std, level)
         low, high = (np.clip(end, self.ranges[:, 0], self.ranges[:, 1]) for end in (low, high))
         return {name: (float(a), float(b)) for name, a, b in zip(self.parameters, low, high, strict=True)}
+
+    def _table(self) -> Mapping[str, Sequence[object]]:
+        ends = self.interval()
+        return {
+            "parameter": self.parameters,
+            "value": self.values.tolist(),
+            "std": self.std.tolist(),
+            "lower": [ends[name][0] for name in self.parameters],
+            "upper": [ends[name][1] for name in self.parameters],
+            "nominal": [nominal_value(self.nominal, name) for name in self.parameters],
+            "unit": [parameter_unit(name) for name in self.parameters],
+        }
 
     def __str__(self) -> str:
         return "\n".join([parameter_table(self), *(str(part) for part in (self.modes, *self.road, self.verdict))])

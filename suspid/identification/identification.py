@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Literal
@@ -18,6 +19,7 @@ from suspid.identification.poles import Poles
 from suspid.identification.steps import FourSteps
 from suspid.identification.verdict import verdict_of
 from suspid.model import ModalSet
+from suspid.results import Result
 from suspid.signals import as_signal
 from suspid.units import RealArray
 from suspid.values import frozen_real, text_table
@@ -32,7 +34,7 @@ Method = Literal["likelihood", "ridge"]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Identification:
+class Identification(Result):
     """What `identify` found, and all that is needed to judge it.
 
     Parameters
@@ -145,6 +147,9 @@ class Identification:
     def verdict(self) -> Verdict:
         """How far the modes can be trusted, with every check and its numbers."""
         return verdict_of(self)
+
+    def _table(self) -> Mapping[str, Sequence[object]]:
+        return self.modes._table()
 
     def __str__(self) -> str:
         return f"{tables_of(self)}\n\n{self.verdict}"

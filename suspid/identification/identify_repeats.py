@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -21,6 +21,7 @@ from suspid.identification.noise import WhiteNoise, noise_of, shared_noise
 from suspid.identification.selection import select
 from suspid.identification.verdict import verdict_of_repeats
 from suspid.model import ModalSet
+from suspid.results import Result
 from suspid.signals import Stretch, as_signal, cut
 from suspid.units import RadianPerSecond, RealArray, Second
 from suspid.values import check_count, frozen_real, text_table
@@ -34,7 +35,7 @@ LONG_ENOUGH = 0.5
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Repeats:
+class Repeats(Result):
     """What `identify_repeats` found.
 
     Parameters
@@ -67,6 +68,9 @@ class Repeats:
     def verdict(self) -> Verdict:
         """How far the joint modes can be trusted, with every check and its numbers."""
         return verdict_of_repeats(self)
+
+    def _table(self) -> Mapping[str, Sequence[object]]:
+        return self.modes._table()
 
     def __str__(self) -> str:
         return f"{tables_of_repeats(self)}\n\n{self.verdict}"

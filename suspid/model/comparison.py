@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+from suspid.results import Result, columns_of
 from suspid.units import UNITS, RealArray
 from suspid.values import text_table
 
@@ -50,7 +51,7 @@ class ComparedValue:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
-class Comparison:
+class Comparison(Result):
     """Result of `compare`; ``str()`` is the table, so a failed ``assert c.passed, c`` shows it.
 
     Parameters
@@ -80,6 +81,9 @@ class Comparison:
     def __bool__(self) -> bool:
         """Whether it passed, so that ``assert compare(found, expected)`` works."""
         return self.passed
+
+    def _table(self) -> Mapping[str, Sequence[object]]:
+        return columns_of(self.table, ["item", "quantity", "unit", "found", "expected", "error", "allowed", "verdict"])
 
     def __str__(self) -> str:
         failed = [row for row in self.table if row.verdict != "ok"]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +12,7 @@ from suspid.errors import InputError
 from suspid.levels import LEVEL, check_level
 from suspid.model.covariance import covariance_order, jacobian_of
 from suspid.model.modal_table import modal_table
+from suspid.results import Result
 from suspid.units import ComplexArray, RadianPerSecond, Ratio, RealArray
 from suspid.values import frozen_complex, frozen_real
 
@@ -36,7 +37,7 @@ class Interval:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
-class ModalSet:
+class ModalSet(Result):
     """Modes in order of ascending natural frequency, exact or estimated.
 
     One entry stands for a conjugate pair (the pole in the upper half plane), for one real
@@ -261,6 +262,19 @@ class ModalSet:
             wn=frozen_real(self.wn[:, None] + reach * self.wn_std[:, None]),
             zeta=frozen_real(self.zeta[:, None] + reach * self.zeta_std[:, None]),
         )
+
+    def _table(self) -> Mapping[str, Sequence[object]]:
+        columns: dict[str, Sequence[object]] = {
+            "f_hz": (self.wn / (2 * np.pi)).tolist(),
+            "wn_rad_per_s": self.wn.tolist(),
+            "zeta": self.zeta.tolist(),
+            "kind": self.kinds,
+        }
+        covariance = self.wn_zeta_covariance
+        if covariance is not None:
+            std = np.sqrt(np.diag(covariance))
+            columns |= {"wn_std_rad_per_s": std[0::2].tolist(), "zeta_std": std[1::2].tolist()}
+        return columns
 
     def __str__(self) -> str:
         return modal_table(self)

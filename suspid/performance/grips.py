@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 import numpy as np
 
 from suspid.levels import LEVEL, check_level
+from suspid.results import Result
 from suspid.units import Ratio, RealArray
 from suspid.values import text_table
 from suspid.words import Verdict
@@ -21,7 +23,7 @@ Figure: TypeAlias = Literal["adhesion", "phase"]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
-class Grip:
+class Grip(Result):
     """Adhesion and least phase of each wheel on a test bench, as figures and as curves.
 
     Parameters
@@ -122,6 +124,18 @@ class Grip:
                 low, high = np.clip([value - reach * std, value + reach * std], 0.0, top).tolist()
                 ends[f"{wheel}.{what}"] = low, high
         return ends
+
+    def _table(self) -> Mapping[str, Sequence[object]]:
+        ends = self.interval()
+        columns: dict[str, Sequence[object]] = {"wheel": self.wheels, "load_n": self.load.tolist()}
+        for what, unit, values in (("adhesion", "", self.adhesion), ("phase", "_rad", self.phase)):
+            pairs = [ends[f"{wheel}.{what}"] for wheel in self.wheels]
+            columns |= {
+                f"{what}{unit}": values.tolist(),
+                f"{what}_lower{unit}": [low for low, _ in pairs],
+                f"{what}_upper{unit}": [high for _, high in pairs],
+            }
+        return columns
 
     def __str__(self) -> str:
         certain = not np.any(self.covariance)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,6 +10,7 @@ import numpy as np
 from suspid.levels import LEVEL
 from suspid.performance.grips import Grip
 from suspid.performance.losses import TESTS, Loss, WearRule
+from suspid.results import Result, columns_of
 from suspid.units import NewtonSecondPerMetre, Ratio
 from suspid.values import text_table
 from suspid.words import Check, DamperState, Verdict
@@ -76,7 +78,7 @@ class ParameterChange:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
-class Wear:
+class Wear(Result):
     """Result of `wear`; ``str()`` has the changes of springs and dampers, the grip before and after, and the verdict.
 
     Parameters
@@ -109,6 +111,9 @@ class Wear:
     def states(self) -> dict[str, DamperState]:
         """The state of each damper."""
         return {one.damper: one.state for one in self.dampers}
+
+    def _table(self) -> Mapping[str, Sequence[object]]:
+        return columns_of(self.changes, ["name", "unit", "before", "after", "change", "low", "high", "significant"])
 
     def __str__(self) -> str:
         reach = f"{100 * LEVEL:g} % interval"

@@ -8,12 +8,19 @@ through, and lists every other suspension that the same modes allow. Below it: `
 
 from suspid.reconstruction.alternatives import even_starts
 from suspid.reconstruction.asked import Bounds, unknowns_of
-from suspid.reconstruction.car_json import parameter_values, reconstruction_to_dict, unit_of
+from suspid.reconstruction.car_json import reconstruction_to_dict
 from suspid.reconstruction.descent import descend
 from suspid.reconstruction.observations import ModalTest
 from suspid.reconstruction.posed import Asked, check_asked
 from suspid.reconstruction.reconstruct import Reconstruction, reconstruct
-from suspid.reconstruction.unknowns import QUANTITIES, Unknowns, parameter_names, parameter_vector
+from suspid.reconstruction.unknowns import (
+    QUANTITIES,
+    Unknowns,
+    parameter_names,
+    parameter_values,
+    parameter_vector,
+    unit_of,
+)
 
 __all__ = [
     "QUANTITIES",

@@ -20,10 +20,9 @@ An object with
 from __future__ import annotations
 
 from suspid.levels import LEVEL
-from suspid.model import Suspension
 from suspid.reconstruction.results import Reconstruction
-from suspid.reconstruction.unknowns import parameter_names, parameter_vector
-from suspid.units import UNITS, Ratio
+from suspid.reconstruction.unknowns import parameter_values, unit_of
+from suspid.units import Ratio
 
 
 def reconstruction_to_dict(found: Reconstruction, *, level: Ratio = LEVEL) -> dict[str, object]:
@@ -78,19 +77,3 @@ def reconstruction_to_dict(found: Reconstruction, *, level: Ratio = LEVEL) -> di
         ],
         "suspid": version("suspid"),
     }
-
-
-def parameter_values(car: Suspension) -> dict[str, float]:
-    """Return every parameter by name, such as ``"tire.stiffness"``, in its unit."""
-    return dict(zip(parameter_names(car), parameter_vector(car).tolist(), strict=True))
-
-
-def unit_of(parameter: str) -> str:
-    """Return the unit of a parameter.
-
-    Examples
-    --------
-    >>> unit_of("tire.damping")
-    'N s/m'
-    """
-    return UNITS[parameter.rpartition(".")[2]]

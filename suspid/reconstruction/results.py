@@ -10,7 +10,8 @@ import numpy as np
 from suspid.errors import InputError
 from suspid.levels import LEVEL, NORMAL_95, check_level
 from suspid.model import Suspension
-from suspid.reconstruction.unknowns import QUANTITIES, parameter_names, parameter_vector
+from suspid.reconstruction.unknowns import QUANTITIES, parameter_values, unit_of
+from suspid.results import Result
 from suspid.units import Kilogram, NewtonPerMetre, NewtonSecondPerMetre, Ratio, RealArray
 from suspid.values import rounded, spread, text_table
 from suspid.words import (
@@ -37,7 +38,7 @@ AGAINST = {
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
-class Reconstruction:
+class Reconstruction(Result):
     """The suspension that has the given modes, its uncertainty, and the others that have these modes too.
 
     Parameters
@@ -124,11 +125,27 @@ class Reconstruction:
         check_level(level)
         if self.covariance is None:
             raise InputError("the modes carried no covariance, so the parameters have none; identify gives one")
-        every = dict(zip(parameter_names(self.suspension), parameter_vector(self.suspension).tolist(), strict=True))
+        every = parameter_values(self.suspension)
         reach = float(ndtri((1 + level) / 2)) * np.sqrt(np.diag(self.covariance))
         values = np.array([every[name] for name in self.parameters])
         ends = np.clip(values[:, None] + reach[:, None] * [-1, 1], self.ranges[:, :1], self.ranges[:, 1:])
         return {name: (float(low), float(high)) for name, (low, high) in zip(self.parameters, ends, strict=True)}
+
+    def _table(self) -> Mapping[str, Sequence[object]]:
+        values = parameter_values(self.suspension)
+        columns: dict[str, Sequence[object]] = {
+            "parameter": self.parameters,
+            "value": [values[name] for name in self.parameters],
+            "unit": [unit_of(name) for name in self.parameters],
+        }
+        if self.covariance is not None:
+            ends = self.interval()
+            columns |= {
+                "std": np.sqrt(np.diag(self.covariance)).tolist(),
+                "lower": [ends[name][0] for name in self.parameters],
+                "upper": [ends[name][1] for name in self.parameters],
+            }
+        return columns
 
     def __str__(self) -> str:
         struts = self.suspension.struts
@@ -216,7 +233,7 @@ def _vague(found: Reconstruction) -> Iterator[Check]:
     """Yield which parameters are not known from zero."""
     if found.covariance is None:
         return
-    values = dict(zip(parameter_names(found.suspension), parameter_vector(found.suspension).tolist(), strict=True))
+    values = parameter_values(found.suspension)
     std = found.covariance.diagonal() ** 0.5
     vague = tuple(n for n, s in zip(found.parameters, std, strict=True) if 0 < values[n] < NORMAL_95 * s)
     if vague:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from suspid.model import Suspension
-from suspid.units import RealArray
+from suspid.units import UNITS, RealArray
 
 QUANTITIES = ("stiffness", "damping")
 
@@ -102,3 +102,19 @@ def parameter_names(car: Suspension) -> list[str]:
     ['tire.stiffness', 'chassis.damping', 'tire.damping', 'chassis.mass']
     """
     return [*(f"{s.name}.{q}" for q in QUANTITIES for s in car.struts), *(f"{m}.mass" for m in car.masses)]
+
+
+def parameter_values(car: Suspension) -> dict[str, float]:
+    """Return every parameter by name, such as ``"tire.stiffness"``, in its unit."""
+    return dict(zip(parameter_names(car), parameter_vector(car).tolist(), strict=True))
+
+
+def unit_of(parameter: str) -> str:
+    """Return the unit of a parameter.
+
+    Examples
+    --------
+    >>> unit_of("tire.damping")
+    'N s/m'
+    """
+    return UNITS[parameter.rpartition(".")[2]]

@@ -1,8 +1,8 @@
 """Pictures of each step, the report as an HTML page, and the same content as JSON.
 
 `report` writes one HTML page, `report_to_dict` the same as JSON (schema in ``schemas/``), of what `content_of` puts
-together. Each ``plot_…``
-draws one picture on matplotlib Axes; the page shows the same pictures as SVG.
+together. Each ``plot_…`` draws one picture on matplotlib Axes; the page shows the same pictures as SVG. ``drawings``
+says which of them a result draws with ``.plot()`` and in a notebook.
 
 To add a picture to the page: draw it on Axes in a module of its own, as in ``plot_entropy.py``; add a field to
 `Pictures` in ``pictures.py`` and fill it with `picture`; place it in ``templates/report.html.j2`` with
@@ -10,6 +10,7 @@ To add a picture to the page: draw it on Axes in a module of its own, as in ``pl
 """
 
 from suspid.reporting.content import Content, content_of
+from suspid.reporting.drawings import drawing_of
 from suspid.reporting.drive_json import drive_to_dict
 from suspid.reporting.estimate_json import estimate_from_dict, estimate_to_dict, read_estimate
 from suspid.reporting.estimate_page import EstimateContent
@@ -38,6 +39,7 @@ __all__ = [
     "Source",
     "comparison_to_dict",
     "content_of",
+    "drawing_of",
     "drive_to_dict",
     "estimate_from_dict",
     "estimate_to_dict",

@@ -79,7 +79,7 @@ def lively(found: Estimate, record: int) -> NDArray[np.bool_]:
     return np.asarray(residual.timepts - residual.start <= until)
 
 
-def draw_changes(found: Estimate, ax: Axes, level: Ratio) -> None:
+def draw_changes(found: Estimate, ax: Axes, level: Ratio = LEVEL) -> None:
     """Draw found over nominal with intervals, one line for each parameter that has a nominal value."""
     ends, names = found.interval(level), list[str]()
     for name, value in zip(found.parameters, found.values.tolist(), strict=True):

@@ -55,29 +55,38 @@ def plot_grip(found: Grip, figure: Figure, *, level: Ratio = LEVEL) -> Figure:
         figure.set_layout_engine("constrained")
     reach, degrees = float(ndtri((1 + level) / 2)), float(np.degrees(1.0))
     upper, lower = figure.subplots(2, 1, sharex=True)
-    _draw(upper, found, 100 * found.adhesion_curve, 100 * reach * found.adhesion_band)
+    draw_adhesion(found, upper, level=level)
     _draw(lower, found, degrees * found.phase_curve, degrees * reach * found.phase_band)
     for i, colour in zip(range(len(found.wheels)), _colours(found), strict=True):
-        upper.plot(found.adhesion_hertz[i], 100 * found.least[i], "o", color=colour, markersize=4)
         lower.plot(found.phase_hertz[i], degrees * found.phase[i], "o", color=colour, markersize=4)
-    for least in [100 * share for share in CLASSES.values()]:
-        upper.axhline(least, color=Colour.GREY, linewidth=0.8, linestyle=":")
-    for name, share in CLASSES.items():
-        upper.annotate(name, (1.0, 100 * share), xycoords=("axes fraction", "data"), xytext=(3, 3),
-                       textcoords="offset points", fontsize="small", color=Colour.GREY)  # fmt: skip
     lower.axhline(degrees * PHASE_LIMIT, color=Colour.GREY, linewidth=0.8, linestyle=":")
     lower.annotate("limit", (1.0, degrees * PHASE_LIMIT), xycoords=("axes fraction", "data"), xytext=(3, -3),
                    textcoords="offset points", fontsize="small", color=Colour.GREY)  # fmt: skip
     lower.axvspan(found.resonances[0, 0], float(np.max(found.resonances[:, 1])), color=Colour.SHADE, zorder=0)
-    upper.set(ylabel="least / static force [%]", ylim=(min(-5.0, *(105 * found.least)), 105.0))
-    upper.set_title("EUSAMA", loc="left")
     lower.set(xlabel="frequency [Hz]", ylabel="phase [deg]", ylim=(0.0, 180.0), yticks=range(0, 181, 45))
     lower.set_title("EGEA; grey: between the resonances", loc="left")
-    lower.set_xscale("log")
-    lower.set_xlim(0.5, float(found.hertz[-1]))
-    frequency_ticks(lower.xaxis, float(found.hertz[-1]) / 0.5)
-    key_above(upper)
+    upper.set_xlabel("")
     return figure
+
+
+def draw_adhesion(found: Grip, ax: Axes, *, level: Ratio = LEVEL) -> None:
+    """Draw the least contact force of each wheel over frequency, with its band and the classes of EUSAMA."""
+    from scipy.special import ndtri
+
+    reach = float(ndtri((1 + level) / 2))
+    _draw(ax, found, 100 * found.adhesion_curve, 100 * reach * found.adhesion_band)
+    for hertz, least, colour in zip(found.adhesion_hertz, found.least, _colours(found), strict=True):
+        ax.plot(hertz, 100 * least, "o", color=colour, markersize=4)
+    for name, share in CLASSES.items():
+        ax.axhline(100 * share, color=Colour.GREY, linewidth=0.8, linestyle=":")
+        ax.annotate(name, (1.0, 100 * share), xycoords=("axes fraction", "data"), xytext=(3, 3),
+                    textcoords="offset points", fontsize="small", color=Colour.GREY)  # fmt: skip
+    ax.set(xlabel="frequency [Hz]", ylabel="least / static force [%]", ylim=(min(-5.0, *(105 * found.least)), 105.0))
+    ax.set_title("EUSAMA", loc="left")
+    ax.set_xscale("log")
+    ax.set_xlim(0.5, float(found.hertz[-1]))
+    frequency_ticks(ax.xaxis, float(found.hertz[-1]) / 0.5)
+    key_above(ax)
 
 
 def _draw(ax: Axes, found: Grip, values: RealArray, reach: RealArray) -> None:

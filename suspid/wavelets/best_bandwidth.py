@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -10,6 +10,7 @@ import numpy as np
 
 from suspid.cleaning import RecordLike, as_record
 from suspid.errors import InputError
+from suspid.results import Result
 from suspid.signals import as_signal
 from suspid.units import Radian, RadianPerSecond, RealArray
 from suspid.values import frozen_real
@@ -27,7 +28,7 @@ ENTROPY_CUT = 1e-8
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
-class BandwidthSearch:
+class BandwidthSearch(Result):
     """Wavelet entropy against bandwidth.
 
     Parameters
@@ -40,6 +41,9 @@ class BandwidthSearch:
 
     candidates: RealArray
     entropy: RealArray
+
+    def _table(self) -> Mapping[str, Sequence[object]]:
+        return {"bandwidth": self.candidates.tolist(), "entropy": self.entropy.tolist()}
 
     @property
     def best(self) -> float:

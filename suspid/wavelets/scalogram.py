@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from suspid.errors import InputError
+from suspid.results import Result
 from suspid.signals import Signal
 from suspid.units import ComplexArray, RealArray
 from suspid.wavelets.morlet import Morlet
@@ -17,7 +18,7 @@ Normalization = Literal["paper", "amplitude"]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
-class Scalogram:
+class Scalogram(Result):
     """Wavelet transform of a record, each row at the sampling rate that its bandwidth needs.
 
     Parameters

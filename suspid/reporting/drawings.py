@@ -1,0 +1,91 @@
+"""Which pictures a result draws itself with, see `suspid.results`."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from suspid.analysis import Analysis
+from suspid.greybox import Estimate
+from suspid.identification import Identification, Repeats
+from suspid.model import ModalSet
+from suspid.performance import Grip
+from suspid.reporting.colours import Colour
+from suspid.reporting.plot_entropy import plot_entropy
+from suspid.reporting.plot_estimate import draw_changes, plot_estimate
+from suspid.reporting.plot_grip import draw_adhesion, plot_grip
+from suspid.reporting.plot_identification import PAGE, plot_identification
+from suspid.reporting.plot_scalogram import plot_scalogram
+from suspid.reporting.plot_shapes import plot_shapes
+from suspid.results import Drawing
+from suspid.results import drawing_of as drawing_of
+from suspid.wavelets import BandwidthSearch, Scalogram
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+
+@drawing_of.register
+def _(found: ModalSet) -> Drawing:
+    return Drawing(alone=partial(_draw_modes, found))
+
+
+@drawing_of.register
+def _(found: Repeats) -> Drawing:
+    return Drawing(alone=partial(_draw_modes, found.modes))
+
+
+@drawing_of.register
+def _(found: Identification) -> Drawing:
+    return Drawing(alone=partial(_draw_scalogram, found), page=partial(plot_identification, found), size=PAGE)
+
+
+@drawing_of.register
+def _(found: Analysis) -> Drawing:
+    if found.estimate is not None:
+        return _of_estimate(found.estimate)
+    return Drawing(
+        alone=partial(_draw_scalogram, found.identification),
+        page=partial(plot_identification, found.identification),
+        size=PAGE,
+    )
+
+
+@drawing_of.register
+def _of_estimate(found: Estimate) -> Drawing:
+    return Drawing(alone=partial(draw_changes, found), page=partial(plot_estimate, found), size=PAGE)
+
+
+@drawing_of.register
+def _(found: Scalogram) -> Drawing:
+    return Drawing(alone=lambda ax: plot_scalogram(found, ax=ax))
+
+
+@drawing_of.register
+def _(found: BandwidthSearch) -> Drawing:
+    return Drawing(alone=lambda ax: plot_entropy(found, ax=ax))
+
+
+@drawing_of.register
+def _(found: Grip) -> Drawing:
+    return Drawing(alone=partial(draw_adhesion, found), page=partial(plot_grip, found), size=(7.0, 5.5))
+
+
+def _draw_scalogram(found: Identification, ax: Axes) -> None:
+    plot_scalogram(found.scalogram, ax=ax, ridges=found.ridges, modes=found.modes)
+
+
+def _draw_modes(modes: ModalSet, ax: Axes) -> None:
+    """Draw the shapes; where there are none, damping ratio against frequency with 95 % intervals."""
+    if modes.shapes is not None and len(modes.channels) > 1:
+        plot_shapes(modes, ax=ax)
+        return
+    hertz = modes.wn / (2 * np.pi)
+    if modes.covariance is not None:
+        ends = modes.interval()
+        reach = np.abs(ends.wn.T / (2 * np.pi) - hertz), np.abs(ends.zeta.T - modes.zeta)
+        ax.errorbar(hertz, modes.zeta, xerr=reach[0], yerr=reach[1], fmt="none", color=Colour.BLUE)
+    ax.plot(hertz, modes.zeta, "o", color=Colour.BLUE, markersize=4)
+    ax.set(xlabel="natural frequency [Hz]", ylabel="damping ratio [1]")

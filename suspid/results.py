@@ -1,0 +1,149 @@
+"""What every result can be asked for: its text, a table, a picture, a cell of a notebook."""
+
+from __future__ import annotations
+
+import base64
+import html
+import io
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import singledispatch
+from typing import TYPE_CHECKING, Any
+
+from suspid.errors import InputError
+
+if TYPE_CHECKING:
+    import control
+    import pandas
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+# Size of a picture in a notebook [inch], and its resolution [dots per inch].
+NOTEBOOK, NOTEBOOK_DOTS = (7.0, 3.2), 96
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Drawing:
+    """How a result is drawn.
+
+    Parameters
+    ----------
+    alone : callable
+        Draws its main picture on the Axes given.
+    page : callable, optional
+        Draws all of its pictures on an empty figure. Default: the main picture.
+    size : (float, float)
+        Size of the page [inch].
+    """
+
+    alone: Callable[[Axes], object]
+    page: Callable[[Figure], object] | None = None
+    size: tuple[float, float] = NOTEBOOK
+
+
+@singledispatch
+def drawing_of(found: object) -> Drawing | None:
+    """Return how a result is drawn; `suspid.reporting` registers the pictures of each type."""
+    del found
+    return None
+
+
+class Result:
+    """The methods that all results share."""
+
+    __slots__ = ()
+
+    def _table(self) -> Mapping[str, Sequence[object]]:
+        """Return the numbers of the result by column, with units in the names."""
+        raise InputError(f"{type(self).__name__} has no table; its fields hold what it knows")
+
+    def details(self) -> str:
+        """Return all that can be said in words; ``str()`` is the part that fits a screen."""
+        return str(self)
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """Return the numbers as a DataFrame, unrounded, with units in the names of the columns.
+
+        Raises
+        ------
+        InputError
+            If pandas is not installed, or the result has no table.
+        """
+        table = self._table()
+        try:
+            import pandas
+        except ModuleNotFoundError:
+            raise InputError("to_pandas needs pandas: pip install pandas") from None
+        return pandas.DataFrame({name: list(column) for name, column in table.items()})
+
+    def plot(self, ax: Axes | None = None) -> control.ControlPlot:
+        """Draw the result.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Where to draw the main picture. Default: all pictures, on a figure of their own.
+
+        Returns
+        -------
+        control.ControlPlot
+            Lines, Axes and figure, as the plots of python-control return them.
+
+        Raises
+        ------
+        InputError
+            If there is nothing to draw.
+        """
+        import control
+        import numpy as np
+
+        drawing = drawing_of(self)
+        if drawing is None:
+            raise InputError(f"{type(self).__name__}: there is no picture of this result")
+        if ax is not None:
+            drawing.alone(ax)
+            figure: Any = ax.figure
+            axes = np.array([[ax]], dtype=object)
+        else:
+            from matplotlib import pyplot
+
+            figure = pyplot.figure(figsize=drawing.size, layout="constrained")
+            _draw(drawing, figure, whole=True)
+            axes = np.array(figure.axes, dtype=object)
+        lines = np.empty(axes.shape, dtype=object)
+        for index, one in np.ndenumerate(axes):
+            lines[index] = list(one.lines)
+        return control.ControlPlot(lines, axes, figure)
+
+    def _repr_html_(self) -> str:
+        """Return the text and the main picture for a notebook; whatever a name holds stays text."""
+        text = f'<pre style="white-space: pre-wrap">{html.escape(str(self))}</pre>'
+        drawing = drawing_of(self)
+        if drawing is None:
+            return text
+        from matplotlib.figure import Figure
+
+        figure = Figure(figsize=NOTEBOOK, layout="constrained")
+        _draw(drawing, figure, whole=False)
+        with io.BytesIO() as stream:
+            figure.savefig(stream, format="png", dpi=NOTEBOOK_DOTS)
+            content = base64.b64encode(stream.getvalue()).decode("ascii")
+        return f'{text}<img alt="{type(self).__name__}" src="data:image/png;base64,{content}">'
+
+
+def _draw(drawing: Drawing, figure: Figure, *, whole: bool) -> None:
+    if whole and drawing.page is not None:
+        drawing.page(figure)
+    else:
+        drawing.alone(figure.subplots())
+
+
+def columns_of(rows: Sequence[object], names: Sequence[str]) -> dict[str, list[object]]:
+    """Return fields of rows by column.
+
+    Examples
+    --------
+    >>> columns_of([1 + 2j, 3.0 + 0j], ["real", "imag"])
+    {'real': [1.0, 3.0], 'imag': [2.0, 0.0]}
+    """
+    return {name: [getattr(row, name) for row in rows] for name in names}

@@ -1,0 +1,136 @@
+"""Every result shows itself: text, table, picture, notebook cell."""
+
+from __future__ import annotations
+
+import base64
+import re
+from typing import Any
+
+import control
+import matplotlib as mpl
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+import suspid
+from suspid import (
+    ModalSet,
+    add_noise,
+    analyse,
+    best_bandwidth,
+    compare,
+    cwt,
+    eigenmodes,
+    estimate,
+    find_decays,
+    free_decay,
+    grip,
+    identify,
+    identify_repeats,
+    reconstruct,
+)
+from suspid.errors import InputError
+from suspid.results import Result
+from suspid.signals import as_response
+from validation import cars
+
+mpl.use("Agg")
+pytest.importorskip("pandas")
+pyplot: Any = pytest.importorskip("matplotlib.pyplot")
+RECORD = add_noise(
+    free_decay(cars.PAPER, np.arange(0, 5, 0.005), initial_state={"v_tire": 1.0}),
+    snr_db=30.0,
+    rng=np.random.default_rng(1),
+)
+DRAWN = {"modes", "poles", "identification", "repeats", "analysis", "estimate", "grip", "scalogram", "bandwidths"}
+
+
+@pytest.fixture(scope="module")
+def results() -> dict[str, Any]:
+    found = identify(RECORD)
+    return {
+        "modes": found.modes,
+        "poles": ModalSet.from_wn_zeta([10.0, 70.0], [0.3, 0.2], wn_std=[0.1, 0.5], zeta_std=[0.01, 0.01]),
+        "identification": found,
+        "repeats": identify_repeats([RECORD, RECORD]),
+        "analysis": analyse(RECORD),
+        "decays": find_decays(RECORD),
+        "comparison": compare(found.modes, eigenmodes(cars.PAPER), rtol=0.05),
+        "reconstruction": reconstruct(found.modes, cars.PAPER),
+        "estimate": estimate(RECORD, cars.PAPER),
+        "grip": grip(cars.HATCHBACK),
+        "scalogram": cwt(RECORD, omega=np.geomspace(10, 100, 40), bandwidth=8.0),
+        "bandwidths": best_bandwidth(RECORD, omega=np.geomspace(10, 100, 40), candidates=[1, 4, 16]),
+    }
+
+
+def test_all_results_are_tried(results: dict[str, Any]) -> None:
+    public = {
+        one for name in suspid.__all__ if isinstance(one := getattr(suspid, name), type) and issubclass(one, Result)
+    }
+    # Drives and the wear of dampers have tests of their own.
+    assert {one.__name__ for one in public} - {type(one).__name__ for one in results.values()} <= {"Drives", "Wear"}
+
+
+def test_a_notebook_cell_has_text_and_picture(results: dict[str, Any]) -> None:
+    for name, result in results.items():
+        cell = result._repr_html_()
+        assert cell.startswith("<pre ")
+        pictures = re.findall(r'src="data:image/png;base64,([^"]+)"', cell)
+        assert len(pictures) == (name in DRAWN), name
+        for picture in pictures:
+            assert base64.b64decode(picture).startswith(b"\x89PNG")
+            assert len(picture) < 200_000
+
+
+def test_names_stay_text_in_a_notebook() -> None:
+    record = as_response(RECORD.time, np.asarray(RECORD.y), ["<script>", "b", "c"])
+    cell = identify(record)._repr_html_()
+    assert "<script>" not in cell
+    assert isinstance(cell, str)
+
+
+def test_plots_are_those_of_python_control(results: dict[str, Any]) -> None:
+    for name in sorted(DRAWN):
+        plot = results[name].plot()
+        assert isinstance(plot, control.ControlPlot)
+        assert plot.figure.axes
+        assert any(ax.get_xlabel() for ax in plot.figure.axes)
+        pyplot.close(plot.figure)
+        ax = Figure().subplots()
+        alone = results[name].plot(ax=ax)
+        assert alone.axes[0, 0] is ax
+        assert alone.figure is ax.figure
+    with pytest.raises(InputError, match="no picture"):
+        results["comparison"].plot()
+
+
+def test_tables_hold_the_numbers(results: dict[str, Any]) -> None:
+    found = results["identification"]
+    table = found.to_pandas()
+    assert np.array_equal(table["wn_rad_per_s"], found.modes.wn)
+    assert np.array_equal(table["zeta"], found.modes.zeta)
+    np.testing.assert_allclose(table["f_hz"], found.modes.wn / (2 * np.pi), rtol=1e-15)
+    reach = found.modes.interval(0.95).wn[:, 1] - found.modes.wn
+    np.testing.assert_allclose(1.959964 * table["wn_std_rad_per_s"], reach, rtol=1e-3)
+    springs = results["estimate"].to_pandas().set_index("parameter")
+    assert springs["value"].to_dict() == dict(
+        zip(results["estimate"].parameters, results["estimate"].values, strict=True)
+    )
+    assert (springs["lower"] < springs["value"]).all()
+    assert springs.loc["tire.stiffness", "nominal"] == 800e3
+    again = results["reconstruction"].to_pandas()
+    assert again["value"].tolist() == [
+        getattr(next(s for s in results["reconstruction"].suspension.struts if s.name == owner), what)
+        for owner, what in (name.split(".") for name in again["parameter"])
+    ]
+    assert results["comparison"].to_pandas()["verdict"].eq("ok").all()
+    assert len(results["decays"].to_pandas()) == len(results["decays"])
+    assert results["grip"].to_pandas()["wheel"].tolist() == ["tire"]
+    with pytest.raises(InputError, match="no table"):
+        results["scalogram"].to_pandas()
+
+
+def test_details_say_no_less(results: dict[str, Any]) -> None:
+    for result in results.values():
+        assert len(result.details()) >= len(str(result))
