@@ -82,9 +82,9 @@ def damper_trends(drives: Iterable[tuple[str, float, Estimate]], *, rule: WearRu
     """Return what each damper of each vehicle has lost over its drives.
 
     A straight line is drawn through the logarithm of damping over stiffness of the spring beside it, in which a load
-    that is not described cancels. Scatter from drive to drive (temperature) is estimated from all vehicles, so its
-    stated values in the rule are not used. The verdict is that of `wear`, by the loss between the first and the last
-    drive.
+    that is not described cancels. Scatter from drive to drive (temperature) is estimated from all dampers of all
+    vehicles but those that scatter improbably more, so its stated values in the rule are not used. The verdict is that
+    of `wear`, by the loss between the first and the last drive.
 
     Parameters
     ----------
@@ -137,7 +137,7 @@ def trends_of_rates(rows: Iterable[tuple[str, str, float, Rates]], rule: WearRul
             tests.setdefault(f"{vehicle}{BETWEEN}{damper}", []).append((when, value, std))
     measured: dict[str, Measured] = {name: _columns(rows) for name, rows in tests.items()}
     found = []
-    for trend in trends_of("damping", measured):
+    for trend in trends_of("damping", measured, pooled=True):
         vehicle, _, damper = trend.vehicle.rpartition(BETWEEN)
         change, reach = trend.end - trend.start, float(stats.t.isf(rule.rate, trend.freedom)) * trend.std
         low, value, high = (float(-np.expm1(change + side * reach)) for side in (1, 0, -1))

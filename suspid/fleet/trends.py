@@ -69,7 +69,7 @@ class Trend:
         return ("falls" if self.end < self.start else "rises") if self.changes else "holds"
 
 
-def trends_of(quantity: str, tests: Mapping[str, Measured]) -> tuple[Trend, ...]:
+def trends_of(quantity: str, tests: Mapping[str, Measured], *, pooled: bool = False) -> tuple[Trend, ...]:
     """Return the weighted line through each vehicle's measurements over time; vehicles with too few are left out.
 
     Each value is weighted by its own variance plus one that all tests share (temperature, load). The shared variance
@@ -77,7 +77,8 @@ def trends_of(quantity: str, tests: Mapping[str, Measured]) -> tuple[Trend, ...]
     residuals has the shared variance of its own residuals. The interval is that of Student's t, with the degrees of
     freedom of that estimate.
 
-    ``tests`` holds times, values and their standard deviations (NaN where there is none) by vehicle.
+    With ``pooled`` a vehicle has the shared variance unless its own is improbably large; else whenever its own is
+    larger. ``tests`` holds times, values and their standard deviations (NaN where there is none) by vehicle.
 
     Examples
     --------
@@ -106,7 +107,10 @@ def trends_of(quantity: str, tests: Mapping[str, Measured]) -> tuple[Trend, ...]
         return ()
     alike, everyone = _alike(list(usable.values()))
     freedom = sum(len(time) - 2 for time, _, _ in alike)
-    return tuple(_trend(vehicle, quantity, one, everyone, freedom) for vehicle, one in usable.items())
+    same = {id(one) for one in alike} if pooled else set[int]()
+    return tuple(
+        _trend(vehicle, quantity, one, everyone, freedom, same=id(one) in same) for vehicle, one in usable.items()
+    )
 
 
 def adjusted(trends: Sequence[Trend]) -> tuple[Trend, ...]:
@@ -128,11 +132,11 @@ def adjusted(trends: Sequence[Trend]) -> tuple[Trend, ...]:
     return tuple(sorted(found, key=lambda trend: (trend.p, trend.vehicle, trend.quantity)))
 
 
-def _trend(vehicle: str, quantity: str, one: Measured, everyone: float, freedom: int) -> Trend:
+def _trend(vehicle: str, quantity: str, one: Measured, everyone: float, freedom: int, *, same: bool) -> Trend:
     from scipy import stats
 
     t, v, own = one
-    alone = _shared_variance([one])
+    alone = 0.0 if same else _shared_variance([one])
     shared = max(alone, everyone)
     if alone > everyone:
         freedom = len(t) - 2
