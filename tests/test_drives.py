@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from suspid import DriveLimits, Drives, InputError, RawChannel, Recording, find_drives, quarter_car
-from suspid.cleaning import clipped_times
+from suspid.cleaning import clipped_times, stuck_times
 from suspid.greybox.blocks import vibration
 from suspid.signals import as_response, as_signal
 from suspid.units import RealArray
@@ -128,7 +128,8 @@ class TestSensors:
         # Motion of the wheels, slow beside the rate, is cut off for many samples at a time.
         motion[burst] = np.clip(30 * np.sin(2 * np.pi * 6 * TIME[burst]), -16, 16)
         found = find_drives(ride(channel("az", motion)))
-        assert ends(found) == [(0.0, 50.0), (53.0, 120.0)]
+        # A sensor is given half a second to recover.
+        assert ends(found) == [(0.0, 50.0), (54.0, 120.0)]
         assert DriveReason.CLIPPED in why(found, 51.0)
 
     @pytest.mark.parametrize("step", [0.0, 0.01, 0.1])
@@ -146,6 +147,19 @@ class TestSensors:
         found = find_drives(ride(channel("az", motion), channel("wheel", body(6))))
         assert ends(found) == [(0.0, 50.0), (55.0, 120.0)]
         assert DriveReason.STUCK in why(found, 52.0) or DriveReason.MISSING in why(found, 52.0)
+
+    @pytest.mark.parametrize("samples", [5, 12, 40])
+    def test_stuck_for_a_moment_without_a_jump(self, samples: int) -> None:
+        """The motion is back at the value where it stuck when it goes on."""
+        motion = np.sin(2 * np.pi * 1.5 * TIME) + 0.3 * np.sin(2 * np.pi * 9.1 * TIME + 1) + 0.01 * body(5)
+        motion[5000 : 5000 + samples] = motion[5000 + samples]
+        assert stuck_times(channel("az", motion), 0.5).size == samples + 1
+        held = np.repeat(motion[::4], 4)
+        assert stuck_times(channel("az", held), 0.5).size == 0
+
+    def test_coarse_steps_are_not_stuck(self) -> None:
+        """Noise of two steps of the converter repeats a value by chance; so does a car at rest."""
+        assert stuck_times(channel("az", np.round(body(6, rms=0.05) / 0.05) * 0.05), 0.5).size == 0
 
     def test_missing_rows_and_samples(self) -> None:
         motion, keep = body(7), np.ones(TIME.size, bool)

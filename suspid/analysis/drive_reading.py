@@ -10,7 +10,7 @@ import numpy as np
 
 from suspid.analysis.reading import channel_named, naming
 from suspid.analysis.settings import Settings
-from suspid.cleaning import to_si
+from suspid.cleaning import to_si, unmarked
 from suspid.errors import InputError, RecordError
 from suspid.files import printable
 from suspid.io import bare_name, read_recording
@@ -66,7 +66,7 @@ def _made(channel: RawChannel, called: Mapping[str, str], scale: Mapping[str, fl
     except InputError:
         factor, unit = np.asarray(1.0), channel.unit
     by = float(factor) * scale.get(channel.name, 1.0)
-    values = channel.values if by == 1.0 else channel.values * by
+    values = channel.values if by == 1.0 else unmarked(channel) * by
     return replace(channel, name=called[channel.name], unit=unit, values=values)
 
 

@@ -12,7 +12,7 @@ from suspid.cleaning.clean import clean
 from suspid.cleaning.cleaned import Cleaned
 from suspid.cleaning.clipping import CLIPPED, clipped_run
 from suspid.cleaning.conversions import scaled, to_si
-from suspid.cleaning.faults import clipped_times, stuck_times
+from suspid.cleaning.faults import clipped_times, stuck_times, unmarked
 from suspid.cleaning.findings import Finding
 from suspid.cleaning.gaps import runs
 from suspid.cleaning.joining import ONE_RATE
@@ -41,5 +41,6 @@ __all__ = [
     "scaled",
     "stuck_times",
     "to_si",
+    "unmarked",
     "vertical",
 ]

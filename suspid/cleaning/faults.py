@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from suspid.cleaning.clipping import CLIPPED
+from suspid.cleaning.clipping import BESIDE, CLIPPED
 from suspid.cleaning.gaps import Flags, runs
 from suspid.cleaning.inspection import possible, without_sentinels
+from suspid.levels import UNLIKELY
 from suspid.recordings import RawChannel
 from suspid.units import RealArray, Second
 
@@ -16,16 +17,36 @@ RAIL = 0.01
 # A crest that is smooth to its top enters the rail by steps that follow from how long it stays there; a clipped one
 # enters by larger ones. Twice as large: a crest of which only the third derivative matters comes to 1.5.
 STEEPER = 2.0
+# Median step beside a run, in those of the converter, below which repeats say nothing.
+COARSE = 2.0
 
 
 def clipped_times(channel: RawChannel) -> RealArray:
     """Return the stamps of all samples on a rail at which a channel is clipped [s]."""
-    values = without_sentinels(channel.name, channel.timepts, possible(channel.values))[0]
-    return np.asarray(channel.timepts[on_rail(values)])
+    return np.asarray(channel.timepts[on_rail(unmarked(channel))])
+
+
+def unmarked(channel: RawChannel) -> RealArray:
+    """Return the samples of a channel, with NaN for those that a logger marks as missing by an impossible value.
+
+    In another unit the marks would not be known any more.
+
+    Examples
+    --------
+    >>> t = np.arange(50) / 10
+    >>> values = np.where(t == 2.0, -9999.0, np.sin(t))
+    >>> int(np.flatnonzero(np.isnan(unmarked(RawChannel(name="a", unit="g", timepts=t, values=values, rate=None))))[0])
+    20
+    """
+    return without_sentinels(channel.name, channel.timepts, possible(channel.values))[0]
 
 
 def stuck_times(channel: RawChannel, least: Second) -> RealArray:
-    """Return the stamps of all samples in runs of one value that last some time at least [s].
+    """Return the stamps of all samples at which a channel is stuck at one value [s].
+
+    It is, in runs of one value that last ``least`` [s], and in shorter ones that chance does not explain: motion that
+    goes on by some steps of the converter a sample repeats a value seldom. Channels that hold each value for some
+    samples, as those of a slower bus do, are judged by the time alone.
 
     Examples
     --------
@@ -33,12 +54,36 @@ def stuck_times(channel: RawChannel, least: Second) -> RealArray:
     >>> stuck_times(RawChannel(name="a", unit="", timepts=t, values=np.array([1.0, 2, 2, 2, 3, 4]), rate=None), 2.0)
     array([1., 2., 3.])
     """
-    first, after = runs(np.diff(channel.values) == 0)
-    long = channel.timepts[np.minimum(after, channel.values.size - 1)] - channel.timepts[first] >= least
-    inside = np.zeros(channel.values.size, bool)
+    values = channel.values
+    equal = np.diff(values) == 0
+    first, after = runs(equal)
+    if not first.size:
+        return np.empty(0)
+    long = channel.timepts[np.minimum(after, values.size - 1)] - channel.timepts[first] >= least
+    if 2 * np.sum(equal) < values.size:
+        steps = np.abs(np.diff(values))
+        moved = steps[steps > 0]
+        quantum = float(np.min(moved)) if moved.size else 0.0
+        for i in np.flatnonzero(~long & (after - first >= 2)):
+            long[i] = _beyond_chance(steps, int(first[i]), int(after[i]), quantum)
+    inside = np.zeros(values.size, bool)
     for a, b in zip(first[long], after[long], strict=True):
         inside[a : b + 1] = True
     return np.asarray(channel.timepts[inside])
+
+
+def _beyond_chance(steps: RealArray, first: int, after: int, quantum: float) -> bool:
+    """Return whether a run of no steps is improbable beside steps as near it, in all of a record.
+
+    Of normal steps whose median size is m, the share ``0.27 q / m`` is rounded to none by a converter of step q.
+    """
+    wide = max(BESIDE, after - first)
+    near = np.concatenate([steps[max(0, first - wide) : first], steps[after : after + wide]])
+    near = near[np.isfinite(near)]
+    pace = float(np.median(near)) if near.size else 0.0
+    if pace <= COARSE * quantum:
+        return False
+    return bool(steps.size * (0.27 * quantum / pace) ** (after - first) < UNLIKELY)
 
 
 def on_rail(values: RealArray) -> Flags:

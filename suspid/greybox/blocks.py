@@ -59,7 +59,7 @@ def examined(part: Sequence[RawChannel], way: Way, orders: dict[str, tuple[int, 
         holes = np.any(np.isnan(values), axis=1) | (np.mean(filled, axis=1) > MOST_FILLED_OF_BLOCK)
         still = _hit(stuck_times(channel, limits.stuck), edges)
         faults[DriveReason.MISSING][channel.name] = holes
-        faults[DriveReason.CLIPPED][channel.name] = _hit(clipped_times(channel), edges)
+        faults[DriveReason.CLIPPED][channel.name] = _hit(_until_recovered(clipped_times(channel), limits), edges)
         faults[DriveReason.STUCK][channel.name] = still
         order, factor = orders[channel.name]
         level = factor * vibration(together.values[row, : count * size], together.step, order, size, limits)
@@ -112,6 +112,11 @@ def vibration(values: RealArray, step: Second, order: int, size: int, limits: Dr
     power = 2 * step * np.abs(lines) ** 2 / np.sum(window**2)
     # The median of a periodogram of noise is ln 2 of its mean.
     return np.asarray(np.sqrt(np.median(power, axis=1) / np.log(2) * (limits.band[1] - limits.band[0])))
+
+
+def _until_recovered(times: RealArray, limits: DriveLimits) -> RealArray:
+    """Return times of clipping, and as many later ones, at which a sensor may not have recovered yet."""
+    return np.concatenate([times, times + limits.recovery])
 
 
 def _hit(times: RealArray, edges: RealArray) -> Flags:

@@ -44,6 +44,9 @@ class DriveLimits:
         hidden by vibration.
     shortest : float
         Least length of a stretch [s]: `estimate` transforms stretches of eight periods of the body.
+    recovery : float
+        Time after clipping for which a sensor is given to recover [s]: what drove it out of range rings on, and so do
+        its filters.
     stuck : float
         How long a channel may stay at exactly one value while the car moves [s]: half a period of the slowest body.
     """
@@ -55,10 +58,20 @@ class DriveLimits:
     band: tuple[Hertz, Hertz] = (1.0, 15.0)
     block: Second = 1.0
     shortest: Second = 10.0
+    recovery: Second = 0.5
     stuck: Second = 0.5
 
     def __post_init__(self) -> None:
-        for name in ("least_speed", "least_vibration", "longitudinal", "lateral", "block", "shortest", "stuck"):
+        for name in (
+            "least_speed",
+            "least_vibration",
+            "longitudinal",
+            "lateral",
+            "block",
+            "shortest",
+            "recovery",
+            "stuck",
+        ):
             if not getattr(self, name) > 0:
                 raise InputError(f"{name}={getattr(self, name)} must be positive")
         if not 0 < self.band[0] < self.band[1]:
