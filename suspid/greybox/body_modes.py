@@ -21,6 +21,7 @@ from suspid.greybox.body_spectra import (
     fitted,
     misfit_without,
     periodograms,
+    scattered,
 )
 from suspid.greybox.wheels import body_channels
 from suspid.levels import LEVEL, check_level, likely
@@ -40,7 +41,7 @@ BANDS = ((0.5, 4.0), (0.5, 6.0), (0.7, 5.0))
 SHAPES = tuple(
     Shape(bent=bent, numerator=free, band=band) for band in BANDS for bent in (False, True) for free in (False, True)
 )
-DRAWS = 60  # of the bootstrap: standard deviations to 9 %
+DRAWS = 200  # of the bootstrap: standard deviations to 5 %
 FEWEST_PARTS = 6  # fewer say nothing of their scatter
 AT_BOUND_SHARE = 0.02  # of the range of a parameter: nearer to an end it is not determined
 
@@ -228,11 +229,10 @@ def _mode(channel: str, spectra: Periodograms, rng: np.random.Generator) -> Body
         return BodyMode(channel=channel, hertz=nothing, why=Remark(BodyCheck.NOT_DETERMINED, {"channel": channel}))
     where = [np.flatnonzero(spectra.blocks == block) for block in blocks]
     drawn = [np.concatenate([where[i] for i in rng.integers(0, len(where), len(where))]) for _ in range(DRAWS)]
-    means = [np.mean(spectra.power[rows], axis=0) for rows in drawn]
-    models = []
-    for one in kept:
-        again = [fitted(one.shape, spectra.hertz, other, [one.parameters]).hertz for other in means]
-        models.append((one.hertz, float(np.std(again, ddof=1))))
+    means = np.array([np.mean(spectra.power[rows], axis=0) for rows in drawn])
+    models = [
+        (one.hertz, float(np.std(scattered(one, spectra.hertz, mean, means, worth=worth), ddof=1))) for one in kept
+    ]
     low, high = min(f for f, _ in models), max(f for f, _ in models)
     return BodyMode(
         channel=channel, hertz=0.5 * (low + high), models=tuple(models), zetas=tuple(one.zeta for one in kept)

@@ -140,6 +140,30 @@ def fitted(shape: Shape, hertz: RealArray, mean: RealArray, starts: Sequence[Rea
     return Fitted(shape=shape, parameters=at, misfit=best)
 
 
+def scattered(found: Fitted, hertz: RealArray, mean: RealArray, others: RealArray, *, worth: float) -> RealArray:
+    """Return the natural frequencies [Hz] of mean spectra (draw, line) near the fitted one, to first order.
+
+    Each line is worth so many independent periodograms. Parameters on a bound stay there, and between bounds they are
+    taken as known to a twelfth of the squared distance; the frequency is free.
+    """
+    inside, p = found.shape.inside(hertz), found.parameters
+    span = UPPER - LOWER
+    free = [i for i in found.shape.free if 1e-3 * span[i] < p[i] - LOWER[i] < (1 - 1e-3) * span[i]]
+    steps = 1e-4 * SCALE
+    slope = np.column_stack(
+        [
+            (log_spectrum(p + e, hertz[inside]) - log_spectrum(p - e, hertz[inside])) / (2 * steps[i])
+            for i, e in ((i, steps[i] * np.eye(len(p))[i]) for i in free)
+        ]
+    )
+    slope -= np.mean(slope, axis=0)
+    change = np.log(others[:, inside]) - np.log(mean[inside])
+    change -= np.mean(change, axis=1, keepdims=True)
+    known = np.where(np.array(free) == 2, 0.0, 12 / span[free] ** 2)
+    moved = change @ (worth * slope) @ np.linalg.inv(worth * slope.T @ slope + np.diag(known))
+    return np.asarray(found.hertz * np.exp(moved[:, free.index(2)]))
+
+
 def misfit_without(hertz: RealArray, mean: RealArray, band: tuple[Hertz, Hertz]) -> float:
     """Return the misfit of a smooth spectrum without a resonance: a parabola in the double logarithmic picture."""
     inside = (hertz >= band[0]) & (hertz <= band[1])
