@@ -38,7 +38,7 @@ def noise(seed: int) -> RealArray:
 
 
 def record(values: RealArray, name: str = "body") -> object:
-    return as_response(STEP * np.arange(values.size), values[None], [name])
+    return as_response(np.asarray(STEP * np.arange(values.size), float), values[None], [name])
 
 
 @pytest.mark.parametrize("exponent", [1.6, 2.0, 2.5])
