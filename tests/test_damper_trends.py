@@ -63,6 +63,8 @@ def test_a_load_cancels_and_the_gravest_comes_first() -> None:
     assert found.trends[0].loss.value == pytest.approx(0.4, abs=0.06)
     assert found.trends[0].scatter < 0.05
     assert "worn" in str(found)
+    table = found.to_pandas()
+    assert list(table["verdict"]) == [str(one.state) for one in found.trends]
 
 
 def test_too_few_drives_have_no_trend() -> None:

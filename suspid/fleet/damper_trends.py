@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,6 +12,7 @@ from suspid.fleet.trends import Measured, trends_of
 from suspid.greybox import Estimate
 from suspid.model import Suspension
 from suspid.performance import Loss, Rates, WearRule, dampers_between, dampers_of, rates_of
+from suspid.results import Result
 from suspid.values import text_table
 from suspid.words import DamperState
 
@@ -49,7 +50,7 @@ class DamperTrend:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class DamperTrends:
+class DamperTrends(Result):
     """Result of `damper_trends`, the gravest first; ``str()`` is the table."""
 
     trends: tuple[DamperTrend, ...]
@@ -59,6 +60,18 @@ class DamperTrends:
     def doubtful(self) -> DamperTrends:
         """Those that are not good."""
         return replace(self, trends=tuple(one for one in self.trends if one.state is not DamperState.GOOD))
+
+    def _table(self) -> Mapping[str, Sequence[object]]:
+        return {
+            "vehicle": [one.vehicle for one in self.trends],
+            "damper": [one.damper for one in self.trends],
+            "drives": [one.drives for one in self.trends],
+            "verdict": [str(one.state) for one in self.trends],
+            "loss": [one.loss.value for one in self.trends],
+            "loss_lower": [one.loss.low for one in self.trends],
+            "loss_upper": [one.loss.high for one in self.trends],
+            "scatter": [one.scatter for one in self.trends],
+        }
 
     def __str__(self) -> str:
         if not self.trends:
