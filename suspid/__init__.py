@@ -85,10 +85,13 @@ from suspid.reporting import (
     plot_fit,
     plot_grip,
     plot_identification,
+    plot_ride,
     plot_scalogram,
+    plot_sensitivities,
     plot_shapes,
     plot_skeletons,
     plot_spectra,
+    plot_tuning,
     read_estimate,
     report,
     report_to_dict,
@@ -145,7 +148,7 @@ __all__ = [  # noqa: RUF022 - grouped by step
     # pictures of each step
     "plot_scalogram", "plot_skeletons", "plot_spectra", "plot_amplitude", "plot_entropy", "plot_fit", "plot_shapes",
     "plot_identification",
-    "plot_estimate", "plot_grip", "plot_drive",
+    "plot_estimate", "plot_grip", "plot_ride", "plot_tuning", "plot_sensitivities", "plot_drive",
     # what is said of a result
     "Verdict", "Level", "Check", "Remark", "Code", "DamperState",
     # what goes wrong

@@ -19,6 +19,7 @@ from suspid.cli.fleet import fleet_command
 from suspid.cli.measured import channels_command, identify_command, report_command
 from suspid.cli.options import FILE
 from suspid.cli.parameters import Outputs, Wanted, conclude, wanting, writing
+from suspid.cli.ride import ride_command, tune_command
 from suspid.cli.simulate import simulate_command
 from suspid.cli.support import Commands, Positive, check_apart, said_warnings, say
 from suspid.files import replacing
@@ -45,6 +46,8 @@ main.add_command(compare_command)
 main.add_command(drive_command)
 main.add_command(fleet_command)
 main.add_command(simulate_command)
+main.add_command(ride_command)
+main.add_command(tune_command)
 
 
 @main.command("reconstruct")

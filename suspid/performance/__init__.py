@@ -7,6 +7,7 @@ rule and its interval). `ride`: cars on roads (`road_response`: variances and th
 of them) and records (`recorded`), weighted as ISO 2631-1 says (`weightings`). `classify_road`: measured roads.
 """
 
+from suspid.performance.contact import wheels_of
 from suspid.performance.damper_rates import dampers_between, dampers_of, rates_of
 from suspid.performance.grip import grip
 from suspid.performance.grips import CLASSES, PHASE_LIMIT, Grip
@@ -47,4 +48,5 @@ __all__ = [
     "tune",
     "wear",
     "weighting",
+    "wheels_of",
 ]

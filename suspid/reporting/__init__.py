@@ -23,10 +23,13 @@ from suspid.reporting.plot_fit import plot_fit
 from suspid.reporting.plot_grip import plot_grip
 from suspid.reporting.plot_identification import PAGE, plot_identification
 from suspid.reporting.plot_recording import plot_recording
+from suspid.reporting.plot_ride import plot_ride
 from suspid.reporting.plot_scalogram import plot_scalogram
+from suspid.reporting.plot_sensitivities import plot_sensitivities
 from suspid.reporting.plot_shapes import plot_shapes
 from suspid.reporting.plot_skeletons import plot_skeletons
 from suspid.reporting.plot_spectra import plot_spectra
+from suspid.reporting.plot_tuning import plot_tuning
 from suspid.reporting.report import report
 from suspid.reporting.report_json import report_to_dict
 from suspid.reporting.source import Source, source_of
@@ -53,10 +56,13 @@ __all__ = [
     "plot_grip",
     "plot_identification",
     "plot_recording",
+    "plot_ride",
     "plot_scalogram",
+    "plot_sensitivities",
     "plot_shapes",
     "plot_skeletons",
     "plot_spectra",
+    "plot_tuning",
     "read_estimate",
     "report",
     "report_to_dict",

@@ -1,0 +1,246 @@
+"""The commands of roads: the ride of a car or a record, and a better suspension."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, nullcontext
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from suspid.cli.measured import checked_picture, save_picture
+from suspid.cli.options import FILE, pairs
+from suspid.cli.support import Positive, check_apart, named, said_warnings, say
+from suspid.files import replacing
+from suspid.values import text_table
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from suspid.greybox import Estimate
+    from suspid.model import Suspension
+    from suspid.performance import Ride, Sensitivities
+
+ROAD = click.option("--road", metavar="A..H|G_d", help="Class of ISO 8608, or G_d(0.1 cycle/m) [m3].")
+SPEED = click.option("--speed", type=Positive("m/s"), help="Speed.")
+STATED = click.option(
+    "--nominal-std",
+    type=Positive("share"),
+    metavar="SHARE",
+    help="Relative standard deviation of springs and dampers that were not estimated, such as 0.05.",
+)
+STOPS = click.option(
+    "--clearance", metavar="STRUT=METRES", multiple=True, help="Distance of a strut to its stops; repeat."
+)
+PLOT = click.option("--plot", type=FILE, metavar="FILE", help="Write a picture (.png, .svg, .pdf).")
+
+
+@click.command("ride")
+@click.argument("source", type=FILE, metavar="CAR|RECORD")
+@ROAD
+@SPEED
+@click.option("--duration", type=Positive("s"), help="Time of doses and peaks. [3600; the record's]")
+@click.option(
+    "--weighting", "weightings", metavar="CHANNEL=Wk,…", multiple=True, help="Weightings; repeat. [Wk and Wf]"
+)
+@STOPS
+@STATED
+@click.option("--level", type=click.FloatRange(0, 1, min_open=True, max_open=True), help="Print intervals, as 0.95.")
+@click.option("--sensitivities", "tables", is_flag=True, help="Show which spring and damper moves which figure.")
+@PLOT
+def ride_command(
+    source: Path,
+    road: str | None,
+    speed: float | None,
+    duration: float | None,
+    weightings: tuple[str, ...],
+    clearance: tuple[str, ...],
+    nominal_std: float | None,
+    level: float | None,
+    tables: bool,
+    plot: Path | None,
+) -> None:
+    """Show comfort, travel and wheel load of a car on a road, or comfort and travel of a record.
+
+    CAR is a description (.toml), or the JSON of `suspid estimate`, whose uncertainty is carried through; both need
+    --road and --speed. Any other file is a RECORD with channels such as seat_acceleration, or named by --weighting.
+
+    With --sensitivities, which need a description, --plot draws these.
+    """
+    from suspid.performance import ride, sensitivities
+
+    check_apart([source], [plot])
+    of_car = source.suffix.lower() in (".toml", ".json")
+    if of_car != (road is not None) or (road is None) != (speed is None):
+        raise click.UsageError("A car needs --road and --speed; a record takes none of them.")
+    if tables and source.suffix.lower() != ".toml":
+        raise click.UsageError("--sensitivities need the description of a car (.toml).")
+    kinds = {c: tuple(w.split(",")) for c, w in pairs(weightings, "--weighting", str).items()} or None
+    gaps = pairs(clearance, "--clearance", float) or None
+    with _drawing(plot) as draw, said_warnings(), named(source):
+        what = car_of(source) if of_car else _record_of(source)
+        about: dict[str, Any] = {"road": road_named(road), "speed": speed, "clearance": gaps} if of_car else {}
+        if of_car:
+            about["nominal_std"] = nominal_std
+        found = ride(what, duration=duration, weightings=kinds, **about)
+        text = str(found) if level is None else f"{found}\n\n{_intervals(found, level)}"
+        turned = None
+        if tables:
+            from suspid.model import read_car
+
+            turned = sensitivities(
+                read_car(source),
+                road=road_named(road),
+                speed=speed,
+                duration=found.duration,
+                weightings=kinds,
+                clearance=gaps,
+            )
+            text += f"\n\n{turned}"
+        draw(_picture(found, turned))
+    say(text)
+
+
+@click.command("tune")
+@click.argument("source", type=FILE, metavar="CAR")
+@ROAD
+@SPEED
+@click.option(
+    "--parameter", "parameters", metavar="NAME[=NAME…]", multiple=True,
+    help="What may change, as chassis.damping; those joined by = change by one factor; repeat. [struts off the road]",
+)  # fmt: skip
+@click.option("--objective", "objectives", metavar="FIGURE", multiple=True, help="One or two figures of suspid ride.")
+@click.option("--limit", "limits", metavar="FIGURE=VALUE", multiple=True, help="Largest value of a figure; repeat.")
+@click.option(
+    "--bound", "bounds", type=(str, float, float), metavar="NAME LOW HIGH", multiple=True,
+    help="Least and largest value of a parameter; repeat. [a quarter to four times]",
+)  # fmt: skip
+@click.option("--points", type=click.IntRange(2, 200), default=11, show_default=True, help="Cars on the front.")
+@click.option("--robust", type=Positive("sd"), default=None, help="Standard deviations added to each figure. [0]")
+@STOPS
+@STATED
+@PLOT
+@click.option("-o", "--output", type=FILE, metavar="FILE", help="Write the car at the knee of the front as TOML.")
+def tune_command(
+    source: Path,
+    road: str | None,
+    speed: float | None,
+    parameters: tuple[str, ...],
+    objectives: tuple[str, ...],
+    limits: tuple[str, ...],
+    bounds: tuple[tuple[str, float, float], ...],
+    points: int,
+    robust: float | None,
+    clearance: tuple[str, ...],
+    nominal_std: float | None,
+    plot: Path | None,
+    output: Path | None,
+) -> None:
+    """Find the springs and dampers of the best compromises between two figures of CAR (.toml or estimate .json).
+
+    Without --objective these are the weighted acceleration of the first coordinate and the dynamic load of the first
+    wheel.
+    """
+    from suspid.model import Suspension, car_to_toml
+    from suspid.performance import tune
+    from suspid.reporting import plot_tuning
+
+    if road is None or speed is None:
+        raise click.UsageError("A car needs --road and --speed.")
+    check_apart([source], [plot, output])
+    with (
+        _drawing(plot) as draw,
+        replacing(output) if output else nullcontext() as car_draft,
+        said_warnings(),
+        named(source),
+    ):
+        what = car_of(source)
+        car = what if isinstance(what, Suspension) else what.suspension
+        found = tune(
+            what,
+            parameters=[name.split("=") for name in parameters] or _struts(car),
+            objective=objectives or _figures(car),
+            road=road_named(road) or 0.0,
+            speed=speed,
+            constraints=pairs(limits, "--limit", float),
+            bounds={name: (low, high) for name, low, high in bounds},
+            points=points,
+            robust=robust or 0.0,
+            clearance=pairs(clearance, "--clearance", float),
+            nominal_std=nominal_std,
+        )
+        draw(partial(plot_tuning, found))
+        if car_draft:
+            car_draft.write_text(car_to_toml(found.cars[found.knee]), encoding="utf-8")
+    say(str(found))
+
+
+def car_of(source: Path) -> Suspension | Estimate:
+    """Return the car of a description, or the estimate of its JSON."""
+    if source.suffix.lower() == ".json":
+        from suspid.reporting import read_estimate
+
+        return read_estimate(source)
+    from suspid.model import read_car
+
+    return read_car(source)
+
+
+def road_named(text: str | None) -> str | float | None:
+    """Return a class of roads as it is, and a number as G_d [m3]."""
+    try:
+        return float(text) if text is not None else None
+    except ValueError:
+        return text
+
+
+def _record_of(source: Path) -> Any:
+    from suspid.cleaning import read_record
+
+    return read_record(source)
+
+
+def _struts(car: Suspension) -> list[list[str]]:
+    """Return springs and dampers of the struts that are not on the road."""
+    off = [s for s in car.struts if not any(s.arms.get(r) for r in car.roads)]
+    return [[f"{s.name}.{q}"] for q in ("stiffness", "damping") for s in off if getattr(s, q)]
+
+
+def _figures(car: Suspension) -> tuple[str, str]:
+    from suspid.performance import wheels_of
+
+    wheels = wheels_of(car).names
+    felt = next(c for c in car.coordinates if c not in wheels)
+    return f"{felt}_acceleration.Wk", f"{wheels[0]}.load"
+
+
+def _intervals(found: Ride, level: float) -> str:
+    ends = found.interval(level)
+    return text_table(
+        {
+            f"{100 * level:g} % interval": [f"{n} [{u}]" for n, u in zip(found.figures, found.units, strict=True)],
+            "lower": [f"{low:.4g}" for low, _ in ends.values()],
+            "upper": [f"{high:.4g}" for _, high in ends.values()],
+        }
+    )
+
+
+@contextmanager
+def _drawing(plot: Path | None) -> Iterator[Callable[[Callable[[Figure], object]], None]]:
+    """Give a function that saves a picture, or does nothing where none is wanted."""
+    if plot is None:
+        yield lambda _: None
+        return
+    with replacing(checked_picture(plot)) as draft:
+        yield lambda draw: save_picture(draw, draft)
+
+
+def _picture(found: Ride, turned: Sensitivities | None) -> Callable[[Figure], object]:
+    from suspid.reporting import plot_ride, plot_sensitivities
+
+    if turned is None:
+        return partial(plot_ride, found)
+    shown = turned
+    return lambda figure: plot_sensitivities(shown, figure.subplots())

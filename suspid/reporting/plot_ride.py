@@ -1,0 +1,86 @@
+"""The ride of a car or a record: spectra of its accelerations, plain and weighted, and the weightings."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from suspid.performance import weighting
+from suspid.reporting.axes import decade_ticks, frequency_ticks, key_above, shown
+from suspid.reporting.colours import CHANNEL_COLOURS, Colour
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from suspid.performance import Ride
+
+# Accelerations on one page, and decades of a spectrum below its peak that are drawn.
+MOST_SPECTRA, DECADES = 5, 5
+
+
+def plot_ride(found: Ride, figure: Figure) -> Figure:
+    """Draw the weightings of ISO 2631-1 and, of each acceleration, its spectral density with and without them.
+
+    Parameters
+    ----------
+    found : Ride
+        What was found.
+    figure : matplotlib.figure.Figure
+        An empty figure.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        ``figure``.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> from suspid import quarter_car, ride
+    >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3,
+    ...                   chassis_damping=1300)
+    >>> page = plot_ride(ride(car, road="C", speed=20.0), Figure())
+    >>> [ax.get_title(loc="left") for ax in page.axes]
+    ['weightings', 'chassis_acceleration']
+    """
+    if figure.get_layout_engine() is None:
+        figure.set_layout_engine("constrained")
+    channels = found.channels[:MOST_SPECTRA]
+    axes = np.atleast_1d(figure.subplots(1 + len(channels), 1, sharex=True))
+    kinds = list(dict.fromkeys(kind for kinds in found.weightings.values() for kind in kinds))
+    colours = dict(zip(kinds, CHANNEL_COLOURS, strict=False))
+    use = (found.hertz >= 0.05) & (found.hertz <= 200)
+    hertz = found.hertz[use]
+    for kind, colour in colours.items():
+        decibel = 20 * np.log10(np.maximum(np.abs(weighting(kind, hertz)), 1e-6))
+        axes[0].plot(hertz, decibel, color=colour, linewidth=1.2, label=kind)
+    axes[0].plot([], [], color=Colour.PALE, linewidth=1.6, label="not weighted")
+    axes[0].set(ylabel="[dB]", ylim=(-50, 5))
+    axes[0].set_title("weightings", loc="left")
+    key_above(axes[0])
+    for ax, channel, row in zip(axes[1:], channels, found.density[: len(channels), use], strict=True):
+        ax.plot(hertz, row, color=Colour.PALE, linewidth=1.6)
+        for kind in found.weightings[channel]:
+            ax.plot(hertz, row * np.abs(weighting(kind, hertz)) ** 2, color=colours[kind], linewidth=1.2)
+        _logarithmic(ax, float(np.max(row)))
+        ax.set_title(shown(channel), loc="left")
+        # rms by weighting, at the right of the name
+        text = ", ".join(f"{kind} {found[f'{channel}.{kind}']:.2g}" for kind in found.weightings[channel])
+        ax.annotate(f"rms {text}", (1.0, 1.0), xycoords="axes fraction", xytext=(0, 3), textcoords="offset points",
+                    ha="right", fontsize="small")  # fmt: skip
+    for ax in axes:
+        ax.set_xscale("log")
+        ax.grid(color=Colour.SHADE, linewidth=0.6)
+    axes[-1].set(xlabel="frequency [Hz]", xlim=(float(hertz[0]), float(hertz[-1])))
+    frequency_ticks(axes[-1].xaxis, float(hertz[-1] / hertz[0]))
+    return figure
+
+
+def _logarithmic(ax: Axes, top: float) -> None:
+    ax.set_yscale("log")
+    high = 10 ** np.ceil(np.log10(top or 1.0))
+    ax.set_ylim(float(high) * 10.0**-DECADES, float(high))
+    ax.set_ylabel("[(m/s²)²/Hz]")
+    decade_ticks(ax.yaxis, 10.0**DECADES)

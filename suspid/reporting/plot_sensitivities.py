@@ -1,0 +1,65 @@
+"""Sensitivities: which spring and damper moves which mode and figure, as a table of bars."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from suspid.reporting.axes import shown
+from suspid.reporting.colours import Colour
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from suspid.performance import Sensitivities
+
+# Changes of a figure that fill a cell [% for each %]; larger ones are cut and their number tells.
+FULL_CELL = 1.0
+
+
+def plot_sensitivities(found: Sensitivities, ax: Axes) -> Axes:
+    """Draw a row for each mode and figure and a column for each parameter: per cent for each per cent, as bars.
+
+    Parameters
+    ----------
+    found : Sensitivities
+        What was found.
+    ax : matplotlib.axes.Axes
+        Where to draw.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        ``ax``.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> from suspid import quarter_car, sensitivities
+    >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3,
+    ...                   chassis_damping=1300)
+    >>> ax = plot_sensitivities(sensitivities(car), Figure().subplots())
+    >>> [label.get_text() for label in ax.get_yticklabels()]
+    ['mode 1.wn', 'mode 1.zeta', 'mode 2.wn', 'mode 2.zeta']
+    """
+    rows, columns = found.elasticity.shape
+    for column in range(columns):
+        ax.axvline(column, color=Colour.PALE, linewidth=0.8, zorder=0)
+        for row in range(rows):
+            value = float(found.elasticity[row, column])
+            if np.isnan(value):
+                continue
+            reach = 0.46 * float(np.clip(value / FULL_CELL, -1, 1))
+            ax.barh(row, reach, left=column, height=0.6, color=Colour.SKY if value > 0 else Colour.ORANGE)
+            ax.annotate(f"{value:+.2f}", (column, row), ha="center", va="center", fontsize="x-small")
+    ax.set_yticks(range(rows), [shown(name) for name in found.names])
+    ax.set_xticks(range(columns), [shown(name).replace(".", "\n", 1) for name in found.parameters], fontsize="small")
+    ax.set_ylim(rows - 0.5, -0.5)
+    ax.set_xlim(-0.55, columns - 0.45)
+    ax.tick_params(length=0)
+    ax.xaxis.tick_top()
+    for row in range(1, rows):
+        ax.axhline(row - 0.5, color=Colour.SHADE, linewidth=0.6, zorder=0)
+    ax.set_xlabel(f"per cent for each per cent; a full cell is {FULL_CELL:g}")
+    return ax

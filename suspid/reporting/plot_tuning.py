@@ -1,0 +1,76 @@
+"""A tuning: the front of two figures, and the springs and dampers along it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from suspid.reporting.axes import shown
+from suspid.reporting.colours import CHANNEL_COLOURS, Colour
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from suspid.performance import Tuning
+
+
+def plot_tuning(found: Tuning, figure: Figure) -> Figure:
+    """Draw the front of a tuning beside the car as it was, and the parameters along it.
+
+    Parameters
+    ----------
+    found : Tuning
+        What was found.
+    figure : matplotlib.figure.Figure
+        An empty figure.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        ``figure``.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> from suspid import quarter_car, tune
+    >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3,
+    ...                   chassis_damping=1300)
+    >>> found = tune(car, parameters=["chassis.damping"], objective=["chassis_acceleration.Wk", "tire.load"],
+    ...              road="C", speed=20.0, points=3)
+    >>> page = plot_tuning(found, Figure())
+    >>> page.axes[0].get_ylabel()
+    'tire.load [N]'
+    """
+    if figure.get_layout_engine() is None:
+        figure.set_layout_engine("constrained")
+    upper, lower = figure.subplots(2, 1, sharex=True)
+    first, knee = found.values[:, 0], found.knee
+    labels = [f"{shown(name)} [{unit}]" for name, unit in zip(found.figures, found.units, strict=True)]
+    second = found.values[:, min(1, found.values.shape[1] - 1)]
+    upper.plot(first, second, "o-", color=Colour.BLUE, markersize=4, linewidth=1.2, label="best compromises")
+    upper.plot(first[knee], second[knee], "o", color=Colour.VERMILION, markersize=7, label="knee")
+    now = found.present[[0, min(1, len(found.present) - 1)]]
+    # A car far from the front would squeeze it into a corner.
+    span = np.array([np.ptp(first), np.ptp(second)])
+    near = np.abs(now - [np.mean(first), np.mean(second)]) <= 1.5 * span
+    if np.all(near) or len(first) == 1:
+        upper.plot(now[0], now[1], "s", color=Colour.GREY, markersize=6, label="now")
+    else:
+        upper.plot([], [], " ", label=f"now, off the picture: {now[0]:.4g}, {now[1]:.4g}")
+    upper.set_ylabel(labels[min(1, len(labels) - 1)])
+    upper.legend(fontsize="small", frameon=False)
+    for name, row, colour in zip(
+        found.parameters, found.choices.T, CHANNEL_COLOURS * len(found.parameters), strict=False
+    ):
+        lower.plot(first, row / row[knee], "o-", color=colour, markersize=4, linewidth=1.2,
+                   label=f"{shown(name)} ({row[knee]:.4g})")  # fmt: skip
+    lower.axvline(float(first[knee]), color=Colour.PALE, linewidth=0.8)
+    lower.set(xlabel=labels[0], ylabel="parameters over those of the knee [1]")
+    lower.legend(fontsize="small", frameon=False)
+    for ax in (upper, lower):
+        ax.grid(color=Colour.SHADE, linewidth=0.6)
+        ax.margins(0.05)
+    if np.all(found.choices > 0) and float(np.max(found.choices / found.choices[knee])) > 3:
+        lower.set_yscale("log")
+    return figure

@@ -1,0 +1,104 @@
+"""`suspid ride` and `suspid tune`: what is printed is what the library gives."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+
+from suspid import add_noise, estimate, free_decay, quarter_car, read_car, ride, road, simulate, write_car, write_record
+from suspid.cli import main
+from suspid.identification import to_json
+from suspid.reporting import estimate_to_dict
+
+CAR = quarter_car(
+    chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3, chassis_damping=1300, tire_damping=60
+)
+DRIVE = ["--road", "C", "--speed", "20"]
+
+
+@pytest.fixture
+def car(tmp_path: Path) -> Path:
+    write_car(CAR, tmp_path / "car.toml")
+    return tmp_path / "car.toml"
+
+
+def run(*arguments: object) -> Result:
+    return CliRunner().invoke(main, [str(one) for one in arguments])
+
+
+def test_a_car(car: Path) -> None:
+    shown = run("ride", car, *DRIVE, "--clearance", "chassis=0.03", "--plot", car.with_suffix(".png"))
+    assert shown.exit_code == 0, shown.output
+    assert str(ride(read_car(car), road="C", speed=20.0, clearance={"chassis": 0.03})) in shown.output
+    assert car.with_suffix(".png").stat().st_size > 10_000
+
+
+def test_a_number_is_a_roughness(car: Path) -> None:
+    shown = run("ride", car, "--road", "256e-6", "--speed", "20", "--level", "0.9", "--nominal-std", "0.05")
+    assert shown.output.startswith(str(ride(read_car(car), road="C", speed=20.0, nominal_std=0.05)))
+    assert "90 % interval" in shown.output
+
+
+def test_an_estimate(car: Path) -> None:
+    decay = free_decay(CAR, np.arange(0, 2, 0.005), initial_state={"v_tire": 1.0})
+    found = estimate(add_noise(decay, snr_db=30.0, rng=np.random.default_rng(1)), CAR, fixed=["tire.damping"])
+    path = car.with_name("estimate.json")
+    path.write_text(to_json(estimate_to_dict(found)), encoding="utf-8")
+    shown = run("ride", path, *DRIVE)
+    assert shown.exit_code == 0, shown.output
+    assert "±" in shown.output
+
+
+def test_a_record(car: Path) -> None:
+    t = np.arange(0, 20, 0.005)
+    heights = road("C", speed=20.0).heights(t, rng=np.random.default_rng(1))
+    path = car.with_name("drive.csv")
+    write_record(simulate(CAR, t, heights, outputs=["chassis_acceleration", "chassis_travel"]), path)
+    shown = run("ride", path)
+    assert shown.exit_code == 0, shown.output
+    assert "chassis_acceleration.VDV" in shown.output
+    assert "chassis.peak_travel" in shown.output
+    only = run("ride", path, "--weighting", "chassis_acceleration=Wd")
+    assert "chassis_acceleration.Wd" in only.output
+    assert "MSDV" not in only.output
+
+
+def test_sensitivities(car: Path) -> None:
+    shown = run("ride", car, *DRIVE, "--sensitivities", "--plot", car.with_suffix(".svg"))
+    assert "mode 1.zeta" in shown.output
+    assert car.with_suffix(".svg").exists()
+
+
+def test_tuning(car: Path) -> None:
+    shown = run(
+        "tune", car, *DRIVE, "--parameter", "chassis.damping", "--points", "3", "--limit", "chassis.travel=0.02",
+        "--bound", "chassis.damping", "500", "4000", "-o", car.with_name("knee.toml"), "--plot", car.with_name("a.png"),
+    )  # fmt: skip
+    assert shown.exit_code == 0, shown.output
+    assert "2 (knee)" in shown.output
+    knee = read_car(car.with_name("knee.toml"))
+    assert 500 < knee.struts[0].damping < 4000
+    assert car.with_name("a.png").exists()
+
+
+def test_tuning_by_default(car: Path) -> None:
+    shown = run("tune", car, *DRIVE, "--points", "3")
+    assert "chassis_acceleration.Wk" in shown.output
+    assert "tire.load" in shown.output
+
+
+@pytest.mark.parametrize(
+    ("given", "code", "message"),
+    [
+        (["ride", "{car}"], 2, "A car needs --road and --speed"),
+        (["tune", "{car}"], 2, "A car needs --road and --speed"),
+        (["ride", "{car}", "--road", "J", "--speed", "20"], 1, "is no class of ISO 8608"),
+        (["tune", "{car}", *DRIVE, "--objective", "tire.laod"], 1, "there is no figure 'tire.laod'"),
+        (["ride", "{car}", *DRIVE, "--clearance", "chassis"], 2, "write NAME=VALUE"),
+    ],
+)
+def test_wrong_commands(car: Path, given: list[str], code: int, message: str) -> None:
+    shown = run(*(one.format(car=car) for one in given))
+    assert shown.exit_code == code
+    assert message in shown.output
