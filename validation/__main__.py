@@ -28,6 +28,7 @@ REPORTS = (
     "rigs",
     "fleet",
     "greybox",
+    "ride",
     "wear",
     "tyres",
 )
