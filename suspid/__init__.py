@@ -57,6 +57,7 @@ from suspid.model import (
     write_car,
 )
 from suspid.performance import (
+    ActiveTuning,
     DamperWear,
     Grip,
     Ride,
@@ -70,6 +71,7 @@ from suspid.performance import (
     ride,
     sensitivities,
     tune,
+    tune_active,
     wear,
     weighting,
 )
@@ -142,6 +144,7 @@ __all__ = [  # noqa: RUF022 - grouped by step
     # figures that a car is judged by
     "grip", "Grip", "wear", "Wear", "WearRule", "DamperWear", "ride", "Ride", "weighting",
     "classify_road", "RoadClass", "sensitivities", "Sensitivities", "tune", "Tuning",
+    "tune_active", "ActiveTuning",
     # a page for others, and many records
     "report", "report_to_dict", "content_of", "Source", "source_of",
     "identify_many", "FleetRun", "fleet_summary", "FleetSummary", "damper_trends", "DamperTrends",

@@ -7,6 +7,7 @@ rule and its interval). `ride`: cars on roads (`road_response`: variances and th
 of them) and records (`recorded`), weighted as ISO 2631-1 says (`weightings`). `classify_road`: measured roads.
 """
 
+from suspid.performance.active import ActiveTuning, tune_active
 from suspid.performance.contact import wheels_of
 from suspid.performance.damper_rates import dampers_between, dampers_of, rates_of
 from suspid.performance.grip import grip
@@ -26,6 +27,7 @@ __all__ = [
     "CLASSES",
     "PHASE_LIMIT",
     "ROAD_LIMITS",
+    "ActiveTuning",
     "DamperWear",
     "Grip",
     "Loss",
@@ -46,6 +48,7 @@ __all__ = [
     "ride",
     "sensitivities",
     "tune",
+    "tune_active",
     "wear",
     "weighting",
     "wheels_of",

@@ -1,0 +1,255 @@
+"""State feedback for an actuator in a strut: least variances on a random road, as a convex program."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from suspid.errors import InputError, SuspidError
+from suspid.model import FORCE, Suspension, statespace
+from suspid.performance.ride import driven_road
+from suspid.simulation import REFERENCE, Road
+from suspid.units import RealArray
+from suspid.values import FrozenMapping, frozen_real, nearest_names, text_table
+
+if TYPE_CHECKING:
+    import control
+
+# Share by which a closed loop may miss the variances of the program it comes from.
+SAME_VARIANCE = 1e-3
+# The name of the actuator's own force among objectives and limits.
+ACTUATOR = "force"
+# Exponent of a road whose slope is white.
+EXPONENT = 2.0
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class ActiveTuning:
+    """A state feedback and what it does on the road.
+
+    Parameters
+    ----------
+    gain : ndarray (state,)
+        The force is ``-gain @ state`` [N]; states are those of `statespace`, displacements above the road.
+    states : tuple of str
+        Their names.
+    rms : mapping of str to float
+        Root mean square of each output that was asked for, in its unit, and of the force [N].
+    passive : mapping of str to float
+        The same without the force.
+    cost : float
+        Sum of squares of the objectives over their scales.
+    bound : float
+        What no state feedback can fall below, by the convex program.
+    closed : control.StateSpace
+        The car with its feedback, from the road's slope in time [m/s] to the outputs and the force.
+    """
+
+    gain: RealArray
+    states: tuple[str, ...]
+    rms: Mapping[str, float]
+    passive: Mapping[str, float]
+    cost: float
+    bound: float
+    closed: control.StateSpace
+
+    def __str__(self) -> str:
+        names = list(self.rms)
+        table = {
+            "rms of": names,
+            "passive": [f"{self.passive[name]:.4g}" for name in names],
+            "active": [f"{self.rms[name]:.4g}" for name in names],
+        }
+        gains = {"state": list(self.states), "gain": [f"{value:.6g}" for value in self.gain.tolist()]}
+        return f"{text_table(table)}\n{text_table(gains)}"
+
+
+def tune_active(
+    car: Suspension,
+    *,
+    actuator: str,
+    objective: Mapping[str, float],
+    limits: Mapping[str, float] | None = None,
+    road: Road | str | float,
+    speed: float | None = None,
+) -> ActiveTuning:
+    """Return the state feedback of an actuator that makes variances least, with limits on others.
+
+    Parameters
+    ----------
+    car : Suspension
+        A car with one road.
+    actuator : str
+        The displacement on which the force does work, as in `statespace`: ``"chassis_travel"`` pushes the ends of that
+        strut apart.
+    objective : mapping of str to float
+        Outputs of `statespace`, or ``"force"``, with the value of each that counts as one, such as
+        ``{"chassis_acceleration": 1.0, "tire_travel": 0.003}``: the sum of squares of their rms over it is least.
+    limits : mapping of str to float, optional
+        Largest rms of outputs, or of the ``"force"``.
+    road, speed
+        As in `ride`; the road counts by its roughness, with exponent 2 and all wavelengths.
+
+    Returns
+    -------
+    ActiveTuning
+        Gain, rms of the outputs beside those of the passive car, closed loop.
+
+    Raises
+    ------
+    InputError
+        If the car has several roads, a name is unknown, an output is infinite on white slopes, or no feedback
+        keeps the limits.
+
+    Notes
+    -----
+    With ``x' = A x + B u + G w``, w white, and ``u = Y X^-1 x`` the variances W of the outputs are bounded by the
+    linear matrix inequalities ``A X + X A' + B Y + Y' B' + G G' <= 0`` and ``[W, C X + D Y; ., X] >= 0`` (S. Boyd et
+    al., Linear Matrix Inequalities in System and Control Theory, SIAM 1994, 7.2 and 10.4). Without limits the gain is
+    that of `control.lqr`.
+
+    Examples
+    --------
+    >>> from suspid import quarter_car
+    >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3,
+    ...                   chassis_damping=1300)
+    >>> found = tune_active(car, actuator="chassis_travel", road="C", speed=20.0,
+    ...                     objective={"chassis_acceleration": 1.0, "tire_travel": 0.004},
+    ...                     limits={"chassis_travel": 0.012})
+    >>> found.rms["chassis_acceleration"] < found.passive["chassis_acceleration"]
+    True
+    """
+    names, wanted = _names(objective, limits or {})
+    level = _slope_density(car, road, speed)
+    A, B, G, C, D, states = _plant(car, actuator, names)
+    noise = level * np.outer(G, G)
+    from scipy.linalg import solve_continuous_lyapunov
+
+    still = solve_continuous_lyapunov(A, -noise)
+    passive = np.sqrt(np.maximum(np.einsum("is,st,it->i", C, still, C), 0.0))
+    gain, bound = _program(A, B, noise, C, D, np.sqrt(np.diag(still)), list(wanted.values()))
+    closed_A, closed_C = A - np.outer(B, gain), C - np.outer(D, gain)
+    if np.max(np.linalg.eigvals(closed_A).real) >= 0:
+        raise SuspidError("the feedback that was found does not hold the car; change the scales or the limits")
+    P = solve_continuous_lyapunov(closed_A, -noise)
+    rms = np.sqrt(np.maximum(np.einsum("is,st,it->i", closed_C, P, closed_C), 0.0))
+    found = dict(zip(names, rms.tolist(), strict=True))
+    cost = sum((found[name] / one) ** 2 for name, (one, _) in wanted.items() if one)
+    late = [name for name, (_, top) in wanted.items() if top and found[name] > top * (1 + SAME_VARIANCE)]
+    if late or cost > bound * (1 + SAME_VARIANCE):
+        raise SuspidError(f"the convex program was not solved accurately: cost {cost:.6g}, bound {bound:.6g}")
+    import control
+
+    return ActiveTuning(
+        gain=frozen_real(gain),
+        states=states,
+        rms=FrozenMapping(found),
+        passive=FrozenMapping(dict(zip(names, passive.tolist(), strict=True))),
+        cost=float(cost),
+        bound=float(bound),
+        closed=control.ss(
+            closed_A, G[:, None], closed_C, 0, states=list(states), inputs=["road_slope"], outputs=list(names)
+        ),
+    )
+
+
+def _names(
+    objective: Mapping[str, float], limits: Mapping[str, float]
+) -> tuple[tuple[str, ...], dict[str, tuple[float, float]]]:
+    """Return all outputs, and of each its scale in the objective and its limit, 0 where it has none."""
+    if not objective:
+        raise InputError("objective is empty; name outputs with the value of each that counts as one")
+    for name, value in [*objective.items(), *limits.items()]:
+        if not (isinstance(value, int | float | np.number) and 0 < value < np.inf):
+            raise InputError(f"{name!r} = {value!r} must be a positive number")
+    names = tuple(dict.fromkeys([*objective, *limits]))
+    return names, {name: (float(objective.get(name, 0.0)), float(limits.get(name, 0.0))) for name in names}
+
+
+def _slope_density(car: Suspension, road: Road | str | float, speed: float | None) -> float:
+    """Return the two-sided density of the road's slope in time [m2/s2 s], of exponent 2."""
+    if len(car.roads) != 1:
+        raise InputError(f"the car stands on {len(car.roads)} roads; state feedback is found for cars with one")
+    driven = driven_road(car, road, speed)
+    if driven.exponent != EXPONENT:
+        raise InputError(
+            f"the road has the exponent {driven.exponent:g}; state feedback needs white slopes, exponent 2"
+        )
+    return (2 * np.pi * REFERENCE) ** 2 * driven.roughness * driven.speed / 2
+
+
+def _plant(
+    car: Suspension, actuator: str, names: tuple[str, ...]
+) -> tuple[RealArray, RealArray, RealArray, RealArray, RealArray, tuple[str, ...]]:
+    """Return A, B, G of the car above its road, and C, D of outputs; displacements count from the road."""
+    outputs = [name for name in names if name != ACTUATOR]
+    known = [
+        *car.coordinates,
+        *(f"{c}_acceleration" for c in car.coordinates),
+        *(f"{s.name}_travel" for s in car.struts),
+    ]
+    for name in outputs:
+        if name in (*car.coordinates, *car.roads):
+            raise InputError(f"output {name!r} grows without end on white slopes.{nearest_names(name, known)}")
+    system = statespace(car, outputs=outputs, forces=[actuator], roads=car.roads)
+    A, C = np.asarray(system.A, float), np.asarray(system.C, float)
+    inputs = list(system.input_labels)
+    place = [
+        inputs.index(name) for name in (car.roads[0], f"{car.roads[0]}_rate", f"{actuator.removesuffix(FORCE)}{FORCE}")
+    ]
+    B, D = np.asarray(system.B, float)[:, place], np.asarray(system.D, float)[:, place]
+    # Where the road stands higher the car does, at rest: A lift + B_road = 0.
+    lift = -np.linalg.solve(A, B[:, 0])
+    infinite = [name for name, row in zip(outputs, D, strict=True) if row[1]]
+    if infinite:
+        raise InputError(f"output {infinite[0]!r} is infinite on white slopes: a damper on the road acts on it")
+    rows = [C[outputs.index(name)] if name in outputs else np.zeros(len(A)) for name in names]
+    direct = [D[outputs.index(name), 2] if name in outputs else 1.0 for name in names]
+    return A, B[:, 2], B[:, 1] - lift, np.array(rows), np.array(direct), tuple(system.state_labels)
+
+
+def _program(
+    A: RealArray,
+    B: RealArray,
+    noise: RealArray,
+    C: RealArray,
+    D: RealArray,
+    scale: RealArray,
+    wanted: list[tuple[float, float]],
+) -> tuple[RealArray, float]:
+    """Return the gain and the least cost, by the convex program in states and a force of the size of one."""
+    import warnings
+
+    import cvxpy
+
+    cp: Any = cvxpy
+    a, b = A * scale / scale[:, None], B / scale
+    force = float(np.max(np.abs(a)) / np.max(np.abs(b)))
+    b, n = b * force, len(A)
+    X, Y = cp.Variable((n, n), symmetric=True), cp.Variable((1, n))
+    moved = a @ X + b[:, None] @ Y
+    constraints = [moved + moved.T + noise / np.outer(scale, scale) << 0]
+    costs = []
+    for row, direct, (one, top) in zip(C * scale, D * force, wanted, strict=True):
+        unit = one or top
+        W = cp.Variable((1, 1))
+        y = (row[None, :] @ X + direct * Y) / unit
+        constraints.append(cp.bmat([[W, y], [y.T, X]]) >> 0)
+        if top:
+            constraints.append((top / unit) ** 2 >= W)
+        if one:
+            costs.append(W[0, 0])
+    problem = cp.Problem(cp.Minimize(sum(costs)), constraints)
+    with warnings.catch_warnings():
+        # Whether the solution is accurate is judged by the closed loop.
+        warnings.simplefilter("ignore", UserWarning)
+        problem.solve(solver=cp.CLARABEL)
+    if problem.status in ("infeasible", "infeasible_inaccurate"):
+        raise InputError("no state feedback keeps the limits; raise them")
+    if X.value is None or Y.value is None:
+        raise SuspidError(f"the convex program was not solved: {problem.status}")
+    gain = -force * np.linalg.solve(X.value, Y.value[0]) / scale
+    return np.asarray(gain), float(problem.value)

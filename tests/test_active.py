@@ -1,0 +1,75 @@
+"""State feedback by a convex program, beside control.lqr and simulation."""
+
+import re
+
+import control
+import numpy as np
+import pytest
+
+from suspid import InputError, quarter_car, road, statespace, tune_active
+from validation.cars import TWO_AXLES
+
+CAR = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3, chassis_damping=1300)
+OBJECTIVE = {"chassis_acceleration": 1.0, "tire_travel": 0.004, "chassis_travel": 0.02}
+
+
+def test_without_limits_it_is_lqr() -> None:
+    found = tune_active(CAR, actuator="chassis_travel", objective=OBJECTIVE, road="C", speed=20.0)
+    system = statespace(CAR, outputs=list(OBJECTIVE), forces=["chassis_travel"])
+    scale = np.array(list(OBJECTIVE.values()))
+    C, D = np.asarray(system.C) / scale[:, None], np.asarray(system.D)[:, 0] / scale
+    A, B = np.asarray(system.A), np.asarray(system.B)
+    gain, _, _ = control.lqr(A, B, C.T @ C, np.array([[D @ D]]), (C.T @ D)[:, None])
+    # Flat about its least: the cost agrees to the square of what the gain does.
+    np.testing.assert_allclose(found.gain, gain[0], rtol=1e-3, atol=1e-3 * np.max(np.abs(gain)))
+    assert found.cost == pytest.approx(found.bound, rel=1e-5)
+
+
+def test_limits_hold_and_cost_something() -> None:
+    request = {"actuator": "chassis_travel", "road": "C", "speed": 20.0}
+    objective = {"chassis_acceleration": 1.0, "tire_travel": 0.004}
+    free = tune_active(CAR, objective=objective, **request)  # type: ignore[arg-type]
+    limits = {"chassis_travel": 0.9 * tune_active(
+        CAR, objective={**objective, "chassis_travel": 1e3}, **request  # type: ignore[arg-type]
+    ).rms["chassis_travel"], "force": 400.0}  # fmt: skip
+    kept = tune_active(CAR, objective=objective, limits=limits, **request)  # type: ignore[arg-type]
+    assert kept.rms["chassis_travel"] <= limits["chassis_travel"] * 1.001
+    assert kept.rms["force"] <= 400.4
+    assert kept.cost > free.cost
+    assert free.rms["chassis_acceleration"] < free.passive["chassis_acceleration"]
+    assert "gain" in str(kept)
+
+
+def test_the_closed_loop_on_a_road() -> None:
+    """Rms of a long simulation of the closed loop under white slopes."""
+    found = tune_active(CAR, actuator="chassis_travel", objective=OBJECTIVE, road="C", speed=20.0)
+    rng, step = np.random.default_rng(2), 0.002
+    from suspid.simulation import recursion
+
+    A, B, C = (np.asarray(m, float) for m in (found.closed.A, found.closed.B, found.closed.C))
+    from scipy.linalg import expm, solve_continuous_lyapunov
+
+    level = (2 * np.pi * 0.1) ** 2 * 256e-6 * 20.0 / 2
+    P = solve_continuous_lyapunov(A, -level * B @ B.T)
+    E = expm(A * step)
+    root = np.linalg.cholesky(P - E @ P @ E.T + 1e-18 * np.eye(len(A)))
+    states = recursion(E, (root @ rng.standard_normal((len(A), 200_000)))[:, :, None], np.zeros((len(A), 1)), 200_000)
+    np.testing.assert_allclose(np.std(C @ states[:, :, 0], axis=1), list(found.rms.values()), rtol=0.03)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"objective": {}}, "objective is empty"),
+        ({"objective": {"chassis_acceleration": -1.0}}, "must be a positive number"),
+        ({"objective": {"chassis": 1.0}}, "grows without end"),
+        ({"limits": {"chassis_travel": 1e-5, "force": 10.0}}, "no state feedback keeps the limits"),
+        ({"car": TWO_AXLES, "actuator": "front_travel"}, "stands on 2 roads"),
+        ({"road": road("C", speed=20.0, exponent=2.5), "speed": None}, "has the exponent 2.5"),
+        ({"car": CAR.with_parameters(damping={"tire": 50.0}), "objective": {"tire_acceleration": 1.0}}, "is infinite"),
+    ],
+)
+def test_wrong_requests_are_refused(given: dict[str, object], message: str) -> None:
+    request = {"car": CAR, "actuator": "chassis_travel", "objective": OBJECTIVE, "road": "C", "speed": 20.0, **given}
+    with pytest.raises(InputError, match=re.escape(message)):
+        tune_active(**request)  # type: ignore[arg-type]
