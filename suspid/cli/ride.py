@@ -23,33 +23,33 @@ if TYPE_CHECKING:
     from suspid.model import Suspension
     from suspid.performance import Ride, Sensitivities
 
-ROAD = click.option("--road", metavar="A..H|G_d", help="Class of ISO 8608, or G_d(0.1 cycle/m) [m3].")
-SPEED = click.option("--speed", type=Positive("m/s"), help="Speed.")
-STATED = click.option(
+ON_ROAD = click.option("--road", metavar="A..H|G_d", help="Class of ISO 8608, or G_d(0.1 cycle/m) [m3].")
+AT_SPEED = click.option("--speed", type=Positive("m/s"), help="Speed.")
+STATED_STD = click.option(
     "--nominal-std",
     type=Positive("share"),
     metavar="SHARE",
     help="Relative standard deviation of springs and dampers that were not estimated, such as 0.05.",
 )
-STOPS = click.option(
+GIVEN_STOPS = click.option(
     "--clearance", metavar="STRUT=METRES", multiple=True, help="Distance of a strut to its stops; repeat."
 )
-PLOT = click.option("--plot", type=FILE, metavar="FILE", help="Write a picture (.png, .svg, .pdf).")
+PICTURE_OF_RIDE = click.option("--plot", type=FILE, metavar="FILE", help="Write a picture (.png, .svg, .pdf).")
 
 
 @click.command("ride")
 @click.argument("source", type=FILE, metavar="CAR|RECORD")
-@ROAD
-@SPEED
+@ON_ROAD
+@AT_SPEED
 @click.option("--duration", type=Positive("s"), help="Time of doses and peaks. [3600; the record's]")
 @click.option(
     "--weighting", "weightings", metavar="CHANNEL=Wk,…", multiple=True, help="Weightings; repeat. [Wk and Wf]"
 )
-@STOPS
-@STATED
+@GIVEN_STOPS
+@STATED_STD
 @click.option("--level", type=click.FloatRange(0, 1, min_open=True, max_open=True), help="Print intervals, as 0.95.")
 @click.option("--sensitivities", "tables", is_flag=True, help="Show which spring and damper moves which figure.")
-@PLOT
+@PICTURE_OF_RIDE
 def ride_command(
     source: Path,
     road: str | None,
@@ -105,8 +105,8 @@ def ride_command(
 
 @click.command("tune")
 @click.argument("source", type=FILE, metavar="CAR")
-@ROAD
-@SPEED
+@ON_ROAD
+@AT_SPEED
 @click.option(
     "--parameter", "parameters", metavar="NAME[=NAME…]", multiple=True,
     help="What may change, as chassis.damping; those joined by = change by one factor; repeat. [struts off the road]",
@@ -119,9 +119,9 @@ def ride_command(
 )  # fmt: skip
 @click.option("--points", type=click.IntRange(2, 200), default=11, show_default=True, help="Cars on the front.")
 @click.option("--robust", type=Positive("sd"), default=None, help="Standard deviations added to each figure. [0]")
-@STOPS
-@STATED
-@PLOT
+@GIVEN_STOPS
+@STATED_STD
+@PICTURE_OF_RIDE
 @click.option("-o", "--output", type=FILE, metavar="FILE", help="Write the car at the knee of the front as TOML.")
 def tune_command(
     source: Path,

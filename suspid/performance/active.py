@@ -23,7 +23,7 @@ SAME_VARIANCE = 1e-3
 # The name of the actuator's own force among objectives and limits.
 ACTUATOR = "force"
 # Exponent of a road whose slope is white.
-EXPONENT = 2.0
+WHITE_SLOPES = 2.0
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -174,7 +174,7 @@ def _slope_density(car: Suspension, road: Road | str | float, speed: float | Non
     if len(car.roads) != 1:
         raise InputError(f"the car stands on {len(car.roads)} roads; state feedback is found for cars with one")
     driven = driven_road(car, road, speed)
-    if driven.exponent != EXPONENT:
+    if driven.exponent != WHITE_SLOPES:
         raise InputError(
             f"the road has the exponent {driven.exponent:g}; state feedback needs white slopes, exponent 2"
         )

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from suspid.performance import Ride
 
 # Accelerations on one page, and decades of a spectrum below its peak that are drawn.
-MOST_SPECTRA, DECADES = 5, 5
+MOST_SPECTRA, DECADES_DRAWN = 5, 5
 
 
 def plot_ride(found: Ride, figure: Figure) -> Figure:
@@ -81,6 +81,6 @@ def plot_ride(found: Ride, figure: Figure) -> Figure:
 def _logarithmic(ax: Axes, top: float) -> None:
     ax.set_yscale("log")
     high = 10 ** np.ceil(np.log10(top or 1.0))
-    ax.set_ylim(float(high) * 10.0**-DECADES, float(high))
+    ax.set_ylim(float(high) * 10.0**-DECADES_DRAWN, float(high))
     ax.set_ylabel("[(m/s²)²/Hz]")
-    decade_ticks(ax.yaxis, 10.0**DECADES)
+    decade_ticks(ax.yaxis, 10.0**DECADES_DRAWN)
