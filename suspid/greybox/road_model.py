@@ -48,6 +48,7 @@ class RoadModel:
     functions: RealArray  # (point, component): of the departure, at even points
     first: float  # logarithm of wave number (or of frequency) at the first point
     step: float
+    components: RealArray  # (stretch, wide line, component): of the departure at the lines
 
     @property
     def count(self) -> int:
@@ -66,10 +67,7 @@ class RoadModel:
 
     def departure(self, where: RealArray) -> RealArray:
         """Return the components of g where the logarithm of wave number (or of frequency) is given, (…, component)."""
-        place = np.clip((where - self.first) / self.step, 0, len(self.functions) - 1.001)
-        below = place.astype(int)
-        share = (place - below)[..., None]
-        return np.asarray(self.functions[below] * (1 - share) + self.functions[below + 1] * share)
+        return _between(self.functions, (where - self.first) / self.step)
 
     def rotations(self, order: int, growth: float, log_radius: float) -> RealArray:
         """Return the power of an order of unit variance over the lines of the model, (stretch, wide line).
@@ -102,7 +100,7 @@ class RoadModel:
         onto, made = self.track.kernel.T, self._parts(own, levels, moved)
         total = (made.road + made.turning) @ onto + made.noise
         columns = [-(made.road * made.ratio) @ onto]
-        columns += [(made.road * made.components[:, :, i]) @ onto for i in range(made.components.shape[2])]
+        columns += [(made.road * self.components[:, :, i]) @ onto for i in range(self.components.shape[2])]
         columns += [np.broadcast_to(made.noise, total.shape), *(one @ onto for one in made.rotating)]
         if self.orders:
             for unknown in (-2, -1):
@@ -123,12 +121,10 @@ class RoadModel:
     def _parts(self, own: RealArray, levels: RealArray, moved: Reach) -> _Parts:
         track, count = self.track, self.functions.shape[1]
         ratio = np.log(track.wide / REFERENCE_HERTZ)
-        components = self.departure(np.log(track.wide) - track.log_speed[:, None])
-        logarithm = levels[:, None] + np.log(moved.road) - own[0] * ratio + components @ own[1 : 1 + count]
+        logarithm = levels[:, None] + np.log(moved.road) - own[0] * ratio + self.components @ own[1 : 1 + count]
         rotating = self._rotating(own, moved)
         return _Parts(
             ratio=ratio,
-            components=components,
             road=np.exp(logarithm),
             rotating=rotating,
             turning=np.sum(rotating, axis=0) if rotating else np.zeros_like(logarithm),
@@ -147,7 +143,6 @@ class RoadModel:
 
 class _Parts(NamedTuple):
     ratio: RealArray  # (wide line,): logarithm of frequency over its reference
-    components: RealArray  # (stretch, wide line, component): of the departure
     road: RealArray  # (stretch, wide line)
     rotating: list[RealArray]  # by order, (stretch, wide line)
     turning: RealArray  # their sum
@@ -177,11 +172,21 @@ def road_model(track: Track, *, radius: Metre | None) -> RoadModel:
     if track.speeds is not None and radius is not None:
         turns = np.array([np.min(track.speeds), np.max(track.speeds)]) / (2 * np.pi * radius)
         orders = tuple(h for h in WHEEL_ORDERS if h * turns[0] < track.hertz[-1] and h * turns[1] > track.hertz[0])
+    functions = vectors[:, keep] * np.sqrt(values[keep])
     return RoadModel(
         track=track,
         orders=orders,
         radius=radius or 1.0,
-        functions=vectors[:, keep] * np.sqrt(values[keep]),
+        functions=functions,
+        components=_between(functions, (logs - points[0]) / (points[1] - points[0])),
         first=float(points[0]),
         step=float(points[1] - points[0]),
     )
+
+
+def _between(rows: RealArray, where: RealArray) -> RealArray:
+    """Return rows at places between them, on straight lines, (…, column)."""
+    place = np.clip(where, 0, len(rows) - 1.001)
+    below = place.astype(int)
+    share = (place - below)[..., None]
+    return np.asarray(rows[below] * (1 - share) + rows[below + 1] * share)

@@ -87,13 +87,17 @@ class TireFit:
     scores: tuple[Scores, ...]
 
 
-def fit_tires(problem: TireProblem, rows: Sequence[int]) -> TireFit:
-    """Return the best fit, and how it changes with the suspension's parameters ``rows`` and relaxations."""
-    state = _descended(problem, _first(problem))
+def fit_tires(problem: TireProblem, rows: Sequence[int], *, start: RealArray | None = None) -> TireFit:
+    """Return the best fit, and how it changes with the suspension's parameters ``rows`` and relaxations.
+
+    The search begins at tires and wheel masses ``start``, or at the best of some multiples of the nominal ones.
+    """
+    state = _descended(problem, _first(problem) if start is None else _at(problem, start))
     u, count = problem.unknowns, len(problem.unknowns)
     scores = [_scores(problem, state, i) for i in range(len(problem.models))]
     size = count + sum(m.count for m in problem.models)
-    information, spread = _prior_information(problem, state), _prior_information(problem, state)
+    information = _prior_information(problem, state)
+    together: dict[int, RealArray] = {}
     mixed = np.zeros((size, len(rows) + len(problem.mounts)))
     at = count
     for model, one, own, levels in zip(problem.models, scores, state.roads, state.levels, strict=True):
@@ -101,10 +105,13 @@ def fit_tires(problem: TireProblem, rows: Sequence[int]) -> TireFit:
         at += model.count
         flat = one.cells.reshape(-1, len(place))
         information[np.ix_(place, place)] += flat.T @ flat
-        spread[np.ix_(place, place)] += _scatter(one.cells * one.excess[:, :, None])
+        # Wheels of one drive roll over one road, perhaps one after the other: their scores are not independent.
+        shared = together.setdefault(model.track.source, np.zeros((*one.excess.shape, size)))
+        shared[:, :, place] += one.cells * one.excess[:, :, None]
         moved = problem.reach(state.x, model, rows, problem.mounts)
         by_suspension = model.expected(own, levels, moved).by_car
         mixed[place] += flat.T @ by_suspension.reshape(len(flat), -1)
+    spread = sum((_scatter(shared) for shared in together.values()), _prior_information(problem, state))
     inverse = np.linalg.inv(information)
     natural = np.append(u.per_step(state.x), np.ones(size - count))
     return TireFit(
@@ -133,10 +140,15 @@ def _first(problem: TireProblem) -> State:
     for k in FIRST_FACTORS:
         for m in FIRST_FACTORS if np.any(u.positive & ~of_spring) else FIRST_FACTORS[2:3]:
             x = np.clip(u.nominal * np.where(of_spring, k, np.where(u.positive, m, 1.0)), u.lower, u.upper)
-            roads = tuple(model.prior.mean for model in problem.models)
-            levels = tuple(_levels(problem, x, model, own) for model, own in zip(problem.models, roads, strict=True))
-            starts.append(State(x=x, roads=roads, levels=levels))
+            starts.append(_at(problem, x))
     return min(starts, key=lambda start: _value(problem, start))
+
+
+def _at(problem: TireProblem, x: RealArray) -> State:
+    """Return where the search begins at tires and wheel masses x."""
+    roads = tuple(model.prior.mean for model in problem.models)
+    levels = tuple(_levels(problem, x, model, own) for model, own in zip(problem.models, roads, strict=True))
+    return State(x=x, roads=roads, levels=levels)
 
 
 def _levels(problem: TireProblem, x: RealArray, model: RoadModel, own: RealArray) -> RealArray:

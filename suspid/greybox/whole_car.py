@@ -108,7 +108,7 @@ def fit_with_road(
     fit = fit_tires(whole, own.rows)
     if band is None:
         whole = posed(fit.state.x)
-        fit = fit_tires(whole, own.rows)
+        fit = fit_tires(whole, own.rows, start=fit.state.x)
     x[second] = fit.state.x
     # How the fit moves with the unknowns of the first step.
     carried = fit.by_suspension @ _by_unknown(problem)
