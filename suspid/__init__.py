@@ -28,13 +28,16 @@ from suspid.fleet import DamperTrends, FleetRun, FleetSummary, damper_trends, fl
 from suspid.greybox import (
     BodyMode,
     BodyModes,
+    DamperCurve,
     Drive,
     DriveLimits,
     Drives,
     Estimate,
+    LineTest,
     RecordTest,
     RoadEstimate,
     body_modes,
+    damper_curve,
     estimate,
     find_drives,
 )
@@ -80,7 +83,9 @@ from suspid.recordings import RawChannel, Recording
 from suspid.reporting import (
     Source,
     content_of,
+    damper_curve_to_dict,
     plot_amplitude,
+    plot_damper_curve,
     plot_drive,
     plot_entropy,
     plot_estimate,
@@ -141,6 +146,8 @@ __all__ = [  # noqa: RUF022 - grouped by step
     "reconstruct", "Reconstruction", "ModalTest", "compare", "Comparison",
     # the car itself, straight from records
     "estimate", "Estimate", "RecordTest", "RoadEstimate", "read_estimate",
+    # one damper as it is
+    "damper_curve", "DamperCurve", "LineTest", "damper_curve_to_dict",
     # figures that a car is judged by
     "grip", "Grip", "wear", "Wear", "WearRule", "DamperWear", "ride", "Ride", "weighting",
     "classify_road", "RoadClass", "sensitivities", "Sensitivities", "tune", "Tuning",
@@ -151,7 +158,7 @@ __all__ = [  # noqa: RUF022 - grouped by step
     # pictures of each step
     "plot_scalogram", "plot_skeletons", "plot_spectra", "plot_amplitude", "plot_entropy", "plot_fit", "plot_shapes",
     "plot_identification",
-    "plot_estimate", "plot_grip", "plot_ride", "plot_tuning", "plot_sensitivities", "plot_drive",
+    "plot_estimate", "plot_damper_curve", "plot_grip", "plot_ride", "plot_tuning", "plot_sensitivities", "plot_drive",
     # what is said of a result
     "Verdict", "Level", "Check", "Remark", "Code", "DamperState",
     # what goes wrong

@@ -31,6 +31,7 @@ REPORTS = (
     "ride",
     "wear",
     "tyres",
+    "dampers",
 )
 FOLDER = Path(__file__).parent / "report"
 RATIOS = FOLDER / "speed.json"

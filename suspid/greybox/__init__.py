@@ -7,9 +7,12 @@ data; in the time domain `dynamics` (exact motion and its derivatives), `respons
 `whiteness`, `leftover`, `identifiability`, `modal` and `judgement` say how far the result can be trusted, `estimates`
 holds it. `find_drives` finds the usable stretches of long recordings: `speeds`, `blocks`, `stretches`, `drives`.
 With a model of the road: `rolling`, `wheel_power`, `reach`, `road_model`, `tire_fit`, `whole_car`, `roads`.
+`damper_curve`: `strut_motion`, `latent_splines`, `force_basis`, `curve_fit`, `curve_noise`, `damper_curves`.
 """
 
 from suspid.greybox.body_modes import BodyMode, BodyModes, body_modes
+from suspid.greybox.damper_curve import damper_curve
+from suspid.greybox.damper_curves import DamperCurve, LineTest
 from suspid.greybox.drives import Drive, DriveLimits, Drives, stretch_table, summary_table
 from suspid.greybox.estimate import estimate
 from suspid.greybox.estimates import Estimate, nominal_value, parameter_table, parameter_unit
@@ -21,14 +24,17 @@ from suspid.greybox.wheels import body_channels, wheels_missing, wheels_of
 __all__ = [
     "BodyMode",
     "BodyModes",
+    "DamperCurve",
     "Drive",
     "DriveLimits",
     "Drives",
     "Estimate",
+    "LineTest",
     "RecordTest",
     "RoadEstimate",
     "body_channels",
     "body_modes",
+    "damper_curve",
     "estimate",
     "find_drives",
     "nominal_value",

@@ -10,12 +10,14 @@ To add a picture to the page: draw it on Axes in a module of its own, as in ``pl
 """
 
 from suspid.reporting.content import Content, content_of
+from suspid.reporting.damper_curve_json import damper_curve_to_dict
 from suspid.reporting.drawings import drawing_of
 from suspid.reporting.drive_json import drive_to_dict
 from suspid.reporting.estimate_json import estimate_from_dict, estimate_to_dict, read_estimate
 from suspid.reporting.estimate_page import EstimateContent
 from suspid.reporting.json_schema import json_schema
 from suspid.reporting.plot_amplitude import plot_amplitude
+from suspid.reporting.plot_damper_curve import plot_damper_curve
 from suspid.reporting.plot_drive import plot_drive
 from suspid.reporting.plot_entropy import plot_entropy
 from suspid.reporting.plot_estimate import plot_estimate
@@ -42,6 +44,7 @@ __all__ = [
     "Source",
     "comparison_to_dict",
     "content_of",
+    "damper_curve_to_dict",
     "drawing_of",
     "drive_to_dict",
     "estimate_from_dict",
@@ -49,6 +52,7 @@ __all__ = [
     "grip_to_dict",
     "json_schema",
     "plot_amplitude",
+    "plot_damper_curve",
     "plot_drive",
     "plot_entropy",
     "plot_estimate",

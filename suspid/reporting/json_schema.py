@@ -1,4 +1,4 @@
-"""The JSON Schemas of what `report_to_dict`, `estimate_to_dict`, `drive_to_dict` and `wear_to_dict` return."""
+"""The JSON Schemas of what `report_to_dict` and the other functions of its kind return."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from importlib.resources import files
 from typing import Literal
 
 
-def json_schema(name: Literal["report", "estimate", "drive", "compare"]) -> dict[str, object]:
-    """Return the JSON Schema (draft 2020-12) of a report, estimate, drive or comparison: every field with its unit.
+def json_schema(name: Literal["report", "estimate", "drive", "compare", "damper"]) -> dict[str, object]:
+    """Return the JSON Schema (draft 2020-12) of one kind of result: every field with its unit.
 
     Examples
     --------

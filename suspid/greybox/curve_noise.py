@@ -1,0 +1,119 @@
+"""Noise of the force and of the motion of a strut, from what a fit leaves."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from suspid.greybox.curve_fit import CurveFit, Noise, Shape, equations_of, of_spline, smoothed, spline_equations
+from suspid.greybox.latent_splines import CORNER_SHARE, at_samples
+from suspid.greybox.strut_motion import StrutMotion
+from suspid.units import Hertz, MetrePerSecond, RealArray, Second
+
+# Lines of the residual that count: above slow drift, well below the corner of the filter.
+LEAST_HERTZ: Hertz = 0.5
+BELOW_CORNER = 0.8
+# Length of the stretches whose spectra are averaged [s], and the number of bands of the spectrum.
+SPECTRUM_STRETCH: Second = 5.0
+SPECTRUM_BANDS = 16
+# Noise of a signal is at least this share of what noise there was taken to be: none of the two is exact.
+LEAST_SHARE = 1e-4
+# Test signals by which the effect of noise is computed: its spectrum is then known better than that of the residual.
+PROBES = 4
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Residual:
+    """Spectrum of a fit's residual, and those that the assumed noise of each signal would leave, by bands."""
+
+    power: RealArray  # (band,)
+    expected: RealArray  # (band, signal)
+    independent: RealArray  # values that each band averages, (band,)
+    velocity: MetrePerSecond  # error of the velocity
+
+
+def residual_of(
+    motions: Sequence[StrutMotion], fit: CurveFit, shape: Shape, noise: Noise, rng: np.random.Generator
+) -> Residual:
+    """Return the spectra of the force that a fit leaves.
+
+    What noise leaves is linear in it: `PROBES` drawn noises are put through the equations of the fit.
+    """
+    from scipy.linalg import solveh_banded
+
+    power, expected, squares, weights = [], [], [], []
+    for motion, spline, part in zip(motions, fit.splines, fit.records, strict=True):
+        h, count = motion.step, len(motion.force)
+        equations = equations_of(motion, shape, fit.theta, spline, noise)
+        drawn = rng.standard_normal((2, count, PROBES))
+        still = np.zeros((count, PROBES))
+        first = np.column_stack([smoothed(one, h) for one in drawn[0].T])
+        second = np.column_stack([smoothed(one, h) for one in drawn[1].T]) if motion.travel else drawn[1]
+        dense = [np.hstack([first, still]), np.hstack([still, second])]
+        bands, right = spline_equations(equations, dense, len(spline))
+        solved = solveh_banded(bands, right, lower=True)
+        left = (dense[0] - of_spline(equations.wide[0], solved)) * noise.force
+        power.append(_by_bands(part.force_residual[:, None], h)[:, 0])
+        expected.append(_by_bands(left, h).reshape(-1, 2, PROBES).mean(axis=2))
+        squares.append(np.mean([at_samples(solved[:, i], 1, h) ** 2 for i in range(PROBES)]))
+        weights.append(count)
+    share = np.array(weights) / np.sum(weights)
+    return Residual(
+        power=np.einsum("r,rb->b", share, power),
+        expected=np.einsum("r,rbs->bs", share, expected),
+        independent=_independent(motions),
+        velocity=float(np.sqrt(share @ np.array(squares))),
+    )
+
+
+def noise_of(residual: Residual, noise: Noise) -> Noise:
+    """Return the noise of both signals that the spectrum of a residual shows: a regression with gamma errors."""
+    factors = np.ones(2)
+    for _ in range(20):
+        mean = residual.expected @ factors
+        weights = residual.independent / mean**2
+        scaled = residual.expected * weights[:, None]
+        made = np.linalg.solve(scaled.T @ residual.expected, scaled.T @ residual.power)
+        factors = np.maximum(made, LEAST_SHARE)
+    return Noise(
+        force=float(noise.force * np.sqrt(factors[0])),
+        motion=float(noise.motion * np.sqrt(factors[1])),
+        velocity=residual.velocity,
+    )
+
+
+def misfit_of(residual: Residual) -> tuple[float, int]:
+    """Return chi-square and its degrees of freedom of the residual's spectrum against white noise in both signals."""
+    ratio = residual.power / residual.expected.sum(axis=1)
+    # The expected spectrum has the errors of its draws.
+    variance = (1 + 1 / PROBES) / residual.independent
+    return float(np.sum((ratio - 1) ** 2 / variance)), SPECTRUM_BANDS - 2
+
+
+def _by_bands(signals: RealArray, step: Second) -> RealArray:
+    """Return the mean power in bands of equal numbers of lines, (band, signal)."""
+    from scipy.signal import welch
+
+    f, density = welch(signals, fs=1 / step, nperseg=_length(len(signals), step), axis=0)
+    use = (f >= LEAST_HERTZ) & (f <= BELOW_CORNER * CORNER_SHARE / step)
+    return np.array([np.mean(band, axis=0) for band in np.array_split(density[use], SPECTRUM_BANDS)])
+
+
+def _independent(motions: Sequence[StrutMotion]) -> RealArray:
+    """Return how many independent values each band averages."""
+    total = np.zeros(SPECTRUM_BANDS)
+    for motion in motions:
+        h, count = motion.step, len(motion.force)
+        length = _length(count, h)
+        f = np.fft.rfftfreq(length, h)
+        lines = np.sum((f >= LEAST_HERTZ) & (f <= BELOW_CORNER * CORNER_SHARE / h))
+        sizes = np.array([len(one) for one in np.array_split(np.arange(lines), SPECTRUM_BANDS)])
+        # Neighbouring lines of a Hann window and stretches that overlap by half are not independent.
+        total += sizes / 1.5 * max(0.8 * (2 * count // length - 1), 1)
+    return np.maximum(total, 1.0)
+
+
+def _length(count: int, step: Second) -> int:
+    return min(round(SPECTRUM_STRETCH / step), count)

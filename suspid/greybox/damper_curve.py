@@ -1,0 +1,286 @@
+"""Force of a damper over its velocity, from a record of driving."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from suspid.errors import EstimationError, InputError, RecordError
+from suspid.greybox.curve_fit import CurveFit, Noise, Shape, first_spline, fitted_curve
+from suspid.greybox.curve_noise import misfit_of, noise_of, residual_of
+from suspid.greybox.damper_curves import DamperCurve, LineTest, rising
+from suspid.greybox.force_basis import MOST_NODES, SAMPLES_A_NODE, placed_nodes
+from suspid.greybox.latent_splines import CORNER_SHARE
+from suspid.greybox.strut_motion import StrutMotion, strut_motion
+from suspid.levels import check_level, likely
+from suspid.model import Suspension
+from suspid.units import Ratio, RealArray
+from suspid.values import frozen_real
+from suspid.words import Check, Level, Remark, Verdict
+from suspid.words.dampers import CurveCheck, CurveHeadline
+
+if TYPE_CHECKING:
+    import control
+
+# Noise of an accelerometer and of a travel to begin with [m/s2, m]; what a fit leaves corrects them.
+FIRST_NOISE, FIRST_TRAVEL_NOISE = 0.05, 1e-4
+# Level of the test whether a damper is viscous: one false alarm in a hundred.
+VISCOUS_LEVEL = 0.01
+# Error of the velocity beyond which that is said, as a share of its root mean square: a tenth of the distance between
+# two nodes or more.
+BLURRED_SHARE = 0.03
+# Ranges of velocity on each side whose rates the test compares.
+LINE_RANGES = 4
+# First node, in changes of velocity within the time constant of the filter.
+FIRST_NODE = 1.5
+# Share of the largest force by which forces may be uncertain before that is said.
+VAGUE_SHARE = 0.1
+
+
+def damper_curve(
+    records: control.TimeResponseData | Sequence[control.TimeResponseData],
+    suspension: Suspension,
+    *,
+    strut: str,
+    given: Sequence[str] | None = None,
+    friction: bool = True,
+    nodes: int | None = None,
+    level: Ratio = VISCOUS_LEVEL,
+) -> DamperCurve:
+    """Find the force of a damper over its velocity, friction and the stiffness beside it.
+
+    The accelerations of the sprung masses tell the force in the strut, and with that of the wheel, or a sensor of
+    travel, its motion. Force and motion are compared without knowing the road: the true motion is unknown at every
+    sample, and both signals have noise of unknown level (errors in variables). The curve is straight between nodes;
+    there are enough of them to follow kinks.
+
+    Parameters
+    ----------
+    records : control.TimeResponseData or sequence of them
+        Accelerations of the sprung masses, and that of the other end of the strut or its travel, named as the outputs
+        of `statespace` or as the sensors of the suspension.
+    suspension : Suspension
+        Masses and topology; stiffness and damping of the strut are the start.
+    strut : str
+        The strut whose damper is asked for.
+    given : sequence of str, optional
+        Coordinates whose motion is given by their sensors. Default: those that stand on a road.
+    friction : bool
+        Whether the damper may have Coulomb friction.
+    nodes : int, optional
+        Number of nodes besides that at rest. Default: one for each 200 samples, at most 36.
+    level : float
+        Share of viscous dampers that the test whether the curve is a line rejects [1].
+
+    Returns
+    -------
+    DamperCurve
+        ``velocities``, ``forces``, ``friction``, ``stiffness``, their covariance, and ``linear``, the test whether
+        the damper is viscous.
+
+    Raises
+    ------
+    InputError
+        If a name is unknown, or the forces of the struts do not follow from the accelerations of the sprung masses.
+    RecordError
+        If a channel is missing, or a record is too short.
+    EstimationError
+        If the records do not determine the curve.
+
+    Notes
+    -----
+    Gains and delays of the sensors are taken as known: 2 ms between the sensors of body and wheel make the stiffness
+    of a car wrong by a quarter. `estimate` finds them; correct the record before. The same holds for a rubber mount.
+    Intervals are those of the scores' scatter over blocks of half a second.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from suspid import quarter_car, road_profile, simulate
+    >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3,
+    ...                   chassis_damping=1300, tire_damping=60)
+    >>> bilinear = car.with_parameters(curve={"chassis": ((-1.0, -650.0), (0.0, 0.0), (1.0, 1950.0))})
+    >>> t, rng = np.arange(0, 12, 0.005), np.random.default_rng(1)
+    >>> road = road_profile(20 * t, roughness="B", rng=rng, wavelengths=(0.5, 100.0))
+    >>> record = simulate(bilinear, t, {"road": road}, outputs=["chassis_acceleration", "tire_acceleration"],
+    ...                   interpolation="cubic")
+    >>> record.outputs[:] += np.array([[0.03], [0.1]]) * rng.standard_normal(record.outputs.shape)
+    >>> found = damper_curve(record, car, strut="chassis", nodes=12)
+    >>> bool(found.linear), bool(abs(found.stiffness / 22e3 - 1) < 0.02)
+    (False, True)
+    """
+    check_level(level)
+    if nodes is not None and (isinstance(nodes, bool) or nodes < 4):
+        raise InputError(f"{nodes=} must be at least 4: two on each side of rest")
+    motions = _motions(records, suspension, strut, given)
+    start = next(s for s in suspension.struts if s.name == strut)
+    wide = Shape(nodes=np.array([-1.0, 0.0, 1.0]), friction=False)
+    theta = np.array([start.stiffness, -start.damping, start.damping])
+    noise = _first_noise(motions)
+    try:
+        fit = fitted_curve(motions, wide, theta, [first_spline(m) for m in motions], noise)
+        velocity = np.concatenate([part.velocity for part in fit.records])
+        shape = _shape(motions, velocity, nodes, friction)
+        theta = _onto(fit.theta, wide, shape)
+        fit = fitted_curve(motions, shape, theta, fit.splines, noise)
+        noise, theta = noise_of(residual_of(motions, fit, shape, noise, _probes()), noise), fit.theta
+        fit = fitted_curve(motions, shape, theta, fit.splines, noise)
+    except (np.linalg.LinAlgError, ValueError) as error:
+        raise EstimationError(
+            f"the records do not determine the curve of strut {strut!r} ({error}); use a longer or rougher record, or "
+            f"fewer nodes"
+        ) from None
+    return _result(motions, suspension, strut, shape, fit, noise, level)
+
+
+def _motions(records: object, car: Suspension, strut: str, given: Sequence[str] | None) -> tuple[StrutMotion, ...]:
+    if not isinstance(car, Suspension):
+        raise InputError(f"damper_curve needs a Suspension here, not {type(car).__name__}")
+    several = list(records) if isinstance(records, Sequence) else [records]
+    if not several:
+        raise InputError("there is no record; give a control.TimeResponseData, or a sequence of them")
+    motions = tuple(strut_motion(one, car, strut, given) for one in several)
+    steps = [m.step for m in motions]
+    if max(steps) > min(steps) * (1 + 1e-6) or len({m.travel for m in motions}) > 1:
+        raise RecordError("the records differ in their rates or in the sensors of the strut; resample them to one rate")
+    return motions
+
+
+def _first_noise(motions: Sequence[StrutMotion]) -> Noise:
+    one = motions[0]
+    if one.travel:
+        # Noise of the accelerations is as large a share of the force as that of the travel of the travel.
+        share = FIRST_TRAVEL_NOISE / max(float(np.std(one.motion)), 1e-300)
+        return Noise(force=float(np.std(one.force)) * share, motion=FIRST_TRAVEL_NOISE)
+    return Noise(force=FIRST_NOISE / max(abs(one.share), 1e-12), motion=FIRST_NOISE)
+
+
+def _shape(motions: Sequence[StrutMotion], velocity: RealArray, nodes: int | None, friction: bool) -> Shape:
+    """Return the nodes: the first at the change of velocity within the time that the filter leaves apart."""
+    step = motions[0].step
+    count = min(MOST_NODES, len(velocity) // SAMPLES_A_NODE) if nodes is None else nodes
+    change = float(np.sqrt(np.mean(np.diff(velocity) ** 2))) / step
+    return Shape(
+        nodes=placed_nodes(velocity, max(count, 4), FIRST_NODE * change / (2 * np.pi * CORNER_SHARE / step)),
+        friction=friction,
+    )
+
+
+def _onto(theta: RealArray, old: Shape, new: Shape) -> RealArray:
+    """Return the unknowns of one shape on the nodes of another."""
+    slope = np.where(new.moving > 0, old.forces(theta)[-1] / old.nodes[-1], old.forces(theta)[0] / old.nodes[0])
+    return np.concatenate([theta[:1], slope * new.moving, [0.0] if new.friction else []])
+
+
+def _line_test(shape: Shape, fit: CurveFit, level: Ratio) -> LineTest:
+    """Return Hotelling's test that the rates in all ranges of velocity are equal, and there is no friction.
+
+    The rate of a range is ``sum(v F) / sum(v^2)`` over its nodes. Single nodes would ask for more blocks than a short
+    record has.
+    """
+    from scipy.stats import f
+
+    v, covariance = shape.moving, fit.covariance[1:, 1:]
+    sides = [np.flatnonzero(v < 0), np.flatnonzero(v > 0)]
+    ranges = [part for side in sides for part in np.array_split(side, min(LINE_RANGES, len(side)))]
+    rates = np.zeros((len(ranges), len(covariance)))
+    for row, part in zip(rates, ranges, strict=True):
+        row[part] = v[part] / np.sum(v[part] ** 2)
+    contrasts = np.diff(rates, axis=0)
+    if shape.friction:
+        contrasts = np.vstack([contrasts, np.eye(len(covariance))[-1]])
+    off = contrasts @ fit.theta[1:]
+    count, blocks = len(off), sum(len(part.scores) for part in fit.records)
+    square = float(off @ np.linalg.solve(contrasts @ covariance @ contrasts.T, off))
+    # The covariance comes from as many scores as blocks, less the unknowns.
+    rest = max(blocks - len(fit.theta), count + 1)
+    residual = rest - count + 1
+    statistic = square * residual / (count * rest)
+    return LineTest(
+        statistic=statistic,
+        freedom=count,
+        residual_freedom=residual,
+        p_value=float(f.sf(statistic, count, residual)),
+        level=level,
+    )
+
+
+def _probes() -> np.random.Generator:
+    """Return the generator of test noise: the same for all records, so that results do not depend on chance."""
+    return np.random.default_rng(0)
+
+
+def _result(
+    motions: Sequence[StrutMotion],
+    car: Suspension,
+    strut: str,
+    shape: Shape,
+    fit: CurveFit,
+    noise: Noise,
+    level: Ratio,
+) -> DamperCurve:
+    velocity = np.concatenate([part.velocity for part in fit.records])
+    line = _line_test(shape, fit, level)
+    chi_square, freedom = misfit_of(residual_of(motions, fit, shape, noise, _probes()))
+    size = len(shape.nodes)
+    spread = np.zeros((size + 2, len(fit.theta)))
+    spread[0, 0] = 1
+    spread[1 : size + 1][shape.nodes != 0, 1:size] = np.eye(size - 1)
+    if shape.friction:
+        spread[-1, -1] = 1
+    made = DamperCurve(
+        name=strut,
+        suspension=car,
+        velocities=frozen_real(shape.nodes),
+        forces=frozen_real(shape.forces(fit.theta)),
+        friction=float(fit.theta[-1]) if shape.friction else 0.0,
+        stiffness=float(fit.theta[0]),
+        covariance=frozen_real(spread @ fit.covariance @ spread.T),
+        friction_sought=shape.friction,
+        linear=line,
+        velocity_std=float(np.sqrt(np.mean(velocity**2))),
+        noise_std=(noise.force, noise.motion),
+        chi_square=chi_square,
+        freedom=freedom,
+        explains=likely(chi_square, freedom),
+        verdict=Verdict(Remark(CurveHeadline.LINE if line else CurveHeadline.CURVE, {"strut": strut})),
+    )
+    from dataclasses import replace
+
+    return replace(made, verdict=Verdict(made.verdict.headline, tuple(_checks(made, fit, noise))))
+
+
+def _checks(found: DamperCurve, fit: CurveFit, noise: Noise) -> list[Check]:
+    line = found.linear
+    tested = {
+        "level": line.level,
+        "statistic": line.statistic,
+        "freedom": line.freedom,
+        "residual_freedom": line.residual_freedom,
+        "p_value": line.p_value,
+    }
+    misfit = {"chi_square": found.chi_square, "freedom": found.freedom}
+    checks = [
+        Check(Remark(CurveCheck.STRAIGHT if line else CurveCheck.BENDS, tested), Level.NOTE),
+        Check(Remark(CurveCheck.EXPLAINS, misfit), Level.SOUND)
+        if found.explains
+        else Check(Remark(CurveCheck.UNEXPLAINED, misfit), Level.CARE),
+        Check(Remark(CurveCheck.MASSES), Level.NOTE),
+    ]
+    if found.friction_sought and found.friction > 2.6 * found.friction_std:
+        numbers = {"friction": found.friction, "std": found.friction_std}
+        checks.append(Check(Remark(CurveCheck.FRICTION, numbers), Level.NOTE))
+    off = float(np.max(np.abs(rising(found) - found.forces)))
+    if off > 0:
+        checks.append(Check(Remark(CurveCheck.FALLS, {"error": off}), Level.NOTE))
+    share = float(np.max(found.std) / np.max(np.abs(found.forces)))
+    if share > VAGUE_SHARE:
+        checks.append(Check(Remark(CurveCheck.VAGUE, {"share": share}), Level.CARE))
+    blur = noise.velocity / found.velocity_std
+    if blur > BLURRED_SHARE:
+        checks.append(Check(Remark(CurveCheck.BLURRED, {"error": noise.velocity, "share": blur}), Level.CARE))
+    if not fit.settled:
+        checks.append(Check(Remark(CurveCheck.UNSETTLED, {"steps": fit.steps}), Level.CARE))
+    return checks

@@ -1,0 +1,248 @@
+"""A damper's curve: force over velocity with its uncertainty."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from suspid.levels import LEVEL, check_level
+from suspid.model import Strut, Suspension, equal_work
+from suspid.units import MetrePerSecond, Newton, NewtonPerMetre, NewtonSecondPerMetre, Ratio, RealArray
+from suspid.values import rounded, spread, text_table
+from suspid.words import Verdict
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class LineTest:
+    """The test whether a damper is viscous: all forces in proportion to the velocity, and no friction.
+
+    Parameters
+    ----------
+    statistic : float
+        Hotelling's statistic as F.
+    freedom, residual_freedom : int
+        Its degrees of freedom.
+    p_value : float
+        Probability of as large a statistic where the damper is viscous.
+    level : float
+        Share of viscous dampers that are rejected.
+    """
+
+    statistic: float
+    freedom: int
+    residual_freedom: int
+    p_value: float
+    level: Ratio
+
+    @property
+    def accepted(self) -> bool:
+        """Whether a line is not rejected."""
+        return self.p_value >= self.level
+
+    def __bool__(self) -> bool:
+        return self.accepted
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class DamperCurve:
+    """Force of a damper over its velocity, found from records; ``str()`` is the table.
+
+    Parameters
+    ----------
+    name : str
+        Name of the strut.
+    suspension : Suspension
+        The car that was given.
+    velocities : ndarray (node,)
+        Velocities of the nodes, ascending, with rest among them [m/s]; positive in extension (rebound).
+    forces : ndarray (node,)
+        Forces at the nodes without friction [N]; straight between them.
+    friction : float
+        Coulomb friction [N].
+    stiffness : float
+        Stiffness of the spring beside the damper [N/m].
+    covariance : ndarray (value, value)
+        Joint covariance of stiffness, forces at all nodes and friction, in this order.
+    friction_sought : bool
+        Whether friction was an unknown.
+    linear : LineTest
+        The test whether the damper is viscous; true where a line is not rejected.
+    velocity_std : float
+        Root mean square of the damper's velocity in the records [m/s].
+    noise_std : tuple of float
+        Noise of the strut's force [N], and of its motion [m/s2, or m where travel was measured].
+    chi_square : float
+        Statistic of the test that the residual is noise, with ``freedom`` degrees of freedom.
+    freedom : int
+        See `chi_square`.
+    explains : bool
+        Whether chi-square is not improbably large.
+    verdict : Verdict
+        How far the result can be trusted, and why.
+    """
+
+    name: str
+    suspension: Suspension
+    velocities: RealArray
+    forces: RealArray
+    friction: Newton
+    stiffness: NewtonPerMetre
+    covariance: RealArray
+    friction_sought: bool
+    linear: LineTest
+    velocity_std: MetrePerSecond
+    noise_std: tuple[float, float]
+    chi_square: float
+    freedom: int
+    explains: bool
+    verdict: Verdict
+
+    @property
+    def std(self) -> RealArray:
+        """Standard deviations of `forces` [N], (node,); that at rest is 0."""
+        return np.asarray(np.sqrt(np.diag(self.covariance)[1:-1]))
+
+    @property
+    def stiffness_std(self) -> NewtonPerMetre:
+        """Standard deviation of `stiffness` [N/m]."""
+        return float(np.sqrt(self.covariance[0, 0]))
+
+    @property
+    def friction_std(self) -> Newton:
+        """Standard deviation of `friction` [N]."""
+        return float(np.sqrt(self.covariance[-1, -1]))
+
+    @property
+    def totals(self) -> RealArray:
+        """Forces at the nodes with friction [N], (node,)."""
+        return np.asarray(self.forces + self.friction * np.sign(self.velocities))
+
+    @property
+    def total_std(self) -> RealArray:
+        """Standard deviations of `totals` [N], (node,)."""
+        turned = np.hstack([np.eye(len(self.forces)), np.sign(self.velocities)[:, None]])
+        return np.asarray(np.sqrt(np.einsum("ij,jk,ik->i", turned, self.covariance[1:, 1:], turned)))
+
+    def interval(self, level: Ratio = LEVEL) -> tuple[RealArray, RealArray]:
+        """Return the ends between which each of `forces` lies with probability ``level`` [N], (node,) each.
+
+        Raises
+        ------
+        InputError
+            If the level is not between 0 and 1.
+        """
+        reach = _reach(level) * self.std
+        return self.forces - reach, self.forces + reach
+
+    def equivalent_damping(self, amplitude: MetrePerSecond | None = None) -> NewtonSecondPerMetre:
+        """Return the viscous damping that takes as much work per cycle of a harmonic motion [N s/m].
+
+        Parameters
+        ----------
+        amplitude : float, optional
+            Amplitude of the velocity [m/s]. Default: that of the root mean square in the records.
+        """
+        return float(self._work(amplitude) @ np.append(self.forces, self.friction))
+
+    def equivalent_damping_std(self, amplitude: MetrePerSecond | None = None) -> NewtonSecondPerMetre:
+        """Return the standard deviation of `equivalent_damping` [N s/m]."""
+        work = self._work(amplitude)
+        return float(np.sqrt(work @ self.covariance[1:, 1:] @ work))
+
+    def _work(self, amplitude: MetrePerSecond | None) -> RealArray:
+        """Return the equivalent damping per force at each node and per friction."""
+        speed = np.sqrt(2) * self.velocity_std if amplitude is None else amplitude
+        nodes = self.velocities.tolist()
+        units = [equal_work(list(zip(nodes, row, strict=True)), 0.0, speed) for row in np.eye(len(nodes)).tolist()]
+        return np.array([*units, equal_work(((0.0, 0.0), (1.0, 0.0)), 1.0, speed)])
+
+    @property
+    def curve(self) -> tuple[tuple[float, float], ...]:
+        """The points of the nearest curve that rises through zero, for a `Strut`."""
+        return tuple(zip(self.velocities.tolist(), rising(self).tolist(), strict=True))
+
+    @property
+    def strut(self) -> Strut:
+        """The strut with what was found, for `free_decay` and `simulate`."""
+        from dataclasses import replace
+
+        nominal = next(s for s in self.suspension.struts if s.name == self.name)
+        return replace(
+            nominal,
+            stiffness=max(self.stiffness, 0.0),
+            damping=max(self.equivalent_damping(), 0.0),
+            friction=max(self.friction, 0.0),
+            curve=self.curve,
+        )
+
+    @property
+    def car(self) -> Suspension:
+        """The suspension with `strut` in place of the one given."""
+        from dataclasses import replace
+
+        struts = [self.strut if s.name == self.name else s for s in self.suspension.struts]
+        return replace(self.suspension, struts=struts)
+
+    def __str__(self) -> str:
+        return "\n".join([curve_table(self), summary(self), str(self.verdict)])
+
+
+def rising(found: DamperCurve) -> RealArray:
+    """Return the forces nearest to those found, in standard deviations, that rise through zero."""
+    from scipy.optimize import isotonic_regression
+
+    out = np.zeros(len(found.forces))
+    for sign in (1.0, -1.0):
+        side = np.flatnonzero(sign * found.velocities > 0)[:: int(sign)]
+        weights = 1 / np.maximum(found.std[side], 1e-12) ** 2
+        made = isotonic_regression(sign * found.forces[side], weights=weights).x
+        out[side] = sign * np.maximum(made, 0.0)
+    return out
+
+
+def curve_table(found: DamperCurve) -> str:
+    """Return the forces in rebound and compression as a table, at most twelve speeds."""
+    nodes = found.velocities
+    speeds = nodes[nodes > 0]
+    kept = speeds[np.unique(np.linspace(0, len(speeds) - 1, 12).round().astype(int))]
+    columns: dict[str, list[str]] = {"speed [m/s]": [f"{v:.3f}" for v in kept]}
+    for name, sign in (("rebound", 1.0), ("compression", -1.0)):
+        forces, stds = force_at(found, sign * kept)
+        inside = sign * kept >= nodes[0]
+        columns[f"{name} [N]"] = [text if use else "" for text, use in zip(rounded(forces, stds), inside, strict=True)]
+        columns[f"± {name[0]}"] = [spread(s) if use else "" for s, use in zip(stds, inside, strict=True)]
+    return text_table(columns)
+
+
+def force_at(found: DamperCurve, velocity: RealArray) -> tuple[RealArray, RealArray]:
+    """Return the force without friction at velocities, and its standard deviation [N]."""
+    nodes = found.velocities
+    piece = np.clip(np.searchsorted(nodes, velocity) - 1, 0, len(nodes) - 2)
+    share = (velocity - nodes[piece]) / (nodes[piece + 1] - nodes[piece])
+    weights, row = np.zeros((len(velocity), len(nodes))), np.arange(len(velocity))
+    weights[row, piece], weights[row, piece + 1] = 1 - share, share
+    variance = np.einsum("ij,jk,ik->i", weights, found.covariance[1:-1, 1:-1], weights)
+    return weights @ found.forces, np.sqrt(variance)
+
+
+def summary(found: DamperCurve) -> str:
+    """Return friction, stiffness and equivalent damping as text."""
+
+    def pm(value: float, std: float) -> str:
+        return f"{rounded(np.array([value]), np.array([std]))[0]} ± {spread(std)}"
+
+    speed = np.sqrt(2) * found.velocity_std
+    lines = [f"stiffness {pm(found.stiffness, found.stiffness_std)} N/m"]
+    if found.friction_sought:
+        lines.append(f"friction {pm(found.friction, found.friction_std)} N")
+    damping = pm(found.equivalent_damping(), found.equivalent_damping_std())
+    lines.append(f"viscous damping of equal work at an amplitude of {speed:.3g} m/s: {damping} N s/m")
+    return "\n".join(lines)
+
+
+def _reach(level: Ratio) -> float:
+    from scipy.special import ndtri
+
+    check_level(level)
+    return float(ndtri((1 + level) / 2))

@@ -1,0 +1,258 @@
+"""Curves of dampers found in drives, against the damper of a simulator that shares no equation with the library."""
+
+import json
+import re
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+from scipy.stats import norm
+
+from suspid import (
+    DamperCurve,
+    InputError,
+    RecordError,
+    Strut,
+    Suspension,
+    damper_curve,
+    damper_curve_to_dict,
+    half_car,
+    quarter_car,
+    simulate,
+)  # fmt: skip
+from suspid.greybox.force_basis import node_weights, placed_nodes, sign_between
+from suspid.greybox.latent_splines import (
+    FINE_POINTS,
+    at_samples,
+    between_samples,
+    filtered,
+    filtered_samples,
+    spline_through,
+    stencils,
+)  # fmt: skip
+from suspid.reporting import json_schema, plot_damper_curve
+from suspid.signals import as_response
+from suspid.units import RealArray
+from validation.dampers import LAWS, NOISE
+
+CAR = quarter_car(
+    chassis_mass=350, tire_mass=50, chassis_stiffness=16e3, tire_stiffness=210e3, chassis_damping=1800, tire_damping=60
+)
+DRIVES = Path(__file__).parent / "damper_drives.npz"
+CHANNELS = ["chassis_acceleration", "tire_acceleration"]
+
+
+@cache
+def motion(law: str, friction: float = 0.0) -> dict[str, RealArray]:
+    """Return one drive of 20 s on a road of class B, from a file of `validation.dampers.write_test_drives`."""
+    with np.load(DRIVES) as file:
+        return {name: np.asarray(file[f"{law}_{friction:g}_{name}"], float) for name in NOISE}
+
+
+@cache
+def found(law: str, friction: float = 0.0) -> DamperCurve:
+    return damper_curve(record(law, friction), CAR, strut="chassis")
+
+
+def record(law: str, friction: float = 0.0, names: Any = CHANNELS) -> Any:
+    rng, clean = np.random.default_rng(11), motion(law, friction)
+    rows = [clean[name] + NOISE[name] * rng.standard_normal(len(clean[name])) for name in names]
+    return as_response(0.005 * np.arange(len(rows[0]), dtype=float), np.array(rows, float), list(names))
+
+
+class TestCurves:
+    @pytest.mark.parametrize(("law", "friction"), [("bilinear", 0.0), ("digressive", 30.0)])
+    def test_the_damper_of_the_simulator_is_found(self, law: str, friction: float) -> None:
+        curve = found(law, friction)
+        true = LAWS[law].force(curve.velocities)
+        # Four standard deviations, of 20 s: all nodes of two curves in 99 % of runs.
+        np.testing.assert_array_less(np.abs(curve.forces - true), np.maximum(4 * curve.std, 1e-9))
+        assert np.max(curve.std) < 8.0
+        assert abs(curve.stiffness - 22e3) < min(4 * curve.stiffness_std, 0.01 * 22e3)
+        assert abs(curve.friction - friction) < min(4 * curve.friction_std, 8.0)
+        assert not curve.linear
+        assert "is not a line" in str(curve.verdict.headline)
+
+    def test_a_viscous_damper_is_a_line(self) -> None:
+        curve = found("linear")
+        assert curve.linear
+        assert curve.linear.level == 0.01
+        assert curve.equivalent_damping() == pytest.approx(1300, abs=4 * curve.equivalent_damping_std())
+        assert curve.equivalent_damping_std() < 13
+        assert "no sign" in str(curve.verdict.headline)
+
+    def test_the_equivalent_damping_is_that_of_the_true_curve(self) -> None:
+        curve = found("bilinear")
+        for amplitude in (0.05, 0.2):
+            std = curve.equivalent_damping_std(amplitude)
+            # Bilinear: the mean of both rates at any amplitude.
+            assert curve.equivalent_damping(amplitude) == pytest.approx(1300, abs=4 * std + 1)
+            assert std < 30
+
+    def test_noise_is_told_apart(self) -> None:
+        force, motion = found("bilinear").noise_std
+        assert force == pytest.approx(350 * 0.03, rel=0.1)
+        assert motion == pytest.approx(0.1, rel=0.3)
+        assert found("bilinear").explains
+
+    def test_travel_instead_of_the_wheel(self) -> None:
+        curve = damper_curve(record("bilinear", names=["chassis_acceleration", "chassis_travel"]), CAR, strut="chassis")
+        assert curve.stiffness == pytest.approx(22e3, abs=4 * curve.stiffness_std)
+        np.testing.assert_allclose(curve.forces, LAWS["bilinear"].force(curve.velocities), atol=20)
+        assert not curve.linear
+
+    def test_two_records_are_one_of_both(self) -> None:
+        one = record("bilinear")
+        halves = [
+            as_response(one.time[part], one.outputs[:, part], CHANNELS) for part in (slice(2000), slice(2000, None))
+        ]
+        curve = damper_curve(halves, CAR, strut="chassis")
+        assert curve.stiffness == pytest.approx(found("bilinear").stiffness, abs=2 * curve.stiffness_std)
+
+    def test_a_corner_of_a_half_car_by_statics(self) -> None:
+        """Two struts and two body coordinates: forces follow from heave and pitch."""
+        car = half_car(
+            chassis_mass=700, pitch_inertia=800, front_tire_mass=45, rear_tire_mass=45, cg_to_front=1.2, cg_to_rear=1.4,
+            front_stiffness=22e3, rear_stiffness=24e3, front_tire_stiffness=200e3, rear_tire_stiffness=200e3,
+            front_damping=1300, rear_damping=1500, front_tire_damping=60, rear_tire_damping=60,
+        )  # fmt: skip
+        rng, t = np.random.default_rng(2), np.arange(0, 15, 0.005)
+        roads = {name: np.cumsum(rng.standard_normal(len(t))) * 1e-3 for name in car.roads}
+        smooth = {name: np.convolve(row, np.hanning(15) / 7, mode="same") for name, row in roads.items()}
+        true = car.with_parameters(curve={"front": ((-1, -700.0), (0, 0), (1, 1900.0))})
+        names = [f"{c}_acceleration" for c in car.coordinates]
+        made = simulate(true, t, smooth, outputs=names, interpolation="cubic")
+        made.outputs[:] += 0.02 * rng.standard_normal(made.outputs.shape)
+        made = as_response(t, made.outputs, names)
+        curve = damper_curve(made, car, strut="front", nodes=12)
+        assert curve.stiffness == pytest.approx(22e3, rel=0.01)
+        expected = np.where(curve.velocities > 0, 1900.0, 700.0) * curve.velocities
+        np.testing.assert_allclose(curve.forces, expected, atol=15)
+
+
+class TestResult:
+    def test_the_strut_is_simulated(self) -> None:
+        curve = found("digressive", 30.0)
+        strut = curve.strut
+        assert isinstance(strut, Strut)
+        assert strut.friction == pytest.approx(30, abs=8)
+        t = np.arange(0, 1, 0.005)
+        made = simulate(curve.car, t, {"road": 0.01 * np.sin(9 * t)}, outputs=CHANNELS)
+        assert np.all(np.isfinite(made.outputs))
+
+    def test_json_keeps_every_number(self) -> None:
+        curve = found("bilinear")
+        content = json.loads(json.dumps(damper_curve_to_dict(curve)))
+        jsonschema.validate(content, json_schema("damper"))
+        assert [node["force"] for node in content["nodes"]] == curve.forces.tolist()
+        low, high = curve.interval(0.95)
+        assert content["nodes"][0]["lower"] == low[0]
+        assert content["linear"]["accepted"] is False
+        np.testing.assert_allclose(high - curve.forces, norm.ppf(0.975) * curve.std)
+
+    def test_text_fits_a_screen(self) -> None:
+        lines = str(found("digressive", 30.0)).splitlines()
+        assert len(lines) < 30
+        assert any(re.match(r"friction 3\d", line) for line in lines)
+
+    def test_picture(self) -> None:
+        curve = found("digressive", 30.0)
+        ax = plot_damper_curve(curve, Figure().subplots())
+        drawn = np.concatenate([line.get_ydata() for line in ax.get_lines()])
+        assert np.isin(np.round(curve.totals[-1], 9), np.round(drawn, 9))
+
+
+class TestRefusals:
+    @pytest.mark.parametrize(
+        ("changes", "error", "message"),
+        [
+            ({"strut": "seat"}, InputError, "there is no strut 'seat'"),
+            ({"strut": "tire"}, RecordError, "give 'tire_travel', or 'road_acceleration'"),
+            ({"strut": "tire", "given": ["tire"]}, InputError, "acts on no sprung mass"),
+            ({"strut": "chassis", "given": ["wheel"]}, InputError, "there is no coordinate 'wheel'"),
+            ({"strut": "chassis", "nodes": 2}, InputError, "must be at least 4"),
+            ({"strut": "chassis", "level": 1.5}, InputError, "must lie between 0 and 1"),
+        ],
+    )
+    def test_what_is_asked(self, changes: dict[str, Any], error: type[Exception], message: str) -> None:
+        with pytest.raises(error, match=message):
+            damper_curve(record("linear"), CAR, **changes)
+
+    def test_one_sensor(self) -> None:
+        with pytest.raises(
+            RecordError, match="motion of strut 'chassis' is not measured: give 'chassis_travel', or 'tire_acc"
+        ):
+            damper_curve(record("linear", names=CHANNELS[:1]), CAR, strut="chassis")
+        with pytest.raises(RecordError, match="accelerations of the sprung masses .*are not measured"):
+            damper_curve(record("linear", names=CHANNELS[1:]), CAR, strut="chassis")
+
+    def test_short(self) -> None:
+        one = record("linear")
+        with pytest.raises(RecordError, match="at least 1000 are needed"):
+            damper_curve(as_response(one.time[:500], one.outputs[:, :500], CHANNELS), CAR, strut="chassis")
+
+    def test_struts_that_statics_do_not_tell_apart(self) -> None:
+        second = Strut(name="bar", stiffness=1e3, damping=0.0, arms={"chassis": 1.0, "tire": -1.0})
+        twin = Suspension(masses=CAR.masses, struts=[*CAR.struts, second])
+        with pytest.raises(InputError, match=r"forces of 2 struts .* do not follow from"):
+            damper_curve(record("linear"), twin, strut="chassis")
+
+
+class TestSplines:
+    """The spline of a sine, its derivatives and the filter, against the sine itself."""
+
+    step, hertz = 0.005, 9.0
+    t = 0.005 * np.arange(400)
+
+    def test_derivatives(self) -> None:
+        w = 2 * np.pi * self.hertz
+        c = spline_through(np.sin(w * self.t))
+        middle = slice(40, -40)
+        np.testing.assert_allclose(at_samples(c, 0, self.step), np.sin(w * self.t), atol=1e-12)
+        np.testing.assert_allclose(at_samples(c, 1, self.step)[middle] / w, np.cos(w * self.t)[middle], atol=2e-5)
+        np.testing.assert_allclose(at_samples(c, 2, self.step)[middle] / w**2, -np.sin(w * self.t)[middle], atol=1e-3)
+        fine = between_samples(c, 1, self.step)
+        times = np.linspace(0, self.t[-1], len(fine))
+        np.testing.assert_allclose(fine[200:-200] / w, np.cos(w * times)[200:-200], atol=2e-5)
+
+    def test_weights_of_the_values_add_to_one(self) -> None:
+        np.testing.assert_allclose(stencils(0).sum(axis=1), 1.0, atol=1e-12)
+        np.testing.assert_allclose(stencils(1).sum(axis=1), 0.0, atol=1e-12)
+
+    def test_both_filters_are_one(self) -> None:
+        fine = np.linspace(0, self.t[-1], 399 * FINE_POINTS + 1)
+        wave = np.sin(2 * np.pi * self.hertz * fine)
+        a, b = filtered(wave, self.step, 60.0), filtered_samples(wave[::FINE_POINTS], self.step, 60.0)
+        np.testing.assert_allclose(a[30:-30], b[30:-30], atol=1e-3)
+        np.testing.assert_allclose(a[30:-30], wave[::FINE_POINTS][30:-30], atol=2e-3)
+
+
+class TestBasis:
+    def test_weights_reproduce_any_curve_that_is_straight_between_the_nodes(self) -> None:
+        nodes, forces = np.array([-1.0, -0.2, 0.0, 0.5]), np.array([-500.0, -200.0, 0.0, 900.0])
+        v = np.linspace(-0.99, 0.49, 50)
+        np.testing.assert_allclose(node_weights(v, nodes) @ forces, np.interp(v, nodes, forces))
+
+    def test_nodes_stand_where_there_are_samples(self) -> None:
+        v = np.random.default_rng(1).normal(0, 0.15, 12_000)
+        nodes = placed_nodes(v, 24, 0.03)
+        assert len(nodes) == 25
+        assert np.all(np.diff(nodes) > 0)
+        assert 0.0 in nodes
+        assert min(np.sum(v > nodes[-1]), np.sum(v < nodes[0])) >= 29
+        assert np.min(np.abs(nodes[nodes != 0])) == pytest.approx(0.03)
+
+    def test_expected_sign(self) -> None:
+        """A slow passage through rest: the mean of the sign of normal velocities, by sampling."""
+        v = np.linspace(-0.01, 0.01, 2001)
+        drawn = v[::200, None] + 0.002 * np.random.default_rng(1).standard_normal((11, 100_000))
+        np.testing.assert_allclose(sign_between(v, 0.002)[::200], np.sign(drawn).mean(axis=1), atol=0.015)
+
+    def test_a_fast_passage_is_averaged(self) -> None:
+        v = np.array([-0.3, -0.1, 0.3, 0.5])
+        # Half of the mean over each of the neighbouring steps: (-1 + 1/2) / 2 and (1/2 + 1) / 2.
+        np.testing.assert_allclose(sign_between(v, 1e-6), [-1.0, -0.25, 0.75, 1.0], atol=1e-4)
