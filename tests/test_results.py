@@ -18,6 +18,7 @@ from suspid import (
     add_noise,
     analyse,
     best_bandwidth,
+    classify_road,
     compare,
     cwt,
     eigenmodes,
@@ -28,6 +29,11 @@ from suspid import (
     identify,
     identify_repeats,
     reconstruct,
+    ride,
+    road,
+    sensitivities,
+    tune,
+    tune_active,
 )
 from suspid.errors import InputError
 from suspid.results import Result
@@ -42,7 +48,20 @@ RECORD = add_noise(
     snr_db=30.0,
     rng=np.random.default_rng(1),
 )
-DRAWN = {"modes", "poles", "identification", "repeats", "analysis", "estimate", "grip", "scalogram", "bandwidths"}
+DRAWN = {
+    "modes",
+    "poles",
+    "identification",
+    "repeats",
+    "analysis",
+    "estimate",
+    "grip",
+    "ride",
+    "sensitivities",
+    "tuning",
+    "scalogram",
+    "bandwidths",
+}
 
 
 @pytest.fixture(scope="module")
@@ -59,6 +78,20 @@ def results() -> dict[str, Any]:
         "reconstruction": reconstruct(found.modes, cars.PAPER),
         "estimate": estimate(RECORD, cars.PAPER),
         "grip": grip(cars.HATCHBACK),
+        "ride": ride(cars.HATCHBACK, road="C", speed=20.0),
+        "sensitivities": sensitivities(cars.HATCHBACK),
+        "tuning": tune(cars.HATCHBACK, parameters=["chassis.damping"], objective="tire.load", road="C", speed=20.0),
+        "active": tune_active(
+            cars.HATCHBACK,
+            actuator="chassis_travel",
+            objective={"chassis_acceleration": 1.0},
+            road="C",
+            speed=20.0,
+            limits={"chassis_travel": 0.02},
+        ),
+        "road": classify_road(
+            road("C", speed=20.0).record(np.arange(0, 20, 0.01), rng=np.random.default_rng(1)), speed=20.0
+        ),
         "scalogram": cwt(RECORD, omega=np.geomspace(10, 100, 40), bandwidth=8.0),
         "bandwidths": best_bandwidth(RECORD, omega=np.geomspace(10, 100, 40), candidates=[1, 4, 16]),
     }

@@ -290,7 +290,7 @@ class TestRequests:
 
     def test_table(self) -> None:
         found = ride(CAR, road="B", speed=20.0)
-        table = found.to_pandas()
+        table = found.to_pandas().set_index("figure")
         assert table.loc["tire.load", "unit"] == "N"
         assert table.loc["tire.load", "value"] == found["tire.load"]
 

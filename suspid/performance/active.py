@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +11,7 @@ import numpy as np
 from suspid.errors import InputError, SuspidError
 from suspid.model import FORCE, Suspension, statespace
 from suspid.performance.ride import driven_road
+from suspid.results import Result
 from suspid.simulation import REFERENCE, Road
 from suspid.units import RealArray
 from suspid.values import FrozenMapping, frozen_real, nearest_names, text_table
@@ -27,7 +28,7 @@ WHITE_SLOPES = 2.0
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
-class ActiveTuning:
+class ActiveTuning(Result):
     """A state feedback and what it does on the road.
 
     Parameters
@@ -55,6 +56,9 @@ class ActiveTuning:
     cost: float
     bound: float
     closed: control.StateSpace
+
+    def _table(self) -> Mapping[str, Sequence[object]]:
+        return {"output": list(self.rms), "passive": list(self.passive.values()), "active": list(self.rms.values())}
 
     def __str__(self) -> str:
         names = list(self.rms)

@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from suspid.errors import InputError
 from suspid.levels import LEVEL, check_level
+from suspid.results import Result
 from suspid.units import Ratio, RealArray, Second
 from suspid.values import nearest_names, rounded, spread, text_table
 from suspid.words import Verdict
 
-if TYPE_CHECKING:
-    import pandas as pd
-
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
-class Ride:
+class Ride(Result):
     """Comfort, travel and wheel load of a car on a road, or of a record.
 
     Parameters
@@ -99,12 +96,16 @@ class Ride:
         low, high = self.values / factor, np.minimum(self.values * factor, top)
         return {name: (float(a), float(b)) for name, a, b in zip(self.figures, low, high, strict=True)}
 
-    def to_pandas(self) -> pd.DataFrame:
-        """Return the figures as a table with value, std and unit, by name."""
-        import pandas as pd
-
-        columns = {"value": self.values, "std": self.std, "unit": list(self.units)}
-        return pd.DataFrame(columns, index=pd.Index(self.figures, name="figure"))
+    def _table(self) -> Mapping[str, Sequence[object]]:
+        ends = self.interval()
+        return {
+            "figure": self.figures,
+            "unit": self.units,
+            "value": self.values.tolist(),
+            "std": self.std.tolist(),
+            "lower": [ends[name][0] for name in self.figures],
+            "upper": [ends[name][1] for name in self.figures],
+        }
 
     def __str__(self) -> str:
         std, known = self.std, bool(np.nanmax(self.std, initial=0.0) == 0)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from suspid.errors import InputError
 from suspid.levels import LEVEL, check_level, likely
+from suspid.results import Result
 from suspid.signals import as_signal
 from suspid.simulation import REFERENCE, ROUGHNESS, WAVELENGTHS, road_class
 from suspid.units import Metre, Ratio, RealArray
@@ -32,7 +33,7 @@ FEWEST_WAVES, LINES_OF_PIECE = 20, 16
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
-class RoadClass:
+class RoadClass(Result):
     """Level and exponent of a road's spectrum, with their uncertainty, and its class.
 
     Parameters
@@ -81,6 +82,15 @@ class RoadClass:
         return {
             "roughness": (self.roughness / factor, self.roughness * factor),
             "exponent": (self.exponent - float(reach[1]), self.exponent + float(reach[1])),
+        }
+
+    def _table(self) -> Mapping[str, Sequence[object]]:
+        ends = self.interval()
+        return {
+            "name": ["roughness_m3", "exponent"],
+            "value": [self.roughness, self.exponent],
+            "lower": [ends["roughness"][0], ends["exponent"][0]],
+            "upper": [ends["roughness"][1], ends["exponent"][1]],
         }
 
     def __str__(self) -> str:

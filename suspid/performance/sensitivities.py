@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,16 +13,14 @@ from suspid.performance.figures import plan_of
 from suspid.performance.ride import HOUR, driven_road
 from suspid.performance.road_response import strut_slopes
 from suspid.reconstruction import parameter_names, parameter_values
+from suspid.results import Result
 from suspid.simulation import Road
 from suspid.units import ComplexArray, Metre, RealArray, Second
 from suspid.values import frozen_real, nearest_names, text_table
 
-if TYPE_CHECKING:
-    import pandas as pd
-
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
-class Sensitivities:
+class Sensitivities(Result):
     """Relative change of modes and figures per relative change of parameters.
 
     Parameters
@@ -43,11 +40,9 @@ class Sensitivities:
     parameters: tuple[str, ...]
     elasticity: RealArray
 
-    def to_pandas(self) -> pd.DataFrame:
-        """Return the elasticities as a table, a column for each parameter."""
-        import pandas as pd
-
-        return pd.DataFrame(self.elasticity, index=pd.Index(self.names, name="figure"), columns=list(self.parameters))
+    def _table(self) -> Mapping[str, Sequence[object]]:
+        columns = dict(zip(self.parameters, self.elasticity.T.tolist(), strict=True))
+        return {"name": self.names, "value": self.values.tolist(), **columns}
 
     def __str__(self) -> str:
         columns = {"% for each %": list(self.names), "value": [f"{value:.4g}" for value in self.values]}

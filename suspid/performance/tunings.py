@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from suspid.model import Suspension
+from suspid.results import Result
 from suspid.units import RealArray
 from suspid.values import text_table
 from suspid.words import Verdict
 
-if TYPE_CHECKING:
-    import pandas as pd
-
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
-class Tuning:
+class Tuning(Result):
     """Cars of which none is better in one objective without being worse in the other.
 
     Parameters
@@ -61,11 +59,9 @@ class Tuning:
             return 0
         return int(np.argmin(np.sum((logs - logs.min(axis=0)) / span, axis=1)))
 
-    def to_pandas(self) -> pd.DataFrame:
-        """Return parameters and figures of each car as a table."""
-        import pandas as pd
-
-        return pd.DataFrame(np.hstack([self.choices, self.values]), columns=[*self.parameters, *self.figures])
+    def _table(self) -> Mapping[str, Sequence[object]]:
+        chosen = zip(self.parameters, self.choices.T.tolist(), strict=True)
+        return {**dict(chosen), **dict(zip(self.figures, self.values.T.tolist(), strict=True))}
 
     def __str__(self) -> str:
         knee = self.knee

@@ -11,14 +11,17 @@ from suspid.analysis import Analysis
 from suspid.greybox import Estimate
 from suspid.identification import Identification, Repeats
 from suspid.model import ModalSet
-from suspid.performance import Grip
+from suspid.performance import Grip, Ride, Sensitivities, Tuning
 from suspid.reporting.colours import Colour
 from suspid.reporting.plot_entropy import plot_entropy
 from suspid.reporting.plot_estimate import draw_changes, plot_estimate
 from suspid.reporting.plot_grip import draw_adhesion, plot_grip
 from suspid.reporting.plot_identification import PAGE, plot_identification
+from suspid.reporting.plot_ride import draw_spectrum, plot_ride
 from suspid.reporting.plot_scalogram import plot_scalogram
+from suspid.reporting.plot_sensitivities import plot_sensitivities
 from suspid.reporting.plot_shapes import plot_shapes
+from suspid.reporting.plot_tuning import draw_front, plot_tuning
 from suspid.results import Drawing
 from suspid.results import drawing_of as drawing_of
 from suspid.wavelets import BandwidthSearch, Scalogram
@@ -71,6 +74,25 @@ def _(found: BandwidthSearch) -> Drawing:
 @drawing_of.register
 def _(found: Grip) -> Drawing:
     return Drawing(alone=partial(draw_adhesion, found), page=partial(plot_grip, found), size=(7.0, 5.5))
+
+
+@drawing_of.register
+def _(found: Ride) -> Drawing:
+    return Drawing(alone=partial(draw_spectrum, found, found.channels[0]), page=partial(plot_ride, found), size=PAGE)
+
+
+@drawing_of.register
+def _(found: Tuning) -> Drawing:
+    return Drawing(alone=partial(draw_front, found), page=partial(plot_tuning, found), size=(7.0, 8.0))
+
+
+@drawing_of.register
+def _(found: Sensitivities) -> Drawing:
+    return Drawing(
+        alone=lambda ax: plot_sensitivities(found, ax),
+        page=lambda figure: plot_sensitivities(found, figure.subplots()),
+        size=(7.0, 1.0 + 0.3 * len(found.names)),
+    )
 
 
 def _draw_scalogram(found: Identification, ax: Axes) -> None:

@@ -13,6 +13,7 @@ from suspid.reporting.colours import CHANNEL_COLOURS, Colour
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from numpy.typing import NDArray
 
     from suspid.performance import Ride
 
@@ -51,7 +52,7 @@ def plot_ride(found: Ride, figure: Figure) -> Figure:
     axes = np.atleast_1d(figure.subplots(1 + len(channels), 1, sharex=True))
     kinds = list(dict.fromkeys(kind for kinds in found.weightings.values() for kind in kinds))
     colours = dict(zip(kinds, CHANNEL_COLOURS, strict=False))
-    use = (found.hertz >= 0.05) & (found.hertz <= 200)
+    use = _drawn(found)
     hertz = found.hertz[use]
     for kind, colour in colours.items():
         decibel = 20 * np.log10(np.maximum(np.abs(weighting(kind, hertz)), 1e-6))
@@ -60,22 +61,37 @@ def plot_ride(found: Ride, figure: Figure) -> Figure:
     axes[0].set(ylabel="[dB]", ylim=(-50, 5))
     axes[0].set_title("weightings", loc="left")
     key_above(axes[0])
-    for ax, channel, row in zip(axes[1:], channels, found.density[: len(channels), use], strict=True):
-        ax.plot(hertz, row, color=Colour.PALE, linewidth=1.6)
-        for kind in found.weightings[channel]:
-            ax.plot(hertz, row * np.abs(weighting(kind, hertz)) ** 2, color=colours[kind], linewidth=1.2)
-        _logarithmic(ax, float(np.max(row)))
-        ax.set_title(shown(channel), loc="left")
-        # rms by weighting, at the right of the name
-        text = ", ".join(f"{kind} {found[f'{channel}.{kind}']:.2g}" for kind in found.weightings[channel])
-        ax.annotate(f"rms {text}", (1.0, 1.0), xycoords="axes fraction", xytext=(0, 3), textcoords="offset points",
-                    ha="right", fontsize="small")  # fmt: skip
-    for ax in axes:
-        ax.set_xscale("log")
-        ax.grid(color=Colour.SHADE, linewidth=0.6)
-    axes[-1].set(xlabel="frequency [Hz]", xlim=(float(hertz[0]), float(hertz[-1])))
-    frequency_ticks(axes[-1].xaxis, float(hertz[-1] / hertz[0]))
+    for ax, channel in zip(axes[1:], channels, strict=True):
+        draw_spectrum(found, channel, ax)
+        ax.set_xlabel("")
+    axes[0].grid(color=Colour.SHADE, linewidth=0.6)
+    axes[-1].set_xlabel("frequency [Hz]")
     return figure
+
+
+def draw_spectrum(found: Ride, channel: str, ax: Axes) -> None:
+    """Draw the spectral density of an acceleration with and without its weightings."""
+    kinds = list(dict.fromkeys(kind for kinds in found.weightings.values() for kind in kinds))
+    colours = dict(zip(kinds, CHANNEL_COLOURS, strict=False))
+    use = _drawn(found)
+    hertz, row = found.hertz[use], found.density[found.channels.index(channel), use]
+    ax.plot(hertz, row, color=Colour.PALE, linewidth=1.6)
+    for kind in found.weightings[channel]:
+        ax.plot(hertz, row * np.abs(weighting(kind, hertz)) ** 2, color=colours[kind], linewidth=1.2)
+    _logarithmic(ax, float(np.max(row)))
+    ax.set_title(shown(channel), loc="left")
+    text = ", ".join(f"{kind} {found[f'{channel}.{kind}']:.2g}" for kind in found.weightings[channel])
+    ax.annotate(f"rms {text}", (1.0, 1.0), xycoords="axes fraction", xytext=(0, 3), textcoords="offset points",
+                ha="right", fontsize="small")  # fmt: skip
+    ax.set_xscale("log")
+    ax.grid(color=Colour.SHADE, linewidth=0.6)
+    ax.set(xlabel="frequency [Hz]", xlim=(float(hertz[0]), float(hertz[-1])))
+    frequency_ticks(ax.xaxis, float(hertz[-1] / hertz[0]))
+
+
+def _drawn(found: Ride) -> NDArray[np.bool_]:
+    """Return which frequencies are drawn: those that a weighting can feel."""
+    return np.asarray((found.hertz >= 0.05) & (found.hertz <= 200))
 
 
 def _logarithmic(ax: Axes, top: float) -> None:

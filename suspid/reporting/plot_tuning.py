@@ -10,6 +10,7 @@ from suspid.reporting.axes import shown
 from suspid.reporting.colours import CHANNEL_COLOURS, Colour
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from suspid.performance import Tuning
@@ -45,12 +46,32 @@ def plot_tuning(found: Tuning, figure: Figure) -> Figure:
     if figure.get_layout_engine() is None:
         figure.set_layout_engine("constrained")
     upper, lower = figure.subplots(2, 1, sharex=True)
+    draw_front(found, upper)
     first, knee = found.values[:, 0], found.knee
-    labels = [f"{shown(name)} [{unit}]" for name, unit in zip(found.figures, found.units, strict=True)]
-    second = found.values[:, min(1, found.values.shape[1] - 1)]
+    for name, row, colour in zip(
+        found.parameters, found.choices.T, CHANNEL_COLOURS * len(found.parameters), strict=False
+    ):
+        lower.plot(first, row / row[knee], "o-", color=colour, markersize=4, linewidth=1.2,
+                   label=f"{shown(name)} ({row[knee]:.4g})")  # fmt: skip
+    lower.axvline(float(first[knee]), color=Colour.PALE, linewidth=0.8)
+    lower.set(xlabel=_label(found, 0), ylabel="parameters over those of the knee [1]")
+    lower.legend(fontsize="small", frameon=False)
+    upper.set_xlabel("")
+    lower.grid(color=Colour.SHADE, linewidth=0.6)
+    lower.margins(0.05)
+    if np.all(found.choices > 0) and float(np.max(found.choices / found.choices[knee])) > 3:
+        lower.set_yscale("log")
+    return figure
+
+
+def draw_front(found: Tuning, upper: Axes) -> None:
+    """Draw the front beside the car as it was; of one objective its value."""
+    first, knee = found.values[:, 0], found.knee
+    other = min(1, found.values.shape[1] - 1)
+    second = found.values[:, other]
     upper.plot(first, second, "o-", color=Colour.BLUE, markersize=4, linewidth=1.2, label="best compromises")
     upper.plot(first[knee], second[knee], "o", color=Colour.VERMILION, markersize=7, label="knee")
-    now = found.present[[0, min(1, len(found.present) - 1)]]
+    now = found.present[[0, other]]
     # A car far from the front would squeeze it into a corner.
     span = np.array([np.ptp(first), np.ptp(second)])
     near = np.abs(now - [np.mean(first), np.mean(second)]) <= 1.5 * span
@@ -58,19 +79,11 @@ def plot_tuning(found: Tuning, figure: Figure) -> Figure:
         upper.plot(now[0], now[1], "s", color=Colour.GREY, markersize=6, label="now")
     else:
         upper.plot([], [], " ", label=f"now, off the picture: {now[0]:.4g}, {now[1]:.4g}")
-    upper.set_ylabel(labels[min(1, len(labels) - 1)])
+    upper.set(xlabel=_label(found, 0), ylabel=_label(found, other))
     upper.legend(fontsize="small", frameon=False)
-    for name, row, colour in zip(
-        found.parameters, found.choices.T, CHANNEL_COLOURS * len(found.parameters), strict=False
-    ):
-        lower.plot(first, row / row[knee], "o-", color=colour, markersize=4, linewidth=1.2,
-                   label=f"{shown(name)} ({row[knee]:.4g})")  # fmt: skip
-    lower.axvline(float(first[knee]), color=Colour.PALE, linewidth=0.8)
-    lower.set(xlabel=labels[0], ylabel="parameters over those of the knee [1]")
-    lower.legend(fontsize="small", frameon=False)
-    for ax in (upper, lower):
-        ax.grid(color=Colour.SHADE, linewidth=0.6)
-        ax.margins(0.05)
-    if np.all(found.choices > 0) and float(np.max(found.choices / found.choices[knee])) > 3:
-        lower.set_yscale("log")
-    return figure
+    upper.grid(color=Colour.SHADE, linewidth=0.6)
+    upper.margins(0.05)
+
+
+def _label(found: Tuning, figure: int) -> str:
+    return f"{shown(found.figures[figure])} [{found.units[figure]}]"
