@@ -29,6 +29,7 @@ REPORTS = (
     "fleet",
     "greybox",
     "ride",
+    "drives",
     "wear",
     "tyres",
     "dampers",
