@@ -14,6 +14,7 @@ from suspid import (
     add_noise,
     estimate,
     free_decay,
+    plot_ride,
     quarter_car,
     ride,
     road,
@@ -287,6 +288,12 @@ class TestRequests:
         made = road("B", speed=20.0, under={"road_rear": (2.5, 0.0), "road_front": (0.0, 0.0)})
         one, two = ride(TWO_AXLES, road=made), ride(TWO_AXLES, road="B", speed=20.0)
         np.testing.assert_allclose(one.values, two.values)
+
+    def test_picture_of_pitch_has_its_unit(self) -> None:
+        from matplotlib.figure import Figure
+
+        page = plot_ride(ride(TWO_AXLES, road="B", speed=20.0), Figure())
+        assert [ax.get_ylabel() for ax in page.axes] == ["[dB]", "[(m/s²)²/Hz]", "[(rad/s²)²/Hz]"]
 
     def test_table(self) -> None:
         found = ride(CAR, road="B", speed=20.0)

@@ -80,6 +80,8 @@ def draw_spectrum(found: Ride, channel: str, ax: Axes) -> None:
         ax.plot(hertz, row * np.abs(weighting(kind, hertz)) ** 2, color=colours[kind], linewidth=1.2)
     _logarithmic(ax, float(np.max(row)))
     ax.set_title(shown(channel), loc="left")
+    turn = found.units[found.figures.index(f"{channel}.{found.weightings[channel][0]}")].removesuffix("/s2")
+    ax.set_ylabel(f"[({turn}/s²)²/Hz]")
     text = ", ".join(f"{kind} {found[f'{channel}.{kind}']:.2g}" for kind in found.weightings[channel])
     ax.annotate(f"rms {text}", (1.0, 1.0), xycoords="axes fraction", xytext=(0, 3), textcoords="offset points",
                 ha="right", fontsize="small")  # fmt: skip
@@ -98,5 +100,4 @@ def _logarithmic(ax: Axes, top: float) -> None:
     ax.set_yscale("log")
     high = 10 ** np.ceil(np.log10(top or 1.0))
     ax.set_ylim(float(high) * 10.0**-DECADES_DRAWN, float(high))
-    ax.set_ylabel("[(m/s²)²/Hz]")
     decade_ticks(ax.yaxis, 10.0**DECADES_DRAWN)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from suspid.reporting.axes import shown
+from suspid.reporting.axes import frequency_ticks, shown
 from suspid.reporting.colours import CHANNEL_COLOURS, Colour
 
 if TYPE_CHECKING:
@@ -61,6 +61,8 @@ def plot_tuning(found: Tuning, figure: Figure) -> Figure:
     lower.margins(0.05)
     if np.all(found.choices > 0) and float(np.max(found.choices / found.choices[knee])) > 3:
         lower.set_yscale("log")
+        low, high = lower.get_ylim()
+        frequency_ticks(lower.yaxis, high / low)
     return figure
 
 
