@@ -94,6 +94,8 @@ def damper_curve(
     Gains and delays of the sensors are taken as known: 2 ms between the sensors of body and wheel make the stiffness
     of a car wrong by a quarter. `estimate` finds them; correct the record before. The same holds for a rubber mount.
     Intervals are those of the scores' scatter over blocks of half a second.
+    Travel tells the velocity worse than the wheel's acceleration: with 0.02 mm of noise at 200 Hz forces are off five
+    times as far, friction by 5 N, and the intervals do not hold; the verdict says so.
 
     Examples
     --------
