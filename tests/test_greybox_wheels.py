@@ -15,6 +15,7 @@ from suspid import (
     EstimationError,
     InputError,
     Level,
+    RecordError,
     RecordTest,
     Suspension,
     cut,
@@ -236,6 +237,20 @@ class TestDriving:
         assert found.suspension.struts[0].stiffness == pytest.approx(22e3, rel=2e-4)
         assert found.explains
         assert found.verdict.level is Level.SOUND
+
+    @pytest.mark.parametrize("name", ["road", "tire_travel"])
+    def test_a_road_that_was_recorded_is_no_channel_of_the_car(self, name: str) -> None:
+        motions, times = driven(QUARTER, 1, noise=NOISE)
+        road = np.cumsum(motions["tire_acceleration"]) * 1e-4
+        alone = estimate(record_of(motions, times), off(QUARTER), given=("tire",))
+        found = estimate(record_of({**motions, name: road}, times), off(QUARTER), given=("tire",))
+        assert found.values == pytest.approx(alone.values, rel=1e-9)
+        assert found.residual[0].output_labels == list(motions)
+        remarks = [check.remark for check in found.verdict.checks]
+        assert (EstimateCheck.UNUSED, (name,)) in [(r.code, r.numbers.get("names")) for r in remarks]
+        assert found.verdict.level is alone.verdict.level
+        with pytest.raises(RecordError, match="no channel of the record measures"):
+            estimate(record_of({name: road}, times), QUARTER, given=("tire",))
 
     def test_an_antiroll_bar_without_a_damper_has_no_mount(self) -> None:
         noise = {**dict.fromkeys(("heave", "pitch", "roll"), 0.02), **dict.fromkeys(FULL.coordinates[3:], 0.05)}

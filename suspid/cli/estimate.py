@@ -37,7 +37,10 @@ ROAD = (
 @reading
 @click.option("--car", type=FILE, metavar="CAR", required=True, help="Masses and nominal struts (.toml).")
 @click.option(
-    "--given", metavar="NAME,…", default="", help="Causes that were measured: roads, forces, wheels. [free decay]"
+    "--given",
+    metavar="NAME,…",
+    default="",
+    help="Causes that were measured: roads, forces, wheels by their names in CAR. [free decay]",
 )
 @packed(road_of, ROAD, "road")
 @wanting
@@ -60,9 +63,10 @@ def estimate_command(
     A FILE has channels named as in CAR: sensors, coordinates such as chassis or chassis_acceleration, travels such as
     chassis_travel; --rename gives them these names. Several FILES are tests of one car.
 
-    Without --given a record is a free decay. --given road is a rig or a known road, --given chassis_force an actuator,
-    --given wheel everyday driving: the motion of the wheel is measured, and the road is not needed. With --road
-    iso8608 tires and the modes of the whole car are found too, by a model of the road.
+    Without --given a record is a free decay. --given road is a rig or a known road, --given chassis_force an actuator.
+    In everyday driving the motion of the wheels is measured, and the road is not needed: give the wheels by their names
+    in CAR, such as --given tire or --given front,rear. With --road iso8608 tires and the modes of the whole car are
+    found too, by a model of the road.
 
     Ends with 3 if the car that was found does not explain the records.
     """

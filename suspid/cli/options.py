@@ -65,7 +65,9 @@ READING = (
     DBC_OPTION,
 )
 STRETCH = (
-    click.option("--from", "start", type=Finite("s"), metavar="SECONDS", help="Time at which the decay begins."),
+    click.option(
+        "--from", "start", type=Finite("s"), metavar="SECONDS", help="First time to use; of a decay, its start."
+    ),
     click.option("--to", "stop", type=Finite("s"), metavar="SECONDS", help="Last time to use."),
     click.option(
         "--decay",

@@ -136,13 +136,15 @@ def _trial(one: object, car: Suspension, given: Sequence[str]) -> Trial:
             rows.append((channel, *output_weights(car, channel)))
         except InputError:
             unused.append(channel)
-    if not rows:
+    # Nothing in the model moves a road that is not given: beside the motion of wheels it is neither cause nor output.
+    still = [i for i, road in enumerate(car.roads) if road not in roads]
+    use = [row for row in rows if not wheels or not np.any(row[3][still])]
+    if not use:
         raise RecordError(
             f"no channel of the record measures the suspension: {listed(signal.channels)}; name channels as outputs of "
             f"statespace, such as {car.coordinates[0]!r} or '{car.coordinates[0]}_acceleration'"
         )
-    still = [i for i, road in enumerate(car.roads) if road not in roads]
-    use = [row for row in rows if not np.any(row[3][still]) or not np.any(row[2]) or not wheels]
+    unused += [row[0] for row in rows if wheels and np.any(row[3][still])]
     channels = tuple(row[0] for row in use)
     values = np.array([known[name] for name in channels])
     return Trial(

@@ -109,7 +109,10 @@ class EstimateCheck(Code):
     AT_BOUND = "at bound", _listed("At its bound: {names}.")
     BY_NOMINAL = "by nominal", _listed("Known from the nominal values alone: {names}.")
     VAGUE = "vague", _listed("Hardly known, with a 95 % interval wider than the value: {names}.")
-    UNUSED = "unused", _listed("Channels that measure nothing of the car were not used: {names}.")
+    UNUSED = (
+        "unused",
+        _listed("Channels that measure nothing of the car, or a road that is not given, were not used: {names}."),
+    )
     CHANGED = "changed", _listed("Differs from nominal by more than its 95 % interval: {names}.")
     SAID = "said", "{text}"
     UNCHANGED = "unchanged", "No parameter differs from nominal by more than its 95 % interval."
