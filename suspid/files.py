@@ -81,7 +81,7 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     """Give a new file to write to; it replaces ``path`` only if no error occurs.
 
     Enter the context before the work starts, so that a path that cannot be written to is refused at once. A device
-    or a pipe is written to directly.
+    or a pipe is written to directly. Where there is nothing to write after all, remove the new file: the old one stays.
 
     Raises
     ------
@@ -107,7 +107,7 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
         raise InputError(f"{name}: cannot be written: {_reason(refusal)}") from None
     try:
         yield draft
-        if draft != target:
+        if draft != target and draft.exists():
             draft.replace(target)
     except OSError as refusal:
         raise InputError(f"{name}: cannot be written: {_reason(refusal)}") from None

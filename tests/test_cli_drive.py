@@ -178,3 +178,14 @@ class TestRefusals:
         done = run("drive", file, "--car", folder / "car.toml", "--least-speed", 30)
         assert "slower than 30 m/s" in done.output
         assert DriveReason.SLOW.value == "slow"
+
+
+class TestNothingFound:
+    def test_an_older_car_is_not_overwritten(self, folder: Path) -> None:
+        file, car = write(folder / "drive.csv", *drive()), folder / "kept.toml"
+        car.write_text("the car of yesterday", encoding="utf-8")
+        done = run("drive", file, "--car", folder / "car.toml", "--shortest", 1e6, "-o", car)
+        assert done.exit_code == 0
+        assert "kept.toml: not written, because no springs and dampers were found" in done.output
+        assert car.read_text(encoding="utf-8") == "the car of yesterday"
+        assert sorted(path.name for path in folder.iterdir()) == ["car.toml", "drive.csv", "kept.toml"]

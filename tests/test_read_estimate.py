@@ -88,3 +88,28 @@ class TestRefusals:
         content["covariance"][0][0] = None
         with pytest.raises(InputError, match="covariance"):
             estimate_from_dict(content)
+
+    @pytest.mark.parametrize(
+        ("change", "words"),
+        [
+            (lambda c: c["covariance"][0].__setitem__(0, -1.0), "negative variance"),
+            (lambda c: c["covariance"][0].__setitem__(1, 1e9), "not symmetric"),
+            (lambda c: c.__setitem__("covariance", [c["covariance"][0]]), "the shape"),
+            (lambda c: c["parameters"][0].__setitem__("std", -1.0), "standard deviation"),
+            (lambda c: c["parameters"][-1].__setitem__("value", -5.0), "bounds"),
+            (lambda c: c["parameters"][-1].__setitem__("value", None), "bounds"),
+            (lambda c: c["parameters"][1].__setitem__("name", c["parameters"][0]["name"]), "twice"),
+            (lambda c: c["car"].__setitem__("found", c["car"]["found"].replace("40.0", "41.0")), "not estimated"),
+            (lambda c: c.__setitem__("freedom", float("inf")), "infinity"),
+        ],
+    )
+    def test_parts_that_were_changed_by_hand(self, content: dict[str, Any], change: Any, words: str) -> None:
+        change(content)
+        with pytest.raises(InputError, match=words):
+            estimate_from_dict(content)
+
+    def test_a_covariance_that_is_none(self, content: dict[str, Any]) -> None:
+        stds = np.array([row["std"] for row in content["parameters"]])
+        content["covariance"] = (np.outer(stds, stds) * (2 - np.eye(len(stds)))).tolist()
+        with pytest.raises(InputError, match="not positive"):
+            estimate_from_dict(content)

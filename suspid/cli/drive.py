@@ -112,13 +112,23 @@ def drive_command(
         step("drawing")
         if not found.explains:
             said.append("the car that was found does not explain these records")
-        if draft and found.estimate:
-            draft.write_text(car_to_toml(found.estimate.suspension), encoding="utf-8")
+        if draft:
+            _write(car_to_toml(found.estimate.suspension) if found.estimate else None, draft, outputs, said)
         if json_draft:
             json_draft.write_text(to_json(drive_to_dict(found, level=outputs.probability)), encoding="utf-8")
         if figure_draft:
             save_picture(partial(plot_drive, found), figure_draft)
     conclude("\n\n".join([*map(listed, found.drives), text]), explains=found.explains)
+
+
+def _write(car: str | None, draft: Path, outputs: Outputs, said: list[str]) -> None:
+    """Write the car that was found; where there is none, leave the file as it is, and say so."""
+    if car is not None:
+        draft.write_text(car, encoding="utf-8")
+        return
+    if draft.is_file():
+        draft.unlink()
+    said.append(f"{outputs.output}: not written, because no springs and dampers were found")
 
 
 def listed(drives: Drives) -> str:

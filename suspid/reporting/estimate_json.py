@@ -24,6 +24,7 @@ from suspid.identification import modes_from_dict, modes_to_dict, to_json
 from suspid.levels import LEVEL
 from suspid.model import Suspension, car_from_toml, car_to_toml
 from suspid.reconstruction import parameter_values
+from suspid.reporting.estimate_checks import check_cars, check_parameters, checked_covariance
 from suspid.reporting.road_json import road_from_dict, road_to_dict
 from suspid.signals import as_signal
 from suspid.units import Ratio
@@ -90,7 +91,7 @@ def estimate_from_dict(content: Mapping[str, object]) -> Estimate:
         )
     try:
         return _estimate(content)
-    except (KeyError, TypeError, ValueError, AttributeError) as error:
+    except (KeyError, TypeError, ValueError, AttributeError, OverflowError) as error:
         reason = f"{error.args[0]!r} is missing" if isinstance(error, KeyError) else str(error)
         raise InputError(
             f"is no complete estimate: {printable(reason)}; write it anew with suspid estimate --json"
@@ -144,22 +145,19 @@ def _estimate(content: Mapping[str, Any]) -> Estimate:
         raise ValueError("the car was changed after it was written: its SHA-256 is another")
     found, nominal = car_from_toml(texts["found"]), car_from_toml(texts["nominal"])
     names, values = tuple(str(row["name"]) for row in rows), np.array([row["value"] for row in rows], float)
-    known = parameter_values(found)
-    for name, value in zip(names, values.tolist(), strict=True):
-        if name in known and not np.isclose(value, known[name], rtol=1e-9, atol=0.0):
-            raise ValueError(f"{name} is {value:g} among the parameters and {known[name]:g} in the car")
-    covariance = np.array(content["covariance"], float).reshape(len(names), len(names))
-    if not np.all(np.isfinite(covariance)):
-        raise ValueError("the covariance is not finite")
+    covariance = checked_covariance(content["covariance"], rows)
     ends = [[-np.inf if row["least"] is None else row["least"], np.inf if row["most"] is None else row["most"]]
             for row in rows]  # fmt: skip
+    ranges = np.array(ends, float).reshape(len(names), 2)
+    check_parameters(rows, values, ranges)
+    check_cars(names, values, found, nominal)
     return Estimate(
         suspension=found,
         nominal=nominal,
         parameters=names,
         values=frozen_real(values),
         covariance=frozen_real(covariance),
-        ranges=frozen_real(np.array(ends, float).reshape(len(names), 2)),
+        ranges=frozen_real(ranges),
         held=tuple(str(row["name"]) for row in content["held"]),
         modes=modes_from_dict(content["modes"]),
         fitted=(),

@@ -1,0 +1,85 @@
+"""What the parts of an estimate in a file must have in common: a file that was changed by hand is refused."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from suspid.model import Suspension
+from suspid.reconstruction import parameter_values
+from suspid.units import RealArray
+
+# Parts of a file that say the same agree to this share: they were written with all digits.
+AGREEMENT = 1e-9
+# Standard deviations and correlations of a covariance that is one but for rounding.
+ROUNDING = 1e-6
+
+
+def check_parameters(rows: Sequence[Mapping[str, Any]], values: RealArray, ranges: RealArray) -> None:
+    """Refuse parameters that are named twice, or lie outside their bounds.
+
+    Raises
+    ------
+    ValueError
+        With what is wrong.
+    """
+    names = [str(row["name"]) for row in rows]
+    for name, value, (least, most) in zip(names, values.tolist(), ranges.tolist(), strict=True):
+        if names.count(name) > 1:
+            raise ValueError(f"parameter {name!r} is there twice")
+        slack = AGREEMENT * max(abs(value), abs(least) if np.isfinite(least) else 0.0)
+        if not least - slack <= value <= most + slack:
+            raise ValueError(f"{name} = {value:g} is not between its bounds {least:g} and {most:g}")
+
+
+def check_cars(names: Sequence[str], values: RealArray, found: Suspension, nominal: Suspension) -> None:
+    """Refuse a car that has other values than the parameters, or where nothing was found, than the nominal car.
+
+    Raises
+    ------
+    ValueError
+        With what is wrong.
+    """
+    now, before = parameter_values(found), parameter_values(nominal)
+    for name, value in zip(names, values.tolist(), strict=True):
+        if name in now and not np.isclose(value, now[name], rtol=AGREEMENT, atol=0.0):
+            raise ValueError(f"{name} is {value:g} among the parameters and {now[name]:g} in the car")
+    if list(now) != list(before):
+        raise ValueError("the car that was found has other struts or masses than the nominal one")
+    for name in now:
+        if name not in names and not np.isclose(now[name], before[name], rtol=AGREEMENT, atol=0.0):
+            raise ValueError(
+                f"{name} was not estimated, but is {now[name]:g} in the car found and {before[name]:g} in the nominal"
+            )
+
+
+def checked_covariance(given: object, rows: Sequence[Mapping[str, Any]]) -> RealArray:
+    """Return a covariance, or refuse one of the wrong size, or that is none, or has other deviations than the rows.
+
+    Raises
+    ------
+    ValueError
+        With what is wrong.
+    """
+    covariance = np.array(given, float)
+    if not rows and not covariance.size:
+        return np.zeros((0, 0))
+    if covariance.shape != (len(rows), len(rows)):
+        raise ValueError(f"the covariance has the shape {covariance.shape}, but there are {len(rows)} parameters")
+    if not np.all(np.isfinite(covariance)):
+        raise ValueError("the covariance is not finite")
+    if np.any(np.diag(covariance) < 0):
+        raise ValueError("the covariance has a negative variance")
+    stds = np.sqrt(np.diag(covariance))
+    for row, std in zip(rows, stds.tolist(), strict=True):
+        if not np.isclose(row["std"], std, rtol=ROUNDING, atol=0.0):
+            raise ValueError(f"the standard deviation of {row['name']} is {row['std']:g}, in the covariance {std:g}")
+    scale = np.where(stds > 0, stds, 1.0)
+    correlation = covariance / scale[:, None] / scale
+    if np.any(np.abs(correlation - correlation.T) > ROUNDING):
+        raise ValueError("the covariance is not symmetric")
+    if np.linalg.eigvalsh(correlation)[0] < -ROUNDING * len(rows):
+        raise ValueError("the covariance is not positive: some sum of parameters has a negative variance")
+    return covariance
