@@ -189,3 +189,32 @@ class TestNothingFound:
         assert "kept.toml: not written, because no springs and dampers were found" in done.output
         assert car.read_text(encoding="utf-8") == "the car of yesterday"
         assert sorted(path.name for path in folder.iterdir()) == ["car.toml", "drive.csv", "kept.toml"]
+
+
+class TestShort:
+    def test_a_file_that_is_too_short_is_named(self, folder: Path) -> None:
+        times, channels = drive()
+        good = write(folder / "good.csv", times, channels)
+        for rows, words in ((1, "only 1 sample"), (5, "too short for a drive")):
+            short = write(folder / "short.csv", times[:rows], {name: row[:rows] for name, row in channels.items()})
+            done = run("drive", good, short, "--car", folder / "car.toml")
+            assert done.exit_code == 1
+            assert "short.csv: " in done.output
+            assert words in done.output
+
+    def test_a_stretch_outside_the_recording(self, folder: Path) -> None:
+        done = run("drive", write(folder / "drive.csv", *drive()), "--from", 1e6)
+        assert done.exit_code == 1
+        assert "no samples between 1e+06 and inf s" in done.output
+
+
+def test_the_json_of_drives_is_compared(folder: Path) -> None:
+    file = write(folder / "drive.csv", *drive())
+    for name, more in (("found", ()), ("nothing", ("--shortest", 1e6))):
+        assert run("drive", file, "--car", folder / "car.toml", "--json", folder / f"{name}.json", *more).exit_code == 0
+    compared = run("compare", folder / "found.json", folder / "found.json")
+    assert compared.exit_code == 0, compared.output
+    assert "chassis.damping" in compared.output
+    refused = run("compare", folder / "nothing.json", folder / "found.json")
+    assert refused.exit_code == 1
+    assert "has no springs and dampers" in refused.output

@@ -134,3 +134,12 @@ def test_wrong_requests_leave_nothing(
     assert result.exit_code == code, result.output
     assert message in result.output
     assert sorted(path.name for path in files.iterdir()) == before
+
+
+def test_a_wheel_without_a_tire(tmp_path: Path) -> None:
+    write_car(NOMINAL.with_parameters(stiffness={"tire": 0.0}), tmp_path / "car.toml")
+    rough = 0.01 * np.cumsum(np.random.default_rng(1).standard_normal(TIMES.size))
+    record = simulate(CAR, TIMES, {"road": rough}, outputs=["chassis_acceleration", "tire_acceleration"])
+    write_record(add_noise(record, snr_db=40, rng=np.random.default_rng(2)), tmp_path / "drive.csv")
+    done = run("estimate", tmp_path / "drive.csv", "--car", tmp_path / "car.toml", "--given", "tire")
+    assert "chassis.damping" in done.output, done.output

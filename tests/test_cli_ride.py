@@ -102,3 +102,13 @@ def test_wrong_commands(car: Path, given: list[str], code: int, message: str) ->
     shown = run(*(one.format(car=car) for one in given))
     assert shown.exit_code == code
     assert message in shown.output
+
+
+def test_numbers_out_of_range_are_one_line(car: Path) -> None:
+    flat = run("ride", car, "--road", "0", "--speed", "20")
+    assert flat.exit_code == 1
+    assert "nothing moves" in flat.output
+    car.write_text(car.read_text(encoding="utf-8").replace("chassis = 350.0", "chassis = 1e300"), encoding="utf-8")
+    huge = run("ride", car, *DRIVE)
+    assert (huge.exit_code, huge.output.count("\n")) == (1, 1)
+    assert "check the units of the car" in huge.output

@@ -64,6 +64,27 @@ class TestSpeed:
         with pytest.raises(InputError, match="speed_unit"):
             find_drives(ride(channel("az", body()), channel("v", constant(15.0), "")), speed="v")
 
+    def test_a_speed_without_a_unit_is_named(self) -> None:
+        found = find_drives(ride(channel("az", body()), channel("speed", constant(15.0), "")))
+        said = [str(check) for check in found.remarks]
+        assert any("'speed' is named like a speed, but was not used: no unit" in one for one in said)
+        assert not any("not used" in str(c) for c in find_drives(ride(channel("az", body()))).remarks)
+
+    @pytest.mark.parametrize("value", [np.nan, -20.0, 655.35])
+    def test_a_channel_that_never_holds_a_speed(self, value: float) -> None:
+        """Nothing can be told of braking, and it is said, as where there is no channel."""
+        recording = ride(channel("az", body()), channel("speed", constant(value), "m/s"))
+        codes = [check.remark.code for check in find_drives(recording).remarks]
+        assert {DriveRemark.SPEED_UNUSED, DriveRemark.NO_SPEED, DriveRemark.BRAKING_UNKNOWN} <= set(codes)
+        with pytest.raises(InputError, match="is no speed"):
+            find_drives(recording, speed="speed")
+
+    def test_a_unit_that_is_none_or_of_nothing_is_refused(self) -> None:
+        with pytest.raises(InputError, match="no unit of speed"):
+            find_drives(ride(channel("az", body()), channel("speed", constant(15.0), "m/s")), speed_unit="parsec")
+        with pytest.raises(InputError, match="none is named so"):
+            find_drives(ride(channel("az", body())), speed_unit="km/h")
+
     def test_values_of_a_bus_for_no_speed_are_no_speed(self) -> None:
         """Where the speed is not known, the vibration says that the car moves."""
         speed = np.where((TIME > 30) & (TIME < 60), 655.35, 15.0)

@@ -8,8 +8,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from suspid.analysis.drive_reading import read_drive
+from suspid.analysis.reading import naming
 from suspid.analysis.settings import Settings
 from suspid.errors import InputError
+from suspid.files import printable
 from suspid.greybox import (
     BodyModes,
     DriveLimits,
@@ -155,12 +157,14 @@ def analyse_drive(
     drives = []
     for source in every:
         step("reading")
-        recording = read_drive(source, settings)
-        step("finding stretches")
-        renamed = dict(settings.rename)
-        chosen = [renamed.get(name, name) for name in settings.channels] if settings.channels else None
-        drives.append(find_drives(recording, car=car, channels=chosen, limits=limits, **dict(way or {})))
-        del recording
+        name = source.title if isinstance(source, Recording) else os.fspath(source)
+        with naming(printable(name)):
+            recording = read_drive(source, settings)
+            step("finding stretches")
+            renamed = dict(settings.rename)
+            chosen = [renamed.get(name, name) for name in settings.channels] if settings.channels else None
+            drives.append(find_drives(recording, car=car, channels=chosen, limits=limits, **dict(way or {})))
+            del recording
     records = [record for one in drives for record in one.records]
     if not records:
         return DriveAnalysis(drives=tuple(drives), estimate=None, body=None)

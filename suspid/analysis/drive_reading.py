@@ -8,11 +8,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from suspid.analysis.reading import channel_named, naming
+from suspid.analysis.reading import channel_named
 from suspid.analysis.settings import Settings
 from suspid.cleaning import to_si, unmarked
 from suspid.errors import InputError, RecordError
-from suspid.files import printable
 from suspid.io import bare_name, read_recording
 from suspid.recordings import RawChannel, Recording
 
@@ -34,8 +33,7 @@ def read_drive(source: str | os.PathLike[str] | Recording, settings: Settings) -
     if isinstance(source, Recording):
         return _wanted(source, settings)
     recording = read_recording(source, time=settings.time, fs=settings.fs, dbc=settings.dbc)
-    with naming(printable(os.fspath(source))):
-        return _wanted(recording, settings)
+    return _wanted(recording, settings)
 
 
 def _wanted(recording: Recording, settings: Settings) -> Recording:
@@ -76,6 +74,12 @@ def _between(channels: list[RawChannel], settings: Settings) -> list[RawChannel]
     # One array of stamps stays one array, so that the channels of a clock are known to be of one.
     inside = {id(c.timepts): (c.timepts >= low) & (c.timepts <= high) for c in channels}
     stamps = {id(c.timepts): c.timepts[inside[id(c.timepts)]] for c in channels}
+    if not any(np.sum(there) > 1 for there in inside.values()):
+        ends = [end for c in channels for end in (np.nanmin(c.timepts), np.nanmax(c.timepts)) if c.timepts.size]
+        raise RecordError(
+            f"there are no samples between {low:g} and {high:g} s (start, stop): the recording runs from "
+            f"{min(ends):.6g} to {max(ends):.6g} s"
+        )
     return [
         replace(c, timepts=stamps[id(c.timepts)], values=c.values[inside[id(c.timepts)]])
         for c in channels

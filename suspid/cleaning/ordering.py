@@ -20,6 +20,8 @@ def stamped(stamps: RealArray) -> tuple[Indices, tuple[Finding, ...]]:
     """Return the rows whose stamp is a number, without those at the ends whose stamps are far from all others."""
     rows = np.flatnonzero(np.abs(stamps) < LATEST)
     lost = stamps.size - rows.size
+    if stamps.size < 2:
+        raise RecordError(f"there is only {stamps.size} sample; a record needs two at least")
     if rows.size < 2 or lost > max(1, 0.1 * stamps.size):
         raise RecordError(
             f"{lost} of {stamps.size} time stamps are not numbers; correct the time column, or give fs alone"

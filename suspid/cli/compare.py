@@ -45,10 +45,10 @@ def compare_command(
 ) -> None:
     """Compare the result AFTER with the result BEFORE.
 
-    Both are the JSON of `suspid estimate`: shows the change of every spring and damper, the grip before and after, and
-    whether each damper is good, to be watched, or worn. Several BEFORE, in order of time, are a history: from six on
-    their own scatter is used. Or both are the JSON of `suspid identify`: shows which modes differ by more than their
-    intervals.
+    Both are the JSON of `suspid estimate` or `suspid drive`: shows the change of every spring and damper, the grip
+    before and after, and whether each damper is good, to be watched, or worn. Several BEFORE, in order of time, are a
+    history: from six on their own scatter is used. Or both are the JSON of `suspid identify`: shows which modes differ
+    by more than their intervals.
     """
     from suspid.identification import to_json
 
@@ -89,7 +89,7 @@ def _kind(path: Path) -> str:
         return "modes"
     with named(path):
         form = parsed_json(read_text(path)).get("format")
-    return "an estimate" if str(form).startswith("suspid estimate") else "modes"
+    return "an estimate" if str(form).startswith(("suspid estimate", "suspid drive")) else "modes"
 
 
 def _rule(damper_std: float | None, load_std: float | None) -> WearRule:

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
 
 import click
+import numpy as np
 
 from suspid.errors import SuspidError
 from suspid.files import printable
@@ -87,6 +88,11 @@ class Commands(click.Group):
             return super().invoke(ctx)
         except SuspidError as error:
             raise _Failure(str(error)) from None
+        except (ArithmeticError, np.linalg.LinAlgError) as error:
+            raise _Failure(
+                f"the computation left the range of numbers ({error}): a mass, spring, damper or sample is far too "
+                f"large or too small; check the units of the car and of the channels"
+            ) from None
 
 
 def check_apart(inputs: list[Path], outputs: list[Path | None]) -> None:

@@ -46,7 +46,8 @@ def examined(part: Sequence[RawChannel], way: Way, orders: dict[str, tuple[int, 
     size = max(2, round(limits.block / together.step))
     count = together.timepts.size // size
     if not count:
-        raise RecordError(f"the part is shorter than a block of {limits.block:g} s")
+        length = together.timepts.size * together.step
+        raise RecordError(f"{length:.3g} s are too short for a drive: it is judged in blocks of {limits.block:g} s")
     edges = together.timepts[0] + together.step * size * np.arange(count + 1)
     moves = going(way, edges)
     clear, faults = {}, dict[DriveReason, dict[str, Flags]]()

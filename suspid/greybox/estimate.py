@@ -23,7 +23,7 @@ from suspid.greybox.whole_car import check_road, fit_with_road
 from suspid.model import Suspension, check_linear, eigenmodes
 from suspid.reconstruction import Bounds, parameter_names, unknowns_of
 from suspid.signals import as_response
-from suspid.units import Hertz, Metre, Ratio, Second
+from suspid.units import Hertz, Metre, RadianPerSecond, Ratio, Second
 from suspid.values import frozen_real
 from suspid.words import Check, Level, Remark, Verdict
 from suspid.words.greybox import EstimateCheck, EstimateHeadline
@@ -162,7 +162,7 @@ def estimate(
     beyond = _beyond(suspension, trials)
     unknowns = unknowns_of(
         suspension,
-        rate=float(np.median(eigenmodes(suspension).wn)),
+        rate=_usual_frequency(suspension),
         fixed=[*([fixed] if isinstance(fixed, str) else fixed), *(() if road else beyond)],
         bounds=bounds,
         ties=ties,
@@ -236,6 +236,12 @@ def _check(suspension: object) -> None:
         hint = "; take its .suspension" if hasattr(suspension, "suspension") else ""
         raise InputError(f"estimate needs a Suspension here, not {type(suspension).__name__}{hint}")
     check_linear(suspension, "estimate")
+
+
+def _usual_frequency(car: Suspension) -> RadianPerSecond:
+    """Return the median natural frequency, the scale of dampings; 1 rad/s where nothing is sprung."""
+    sprung = [wn for wn in eigenmodes(car).wn.tolist() if 0 < wn < np.inf]
+    return float(np.median(sprung)) if sprung else 1.0
 
 
 def _beyond(car: Suspension, trials: Sequence[Trial]) -> tuple[str, ...]:

@@ -43,12 +43,15 @@ class Way:
     longitudinal: RawChannel | None
     lateral: RawChannel | None
     yaw: RawChannel | None
+    # A channel that is named like a speed and was not used, and why.
+    unused: tuple[str, str] | None = None
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of the channels."""
+        """Names of the channels, and of one that was meant as such."""
         every = (self.speed, self.longitudinal, self.lateral, self.yaw)
-        return tuple(channel.name for channel in every if channel is not None)
+        named = tuple(channel.name for channel in every if channel is not None)
+        return named if self.unused is None else (*named, self.unused[0])
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -74,8 +77,10 @@ def way_of(
     Raises
     ------
     InputError
-        If a channel that is named has no unit that fits.
+        If a channel that is named has no unit that fits, or holds no speed, or a unit is given that is none of speed.
     """
+    if speed_unit is not None and _spelled(speed_unit, "m/s") is None:
+        raise InputError(f"{speed_unit=} is no unit of speed; known: km/h, m/s, mph, kn")
     free = [channel for channel in recording.channels if channel.name not in set(without)]
 
     def chosen(name: str | None, words: frozenset[str], si: str, unit: str | None = None) -> RawChannel | None:
@@ -88,12 +93,32 @@ def way_of(
         best = min(fit, key=lambda c: len(_words(c.name)), default=None)
         return None if best is None else _in_si(best, si, unit if si == "m/s" else None)
 
+    moving = chosen(speed, SPEED_WORDS, "m/s", speed_unit)
+    if speed_unit is not None and moving is None and speed != NO_CHANNEL:
+        raise InputError(f"{speed_unit=} goes with a channel of speed, and none is named so; name it with speed")
+    unused = _unused(moving, free, speed)
     return Way(
-        speed=chosen(speed, SPEED_WORDS, "m/s", speed_unit),
+        speed=None if unused else moving,
+        unused=unused,
         longitudinal=chosen(longitudinal, LONGITUDINAL_WORDS, "m/s2"),
         lateral=chosen(lateral, LATERAL_WORDS, "m/s2"),
         yaw=chosen(None, YAW_WORDS, "rad/s"),
     )
+
+
+def _unused(moving: RawChannel | None, free: Iterable[RawChannel], asked: str | None) -> tuple[str, str] | None:
+    """Return a channel that may be meant as the speed and cannot be used, and why; refuse one that was asked for."""
+    if moving is None:
+        words = SPEED_WORDS - {"velocity"}  # a velocity without a unit may be that of the body
+        alike = [c.name for c in free if _words(c.name) & words and not _words(c.name) & OTHER_WORDS]
+        why = "no unit of speed is stated for it; state it (speed_unit)"
+        return (alike[0], why) if alike and asked is None else None
+    if np.any((moving.values >= 0) & (moving.values <= FASTEST_CAR)):
+        return None
+    why = f"it holds no value between 0 and {FASTEST_CAR:g} m/s"
+    if asked is not None:
+        raise InputError(f"channel {moving.name!r} is no speed: {why}")
+    return moving.name, why
 
 
 def going(way: Way, edges: RealArray) -> Going:
@@ -158,13 +183,19 @@ def _unit(channel: RawChannel, unit: str | None, si: str) -> str | None:
     """Return the unit of a channel, as given, stated, or in its name, if it is one of the quantity; else None."""
     tail = re.split(r"[\s_]", channel.name.strip("[]() ").lower())[-1]
     for candidate in (unit, channel.unit, tail):
-        spelled = SPELLED.get(candidate.strip().lower(), candidate) if candidate else ""
-        try:
-            if spelled and to_si(0.0, spelled)[1] == si:
-                return spelled
-        except InputError:
-            continue
+        spelled = _spelled(candidate, si) if candidate else None
+        if spelled is not None:
+            return spelled
     return None
+
+
+def _spelled(unit: str, si: str) -> str | None:
+    """Return a unit as `to_si` knows it, if it is one of the quantity; else None."""
+    spelled = SPELLED.get(unit.strip().lower(), unit)
+    try:
+        return spelled if spelled and to_si(0.0, spelled)[1] == si else None
+    except InputError:
+        return None
 
 
 def _in_si(channel: RawChannel, si: str, unit: str | None) -> RawChannel:

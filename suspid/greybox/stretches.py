@@ -91,6 +91,9 @@ def judged(way: Way) -> list[Check]:
     said = []
     if way.speed is None:
         said.append(Check(Remark(DriveRemark.NO_SPEED), Level.NOTE))
+    if way.unused is not None:
+        channel, why = way.unused
+        said.append(Check(Remark(DriveRemark.SPEED_UNUSED, {"channel": channel, "why": why}), Level.CARE))
     if way.speed is None and way.longitudinal is None:
         said.append(Check(Remark(DriveRemark.BRAKING_UNKNOWN), Level.CARE))
     if way.lateral is None and (way.yaw is None or way.speed is None):

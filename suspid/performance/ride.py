@@ -153,7 +153,12 @@ def driven_road(car: Suspension, road: Road | str | float | None, speed: float |
         raise InputError(
             'a car needs a road and a speed: road="C", speed=20.0, or road=road("C", speed=20.0, under=car)'
         )
-    return road_of(road, speed=speed, under=places_of(car))
+    driven = road_of(road, speed=speed, under=places_of(car))
+    if not driven.roughness:
+        raise InputError(
+            f"{road=} m3 is a road without heights: nothing moves, so there are no figures; give one above 0"
+        )
+    return driven
 
 
 def _judged(plan: Plan, values: Mapping[str, float], about: Uncertain) -> Verdict:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from suspid.identification import to_json
 from suspid.levels import LEVEL
-from suspid.reporting.estimate_json import estimate_to_dict
+from suspid.reporting.estimate_json import DRIVE_FORMAT, estimate_to_dict
 from suspid.units import Ratio
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ def drive_to_dict(found: DriveAnalysis, *, level: Ratio = LEVEL) -> dict[str, ob
     from importlib.metadata import version
 
     fields = {
-        "format": "suspid drive 1",
+        "format": DRIVE_FORMAT,
         "verdict": found.verdict.to_dict(),
         "level": level,
         "usable": found.usable,

@@ -32,6 +32,7 @@ from suspid.values import frozen_real
 from suspid.words import Check, Code, EstimateCheck, EstimateHeadline, Level, Remark, Verdict
 
 ESTIMATE_FORMAT = "suspid estimate 1"
+DRIVE_FORMAT = "suspid drive 1"
 
 
 def estimate_to_dict(found: Estimate, *, level: Ratio = LEVEL) -> dict[str, object]:
@@ -77,13 +78,18 @@ def estimate_to_dict(found: Estimate, *, level: Ratio = LEVEL) -> dict[str, obje
 
 
 def estimate_from_dict(content: Mapping[str, object]) -> Estimate:
-    """Return an estimate from what `estimate_to_dict` returned, without its records.
+    """Return an estimate from what `estimate_to_dict` or `drive_to_dict` returned, without its records.
 
     Raises
     ------
     InputError
         If it is none, or its parts contradict each other.
     """
+    if content.get("format") == DRIVE_FORMAT:
+        within = content.get("estimate")
+        if not isinstance(within, dict):
+            raise InputError("the drive has no springs and dampers: no motion of wheels, or nothing usable")
+        content = within
     if content.get("format") != ESTIMATE_FORMAT:
         raise InputError(
             f"format {reprlib.repr(content.get('format'))} is not {ESTIMATE_FORMAT!r}; write the file with "
@@ -99,7 +105,7 @@ def estimate_from_dict(content: Mapping[str, object]) -> Estimate:
 
 
 def read_estimate(path: str | os.PathLike[str]) -> Estimate:
-    """Return the estimate that ``suspid estimate --json`` wrote; its records are not in the file.
+    """Return the estimate that ``suspid estimate --json`` or ``suspid drive --json`` wrote, without its records.
 
     Parameters
     ----------
