@@ -24,17 +24,25 @@ from suspid import (
     analyse,
     as_record,
     best_bandwidth,
+    body_modes,
+    classify_road,
     cwt,
+    damper_curve,
     denoise,
     eigenmodes,
     estimate,
     find_decays,
+    find_drives,
     find_ridges,
     fit_ridges,
     free_decay,
     identify,
     identify_repeats,
+    quarter_car,
     read_record,
+    ride,
+    road_profile,
+    simulate,
     statespace,
 )
 from suspid.errors import InputError
@@ -213,3 +221,34 @@ def test_reading_in_threads_leaves_the_host_as_it_was(tmp_path: Path) -> None:
     assert (sys.stdout, sys.stderr, sys.unraisablehook) == (stdout, stderr, hook)
     assert logging.root.manager.disable == level
     assert shown.getvalue().count("x") == written > 0
+
+
+class TestDrives:
+    CAR = quarter_car(
+        chassis_mass=400, tire_mass=40, chassis_stiffness=20e3, tire_stiffness=200e3, chassis_damping=1500
+    )
+    SHOWN = ("chassis_acceleration", "tire_acceleration")
+
+    def driven(self, duration: float, step: float) -> tuple[Any, Any, Any]:
+        """Return motions as a response and as a table, and the heights of the road as a table."""
+        pandas = pytest.importorskip("pandas")
+        t = np.arange(0, duration, step)
+        heights = road_profile(20.0 * t, roughness="B", rng=np.random.default_rng(3))
+        response = simulate(self.CAR, t, {"road": heights}, outputs=self.SHOWN)
+        table = pandas.DataFrame({"time": t, **dict(zip(self.SHOWN, response.outputs, strict=True))})
+        return response, table, pandas.Series(heights, index=pandas.Index(t, name="time"), name="road")
+
+    def test_every_verb_of_drives_takes_a_table(self) -> None:
+        response, table, heights = self.driven(60, 0.01)
+        assert ride(table).values == pytest.approx(ride(response).values, rel=1e-12)
+        assert classify_road(heights, speed=20).name == "B"
+        assert find_drives(table).usable == find_drives(response).usable > 50
+        mine, theirs = (damper_curve(given, self.CAR, strut="chassis", nodes=4) for given in (table, [response]))
+        np.testing.assert_array_equal(mine.forces, theirs.forces)
+
+    def test_a_body_in_a_table(self) -> None:
+        response, table, _ = self.driven(240, 0.02)
+        mine, theirs = (
+            body_modes(given, channels=self.SHOWN[:1], rng=np.random.default_rng(1)) for given in (table, [response])
+        )
+        assert mine[0].hertz == theirs[0].hertz

@@ -18,6 +18,7 @@ from suspid import analyse_drive, quarter_car, read_car, write_car
 from suspid.cli.main import main
 from suspid.reporting import json_schema
 from suspid.units import RealArray
+from suspid.words import Remark
 from suspid.words.drives import BodyCheck, DriveReason, DriveRemark
 from validation.motion import Drive, driven
 
@@ -98,6 +99,9 @@ class TestSprings:
         assert (folder / "out.png").stat().st_size > 10_000
         for text in ("slower than 3 m/s", "taken", "95 % interval", "Verdict"):
             assert text in done.output
+        same = run("compare", folder / "out.json", folder / "out.json")
+        assert same.exit_code == 0, same.output
+        assert "chassis.damping" in same.output
 
     def test_several_files_of_one_logger_share_its_gains(self, folder: Path) -> None:
         files = [write(folder / f"{seed}.csv", *drive(seed, 60.0)) for seed in (2, 3)]
@@ -130,6 +134,9 @@ class TestBodyAlone:
         codes = {check["code"] for check in content["verdict"]["checks"]}
         assert {str(BodyCheck.NO_DAMPING), str(DriveRemark.NO_WHEELS)} <= codes
         assert "zeta" not in content["body"][0]
+        done = run("compare", folder / "out.json", folder / "out.json")
+        assert done.exit_code == 1
+        assert "the drive has no estimate" in done.output
         assert content["body"][0]["lower"] < 1.2105 < content["body"][0]["upper"]
 
     @pytest.mark.skipif(not CSS.is_dir(), reason="needs the measured drive in ../shared")
@@ -171,6 +178,12 @@ class TestRefusals:
         done = run("drive", file, "--car", folder / "car.toml")
         assert done.exit_code == 0
         assert "There is no result" in done.output
+
+    def test_reasons_of_many_channels_fit_a_line(self) -> None:
+        names = tuple(f"channel {i}" for i in range(12))
+        said = str(Remark(DriveReason.CLIPPED, {"channels": names}))
+        assert said == "'channel 0', 'channel 1', 'channel 2' and 9 others clipped"
+        assert "others" not in str(Remark(DriveReason.CLIPPED, {"channels": names[:4]}))
 
     def test_limits_are_options(self, folder: Path) -> None:
         times, channels = drive()

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, overload
+from typing import overload
 
 import numpy as np
 
+from suspid.cleaning import RecordLike, as_record
 from suspid.errors import InputError, RecordError
 from suspid.greybox.body_spectra import (
     LINE_WIDTH,
@@ -23,6 +24,7 @@ from suspid.greybox.body_spectra import (
     periodograms,
     scattered,
 )
+from suspid.greybox.trials import records_of
 from suspid.greybox.wheels import body_channels
 from suspid.levels import LEVEL, check_level, likely
 from suspid.model import Suspension, output_weights
@@ -31,9 +33,6 @@ from suspid.units import Hertz, Ratio
 from suspid.values import text_table
 from suspid.words import Check, Level, Remark, Verdict
 from suspid.words.drives import BodyCheck
-
-if TYPE_CHECKING:
-    import control
 
 # Models: straight or bent roads, the damper's numerator as it follows or free, in bands that begin and end elsewhere.
 # Below 0.5 Hz accelerometers show slopes and braking.
@@ -140,7 +139,7 @@ class BodyModes(Sequence[BodyMode]):
 
 
 def body_modes(
-    records: Sequence[control.TimeResponseData],
+    records: RecordLike | Sequence[RecordLike],
     *,
     car: Suspension | None = None,
     channels: Sequence[str] | None = None,
@@ -155,7 +154,7 @@ def body_modes(
 
     Parameters
     ----------
-    records : sequence of control.TimeResponseData
+    records : control.TimeResponseData, or what `as_record` takes, or sequence of them
         Stretches of a drive, such as ``find_drives(…).records``; accelerations, unless a car says otherwise.
     car : Suspension, optional
         Says which channels are on the body, and what they measure.
@@ -183,9 +182,9 @@ def body_modes(
     >>> bool(low < eigenmodes(car).wn[0] / (2 * np.pi) < high)
     True
     """
-    if not records:
+    if isinstance(records, Sequence) and not records:
         raise InputError("there is no stretch of a drive; see find_drives")
-    signals = [as_signal(record) for record in records]
+    signals = [as_signal(as_record(record)) for record in records_of(records)]
     names = list(channels) if channels is not None else _on_body(signals[0].channels, car)
     for name in names:
         if any(name not in signal.channels for signal in signals):

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from suspid.cleaning import RecordLike
 from suspid.errors import EstimationError, InputError, RecordError
 from suspid.greybox.curve_fit import CurveFit, Noise, Shape, first_spline, fitted_curve
 from suspid.greybox.curve_noise import misfit_of, noise_of, residual_of
@@ -14,15 +14,13 @@ from suspid.greybox.damper_curves import DamperCurve, LineTest, rising
 from suspid.greybox.force_basis import MOST_NODES, SAMPLES_A_NODE, placed_nodes
 from suspid.greybox.latent_splines import CORNER_SHARE
 from suspid.greybox.strut_motion import StrutMotion, strut_motion
+from suspid.greybox.trials import records_of
 from suspid.levels import check_level, likely
 from suspid.model import Suspension
 from suspid.units import Ratio, RealArray
 from suspid.values import frozen_real
 from suspid.words import Check, Level, Remark, Verdict
 from suspid.words.dampers import CurveCheck, CurveHeadline
-
-if TYPE_CHECKING:
-    import control
 
 # Noise of an accelerometer and of a travel to begin with [m/s2, m]; what a fit leaves corrects them.
 FIRST_NOISE, FIRST_TRAVEL_NOISE = 0.05, 1e-4
@@ -40,7 +38,7 @@ VAGUE_SHARE = 0.1
 
 
 def damper_curve(
-    records: control.TimeResponseData | Sequence[control.TimeResponseData],
+    records: RecordLike | Sequence[RecordLike],
     suspension: Suspension,
     *,
     strut: str,
@@ -58,7 +56,7 @@ def damper_curve(
 
     Parameters
     ----------
-    records : control.TimeResponseData or sequence of them
+    records : control.TimeResponseData, or what `as_record` takes, or sequence of them
         Accelerations of the sprung masses, and that of the other end of the strut or its travel, named as the outputs
         of `statespace` or as the sensors of the suspension.
     suspension : Suspension
@@ -140,10 +138,7 @@ def damper_curve(
 def _motions(records: object, car: Suspension, strut: str, given: Sequence[str] | None) -> tuple[StrutMotion, ...]:
     if not isinstance(car, Suspension):
         raise InputError(f"damper_curve needs a Suspension here, not {type(car).__name__}")
-    several = list(records) if isinstance(records, Sequence) else [records]
-    if not several:
-        raise InputError("there is no record; give a control.TimeResponseData, or a sequence of them")
-    motions = tuple(strut_motion(one, car, strut, given) for one in several)
+    motions = tuple(strut_motion(one, car, strut, given) for one in records_of(records))
     steps = [m.step for m in motions]
     if max(steps) > min(steps) * (1 + 1e-6) or len({m.travel for m in motions}) > 1:
         raise RecordError("the records differ in their rates or in the sensors of the strut; resample them to one rate")

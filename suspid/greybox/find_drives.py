@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from suspid.cleaning import parts_of, to_si
+from suspid.cleaning import RecordLike, as_record, parts_of, to_si
 from suspid.errors import InputError, RecordError
 from suspid.greybox.blocks import examined
 from suspid.greybox.drives import Drive, DriveLimits, Drives
@@ -27,7 +27,7 @@ ORDERS = {"m": 0, "m/s": 1, "m/s2": 2, "rad": 0, "rad/s": 1}
 
 
 def find_drives(
-    recording: Recording | control.TimeResponseData,
+    recording: Recording | RecordLike,
     *,
     car: Suspension | None = None,
     channels: Sequence[str] | None = None,
@@ -44,7 +44,7 @@ def find_drives(
 
     Parameters
     ----------
-    recording : Recording or control.TimeResponseData
+    recording : Recording, control.TimeResponseData or what `as_record` takes
         The recording, of any length, with channels on any clocks.
     car : Suspension, optional
         The channels that measure it, named as its outputs or sensors, are those that must be usable.
@@ -113,10 +113,10 @@ def find_drives(
     return Drives(stretches=tuple(stretches), records=tuple(records), remarks=(*said, *judged(way)), title=whole.title)
 
 
-def _opened(recording: Recording | control.TimeResponseData) -> Recording:
+def _opened(recording: Recording | RecordLike) -> Recording:
     if isinstance(recording, Recording):
         return recording
-    signal = as_signal(recording)
+    signal = as_signal(as_record(recording))
     t = signal.timepts
     return Recording(
         title=str(getattr(recording, "title", None) or ""),

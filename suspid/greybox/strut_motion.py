@@ -4,18 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from suspid.cleaning import RecordLike, as_record
 from suspid.errors import InputError, RecordError
 from suspid.model import Suspension, output_weights
 from suspid.signals import as_signal
 from suspid.units import RealArray, Second
 from suspid.values import listed, nearest_names
-
-if TYPE_CHECKING:
-    import control
 
 CURVE_SAMPLES = 1000
 
@@ -36,9 +33,7 @@ class StrutMotion:
     channels: tuple[str, ...]  # that were used
 
 
-def strut_motion(
-    record: control.TimeResponseData, car: Suspension, strut: str, given: Sequence[str] | None
-) -> StrutMotion:
+def strut_motion(record: RecordLike, car: Suspension, strut: str, given: Sequence[str] | None) -> StrutMotion:
     """Return force and motion of a strut, whose forces on the sprung masses are told by their accelerations.
 
     With as many struts on the sprung coordinates q as there are coordinates, their forces are
@@ -51,7 +46,7 @@ def strut_motion(
     RecordError
         If channels are missing, or the record is too short.
     """
-    signal = as_signal(record, least=CURVE_SAMPLES)
+    signal = as_signal(as_record(record), least=CURVE_SAMPLES)
     names = [s.name for s in car.struts]
     if strut not in names:
         raise InputError(f"there is no strut {strut!r}.{nearest_names(strut, names)}")

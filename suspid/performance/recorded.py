@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from suspid.cleaning import RecordLike, as_record
 from suspid.errors import InputError
 from suspid.performance.figures import (
     ACCELERATION,
@@ -27,9 +27,6 @@ from suspid.values import FrozenItems, frozen_real, nearest_names
 from suspid.words import Check, Level, Number, Remark, Verdict
 from suspid.words.ride import RideCheck, RideHeadline
 
-if TYPE_CHECKING:
-    import control
-
 # Pieces of a record whose mean powers tell the scatter of the whole one: twenty know it to a sixth.
 PIECES_OF_RECORD = 20
 # ISO 2631-1, 6.2.1 and 6.3.3: above these the weighted rms understates shocks.
@@ -47,7 +44,7 @@ class Measured:
 
 
 def recorded(
-    record: control.TimeResponseData,
+    record: RecordLike,
     *,
     duration: Second | None = None,
     weightings: Mapping[str, str | Sequence[str]] | None = None,
@@ -55,7 +52,7 @@ def recorded(
     """Return the figures of a record; see `ride`."""
     from scipy.signal import welch
 
-    signal = as_signal(record, least=2 * PIECES_OF_RECORD)
+    signal = as_signal(as_record(record), least=2 * PIECES_OF_RECORD)
     chosen = _chosen(signal, weightings)
     seconds = signal.duration if duration is None else duration
     if not (np.isfinite(seconds) and seconds > 0):

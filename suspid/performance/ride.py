@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from suspid.cleaning import RecordLike
 from suspid.errors import InputError
 from suspid.greybox import Estimate
 from suspid.model import Suspension, output_rows
@@ -24,16 +24,13 @@ from suspid.values import FrozenItems, frozen_real
 from suspid.words import Check, Level, Number, Remark, Verdict
 from suspid.words.ride import RideCheck, RideHeadline
 
-if TYPE_CHECKING:
-    import control
-
 HOUR: Second = 3600.0
 # Frequencies of the spectra of a car.
 DRAWN = 1024
 
 
 def ride(
-    car: Suspension | Estimate | control.TimeResponseData,
+    car: Suspension | Estimate | RecordLike,
     *,
     road: Road | str | float | None = None,
     speed: float | None = None,
@@ -50,7 +47,7 @@ def ride(
 
     Parameters
     ----------
-    car : Suspension, Estimate or control.TimeResponseData
+    car : Suspension, Estimate or record, as `as_record` takes it
         A car as described; as estimated: the figures then have the uncertainty of its parameters; or a record.
     road : Road, str or float
         The road, with a car: from `road`, or its class or G_d(n_0) [m3], driven at ``speed``.

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from suspid.cleaning import RecordLike, as_record
 from suspid.errors import InputError
 from suspid.levels import LEVEL, check_level, likely
 from suspid.results import Result
@@ -18,9 +18,6 @@ from suspid.units import Metre, Ratio, RealArray
 from suspid.values import FrozenMapping, frozen_real, nearest_names, spread, text_table
 from suspid.words import Check, Level, Remark, Verdict
 from suspid.words.ride import RoadCheck, RoadHeadline
-
-if TYPE_CHECKING:
-    import control
 
 # Upper limits of G_d(0.1 cycle/m) of the classes [m3], ISO 8608, table C.1; the last one has none.
 ROAD_LIMITS: Mapping[str, float] = FrozenMapping(
@@ -105,7 +102,7 @@ class RoadClass(Result):
 
 
 def classify_road(
-    record: control.TimeResponseData,
+    record: RecordLike,
     *,
     speed: ArrayLike,
     channel: str | None = None,
@@ -118,7 +115,7 @@ def classify_road(
 
     Parameters
     ----------
-    record : control.TimeResponseData
+    record : control.TimeResponseData, or what `as_record` takes
         Heights of the road over time [m].
     speed : float or array_like (sample,)
         Speed, constant or at each sample [m/s], positive.
@@ -145,7 +142,7 @@ def classify_road(
     >>> classify_road(heights, speed=20.0).name
     'B'
     """
-    signal = as_signal(record)
+    signal = as_signal(as_record(record))
     name = signal.channels[0] if channel is None else channel
     if name not in signal.channels:
         raise InputError(f"there is no channel {name!r}.{nearest_names(name, signal.channels)}")

@@ -139,7 +139,12 @@ def read_estimate(path: str | os.PathLike[str]) -> Estimate:
     True
     """
     try:
-        return estimate_from_dict(parsed_json(read_text(Path(path))))
+        content = parsed_json(read_text(Path(path)))
+        if str(content.get("format")).startswith("suspid drive"):
+            content = content.get("estimate")
+            if not isinstance(content, Mapping):
+                raise InputError("the drive has no estimate: give suspid drive a car and the motion of its wheels")
+        return estimate_from_dict(content)
     except InputError as error:
         name = printable(str(path))
         raise InputError(str(error) if str(error).startswith(name) else f"{name}: {error}") from None

@@ -6,11 +6,15 @@ from collections.abc import Mapping
 
 from suspid.words.remarks import Code, Number, count, in_a_row
 
+MOST_NAMED = 3  # channels in a sentence, so that a table of stretches fits a screen; the codes have all of them
+
 
 def _channels(numbers: Mapping[str, Number]) -> str:
     names = numbers["channels"]
     assert isinstance(names, tuple)
-    return ", ".join(map(repr, names))
+    if len(names) <= MOST_NAMED + 1:
+        return ", ".join(map(repr, names))
+    return f"{', '.join(map(repr, names[:MOST_NAMED]))} and {len(names) - MOST_NAMED} others"
 
 
 def _listed(numbers: Mapping[str, Number]) -> str:
