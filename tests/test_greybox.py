@@ -425,6 +425,6 @@ class TestJudgement:
         )
         text = str(found)
         assert "-20" in text or "-19.9" in text
-        assert "the mass of chassis and the mass of tire are taken as known" in text
+        assert "The mass of chassis and the mass of tire are taken as known" in text
         changed = next(c.remark for c in found.verdict.checks if c.remark.code is EstimateCheck.CHANGED)
         assert changed.numbers["names"] == ("chassis.damping",)

@@ -139,7 +139,8 @@ def read_estimate(path: str | os.PathLike[str]) -> Estimate:
     True
     """
     try:
-        content = parsed_json(read_text(Path(path)))
+        content: object = parsed_json(read_text(Path(path)))
+        assert isinstance(content, Mapping)
         if str(content.get("format")).startswith("suspid drive"):
             content = content.get("estimate")
             if not isinstance(content, Mapping):

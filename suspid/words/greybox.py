@@ -21,11 +21,15 @@ def _found(numbers: Numbers) -> str:
     return f"{count(numbers['parameters'], 'parameter')} of the car found from {which}"
 
 
+def _capital(text: str) -> str:
+    return text[:1].upper() + text[1:]
+
+
 def _masses(numbers: Numbers) -> str:
     names = numbers["names"]
     one = len(names) == 1
     return (
-        f"{in_a_row(names)} {'is' if one else 'are'} taken as known: springs and dampers are in proportion, and the "
+        f"{_capital(in_a_row(names))} {'is' if one else 'are'} taken as known: springs and dampers are in proportion, and the "
         f"intervals contain no error of {'it' if one else 'them'}."
     )
 
