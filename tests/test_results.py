@@ -15,12 +15,16 @@ from matplotlib.figure import Figure
 import suspid
 from suspid import (
     ModalSet,
+    RawChannel,
+    Recording,
     add_noise,
     analyse,
+    analyse_drive,
     best_bandwidth,
     classify_road,
     compare,
     cwt,
+    damper_curve,
     eigenmodes,
     estimate,
     find_decays,
@@ -31,7 +35,9 @@ from suspid import (
     reconstruct,
     ride,
     road,
+    road_profile,
     sensitivities,
+    simulate,
     tune,
     tune_active,
 )
@@ -61,12 +67,26 @@ DRAWN = {
     "tuning",
     "scalogram",
     "bandwidths",
+    "curve",
+    "drive",
 }
 
 
 @pytest.fixture(scope="module")
 def results() -> dict[str, Any]:
     found = identify(RECORD)
+    t = np.arange(0, 30, 0.01)
+    heights = road_profile(20.0 * t, roughness="B", rng=np.random.default_rng(1))
+    shown = ["seat_acceleration", "chassis_acceleration", "tire_acceleration"]
+    driven = simulate(cars.HATCHBACK, t, {"road": heights}, outputs=shown)
+    driven = add_noise(driven, snr_db=40.0, rng=np.random.default_rng(2))
+    recording = Recording(
+        title="drive",
+        channels=tuple(
+            RawChannel(name=name, unit="m/s2", timepts=t, values=row, rate=None)
+            for name, row in zip(shown, driven.outputs, strict=True)
+        ),
+    )
     return {
         "modes": found.modes,
         "poles": ModalSet.from_wn_zeta([10.0, 70.0], [0.3, 0.2], wn_std=[0.1, 0.5], zeta_std=[0.01, 0.01]),
@@ -94,6 +114,8 @@ def results() -> dict[str, Any]:
         ),
         "scalogram": cwt(RECORD, omega=np.geomspace(10, 100, 40), bandwidth=8.0),
         "bandwidths": best_bandwidth(RECORD, omega=np.geomspace(10, 100, 40), candidates=[1, 4, 16]),
+        "curve": damper_curve(driven, cars.HATCHBACK, strut="chassis", nodes=4),
+        "drive": analyse_drive(recording, car=cars.HATCHBACK),
     }
 
 
@@ -164,6 +186,10 @@ def test_tables_hold_the_numbers(results: dict[str, Any]) -> None:
     assert results["comparison"].to_pandas()["verdict"].eq("ok").all()
     assert len(results["decays"].to_pandas()) == len(results["decays"])
     assert results["grip"].to_pandas()["wheel"].tolist() == ["tire"]
+    curve = results["curve"].to_pandas()
+    assert np.array_equal(curve["velocity_m_per_s"], results["curve"].velocities)
+    assert np.array_equal(curve["force_n"], results["curve"].totals)
+    assert results["drive"].to_pandas().equals(results["drive"].estimate.to_pandas())
     with pytest.raises(InputError, match="no table"):
         results["scalogram"].to_pandas()
 

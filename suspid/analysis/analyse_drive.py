@@ -27,6 +27,7 @@ from suspid.greybox import (
 )
 from suspid.model import Suspension
 from suspid.recordings import Recording
+from suspid.results import Result, columns_of
 from suspid.signals import as_signal
 from suspid.words import Check, Level, Remark, Verdict
 from suspid.words.drives import DriveHeadline, DriveRemark
@@ -36,7 +37,7 @@ Step = Callable[[str], None]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
-class DriveAnalysis:
+class DriveAnalysis(Result):
     """What a recorded drive tells of a car.
 
     Parameters
@@ -55,6 +56,11 @@ class DriveAnalysis:
     estimate: Estimate | None
     body: BodyModes | None
     notes: tuple[Check, ...] = ()
+
+    def _table(self) -> Mapping[str, Sequence[object]]:
+        if self.estimate is not None:
+            return self.estimate._table()
+        return columns_of(self.body or (), ["channel", "hertz"])
 
     @property
     def usable(self) -> float:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from suspid.levels import LEVEL, check_level
 from suspid.model import Strut, Suspension, equal_work
+from suspid.results import Result
 from suspid.units import MetrePerSecond, Newton, NewtonPerMetre, NewtonSecondPerMetre, Ratio, RealArray
 from suspid.values import rounded, spread, text_table
 from suspid.words import Verdict
@@ -45,7 +47,7 @@ class LineTest:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
-class DamperCurve:
+class DamperCurve(Result):
     """Force of a damper over its velocity, found from records; ``str()`` is the table.
 
     Parameters
@@ -97,6 +99,13 @@ class DamperCurve:
     freedom: int
     explains: bool
     verdict: Verdict
+
+    def _table(self) -> Mapping[str, Sequence[object]]:
+        return {
+            "velocity_m_per_s": self.velocities.tolist(),
+            "force_n": self.totals.tolist(),
+            "force_std_n": self.total_std.tolist(),
+        }
 
     @property
     def std(self) -> RealArray:

@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from suspid.analysis import Analysis
-from suspid.greybox import Estimate
+from suspid.analysis import Analysis, DriveAnalysis
+from suspid.greybox import DamperCurve, Estimate
 from suspid.identification import Identification, Repeats
 from suspid.model import ModalSet
 from suspid.performance import Grip, Ride, Sensitivities, Tuning
 from suspid.reporting.colours import Colour
+from suspid.reporting.plot_damper_curve import plot_damper_curve
+from suspid.reporting.plot_drive import draw_finding, plot_drive
 from suspid.reporting.plot_entropy import plot_entropy
 from suspid.reporting.plot_estimate import draw_changes, plot_estimate
 from suspid.reporting.plot_grip import draw_adhesion, plot_grip
@@ -59,6 +61,16 @@ def _(found: Analysis) -> Drawing:
 @drawing_of.register
 def _of_estimate(found: Estimate) -> Drawing:
     return Drawing(alone=partial(draw_changes, found), page=partial(plot_estimate, found), size=PAGE)
+
+
+@drawing_of.register
+def _(found: DamperCurve) -> Drawing:
+    return Drawing(alone=partial(plot_damper_curve, found))
+
+
+@drawing_of.register
+def _(found: DriveAnalysis) -> Drawing:
+    return Drawing(alone=partial(draw_finding, found), page=partial(plot_drive, found), size=PAGE)
 
 
 @drawing_of.register

@@ -69,11 +69,20 @@ def plot_drive(found: DriveAnalysis, figure: Figure) -> Figure:
     for ax, drives in zip(axes, files, strict=False):
         _draw_stretches(ax, drives)
     axes[len(files) - 1].set_xlabel("time [s]")
-    if found.estimate is not None:
-        _draw_transmissibility(axes[-1], found.estimate)
-    elif records:
-        _draw_body(axes[-1], found, records)
+    if records:
+        draw_finding(found, axes[-1])
     return figure
+
+
+def draw_finding(found: DriveAnalysis, ax: Axes) -> None:
+    """Draw what was found: transfers from the wheels, spectra of the body, or the stretches of the first file."""
+    records = [record for one in found.drives for record in one.records]
+    if found.estimate is not None:
+        _draw_transmissibility(ax, found.estimate)
+    elif records:
+        _draw_body(ax, found, records)
+    else:
+        _draw_stretches(ax, found.drives[0])
 
 
 def _draw_stretches(ax: Axes, drives: Drives) -> None:

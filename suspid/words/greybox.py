@@ -29,8 +29,8 @@ def _masses(numbers: Numbers) -> str:
     names = numbers["names"]
     one = len(names) == 1
     return (
-        f"{_capital(in_a_row(names))} {'is' if one else 'are'} taken as known: springs and dampers are in proportion, and the "
-        f"intervals contain no error of {'it' if one else 'them'}."
+        f"{_capital(in_a_row(names))} {'is' if one else 'are'} taken as known: springs and dampers are in proportion, "
+        f"and the intervals contain no error of {'it' if one else 'them'}."
     )
 
 
