@@ -21,6 +21,9 @@ from suspid.words import Reason, Remark
 
 # The largest number of pairs: a bound on time and memory for records that no number of poles explains.
 MOST_PAIRS = 50
+# From so many pairs on, more are tried only while the first half of the residual has so many times the energy of the
+# second. Coloured noise and driven motion, which pairs without end follow, have as much in both.
+MANY_PAIRS, DYING = 16, 2.0
 # Candidates whose gain is the first number times the BIC penalty and which lie the second number of linewidths apart
 # are fitted together; this saves searches. They stay where each then gains `STRONG_GAIN` times the penalty. So strong a
 # candidate is also accepted from the previous search.
@@ -135,7 +138,7 @@ def _found(problem: Problem) -> tuple[Fit, Rejected]:
     assert offset is not None
     fit, rejected = Fit(problem=problem, solution=offset), Rejected()
     seen: Points | None = None
-    while fit.poles.free < 2 * MOST_PAIRS and np.any(fit.variance > problem.noise.least):
+    while _may_grow(fit) and np.any(fit.variance > problem.noise.least):
         # Points of the previous search may stand out now that stronger poles are fitted; if not, search anew.
         found = [] if seen is None else ranked(fit.solution, fit.variance, seen)
         again = bool(found) and found[0].gain > STRONG_GAIN * problem.penalty(real=False)
@@ -150,6 +153,15 @@ def _found(problem: Problem) -> tuple[Fit, Rejected]:
         fit, lost = straightened(problem, better, STILL)
         rejected, seen = rejected + lost, None if again else seen
     return fit, rejected
+
+
+def _may_grow(fit: Fit) -> bool:
+    """Return whether more pairs are tried: beyond `MANY_PAIRS` only while the residual dies away as a decay does."""
+    if fit.poles.free < 2 * MANY_PAIRS or fit.poles.free >= 2 * MOST_PAIRS:
+        return fit.poles.free < 2 * MOST_PAIRS
+    half = fit.residual.shape[1] // 2
+    first, second = (np.einsum("ck,ck->c", part, part) for part in (fit.residual[:, :half], fit.residual[:, half:]))
+    return bool(np.sum(first / fit.variance) > DYING * np.sum(second / fit.variance))
 
 
 def _refined(problem: Problem, fit: Fit) -> tuple[Fit, RealArray, RealArray, Rejected]:
