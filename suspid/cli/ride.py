@@ -62,7 +62,9 @@ def ride_command(
     tables: bool,
     plot: Path | None,
 ) -> None:
-    """Show comfort, travel and wheel load of a car on a road, or comfort and travel of a record.
+    """Show comfort, travel and wheel load of CAR.
+
+    Of a car on a road, or comfort and travel of a record.
 
     CAR is a description (.toml), or the JSON of `suspid estimate`, whose uncertainty is carried through; both need
     --road and --speed. Any other file is a RECORD with channels such as seat_acceleration, or named by --weighting.
@@ -138,7 +140,9 @@ def tune_command(
     plot: Path | None,
     output: Path | None,
 ) -> None:
-    """Find the springs and dampers of the best compromises between two figures of CAR (.toml or estimate .json).
+    """Find springs and dampers of the best compromises.
+
+    The compromises are those between two figures of CAR (.toml or estimate .json).
 
     Without --objective these are the weighted acceleration of the first coordinate and the dynamic load of the first
     wheel.
