@@ -6,6 +6,7 @@ import json
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
 
 import jsonschema
 import numpy as np
@@ -14,9 +15,21 @@ from asammdf import MDF, Signal
 from click.testing import CliRunner, Result
 from nptdms import ChannelObject, TdmsWriter
 
-from suspid import analyse_drive, quarter_car, read_car, write_car
+from suspid import (
+    RawChannel,
+    Recording,
+    Suspension,
+    analyse_drive,
+    quarter_car,
+    read_car,
+    road_profile,
+    simulate,
+    write_car,
+)
+from suspid.analysis.drive_dampers import curves_of
 from suspid.cli.main import main
 from suspid.reporting import json_schema
+from suspid.signals import as_response
 from suspid.units import RealArray
 from suspid.words import Remark
 from suspid.words.drives import BodyCheck, DriveReason, DriveRemark
@@ -36,16 +49,25 @@ def run(*arguments: object) -> Result:
 
 
 @cache
-def drive(seed: int = 1, duration: float = 100.0) -> tuple[RealArray, Mapping[str, RealArray]]:
+def drive(seed: int = 1, duration: float = 100.0, car: Suspension = CAR) -> tuple[RealArray, Mapping[str, RealArray]]:
     """Return times and channels of a drive, as an independent simulator makes them, with a stop."""
     rng = np.random.default_rng(seed)
-    motions, times = driven(CAR, Drive(duration=duration, noise=NOISE), rng)
+    motions, times = driven(car, Drive(duration=duration, noise=NOISE), rng)
     stands = (times >= STOP[0]) & (times < STOP[1])
     channels = {
         name: np.where(stands, 0.0, motions[name]) + std * rng.standard_normal(times.size)
         for name, std in NOISE.items()
     }
     return times, {**channels, "Vehicle speed": np.where(stands, 0.0, 72.0)}
+
+
+def recorded(times: RealArray, channels: Mapping[str, RealArray]) -> Recording:
+    """Return channels as a recording; accelerations in m/s2, speeds in km/h."""
+    made = (
+        RawChannel(name=n, unit="km/h" if "speed" in n else "m/s2", timepts=times, values=v, rate=None)
+        for n, v in channels.items()
+    )
+    return Recording(title="drive", channels=tuple(made))
 
 
 def write(path: Path, times: RealArray, channels: Mapping[str, RealArray]) -> Path:
@@ -119,6 +141,89 @@ class TestSprings:
         write(folder / "wrong.csv", times, wrong)
         done = run("drive", folder / "wrong.csv", "--car", folder / "car.toml")
         assert done.exit_code == 3, done.output
+
+
+class TestRoad:
+    def test_tires_and_road_from_stretches_of_one_logger(self, folder: Path) -> None:
+        files = [write(folder / f"{seed}.csv", *drive(seed, duration)) for seed, duration in ((11, 150.0), (12, 60.0))]
+        done = run("drive", *files, "--car", folder / "car.toml", "--road", "iso8608", "--json", folder / "out.json",
+                   "--wheel-radius", 0.3)  # fmt: skip
+        assert done.exit_code == 0, done.output
+        content = json.loads((folder / "out.json").read_text(encoding="utf-8"))["estimate"]
+        found = {p["name"]: p for p in content["parameters"]}["tire.stiffness"]
+        assert abs(found["value"] - 210e3) < 4 * found["std"] < 0.2 * 210e3
+        (road,) = content["road"]
+        assert road["class"] == "B"
+        assert {stretch["record"] for stretch in road["stretches"]} == {0, 1, 2}
+        assert all(stretch["speed"] == pytest.approx(20.0, rel=0.05) for stretch in road["stretches"])
+
+    def test_a_road_needs_the_motion_of_the_wheels(self, folder: Path) -> None:
+        times, channels = drive()
+        file = write(folder / "body.csv", times, {n: v for n, v in channels.items() if "tire" not in n})
+        done = run("drive", file, "--car", folder / "car.toml", "--road", "iso8608")
+        assert done.exit_code == 1
+        assert "not shown: tire" in done.output
+
+
+class TestDampers:
+    def test_curve_wear_and_grip_of_each_damper(self, folder: Path) -> None:
+        new, worn = CAR, CAR.with_parameters(damping={"chassis": 800.0})
+        write_car(new, folder / "new.toml")
+        for name, car, seed in (("new", new, 5), ("worn", worn, 6)):
+            write(folder / f"{name}.mf4", *drive(seed, 100.0, car))
+            done = run("drive", folder / f"{name}.mf4", "--car", folder / "new.toml", "--json", folder / f"{name}.json",
+                       *(["--before", folder / "new.json"] if name == "worn" else []))  # fmt: skip
+            assert done.exit_code == 0, done.output
+            content = json.loads((folder / f"{name}.json").read_text(encoding="utf-8"))
+            jsonschema.validate(content, json_schema("drive"))
+            (curve,) = content["curves"]
+            jsonschema.validate(curve, json_schema("damper"))
+            jsonschema.validate(content["wear"], json_schema("compare"))
+            (damper,) = content["wear"]["dampers"]
+            work = curve["equivalent_damping"]
+            assert abs(work["value"] - car.struts[0].damping) < 5 * work["std"]
+            assert curve["linear"]["accepted"]
+            assert damper["verdict"] != "worn" if name == "new" else damper["verdict"] == "worn"
+            assert content["wear"]["against"] == ("nominal" if name == "new" else "earlier")
+            assert "least phase [deg]" in done.output
+        compared = run("compare", folder / "new.json", folder / "worn.json")
+        assert "chassis worn" in compared.output
+
+    def test_a_late_sensor_is_corrected_before_the_curve_is_found(self) -> None:
+        times, channels = drive(7, 60.0)
+        late = {**channels, "tire_acceleration": np.roll(channels["tire_acceleration"], 1)}
+        found = analyse_drive(recorded(times, late), car=CAR)
+        (curve,) = found.curves
+        assert curve.explains
+        assert curve.stiffness == pytest.approx(22e3, rel=0.02)
+        assert DriveRemark.SENSORS in {check.remark.code for check in found.notes}
+
+    def test_a_bent_damper_is_told_and_named(self) -> None:
+        bent = CAR.with_parameters(curve={"chassis": ((-1.0, -650.0), (0.0, 0.0), (1.0, 1950.0))})
+        t, rng = np.arange(0, 40, 0.005), np.random.default_rng(2)
+        road = road_profile(20 * t, roughness="B", rng=rng, wavelengths=(0.5, 100.0))
+        made = simulate(bent, t, {"road": road}, outputs=list(NOISE), interpolation="cubic")
+        rows = made.outputs + np.array([[0.03], [0.1]]) * rng.standard_normal(made.outputs.shape)
+        found = analyse_drive(recorded(t, dict(zip(NOISE, rows, strict=True))), car=CAR)
+        (curve,) = found.curves
+        assert curve.explains
+        assert not curve.linear
+        low, high = curve.interval(0.999)
+        inside = (low <= np.where(curve.velocities > 0, 1950, 650) * curve.velocities) & (
+            np.where(curve.velocities > 0, 1950, 650) * curve.velocities <= high
+        )
+        assert np.mean(inside) > 0.9
+        assert "not a line" in str(found)
+        assert DriveRemark.BENT in {check.remark.code for check in found.notes}
+
+    def test_a_damper_without_the_motion_of_its_wheel_has_no_curve(self) -> None:
+        found, notes = curves_of(
+            [as_response(np.arange(2000) / 200, np.ones((1, 2000)), ("chassis_acceleration",))],
+            SimpleNamespace(suspension=CAR),  # type: ignore[arg-type]
+            "drive",
+        )
+        assert found == ()
+        assert notes[0].remark.code is DriveRemark.NO_CURVE
 
 
 class TestBodyAlone:

@@ -2,7 +2,7 @@
 
 `analyse` does it for a file, a recording or a record, as `Settings` ask for it, and returns an `Analysis`: every step's
 result, and the verdict on all. The commands, the report and the fleet call it and nothing else.
-`analyse_drive` is the recipe for drives.
+`analyse_drive` is the recipe for drives: stretches, car, curves and wear of its dampers (`drive_dampers`).
 """
 
 from suspid.analysis.analyse import STEPS, Analysis, analyse

@@ -5,8 +5,12 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
+import numpy as np
+
+from suspid.analysis.damper_table import damper_table
+from suspid.analysis.drive_dampers import curves_of, wear_of
 from suspid.analysis.drive_reading import read_drive
 from suspid.analysis.reading import naming
 from suspid.analysis.settings import Settings
@@ -14,6 +18,7 @@ from suspid.errors import InputError
 from suspid.files import printable
 from suspid.greybox import (
     BodyModes,
+    DamperCurve,
     DriveLimits,
     Drives,
     Estimate,
@@ -26,9 +31,11 @@ from suspid.greybox import (
     wheels_of,
 )
 from suspid.model import Suspension
+from suspid.performance import Wear
 from suspid.recordings import Recording
 from suspid.results import Result, columns_of
 from suspid.signals import as_signal
+from suspid.units import Metre
 from suspid.words import Check, Level, Remark, Verdict
 from suspid.words.drives import DriveHeadline, DriveRemark
 
@@ -50,12 +57,18 @@ class DriveAnalysis(Result):
         Frequencies of the body, where only the body was measured.
     notes : tuple of Check
         What else is to be said.
+    curves : tuple of DamperCurve
+        Curves of the dampers above the wheels, as far as the sensors tell them.
+    wear : Wear or None
+        Wear and grip of the dampers, against earlier estimates or nominal values.
     """
 
     drives: tuple[Drives, ...]
     estimate: Estimate | None
     body: BodyModes | None
     notes: tuple[Check, ...] = ()
+    curves: tuple[DamperCurve, ...] = ()
+    wear: Wear | None = None
 
     def _table(self) -> Mapping[str, Sequence[object]]:
         if self.estimate is not None:
@@ -89,7 +102,11 @@ class DriveAnalysis(Result):
     def __str__(self) -> str:
         parts = [f"{one.title}: {one.verdict.headline}" for one in self.drives]
         if self.estimate is not None:
-            parts += ["", parameter_table(self.estimate), str(self.estimate.modes)]
+            parts += ["", parameter_table(self.estimate), *map(str, self.estimate.road), str(self.estimate.modes)]
+            dampers = damper_table(self.curves, self.wear)
+            parts += ["", dampers, ""] if dampers else []
+            if self.wear is not None and self.wear.against != "nominal":
+                parts += [str(self.wear), ""]
         elif self.body is not None:
             parts += ["", self.body.table()]
         return "\n".join([*parts, str(self.verdict)])
@@ -103,14 +120,18 @@ def analyse_drive(
     limits: DriveLimits | None = None,
     way: Mapping[str, str | None] | None = None,
     unknowns: Mapping[str, Any] | None = None,
+    road: Literal["iso8608"] | None = None,
+    wheel_radius: Metre | None = None,
+    before: Sequence[Estimate] = (),
+    curves: bool = True,
     progress: Step | None = None,
 ) -> DriveAnalysis:
     """Return what a recorded drive tells of a car.
 
     The files are read one after the other, and only their usable stretches are kept. Where the motion of all wheels
-    was measured, springs and dampers are estimated over all stretches jointly (`estimate`, with the wheels given).
-    Where only the body was measured, its frequencies are found (`body_modes`); damping is not, because the road is
-    not known.
+    was measured, springs and dampers are estimated over all stretches jointly (`estimate`, with the wheels given), the
+    curve of each damper is found (`damper_curve`), and its wear and its wheel's grip are judged (`wear`). Where only
+    the body was measured, its frequencies are found (`body_modes`); damping is not, because the road is not known.
 
     Parameters
     ----------
@@ -126,6 +147,15 @@ def analyse_drive(
         Arguments ``speed``, ``speed_unit``, ``longitudinal``, ``lateral`` of `find_drives`.
     unknowns : mapping, optional
         Arguments of `estimate`, such as ``fixed`` and ``bounds``.
+    road : "iso8608", optional
+        Model of the road, for tires, the modes of the whole car and the road's class; see `estimate`. The speed is that
+        of the drive.
+    wheel_radius : float, optional
+        Rolling radius of the wheels [m], with a model of the road.
+    before : sequence of Estimate, optional
+        Earlier estimates of this car, in order of time, that the dampers are compared with. Default: nominal values.
+    curves : bool
+        Whether curves of dampers are sought, which takes seconds for each.
     progress : callable, optional
         Called with the name of each step.
 
@@ -176,12 +206,46 @@ def analyse_drive(
         return DriveAnalysis(drives=tuple(drives), estimate=None, body=None)
     wheels = () if car is None else wheels_of(car)
     missing = () if car is None else wheels_missing(car, as_signal(records[0]).channels)
-    if car is not None and wheels and not missing:
-        step("estimating")
-        tests = [RecordTest(record=record, logger=LOGGER) for record in records]
-        found = estimate(tests, car, given=wheels, **dict(unknowns or {}))
-        return DriveAnalysis(drives=tuple(drives), estimate=found, body=None)
     step("estimating")
+    if car is not None and wheels and not missing:
+        rolling = _rolling(drives, road, wheel_radius)
+        return _with_dampers(drives, car, {**dict(unknowns or {}), **rolling}, before, step if curves else None)
+    if road is not None or before:
+        raise InputError(
+            "road and before need springs and dampers: give a car, and a channel for the motion of each wheel"
+            + (f" (not shown: {', '.join(missing)})" if missing else "")
+        )
     notes = [Check(Remark(DriveRemark.NO_WHEELS, {"names": missing}), Level.NOTE)] if missing else []
     body = body_modes(records, car=car)
     return DriveAnalysis(drives=tuple(drives), estimate=None, body=body, notes=tuple(notes))
+
+
+def _rolling(drives: Sequence[Drives], road: str | None, radius: Metre | None) -> dict[str, Any]:
+    """Return the arguments of `estimate` on the road; a speed that is lost somewhere is not known."""
+    speeds = [speed for one in drives for speed in one.speeds]
+    known = road is not None and all(np.all(np.isfinite(speed)) for speed in speeds)
+    return {"road": road, "wheel_radius": radius, "speed": speeds if known else None}
+
+
+def _with_dampers(
+    drives: Sequence[Drives],
+    car: Suspension,
+    asked: Mapping[str, Any],
+    before: Sequence[Estimate],
+    step: Step | None,
+) -> DriveAnalysis:
+    """Return springs and dampers, with the wear of the latter, and with their curves if there is a step for them."""
+    records = [record for one in drives for record in one.records]
+    tests = [RecordTest(record=record, logger=LOGGER) for record in records]
+    found = estimate(tests, car, given=wheels_of(car), **asked)
+    judged, no_wear = wear_of(found, before)
+    if step is None:
+        return DriveAnalysis(drives=tuple(drives), estimate=found, body=None, notes=no_wear, wear=judged)
+    step("finding curves")
+    curves, notes = curves_of(records, found, LOGGER)
+    bent = tuple(one.name for one in curves if one.explains and not one.linear)
+    if bent:
+        notes = (Check(Remark(DriveRemark.BENT, {"names": bent}), Level.NOTE), *notes)
+    return DriveAnalysis(
+        drives=tuple(drives), estimate=found, body=None, notes=(*notes, *no_wear), curves=curves, wear=judged
+    )

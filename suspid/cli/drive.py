@@ -5,6 +5,7 @@ from __future__ import annotations
 from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -51,13 +52,26 @@ LIMITS = (
 )  # fmt: skip
 
 
+def road_of(road: str | None, wheel_radius: float | None) -> dict[str, Any]:
+    """Return the arguments of `analyse_drive` on the road."""
+    return {"road": road, "wheel_radius": wheel_radius}
+
+
+ROLLING = (
+    click.option("--road", type=click.Choice(["iso8608"]), help="Model of the road: tires and whole car too. [none]"),
+    click.option("--wheel-radius", type=Positive("m"), help="Rolling radius of the wheels, for --road."),
+)
+
+
 @click.command("drive")
 @click.argument("files", type=FILE, nargs=-1, required=True, metavar="FILE...")
 @click.option("--car", type=FILE, metavar="CAR", help="Masses and nominal struts (.toml). [frequencies alone]")
 @reading
 @packed(way_of, WAY, "way")
 @packed(limits_of, LIMITS, "limits")
+@packed(road_of, ROLLING, "road")
 @wanting
+@click.option("--before", type=FILE, metavar="JSON", multiple=True, help="Earlier result to judge wear by; repeat.")
 @click.option("--plot", type=FILE, metavar="FILE", help="Write pictures of the drive (.png, .svg, .pdf).")
 @writing
 def drive_command(
@@ -66,7 +80,9 @@ def drive_command(
     settings: Settings,
     way: dict[str, str | None],
     limits: DriveLimits,
+    road: dict[str, Any],
     wanted: Wanted,
+    before: tuple[Path, ...],
     plot: Path | None,
     outputs: Outputs,
 ) -> None:
@@ -78,12 +94,16 @@ def drive_command(
     If CAR names a channel of the motion of each wheel, springs and dampers are estimated over all stretches. If the
     body alone was measured, its frequencies are found; damping is not, because the road is not known.
 
+    Each damper's curve is tested whether it is a line. Its wear and its wheel's grip are judged against nominal values,
+    or against earlier drives: --before takes the JSON of this command or of `suspid estimate`, in order of time. With
+    --road iso8608 tires, the modes of the whole car and the road's class are found too.
+
     Ends with 3 if the car that was found does not explain the records.
     """
     from suspid.analysis import analyse_drive
     from suspid.identification import to_json
     from suspid.model import car_to_toml, read_car
-    from suspid.reporting import drive_to_dict, plot_drive
+    from suspid.reporting import drive_to_dict, plot_drive, read_estimate
 
     if len({path.resolve() for path in files}) < len(files):
         raise click.UsageError("One of the FILES is named twice: every drive counts once.")
@@ -91,8 +111,8 @@ def drive_command(
         raise click.UsageError("--added belongs to tests; name the masses of the loaded car in CAR.")
     if outputs.output and car is None:
         raise click.UsageError("--output writes a car: give one with --car.")
-    check_apart([*files, *([car] if car else [])], [plot, outputs.output, outputs.json_file])
-    steps = [*["reading", "finding stretches"] * len(files), "estimating", "drawing"]
+    check_apart([*files, *before, *([car] if car else [])], [plot, outputs.output, outputs.json_file])
+    steps = [*["reading", "finding stretches"] * len(files), "estimating", "finding curves", "drawing"]
     with (
         replacing(checked_picture(plot)) if plot else nullcontext() as figure_draft,
         outputs.drafts() as (draft, json_draft),
@@ -106,6 +126,8 @@ def drive_command(
             limits=limits,
             way=way,
             unknowns=wanted.unknowns(),
+            before=[read_estimate(path) for path in before],
+            **road,
             progress=step,
         )
         text = outputs.words(found.estimate, str(found)) if found.estimate else str(found)

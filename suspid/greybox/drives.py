@@ -10,7 +10,7 @@ import numpy as np
 
 from suspid.errors import InputError
 from suspid.results import Result, columns_of
-from suspid.units import Hertz, MetrePerSecond, MetrePerSecond2, Second
+from suspid.units import Hertz, MetrePerSecond, MetrePerSecond2, RealArray, Second
 from suspid.values import text_table
 from suspid.words import Check, Code, Level, Remark, Verdict
 from suspid.words.drives import DriveRemark
@@ -120,6 +120,8 @@ class Drives(Sequence[Drive], Result):
         All stretches; together they cover the recording.
     records : tuple of control.TimeResponseData
         The record of each stretch that was taken: all channels on one clock, short gaps filled.
+    speeds : tuple of ndarray
+        Speed at each sample of each record [m/s], straight between the middles of the blocks; NaN where not known.
     remarks : tuple of Check
         What was judged and what could not be.
     title : str
@@ -128,6 +130,7 @@ class Drives(Sequence[Drive], Result):
 
     stretches: tuple[Drive, ...] = ()
     records: tuple[control.TimeResponseData, ...] = ()
+    speeds: tuple[RealArray, ...] = ()
     remarks: tuple[Check, ...] = field(default=())
     title: str = ""
 

@@ -16,6 +16,7 @@ from suspid.greybox.stretches import judged, stretches_of
 from suspid.model import Suspension, output_weights
 from suspid.recordings import RawChannel, Recording
 from suspid.signals import as_signal
+from suspid.units import RealArray
 from suspid.words import Check, Level, Number, Remark
 from suspid.words.drives import DriveRemark
 
@@ -96,6 +97,7 @@ def find_drives(
     orders, said = _orders(whole, needed, car)
     stretches: list[Drive] = []
     records: list[control.TimeResponseData] = []
+    speeds: list[RealArray] = []
     parts = parts_of([whole[name] for name in needed])
     for part in parts:
         try:
@@ -107,10 +109,17 @@ def find_drives(
             numbers: dict[str, Number] = {"start": float(np.min(ends)), "stop": float(np.max(ends)), "why": str(error)}
             said.append(Check(Remark(DriveRemark.UNREADABLE, numbers), Level.CARE))
             continue
-        found, kept = stretches_of(blocks, limits, whole.title)
+        found, kept, going = stretches_of(blocks, limits, whole.title)
         stretches += found
         records += kept
-    return Drives(stretches=tuple(stretches), records=tuple(records), remarks=(*said, *judged(way)), title=whole.title)
+        speeds += going
+    return Drives(
+        stretches=tuple(stretches),
+        records=tuple(records),
+        speeds=tuple(speeds),
+        remarks=(*said, *judged(way)),
+        title=whole.title,
+    )
 
 
 def _opened(recording: Recording | RecordLike) -> Recording:

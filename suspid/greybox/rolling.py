@@ -49,7 +49,11 @@ def rolling_of(
         return Rolling(speeds=None, radius=radius, channels=())
     whole: Any = speed
     asked = records_of(records)
-    shared = isinstance(whole, str) or np.ndim(whole) == 0 or (len(asked) == 1 and np.shape(whole) != (1,))
+    # Speeds of several records differ in length, so that they make no array.
+    each = isinstance(whole, list | tuple) and len(asked) > 1
+    shared = not each and (
+        isinstance(whole, str) or np.ndim(whole) == 0 or (len(asked) == 1 and np.shape(whole) != (1,))
+    )
     every = [whole] * len(trials) if shared else list(whole)
     if len(every) != len(trials):
         raise InputError(f"speed: {len(every)} given for {len(trials)} records; give one for each, or one for all")

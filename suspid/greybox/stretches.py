@@ -11,6 +11,7 @@ from suspid.greybox.drives import Drive, DriveLimits
 from suspid.greybox.speeds import Way
 from suspid.signals import as_response
 from suspid.units import RealArray
+from suspid.values import frozen_real
 from suspid.words import Check, Level, Number, Remark
 from suspid.words.drives import DriveReason, DriveRemark
 
@@ -18,10 +19,12 @@ if TYPE_CHECKING:
     import control
 
 
-def stretches_of(blocks: Blocks, limits: DriveLimits, title: str) -> tuple[list[Drive], list[control.TimeResponseData]]:
-    """Return all stretches of a part of a recording, and the records of those that were taken."""
+def stretches_of(
+    blocks: Blocks, limits: DriveLimits, title: str
+) -> tuple[list[Drive], list[control.TimeResponseData], list[RealArray]]:
+    """Return all stretches of a part of a recording; of those that were taken the records, and speeds by sample."""
     bad = np.any(list(blocks.flags.values()), axis=0)
-    found, records = [], []
+    found, records, speeds = [], [], []
     for first, after in zip(*_alike(blocks, bad), strict=True):
         start, stop = _ends(blocks, first, after)
         taken = not bad[first] and stop - start >= limits.shortest - 0.5 * blocks.part.step
@@ -35,7 +38,16 @@ def stretches_of(blocks: Blocks, limits: DriveLimits, title: str) -> tuple[list[
             inside = slice(first * blocks.size, after * blocks.size)
             part = blocks.part
             records.append(as_response(part.timepts[inside], part.values[:, inside], part.channels, title=title))
-    return found, records
+            speeds.append(_by_sample(speed, blocks.size))
+    return found, records, speeds
+
+
+def _by_sample(speed: RealArray, size: int) -> RealArray:
+    """Return the speed at each sample of blocks, straight between their middles; NaN where no block knows it."""
+    known = np.flatnonzero(np.isfinite(speed))
+    if not known.size:
+        return frozen_real(np.full(len(speed) * size, np.nan))
+    return frozen_real(np.interp((np.arange(len(speed) * size) + 0.5) / size - 0.5, known, speed[known]))
 
 
 def _alike(blocks: Blocks, bad: Flags) -> tuple[list[int], list[int]]:

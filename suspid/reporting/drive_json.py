@@ -11,7 +11,9 @@ from typing import TYPE_CHECKING
 
 from suspid.identification import to_json
 from suspid.levels import LEVEL
+from suspid.reporting.damper_curve_json import damper_curve_to_dict
 from suspid.reporting.estimate_json import DRIVE_FORMAT, estimate_to_dict
+from suspid.reporting.wear_json import wear_to_dict
 from suspid.units import Ratio
 
 if TYPE_CHECKING:
@@ -40,6 +42,8 @@ def drive_to_dict(found: DriveAnalysis, *, level: Ratio = LEVEL) -> dict[str, ob
         "usable": found.usable,
         "files": [_file(one) for one in found.drives],
         "estimate": None if found.estimate is None else estimate_to_dict(found.estimate, level=level),
+        "curves": [damper_curve_to_dict(one, level=level) for one in found.curves],
+        "wear": None if found.wear is None else wear_to_dict(found.wear),
         "body": None if found.body is None else _body(found.body, level),
         "suspid": version("suspid"),
     }

@@ -9,6 +9,7 @@ import numpy as np
 from suspid.greybox import body_channels, wheels_of
 from suspid.reporting.axes import frequency_ticks, shown
 from suspid.reporting.colours import CHANNEL_COLOURS, Colour
+from suspid.reporting.plot_damper_curve import plot_damper_curve
 from suspid.signals import as_signal
 from suspid.units import ComplexArray, RealArray, Second
 from suspid.words import Code
@@ -32,11 +33,12 @@ REASON_COLOURS: dict[Code, Colour] = {
     DriveReason.SHORT: Colour.PALE_GREEN,
 }
 WELCH_WINDOW: Second = 8.0  # of the spectra that are drawn
+MOST_CURVES = 2  # that are drawn
 MOST_FILES = 6  # of which the stretches are drawn
 
 
 def plot_drive(found: DriveAnalysis, figure: Figure) -> Figure:
-    """Draw the stretches of each file over time, and spectra of the channels with what was fitted.
+    """Draw the stretches of each file over time, spectra of the channels with what was fitted, and curves of dampers.
 
     Parameters
     ----------
@@ -64,13 +66,17 @@ def plot_drive(found: DriveAnalysis, figure: Figure) -> Figure:
         figure.set_layout_engine("constrained")
     files = found.drives[:MOST_FILES]
     records = [record for one in found.drives for record in one.records]
-    heights = [1.0] * len(files) + [4.0] * bool(records)
+    curves = found.curves[:MOST_CURVES]
+    heights = [1.0] * len(files) + [4.0] * bool(records) + [4.0 / len(curves) ** 0.5 for _ in curves]
     axes = np.atleast_1d(figure.subplots(len(heights), 1, height_ratios=heights))
     for ax, drives in zip(axes, files, strict=False):
         _draw_stretches(ax, drives)
     axes[len(files) - 1].set_xlabel("time [s]")
     if records:
-        draw_finding(found, axes[-1])
+        draw_finding(found, axes[len(files)])
+    for ax, curve in zip(axes[len(files) + 1 :], curves, strict=False):
+        plot_damper_curve(curve, ax)
+        ax.set_title(f"damper of {shown(curve.name)}", loc="left")
     return figure
 
 

@@ -71,6 +71,34 @@ class DriveRemark(Code):
             "Frequencies of the body are all that is found."
         ),
     )
+    CURVES_FROM = (
+        "curves from",
+        "The curves of the dampers are from the longest stretches, {used:.4g} of {seconds:.4g} s.",
+    )
+    SENSORS = (
+        "sensors",
+        lambda n: (
+            f"The curve of {_listed(n)} was found with corrected sensors ({n['corrections']}, by viscous dampers "
+            "without mounts): with the sensors as they are, more than noise is left. The curve's intervals take the "
+            "correction as exact."
+        ),
+    )
+    MISFIT = (
+        "misfit",
+        lambda n: (
+            f"The curve of {_listed(n)} leaves more than noise of the sensors: a mount of the damper, gain or delay of "
+            "a sensor, or another axle may be missing. Do not use it."
+        ),
+    )
+    BENT = (
+        "bent",
+        lambda n: (
+            f"The damper of {_listed(n)} is not viscous: its c stands for it at the amplitude of this drive alone, and "
+            "a car of viscous dampers may not explain the drive. Use the curve and the stiffness found with it."
+        ),
+    )
+    NO_CURVE = "no curve", lambda n: f"The curve of the damper of {_listed(n)} was not found: {n['why']}."
+    NO_WEAR = "no wear", "The wear of the dampers was not judged: {why}."
     UNREADABLE = "unreadable", "The part from {start:.6g} to {stop:.6g} s was left out: {why}."
 
 
