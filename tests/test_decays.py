@@ -48,6 +48,12 @@ def released(
     return as_response(np.arange(count) / fs, values, MASSES)
 
 
+class TestWords:
+    def test_more_than_the_motion_is_a_multiple_of_it(self) -> None:
+        assert "by 26 times the size of the motion" in str(Remark(DecayDoubt.FORCED, {"share": 26.2}))
+        assert "leave 13 % of the motion" in str(Remark(DecayDoubt.NONLINEAR, {"share": 0.13}))
+
+
 class TestNothingDecays:
     """What is stationary has no decay, and the remarks say what was seen."""
 

@@ -259,6 +259,14 @@ class TestExports:
         assert recording["seat"].mean_rate == 500
         assert dict(recording.left_out)["X_Value"].code is LeftOut.NO_NUMBERS
 
+    def test_the_label_of_units_is_not_that_of_time(self, tmp_path: Path) -> None:
+        head = "LabVIEW Measurement,\nSeparator,Comma\n***End_of_Header***,\n,\nY_Unit_Label,g,\nX_Dimension,Time,\n"
+        rows = "".join(f"{k / 500:.6f},{np.sin(k):.6f}\n" for k in range(40))
+        recording = read(tmp_path, head + "***End_of_Header***,,\nX_Value,Acceleration,Comment\n" + rows)
+        assert recording.names == ("Acceleration",)
+        assert recording["Acceleration"].unit == "g"
+        assert recording["Acceleration"].mean_rate == pytest.approx(500)
+
     def test_a_row_of_brackets_holds_units(self, tmp_path: Path) -> None:
         recording = read(tmp_path, "Time,Extension,Load\n(s),(mm),(kgf)\n0,1,2\n1,2,3\n2,3,4\n")
         assert [(channel.name, channel.unit) for channel in recording.channels] == [

@@ -55,8 +55,11 @@ def find_layout(head: Sequence[str], sample: Sequence[str]) -> Layout:
     units = {name: bracketed_unit(name) for name in names if bracketed_unit(name)}
     if units_at is not None:
         units |= {name: unit for name, unit in zip(names, columns.units(above[units_at]), strict=False) if unit}
-    units |= next((dict(zip(names, cells, strict=False)) for cells in map(columns.dialect.cells, others.values())
-                   if cells[0].lower() == "y_unit_label" and len(cells) >= len(names)), {})  # fmt: skip
+    for cells in map(columns.dialect.cells, others.values()):
+        # The label stands above the time.
+        if cells[0].lower() == "y_unit_label" and len(cells) >= len(names):
+            units |= dict(zip(names[1:], cells[1:], strict=False))
+            break
     return Layout(
         dialect=columns.dialect,
         names=tuple(names),
