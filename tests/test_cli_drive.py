@@ -172,10 +172,12 @@ class TestDampers:
         for name, car, seed in (("new", new, 5), ("worn", worn, 6)):
             write(folder / f"{name}.mf4", *drive(seed, 100.0, car))
             done = run("drive", folder / f"{name}.mf4", "--car", folder / "new.toml", "--json", folder / f"{name}.json",
+                       "--page", folder / f"{name}.html",
                        *(["--before", folder / "new.json"] if name == "worn" else []))  # fmt: skip
             assert done.exit_code == 0, done.output
             content = json.loads((folder / f"{name}.json").read_text(encoding="utf-8"))
             jsonschema.validate(content, json_schema("drive"))
+            assert "Curves of dampers" in (folder / f"{name}.html").read_text(encoding="utf-8")
             (curve,) = content["curves"]
             jsonschema.validate(curve, json_schema("damper"))
             jsonschema.validate(content["wear"], json_schema("compare"))

@@ -10,10 +10,11 @@ from typing import Any
 import click
 
 from suspid.analysis import Settings
-from suspid.cli.measured import checked_picture, save_picture
+from suspid.cli.measured import checked_page, checked_picture, save_picture, sources_of
 from suspid.cli.options import FILE, packed, progress, reading
 from suspid.cli.parameters import Outputs, Wanted, conclude, wanting, writing
 from suspid.cli.support import Positive, check_apart, said_warnings
+from suspid.errors import InputError
 from suspid.files import printable, replacing
 from suspid.greybox import DriveLimits, Drives
 
@@ -73,6 +74,7 @@ ROLLING = (
 @wanting
 @click.option("--before", type=FILE, metavar="JSON", multiple=True, help="Earlier result to judge wear by; repeat.")
 @click.option("--plot", type=FILE, metavar="FILE", help="Write pictures of the drive (.png, .svg, .pdf).")
+@click.option("--page", type=FILE, metavar="FILE", help="Write a page to print or to send (.html).")
 @writing
 def drive_command(
     files: tuple[Path, ...],
@@ -84,6 +86,7 @@ def drive_command(
     wanted: Wanted,
     before: tuple[Path, ...],
     plot: Path | None,
+    page: Path | None,
     outputs: Outputs,
 ) -> None:
     """Find springs and dampers from recorded drives.
@@ -103,7 +106,7 @@ def drive_command(
     from suspid.analysis import analyse_drive
     from suspid.identification import to_json
     from suspid.model import car_to_toml, read_car
-    from suspid.reporting import drive_to_dict, plot_drive, read_estimate
+    from suspid.reporting import content_of, drive_to_dict, plot_drive, read_estimate, report
 
     if len({path.resolve() for path in files}) < len(files):
         raise click.UsageError("One of the FILES is named twice: every drive counts once.")
@@ -111,10 +114,11 @@ def drive_command(
         raise click.UsageError("--added belongs to tests; name the masses of the loaded car in CAR.")
     if outputs.output and car is None:
         raise click.UsageError("--output writes a car: give one with --car.")
-    check_apart([*files, *before, *([car] if car else [])], [plot, outputs.output, outputs.json_file])
+    check_apart([*files, *before, *([car] if car else [])], [plot, page, outputs.output, outputs.json_file])
     steps = [*["reading", "finding stretches"] * len(files), "estimating", "finding curves", "drawing"]
     with (
         replacing(checked_picture(plot)) if plot else nullcontext() as figure_draft,
+        replacing(checked_page(page)) if page else nullcontext() as page_draft,
         outputs.drafts() as (draft, json_draft),
         said_warnings() as said,
         progress(*steps) as step,
@@ -138,6 +142,17 @@ def drive_command(
             _write(car_to_toml(found.estimate.suspension) if found.estimate else None, draft, outputs, said)
         if json_draft:
             json_draft.write_text(to_json(drive_to_dict(found, level=outputs.probability)), encoding="utf-8")
+        if page_draft:
+            if found.estimate is None:
+                raise InputError("--page shows springs and dampers, and none were found: leave it out, or use --plot")
+            content = content_of(
+                found.estimate,
+                source=sources_of(files),
+                level=outputs.probability,
+                warnings=[*said, *(str(check.remark) for check in found.notes)],
+                curves=found.curves,
+            )
+            page_draft.write_text(report(content), encoding="utf-8")
         if figure_draft:
             save_picture(partial(plot_drive, found), figure_draft)
     conclude("\n\n".join([*map(listed, found.drives), text]), explains=found.explains)

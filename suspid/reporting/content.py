@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, overload
 from suspid.analysis import Analysis, Settings
 from suspid.cleaning import Cleaned
 from suspid.errors import InputError
-from suspid.greybox import Estimate
+from suspid.greybox import DamperCurve, Estimate
 from suspid.levels import LEVEL, check_level
 from suspid.reporting.estimate_page import EstimateContent
 from suspid.reporting.source import Source
@@ -96,6 +96,7 @@ def content_of(
     source: Source | Sequence[Source] | None = ...,
     level: Ratio = ...,
     warnings: Sequence[str] = ...,
+    curves: Sequence[DamperCurve] = ...,
 ) -> EstimateContent: ...
 
 
@@ -109,6 +110,7 @@ def content_of(
     reconstruction: Reconstruction | None = None,
     level: Ratio = LEVEL,
     warnings: Sequence[str] = (),
+    curves: Sequence[DamperCurve] = (),
 ) -> Content | EstimateContent:
     """Return what `report` and `report_to_dict` show of an analysis, an estimate, or an identification.
 
@@ -131,6 +133,8 @@ def content_of(
         Probability of all intervals [1].
     warnings : sequence of str
         Warnings that were given on the way.
+    curves : sequence of DamperCurve
+        Curves of dampers that an estimate's page shows as well.
 
     Raises
     ------
@@ -150,7 +154,7 @@ def content_of(
     check_level(level)
     if isinstance(found, Estimate):
         sources = () if source is None else (source,) if isinstance(source, Source) else tuple(source)
-        return EstimateContent(found=found, sources=sources, level=level, warnings=warnings)
+        return EstimateContent(found=found, sources=sources, level=level, warnings=warnings, curves=curves)
     if not isinstance(source, Source | None):
         raise InputError(f"source={source!r:.80} must be one Source: an identification has one file")
     if isinstance(found, Analysis):

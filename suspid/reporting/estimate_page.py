@@ -12,6 +12,7 @@ from suspid.reconstruction import parameter_values
 from suspid.reporting.axes import plot_residual, unit_ticks
 from suspid.reporting.estimate_rows import estimate_rows, masses_of
 from suspid.reporting.pictures import Picture, picture, shape_pictures
+from suspid.reporting.plot_damper_curve import plot_damper_curve
 from suspid.reporting.plot_estimate import draw_changes, lively
 from suspid.reporting.plot_spectra import draw_spectra
 from suspid.reporting.rows import mode_quantities, signed
@@ -22,7 +23,7 @@ from suspid.words import count
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from suspid.greybox import Estimate
+    from suspid.greybox import DamperCurve, Estimate
     from suspid.reporting.source import Source
     from suspid.units import Ratio
 
@@ -44,12 +45,15 @@ class EstimateContent:
         Probability of all intervals [1].
     warnings : sequence of str
         Warnings that were given on the way.
+    curves : sequence of DamperCurve
+        Curves of the dampers, if they were found as well.
     """
 
     found: Estimate
     sources: Sequence[Source]
     level: Ratio
     warnings: Sequence[str]
+    curves: Sequence[DamperCurve] = ()
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -82,6 +86,8 @@ def page_fields(content: EstimateContent) -> dict[str, object]:
                           if all(name in t for t in twins)],
             "modes": mode_quantities(found.modes, level),
             "shapes": list(shape_pictures(found.modes)),
+            "curves": [(printable(one.name), str(one.verdict.headline), _curve(one, k, level))
+                       for k, one in enumerate(content.curves)],
             "records": [_part(content, k) for k in range(min(len(records), MOST_DRAWN))],
             "hidden": count(hidden, "further record") if hidden else "",
         }  # fmt: skip
@@ -98,6 +104,17 @@ def _draw_changes(found: Estimate, level: Ratio, figure: Figure) -> None:
     ax = figure.subplots()
     draw_changes(found, ax, level)
     ax.set_title("", loc="left")
+
+
+def _curve(found: DamperCurve, which: int, level: Ratio) -> Picture:
+    described = f"Force of damper {which + 1} over its velocity with its band"
+    return picture(
+        partial(_draw_curve, found, level), name=f"curve-{which}", described=described, height=2.6, wide_height=2.6
+    )
+
+
+def _draw_curve(found: DamperCurve, level: Ratio, figure: Figure) -> None:
+    plot_damper_curve(found, figure.subplots(), level=level)
 
 
 def _part(content: EstimateContent, which: int) -> RecordPart:
