@@ -139,13 +139,7 @@ def read_estimate(path: str | os.PathLike[str]) -> Estimate:
     True
     """
     try:
-        content: object = parsed_json(read_text(Path(path)))
-        assert isinstance(content, Mapping)
-        if str(content.get("format")).startswith("suspid drive"):
-            content = content.get("estimate")
-            if not isinstance(content, Mapping):
-                raise InputError("the drive has no estimate: give suspid drive a car and the motion of its wheels")
-        return estimate_from_dict(content)
+        return estimate_from_dict(parsed_json(read_text(Path(path))))
     except InputError as error:
         name = printable(str(path))
         raise InputError(str(error) if str(error).startswith(name) else f"{name}: {error}") from None
