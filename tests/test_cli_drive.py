@@ -338,3 +338,13 @@ def test_the_json_of_drives_is_compared(folder: Path) -> None:
     refused = run("compare", folder / "nothing.json", folder / "found.json")
     assert refused.exit_code == 1
     assert "has no springs and dampers" in refused.output
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_files_with_other_sensors_are_named(folder: Path, turned: bool) -> None:
+    times, channels = drive()
+    both = write(folder / "both.csv", times, channels)
+    body = write(folder / "body.csv", times, {n: row for n, row in channels.items() if n != "tire_acceleration"})
+    done = run("drive", *([body, both] if turned else [both, body]), "--car", folder / "car.toml")
+    assert done.exit_code == 1
+    assert "body lacks a channel of the motion of 'tire', which both has" in done.output

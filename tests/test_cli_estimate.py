@@ -143,3 +143,14 @@ def test_a_wheel_without_a_tire(tmp_path: Path) -> None:
     write_record(add_noise(record, snr_db=40, rng=np.random.default_rng(2)), tmp_path / "drive.csv")
     done = run("estimate", tmp_path / "drive.csv", "--car", tmp_path / "car.toml", "--given", "tire")
     assert "chassis.damping" in done.output, done.output
+
+
+def test_a_channel_in_another_unit_is_named(tmp_path: Path) -> None:
+    write_car(NOMINAL, tmp_path / "car.toml")
+    rough = 0.002 * np.cumsum(np.random.default_rng(1).standard_normal(TIMES.size))
+    record = simulate(CAR, TIMES, {"road": rough}, outputs=["chassis_acceleration", "tire_acceleration"])
+    write_record(add_noise(record, snr_db=40, rng=np.random.default_rng(2)), tmp_path / "drive.csv")
+    options = ["--car", tmp_path / "car.toml", "--given", "tire"]
+    done = run("estimate", tmp_path / "drive.csv", *options, "--scale", "tire_acceleration=0.2")
+    assert "The gain is far from 1 of tire_acceleration.gain = 0." in done.output
+    assert "The gain is far" not in run("estimate", tmp_path / "drive.csv", *options).output

@@ -107,3 +107,24 @@ def test_unknown_inputs_are_refused(tmp_path: Path) -> None:
     result = run("simulate", CAR, "-o", tmp_path / "r.csv", "--step", "1", "--input", "rod")
     assert result.exit_code == 1
     assert "there is no input 'rod'" in result.output
+
+
+@pytest.mark.parametrize("channels", [(), ("chassis_acceleration", "chassis_travel")])
+def test_friction_and_curves_of_the_car_file(tmp_path: Path, channels: tuple[str, ...]) -> None:
+    """A decay with friction comes to rest; with its channels asked for, it is the motion of `simulate`."""
+    rough = CAR.read_text(encoding="utf-8") + "\n[friction]\nchassis = 60.0\n"
+    rough += "\n[curves]\nchassis = [[-1.0, -700.0], [0.0, 0.0], [1.0, 2000.0]]\n"
+    (tmp_path / "rough.toml").write_text(rough, encoding="utf-8")
+    named = [part for name in channels for part in ("--channel", name)]
+    options = ["-o", tmp_path / "decay.csv", "--initial", "v_tire=1", "--duration", 2, *named]
+    result = run("simulate", tmp_path / "rough.toml", *options)
+    assert result.exit_code == 0, result.output
+    found = as_signal(read_record(tmp_path / "decay.csv"))
+    car, start = read_car(tmp_path / "rough.toml"), {"v_tire": 1.0}
+    expected = simulate(car, found.timepts, {}, outputs=channels or None, initial_state=start)
+    np.testing.assert_allclose(found.values, expected.y[: len(found.values)], atol=1e-12)
+    linear = simulate(car.linearised(), found.timepts, {}, outputs=channels or None, initial_state=start)
+    assert np.max(np.abs(expected.y - linear.y)) > 0.05 * np.max(np.abs(linear.y))
+    refused = run("simulate", tmp_path / "rough.toml", "-o", tmp_path / "b.csv", "--impulse", "road")
+    assert refused.exit_code == 1
+    assert "not in proportion to an impulse" in refused.output

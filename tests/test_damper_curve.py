@@ -37,6 +37,7 @@ from suspid.greybox.latent_splines import (
 from suspid.reporting import json_schema, plot_damper_curve
 from suspid.signals import as_response
 from suspid.units import RealArray
+from suspid.words import Level
 from validation.dampers import LAWS, NOISE
 
 CAR = quarter_car(
@@ -174,7 +175,9 @@ class TestRefusals:
             ({"strut": "tire"}, RecordError, "give 'tire_travel', or 'road_acceleration'"),
             ({"strut": "tire", "given": ["tire"]}, InputError, "acts on no sprung mass"),
             ({"strut": "chassis", "given": ["wheel"]}, InputError, "there is no coordinate 'wheel'"),
-            ({"strut": "chassis", "nodes": 2}, InputError, "must be at least 4"),
+            ({"strut": "chassis", "nodes": 2}, InputError, "a whole number from 4"),
+            ({"strut": "chassis", "nodes": 12.5}, InputError, "a whole number from 4"),
+            ({"strut": "chassis", "nodes": 5000}, InputError, "to 100"),
             ({"strut": "chassis", "level": 1.5}, InputError, "must lie between 0 and 1"),
         ],
     )
@@ -256,3 +259,11 @@ class TestBasis:
         v = np.array([-0.3, -0.1, 0.3, 0.5])
         # Half of the mean over each of the neighbouring steps: (-1 + 1/2) / 2 and (1/2 + 1) / 2.
         np.testing.assert_allclose(sign_between(v, 1e-6), [-1.0, -0.25, 0.75, 1.0], atol=1e-4)
+
+
+def test_a_curve_without_a_known_sign_is_doubtful() -> None:
+    """A wheel's sensor that is upside down leaves intervals wider than all forces."""
+    turned = record("bilinear")
+    turned.outputs[1] *= -1
+    verdict = damper_curve(turned, CAR, strut="chassis", nodes=12).verdict
+    assert verdict.level is Level.DOUBTFUL

@@ -205,7 +205,7 @@ def analyse_drive(
     if not records:
         return DriveAnalysis(drives=tuple(drives), estimate=None, body=None)
     wheels = () if car is None else wheels_of(car)
-    missing = () if car is None else wheels_missing(car, as_signal(records[0]).channels)
+    missing = () if car is None else _missing(car, drives)
     step("estimating")
     if car is not None and wheels and not missing:
         rolling = _rolling(drives, road, wheel_radius)
@@ -249,3 +249,15 @@ def _with_dampers(
     return DriveAnalysis(
         drives=tuple(drives), estimate=found, body=None, notes=(*notes, *no_wear), curves=curves, wear=judged
     )
+
+
+def _missing(car: Suspension, drives: Sequence[Drives]) -> tuple[str, ...]:
+    """Return the wheels that no channel shows; refuse recordings that show different ones."""
+    seen = [(wheels_missing(car, as_signal(one.records[0]).channels), one.title) for one in drives if one.records]
+    least, most = min(seen, key=lambda each: len(each[0])), max(seen, key=lambda each: len(each[0]))
+    if least[0] != most[0]:
+        raise InputError(
+            f"{printable(most[1])} lacks a channel of the motion of {', '.join(map(repr, most[0]))}, which "
+            f"{printable(least[1])} has: leave one of them out, or rename its channels"
+        )
+    return least[0]

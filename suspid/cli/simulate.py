@@ -17,6 +17,8 @@ from suspid.files import printable, replacing
 from suspid.units import RealArray
 
 if TYPE_CHECKING:
+    import control
+
     from suspid.model import Suspension
 
 # More samples do not fit into memory; most such requests are a mistyped rate or length.
@@ -75,8 +77,8 @@ def simulate_command(
     chassis_force or chassis_travel_force.
     """
     from suspid.io import check_record_name, write_record
-    from suspid.model import eigenmodes, read_car, statespace
-    from suspid.simulation import add_noise, free_decay, simulate
+    from suspid.model import eigenmodes, read_car
+    from suspid.simulation import add_noise, simulate
 
     driven = [road_class is not None, sweep is not None, step is not None]
     if sum(driven) > 1 or (impulse is not None) + bool(initial) + any(driven) != 1:
@@ -110,15 +112,28 @@ def simulate_command(
                 interpolation="cubic" if step is None else "linear",
             )
         else:
-            system = statespace(suspension, outputs=channels or None)
-            record = free_decay(system, timepts, initial_state=state or None, impulse=impulse)
+            record = _decay(suspension, timepts, channels, state, impulse)
         if snr is not None:
             record = add_noise(record, snr_db=snr, rng=rng)
-        highest = float(np.max(np.abs(eigenmodes(suspension).poles.imag), initial=0.0)) / (2 * math.pi)
+        poles = eigenmodes(suspension.linearised()).poles
+        highest = float(np.max(np.abs(poles.imag), initial=0.0)) / (2 * math.pi)
         if highest >= fs / 2:
             said.append(f"a mode at {highest:.4g} Hz lies above half the sampling rate and is aliased")
         write_record(record, draft, digits=digits)
     say(f"{printable(str(output))}: {record_in_words(record)}")
+
+
+def _decay(
+    suspension: Suspension, timepts: RealArray, channels: Sequence[str], state: dict[str, float], impulse: str | None
+) -> control.TimeResponseData:
+    """Return a free decay, with friction and curves if the car has them."""
+    from suspid.model import statespace
+    from suspid.simulation import free_decay, simulate
+
+    if not suspension.linear and channels and impulse is None:
+        return simulate(suspension, timepts, {}, outputs=channels, initial_state=state)
+    system = statespace(suspension, outputs=channels or None) if suspension.linear else suspension
+    return free_decay(system, timepts, initial_state=state or None, impulse=impulse)
 
 
 def _sweep(timepts: RealArray, sweep: tuple[float, float, float]) -> RealArray:

@@ -15,7 +15,7 @@ from suspid.greybox.force_basis import MOST_NODES, SAMPLES_A_NODE, placed_nodes
 from suspid.greybox.latent_splines import CORNER_SHARE
 from suspid.greybox.strut_motion import StrutMotion, strut_motion
 from suspid.greybox.trials import records_of
-from suspid.levels import check_level, likely
+from suspid.levels import NORMAL_95, check_level, likely
 from suspid.model import Suspension
 from suspid.units import Ratio, RealArray
 from suspid.values import frozen_real
@@ -35,6 +35,8 @@ LINE_RANGES = 4
 FIRST_NODE = 1.5
 # Share of the largest force by which forces may be uncertain before that is said.
 VAGUE_SHARE = 0.1
+# More nodes may not be asked for: the time grows with their square, and each needs samples.
+MOST_ASKED = 100
 
 
 def damper_curve(
@@ -68,7 +70,7 @@ def damper_curve(
     friction : bool
         Whether the damper may have Coulomb friction.
     nodes : int, optional
-        Number of nodes besides that at rest. Default: one for each 200 samples, at most 36.
+        Number of nodes besides that at rest. Default: one for each 200 samples, at most 36; 100 at most.
     level : float
         Share of viscous dampers that the test whether the curve is a line rejects [1].
 
@@ -112,8 +114,8 @@ def damper_curve(
     (False, True)
     """
     check_level(level)
-    if nodes is not None and (isinstance(nodes, bool) or nodes < 4):
-        raise InputError(f"{nodes=} must be at least 4: two on each side of rest")
+    if nodes is not None and (not isinstance(nodes, int | np.integer) or not 4 <= nodes <= MOST_ASKED):
+        raise InputError(f"{nodes=} must be a whole number from 4, two on each side of rest, to {MOST_ASKED}")
     motions = _motions(records, suspension, strut, given)
     start = next(s for s in suspension.struts if s.name == strut)
     wide = Shape(nodes=np.array([-1.0, 0.0, 1.0]), friction=False)
@@ -273,8 +275,10 @@ def _checks(found: DamperCurve, fit: CurveFit, noise: Noise) -> list[Check]:
     if off > 0:
         checks.append(Check(Remark(CurveCheck.FALLS, {"error": off}), Level.NOTE))
     share = float(np.max(found.std) / np.max(np.abs(found.forces)))
-    if share > VAGUE_SHARE:
-        checks.append(Check(Remark(CurveCheck.VAGUE, {"share": share}), Level.CARE))
+    if share > VAGUE_SHARE:  # doubtful where not even the sign of the largest force is known
+        checks.append(
+            Check(Remark(CurveCheck.VAGUE, {"share": share}), Level.CARE if NORMAL_95 * share < 1 else Level.DOUBTFUL)
+        )
     blur = noise.velocity / found.velocity_std
     if blur > BLURRED_SHARE:
         checks.append(Check(Remark(CurveCheck.BLURRED, {"error": noise.velocity, "share": blur}), Level.CARE))

@@ -12,7 +12,7 @@ from suspid.errors import InputError
 from suspid.greybox.estimates import Estimate
 from suspid.greybox.frequency_domain import fit_in_frequency
 from suspid.greybox.further import further_asked
-from suspid.greybox.judgement import changes, on_bounds, rests_on
+from suspid.greybox.judgement import changes, gains_off, on_bounds, rests_on
 from suspid.greybox.modal import modes_with, mounted_car, of_car
 from suspid.greybox.problem import Problem, default_holds
 from suspid.greybox.rolling import Speed, rolling_of, without_speed
@@ -197,6 +197,7 @@ def estimate(
     checks = [
         *fit.checks,
         *on_bounds(u, fit.x),
+        *gains_off(parameters, values),
         *changes(suspension, u.names[: len(own)], values[: len(own)], std[: len(own)]),
         *rests_on(suspension, u.names, still=still, forced=any(len(trial.forces) for trial in trials)),
         *([Check(Remark(EstimateCheck.STILL, {"names": still}), Level.NOTE)] if still else []),

@@ -16,6 +16,7 @@ from suspid.words.greybox import EstimateCheck
 
 # Springs and masses within this factor of the least positive value are not needed.
 NEXT_TO_LEAST = 1.01
+MOST_GAIN = 2.0  # no sensor is off by such a factor, but units are
 AT_END = 1e-9  # distance from a bound, relative, below which a parameter is on it
 
 
@@ -41,6 +42,15 @@ def rests_on(car: Suspension, parameters: Sequence[str], *, still: Sequence[str]
         yield Check(Remark(EstimateCheck.MASSES, {"names": known}), Level.NOTE)
     elif forced:
         yield Check(Remark(EstimateCheck.SCALE), Level.NOTE)
+
+
+def gains_off(parameters: Sequence[str], values: RealArray) -> Iterator[Check]:
+    """Yield which gains are those of another unit."""
+    pairs = zip(parameters, values.tolist(), strict=True)
+    off = [f"{name} = {value:.3g}" for name, value in pairs if name.endswith(".gain") and not
+           1 / MOST_GAIN <= value <= MOST_GAIN]  # fmt: skip
+    if off:
+        yield Check(Remark(EstimateCheck.GAIN, {"names": tuple(off)}), Level.CARE)
 
 
 def changes(nominal: Suspension, parameters: Sequence[str], values: RealArray, std: RealArray) -> Iterator[Check]:

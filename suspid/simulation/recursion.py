@@ -45,7 +45,7 @@ def driven_states(A: RealArray, B: RealArray, pieces: RealArray, start: RealArra
         whole[:n, n + derivative * inputs : n + (derivative + 1) * inputs] = columns
     whole[n : n + width - inputs, n + inputs :] = np.eye(width - inputs)
     made = expm(whole * step)
-    forcing = made[:n, n:] @ pieces.reshape(width, -1)
+    forcing = made[:n, n:] @ pieces.reshape(width, pieces.shape[2])
     return recursion(made[:n, :n], forcing[:, :, None], start[:, None], forcing.shape[1])[:, :, 0]
 
 

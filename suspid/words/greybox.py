@@ -113,6 +113,13 @@ class EstimateCheck(Code):
     AT_BOUND = "at bound", _listed("At its bound: {names}.")
     BY_NOMINAL = "by nominal", _listed("Known from the nominal values alone: {names}.")
     VAGUE = "vague", _listed("Hardly known, with a 95 % interval wider than the value: {names}.")
+    GAIN = (
+        "gain",
+        _listed(
+            "The gain is far from 1 of {names}: channels differ in their units (1 g is 9.81 m/s2), or a sensor is not "
+            "where the car file places it."
+        ),
+    )
     UNUSED = (
         "unused",
         _listed("Channels that measure nothing of the car, or a road that is not given, were not used: {names}."),
