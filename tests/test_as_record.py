@@ -252,3 +252,9 @@ class TestDrives:
             body_modes(given, channels=self.SHOWN[:1], rng=np.random.default_rng(1)) for given in (table, [response])
         )
         assert mine[0].hertz == theirs[0].hertz
+
+
+@pytest.mark.parametrize("wrong", [{"fs": "fast"}, {"fs": [100]}, {"timepts": "abcd"}])
+def test_rates_and_times_that_are_no_numbers(wrong: dict[str, Any]) -> None:
+    with pytest.raises(RecordError, match="number"):
+        as_record(np.ones((2, 4)), **wrong)

@@ -1,11 +1,12 @@
 """The simulator of rigs with friction, by the laws of one mass on a spring with Coulomb friction, and by energy."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
-from suspid import find_decays, identify, read_record
+from suspid import InputError, find_decays, free_decay, identify, quarter_car, read_record
 from suspid.signals import as_response, as_signal, cut
 from validation.friction import Rig, release, released, write
 
@@ -91,3 +92,20 @@ class TestHeldAndStopped:
         assert found[0].stop == pytest.approx(0.5 + stop, abs=2 * step)
         modes = identify(cut(as_response(time, values, ["x"]), start=found[0].start, stop=found[0].stop)).modes
         np.testing.assert_allclose(modes.wn, [wn], rtol=0.02)
+
+
+@pytest.mark.parametrize(
+    "more",
+    [
+        {"friction": {"chassis": 1e12}},
+        {"curve": {"chassis": [(-1.0, -1e300), (0.0, 0.0), (1.0, 1e300)]}},
+        {"curve": {"chassis": [(-1e-300, -1.0), (0.0, 0.0), (1e-300, 1.0)]}},
+    ],
+)
+def test_what_cannot_be_computed_is_refused(more: dict[str, Any]) -> None:
+    """In place of a run without an end, and of numbers that are none."""
+    car = quarter_car(
+        chassis_mass=400, tire_mass=40, chassis_stiffness=20e3, tire_stiffness=200e3, chassis_damping=1500
+    )
+    with pytest.raises(InputError, match="far too stiff for the masses"):
+        free_decay(car.with_parameters(**more), np.arange(0, 1, 0.005), initial_state={"v_tire": 1.0})

@@ -1,6 +1,7 @@
 """Grip on a test bench: laws of contact forces, statics, derivatives, and figures of another source."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -265,3 +266,12 @@ class TestRefusals:
             grip(found.modes)  # type: ignore[arg-type]
         with pytest.raises(InputError, match="was estimated"):
             grip(found, nominal_std={"chassis.damping": 0.1})
+
+
+@pytest.mark.parametrize(("wrong", "words"), [({"highest": 1e9}, "beyond 1000 Hz"), ({"loads": 3}, "map wheels")])
+def test_arguments_that_no_bench_has(wrong: dict[str, Any], words: str) -> None:
+    car = quarter_car(
+        chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3, chassis_damping=1300
+    )
+    with pytest.raises(InputError, match=words):
+        grip(car, **wrong)

@@ -76,8 +76,8 @@ def as_record(
     """
     if fs is not None and timepts is not None:
         raise RecordError("fs and timepts both state the time: give one of them")
-    if fs is not None and not (np.isfinite(fs) and fs > 0):
-        raise RecordError(f"fs = {fs:g} Hz must be positive and finite")
+    if fs is not None and not (isinstance(fs, int | float | np.number) and np.isfinite(fs) and fs > 0):
+        raise RecordError(f"fs = {fs!r:.40} Hz must be positive and finite, a number")
     if _is_response(data) and np.ndim(data.y) == 2 and fs is None is timepts and channels is None is units:
         response: control.TimeResponseData = data
         return response
@@ -87,7 +87,7 @@ def as_record(
             raise RecordError(f"channels={channels!r:.80} must name {len(values)} channels, in order")
         names = [str(name) for name in channels]
     if timepts is not None:
-        time = np.asarray(timepts, float)
+        time = _real(timepts, "timepts")
     if fs is not None:
         time = np.arange(values.shape[1]) / fs
     if time is None:

@@ -21,6 +21,7 @@ from suspid.words.grip import GripCheck, GripHeadline
 
 PLATFORM: Metre = 0.003  # EUSAMA: a stroke of 6 mm
 SWEEP_TOP: Hertz = 25.0  # where it begins
+MOST_TOP: Hertz = 1000.0  # no car description holds that far
 GRID: Hertz = 0.05  # of the curves; a least value is refined between its neighbours
 
 
@@ -86,7 +87,7 @@ def grip(
     note: Taken as known, without any error in the intervals: all springs, dampers and masses.
     """
     about = uncertain(car, nominal_std)
-    _check(amplitude, highest)
+    _check(amplitude, highest, loads)
     check_linear(about.car, "grip")
     wheels = wheels_of(about.car, about.relaxations)
     load, load_slopes = _loads(wheels, about.parameters, loads)
@@ -127,10 +128,16 @@ def grip(
     return _judged(found, about)
 
 
-def _check(amplitude: object, highest: object) -> None:
+def _check(amplitude: object, highest: float, loads: object) -> None:
+    if loads is not None and not isinstance(loads, Mapping):
+        raise InputError(f"loads = {loads!r} must map wheels to forces [N], as in {{'tire': 3500.0}}")
     for name, value, unit in (("amplitude", amplitude, "m"), ("highest", highest, "Hz")):
         if not (isinstance(value, int | float | np.number) and np.isfinite(value) and value > 0):
             raise InputError(f"{name} = {value!r} must be a positive number of {unit}")
+    if highest > MOST_TOP:
+        raise InputError(
+            f"highest = {highest:g} Hz is beyond {MOST_TOP:g} Hz; test benches sweep from {SWEEP_TOP:g} Hz"
+        )
 
 
 def _loads(

@@ -23,6 +23,12 @@ Choice: TypeAlias = tuple[int, ...]
 CREEP: MetrePerSecond = 1e-9
 # A step is halved so often where a piece ends: 5 ms to 5e-12 s, much less than friction needs to change its sign.
 CROSSING_HALVINGS = 30
+# A damper that changes its piece so often within a small share of the time between two samples cannot be followed.
+MOST_CHANGES, SMALL_SHARE = 500, 1e-3
+TOO_STIFF = (
+    "the motion cannot be computed: friction or the curve of a damper is far too stiff for the masses it acts on; "
+    "check their units [N, m/s, kg]"
+)
 # Steps are halved so often while a damper turns back near the end of its piece: it may leave the piece and return.
 TURN_HALVINGS = 6
 # Exponentials that are kept; more appear only where times are not uniform.
@@ -207,6 +213,7 @@ def advanced(machine: Machine, state: RealArray, span: Second) -> RealArray:
     choice = machine.choice(state)
     smallest = span * 2.0**-CROSSING_HALVINGS
     left = size = 2**CROSSING_HALVINGS
+    changes, since = 0, left
     while left:
         while size > left:
             size //= 2
@@ -216,6 +223,11 @@ def advanced(machine: Machine, state: RealArray, span: Second) -> RealArray:
         elif size > 1:
             size //= 2
         else:
+            changes += 1
+            if changes > MOST_CHANGES:
+                if since - left < SMALL_SHARE * 2**CROSSING_HALVINGS:
+                    raise InputError(TOO_STIFF)
+                changes, since = 0, left
             state, left, size = after, left - 1, 2**CROSSING_HALVINGS
             choice = machine.choice(state)
     return state
@@ -260,4 +272,6 @@ def observed(
             if order == 2:
                 raise InputError(f"output {names[at]!r} depends on the acceleration of a road, which is not known")
             values[at] += weights @ seen[order]
+    if not np.all(np.isfinite(values)):
+        raise InputError(TOO_STIFF)
     return values
