@@ -84,6 +84,13 @@ def test_every_form_gives_the_same_record_and_modes(form: str) -> None:
     np.testing.assert_allclose(found.poles, identify(RECORD).modes.poles, rtol=1e-6)
 
 
+def test_durations_keep_their_zero_and_dates_begin_at_the_first_sample() -> None:
+    late = pd.to_timedelta(TIME + 2.5, unit="s")
+    np.testing.assert_allclose(as_record(table(index=late)).time, TIME + 2.5, rtol=0, atol=1e-9)
+    dates = table(index=pd.Timestamp("2026-01-01") + late)
+    np.testing.assert_allclose(as_record(dates).time, TIME, rtol=0, atol=1e-9)
+
+
 def test_a_response_is_not_copied() -> None:
     assert as_record(RECORD) is RECORD
 

@@ -24,6 +24,8 @@ from suspid import (
     quarter_car,
     simulate,
 )  # fmt: skip
+from suspid.greybox.curve_fit import CurveFit, Linearised, Shape
+from suspid.greybox.damper_curve import _line_test
 from suspid.greybox.force_basis import node_weights, placed_nodes, sign_between
 from suspid.greybox.latent_splines import (
     FINE_POINTS,
@@ -133,6 +135,49 @@ class TestCurves:
         assert curve.stiffness == pytest.approx(22e3, rel=0.01)
         expected = np.where(curve.velocities > 0, 1900.0, 700.0) * curve.velocities
         np.testing.assert_allclose(curve.forces, expected, atol=15)
+
+
+class TestStatistics:
+    @pytest.mark.parametrize("level", [0.05, 0.2])
+    def test_the_line_test_rejects_its_share_of_viscous_dampers(self, level: float) -> None:
+        """Means of normal draws and their covariance, from few draws: the law of Hotelling's test, exactly."""
+        nodes = np.array([-0.4, -0.25, -0.1, -0.05, 0.0, 0.05, 0.1, 0.25, 0.4])
+        shape, rng, count = Shape(nodes=nodes, friction=True), np.random.default_rng(5), 26
+        true = np.concatenate([[22e3], 1300 * shape.moving, [0.0]])
+        mixed = np.diag([200.0, *np.full(8, 10.0), 3.0]) @ (np.eye(10) + 0.3 * rng.standard_normal((10, 10)))
+        blocks, nothing = np.zeros((count - 1 + len(true), 0)), np.zeros(0)
+        part = Linearised(
+            normal=nothing, gradient=nothing, change=nothing, per_unknown=nothing, scores=blocks,
+            force_residual=nothing, velocity=nothing,
+        )  # fmt: skip
+
+        def rejected() -> bool:
+            drawn = true + rng.standard_normal((count, 10)) @ mixed.T
+            fit = CurveFit(
+                theta=drawn.mean(axis=0), covariance=np.cov(drawn.T) / count, splines=(), records=(part,), steps=1,
+                settled=True,
+            )  # fmt: skip
+            return not _line_test(shape, fit, level)
+
+        # 2000 draws tell 5 % to 0.5 %, 20 % to 0.9 %.
+        assert np.mean([rejected() for _ in range(2000)]) == pytest.approx(level, abs=0.018 if level < 0.1 else 0.03)
+
+    def test_stated_errors_and_misfit_are_those_of_repeated_noise(self) -> None:
+        """The same drive with eight draws of noise; each has twelve nodes."""
+        clean, law = motion("bilinear"), LAWS["bilinear"]
+        squares, misfits = [], []
+        for seed in range(8):
+            rng = np.random.default_rng([31, seed])
+            rows = [clean[name] + NOISE[name] * rng.standard_normal(len(clean[name])) for name in CHANNELS]
+            made = as_response(0.005 * np.arange(len(rows[0]), dtype=float), np.array(rows), CHANNELS)
+            curve = damper_curve(made, CAR, strut="chassis", nodes=12)
+            moves = curve.velocities != 0
+            error = curve.forces - law.force(curve.velocities)
+            squares.append(np.mean((error[moves] / curve.std[moves]) ** 2))
+            misfits.append(curve.chi_square / curve.freedom)
+        assert 0.4 < np.mean(squares) < 1.1
+        # Eight draws tell the mean of chi-square over its freedom, one, to 13 %.
+        assert np.mean(misfits) == pytest.approx(1.0, abs=0.45)
 
 
 class TestResult:

@@ -195,6 +195,13 @@ class TestSensors:
         assert ends(find_drives(both, channels=["az"])) == [(0.0, 120.0)]
         assert ends(find_drives(both)) == [(0.0, 60.0)]
 
+    def test_slow_channels_are_not_needed_unless_they_are_named(self) -> None:
+        """A channel of a tenth of the rate that ends early: alone it would part the drive."""
+        slow = channel("oil", 90 + body()[:600], "°C", times=TIME[:6000:10])
+        found = find_drives(ride(channel("az", body()), channel("bz", body(2)), slow))
+        assert ends(found) == [(0.0, 120.0)]
+        assert as_signal(found.records[0]).channels == ("az", "bz")
+
     def test_a_pause_parts_the_recording(self) -> None:
         late = np.where(TIME < 60, TIME, TIME + 1000.0)
         found = find_drives(ride(channel("az", body(), times=late)))

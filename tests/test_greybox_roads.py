@@ -29,7 +29,7 @@ from suspid import (
 from suspid.cli import main
 from suspid.greybox.reach import Reach, reach
 from suspid.greybox.road_model import RoadModel, road_model
-from suspid.greybox.tire_fit import TireProblem, fit_tires
+from suspid.greybox.tire_fit import TireProblem, _scatter, fit_tires
 from suspid.greybox.transfers import Physics
 from suspid.greybox.trials import Trial, trials_of
 from suspid.greybox.wheel_power import TAPER_BANDWIDTH, TAPERS, Track, _kernel
@@ -172,6 +172,30 @@ class TestSpectrum:
             np.testing.assert_allclose(found.by_road[:, :, i], slope, atol=2e-3 * np.max(np.abs(slope)) + 1e-4)
         slope = np.log(model.power(own, levels + 1e-6, moved) / found.power) / 1e-6
         np.testing.assert_allclose(found.share, slope, atol=1e-4)
+
+
+def test_stretches_have_the_speed_that_their_tapers_see() -> None:
+    """A speed whose logarithm is a parabola in time: its mean by the power of the tapers, over all samples."""
+    from scipy.signal.windows import dpss
+
+    record, _ = drive(5)
+    t = np.asarray(record.time) - record.time[0]
+    logarithm = np.log(20.0) + 0.2 * (t / 30 - 1) ** 2
+    (road,) = estimate(record, NOMINAL, given=("tire",), road="iso8608", speed=np.exp(logarithm)).road
+    length = float(road.times[1] - road.times[0])
+    samples, count = round(length / (t[1] - t[0])), len(road.times)
+    np.testing.assert_allclose(road.times - record.time[0], (np.arange(count) + 0.5) * length, atol=1e-9)
+    power = np.mean(dpss(samples, TAPER_BANDWIDTH, TAPERS) ** 2, axis=0)
+    expected = logarithm[: count * samples].reshape(count, samples) @ power / np.sum(power)
+    assert road.speeds is not None
+    np.testing.assert_allclose(np.log(road.speeds), expected, atol=1e-3)
+
+
+def test_the_scatter_of_white_scores_is_their_number() -> None:
+    """Their sum over 150 stretches of 200 lines has that variance; pairs of unknowns keep their correlation."""
+    mixed = np.array([[2.0, 0.0], [1.0, 0.5]])
+    scores = np.random.default_rng(2).standard_normal((150, 200, 2)) @ mixed.T
+    np.testing.assert_allclose(_scatter(scores) / 30_000, mixed @ mixed.T, rtol=0.08)
 
 
 def transfer_of(car: Suspension, model: RoadModel) -> Reach:

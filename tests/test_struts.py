@@ -241,6 +241,23 @@ class TestIntegrators:
         # The integrator's friction creeps by 1e-5 m/s.
         np.testing.assert_allclose(found, made.y[:2], atol=3e-6)
 
+    def test_a_point_of_a_curve_that_is_passed_twice_within_a_step(self) -> None:
+        """The velocity peaks beyond the point at 0.08 m/s between two samples, and is below at both."""
+        points = ((-1.0, -20.0), (0.0, 0.0), (0.08, 1.6), (1.0, 1841.6))
+
+        def law(velocity: float) -> float:
+            return 20 * velocity + 1980 * max(velocity - 0.08, 0.0)
+
+        t, start = np.arange(0, 1, 0.05), -0.0046
+        found = free_decay(oscillator(friction=0.0, curve=points), t, initial_state={"z_mass": start}).y.ravel()
+        made = solve_ivp(
+            lambda _, s: [s[1], -(K * s[0] + law(s[1])) / MASS], (0, t[-1]), [start, 0.0], t_eval=t, max_step=1e-3,
+            rtol=1e-11, atol=1e-14, dense_output=True,
+        )  # fmt: skip
+        assert np.all(made.y[1] < 0.08)
+        assert np.max(made.sol(np.linspace(0, 0.2, 400))[1]) > 0.081
+        np.testing.assert_allclose(found, made.y[0], rtol=0, atol=1e-9)
+
     def test_two_dampers_that_stick(self) -> None:
         """Two masses in a chain, both with friction: they come to rest where friction holds both."""
         struts = [

@@ -5,6 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 import pytest
+from scipy.optimize import minimize_scalar
 
 from suspid import InputError, quarter_car, ride, road, tune
 from suspid.performance.figures import plan_of
@@ -117,6 +118,28 @@ class TestRobust:
             again = ride(car, road="C", speed=20.0, nominal_std=std)
             at = [again.figures.index(name) for name in BOTH]
             np.testing.assert_allclose(values, again.values[at] + 2 * again.std[at], rtol=2e-3)
+
+    def test_the_best_damper_is_that_of_a_search_without_derivatives(self) -> None:
+        """Mean and margin over cars one by one, each parameter at one standard deviation times the root of two."""
+        tire, mass, reach = 0.2, 0.1, 3.0
+        std = {"tire.stiffness": tire, "chassis.mass": mass}
+        found = tune(
+            CAR, parameters=["chassis.damping"], objective="tire.load", road="C", speed=20.0, robust=reach,
+            nominal_std=std,
+        )  # fmt: skip
+        k, m = CAR.struts[[s.name for s in CAR.struts].index("tire")].stiffness, CAR.masses["chassis"]
+        moves = np.sqrt(2) * np.array([1.0, -1.0])
+        cars = [CAR.with_parameters(stiffness={"tire": k * factor}) for factor in np.exp(tire * moves)]
+        cars += [CAR.with_parameters(masses={"chassis": m * factor}) for factor in np.exp(mass * moves)]
+
+        def cost(logarithm: float) -> float:
+            damping = {"chassis": float(np.exp(logarithm))}
+            loads = [ride(car.with_parameters(damping=damping), road="C", speed=20.0)["tire.load"] for car in cars]
+            return float(np.mean(loads) + reach * np.std(loads))
+
+        best = minimize_scalar(cost, bounds=np.log([400, 6000]), method="bounded", options={"xatol": 1e-4})
+        assert found.choices[0, 0] == pytest.approx(np.exp(best.x), rel=1e-3)
+        assert found.values[0, 0] == pytest.approx(best.fun, rel=1e-6)
 
 
 @pytest.mark.parametrize(

@@ -103,9 +103,6 @@ def weighted(values: RealArray, step: Second, name: str) -> RealArray:
     # Slower than any of the filter's decays: after 10 / f1 seconds e^-40 is left.
     size = next_fast_len(count + int(np.ceil(10 / (weighting_named(name).f1 * step))), real=True)
     response = weighting(name, np.fft.rfftfreq(size, step))
-    if size % 2 == 0:
-        # A sine at half the rate has no phase that samples could show.
-        response[-1] = np.real(response[-1])
     return np.asarray(np.fft.irfft(np.fft.rfft(values, size) * response, size)[..., :count])
 
 
