@@ -175,12 +175,12 @@ class TestSpectrum:
 
 
 def test_stretches_have_the_speed_that_their_tapers_see() -> None:
-    """A speed whose logarithm is a parabola in time: its mean by the power of the tapers, over all samples."""
+    """A speed that swings about as fast as stretches are long: the mean of its logarithm by the power of the tapers, over all samples."""
     from scipy.signal.windows import dpss
 
     record, _ = drive(5)
     t = np.asarray(record.time) - record.time[0]
-    logarithm = np.log(20.0) + 0.2 * (t / 30 - 1) ** 2
+    logarithm = np.log(20.0) + 0.2 * np.sin(2 * np.pi * t / 9)
     (road,) = estimate(record, NOMINAL, given=("tire",), road="iso8608", speed=np.exp(logarithm)).road
     length = float(road.times[1] - road.times[0])
     samples, count = round(length / (t[1] - t[0])), len(road.times)
