@@ -175,7 +175,7 @@ class TestSpectrum:
 
 
 def test_stretches_have_the_speed_that_their_tapers_see() -> None:
-    """A speed that swings about as fast as stretches are long: the mean of its logarithm by the power of the tapers, over all samples."""
+    """A speed that swings about as fast as stretches are long: its mean by the power of the tapers."""
     from scipy.signal.windows import dpss
 
     record, _ = drive(5)
