@@ -255,7 +255,8 @@ class TestIntegrators:
             rtol=1e-11, atol=1e-14, dense_output=True,
         )  # fmt: skip
         assert np.all(made.y[1] < 0.08)
-        assert np.max(made.sol(np.linspace(0, 0.2, 400))[1]) > 0.081
+        dense: Any = made.sol
+        assert np.max(dense(np.linspace(0, 0.2, 400))[1]) > 0.081
         np.testing.assert_allclose(found, made.y[0], rtol=0, atol=1e-9)
 
     def test_two_dampers_that_stick(self) -> None:

@@ -137,7 +137,9 @@ class TestRobust:
             loads = [ride(car.with_parameters(damping=damping), road="C", speed=20.0)["tire.load"] for car in cars]
             return float(np.mean(loads) + reach * np.std(loads))
 
-        best = minimize_scalar(cost, bounds=np.log([400, 6000]), method="bounded", options={"xatol": 1e-4})
+        best = minimize_scalar(
+            cost, bounds=(float(np.log(400)), float(np.log(6000))), method="bounded", options={"xatol": 1e-4}
+        )
         assert found.choices[0, 0] == pytest.approx(np.exp(best.x), rel=1e-3)
         assert found.values[0, 0] == pytest.approx(best.fun, rel=1e-6)
 
