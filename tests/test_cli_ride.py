@@ -6,7 +6,20 @@ import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
-from suspid import add_noise, estimate, free_decay, quarter_car, read_car, ride, road, simulate, write_car, write_record
+from suspid import (
+    add_noise,
+    cut,
+    estimate,
+    free_decay,
+    quarter_car,
+    read_car,
+    read_record,
+    ride,
+    road,
+    simulate,
+    write_car,
+    write_record,
+)
 from suspid.cli import main
 from suspid.identification import to_json
 from suspid.reporting import estimate_to_dict
@@ -59,6 +72,15 @@ def test_a_record(car: Path) -> None:
     assert shown.exit_code == 0, shown.output
     assert "chassis_acceleration.VDV" in shown.output
     assert "chassis.peak_travel" in shown.output
+    renamed = car.with_name("other.csv")
+    renamed.write_text(path.read_text().replace("chassis_acceleration", "az"), encoding="utf-8")
+    options = ["--channel", "az", "--rename", "az=chassis_acceleration", "--scale"]
+    turned = run("ride", renamed, *options, "az=-1", "--from", "10")
+    assert turned.exit_code == 0, turned.output
+    assert "chassis.peak_travel" not in turned.output
+    half = cut(read_record(path), start=10.0)
+    assert f"{ride(half)['chassis_acceleration.VDV']:.4g}"[:4] in turned.output
+    assert run("ride", car, *DRIVE, "--fs", "100").exit_code == 2
     only = run("ride", path, "--weighting", "chassis_acceleration=Wd")
     assert "chassis_acceleration.Wd" in only.output
     assert "MSDV" not in only.output

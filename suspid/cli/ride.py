@@ -10,10 +10,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from suspid.analysis import Settings, read
 from suspid.cli.measured import checked_picture, save_picture
-from suspid.cli.options import FILE, pairs
+from suspid.cli.options import FILE, pairs, reading
 from suspid.cli.support import Positive, check_apart, named, said_warnings, say
 from suspid.files import replacing
+from suspid.signals import cut
 from suspid.values import text_table
 
 if TYPE_CHECKING:
@@ -39,6 +41,7 @@ PICTURE_OF_RIDE = click.option("--plot", type=FILE, metavar="FILE", help="Write 
 
 @click.command("ride")
 @click.argument("source", type=FILE, metavar="CAR|RECORD")
+@reading
 @ON_ROAD
 @AT_SPEED
 @click.option("--duration", type=Positive("s"), help="Time of doses and peaks. [3600; the record's]")
@@ -52,6 +55,7 @@ PICTURE_OF_RIDE = click.option("--plot", type=FILE, metavar="FILE", help="Write 
 @PICTURE_OF_RIDE
 def ride_command(
     source: Path,
+    settings: Settings,
     road: str | None,
     speed: float | None,
     duration: float | None,
@@ -67,7 +71,8 @@ def ride_command(
     Of a car on a road, or comfort and travel of a record.
 
     CAR is a description (.toml), or the JSON of `suspid estimate`, whose uncertainty is carried through; both need
-    --road and --speed. Any other file is a RECORD with channels such as seat_acceleration, or named by --weighting.
+    --road and --speed. Any other file is a RECORD with channels such as seat_acceleration, or named by --weighting; the
+    options on channels and time are those of `suspid estimate`.
 
     With --sensitivities, which need a description, --plot draws these.
     """
@@ -77,12 +82,14 @@ def ride_command(
     of_car = source.suffix.lower() in (".toml", ".json")
     if of_car != (road is not None) or (road is None) != (speed is None):
         raise click.UsageError("A car needs --road and --speed; a record takes none of them.")
+    if of_car and settings != Settings(decay=settings.decay):
+        raise click.UsageError("A car has no channels and no time: options of records do not apply.")
     if tables and source.suffix.lower() != ".toml":
         raise click.UsageError("--sensitivities need the description of a car (.toml).")
     kinds = {c: tuple(w.split(",")) for c, w in pairs(weightings, "--weighting", str).items()} or None
     gaps = pairs(clearance, "--clearance", float) or None
-    with _drawing(plot) as draw, said_warnings(), named(source):
-        what = car_of(source) if of_car else _record_of(source)
+    with _drawing(plot) as draw, said_warnings() as said, named(source):
+        what = car_of(source) if of_car else _record_of(source, settings, said)
         about: dict[str, Any] = {"road": road_named(road), "speed": speed, "clearance": gaps} if of_car else {}
         if of_car:
             about["nominal_std"] = nominal_std
@@ -200,10 +207,11 @@ def road_named(text: str | None) -> str | float | None:
         return text
 
 
-def _record_of(source: Path) -> Any:
-    from suspid.cleaning import read_record
-
-    return read_record(source)
+def _record_of(source: Path, settings: Settings, said: list[str]) -> Any:
+    """Return the stretch of a record that the settings ask for; what was done to it is added to what is said."""
+    opened = read(source, settings)
+    said += map(str, [*opened.cleaned.findings, *opened.notes])
+    return cut(opened.cleaned.record, start=settings.start, stop=settings.stop)
 
 
 def _struts(car: Suspension) -> list[list[str]]:
