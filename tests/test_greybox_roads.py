@@ -27,6 +27,7 @@ from suspid import (
     write_record,
 )
 from suspid.cli import main
+from suspid.greybox.judgement import changes
 from suspid.greybox.reach import Reach, reach
 from suspid.greybox.road_model import RoadModel, road_model
 from suspid.greybox.tire_fit import TireProblem, _scatter, fit_tires
@@ -338,3 +339,9 @@ class TestDrives:
         record, _ = drive(5)
         with pytest.raises(InputError, match=said):
             estimate(record, NOMINAL, **{"given": ("tire",), **options})
+
+
+def test_what_was_known_beforehand_is_not_said_to_be_hardly_known() -> None:
+    names, values, wide = ["tire.damping"], np.array([60.0]), np.array([50.0])
+    assert EstimateCheck.VAGUE in {one.remark.code for one in changes(QUARTER, names, values, wide)}
+    assert EstimateCheck.VAGUE not in {one.remark.code for one in changes(QUARTER, names, values, wide, assumed=names)}

@@ -194,11 +194,13 @@ def estimate(
     unused = tuple(dict.fromkeys(name for trial in trials for name in trial.unused))
     still = () if road else tuple(suspension.coordinates[i] for i in trials[0].wheels)
     own = of_car(u)
+    said = [one.remark.numbers["names"] for one in fit.checks if one.remark.code is EstimateCheck.TIRE_DAMPING]
+    assumed = {str(name) for names in said if isinstance(names, tuple) for name in names}
     checks = [
         *fit.checks,
         *on_bounds(u, fit.x),
         *gains_off(parameters, values),
-        *changes(suspension, u.names[: len(own)], values[: len(own)], std[: len(own)]),
+        *changes(suspension, u.names[: len(own)], values[: len(own)], std[: len(own)], assumed=assumed),
         *rests_on(suspension, u.names, still=still, forced=any(len(trial.forces) for trial in trials)),
         *([Check(Remark(EstimateCheck.STILL, {"names": still}), Level.NOTE)] if still else []),
         *(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 
 import numpy as np
 
@@ -53,8 +53,15 @@ def gains_off(parameters: Sequence[str], values: RealArray) -> Iterator[Check]:
         yield Check(Remark(EstimateCheck.GAIN, {"names": tuple(off)}), Level.CARE)
 
 
-def changes(nominal: Suspension, parameters: Sequence[str], values: RealArray, std: RealArray) -> Iterator[Check]:
-    """Yield which parameters differ from nominal, and which are hardly known."""
+def changes(
+    nominal: Suspension,
+    parameters: Sequence[str],
+    values: RealArray,
+    std: RealArray,
+    *,
+    assumed: Collection[str] = (),
+) -> Iterator[Check]:
+    """Yield which parameters differ from nominal, and which are hardly known beside those that were ``assumed``."""
     low, high = ends_of(parameters, values, std, LEVEL)
     changed, vague = [], []
     for name, value, a, b in zip(parameters, values, low, high, strict=True):
@@ -62,7 +69,7 @@ def changes(nominal: Suspension, parameters: Sequence[str], values: RealArray, s
         if old is not None and not a <= old <= b:
             changed.append(name)
         # A ratio is known to be positive; its interval is wider than the value where it spans a factor of 3.
-        if old is not None and (b - a > 2 * value if a > 0 else value > 0):
+        if old is not None and name not in assumed and (b - a > 2 * value if a > 0 else value > 0):
             vague.append(name)
     if changed:
         yield Check(Remark(EstimateCheck.CHANGED, {"names": tuple(changed)}), Level.NOTE)
