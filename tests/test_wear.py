@@ -201,6 +201,15 @@ def test_a_car_without_a_load_on_its_wheels_is_judged_by_the_loss(fresh: Estimat
 
 
 class TestChanges:
+    def test_no_share_is_shown_of_what_may_be_zero(self, fresh: Estimate) -> None:
+        found = wear(scaled(fresh, 0.9), before=fresh)
+        row = found.changes[0]
+        near_zero = replace(row, name="chassis.relaxation", unit="s", before=1e-5, after=2e-4, low=-4e3, high=4e3)
+        assert row.in_percent
+        assert not near_zero.in_percent
+        line = next(text for text in str(replace(found, changes=(near_zero,))).splitlines() if "relaxation" in text)
+        assert "%" not in line
+
     def test_intervals_of_changes(self, fresh: Estimate) -> None:
         found = {one.name: one for one in wear(scaled(fresh, 0.9), before=fresh).changes}
         change = found["chassis.damping"]

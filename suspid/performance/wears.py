@@ -72,6 +72,11 @@ class ParameterChange:
         return self.after / self.before - 1
 
     @property
+    def in_percent(self) -> bool:
+        """Whether a share says anything: the interval stays above -100 %, which nothing positive falls below."""
+        return bool(self.low > -1 or not np.isfinite(self.low))
+
+    @property
     def significant(self) -> bool:
         """Whether the interval leaves 0 out: the drives differ by more than the errors of the estimates."""
         return not self.low <= 0 <= self.high
@@ -122,8 +127,8 @@ class Wear(Result):
             "unit": [one.unit for one in self.changes],
             "before": [f"{one.before:.6g}" for one in self.changes],
             "after": [f"{one.after:.6g}" for one in self.changes],
-            "change": [_percent(one.change) for one in self.changes],
-            reach: [f"{_percent(one.low)} to {_percent(one.high)}" for one in self.changes],
+            "change": [_percent(one.change) if one.in_percent else "" for one in self.changes],
+            reach: [f"{_percent(one.low)} to {_percent(one.high)}" if one.in_percent else "" for one in self.changes],
             "beyond chance": ["yes" if one.significant else "no" for one in self.changes],
         }
         parts = [text_table(changes)]
