@@ -11,17 +11,13 @@ import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Any
+from typing import IO, Any
 
 import click
 import numpy as np
 
 from suspid.errors import SuspidError
 from suspid.files import printable
-
-if TYPE_CHECKING:
-    pass
-
 
 # Where the context keeps the arguments of the command.
 ARGUMENTS = "suspid.arguments"

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,9 +18,6 @@ from suspid.identification import FEWEST_SAMPLES
 from suspid.signals import Signal, as_signal
 from suspid.units import Second
 from suspid.words import DecayDoubt, DecayRemark, Remark
-
-if TYPE_CHECKING:
-    pass
 
 # Most events that are examined, the strongest first, and the number of doubtful or refused ones in a row that ends the
 # search. Higher numbers find more of the weak decays of a long drive; each costs about a second.

@@ -26,7 +26,7 @@ from suspid.greybox.body_spectra import (
 )
 from suspid.greybox.trials import records_of
 from suspid.greybox.wheels import body_channels
-from suspid.levels import LEVEL, check_level, likely
+from suspid.levels import LEVEL, check_level, likely, normal_reach
 from suspid.model import Suspension, output_weights
 from suspid.signals import as_signal
 from suspid.units import Hertz, Ratio
@@ -72,12 +72,10 @@ class BodyMode:
 
     def interval(self, level: Ratio = LEVEL) -> tuple[Hertz, Hertz]:
         """Return the ends [Hz] that hold the intervals of all models."""
-        from scipy.special import ndtri
-
         check_level(level)
         if not self.models:
             return float("nan"), float("nan")
-        reach = float(ndtri((1 + level) / 2))
+        reach = normal_reach(level)
         return min(f - reach * s for f, s in self.models), max(f + reach * s for f, s in self.models)
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from suspid.levels import LEVEL, check_level
+from suspid.levels import LEVEL, check_level, normal_reach
 from suspid.model import Strut, Suspension, equal_work
 from suspid.results import Result
 from suspid.units import MetrePerSecond, Newton, NewtonPerMetre, NewtonSecondPerMetre, Ratio, RealArray
@@ -251,7 +251,5 @@ def summary(found: DamperCurve) -> str:
 
 
 def _reach(level: Ratio) -> float:
-    from scipy.special import ndtri
-
     check_level(level)
-    return float(ndtri((1 + level) / 2))
+    return normal_reach(level)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.greybox.roads import RoadEstimate
-from suspid.levels import LEVEL, check_level
+from suspid.levels import LEVEL, check_level, normal_reach
 from suspid.model import ModalSet, Suspension
 from suspid.results import Result
 from suspid.signals import as_signal
@@ -135,9 +135,7 @@ class Estimate(Result):
 
 def ends_of(parameters: Sequence[str], values: RealArray, std: RealArray, level: Ratio) -> tuple[RealArray, RealArray]:
     """Return the ends of the intervals of parameters, before any bounds."""
-    from scipy.special import ndtri
-
-    reach = float(ndtri((1 + level) / 2)) * std
+    reach = normal_reach(level) * std
     ratio = np.array([name.rpartition(".")[2] in POSITIVE for name in parameters]) & (values > 0)
     with np.errstate(divide="ignore", over="ignore"):
         factor = np.exp(np.where(ratio, reach / np.where(values > 0, values, 1.0), 0.0))

@@ -8,7 +8,7 @@ import numpy as np
 
 from suspid.greybox.road_model import REFERENCE_HERTZ, RoadModel
 from suspid.greybox.tire_fit import Scores
-from suspid.levels import LEVEL, check_level
+from suspid.levels import LEVEL, check_level, normal_reach
 from suspid.simulation import REFERENCE, road_class
 from suspid.units import Ratio, RealArray, Second
 from suspid.values import frozen_real
@@ -73,9 +73,7 @@ class RoadEstimate:
         check_level(level)
         if self.mean_roughness is None or self.mean_roughness_std is None:
             return None
-        from scipy.special import ndtri
-
-        factor = float(np.exp(ndtri((1 + level) / 2) * self.mean_roughness_std))
+        factor = float(np.exp(normal_reach(level) * self.mean_roughness_std))
         return self.mean_roughness / factor, self.mean_roughness * factor
 
     def __str__(self) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from suspid.errors import InputError
-from suspid.levels import LEVEL, check_level
+from suspid.levels import LEVEL, check_level, normal_reach
 from suspid.model.covariance import covariance_order, jacobian_of
 from suspid.model.modal_table import modal_table
 from suspid.results import Result
@@ -251,12 +251,10 @@ class ModalSet(Result):
         >>> modes.interval(0.95).wn.round(3)
         array([[ 9.804, 10.196]])
         """
-        from scipy.special import ndtri
-
         check_level(level)
         if self.wn_std is None or self.zeta_std is None:
             raise InputError("these modes carry no uncertainty: exact, or published without it")
-        reach = float(ndtri((1 + level) / 2)) * np.array([-1.0, 1.0])
+        reach = normal_reach(level) * np.array([-1.0, 1.0])
         return Interval(
             level=level,
             wn=frozen_real(self.wn[:, None] + reach * self.wn_std[:, None]),

@@ -8,7 +8,7 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from suspid.levels import LEVEL, check_level
+from suspid.levels import LEVEL, check_level, normal_reach
 from suspid.results import Result
 from suspid.units import Ratio, RealArray
 from suspid.values import text_table
@@ -111,10 +111,8 @@ class Grip(Result):
         InputError
             If the level is not between 0 and 1.
         """
-        from scipy.special import ndtri
-
         check_level(level)
-        reach = float(ndtri((1 + level) / 2))
+        reach = normal_reach(level)
         ends: dict[str, tuple[float, float]] = {}
         for what, values, stds, top in (
             ("adhesion", self.least, self.adhesion_std, 1.0),

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from suspid.errors import InputError
-from suspid.levels import LEVEL, check_level
+from suspid.levels import LEVEL, check_level, normal_reach
 from suspid.results import Result
 from suspid.units import Ratio, RealArray, Second
 from suspid.values import nearest_names, rounded, spread, text_table
@@ -86,10 +86,8 @@ class Ride(Result):
         InputError
             If the level is not between 0 and 1.
         """
-        from scipy.special import ndtri
-
         check_level(level)
-        reach = float(ndtri((1 + level) / 2))
+        reach = normal_reach(level)
         with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
             factor = np.exp(np.where(self.values > 0, reach * self.std / self.values, 0.0))
         top = np.where([name.endswith(".lifts") for name in self.figures], 1.0, np.inf)

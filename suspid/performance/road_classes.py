@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from suspid.cleaning import RecordLike, as_record
 from suspid.errors import InputError
-from suspid.levels import LEVEL, check_level, likely
+from suspid.levels import LEVEL, check_level, likely, normal_reach
 from suspid.results import Result
 from suspid.signals import as_signal
 from suspid.simulation import REFERENCE, ROUGHNESS, WAVELENGTHS, road_class
@@ -71,10 +71,8 @@ class RoadClass(Result):
         InputError
             If the level is not between 0 and 1.
         """
-        from scipy.special import ndtri
-
         check_level(level)
-        reach = float(ndtri((1 + level) / 2)) * np.sqrt(np.diag(self.covariance))
+        reach = normal_reach(level) * np.sqrt(np.diag(self.covariance))
         factor = float(np.exp(reach[0]))
         return {
             "roughness": (self.roughness / factor, self.roughness * factor),

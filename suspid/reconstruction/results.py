@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from suspid.errors import InputError
-from suspid.levels import LEVEL, NORMAL_95, check_level
+from suspid.levels import LEVEL, NORMAL_95, check_level, normal_reach
 from suspid.model import Suspension
 from suspid.reconstruction.unknowns import QUANTITIES, parameter_values, unit_of
 from suspid.results import Result
@@ -120,13 +120,11 @@ class Reconstruction(Result):
         InputError
             If the modes carried no covariance, or the level is not between 0 and 1.
         """
-        from scipy.special import ndtri
-
         check_level(level)
         if self.covariance is None:
             raise InputError("the modes carried no covariance, so the parameters have none; identify gives one")
         every = parameter_values(self.suspension)
-        reach = float(ndtri((1 + level) / 2)) * np.sqrt(np.diag(self.covariance))
+        reach = normal_reach(level) * np.sqrt(np.diag(self.covariance))
         values = np.array([every[name] for name in self.parameters])
         ends = np.clip(values[:, None] + reach[:, None] * [-1, 1], self.ranges[:, :1], self.ranges[:, 1:])
         return {name: (float(low), float(high)) for name, (low, high) in zip(self.parameters, ends, strict=True)}

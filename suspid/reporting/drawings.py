@@ -48,18 +48,12 @@ def _(found: Identification) -> Drawing:
 
 
 @drawing_of.register
-def _(found: Analysis) -> Drawing:
-    if found.estimate is not None:
-        return _of_estimate(found.estimate)
-    return Drawing(
-        alone=partial(_draw_scalogram, found.identification),
-        page=partial(plot_identification, found.identification),
-        size=PAGE,
-    )
+def _(found: Analysis) -> Drawing | None:
+    return drawing_of(found.estimate or found.identification)
 
 
 @drawing_of.register
-def _of_estimate(found: Estimate) -> Drawing:
+def _(found: Estimate) -> Drawing:
     return Drawing(alone=partial(draw_changes, found), page=partial(plot_estimate, found), size=PAGE)
 
 

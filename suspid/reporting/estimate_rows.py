@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from suspid.files import printable
 from suspid.greybox import nominal_value, parameter_unit
+from suspid.levels import normal_reach
 from suspid.reporting.rows import NOTHING, Quantity, quantity, signed
 from suspid.units import Ratio
 
@@ -28,9 +29,7 @@ class EstimateRow:
 
 def estimate_rows(found: Estimate, level: Ratio) -> list[EstimateRow]:
     """Return a row for each parameter that was found, those held last."""
-    from scipy.special import ndtri
-
-    ends, reach = found.interval(level), float(ndtri((1 + level) / 2))
+    ends, reach = found.interval(level), normal_reach(level)
     rows = []
     for name, value, std in zip(found.parameters, found.values.tolist(), found.std.tolist(), strict=True):
         nominal = nominal_value(found.nominal, name)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from suspid.levels import LEVEL, check_level
+from suspid.levels import LEVEL, check_level, normal_reach
 from suspid.reporting.axes import key_above
 from suspid.reporting.colours import Colour
 from suspid.units import Ratio
@@ -49,10 +49,8 @@ def plot_damper_curve(found: DamperCurve, ax: Axes, *, level: Ratio = LEVEL) -> 
     >>> plot_damper_curve(found, Figure().subplots()).get_ylabel()
     'force of the damper [N]'
     """
-    from scipy.special import ndtri
-
     check_level(level)
-    reach = float(ndtri((1 + level) / 2))
+    reach = normal_reach(level)
     nodes = found.velocities
     for sign, first in ((-1.0, True), (1.0, False)):
         side = sign * nodes >= 0

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from suspid.levels import LEVEL, check_level
+from suspid.levels import LEVEL, check_level, normal_reach
 from suspid.performance import CLASSES, PHASE_LIMIT
 from suspid.reporting.axes import frequency_ticks, in_legend, key_above
 from suspid.reporting.colours import CHANNEL_COLOURS, Colour
@@ -48,12 +48,10 @@ def plot_grip(found: Grip, figure: Figure, *, level: Ratio = LEVEL) -> Figure:
     >>> [ax.get_ylabel() for ax in page.axes]
     ['least / static force [%]', 'phase [deg]']
     """
-    from scipy.special import ndtri
-
     check_level(level)
     if figure.get_layout_engine() is None:
         figure.set_layout_engine("constrained")
-    reach, degrees = float(ndtri((1 + level) / 2)), float(np.degrees(1.0))
+    reach, degrees = normal_reach(level), float(np.degrees(1.0))
     upper, lower = figure.subplots(2, 1, sharex=True)
     draw_adhesion(found, upper, level=level)
     _draw(lower, found, degrees * found.phase_curve, degrees * reach * found.phase_band)
@@ -71,9 +69,7 @@ def plot_grip(found: Grip, figure: Figure, *, level: Ratio = LEVEL) -> Figure:
 
 def draw_adhesion(found: Grip, ax: Axes, *, level: Ratio = LEVEL) -> None:
     """Draw the least contact force of each wheel over frequency, with its band and the classes of EUSAMA."""
-    from scipy.special import ndtri
-
-    reach = float(ndtri((1 + level) / 2))
+    reach = normal_reach(level)
     _draw(ax, found, 100 * found.adhesion_curve, 100 * reach * found.adhesion_band)
     for hertz, least, colour in zip(found.adhesion_hertz, found.least, _colours(found), strict=True):
         ax.plot(hertz, 100 * least, "o", color=colour, markersize=4)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.files import printable
+from suspid.levels import normal_reach
 from suspid.reconstruction import parameter_values, unit_of
 from suspid.signals import as_signal
 from suspid.units import Ratio
@@ -240,7 +241,7 @@ def parameter_rows(found: Reconstruction, level: Ratio) -> list[ParameterRow]:
     rows = []
     for name, std in zip(found.parameters, stds, strict=True):
         # From the standard deviation: an end that lies on a bound must not sharpen the value.
-        reach = None if std is None else _reach(level) * std
+        reach = None if std is None else normal_reach(level) * std
         places = decimals(reach) if reach else None
         rows.append(
             ParameterRow(
@@ -266,12 +267,6 @@ def parameter_rows(found: Reconstruction, level: Ratio) -> list[ParameterRow]:
         for name in found.held
     ]
     return rows
-
-
-def _reach(level: Ratio) -> float:
-    from scipy.special import ndtri
-
-    return float(ndtri((1 + level) / 2))
 
 
 def _end(value: float, places: int | None) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,9 +16,6 @@ from suspid.values import frozen_real
 from suspid.wavelets.morlet import Morlet
 from suspid.wavelets.scalogram import Scalogram
 from suspid.wavelets.transform import row_frequencies, transform
-
-if TYPE_CHECKING:
-    pass
 
 # Bandwidths N of the wavelet that are tried: long wavelets suit light damping, more of them cost time.
 BANDWIDTHS = range(1, 51)
