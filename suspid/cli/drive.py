@@ -12,7 +12,7 @@ import click
 from suspid.analysis import Settings
 from suspid.cli.measured import checked_page, checked_picture, save_picture, sources_of
 from suspid.cli.options import FILE, packed, progress, reading
-from suspid.cli.parameters import Outputs, Wanted, conclude, wanting, writing
+from suspid.cli.parameters import ROAD_MODEL, WHEEL_RADIUS, Outputs, Wanted, conclude, wanting, writing
 from suspid.cli.support import Positive, check_apart, said_warnings
 from suspid.errors import InputError
 from suspid.files import printable, replacing
@@ -58,19 +58,13 @@ def road_of(road: str | None, wheel_radius: float | None) -> dict[str, Any]:
     return {"road": road, "wheel_radius": wheel_radius}
 
 
-ROLLING = (
-    click.option("--road", type=click.Choice(["iso8608"]), help="Model of the road: tires and whole car too. [none]"),
-    click.option("--wheel-radius", type=Positive("m"), help="Rolling radius of the wheels, for --road."),
-)
-
-
 @click.command("drive")
 @click.argument("files", type=FILE, nargs=-1, required=True, metavar="FILE...")
 @click.option("--car", type=FILE, metavar="CAR", help="Masses and nominal struts (.toml). [frequencies alone]")
 @reading
 @packed(way_of, WAY, "way")
 @packed(limits_of, LIMITS, "limits")
-@packed(road_of, ROLLING, "road")
+@packed(road_of, (ROAD_MODEL, WHEEL_RADIUS), "road")
 @wanting
 @click.option("--before", type=FILE, metavar="JSON", multiple=True, help="Earlier result to judge wear by; repeat.")
 @click.option("--plot", type=FILE, metavar="FILE", help="Write pictures of the drive (.png, .svg, .pdf).")

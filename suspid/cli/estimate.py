@@ -12,8 +12,8 @@ import click
 from suspid.analysis import Settings, read
 from suspid.cli.measured import checked_page, checked_picture, save_picture, sources_of
 from suspid.cli.options import FILE, packed, progress, reading
-from suspid.cli.parameters import Outputs, Wanted, conclude, wanting, writing
-from suspid.cli.support import Positive, check_apart, named, said_warnings
+from suspid.cli.parameters import ROAD_MODEL, WHEEL_RADIUS, Outputs, Wanted, conclude, wanting, writing
+from suspid.cli.support import check_apart, named, said_warnings
 from suspid.files import replacing
 
 
@@ -26,9 +26,9 @@ def road_of(road: str | None, speed: str | None, wheel_radius: float | None) -> 
 
 
 ROAD = (
-    click.option("--road", type=click.Choice(["iso8608"]), help="Model of the road: tires and whole car too. [none]"),
+    ROAD_MODEL,
     click.option("--speed", metavar="NAME|M/S", help="Channel of speed, or its value, for --road."),
-    click.option("--wheel-radius", type=Positive("m"), help="Rolling radius of the wheels, for --road."),
+    WHEEL_RADIUS,
 )
 
 

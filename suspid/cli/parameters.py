@@ -98,6 +98,12 @@ wanting = packed(
 )
 
 
+ROAD_MODEL = click.option(
+    "--road", type=click.Choice(["iso8608"]), help="Model of the road: tires and whole car too. [none]"
+)
+WHEEL_RADIUS = click.option("--wheel-radius", type=Positive("m"), help="Rolling radius of the wheels, for --road.")
+
+
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Outputs:
     """What to write of a car that was found."""
