@@ -43,3 +43,14 @@ UNITS = {
     "delay": "s",
     "relaxation": "s",
 }
+
+
+def angular(band_hz: tuple[Hertz, Hertz] | None) -> tuple[RadianPerSecond, RadianPerSecond] | None:
+    """Return a band of frequencies as angular frequencies; None stays None.
+
+    Examples
+    --------
+    >>> angular((1.0, 2.0))
+    (6.283185307179586, 12.566370614359172)
+    """
+    return None if band_hz is None else (2 * np.pi * band_hz[0], 2 * np.pi * band_hz[1])

@@ -132,7 +132,7 @@ class TestSettings:
 
     def test_settings_come_back_from_json(self) -> None:
         settings = Settings(
-            channels=("seat",), rename={"seat": "s"}, band=(1.0, 2.0), springs=CarSettings(fixed=("a",))
+            channels=("seat",), rename={"seat": "s"}, band_hz=(1.0, 2.0), springs=CarSettings(fixed=("a",))
         )
         assert json.loads(json.dumps(settings.to_dict()))["springs"]["fixed"] == ["a"]
 

@@ -212,7 +212,7 @@ class TestVibration:
     def test_the_level_of_white_noise_is_its_share_of_the_power(self) -> None:
         limits = DriveLimits()
         values = body(8, rms=1.0)
-        expected = np.sqrt((limits.band[1] - limits.band[0]) / (RATE / 2))
+        expected = np.sqrt((limits.band_hz[1] - limits.band_hz[0]) / (RATE / 2))
         assert np.mean(vibration(values, 1 / RATE, 2, 100, limits) ** 2) ** 0.5 == pytest.approx(expected, rel=0.1)
 
     def test_the_same_motion_as_displacement_and_acceleration(self) -> None:

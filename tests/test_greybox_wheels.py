@@ -407,7 +407,7 @@ class TestDriving:
 
     def test_fitted_and_residual_add_up_to_the_band_of_the_record(self) -> None:
         motions, times = driven(QUARTER, 6, noise=NOISE, duration=20.0)
-        found = estimate(record_of(motions, times), QUARTER, given=("tire",), band=(0.5, 25.0), stretch=20.0)
+        found = estimate(record_of(motions, times), QUARTER, given=("tire",), band_hz=(0.5, 25.0), stretch=20.0)
         whole = np.asarray(found.fitted[0].y) + np.asarray(found.residual[0].y)
         record = np.array(list(motions.values()))
         lines = np.fft.rfft(record, axis=1)

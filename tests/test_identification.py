@@ -287,7 +287,7 @@ class TestRefusals:
         with pytest.raises(IdentificationError, match="constant"):
             ridge(as_response(TIME, np.full((1, 5000), 3.0), ["seat"]))
 
-    @pytest.mark.parametrize("band", [(0.0, 50.0), (60.0, 50.0), (10.0, 1e6)])
+    @pytest.mark.parametrize("band", [(0.0, 8.0), (10.0, 8.0), (2.0, 2e5)])
     def test_an_impossible_band(self, band: tuple[float, float]) -> None:
         with pytest.raises(InputError, match="Nyquist"):
-            identify(kicked(paper_car()), band=band, method="ridge")
+            identify(kicked(paper_car()), band_hz=band, method="ridge")

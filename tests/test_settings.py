@@ -63,12 +63,12 @@ WRONG: list[dict[str, Any]] = [
     {"modes": 0},
     {"method": "magic"},
     {"method": ["ridge"]},
-    {"band": (1.0,)},
-    {"band": (1.0, 2.0, 3.0)},
-    {"band": (5.0, 2.0)},
-    {"band": ()},
-    {"band": "ab"},
-    {"band": ("1", "2")},
+    {"band_hz": (1.0,)},
+    {"band_hz": (1.0, 2.0, 3.0)},
+    {"band_hz": (5.0, 2.0)},
+    {"band_hz": ()},
+    {"band_hz": "ab"},
+    {"band_hz": ("1", "2")},
     {"bandwidth": 0.0},
     {"candidates": "12"},
     {"candidates": ()},
@@ -125,11 +125,11 @@ def test_numbers_of_numpy_and_lists_are_taken() -> None:
         scale={"seat": np.float32(2)},  # type: ignore[dict-item]
         decay=int(np.int64(1)),
         modes=np.int64(2),  # type: ignore[arg-type]
-        band=np.array([1.0, 2.0]),  # type: ignore[arg-type]
+        band_hz=np.array([1.0, 2.0]),  # type: ignore[arg-type]
         si=np.bool_(False),  # type: ignore[arg-type]
         candidates=range(1, 4),  # type: ignore[arg-type]
     )
-    same = Settings(channels=("seat",), scale={"seat": 2.0}, decay=1, modes=2, band=(1, 2), candidates=(1, 2, 3))
+    same = Settings(channels=("seat",), scale={"seat": 2.0}, decay=1, modes=2, band_hz=(1, 2), candidates=(1, 2, 3))
     assert given == same
     assert hash(given) == hash(same)
     assert Settings(decay=np.int64(1)) == Settings(decay=1)  # type: ignore[arg-type]

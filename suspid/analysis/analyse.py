@@ -261,7 +261,7 @@ def _of_several(
     repeats = identify_repeats(
         [part.record for part in parts],
         modes=settings.modes,
-        band=settings.band,
+        band_hz=settings.band_hz,
         names=[part.name for part in parts],
     )
     springs = Springs()
@@ -312,7 +312,7 @@ def _identified(opened: Read, stretch: Used, settings: Settings) -> tuple[Identi
     """Return the identification of the decay and, where several are used, that of all jointly."""
     if len(stretch.used) < 2:
         return stretch.identification or identified(stretch.record, settings), None
-    repeats = identify_repeats(opened.cleaned.record, stretch.used, modes=settings.modes, band=settings.band)
+    repeats = identify_repeats(opened.cleaned.record, stretch.used, modes=settings.modes, band_hz=settings.band_hz)
     return repeats.each[0], repeats
 
 

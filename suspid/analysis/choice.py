@@ -37,7 +37,7 @@ def identified(record: control.TimeResponseData, settings: Settings) -> Identifi
         record,
         modes=settings.modes,
         method=settings.method,
-        band=settings.band,
+        band_hz=settings.band_hz,
         bandwidth=settings.bandwidth,
         candidates=settings.candidates,
     )

@@ -158,13 +158,13 @@ def numbers_above_zero(name: str, value: object) -> tuple[float, ...]:
 
 
 def limits(name: str, value: object) -> tuple[float, float]:
-    """Return a lower and a higher angular frequency."""
-    items = several(name, value, "(5.0, 100.0) [rad/s]")
+    """Return a lower and a higher frequency [Hz]."""
+    items = several(name, value, "(0.5, 20.0) [Hz]")
     if len(items) != 2:
-        raise wrong(name, value, "give two angular frequencies, such as (5.0, 100.0) [rad/s]")
+        raise wrong(name, value, "give two frequencies, such as (0.5, 20.0) [Hz]")
     low, high = positive(name, items[0]), positive(name, items[1])
     if not low < high:
-        raise wrong(name, value, "must be two increasing angular frequencies [rad/s]")
+        raise wrong(name, value, "must be two increasing frequencies [Hz]")
     return low, high
 
 

@@ -12,7 +12,7 @@ from suspid.errors import InputError
 from suspid.identification import Method
 from suspid.levels import LEVEL
 from suspid.reconstruction import Bounds
-from suspid.units import Hertz, Kilogram, RadianPerSecond, Ratio, Second
+from suspid.units import Hertz, Kilogram, Ratio, Second
 from suspid.wavelets import BANDWIDTHS
 
 Pairs: TypeAlias = Mapping[str, str] | tuple[tuple[str, str], ...]
@@ -90,8 +90,8 @@ class Settings:
         Number of modes.
     method : {"likelihood", "ridge"}
         See `suspid.identify`.
-    band : (float, float), optional
-        Angular frequencies between which to look [rad/s].
+    band_hz : (float, float), optional
+        Frequencies between which to look [Hz].
     bandwidth : float, optional
         Bandwidth N of the wavelet [1].
     candidates : tuple of float
@@ -128,7 +128,7 @@ class Settings:
     decay: Literal["auto", "whole", "all"] | int = "auto"
     modes: int | None = None
     method: Method = "likelihood"
-    band: tuple[RadianPerSecond, RadianPerSecond] | None = None
+    band_hz: tuple[Hertz, Hertz] | None = None
     bandwidth: float | None = None
     candidates: tuple[float, ...] = tuple(float(n) for n in BANDWIDTHS)
     level: Ratio = LEVEL
@@ -215,7 +215,7 @@ _SETTINGS: Mapping[str, fields.Check] = {
     "decay": _decay,
     "modes": fields.none_or(fields.rank),
     "method": _method,
-    "band": fields.none_or(fields.limits),
+    "band_hz": fields.none_or(fields.limits),
     "bandwidth": fields.none_or(fields.positive),
     "candidates": fields.numbers_above_zero,
     "level": fields.probability,

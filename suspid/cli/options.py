@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import inspect
-import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial, wraps
@@ -141,7 +140,7 @@ def settings_of(
             decay=decay,
             modes=modes,
             method=method,
-            band=(2 * math.pi * band[0], 2 * math.pi * band[1]) if band else None,
+            band_hz=band,
         )
     except InputError as error:
         raise click.UsageError(f"{error}.") from None

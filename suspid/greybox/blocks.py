@@ -107,12 +107,12 @@ def vibration(values: RealArray, step: Second, order: int, size: int, limits: Dr
         about = np.where(missing, np.nansum(about, axis=1, keepdims=True) / number, about)
     window = np.hanning(wide + 2)[1:-1]
     hertz = np.fft.rfftfreq(wide, step)
-    inside = (hertz >= limits.band[0]) & (hertz <= min(limits.band[1], 0.4 / step))
+    inside = (hertz >= limits.band_hz[0]) & (hertz <= min(limits.band_hz[1], 0.4 / step))
     lines = np.fft.rfft((about - np.mean(about, axis=1, keepdims=True)) * window, axis=1)[:, inside]
     lines = lines * (2 * np.pi * hertz[inside]) ** (2 - order)
     power = 2 * step * np.abs(lines) ** 2 / np.sum(window**2)
     # The median of a periodogram of noise is ln 2 of its mean.
-    return np.asarray(np.sqrt(np.median(power, axis=1) / np.log(2) * (limits.band[1] - limits.band[0])))
+    return np.asarray(np.sqrt(np.median(power, axis=1) / np.log(2) * (limits.band_hz[1] - limits.band_hz[0])))
 
 
 def _until_recovered(times: RealArray, limits: DriveLimits) -> RealArray:

@@ -29,14 +29,14 @@ class DriveLimits:
         Speed from which a car counts as moving [m/s]. Below walking pace a car manoeuvres: it is steered, pulls away
         and stops.
     least_vibration : float
-        Vibration from which a car counts as moving where its speed is not known [m/s2], see `band`. A very good road
+        Vibration from which a car counts as moving where its speed is not known [m/s2], see `band_hz`. A very good road
         (class A of ISO 8608) taken at 3 m/s moves the bodies of ordinary cars by 0.1 m/s2, cars at rest by less than
         0.02 m/s2.
     longitudinal, lateral : float
         Largest acceleration [m/s2], mean over a block. With a centre of gravity at a fifth of the wheelbase, 1.5 m/s2
         move 3 % of the weight from one axle to the other; springs and dampers then work away from their usual point,
         and the inertia of the body is a force that no channel shows.
-    band : (float, float)
+    band_hz : (float, float)
         Frequencies in which the vibration is judged [Hz]: above the pitching of braking, below the second order of
         idling engines. Its level follows from the median of the spectrum in the band, which single lines do not change.
     block : float
@@ -55,7 +55,7 @@ class DriveLimits:
     least_vibration: MetrePerSecond2 = 0.05
     longitudinal: MetrePerSecond2 = 1.5
     lateral: MetrePerSecond2 = 1.5
-    band: tuple[Hertz, Hertz] = (1.0, 15.0)
+    band_hz: tuple[Hertz, Hertz] = (1.0, 15.0)
     block: Second = 1.0
     shortest: Second = 10.0
     recovery: Second = 0.5
@@ -74,8 +74,8 @@ class DriveLimits:
         ):
             if not getattr(self, name) > 0:
                 raise InputError(f"{name}={getattr(self, name)} must be positive")
-        if not 0 < self.band[0] < self.band[1]:
-            raise InputError(f"band={self.band} must be a lower and a higher frequency [Hz]")
+        if not 0 < self.band_hz[0] < self.band_hz[1]:
+            raise InputError(f"band_hz={self.band_hz} must be a lower and a higher frequency [Hz]")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -42,7 +42,7 @@ def estimate(
     gains: Sequence[str] | None = None,
     delays: Sequence[str] | None = None,
     mounts: Sequence[str] | None = None,
-    band: tuple[Hertz, Hertz] | None = None,
+    band_hz: tuple[Hertz, Hertz] | None = None,
     stretch: Second | None = None,
     road: Literal["iso8608"] | None = None,
     speed: Speed | Sequence[Speed] | None = None,
@@ -96,7 +96,7 @@ def estimate(
         Struts whose damper may stand on a mount of unknown stiffness: the strut is ``k + c s / (1 + tau s)`` with
         relaxation tau [s]. Default: where motion is given, all that have a damper and act between given and other
         coordinates; else none. A rubber mount of 1e6 N/m that is left out makes k of a driven car 20 % too large.
-    band : (float, float), optional
+    band_hz : (float, float), optional
         Frequencies that are used where motion is given [Hz]. Default: from 0.4 times the lowest natural frequency of
         the nominal car to twice the highest.
     stretch : float, optional
@@ -173,12 +173,12 @@ def estimate(
         rolling = rolling_of(records, trials, speed=speed, radius=wheel_radius)
         trials = without_speed(trials, rolling)
         fit = fit_with_road(
-            unknowns, trials, rolling, beyond=beyond, gains=gains, delays=delays, mounts=mounts, band=band,
+            unknowns, trials, rolling, beyond=beyond, gains=gains, delays=delays, mounts=mounts, band=band_hz,
             stretch=stretch,
         )  # fmt: skip
     elif any(driven):
         options = {"gains": gains, "delays": delays, "mounts": mounts}
-        fit = fit_in_frequency(wheel_problem(suspension, trials, unknowns, band=band, stretch=stretch, **options))
+        fit = fit_in_frequency(wheel_problem(suspension, trials, unknowns, band=band_hz, stretch=stretch, **options))
     else:
         unknowns = further_asked(unknowns, trials, gains=gains, delays=delays, mounts=mounts)
         fit = fit_in_time(Problem(trials=trials, holds=default_holds(trials), unknowns=unknowns))

@@ -27,7 +27,7 @@ from suspid.identification.selection import Selection, select
 from suspid.identification.steps import FourSteps
 from suspid.model import ModalSet
 from suspid.signals import Signal, as_response, as_signal
-from suspid.units import ComplexArray, RadianPerSecond, RealArray, Second
+from suspid.units import ComplexArray, Hertz, RadianPerSecond, RealArray, Second, angular
 from suspid.values import check_count, frozen_real
 from suspid.wavelets import BANDWIDTHS, row_band, sample_noise
 
@@ -44,7 +44,7 @@ def identify(
     *,
     modes: int | None = None,
     method: Method = "likelihood",
-    band: tuple[RadianPerSecond, RadianPerSecond] | None = None,
+    band_hz: tuple[Hertz, Hertz] | None = None,
     bandwidth: float | None = None,
     candidates: Iterable[float] = BANDWIDTHS,
 ) -> Identification:
@@ -55,7 +55,7 @@ def identify(
     Tones and drifts are fitted but are not modes. The covariance is the Cramér-Rao bound at the estimate, widened where
     the residual is not white noise.
 
-    Where the linear fit leaves signs of a decay that is not linear, and there is no ``band``, friction, drag, and cubic
+    Where the linear fit leaves signs of a decay that is not linear, and there is no ``band_hz``, friction, drag, and cubic
     and bilinear springs and dampers are fitted as well. They are kept if they explain more than a further pole would;
     with ``modes`` given, if they explain more than their parameters cost. Then ``.forces`` names them, ``.modes`` are
     those of the equivalent linear system over the record, and ``.amplitude_dependence`` has each natural frequency and
@@ -74,8 +74,8 @@ def identify(
         out, and the others are fitted anew. Default: all modes.
     method : {"likelihood", "ridge"}
         See above.
-    band : (float, float), optional
-        Angular frequencies between which to look [rad/s]. Default: all; for the ridges from four
+    band_hz : (float, float), optional
+        Frequencies between which to look [Hz]. Default: all; for the ridges from four
         cycles in the record to 0.9 of the Nyquist frequency.
     bandwidth : float, optional
         N of the wavelet. Default: that of least entropy among ``candidates``.
@@ -120,6 +120,7 @@ def identify(
         if not max(about.max(), -about.min()) > 1e-12 * max(samples.max(), -samples.min()):
             raise IdentificationError(f"channel {name!r} is constant: there is no decay in it; leave it out")
     _check_clipping(signal)
+    band = angular(band_hz)
     steps = FourSteps(
         signal=replace(signal, values=centred),
         count=modes,

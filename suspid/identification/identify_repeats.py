@@ -23,7 +23,7 @@ from suspid.identification.verdict import verdict_of_repeats
 from suspid.model import ModalSet
 from suspid.results import Result
 from suspid.signals import Stretch, as_signal, cut
-from suspid.units import RadianPerSecond, RealArray, Second
+from suspid.units import Hertz, RealArray, Second, angular
 from suspid.values import check_count, frozen_real, text_table
 from suspid.words import Verdict
 
@@ -104,7 +104,7 @@ def identify_repeats(
     decays: Sequence[Stretch | tuple[Second, Second]] | None = None,
     *,
     modes: int | None = None,
-    band: tuple[RadianPerSecond, RadianPerSecond] | None = None,
+    band_hz: tuple[Hertz, Hertz] | None = None,
     names: Sequence[str] = (),
 ) -> Repeats:
     """Return the modes that several decays share.
@@ -125,8 +125,8 @@ def identify_repeats(
         The stretches of free decay in one recording, or their first and last times [s].
     modes : int, optional
         How many modes: the strongest. Default: all that the decays support.
-    band : (float, float), optional
-        Angular frequencies between which to look [rad/s].
+    band_hz : (float, float), optional
+        Frequencies between which to look [Hz].
     names : sequence of str, optional
         What several records are called, in messages and tables. Default: ``record 1``, ``record 2``, ….
 
@@ -158,13 +158,13 @@ def identify_repeats(
     """
     check_count("modes", modes)
     parts = _stretches(response, decays, names)
-    each = tuple(_identified(name, part, band) for name, part in parts)
+    each = tuple(_identified(name, part, band_hz) for name, part in parts)
     signals = [as_signal(found.response, least=FEWEST_SAMPLES) for found in each]
     spans = tuple((s.start, s.start + s.step * (s.values.shape[1] - 1)) for s in signals)
     step, channels = signals[0].step, signals[0].channels
     values = [s.values - s.values.mean(axis=1, keepdims=True) for s in signals]
     noises = [noise_of(s.values) for s in signals]
-    low, high = band or (0.0, np.pi / step)
+    low, high = angular(band_hz) or (0.0, np.pi / step)
     lengths = np.array([v.shape[1] for v in values])
     stacked = np.flatnonzero(lengths >= LONG_ENOUGH * np.median(lengths))
     common = int(np.min(lengths[stacked]))
@@ -250,10 +250,10 @@ def _cut(name: str, response: control.TimeResponseData, start: Second, stop: Sec
 
 
 def _identified(
-    name: str, part: control.TimeResponseData, band: tuple[RadianPerSecond, RadianPerSecond] | None
+    name: str, part: control.TimeResponseData, band_hz: tuple[Hertz, Hertz] | None
 ) -> Identification:
     try:
-        return identify(part, band=band)
+        return identify(part, band_hz=band_hz)
     except RecordError as error:
         raise RecordError(f"{name} cannot be used: {error}") from error
     except IdentificationError as error:
