@@ -55,9 +55,9 @@ def identify(
     Tones and drifts are fitted but are not modes. The covariance is the Cramér-Rao bound at the estimate, widened where
     the residual is not white noise.
 
-    Where the linear fit leaves signs of a decay that is not linear, and there is no ``band_hz``, friction, drag, and cubic
-    and bilinear springs and dampers are fitted as well. They are kept if they explain more than a further pole would;
-    with ``modes`` given, if they explain more than their parameters cost. Then ``.forces`` names them, ``.modes`` are
+    Where the linear fit leaves signs of a decay that is not linear, and no ``band_hz`` is given, friction, drag, and
+    cubic and bilinear springs and dampers are fitted as well. They are kept if they explain more than a further pole
+    would; with ``modes`` given, if they explain more than their parameters cost. Then ``.forces`` names them, ``.modes`` are
     those of the equivalent linear system over the record, and ``.amplitude_dependence`` has each natural frequency and
     damping ratio over the amplitude.
 

@@ -249,9 +249,7 @@ def _cut(name: str, response: control.TimeResponseData, start: Second, stop: Sec
         raise RecordError(f"{name} cannot be used: {error}") from error
 
 
-def _identified(
-    name: str, part: control.TimeResponseData, band_hz: tuple[Hertz, Hertz] | None
-) -> Identification:
+def _identified(name: str, part: control.TimeResponseData, band_hz: tuple[Hertz, Hertz] | None) -> Identification:
     try:
         return identify(part, band_hz=band_hz)
     except RecordError as error:

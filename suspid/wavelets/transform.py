@@ -34,8 +34,8 @@ def row_band(
     low, high = band or (2 * np.pi * 4.0 / signal.duration, 0.9 * nyquist)
     if not 0 < low < high <= nyquist:
         raise InputError(
-            f"the band {low / (2 * np.pi):.5g} … {high / (2 * np.pi):.5g} Hz must be two increasing frequencies between "
-            f"0 and the Nyquist frequency, {0.5 / signal.step:.5g} Hz"
+            f"the band {low / (2 * np.pi):.5g} … {high / (2 * np.pi):.5g} Hz must be two increasing frequencies "
+            f"between 0 and the Nyquist frequency, {0.5 / signal.step:.5g} Hz"
         )
     return float(low), float(min(high, 0.999 * nyquist))
 
