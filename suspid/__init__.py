@@ -50,6 +50,7 @@ from suspid.model import (
     Sensor,
     Strut,
     Suspension,
+    assert_modes_close,
     compare,
     eigenmodes,
     full_car,
@@ -144,6 +145,7 @@ __all__ = [  # noqa: RUF022 - grouped by step
     "find_ridges", "Ridge", "Window", "fit_ridges", "SkeletonFit",
     # back to springs and dampers, and how near that is
     "reconstruct", "Reconstruction", "ModalTest", "compare", "Comparison",
+    "assert_modes_close",
     # the car itself, straight from records
     "estimate", "Estimate", "RecordTest", "RoadEstimate", "read_estimate",
     # one damper as it is

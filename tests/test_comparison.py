@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from suspid import InputError, ModalSet, Suspension, eigenmodes, quarter_car
+from suspid import InputError, ModalSet, Suspension, assert_modes_close, eigenmodes, quarter_car
 from suspid.model.compare import compare
 from suspid.model.matching import modal_assurance
 
@@ -90,6 +90,26 @@ class TestLimits:
         assert compare(inside, expected).passed
         outside = ModalSet.from_wn_zeta([10.0197], [0.1021], wn_std=[0.01], zeta_std=[0.001])
         assert [row.verdict for row in compare(outside, expected).table] == ["off", "off"]
+
+    def test_sigmas_widen_the_intervals(self) -> None:
+        expected = ModalSet.from_wn_zeta([10.0], [0.1])
+        found = ModalSet.from_wn_zeta([10.029], [0.1031], wn_std=[0.01], zeta_std=[0.001])
+        assert [row.verdict for row in compare(found, expected, sigmas=3).table] == ["ok", "off"]
+        assert "3 standard deviations" in str(compare(found, expected, sigmas=3))
+
+    def test_each_quantity_has_a_limit_of_its_own(self) -> None:
+        expected = ModalSet.from_wn_zeta([10.0], [0.1])
+        found = ModalSet.from_wn_zeta([10.02], [0.104], wn_std=[0.01], zeta_std=[0.001])
+        c = compare(found, expected, rtol={"zeta": 0.05})
+        assert [row.verdict for row in c.table] == ["off", "ok"]
+        assert compare(found, expected, rtol={"zeta": 0.05}, sigmas=2.5)
+        with pytest.raises(InputError, match="mac"):
+            compare(found, expected, rtol={"mac": 0.9})
+
+    def test_sigmas_need_standard_deviations(self) -> None:
+        modes = ModalSet.from_wn_zeta([10.0], [0.1])
+        with pytest.raises(InputError, match="give rtol"):
+            compare(modes, modes, sigmas=3)
 
     def test_two_estimates_differ_by_both_their_spreads(self) -> None:
         a = ModalSet.from_wn_zeta([10.0], [0.1], wn_std=[0.03], zeta_std=[0.01])
@@ -206,3 +226,22 @@ class TestTruth:
         one, other = ModalSet.from_wn_zeta([10.0], [0.1]), ModalSet.from_wn_zeta([12.0], [0.1])
         assert compare(one, one)
         assert not compare(one, other)
+
+
+class TestAssertion:
+    def test_it_fails_with_the_table_and_takes_what_has_modes(self) -> None:
+        modes = eigenmodes(car())
+        near = ModalSet.from_wn_zeta(modes.wn * 1.001, modes.zeta * 0.98)
+        assert_modes_close(near, car(), rtol_wn=0.0011, rtol_zeta=0.021)
+        with pytest.raises(AssertionError, match="2 of 4 values fail") as failed:
+            assert_modes_close(near, car(), rtol_wn=0.0011, rtol_zeta=0.019)
+        assert str(failed.value) == str(compare(near, modes, rtol={"wn": 0.0011, "zeta": 0.019}))
+
+    def test_a_missing_mode_fails_however_wide_the_limits(self) -> None:
+        modes = eigenmodes(car())
+        with pytest.raises(AssertionError, match="missing"):
+            assert_modes_close(ModalSet(poles=modes.poles[:1]), modes, rtol_wn=0.4, rtol_zeta=1.0)
+
+    def test_what_has_no_modes_is_named(self) -> None:
+        with pytest.raises(InputError, match=r"found is a list.*eigenmodes"):
+            assert_modes_close([1.0], car())  # type: ignore[arg-type]

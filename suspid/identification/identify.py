@@ -57,9 +57,9 @@ def identify(
 
     Where the linear fit leaves signs of a decay that is not linear, and no ``band_hz`` is given, friction, drag, and
     cubic and bilinear springs and dampers are fitted as well. They are kept if they explain more than a further pole
-    would; with ``modes`` given, if they explain more than their parameters cost. Then ``.forces`` names them, ``.modes``
-    are those of the equivalent linear system over the record, and ``.amplitude_dependence`` has each natural frequency and
-    damping ratio over the amplitude.
+    would; with ``modes`` given, if they explain more than their parameters cost. Then ``.forces`` names them,
+    ``.modes`` are those of the equivalent linear system over the record, and ``.amplitude_dependence`` has each natural
+    frequency and damping ratio over the amplitude.
 
     "ridge" is the wavelet method of the paper: the bandwidth N of least entropy, the transform, its ridges and
     skeletons, and lines through log modulus and phase. N / 2, N / 4 and N / 8 are tried as well; each ridge keeps the

@@ -6,6 +6,7 @@
 of either kind. `read_car` and `write_car` keep a suspension as TOML.
 """
 
+from suspid.model.assert_modes_close import assert_modes_close
 from suspid.model.car_files import car_from_toml, parsed_toml, read_car, read_constraints, write_car
 from suspid.model.car_text import car_to_toml
 from suspid.model.checks import added_masses
@@ -36,6 +37,7 @@ __all__ = [
     "Strut",
     "Suspension",
     "added_masses",
+    "assert_modes_close",
     "car_from_toml",
     "car_to_toml",
     "check_linear",

@@ -25,7 +25,13 @@ ROUNDING = 1e-12
 WN_ZETA = ("wn", "zeta")
 
 
-def compare(found: ModalSet | Suspension, expected: ModalSet | Suspension, *, rtol: Ratio | None = None) -> Comparison:
+def compare(
+    found: ModalSet | Suspension,
+    expected: ModalSet | Suspension,
+    *,
+    rtol: Ratio | Mapping[str, Ratio] | None = None,
+    sigmas: float | None = None,
+) -> Comparison:
     """Compare an estimate with the truth: two sets of modes, or two suspensions of one topology.
 
     Modes are paired by nearest poles, never by position: the optimal assignment on ``|a - b| / max(|a|, |b|)``, plus
@@ -39,13 +45,16 @@ def compare(found: ModalSet | Suspension, expected: ModalSet | Suspension, *, rt
         The estimate.
     expected : ModalSet or Suspension
         The truth, of the same type.
-    rtol : float, optional
-        Allowed error, relative to each expected value [1]. The error of an expected zero (an undamped mode, a missing
-        damper, a rigid-body mode) is taken relative to the largest expected value of its quantity. If all of them are
-        zero, zeta is taken relative to 1 (critical damping), and damping relative to ``2 sqrt(k m)`` of the stiffest
-        strut and the largest mass. Default: the 95 % interval of each difference, from the covariance of the modes
-        that carry one (of both, as if independent, when both do); otherwise 1e-9 relative. The intervals hold one by
-        one: of 20 correctly estimated values one is expected to fall outside.
+    rtol : float or mapping, optional
+        Allowed error, of modes also by quantity as ``{"wn": 0.001, "zeta": 0.05}``; relative to each expected value
+        [1]. The error of an expected zero (an undamped mode, a missing damper, a rigid-body mode) is taken relative to
+        the largest expected value of its quantity. If all of them are zero, zeta is taken relative to 1 (critical
+        damping), and damping relative to ``2 sqrt(k m)`` of the stiffest strut and the largest mass. Default: the 95 %
+        interval of each difference, from the covariance of the modes that carry one (of both, as if independent, when
+        both do); otherwise 1e-9 relative. The intervals hold one by one: of 20 correctly estimated values one is
+        expected to fall outside.
+    sigmas : float, optional
+        Width of these intervals of modes [standard deviations]. Default: 1.96, which is 95 %.
 
     Returns
     -------
@@ -55,8 +64,8 @@ def compare(found: ModalSet | Suspension, expected: ModalSet | Suspension, *, rt
     Raises
     ------
     InputError
-        If the two are of different types, the suspensions have different masses or struts by name or arms, or rtol is
-        negative or not finite.
+        If the two are of different types, the suspensions have different masses or struts by name or arms, or rtol or
+        sigmas is not such a number, or would judge nothing.
 
     Examples
     --------
@@ -74,11 +83,12 @@ def compare(found: ModalSet | Suspension, expected: ModalSet | Suspension, *, rt
     mode 2    zeta [1]      0.2         0.2        0      2e-05         ok
     mean absolute error: wn 0.005 rad/s, zeta 0
     """
-    if rtol is not None and not (np.isfinite(rtol) and rtol >= 0):
-        raise InputError(f"{rtol=} must be a finite number >= 0, relative to each expected value")
     if isinstance(found, ModalSet) and isinstance(expected, ModalSet):
-        return _compare_modes(found, expected, rtol)
+        return _compare_modes(found, expected, _by_quantity(rtol), _checked_sigmas(sigmas, found, expected))
     if isinstance(found, Suspension) and isinstance(expected, Suspension):
+        if isinstance(rtol, Mapping) or sigmas is not None:
+            raise InputError("rtol by quantity and sigmas are for modes; two suspensions take one rtol")
+        _check_rtol(rtol)
         return _compare_suspensions(found, expected, rtol)
     hints = [f"; take its .{a}" for x in (found, expected) for a in ("modes", "suspension") if hasattr(x, a)]
     raise InputError(
@@ -87,25 +97,65 @@ def compare(found: ModalSet | Suspension, expected: ModalSet | Suspension, *, rt
     )
 
 
-def _compare_modes(found: ModalSet, expected: ModalSet, rtol: Ratio | None) -> Comparison:
+def _check_rtol(rtol: Ratio | None) -> None:
+    if rtol is not None and not (np.isfinite(rtol) and rtol >= 0):
+        raise InputError(f"{rtol=} must be a finite number >= 0, relative to each expected value")
+
+
+def _by_quantity(rtol: Ratio | Mapping[str, Ratio] | None) -> dict[str, Ratio]:
+    """Return the relative errors that are allowed by quantity; those that have none are left out."""
+    given = dict(rtol) if isinstance(rtol, Mapping) else {} if rtol is None else dict.fromkeys(WN_ZETA, rtol)
+    for name, value in given.items():
+        if name not in WN_ZETA:
+            raise InputError(f"rtol[{name!r}]: modes have {' and '.join(WN_ZETA)}")
+        _check_rtol(value)
+    return given
+
+
+def _checked_sigmas(sigmas: float | None, found: ModalSet, expected: ModalSet) -> float:
+    if sigmas is None:
+        return NORMAL_95
+    if not (np.isfinite(sigmas) and sigmas > 0):
+        raise InputError(f"{sigmas=} must be a number above 0, such as 3")
+    if found.covariance is None and expected.covariance is None:
+        raise InputError(f"{sigmas=}: neither side has standard deviations; give rtol")
+    return sigmas
+
+
+def _compare_modes(found: ModalSet, expected: ModalSet, rtol: Mapping[str, Ratio], sigmas: float) -> Comparison:
     mac = common_mac(found, expected)
     # Modes further apart, as a share of the larger pole, are never paired: with a wider gate a missing and an extra
     # mode would be reported as one mode that is off, with a narrower one a poor estimate as a missing and an extra
     # mode.
-    partner = paired(found, expected, mac=mac, gate=max(0.5, rtol or 0.0))
-    interval = rtol is None and not all(modes.covariance is None for modes in (found, expected))
+    partner = paired(found, expected, mac=mac, gate=max(0.5, rtol.get("wn", 0.0)))
     extra = sorted(set(range(len(found))) - set(partner.values()))
-    rows = [_mode_row(found, expected, partner.get(j), j, name, rtol) for j in range(len(expected)) for name in WN_ZETA]
+    rows = [
+        _mode_row(found, expected, partner.get(j), j, name, rtol.get(name), sigmas)
+        for j in range(len(expected))
+        for name in WN_ZETA
+    ]
     rows += [_row(f"found {i + 1}", name, float(getattr(found, name)[i]), None, 0.0) for i in extra for name in WN_ZETA]
     matched_mac = None
     if mac is not None:
         matched_mac = frozen_real([mac[partner[j], j] if j in partner else np.nan for j in range(len(expected))])
-    rule = "allowed: the 95 % interval of each difference" if interval else _rule(rtol)
+    known = found.covariance is not None or expected.covariance is not None
+    rules = {name: _mode_rule(rtol.get(name), sigmas if known else None) for name in WN_ZETA}
+    same = len(set(rules.values())) == 1
+    rule = f"allowed: {rules['wn'] if same else ', '.join(f'{name} {rule}' for name, rule in rules.items())}"
     return Comparison(table=tuple(rows), mae=_mean_errors(rows, WN_ZETA), mac=matched_mac, rule=rule)
 
 
+def _mode_rule(rtol: Ratio | None, sigmas: float | None) -> str:
+    """Return the allowed error of a quantity of modes in words."""
+    if rtol is not None or sigmas is None:
+        return f"{EXACT if rtol is None else rtol:g} relative"
+    if sigmas == NORMAL_95:
+        return "the 95 % interval of each difference"
+    return f"{sigmas:g} standard deviations of each difference"
+
+
 def _mode_row(
-    found: ModalSet, expected: ModalSet, i: int | None, j: int, name: str, rtol: Ratio | None
+    found: ModalSet, expected: ModalSet, i: int | None, j: int, name: str, rtol: Ratio | None, sigmas: float
 ) -> ComparedValue:
     """Return wn or zeta of the expected mode j beside that of its partner i, if it has one."""
     truth: RealArray = getattr(expected, name)
@@ -119,7 +169,7 @@ def _mode_row(
         sides.append((getattr(expected, f"{name}_std"), j))
         stds = [std[k] for std, k in sides if std is not None]
         if stds:
-            allowed = max(NORMAL_95 * float(np.linalg.norm(stds)), ROUNDING * scale)
+            allowed = max(sigmas * float(np.linalg.norm(stds)), ROUNDING * scale)
     return _row(f"mode {j + 1}", name, value, float(truth[j]), allowed)
 
 

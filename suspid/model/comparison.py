@@ -52,7 +52,7 @@ class ComparedValue:
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Comparison(Result):
-    """Result of `compare`; ``str()`` is the table, so a failed ``assert c.passed, c`` shows it.
+    """Result of `compare`; ``str()`` is the table, and `assert_modes_close` fails with it.
 
     Parameters
     ----------
