@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import numbers
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import TypeVar
+from typing import TypeGuard, TypeVar
 
 import numpy as np
 from tabulate import tabulate
@@ -123,6 +123,11 @@ def spread(std: float) -> str:
     return f"{std:#.2g}" if std < 9.95 else f"{float(f'{std:.2g}'):.0f}"
 
 
+def is_count(value: object) -> TypeGuard[int]:
+    """Return whether a value is a whole number from one on; True is none."""
+    return not isinstance(value, bool) and isinstance(value, numbers.Integral) and int(value) >= 1
+
+
 def check_count(name: str, value: object) -> None:
     """Refuse a number of things that is neither None nor a whole number from one on.
 
@@ -132,5 +137,5 @@ def check_count(name: str, value: object) -> None:
     Traceback (most recent call last):
     suspid.errors.InputError: modes=1.5 must be a whole number from 1 on, or left out
     """
-    if value is not None and (isinstance(value, bool) or not isinstance(value, numbers.Integral) or value < 1):
+    if value is not None and not is_count(value):
         raise InputError(f"{name}={value!r:.40} must be a whole number from 1 on, or left out")

@@ -7,7 +7,7 @@ result, and the verdict on all. The commands, the report and the fleet call it a
 
 from suspid.analysis.analyse import STEPS, Analysis, analyse
 from suspid.analysis.analyse_drive import DriveAnalysis, analyse_drive
-from suspid.analysis.reading import channel_named, read
+from suspid.analysis.reading import read
 from suspid.analysis.settings import CarSettings, Settings
 from suspid.analysis.springs import check_springs
 
@@ -19,7 +19,6 @@ __all__ = [
     "Settings",
     "analyse",
     "analyse_drive",
-    "channel_named",
     "check_springs",
     "read",
 ]

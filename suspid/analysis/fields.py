@@ -11,7 +11,7 @@ from typing import TypeAlias, TypeVar
 import numpy as np
 
 from suspid.errors import InputError
-from suspid.values import FrozenItems, FrozenMapping
+from suspid.values import FrozenItems, FrozenMapping, is_count
 
 Check: TypeAlias = Callable[[str, object], object]
 Kind = TypeVar("Kind")
@@ -68,7 +68,7 @@ def probability(name: str, value: object) -> float:
 
 def rank(name: str, value: object) -> int:
     """Return a whole number from one on."""
-    if isinstance(value, bool | np.bool_) or not isinstance(value, numbers.Integral) or value < 1:
+    if not is_count(value):
         raise wrong(name, value, "give a whole number from 1 on")
     return int(value)
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from suspid.errors import InputError
 from suspid.model import Suspension
+from suspid.performance.strut_slopes import strut_slopes
 from suspid.units import STANDARD_GRAVITY, ComplexArray, Hertz, RealArray, Second
 
 # Elongation of a strut [m] under a lift of the whole car by 1 m up to which the lift counts as free: rounding of arms.
@@ -78,34 +79,22 @@ def contact(wheels: Wheels, hertz: RealArray, parameters: Sequence[str] = ()) ->
     The other roads stand still. The derivatives, (parameter, wheel, frequency), are by stiffness, damping, relaxation
     or mass, by name; those by parameters of channels are zero.
     """
-    car, struts = wheels.car, wheels.car.struts
-    s = 2j * np.pi * np.asarray(hertz, float)[:, None]
-    c = np.array([strut.damping for strut in struts])
-    rates = s / (1 + wheels.relaxation * s)
-    b = np.array([strut.stiffness for strut in struts]) + c * rates
+    car = wheels.car
+    s: ComplexArray = 2j * np.pi * np.asarray(hertz, np.complex128)
+    b, by_strut = strut_slopes(car, wheels.relaxation, wheels.free, s, parameters)
     arms, road_arms = car.arms(car.coordinates), car.arms(car.roads)
-    D = np.einsum("ji,fj,jk->fik", arms, b, arms) + (s**2)[:, :, None] * car.M
+    D = np.einsum("ji,fj,jk->fik", arms, b, arms) + (s**2)[:, None, None] * car.M
     q = -np.linalg.solve(D, np.einsum("ji,fj,jr->fir", arms, b, road_arms))
     E = arms @ q + road_arms
     G = np.einsum("jr,fj,fjr->rf", road_arms, b, E)
     slopes = np.zeros((len(parameters), *G.shape), np.complex128)
-    for row, name in enumerate(parameters):
+    for row, (name, strut) in enumerate(zip(parameters, by_strut, strict=True)):
         owner, _, quantity = name.rpartition(".")
         if quantity == "mass":
-            slopes[row] = (s**2 * q[:, car.coordinates.index(owner)] ** 2).T
-            continue
-        j = next((i for i, strut in enumerate(struts) if strut.name == owner), None)
-        if j is None or quantity not in ("stiffness", "damping", "relaxation"):
-            continue
-        if quantity == "stiffness":
-            change = np.ones_like(s)
-        elif quantity == "relaxation":
-            change = -c[j] * rates[:, j : j + 1] ** 2
-        elif owner in wheels.free:
-            change = rates[:, j : j + 1]
-        else:  # on a mount of known stiffness the relaxation grows with the damping
-            change = s / (1 + wheels.relaxation[j] * s) ** 2
-        slopes[row] = (change * E[:, j] ** 2).T
+            slopes[row] = (s[:, None] ** 2 * q[:, car.coordinates.index(owner)] ** 2).T
+        elif strut is not None:
+            j, change = strut
+            slopes[row] = (change[:, None] * E[:, j] ** 2).T
     return G, slopes
 
 

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from suspid.model import OutputRows, Suspension
+from suspid.performance.strut_slopes import strut_slopes
 from suspid.performance.weightings import weighting
 from suspid.simulation import Road
 from suspid.units import ComplexArray, RealArray, Second
@@ -62,35 +63,6 @@ def enough_panels(variances: Callable[[int], RealArray]) -> int:
             return panels // 2
         before = now
     return panels
-
-
-def strut_slopes(
-    car: Suspension, relaxation: RealArray, free: Sequence[str], s: ComplexArray, parameters: Sequence[str]
-) -> tuple[ComplexArray, list[tuple[int, ComplexArray] | None]]:
-    """Return the dynamic stiffness of each strut, (frequency, strut), and for each parameter its strut and derivative.
-
-    ``free`` are the struts whose relaxation is a parameter of its own; on a mount of known stiffness it grows with the
-    damping. A parameter that is none of a strut has None.
-    """
-    rates = s[:, None] / (1 + relaxation * s[:, None])
-    c = np.array([strut.damping for strut in car.struts])
-    b = np.array([strut.stiffness for strut in car.struts]) + c * rates
-    index = {strut.name: i for i, strut in enumerate(car.struts)}
-    slopes: list[tuple[int, ComplexArray] | None] = []
-    for name in parameters:
-        owner, _, quantity = name.rpartition(".")
-        if owner not in index or quantity not in ("stiffness", "damping", "relaxation"):
-            slopes.append(None)
-            continue
-        j = index[owner]
-        if quantity == "stiffness":
-            change = np.ones_like(s)
-        elif quantity == "relaxation":
-            change = -c[j] * rates[:, j] ** 2
-        else:
-            change = rates[:, j] if owner in free else s / (1 + relaxation[j] * s) ** 2
-        slopes.append((j, change))
-    return np.asarray(b), slopes
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)

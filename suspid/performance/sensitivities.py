@@ -11,7 +11,7 @@ from suspid.errors import InputError
 from suspid.model import Suspension, statespace
 from suspid.performance.figures import plan_of
 from suspid.performance.ride import HOUR, driven_road
-from suspid.performance.road_response import strut_slopes
+from suspid.performance.strut_slopes import strut_slopes
 from suspid.reconstruction import parameter_names, parameter_values
 from suspid.results import Result
 from suspid.simulation import Road

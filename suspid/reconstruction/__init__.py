@@ -14,7 +14,6 @@ from suspid.reconstruction.observations import ModalTest
 from suspid.reconstruction.posed import Asked, check_asked
 from suspid.reconstruction.reconstruct import Reconstruction, reconstruct
 from suspid.reconstruction.unknowns import (
-    QUANTITIES,
     Unknowns,
     parameter_names,
     parameter_values,
@@ -23,7 +22,6 @@ from suspid.reconstruction.unknowns import (
 )
 
 __all__ = [
-    "QUANTITIES",
     "Asked",
     "Bounds",
     "ModalTest",

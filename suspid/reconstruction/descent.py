@@ -47,19 +47,26 @@ def descend(
             ceiling = np.where(positive, np.log(upper / per_step), upper - x)
         low, high = np.minimum(np.maximum(-radius, floor), 0.0), np.maximum(np.minimum(radius, ceiling), 0.0)
         step = bounded_step(slope * per_step, -residual, low, high)
-        expected = residual @ residual - np.sum((residual + slope * per_step @ step) ** 2)
+        expected = float(residual @ residual - np.sum((residual + slope * per_step @ step) ** 2))
         trial = np.where(positive, x * np.exp(np.where(positive, step, 0.0)), x + step)
         trial = np.clip(trial, lower, upper)
         trial_residual, trial_slope = equations(trial)
-        gained = residual @ residual - trial_residual @ trial_residual
+        gained = float(residual @ residual - trial_residual @ trial_residual)
         if gained > 0:
             x, residual, slope = trial, trial_residual, trial_slope
         if np.max(np.abs(step)) < 1e-13 or (gained <= 0 and np.max(np.abs(step)) < 1e-9):
             break
         if gained >= 0 and expected <= max(NEGLIGIBLE_SHARE * float(residual @ residual), negligible):
             break
-        radius = min(2 * radius, 4.0) if gained > 0.75 * expected else radius if gained > 0.1 * expected else radius / 4
+        radius = next_radius(radius, gained, expected)
     return x
+
+
+def next_radius(radius: float, gained: float, expected: float) -> float:
+    """Return the radius of a trust region after a step that gained this much of what the linear model promised."""
+    if gained > 0.75 * expected:
+        return min(2 * radius, 4.0)
+    return radius if gained > 0.1 * expected else radius / 4
 
 
 def bounded_step(A: RealArray, b: RealArray, low: RealArray, high: RealArray) -> RealArray:

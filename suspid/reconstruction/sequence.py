@@ -8,7 +8,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from suspid.reconstruction.descent import LARGEST_STEP, NEGLIGIBLE_SHARE, Equations
+from suspid.reconstruction.descent import LARGEST_STEP, NEGLIGIBLE_SHARE, Equations, next_radius
 from suspid.reconstruction.programs import FARTHEST, Limits, Optimum, least_squares, solve
 from suspid.reconstruction.wishes import Wishes
 from suspid.units import RealArray
@@ -54,7 +54,7 @@ def converged(
         # Steps below it that gain nothing are rounding: the squared residual has a flat minimum.
         if arrived or (gained <= 0 and largest < 1e-6):
             break
-        radius = min(2 * radius, 4.0) if gained > 0.75 * expected else radius if gained > 0.1 * expected else radius / 4
+        radius = next_radius(radius, gained, expected)
     return Optimum(x=x, left=max(expected, 0.0) / max(before, 1e-300), free=step.free)
 
 

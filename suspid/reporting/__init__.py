@@ -35,7 +35,7 @@ from suspid.reporting.plot_tuning import plot_tuning
 from suspid.reporting.report import report
 from suspid.reporting.report_json import report_to_dict
 from suspid.reporting.source import Source, source_of
-from suspid.reporting.wear_json import comparison_to_dict, grip_to_dict, wear_to_dict
+from suspid.reporting.wear_json import comparison_to_dict, wear_to_dict
 
 __all__ = [
     "PAGE",
@@ -49,7 +49,6 @@ __all__ = [
     "drive_to_dict",
     "estimate_from_dict",
     "estimate_to_dict",
-    "grip_to_dict",
     "json_schema",
     "plot_amplitude",
     "plot_damper_curve",

@@ -19,11 +19,18 @@ if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.axis import Axis
+    from matplotlib.figure import Figure
 
 # Pieces of a long line for each inch of the figure's width, each drawn by its two extremes: about one for each pixel
 # of a screen. Fewer show steps; more make the file larger.
 PIECES_AN_INCH = 100
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def keep_apart(figure: Figure) -> None:
+    """Let matplotlib keep the labels of a figure apart, unless it has a layout engine of its own."""
+    if figure.get_layout_engine() is None:
+        figure.set_layout_engine("constrained")
 
 
 def pieces_across(ax: Axes) -> int:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.greybox import body_channels, wheels_of
-from suspid.reporting.axes import frequency_ticks, shown
+from suspid.reporting.axes import frequency_ticks, keep_apart, shown
 from suspid.reporting.colours import CHANNEL_COLOURS, Colour
 from suspid.reporting.plot_damper_curve import plot_damper_curve
 from suspid.signals import as_signal
@@ -62,8 +62,7 @@ def plot_drive(found: DriveAnalysis, figure: Figure) -> Figure:
     >>> page.axes[0].get_xlabel()
     'time [s]'
     """
-    if figure.get_layout_engine() is None:
-        figure.set_layout_engine("constrained")
+    keep_apart(figure)
     files = found.drives[:MOST_FILES]
     records = [record for one in found.drives for record in one.records]
     curves = found.curves[:MOST_CURVES]

@@ -8,7 +8,7 @@ import numpy as np
 
 from suspid.greybox import nominal_value
 from suspid.levels import LEVEL
-from suspid.reporting.axes import key_above, plot_residual, shown, unit_ticks
+from suspid.reporting.axes import keep_apart, key_above, plot_residual, shown, unit_ticks
 from suspid.reporting.colours import Colour
 from suspid.signals import as_signal
 from suspid.units import Ratio
@@ -50,8 +50,7 @@ def plot_estimate(found: Estimate, figure: Figure, *, level: Ratio = LEVEL) -> F
     >>> page.axes[0].get_xlabel()
     'change from nominal [%]'
     """
-    if figure.get_layout_engine() is None:
-        figure.set_layout_engine("constrained")
+    keep_apart(figure)
     residual = as_signal(found.residual[0])
     # Channels on one page; the others are in the JSON by their noise.
     channels = residual.channels[:6]

@@ -8,7 +8,7 @@ import numpy as np
 
 from suspid.levels import LEVEL, check_level, normal_reach
 from suspid.performance import CLASSES, PHASE_LIMIT
-from suspid.reporting.axes import frequency_ticks, in_legend, key_above
+from suspid.reporting.axes import frequency_ticks, in_legend, keep_apart, key_above
 from suspid.reporting.colours import CHANNEL_COLOURS, Colour
 from suspid.units import Ratio, RealArray
 
@@ -49,8 +49,7 @@ def plot_grip(found: Grip, figure: Figure, *, level: Ratio = LEVEL) -> Figure:
     ['least / static force [%]', 'phase [deg]']
     """
     check_level(level)
-    if figure.get_layout_engine() is None:
-        figure.set_layout_engine("constrained")
+    keep_apart(figure)
     reach, degrees = normal_reach(level), float(np.degrees(1.0))
     upper, lower = figure.subplots(2, 1, sharex=True)
     draw_adhesion(found, upper, level=level)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from suspid.model import modal_table
-from suspid.reporting.axes import shown, without_legend
+from suspid.reporting.axes import keep_apart, shown, without_legend
 from suspid.reporting.plot_entropy import plot_entropy
 from suspid.reporting.plot_fit import plot_fit
 from suspid.reporting.plot_scalogram import plot_scalogram
@@ -66,8 +66,7 @@ def plot_identification(identification: Identification, figure: Figure) -> Figur
     >>> page.axes[1].get_ylabel()
     'frequency [Hz]'
     """
-    if figure.get_layout_engine() is None:
-        figure.set_layout_engine("constrained")
+    keep_apart(figure)
     ridges = identification.ridges[:MOST_RIDGES]
     blocks = [ridges[i : i + ABREAST] for i in range(0, len(ridges), ABREAST)]
     names = as_signal(identification.response).channels[:8]

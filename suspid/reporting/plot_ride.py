@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.performance import weighting
-from suspid.reporting.axes import decade_ticks, frequency_ticks, key_above, shown
+from suspid.reporting.axes import decade_ticks, frequency_ticks, keep_apart, key_above, shown
 from suspid.reporting.colours import CHANNEL_COLOURS, Colour
 
 if TYPE_CHECKING:
@@ -46,8 +46,7 @@ def plot_ride(found: Ride, figure: Figure) -> Figure:
     >>> [ax.get_title(loc="left") for ax in page.axes]
     ['weightings', 'chassis_acceleration']
     """
-    if figure.get_layout_engine() is None:
-        figure.set_layout_engine("constrained")
+    keep_apart(figure)
     channels = found.channels[:MOST_SPECTRA]
     axes = np.atleast_1d(figure.subplots(1 + len(channels), 1, sharex=True))
     kinds = list(dict.fromkeys(kind for kinds in found.weightings.values() for kind in kinds))

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from suspid.reporting.axes import frequency_ticks, shown
+from suspid.reporting.axes import frequency_ticks, keep_apart, shown
 from suspid.reporting.colours import CHANNEL_COLOURS, Colour
 
 if TYPE_CHECKING:
@@ -43,8 +43,7 @@ def plot_tuning(found: Tuning, figure: Figure) -> Figure:
     >>> page.axes[0].get_ylabel()
     'tire.load [N]'
     """
-    if figure.get_layout_engine() is None:
-        figure.set_layout_engine("constrained")
+    keep_apart(figure)
     upper, lower = figure.subplots(2, 1, sharex=True)
     draw_front(found, upper)
     first, knee = found.values[:, 0], found.knee

@@ -15,7 +15,7 @@ from suspid.identification.noise.colour import (
     power_beside,
 )
 from suspid.identification.noise.quantisation import ABOVE_RESOLUTION, UNIFORM_STD, resolution
-from suspid.identification.noise.shared import most_shared, noise_correlation, shared_noise
+from suspid.identification.noise.shared import most_shared, shared_noise
 from suspid.identification.noise.white import WhiteNoise, degrees_of_freedom, loss_growth, noise_of
 
 __all__ = [
@@ -30,7 +30,6 @@ __all__ = [
     "loudness",
     "most_shared",
     "noise_colour",
-    "noise_correlation",
     "noise_of",
     "over_channels",
     "power_beside",
