@@ -18,6 +18,7 @@ from suspid.values import frozen_real
 
 if TYPE_CHECKING:
     import control
+    from numpy.typing import ArrayLike
 
 # Largest distance of a time stamp from the uniform grid, in sampling steps. At the highest frequency of use, a tenth
 # of the rate, it moves a sample by 0.6 % of the amplitude.
@@ -85,13 +86,11 @@ def as_signal(response: control.TimeResponseData, *, least: int = 2) -> Signal:
     Raises
     ------
     RecordError
-        If the response is empty, too short, complex, irregular in time, or holds values that are not finite.
+        If the response is empty, too short, complex, masked, irregular in time, or holds values that are not finite.
     """
     if not all(hasattr(response, name) for name in ("time", "y", "output_labels")):
         raise RecordError(f"expected a control.TimeResponseData, not {type(response).__name__}")
-    if np.any(np.imag(response.y)):
-        raise RecordError("the response is complex; pass its real or its imaginary part as a response of its own")
-    timepts, values = np.asarray(response.time, float), np.asarray(np.real(response.y), float)
+    timepts, values = real_numbers(response.time, "time"), real_numbers(response.y, "the response")
     if values.ndim == 3:
         if values.shape[1] != 1:
             raise RecordError(f"the response holds {values.shape[1]} traces; pass one of them at a time")
@@ -110,6 +109,32 @@ def as_signal(response: control.TimeResponseData, *, least: int = 2) -> Signal:
                 f"t = {timepts[bad[0]]:g} s; cut the record there or fill the gap"
             )
     return Signal(start=float(timepts[0]), step=uniform_step(timepts), values=frozen_real(values), channels=channels)
+
+
+def real_numbers(data: ArrayLike, what: str) -> RealArray:
+    """Return an array of real numbers; refuse imaginary parts and masks, which would be lost without a word.
+
+    Examples
+    --------
+    >>> real_numbers([1, 2j], "the response")
+    Traceback (most recent call last):
+    suspid.errors.RecordError: the response is complex; pass its real or its imaginary part as a record of its own
+    """
+    members = data if isinstance(data, list | tuple) else (data,)
+    masked = sum(int(np.sum(np.ma.getmaskarray(one))) for one in members if np.ma.isMaskedArray(one))
+    if masked:
+        raise RecordError(f"{what}: {masked} samples are masked; fill them or cut the record there")
+    try:
+        values = np.asarray(data)
+    except ValueError:
+        raise RecordError(f"{what}: the channels have different lengths; pass those of one rate") from None
+    if values.dtype.kind == "c":
+        if np.any(values.imag):
+            raise RecordError(f"{what} is complex; pass its real or its imaginary part as a record of its own")
+        values = values.real
+    if values.dtype.kind not in "iufb":
+        raise RecordError(f"{what} holds no numbers but {values.dtype}; a record is an array of real numbers")
+    return np.asarray(values, float)
 
 
 def uniform_step(timepts: RealArray) -> Second:
@@ -153,9 +178,9 @@ def as_response(
 
     With inputs it is squeezed only where it has one of them too.
     """
-    import control
+    from suspid.responses import Response
 
-    return control.TimeResponseData(
+    return Response(
         time=np.array(timepts, float),
         outputs=np.array(values, float),
         output_labels=list(channels),
@@ -178,7 +203,7 @@ def inputs_of(response: control.TimeResponseData) -> dict[str, RealArray]:
     samples, labels = getattr(response, "inputs", None), getattr(response, "input_labels", None)
     if samples is None:
         return {}
-    table = np.asarray(samples, float)
+    table = real_numbers(samples, "the inputs")
     table = table.reshape(-1, table.shape[-1])
     return dict(zip(labels or [f"u[{i}]" for i in range(len(table))], table, strict=True))
 

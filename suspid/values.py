@@ -99,6 +99,23 @@ def listed(names: Sequence[str]) -> str:
     return ", ".join(map(repr, names[:MOST_NAMES])) + (f" and {more} other{'s' * (more > 1)}" if more > 0 else "")
 
 
+def samples_in_words(timepts: RealArray, channels: Sequence[str]) -> str:
+    """Return length, rate, start and channels of a record in one line.
+
+    Examples
+    --------
+    >>> samples_in_words(np.arange(5) / 100, ["seat", "tire"])
+    '5 samples at 100 Hz from t = 0 s, 2 channels: seat, tire'
+    """
+    length = float(timepts[-1] - timepts[0]) if len(timepts) > 1 else 0.0
+    rate = f" at {(len(timepts) - 1) / length:.6g} Hz" if length > 0 else ""
+    # A start within rounding of zero is zero.
+    start = 0.0 if not len(timepts) or abs(timepts[0]) <= 1e-9 * length / len(timepts) else float(timepts[0])
+    names = ", ".join(channels[:6]) + (", …" if len(channels) > 6 else "")
+    number = f"{len(channels)} channel{'s' * (len(channels) != 1)}"
+    return f"{len(timepts)} samples{rate} from t = {start:.6g} s, {number}: {names}"
+
+
 def text_table(columns: Mapping[str, Sequence[str]]) -> str:
     """Return named columns of text as a table, aligned to the right."""
     return tabulate(columns, headers="keys", disable_numparse=True, stralign="right")

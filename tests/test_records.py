@@ -6,6 +6,7 @@ import io
 import os
 import struct
 import warnings
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -129,18 +130,21 @@ class TestDialects:
     ) -> None:
         rows = [["t", "seat", '"a b"'], ["0", "1.5", "-2e-3"], ["0.5", " 2 ", '"3"'], ["1", ".5", "4."]]
         text = bom + "\n".join(delimiter.join(row) for row in rows) + tail
-        record = read_record(written(tmp_path, "r.csv", text.replace("\n", end)))
+        path = written(tmp_path, "r.csv", text.replace("\n", end))
+        # A last line without an end may have been longer.
+        with nullcontext() if tail else pytest.warns(RecordWarning, match="line 4 does not end"):
+            record = read_record(path)
         assert record.output_labels == ["seat", "a b"]
         assert record.time.tolist() == [0.0, 0.5, 1.0]
         assert record.y.tolist() == [[1.5, 2.0, 0.5], [-0.002, 3.0, 4.0]]
 
     def test_no_header_with_a_rate(self, tmp_path: Path) -> None:
-        record = read_record(written(tmp_path, "r.txt", "1;2\n3;4\n5;6"), fs=4)
+        record = read_record(written(tmp_path, "r.txt", "1;2\n3;4\n5;6\n"), fs=4)
         assert record.output_labels == ["column 1", "column 2"]
         assert record.time.tolist() == [0.0, 0.25, 0.5]
 
     def test_no_header_with_a_column_of_time(self, tmp_path: Path) -> None:
-        record = read_record(written(tmp_path, "r.tsv", "1\t2\n3\t4\n5\t6"), time="column 1")
+        record = read_record(written(tmp_path, "r.tsv", "1\t2\n3\t4\n5\t6\n"), time="column 1")
         assert record.time.tolist() == [1.0, 3.0, 5.0]
         assert record.y.tolist() == [[2.0, 4.0, 6.0]]
 

@@ -11,7 +11,7 @@ from suspid.cleaning.conversions import to_si
 from suspid.errors import RecordError
 from suspid.files import printable
 from suspid.io import seconds_in
-from suspid.signals import as_response, uniform_step
+from suspid.signals import as_response, real_numbers, uniform_step
 from suspid.units import Hertz, RealArray
 
 if TYPE_CHECKING:
@@ -80,6 +80,7 @@ def as_record(
         raise RecordError(f"fs = {fs!r:.40} Hz must be positive and finite, a number")
     if _is_response(data) and np.ndim(data.y) == 2 and fs is None is timepts and channels is None is units:
         response: control.TimeResponseData = data
+        real_numbers(response.y, "the response")
         return response
     values, time, names = _parts(data)
     if channels is not None:
@@ -221,21 +222,7 @@ def _matrix(data: RecordLike) -> RealArray:
 
 
 def _real(data: RecordLike, what: str) -> RealArray:
-    if np.ma.isMaskedArray(data) and np.any(np.ma.getmaskarray(data)):
-        raise RecordError(
-            f"{what}: {int(np.sum(np.ma.getmaskarray(data)))} samples are masked; fill them or cut the record there"
-        )
-    try:
-        values = np.asarray(data)
-    except ValueError:
-        raise RecordError(f"{what}: the channels have different lengths; pass those of one rate") from None
-    if values.dtype.kind == "c":
-        if np.any(values.imag):
-            raise RecordError(f"{what} is complex; pass its real or its imaginary part as a record of its own")
-        values = values.real
-    if values.dtype.kind not in "iufb":
-        raise RecordError(f"{what} holds no numbers but {values.dtype}; a record is an array of real numbers")
-    return np.array(values, float)
+    return np.array(real_numbers(data, what))
 
 
 def _numbered(values: RealArray) -> list[str]:

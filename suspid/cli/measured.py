@@ -20,6 +20,7 @@ from suspid.errors import InputError
 from suspid.files import printable, replacing
 from suspid.levels import LEVEL
 from suspid.signals import as_signal
+from suspid.values import samples_in_words
 from suspid.words import DAMAGE, Note, count
 
 if TYPE_CHECKING:
@@ -211,13 +212,7 @@ def said_of(found: Analysis, *, most_left_out: int | None = None, most_findings:
 def record_in_words(record: control.TimeResponseData) -> str:
     """Return length, rate, start and channels of a record in one line."""
     signal = as_signal(record)
-    # A start within rounding of zero is zero.
-    start = signal.start if abs(signal.start) > 1e-9 * signal.step else 0.0
-    names = ", ".join(signal.channels[:6]) + (", …" if len(signal.channels) > 6 else "")
-    return (
-        f"{signal.values.shape[1]} samples at {1 / signal.step:.6g} Hz from t = {start:.6g} s, "
-        f"{count(len(signal.channels), 'channel')}: {names}"
-    )
+    return samples_in_words(signal.timepts, signal.channels)
 
 
 def checked_page(path: Path) -> Path:

@@ -133,7 +133,7 @@ def _dataset(data: h5py.Dataset) -> Value:
     if of_class == "char" or h5py.check_string_dtype(data.dtype) is not None:
         return Text(text=_letters(data))
     names = data.dtype.names
-    if names and {name.lower() for name in names} <= {"real", "imag", "r", "i"}:
+    if kind == "c" or (names and {name.lower() for name in names} <= {"real", "imag", "re", "im", "r", "i"}):
         return Remark(LeftOut.COMPLEX)
     if data.external or data.is_virtual:
         return Remark(LeftOut.OTHER_FILES)
@@ -151,9 +151,17 @@ def _variable(data: h5py.Dataset, field: str | None) -> Variable:
     rates: Mapping[str, Hertz] = {name: rate for name, rate in stated.items() if rate is not None}
 
     def read() -> NDArray[Any]:
-        return np.asarray(_sheltered(lambda: np.array(data[()] if field is None else data[field])))
+        values = np.asarray(_sheltered(lambda: np.array(data[()] if field is None else data[field])))
+        masked = np.isin(values, _sheltered(lambda: _fills(data))) if field is None else np.zeros(0, bool)
+        return np.where(masked, np.nan, values) if np.any(masked) else values
 
     return Variable(shape=tuple(data.shape), read=read, unit=unit, rates=rates)
+
+
+def _fills(data: h5py.Dataset) -> NDArray[Any]:
+    """Return the numbers that stand for masked samples, as netCDF states them."""
+    stated = [np.ravel(data.attrs[name]) for name in ("_FillValue", "missing_value") if name in data.attrs]
+    return np.concatenate([np.empty(0), *(fill for fill in stated if fill.dtype.kind in "iuf")])
 
 
 def _numbers(thing: h5py.Group | h5py.Dataset) -> dict[str, float]:

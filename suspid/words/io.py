@@ -101,6 +101,12 @@ class LeftOut(Code):
     COMMENT = "comment", "is a comment: {line}"
     BLANK = "blank", _blank
     CUT_SHORT = "cut_short", "is cut short: it has {cells} of {width} cells"
+    CUT_CELL = "cut_cell", "is cut short within its last number: {cell!r}"
+    CUT_NUMBER = (
+        "cut_number",
+        "is cut short within its last number: {cell!r} has {digits} of {usual} characters behind the decimal sign",
+    )
+    NO_END = "no_end", "does not end with a line feed: if the file was cut off there, its last number {cell!r} is wrong"
     FOOTER = "footer", "is below the data: {line}"
     NAME_TWICE = "name_twice", "occurs twice, {name!r}; the column is called {new!r}"
     UTF_16 = "utf_16", "is UTF-16, by its first bytes"
@@ -111,4 +117,4 @@ class LeftOut(Code):
 
 
 # What a file has lost: these are warned of, where the others are merely listed.
-DAMAGE = frozenset({LeftOut.CUT_SHORT, LeftOut.WINDOWS_1252})
+DAMAGE = frozenset({LeftOut.CUT_SHORT, LeftOut.CUT_CELL, LeftOut.CUT_NUMBER, LeftOut.NO_END, LeftOut.WINDOWS_1252})

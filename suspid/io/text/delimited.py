@@ -12,6 +12,7 @@ from suspid.files import read_bytes
 from suspid.io.tables import Table, TimeBase, bare_name, is_time
 from suspid.io.text.cells import seconds
 from suspid.io.text.encodings import decoded
+from suspid.io.text.endings import is_open
 from suspid.io.text.layouts import Layout, find_layout
 from suspid.io.text.rows import Rows, find_rows
 from suspid.values import listed
@@ -37,7 +38,10 @@ HEAD_LINES, HEAD_BYTES = 1000, 1 << 18
 
 def read_delimited(path: Path) -> Table:
     """Return the table of a text file; delimiter, decimal sign, header and units are detected."""
-    text, left_out = decoded(read_bytes(path, error=RecordError))
+    content = read_bytes(path, error=RecordError)
+    ends_within = is_open(content)
+    text, left_out = decoded(content)
+    del content
     head = text[:HEAD_BYTES].split(b"\n", HEAD_LINES)
     middle: list[bytes] = []
     if len(text) > HEAD_BYTES or len(head) > HEAD_LINES:
@@ -49,7 +53,7 @@ def read_delimited(path: Path) -> Table:
     layout = find_layout(top, [line for line in (*top, *(row.decode() for row in middle)) if line.strip()])
     body = text[sum(len(line) + 1 for line in head[: layout.first]) :]
     del text
-    rows, odd = find_rows(body, layout)
+    rows, odd = find_rows(body, layout, is_open=ends_within)
     counter = _counter(layout, top)
     left_out |= {**layout.left_out, **odd, **dict.fromkeys(counter, Remark(LeftOut.ROW_COUNTER))}
     _refuse_long(rows, layout)

@@ -15,6 +15,7 @@ from suspid.errors import RecordError
 from suspid.io.text.cells import COMMA_NUMBER, kind_of, number
 from suspid.io.text.dialects import shortened
 from suspid.io.text.encodings import PIECE
+from suspid.io.text.endings import cut_number
 from suspid.io.text.layouts import Layout
 from suspid.units import RealArray
 from suspid.words import LeftOut, Remark
@@ -78,8 +79,11 @@ def _pieces(body: bytes) -> Iterator[bytes]:
         start = stop
 
 
-def find_rows(body: bytes, layout: Layout) -> tuple[Rows, dict[str, Remark]]:
-    """Return the rows, and the lines between and below them that are not rows."""
+def find_rows(body: bytes, layout: Layout, *, is_open: bool = False) -> tuple[Rows, dict[str, Remark]]:
+    """Return the rows, and the lines between and below them that are not rows.
+
+    ``is_open`` tells that the text ends within a line; a row there whose last number is cut short is left out.
+    """
     blank: list[int] = []
     odd: dict[int, str] = {}
     line = layout.first + 1
@@ -94,6 +98,9 @@ def find_rows(body: bytes, layout: Layout) -> tuple[Rows, dict[str, Remark]]:
         line += piece.count(b"\n")
     skipped = frozenset({*blank, *odd})
     last = next(n for n in range(line - 1, -1, -1) if n not in skipped)
+    ending = _ending(body, line, layout, skipped) if is_open and last == line - 1 > layout.first + 1 else None
+    if ending is not None and ending.code is not LeftOut.NO_END:
+        skipped |= {last}
     said = {f"line {n}": _why(text, layout, n, last) for n, text in odd.items()}
     below = [n for n in odd if n > last]
     if len(below) > 20:
@@ -103,8 +110,17 @@ def find_rows(body: bytes, layout: Layout) -> tuple[Rows, dict[str, Remark]]:
     inner = [n for n in blank if n < last]
     if inner:
         said[f"line {inner[0]}"] = Remark(LeftOut.BLANK, {"more": len(inner) - 1})
+    said |= {} if ending is None else {f"line {line - 1}": ending}
     first = layout.first + 1
     return Rows(body=body, first=first, layout=layout, skipped=skipped, size=line - first - len(skipped)), said
+
+
+def _ending(body: bytes, line: int, layout: Layout, skipped: frozenset[int]) -> Remark | None:
+    """Return what is to be said of the last row, which has no end; ``line`` is the number behind its own."""
+    lines = body[-PIECE // 16 :].decode(errors="replace").split("\n")[:-1]
+    # The first one may be the end of a longer one.
+    above = [text for k, text in enumerate(lines[:-1], start=line - len(lines)) if k not in skipped][1:]
+    return cut_number(above, lines[-1], layout)
 
 
 def _suspects(piece: bytes, layout: Layout) -> list[int]:
