@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import difflib
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,18 +20,26 @@ if TYPE_CHECKING:
 NORMAL_MEDIAN = 0.6744897501960817
 
 
-@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class FilterBank:
     """Filters of a wavelet for records of one length."""
 
     wavelet: pywt.Wavelet  # the wavelet with the taps of its filters
     count: int  # length of the record; reflected at its ends it has twice that period
     depth: int  # the deepest possible level
-    # (filter, bin): discrete Fourier transforms of the analysis (low, high) and synthesis (low, high) filters over that
-    # period.
-    spectra: ComplexArray
-    # (level,): gain of the standard deviation of white noise from record to coefficients; 1 for orthogonal wavelets.
-    gains: RealArray
+
+    @cached_property
+    def spectra(self) -> ComplexArray:
+        """Discrete Fourier transforms of the analysis (low, high) and synthesis (low, high) filters, (filter, bin).
+
+        Their period is that of the reflected record. The plain transform with an orthogonal wavelet needs none.
+        """
+        return np.asarray(np.fft.fft(np.array(self.wavelet.filter_bank), 2 * self.count))
+
+    @cached_property
+    def gains(self) -> RealArray:
+        """Gain of the standard deviation of white noise from record to coefficients, (level,): 1 if orthogonal."""
+        return np.ones(self.depth) if self.wavelet.orthogonal else _gains(self)
 
     def at(self, level: int) -> ComplexArray:
         """Return the spectra of the filters stretched by ``2^level``, (filter, non-negative frequency)."""
@@ -54,14 +63,12 @@ def filter_bank(name: str, count: int) -> FilterBank:
             f"the record has {count} samples; {name!r} with its {wavelet.dec_len} taps needs at least "
             f"{2 * (wavelet.dec_len - 1)}; take a shorter wavelet, such as 'haar' from 2 samples or 'sym2' from 6"
         )
-    spectra = np.fft.fft(np.array(wavelet.filter_bank), 2 * count)
-    bank = FilterBank(wavelet=wavelet, count=count, depth=depth, spectra=spectra, gains=np.ones(depth))
-    return bank if wavelet.orthogonal else replace(bank, gains=_gains(bank))
+    return FilterBank(wavelet=wavelet, count=count, depth=depth)
 
 
 def noise_std(details: list[RealArray], filters: FilterBank) -> RealArray:
     """Return the noise deviation of the record estimated at each level: ``median(|x|) / 0.6745 / gain``."""
-    median = np.array([np.median(np.abs(d)) for d in details])
+    median = np.array([_median(np.abs(d)) for d in details])
     return np.asarray(median / NORMAL_MEDIAN / filters.gains[: len(details)])
 
 
@@ -133,6 +140,14 @@ def decimated_merge(details: list[RealArray], rough: RealArray, filters: FilterB
 
     samples = pywt.waverec([rough, *details[::-1]], filters.wavelet, mode="symmetric")
     return np.asarray(samples, float)[: filters.count]
+
+
+def _median(values: RealArray) -> float:
+    """Return the median; `numpy.median` takes three times as long for a few hundred values."""
+    half = values.size // 2
+    parted = np.partition(values, half)
+    above = float(parted[half])
+    return above if values.size % 2 else (float(np.max(parted[:half])) + above) / 2
 
 
 def _gains(filters: FilterBank) -> RealArray:
