@@ -14,6 +14,7 @@ from suspid.signals import as_signal
 from suspid.units import Radian, RadianPerSecond, RealArray
 from suspid.values import frozen_real
 from suspid.wavelets.morlet import Morlet
+from suspid.wavelets.rows import BLOCK
 from suspid.wavelets.scalogram import Scalogram
 from suspid.wavelets.transform import row_frequencies, transform
 
@@ -114,8 +115,16 @@ def best_bandwidth(
 def _entropy(scalogram: Scalogram) -> float:
     """Return ``-sum p log p`` with ``p = e / E``, as ``log E - sum e log e / E``."""
     total = weighted = 0.0
-    for index, row in enumerate(scalogram.rows):
-        energy, counts = row.real**2 + row.imag**2, scalogram.weights(index)
-        total += float(np.sum(energy @ counts))
-        weighted += float(np.sum((energy * np.log(np.where(energy > 0, energy, 1.0))) @ counts))
+    strides = np.array(scalogram.strides)
+    for stride in np.unique(strides):
+        # Rows of one rate have one length and one set of weights.
+        alike = np.flatnonzero(strides == stride)
+        counts = scalogram.weights(int(alike[0]))
+        at_once = max(1, BLOCK // scalogram.rows[alike[0]].size)
+        for some in np.array_split(alike, -(-len(alike) // at_once)):
+            rows = np.concatenate([scalogram.rows[i] for i in some])
+            energy = rows.real**2 + rows.imag**2
+            total += float(np.sum(energy @ counts))
+            energy *= np.log(np.where(energy > 0, energy, 1.0))
+            weighted += float(np.sum(energy @ counts))
     return float(np.log(total) - weighted / total)
