@@ -25,6 +25,32 @@ def test_without_limits_it_is_lqr() -> None:
     assert found.cost == pytest.approx(found.bound, rel=1e-5)
 
 
+def test_without_limits_it_is_h2_optimal() -> None:
+    """The H2 controller of the states with almost no noise on them costs as much; python-control finds it by SLICOT."""
+    pytest.importorskip("slycot")
+    found = tune_active(CAR, actuator="chassis_travel", objective=OBJECTIVE, road="C", speed=20.0)
+    system = statespace(CAR, outputs=list(OBJECTIVE), forces=["chassis_travel"])
+    # Displacements count from the road, so its slope in time moves all of them down.
+    slope = np.array([[-1.0 if name.startswith("z_") else 0.0] for name in found.states])
+    level = (2 * np.pi * 0.1) ** 2 * 256e-6 * 20.0 / 2
+    states, seen, kilo, noise = len(slope), np.eye(len(slope)), 1e3, 1e-5
+    scale = np.array(list(OBJECTIVE.values()))[:, None]
+    still = np.zeros((len(scale), 1 + states))
+    plant = control.ss(
+        system.A,
+        np.hstack([slope * np.sqrt(level), 0 * seen, kilo * np.asarray(system.B)]),
+        np.vstack([np.asarray(system.C) / scale, seen]),
+        np.block(
+            [
+                [still, kilo * np.asarray(system.D) / scale],
+                [np.zeros((states, 1)), noise * seen, still[:1, :1].repeat(states, 0)],
+            ]
+        ),
+    )
+    closed = plant.lft(control.h2syn(plant, states, 1))
+    assert control.norm(closed, 2) ** 2 == pytest.approx(found.cost, rel=3e-4)
+
+
 def test_limits_hold_and_cost_something() -> None:
     request = {"actuator": "chassis_travel", "road": "C", "speed": 20.0}
     objective = {"chassis_acceleration": 1.0, "tire_travel": 0.004}

@@ -19,9 +19,10 @@ from suspid.cli.fleet import fleet_command
 from suspid.cli.measured import channels_command, identify_command, report_command
 from suspid.cli.options import FILE
 from suspid.cli.parameters import Outputs, Wanted, conclude, wanting, writing
-from suspid.cli.ride import ride_command, tune_command
+from suspid.cli.ride import ride_command
 from suspid.cli.simulate import simulate_command
 from suspid.cli.support import Commands, Positive, check_apart, said_warnings, say
+from suspid.cli.tune import tune_command
 from suspid.files import replacing
 
 if TYPE_CHECKING:

@@ -1,4 +1,4 @@
-"""The commands of roads: the ride of a car or a record, and a better suspension."""
+"""The command of a ride: comfort, travel and wheel load of a car or a record."""
 
 from __future__ import annotations
 
@@ -53,6 +53,7 @@ PICTURE_OF_RIDE = click.option("--plot", type=FILE, metavar="FILE", help="Write 
 @click.option("--level", type=click.FloatRange(0, 1, min_open=True, max_open=True), help="Print intervals, as 0.95.")
 @click.option("--sensitivities", "tables", is_flag=True, help="Show which spring and damper moves which figure.")
 @PICTURE_OF_RIDE
+@click.option("--json", "json_file", type=FILE, metavar="FILE", help="Write figures and intervals as JSON.")
 def ride_command(
     source: Path,
     settings: Settings,
@@ -65,6 +66,7 @@ def ride_command(
     level: float | None,
     tables: bool,
     plot: Path | None,
+    json_file: Path | None,
 ) -> None:
     """Show comfort, travel and wheel load of CAR.
 
@@ -76,9 +78,12 @@ def ride_command(
 
     With --sensitivities, which need a description, --plot draws these.
     """
+    from suspid.identification import to_json
+    from suspid.levels import LEVEL
     from suspid.performance import ride, sensitivities
+    from suspid.reporting import ride_to_dict
 
-    check_apart([source], [plot])
+    check_apart([source], [plot, json_file])
     of_car = source.suffix.lower() in (".toml", ".json")
     if of_car != (road is not None) or (road is None) != (speed is None):
         raise click.UsageError("A car needs --road and --speed; a record takes none of them.")
@@ -88,7 +93,12 @@ def ride_command(
         raise click.UsageError("--sensitivities need the description of a car (.toml).")
     kinds = {c: tuple(w.split(",")) for c, w in pairs(weightings, "--weighting", str).items()} or None
     gaps = pairs(clearance, "--clearance", float) or None
-    with _drawing(plot) as draw, said_warnings() as said, named(source):
+    with (
+        drawing(plot) as draw,
+        replacing(json_file) if json_file else nullcontext() as json_draft,
+        said_warnings() as said,
+        named(source),
+    ):
         what = car_of(source) if of_car else _record_of(source, settings, said)
         about: dict[str, Any] = {"road": road_named(road), "speed": speed, "clearance": gaps} if of_car else {}
         if of_car:
@@ -109,83 +119,9 @@ def ride_command(
             )
             text += f"\n\n{turned}"
         draw(_picture(found, turned))
+        if json_draft:
+            json_draft.write_text(to_json(ride_to_dict(found, level=level or LEVEL)), encoding="utf-8")
     say(text)
-
-
-@click.command("tune")
-@click.argument("source", type=FILE, metavar="CAR")
-@ON_ROAD
-@AT_SPEED
-@click.option(
-    "--parameter", "parameters", metavar="NAME[=NAME…]", multiple=True,
-    help="What may change, as chassis.damping; those joined by = change by one factor; repeat. [struts off the road]",
-)  # fmt: skip
-@click.option("--objective", "objectives", metavar="FIGURE", multiple=True, help="One or two figures of suspid ride.")
-@click.option("--limit", "limits", metavar="FIGURE=VALUE", multiple=True, help="Largest value of a figure; repeat.")
-@click.option(
-    "--bound", "bounds", type=(str, float, float), metavar="NAME LOW HIGH", multiple=True,
-    help="Least and largest value of a parameter; repeat. [a quarter to four times]",
-)  # fmt: skip
-@click.option("--points", type=click.IntRange(2, 200), default=11, show_default=True, help="Cars on the front.")
-@click.option("--robust", type=Positive("sd"), default=None, help="Standard deviations added to each figure. [0]")
-@GIVEN_STOPS
-@STATED_STD
-@PICTURE_OF_RIDE
-@click.option("-o", "--output", type=FILE, metavar="FILE", help="Write the car at the knee of the front as TOML.")
-def tune_command(
-    source: Path,
-    road: str | None,
-    speed: float | None,
-    parameters: tuple[str, ...],
-    objectives: tuple[str, ...],
-    limits: tuple[str, ...],
-    bounds: tuple[tuple[str, float, float], ...],
-    points: int,
-    robust: float | None,
-    clearance: tuple[str, ...],
-    nominal_std: float | None,
-    plot: Path | None,
-    output: Path | None,
-) -> None:
-    """Find springs and dampers of the best compromises.
-
-    The compromises are those between two figures of CAR (.toml or estimate .json).
-
-    Without --objective these are the weighted acceleration of the first coordinate and the dynamic load of the first
-    wheel.
-    """
-    from suspid.model import Suspension, car_to_toml
-    from suspid.performance import tune
-    from suspid.reporting import plot_tuning
-
-    if road is None or speed is None:
-        raise click.UsageError("A car needs --road and --speed.")
-    check_apart([source], [plot, output])
-    with (
-        _drawing(plot) as draw,
-        replacing(output) if output else nullcontext() as car_draft,
-        said_warnings(),
-        named(source),
-    ):
-        what = car_of(source)
-        car = what if isinstance(what, Suspension) else what.suspension
-        found = tune(
-            what,
-            parameters=[name.split("=") for name in parameters] or _struts(car),
-            objective=objectives or _figures(car),
-            road=road_named(road) or 0.0,
-            speed=speed,
-            constraints=pairs(limits, "--limit", float),
-            bounds={name: (low, high) for name, low, high in bounds},
-            points=points,
-            robust=robust or 0.0,
-            clearance=pairs(clearance, "--clearance", float),
-            nominal_std=nominal_std,
-        )
-        draw(partial(plot_tuning, found))
-        if car_draft:
-            car_draft.write_text(car_to_toml(found.cars[found.knee]), encoding="utf-8")
-    say(str(found))
 
 
 def car_of(source: Path) -> Suspension | Estimate:
@@ -214,20 +150,6 @@ def _record_of(source: Path, settings: Settings, said: list[str]) -> Any:
     return cut(opened.cleaned.record, start=settings.start, stop=settings.stop)
 
 
-def _struts(car: Suspension) -> list[list[str]]:
-    """Return springs and dampers of the struts that are not on the road."""
-    off = [s for s in car.struts if not any(s.arms.get(r) for r in car.roads)]
-    return [[f"{s.name}.{q}"] for q in ("stiffness", "damping") for s in off if getattr(s, q)]
-
-
-def _figures(car: Suspension) -> tuple[str, str]:
-    from suspid.performance import wheels_of
-
-    wheels = wheels_of(car).names
-    felt = next(c for c in car.coordinates if c not in wheels)
-    return f"{felt}_acceleration.Wk", f"{wheels[0]}.load"
-
-
 def _intervals(found: Ride, level: float) -> str:
     ends = found.interval(level)
     return text_table(
@@ -240,7 +162,7 @@ def _intervals(found: Ride, level: float) -> str:
 
 
 @contextmanager
-def _drawing(plot: Path | None) -> Iterator[Callable[[Callable[[Figure], object]], None]]:
+def drawing(plot: Path | None) -> Iterator[Callable[[Callable[[Figure], object]], None]]:
     """Give a function that saves a picture, or does nothing where none is wanted."""
     if plot is None:
         yield lambda _: None

@@ -8,12 +8,11 @@ from dataclasses import replace
 import numpy as np
 
 from suspid.errors import InputError
-from suspid.greybox import Estimate
 from suspid.levels import LEVEL
-from suspid.model import Suspension, check_linear
+from suspid.model import check_linear
 from suspid.performance.contact import Wheels, contact, static_loads, wheels_of
 from suspid.performance.grips import PHASE_LIMIT, Grip
-from suspid.performance.uncertain import Uncertain, uncertain
+from suspid.performance.uncertain import Car, Uncertain, uncertain
 from suspid.units import ComplexArray, Hertz, Metre, Newton, Ratio, RealArray
 from suspid.values import frozen_real, nearest_names
 from suspid.words import Check, Level, Number, Remark, Verdict
@@ -26,7 +25,7 @@ GRID: Hertz = 0.05  # of the curves; a least value is refined between its neighb
 
 
 def grip(
-    car: Suspension | Estimate,
+    car: Car,
     *,
     amplitude: Metre = PLATFORM,
     highest: Hertz = SWEEP_TOP,
@@ -41,7 +40,7 @@ def grip(
 
     Parameters
     ----------
-    car : Suspension or Estimate
+    car : Suspension, Estimate or Reconstruction
         A car as described, or as estimated: the figures then have the uncertainty of its parameters, with the mounts
         as estimated. A wheel is a coordinate that a strut holds to a road.
     amplitude : float

@@ -8,14 +8,13 @@ import numpy as np
 
 from suspid.cleaning import RecordLike
 from suspid.errors import InputError
-from suspid.greybox import Estimate
 from suspid.model import Suspension, output_rows
 from suspid.performance.figures import ROTATION, SICKNESS, Plan, plan_of
 from suspid.performance.reactions import reaction
 from suspid.performance.recorded import recorded
 from suspid.performance.rides import Ride
 from suspid.performance.road_response import Signals, densities
-from suspid.performance.uncertain import Uncertain, uncertain
+from suspid.performance.uncertain import Car, Uncertain, uncertain
 from suspid.performance.weightings import weighting_named
 from suspid.simulation import Road, places_of
 from suspid.simulation import road as road_of
@@ -30,7 +29,7 @@ DRAWN = 1024
 
 
 def ride(
-    car: Suspension | Estimate | RecordLike,
+    car: Car | RecordLike,
     *,
     road: Road | str | float | None = None,
     speed: float | None = None,
@@ -47,7 +46,7 @@ def ride(
 
     Parameters
     ----------
-    car : Suspension, Estimate or record, as `as_record` takes it
+    car : Suspension, Estimate, Reconstruction or record, as `as_record` takes it
         A car as described; as estimated: the figures then have the uncertainty of its parameters; or a record.
     road : Road, str or float
         The road, with a car: from `road`, or its class or G_d(n_0) [m3], driven at ``speed``.
@@ -89,7 +88,7 @@ def ride(
     >>> round(found["chassis_acceleration.Wk"], 3), round(found["tire.load_share"], 3)
     (1.066, 0.24)
     """
-    if not isinstance(car, Suspension | Estimate):
+    if not isinstance(car, Car):
         if road is not None or speed is not None or clearance is not None or nominal_std is not None:
             raise InputError("road, speed, clearance and nominal_std go with a car; this is a record")
         return recorded(car, duration=duration, weightings=weightings)

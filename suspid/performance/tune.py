@@ -8,14 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from suspid.errors import InputError
-from suspid.greybox import Estimate
 from suspid.model import Suspension
 from suspid.performance.figures import Plan, plan_of
 from suspid.performance.fronts import Front, Search, front_of
 from suspid.performance.ride import HOUR, driven_road
 from suspid.performance.road_response import Grid, exact_grid
 from suspid.performance.tunings import Tuning
-from suspid.performance.uncertain import Uncertain, uncertain
+from suspid.performance.uncertain import Car, Uncertain, uncertain
 from suspid.reconstruction import parameter_values
 from suspid.simulation import Road
 from suspid.units import Metre, Ratio, RealArray, Second
@@ -63,7 +62,7 @@ class Choice:
 
 
 def tune(
-    car: Suspension | Estimate,
+    car: Car,
     *,
     parameters: Sequence[str | Sequence[str]],
     objective: str | Sequence[str],
@@ -82,7 +81,7 @@ def tune(
 
     Parameters
     ----------
-    car : Suspension or Estimate
+    car : Suspension, Estimate or Reconstruction
         The car to begin with.
     parameters : sequence of str or of sequence of str
         What may change, such as ``"chassis.stiffness"``; a sequence of names changes by one factor, such as those of
@@ -176,6 +175,7 @@ def tune(
         present=frozen_real(now),
         parameters=choice.names,
         choices=frozen_real([[one[name] for name in choice.names] for one in chosen]),
+        described=frozen_real([choice.values[name] for name in choice.names]),
         cars=cars,
         verdict=_judged(front, choice, search, robust, about),
     )

@@ -34,6 +34,8 @@ class Tuning(Result):
         The parameters that were chosen.
     choices : ndarray (point, parameter)
         Their values for each car.
+    described : ndarray (parameter,)
+        Their values for the car as it was.
     cars : tuple of Suspension
         The cars.
     verdict : Verdict
@@ -47,6 +49,7 @@ class Tuning(Result):
     present: RealArray
     parameters: tuple[str, ...]
     choices: RealArray
+    described: RealArray
     cars: tuple[Suspension, ...]
     verdict: Verdict
 
@@ -67,8 +70,8 @@ class Tuning(Result):
         knee = self.knee
         labels = [f"{i + 1}{' (knee)' if i == knee and len(self.cars) > 2 else ''}" for i in range(len(self.cars))]
         columns = {"car": [*labels, "now"]}
-        for name, column in zip(self.parameters, self.choices.T, strict=True):
-            columns[name] = [*(f"{value:.4g}" for value in column.tolist()), ""]
+        for name, column, now in zip(self.parameters, self.choices.T, self.described, strict=True):
+            columns[name] = [f"{value:.4g}" for value in (*column.tolist(), float(now))]
         for name, unit, column, now in zip(self.figures, self.units, self.values.T, self.present, strict=True):
             columns[f"{name} [{unit}]"] = [f"{value:.4g}" for value in (*column.tolist(), float(now))]
         return f"{text_table(columns)}\n{self.verdict}"

@@ -1,21 +1,24 @@
-"""A car and what is uncertain of it: from a description, or from an estimate with its covariance."""
+"""A car and what is uncertain of it: from a description, an estimate or a reconstruction with its covariance."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 
 from suspid.errors import InputError
 from suspid.greybox import Estimate
 from suspid.model import Suspension
-from suspid.reconstruction import parameter_names, parameter_values
+from suspid.reconstruction import Reconstruction, parameter_names, parameter_values
 from suspid.units import Ratio, RealArray, Second
 from suspid.values import frozen_real, nearest_names
 from suspid.words import Level
 
 ALL = "all springs, dampers and masses"
+# What figures are computed of: a car as described, or as found with its uncertainty.
+Car: TypeAlias = Suspension | Estimate | Reconstruction
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -30,26 +33,28 @@ class Uncertain:
     doubt: Level | None  # the level of the estimate's verdict, where it is below sound
 
 
-def uncertain(car: Suspension | Estimate, nominal_std: Ratio | Mapping[str, Ratio] | None = None) -> Uncertain:
+def uncertain(car: Car, nominal_std: Ratio | Mapping[str, Ratio] | None = None) -> Uncertain:
     """Return a car with the parameters of springs, dampers, masses and mounts that are uncertain.
 
     Raises
     ------
     InputError
-        If the car is neither a Suspension nor an Estimate, or ``nominal_std`` names what is unknown or was estimated.
+        If the car is no Suspension, Estimate or Reconstruction, or ``nominal_std`` names what is unknown or was
+        estimated.
     """
     _check(car)
-    found = car if isinstance(car, Estimate) else None
-    described = car.suspension if isinstance(car, Estimate) else car
+    found = None if isinstance(car, Suspension) else car
+    described = car if isinstance(car, Suspension) else car.suspension
     values, names = parameter_values(described), parameter_names(described)
-    estimated = () if found is None else found.parameters
+    estimated = () if found is None or found.covariance is None else found.parameters
     own = [i for i, name in enumerate(estimated) if name in names or _is_mount(described, name)]
     stds = _stated(nominal_std, [name for name in names if name not in estimated], values, names)
     parameters = (*(estimated[i] for i in own), *stds)
     covariance = np.diag([0.0] * len(own) + [values[name] * std for name, std in stds.items()]) ** 2
-    relaxations: dict[str, float] = {}
-    if found is not None:
+    if found is not None and found.covariance is not None:
         covariance[: len(own), : len(own)] = found.covariance[np.ix_(own, own)]
+    relaxations: dict[str, float] = {}
+    if isinstance(found, Estimate):
         relaxations = {
             estimated[i].rpartition(".")[0]: float(found.values[i]) for i in own if estimated[i] not in names
         }
@@ -66,9 +71,9 @@ def uncertain(car: Suspension | Estimate, nominal_std: Ratio | Mapping[str, Rati
 
 
 def _check(car: object) -> None:
-    if not isinstance(car, Suspension | Estimate):
+    if not isinstance(car, Car):
         hint = "; take its .suspension" if hasattr(car, "suspension") else ""
-        raise InputError(f"this needs a Suspension or an Estimate, not {type(car).__name__}{hint}")
+        raise InputError(f"this needs a Suspension, an Estimate or a Reconstruction, not {type(car).__name__}{hint}")
 
 
 def _is_mount(car: Suspension, name: str) -> bool:

@@ -14,7 +14,7 @@ from suspid.performance.damper_rates import dampers_of, nominal_rates, rates_of
 from suspid.performance.grip import grip
 from suspid.performance.grips import Grip
 from suspid.performance.losses import ENOUGH_DRIVES, TESTS, WearRule, loss_of
-from suspid.performance.uncertain import uncertain
+from suspid.performance.uncertain import Car, uncertain
 from suspid.performance.wear_checks import said_of_loss, said_of_phase, untrusted, verdict_of, worst
 from suspid.performance.wears import DamperWear, ParameterChange, Wear
 from suspid.units import Ratio
@@ -147,7 +147,7 @@ def _shape(car: Suspension) -> tuple[object, ...]:
     return tuple(car.masses), tuple((s.name, tuple(n for n, arm in s.arms.items() if arm)) for s in car.struts)
 
 
-def _grip(car: Suspension | Estimate, nominal_std: Ratio | Mapping[str, Ratio] | None = None) -> Grip | None:
+def _grip(car: Car, nominal_std: Ratio | Mapping[str, Ratio] | None = None) -> Grip | None:
     """Return the grip of a car; None of one that has no wheel on a road, or whose springs do not hold it."""
     uncertain(car, nominal_std)
     try:

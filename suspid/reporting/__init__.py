@@ -34,6 +34,7 @@ from suspid.reporting.plot_spectra import plot_spectra
 from suspid.reporting.plot_tuning import plot_tuning
 from suspid.reporting.report import report
 from suspid.reporting.report_json import report_to_dict
+from suspid.reporting.ride_json import ride_to_dict, tuning_to_dict
 from suspid.reporting.source import Source, source_of
 from suspid.reporting.wear_json import comparison_to_dict, wear_to_dict
 
@@ -69,6 +70,8 @@ __all__ = [
     "read_estimate",
     "report",
     "report_to_dict",
+    "ride_to_dict",
     "source_of",
+    "tuning_to_dict",
     "wear_to_dict",
 ]

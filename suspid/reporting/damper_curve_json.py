@@ -6,11 +6,10 @@ which `json_schema` returns.
 
 from __future__ import annotations
 
-import json
 from typing import TYPE_CHECKING
 
-from suspid.identification import to_json
 from suspid.levels import LEVEL
+from suspid.reporting.json_schema import as_plain
 from suspid.units import Ratio
 
 if TYPE_CHECKING:
@@ -34,14 +33,11 @@ def damper_curve_to_dict(found: DamperCurve, *, level: Ratio = LEVEL) -> dict[st
     >>> content["strut"], len(content["nodes"])
     ('chassis', 9)
     """
-    from importlib.metadata import version
-
     low, high = found.interval(level)
     rows = zip(found.velocities, found.forces, found.std, low, high, found.totals, found.total_std, strict=True)
     names = ("velocity", "force", "std", "lower", "upper", "total", "total_std")
     line = found.linear
     fields = {
-        "format": "suspid damper 1",
         "verdict": found.verdict.to_dict(),
         "level": level,
         "strut": found.name,
@@ -68,7 +64,5 @@ def damper_curve_to_dict(found: DamperCurve, *, level: Ratio = LEVEL) -> dict[st
         "freedom": found.freedom,
         "explains": found.explains,
         "masses": [{"name": name, "value": mass, "unit": "kg"} for name, mass in found.suspension.masses.items()],
-        "suspid": version("suspid"),
     }
-    plain: dict[str, object] = json.loads(to_json(fields))
-    return plain
+    return as_plain("suspid damper 1", fields)

@@ -6,13 +6,12 @@ which `json_schema` returns.
 
 from __future__ import annotations
 
-import json
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
-from suspid.identification import to_json
 from suspid.levels import LEVEL
 from suspid.model import Comparison
+from suspid.reporting.json_schema import as_plain
 
 if TYPE_CHECKING:
     from suspid.performance import DamperWear, Grip, Wear
@@ -33,7 +32,8 @@ def wear_to_dict(found: Wear) -> dict[str, object]:
     >>> wear_to_dict(wear(estimate(record, car, fixed=["tire.damping"])))["dampers"][0]["verdict"]
     'good'
     """
-    return _plain(
+    return as_plain(
+        COMPARE_FORMAT,
         {
             "kind": "estimates",
             "verdict": found.verdict.to_dict(),
@@ -50,7 +50,7 @@ def wear_to_dict(found: Wear) -> dict[str, object]:
             ],
             "grip_before": None if found.before is None else grip_to_dict(found.before),
             "grip_after": None if found.after is None else grip_to_dict(found.after),
-        }
+        },
     )  # fmt: skip
 
 
@@ -104,7 +104,7 @@ def comparison_to_dict(found: Comparison) -> dict[str, object]:
         }
         for row in found.table
     ]  # fmt: skip
-    return _plain({"kind": "modes", "passed": found.passed, "rule": found.rule, "values": rows})
+    return as_plain(COMPARE_FORMAT, {"kind": "modes", "passed": found.passed, "rule": found.rule, "values": rows})
 
 
 def _damper(one: DamperWear) -> dict[str, object]:
@@ -120,11 +120,3 @@ def _damper(one: DamperWear) -> dict[str, object]:
         "wheel": one.wheel,
         "checks": [{**check.remark.to_dict(), "level": check.level.label} for check in one.checks],
     }
-
-
-def _plain(fields: dict[str, object]) -> dict[str, object]:
-    from importlib.metadata import version
-
-    whole = {"format": COMPARE_FORMAT, **fields, "suspid": version("suspid")}
-    plain: dict[str, object] = json.loads(to_json(whole))
-    return plain

@@ -1,0 +1,114 @@
+"""The command of a tuning: springs and dampers of the best compromises."""
+
+from __future__ import annotations
+
+from contextlib import nullcontext
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from suspid.cli.options import FILE, pairs
+from suspid.cli.ride import AT_SPEED, GIVEN_STOPS, ON_ROAD, PICTURE_OF_RIDE, STATED_STD, car_of, drawing, road_named
+from suspid.cli.support import Positive, check_apart, named, said_warnings, say
+from suspid.files import replacing
+
+if TYPE_CHECKING:
+    from suspid.model import Suspension
+
+
+@click.command("tune")
+@click.argument("source", type=FILE, metavar="CAR")
+@ON_ROAD
+@AT_SPEED
+@click.option(
+    "--parameter", "parameters", metavar="NAME[=NAME…]", multiple=True,
+    help="What may change, as chassis.damping; those joined by = change by one factor; repeat. [struts off the road]",
+)  # fmt: skip
+@click.option("--objective", "objectives", metavar="FIGURE", multiple=True, help="One or two figures of suspid ride.")
+@click.option("--limit", "limits", metavar="FIGURE=VALUE", multiple=True, help="Largest value of a figure; repeat.")
+@click.option(
+    "--bound", "bounds", type=(str, float, float), metavar="NAME LOW HIGH", multiple=True,
+    help="Least and largest value of a parameter; repeat. [a quarter to four times]",
+)  # fmt: skip
+@click.option("--points", type=click.IntRange(2, 200), default=11, show_default=True, help="Cars on the front.")
+@click.option("--robust", type=Positive("sd"), default=None, help="Standard deviations added to each figure. [0]")
+@GIVEN_STOPS
+@STATED_STD
+@PICTURE_OF_RIDE
+@click.option("--json", "json_file", type=FILE, metavar="FILE", help="Write the cars and their figures as JSON.")
+@click.option("-o", "--output", type=FILE, metavar="FILE", help="Write the car at the knee of the front as TOML.")
+def tune_command(
+    source: Path,
+    road: str | None,
+    speed: float | None,
+    parameters: tuple[str, ...],
+    objectives: tuple[str, ...],
+    limits: tuple[str, ...],
+    bounds: tuple[tuple[str, float, float], ...],
+    points: int,
+    robust: float | None,
+    clearance: tuple[str, ...],
+    nominal_std: float | None,
+    plot: Path | None,
+    json_file: Path | None,
+    output: Path | None,
+) -> None:
+    """Find springs and dampers of the best compromises.
+
+    The compromises are those between two figures of CAR (.toml or estimate .json).
+
+    Without --objective these are the weighted acceleration of the first coordinate and the dynamic load of the first
+    wheel.
+    """
+    from suspid.identification import to_json
+    from suspid.model import Suspension, car_to_toml
+    from suspid.performance import tune
+    from suspid.reporting import plot_tuning, tuning_to_dict
+
+    if road is None or speed is None:
+        raise click.UsageError("A car needs --road and --speed.")
+    check_apart([source], [plot, json_file, output])
+    with (
+        drawing(plot) as draw,
+        replacing(json_file) if json_file else nullcontext() as json_draft,
+        replacing(output) if output else nullcontext() as car_draft,
+        said_warnings(),
+        named(source),
+    ):
+        what = car_of(source)
+        car = what if isinstance(what, Suspension) else what.suspension
+        found = tune(
+            what,
+            parameters=[name.split("=") for name in parameters] or _struts(car),
+            objective=objectives or _figures(car),
+            road=road_named(road) or 0.0,
+            speed=speed,
+            constraints=pairs(limits, "--limit", float),
+            bounds={name: (low, high) for name, low, high in bounds},
+            points=points,
+            robust=robust or 0.0,
+            clearance=pairs(clearance, "--clearance", float),
+            nominal_std=nominal_std,
+        )
+        draw(partial(plot_tuning, found))
+        if json_draft:
+            json_draft.write_text(to_json(tuning_to_dict(found)), encoding="utf-8")
+        if car_draft:
+            car_draft.write_text(car_to_toml(found.cars[found.knee]), encoding="utf-8")
+    say(str(found))
+
+
+def _struts(car: Suspension) -> list[list[str]]:
+    """Return springs and dampers of the struts that are not on the road."""
+    off = [s for s in car.struts if not any(s.arms.get(r) for r in car.roads)]
+    return [[f"{s.name}.{q}"] for q in ("stiffness", "damping") for s in off if getattr(s, q)]
+
+
+def _figures(car: Suspension) -> tuple[str, str]:
+    from suspid.performance import wheels_of
+
+    wheels = wheels_of(car).names
+    felt = next(c for c in car.coordinates if c not in wheels)
+    return f"{felt}_acceleration.Wk", f"{wheels[0]}.load"
