@@ -1,7 +1,9 @@
 """`suspid ride` and `suspid tune`: what is printed is what the library gives."""
 
+import json
 from pathlib import Path
 
+import jsonschema
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
@@ -22,7 +24,7 @@ from suspid import (
 )
 from suspid.cli import main
 from suspid.identification import to_json
-from suspid.reporting import estimate_to_dict
+from suspid.reporting import estimate_to_dict, json_schema
 
 CAR = quarter_car(
     chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3, chassis_damping=1300, tire_damping=60
@@ -134,3 +136,30 @@ def test_numbers_out_of_range_are_one_line(car: Path) -> None:
     huge = run("ride", car, *DRIVE)
     assert (huge.exit_code, huge.output.count("\n")) == (1, 1)
     assert "check the units of the car" in huge.output
+
+
+def test_json_has_what_is_printed(car: Path) -> None:
+    written = car.with_name("ride.json")
+    assert run("ride", car, *DRIVE, "--nominal-std", "0.05", "--json", written).exit_code == 0
+    content = json.loads(written.read_text(encoding="utf-8"))
+    jsonschema.validate(content, json_schema("ride"))
+    found = ride(read_car(car), road="C", speed=20.0, nominal_std=0.05)
+    assert {one["figure"]: one["value"] for one in content["figures"]} == dict(
+        zip(found.figures, found.values.tolist(), strict=True)
+    )
+    assert [one["lower"] for one in content["figures"]] == [low for low, _ in found.interval().values()]
+
+
+def test_json_of_a_tuning_has_the_cars(car: Path) -> None:
+    written = car.with_name("tune.json")
+    shown = run("tune", car, *DRIVE, "--parameter", "chassis.damping", "--points", "3", "--json", written)
+    content = json.loads(written.read_text(encoding="utf-8"))
+    jsonschema.validate(content, json_schema("tune"))
+    assert content["now"]["parameters"] == {"chassis.damping": 1300.0}
+    assert "1300" in next(line for line in shown.output.splitlines() if line.strip().startswith("now"))
+    for one in content["cars"]:
+        made = car.with_name("made.toml")
+        made.write_text(one["toml"], encoding="utf-8")
+        again = ride(read_car(made), road="C", speed=20.0)
+        for name, value in one["figures"].items():
+            assert again[name] == pytest.approx(value, rel=1e-6)

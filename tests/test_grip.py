@@ -12,12 +12,14 @@ from suspid import (
     Strut,
     Suspension,
     add_noise,
+    eigenmodes,
     estimate,
     free_decay,
     full_car,
     grip,
     half_car,
     quarter_car,
+    reconstruct,
     statespace,
 )  # fmt: skip
 from suspid.performance.contact import contact, static_loads, wheels_of
@@ -219,6 +221,17 @@ class TestUncertainty:
         wider = grip(found, nominal_std={"chassis.mass": 0.05})
         assert wider.phase_std[0] > grip(found).phase_std[0]
 
+    def test_a_car_from_its_modes(self) -> None:
+        """Exact modes with a covariance: to first order the deviations are those of modes moved by differences."""
+        true = quarter(900)
+        modes = eigenmodes(true)
+        sure = replace(modes, covariance=np.diag([1e-6, 1e-6, 1e-4, 1e-4]))
+        held = ["tire.damping"]
+        found = grip(reconstruct(sure, true, fixed=held))
+        assert found.phase[0] == pytest.approx(grip(true).phase[0], rel=1e-6)
+        assert found.parameters == ("chassis.stiffness", "tire.stiffness", "chassis.damping")
+        assert found.phase_std[0] > 0
+
     def test_strong_dampers_have_no_least_phase(self) -> None:
         strong = grip(quarter(4000))
         assert np.isnan(strong.phase[0])
@@ -262,7 +275,7 @@ class TestRefusals:
             grip(quarter(900), **arguments)  # type: ignore[arg-type]
 
     def test_other_types(self, found: Estimate) -> None:
-        with pytest.raises(InputError, match="Suspension or an Estimate"):
+        with pytest.raises(InputError, match="a Suspension, an Estimate or a Reconstruction"):
             grip(found.modes)  # type: ignore[arg-type]
         with pytest.raises(InputError, match="was estimated"):
             grip(found, nominal_std={"chassis.damping": 0.1})

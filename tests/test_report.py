@@ -27,9 +27,11 @@ from suspid import (
     add_noise,
     eigenmodes,
     free_decay,
+    grip,
     identify,
     quarter_car,
     reconstruct,
+    ride,
 )
 from suspid.analysis import analyse
 from suspid.cleaning import Cleaned, Finding
@@ -276,6 +278,18 @@ class TestVerdict:
         )
         assert content == parts
         assert "Springs and dampers" in Page(report(analysis)).text
+
+    def test_a_car_is_judged_on_bench_and_road(self, found: Identification, springs: Reconstruction) -> None:
+        driven = ride(springs, road="C", speed=20.0)
+        content = content_of(found, reconstruction=springs, ride=driven)
+        plain = report_to_dict(content)
+        Draft202012Validator(json_schema("report")).validate(plain)
+        assert plain["grip"]["wheels"][0]["phase_rad"] == grip(springs).phase[0]  # type: ignore[index]
+        text = Page(report(content)).text
+        assert "Wheels on a test bench" in text
+        assert f"{driven['seat_acceleration.Wk']:.3g}" in text
+        assert report_to_dict(found)["grip"] is None
+        assert "test bench" not in Page(report(found)).text
 
 
 class TestRounding:

@@ -14,7 +14,17 @@ from typing import TYPE_CHECKING
 import click
 
 from suspid.analysis import STEPS, Analysis, Settings, analyse, check_springs
-from suspid.cli.options import DBC_OPTION, FILE, FS_OPTION, TIME_OPTION, analysing, progress
+from suspid.cli.options import (
+    AT_SPEED,
+    DBC_OPTION,
+    FILE,
+    FS_OPTION,
+    ON_ROAD,
+    TIME_OPTION,
+    analysing,
+    progress,
+    road_named,
+)
 from suspid.cli.support import ARGUMENTS, check_apart, named, said_warnings, say
 from suspid.errors import InputError
 from suspid.files import printable, replacing
@@ -29,6 +39,7 @@ if TYPE_CHECKING:
     import control
     from matplotlib.figure import Figure
 
+    from suspid.performance import Ride
     from suspid.reporting import Source
 
 # Things in a file that are no channels which are listed; `suspid channels` lists all.
@@ -138,6 +149,8 @@ def _json_of(found: Analysis, files: Sequence[Path], said: Sequence[str]) -> dic
 @click.option("-o", "--output", type=FILE, metavar="FILE", required=True, help="The page to write (.html).")
 @analysing
 @click.option("--car", type=FILE, metavar="CAR", help="Masses and nominal struts (.toml): springs and dampers as well.")
+@ON_ROAD
+@AT_SPEED
 @click.option("--level", type=click.FloatRange(0, 1, min_open=True, max_open=True), default=LEVEL, show_default=True,
               help="Probability of the intervals.")  # fmt: skip
 @click.option("--json", "json_file", type=FILE, metavar="FILE", help="Write all that the page shows as JSON.")
@@ -148,6 +161,8 @@ def report_command(
     output: Path,
     settings: Settings,
     car: Path | None,
+    road: str | None,
+    speed: float | None,
     level: float,
     json_file: Path | None,
     title: str | None,
@@ -155,12 +170,15 @@ def report_command(
 ) -> None:
     """Write a page on the modes in FILE.
 
-    The page is one HTML file to print or to send, with all that the result rests on.
+    The page is one HTML file to print or to send, with all that the result rests on. With --car the wheels of the car
+    that was found are judged on a test bench, with --road and --speed its ride as well.
     """
     from suspid.identification import to_json
     from suspid.model import read_car, read_constraints
     from suspid.reporting import content_of, report, report_to_dict
 
+    if (road is None) != (speed is None) or (road is not None and car is None):
+        raise click.UsageError("--road and --speed belong together, and need --car.")
     checked_page(output)
     check_apart([file, *([car] if car else [])], [output, json_file])
     with ExitStack() as outputs, said_warnings() as said, progress(*STEPS, "drawing") as step:
@@ -175,13 +193,21 @@ def report_command(
             found = analyse(file, car=suspension, settings=settings, progress=step)
         (source,) = sources_of([file], date=date)
         step("drawing")
-        content = content_of(found, source=source)
+        content = content_of(found, source=source, ride=_ride_of(found, road, speed))
         draft.write_text(report(content, title=title), encoding="utf-8")
         if json_draft:
             json_draft.write_text(to_json(report_to_dict(content)), encoding="utf-8")
         said += said_of(found, most_left_out=MOST_LEFT_OUT, most_findings=MOST_FINDINGS)
     modes = count(len(found.modes), "mode") if len(found.modes) else "no mode"
     say(f"{printable(str(output))}: {modes} in {printable(str(file))}")
+
+
+def _ride_of(found: Analysis, road: str | None, speed: float | None) -> Ride | None:
+    """Return the ride of the car that was found, if there is one and a road is asked for."""
+    from suspid.performance import ride
+
+    car = found.estimate or found.reconstruction
+    return None if car is None or road is None else ride(car, road=road_named(road), speed=speed)
 
 
 def said_of(found: Analysis, *, most_left_out: int | None = None, most_findings: int | None = None) -> list[str]:

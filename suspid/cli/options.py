@@ -23,6 +23,8 @@ TIME_OPTION = click.option(
 FS_OPTION = click.option(
     "--fs", type=Positive("Hz"), metavar="HZ", help="Sampling rate; it replaces the time in the file, if any."
 )
+ON_ROAD = click.option("--road", metavar="A..H|G_d", help="Class of ISO 8608, or G_d(0.1 cycle/m) [m3].")
+AT_SPEED = click.option("--speed", type=Positive("m/s"), help="Speed.")
 DBC_OPTION = click.option(
     "--dbc", type=FILE, metavar="FILE", help="Database that decodes the CAN frames of an MDF file."
 )
@@ -204,3 +206,11 @@ def pairs(given: Sequence[str], option: str, kind: Callable[[str], Value]) -> di
             raise click.BadParameter(f"{text!r}: write NAME=VALUE, each name once.", param_hint=f"'{option}'")
         found[name] = made
     return found
+
+
+def road_named(text: str | None) -> str | float | None:
+    """Return a class of roads as it is, and a number as G_d [m3]."""
+    try:
+        return float(text) if text is not None else None
+    except ValueError:
+        return text

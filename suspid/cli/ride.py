@@ -12,7 +12,7 @@ import click
 
 from suspid.analysis import Settings, read
 from suspid.cli.measured import checked_picture, save_picture
-from suspid.cli.options import FILE, pairs, reading
+from suspid.cli.options import AT_SPEED, FILE, ON_ROAD, pairs, reading, road_named
 from suspid.cli.support import Positive, check_apart, named, said_warnings, say
 from suspid.files import replacing
 from suspid.signals import cut
@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from suspid.model import Suspension
     from suspid.performance import Ride, Sensitivities
 
-ON_ROAD = click.option("--road", metavar="A..H|G_d", help="Class of ISO 8608, or G_d(0.1 cycle/m) [m3].")
-AT_SPEED = click.option("--speed", type=Positive("m/s"), help="Speed.")
 STATED_STD = click.option(
     "--nominal-std",
     type=Positive("share"),
@@ -133,14 +131,6 @@ def car_of(source: Path) -> Suspension | Estimate:
     from suspid.model import read_car
 
     return read_car(source)
-
-
-def road_named(text: str | None) -> str | float | None:
-    """Return a class of roads as it is, and a number as G_d [m3]."""
-    try:
-        return float(text) if text is not None else None
-    except ValueError:
-        return text
 
 
 def _record_of(source: Path, settings: Settings, said: list[str]) -> Any:

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from suspid.cli.options import FILE, pairs
-from suspid.cli.ride import AT_SPEED, GIVEN_STOPS, ON_ROAD, PICTURE_OF_RIDE, STATED_STD, car_of, drawing, road_named
+from suspid.cli.options import AT_SPEED, FILE, ON_ROAD, pairs, road_named
+from suspid.cli.ride import GIVEN_STOPS, PICTURE_OF_RIDE, STATED_STD, car_of, drawing
 from suspid.cli.support import Positive, check_apart, named, said_warnings, say
 from suspid.files import replacing
 

@@ -127,6 +127,15 @@ def grip(
     return _judged(found, about)
 
 
+def grip_if_any(car: Car, nominal_std: Ratio | Mapping[str, Ratio] | None = None) -> Grip | None:
+    """Return the grip of a car; None of one that has no wheel on a road, or whose springs do not hold it."""
+    uncertain(car, nominal_std)
+    try:
+        return grip(car, nominal_std=nominal_std)
+    except InputError:
+        return None
+
+
 def _check(amplitude: object, highest: float, loads: object) -> None:
     if loads is not None and not isinstance(loads, Mapping):
         raise InputError(f"loads = {loads!r} must map wheels to forces [N], as in {{'tire': 3500.0}}")

@@ -11,10 +11,8 @@ from suspid.greybox import Estimate, nominal_value, parameter_unit
 from suspid.levels import NORMAL_95
 from suspid.model import Suspension
 from suspid.performance.damper_rates import dampers_of, nominal_rates, rates_of
-from suspid.performance.grip import grip
-from suspid.performance.grips import Grip
+from suspid.performance.grip import grip_if_any
 from suspid.performance.losses import ENOUGH_DRIVES, TESTS, WearRule, loss_of
-from suspid.performance.uncertain import Car, uncertain
 from suspid.performance.wear_checks import said_of_loss, said_of_phase, untrusted, verdict_of, worst
 from suspid.performance.wears import DamperWear, ParameterChange, Wear
 from suspid.units import Ratio
@@ -83,8 +81,8 @@ def wear(
 
     rule = WearRule() if rule is None else rule
     earlier = _estimates(now, before)
-    after = _grip(now, nominal_std)
-    former = _grip(earlier[-1], nominal_std) if earlier else _grip(now.nominal)
+    after = grip_if_any(now, nominal_std)
+    former = grip_if_any(earlier[-1], nominal_std) if earlier else grip_if_any(now.nominal)
     doubts = tuple(untrusted(now, earlier))
     quantile = float(-ndtri(rule.rate / TESTS))
     dampers = []
@@ -145,15 +143,6 @@ def _check(what: str, one: object) -> None:
 def _shape(car: Suspension) -> tuple[object, ...]:
     """Return masses by name, and struts with the coordinates that they connect."""
     return tuple(car.masses), tuple((s.name, tuple(n for n, arm in s.arms.items() if arm)) for s in car.struts)
-
-
-def _grip(car: Car, nominal_std: Ratio | Mapping[str, Ratio] | None = None) -> Grip | None:
-    """Return the grip of a car; None of one that has no wheel on a road, or whose springs do not hold it."""
-    uncertain(car, nominal_std)
-    try:
-        return grip(car, nominal_std=nominal_std)
-    except InputError:
-        return None
 
 
 def _changes(now: Estimate, earlier: Sequence[Estimate]) -> Iterator[ParameterChange]:

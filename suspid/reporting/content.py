@@ -11,6 +11,7 @@ from suspid.cleaning import Cleaned
 from suspid.errors import InputError
 from suspid.greybox import DamperCurve, Estimate
 from suspid.levels import LEVEL, check_level
+from suspid.performance import Grip, Ride, grip_if_any
 from suspid.reporting.estimate_page import EstimateContent
 from suspid.reporting.source import Source
 from suspid.reporting.thinning import drawable
@@ -40,12 +41,21 @@ class Content:
         The whole recording; None if it is not known, and the analysis has the record alone.
     warnings : sequence of str
         Warnings that were given on the way.
+    ride : Ride or None
+        The car that was found on a road.
     """
 
     analysis: Analysis
     source: Source | None
     cleaned: Cleaned | None
     warnings: Sequence[str]
+    ride: Ride | None = None
+
+    @property
+    def grip(self) -> Grip | None:
+        """Grip of the car that was found, if there is one and it has wheels."""
+        found = self.analysis.estimate or self.analysis.reconstruction
+        return None if found is None else grip_if_any(found)
 
     @property
     def identification(self) -> Identification:
@@ -86,6 +96,7 @@ def content_of(
     reconstruction: Reconstruction | None = ...,
     level: Ratio = ...,
     warnings: Sequence[str] = ...,
+    ride: Ride | None = ...,
 ) -> Content: ...
 
 
@@ -97,6 +108,7 @@ def content_of(
     level: Ratio = ...,
     warnings: Sequence[str] = ...,
     curves: Sequence[DamperCurve] = ...,
+    ride: Ride | None = ...,
 ) -> EstimateContent: ...
 
 
@@ -111,6 +123,7 @@ def content_of(
     level: Ratio = LEVEL,
     warnings: Sequence[str] = (),
     curves: Sequence[DamperCurve] = (),
+    ride: Ride | None = None,
 ) -> Content | EstimateContent:
     """Return what `report` and `report_to_dict` show of an analysis, an estimate, or an identification.
 
@@ -135,6 +148,8 @@ def content_of(
         Warnings that were given on the way.
     curves : sequence of DamperCurve
         Curves of dampers that an estimate's page shows as well.
+    ride : Ride, optional
+        The car that was found on a road, from `ride`.
 
     Raises
     ------
@@ -154,13 +169,15 @@ def content_of(
     check_level(level)
     if isinstance(found, Estimate):
         sources = () if source is None else (source,) if isinstance(source, Source) else tuple(source)
-        return EstimateContent(found=found, sources=sources, level=level, warnings=warnings, curves=curves)
+        return EstimateContent(found=found, sources=sources, level=level, warnings=warnings, curves=curves, ride=ride)
     if not isinstance(source, Source | None):
         raise InputError(f"source={source!r:.80} must be one Source: an identification has one file")
     if isinstance(found, Analysis):
         no_springs = [str(note) for note in found.notes if note.code is Note.NO_SPRINGS]
         analysis = replace(found, identification=drawable(found.identification))
-        return Content(analysis=analysis, source=source, cleaned=found.cleaned, warnings=(*no_springs, *warnings))
+        return Content(
+            analysis=analysis, source=source, cleaned=found.cleaned, warnings=(*no_springs, *warnings), ride=ride
+        )
     response = found.response
     used = used_decay(response, decays)
     analysis = Analysis(
@@ -174,7 +191,7 @@ def content_of(
         reconstruction=reconstruction,
         notes=(),
     )
-    return Content(analysis=analysis, source=source, cleaned=cleaned, warnings=warnings)
+    return Content(analysis=analysis, source=source, cleaned=cleaned, warnings=warnings, ride=ride)
 
 
 def used_decay(response: control.TimeResponseData, decays: Sequence[Decay]) -> int | None:

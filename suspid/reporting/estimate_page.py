@@ -8,9 +8,11 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from suspid.files import printable
+from suspid.performance import Ride, grip_if_any
 from suspid.reconstruction import parameter_values
 from suspid.reporting.axes import plot_residual, unit_ticks
 from suspid.reporting.estimate_rows import estimate_rows, masses_of
+from suspid.reporting.performance_part import performance_fields
 from suspid.reporting.pictures import Picture, picture, shape_pictures
 from suspid.reporting.plot_damper_curve import plot_damper_curve
 from suspid.reporting.plot_estimate import draw_changes, lively
@@ -47,6 +49,8 @@ class EstimateContent:
         Warnings that were given on the way.
     curves : sequence of DamperCurve
         Curves of the dampers, if they were found as well.
+    ride : Ride or None
+        The car on a road.
     """
 
     found: Estimate
@@ -54,6 +58,7 @@ class EstimateContent:
     level: Ratio
     warnings: Sequence[str]
     curves: Sequence[DamperCurve] = ()
+    ride: Ride | None = None
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -89,6 +94,7 @@ def page_fields(content: EstimateContent) -> dict[str, object]:
             "curves": [(printable(one.name), str(one.verdict.headline), _curve(one, k, level))
                        for k, one in enumerate(content.curves)],
             "records": [_part(content, k) for k in range(min(len(records), MOST_DRAWN))],
+            **performance_fields(grip_if_any(found), content.ride, level),
             "hidden": count(hidden, "further record") if hidden else "",
         }  # fmt: skip
 

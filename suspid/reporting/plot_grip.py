@@ -76,7 +76,9 @@ def draw_adhesion(found: Grip, ax: Axes, *, level: Ratio = LEVEL) -> None:
         ax.axhline(100 * share, color=Colour.GREY, linewidth=0.8, linestyle=":")
         ax.annotate(name, (1.0, 100 * share), xycoords=("axes fraction", "data"), xytext=(3, 3),
                     textcoords="offset points", fontsize="small", color=Colour.GREY)  # fmt: skip
-    ax.set(xlabel="frequency [Hz]", ylabel="least / static force [%]", ylim=(min(-5.0, *(105 * found.least)), 105.0))
+    # What a wheel would pull by more than its load tells no more: it has left the platform.
+    low = min(-5.0, max(-105.0, 105 * float(np.min(found.least))))
+    ax.set(xlabel="frequency [Hz]", ylabel="least / static force [%]", ylim=(low, 105.0))
     ax.set_title("EUSAMA", loc="left")
     ax.set_xscale("log")
     ax.set_xlim(0.5, float(found.hertz[-1]))

@@ -16,6 +16,7 @@ from suspid.reporting.colours import Colour
 from suspid.reporting.content import Content, content_of
 from suspid.reporting.estimate_page import EstimateContent, page_fields
 from suspid.reporting.estimate_rows import estimate_rows, masses_of
+from suspid.reporting.performance_part import performance_fields
 from suspid.reporting.pictures import MOST_CHANNELS, pictures_of
 from suspid.reporting.rows import channel_rows, mode_rows, parameter_rows, pole_rows, repeat_rows
 from suspid.reporting.source import versions
@@ -122,6 +123,7 @@ def _fields(content: Content) -> dict[str, object]:
         "masses": "" if analysis.estimate is None else masses_of(analysis.estimate),
         "reconstruction": car,
         "parameters": [] if car is None else parameter_rows(car, level),
+        **performance_fields(content.grip, content.ride, level),
         "chi_square": "" if car is None else _chi_square(car),
         "status": "" if car is None else _sentence(car.status),
         "twins": [] if car is None else _twins(car),

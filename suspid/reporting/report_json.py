@@ -16,8 +16,10 @@ from suspid.identification import identification_to_dict, modes_to_dict, to_json
 from suspid.reconstruction import reconstruction_to_dict
 from suspid.reporting.content import Content, content_of
 from suspid.reporting.estimate_json import estimate_to_dict
+from suspid.reporting.ride_json import ride_to_dict
 from suspid.reporting.source import Source, versions
 from suspid.reporting.thinning import is_whole
+from suspid.reporting.wear_json import grip_to_dict
 from suspid.units import Ratio
 
 if TYPE_CHECKING:
@@ -59,6 +61,8 @@ def report_to_dict(found: Identification | Analysis | Content) -> dict[str, obje
         "repeats": None if repeats is None else _repeats_to_dict(repeats),
         "reconstruction": None if car is None else reconstruction_to_dict(car, level=content.level),
         "estimate": None if analysis.estimate is None else estimate_to_dict(analysis.estimate, level=content.level),
+        "grip": None if content.grip is None else grip_to_dict(content.grip, level=content.level),
+        "ride": None if content.ride is None else ride_to_dict(content.ride, level=content.level),
         "source": None if source is None else _source(source),
         "versions": versions(),
     }

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from suspid.levels import LEVEL
 from suspid.model import Comparison
 from suspid.reporting.json_schema import as_plain
+from suspid.units import Ratio
 
 if TYPE_CHECKING:
     from suspid.performance import DamperWear, Grip, Wear
@@ -54,7 +55,7 @@ def wear_to_dict(found: Wear) -> dict[str, object]:
     )  # fmt: skip
 
 
-def grip_to_dict(found: Grip) -> dict[str, object]:
+def grip_to_dict(found: Grip, *, level: Ratio = LEVEL) -> dict[str, object]:
     """Return the figures of a grip as plain numbers.
 
     Examples
@@ -65,7 +66,7 @@ def grip_to_dict(found: Grip) -> dict[str, object]:
     >>> grip_to_dict(grip(car))["wheels"][0]["class"]
     'excellent'
     """
-    ends = found.interval(LEVEL)
+    ends = found.interval(level)
     rows = [
         {
             "wheel": wheel,
