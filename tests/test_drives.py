@@ -291,7 +291,7 @@ class TestStretches:
         assert len(text.splitlines()) < 25
 
 
-@pytest.mark.parametrize("wrong", [{"block": 0.0}, {"band": (5.0, 1.0)}, {"lateral": -1.0}])
+@pytest.mark.parametrize("wrong", [{"block": 0.0}, {"band_hz": (5.0, 1.0)}, {"lateral": -1.0}])
 def test_limits_that_make_no_sense(wrong: dict[str, float]) -> None:
     with pytest.raises(InputError):
         DriveLimits(**wrong)  # type: ignore[arg-type]

@@ -1,5 +1,6 @@
 import ast
 import inspect
+import itertools
 import subprocess
 import sys
 from functools import cache
@@ -106,6 +107,12 @@ def constants(tree: ast.Module) -> list[str]:
     return [name.id for name in names if name.id.isupper()]
 
 
+def numeric(value: ast.expr) -> bool:
+    """Return whether an expression holds numbers, alone or in tuples, and nothing else."""
+    leaves = [n for n in ast.walk(value) if isinstance(n, ast.Constant | ast.Name | ast.Call)]
+    return all(isinstance(n, ast.Constant) and type(n.value) in (int, float) for n in leaves) and bool(leaves)
+
+
 class TestConstants:
     def test_a_constant_stands_once(self) -> None:
         """One name has one value and one owner; other modules import it."""
@@ -114,6 +121,22 @@ class TestConstants:
             for constant in constants(tree):
                 owners.setdefault(constant, []).append(module)
         assert {constant: modules for constant, modules in owners.items() if len(modules) > 1} == {}
+
+    def test_names_differ_by_more_than_an_underscore(self) -> None:
+        names = [constant for tree in MODULES.values() for constant in constants(tree)]
+        assert len({name.replace("_", "") for name in names}) == len(set(names))
+
+    @pytest.mark.parametrize("name", MODULES)
+    def test_a_number_stands_beside_its_reason(self, name: str) -> None:
+        """The comment is in the line itself, or above the group of lines in which the constant stands."""
+        lines = (LIBRARY / (name.replace(".", "/") + ".py")).read_text(encoding="utf-8").splitlines()
+        for node in MODULES[name].body:
+            if isinstance(node, ast.Assign | ast.AnnAssign) and node.value and numeric(node.value):
+                above = lines[: node.lineno - 1]
+                group = list(itertools.takewhile(str.strip, reversed(above)))
+                reasons = [line for line in group if line.startswith("#")]
+                said = reasons or "  # " in lines[node.lineno - 1] or not constants(ast.Module([node], []))
+                assert said, f"suspid/{name.replace('.', '/')}.py line {node.lineno}: no reason beside the number"
 
 
 @pytest.mark.parametrize("name", MODULES)

@@ -25,8 +25,6 @@ ENOUGH_SAMPLES = 40_000
 TRIAL_SAMPLES = 6000
 # Shortest piece of a record that is worth the ends which a curve leaves out.
 SHORTEST_PIECE = 1000
-# Samples at the ends that a shift by a fraction of a sample may spoil.
-SPOILED = 50
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -180,7 +178,8 @@ def corrected(record: control.TimeResponseData, corrections: dict[str, Correctio
         slope = (values[row, -1] - values[row, 0]) / signal.duration
         lines = np.fft.rfft(values[row] - line) * np.exp(2j * np.pi * hertz * own.delay)
         values[row] = (np.fft.irfft(lines, values.shape[1]) + line + slope * own.delay) / own.gain
-    inside = slice(SPOILED, -SPOILED)
+    # Samples at the ends that a shift by a fraction of a sample may spoil.
+    inside = slice(50, -50)
     return as_response(signal.timepts[inside], values[:, inside], signal.channels, title=record.title)
 
 

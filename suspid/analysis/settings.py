@@ -45,7 +45,7 @@ class CarSettings:
     constraints: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        for name, check in _SPRINGS.items():
+        for name, check in SPRING_FIELDS.items():
             object.__setattr__(self, name, check(name, getattr(self, name)))
 
     def to_dict(self) -> dict[str, object]:
@@ -56,7 +56,7 @@ class CarSettings:
         >>> CarSettings(added_masses={"seat": 75}).to_dict()["added_masses"]
         {'seat': 75.0}
         """
-        return {name: _plain(getattr(self, name)) for name in _SPRINGS}
+        return {name: _plain(getattr(self, name)) for name in SPRING_FIELDS}
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -135,7 +135,7 @@ class Settings:
     springs: CarSettings = field(default_factory=CarSettings)
 
     def __post_init__(self) -> None:
-        for name, check in _SETTINGS.items():
+        for name, check in SETTING_FIELDS.items():
             object.__setattr__(self, name, check(name, getattr(self, name)))
         if self.start is not None and self.stop is not None and not self.start < self.stop:
             raise InputError(f"start={self.start:g} s must lie before stop={self.stop:g} s")
@@ -154,7 +154,7 @@ class Settings:
         >>> Settings(scale={"seat": -1.0}).to_dict()["scale"]
         {'seat': -1.0}
         """
-        return {name: _plain(getattr(self, name)) for name in _SETTINGS}
+        return {name: _plain(getattr(self, name)) for name in SETTING_FIELDS}
 
 
 def _plain(value: object) -> object:
@@ -188,7 +188,7 @@ def _springs(name: str, value: object) -> CarSettings:
 
 
 # How each setting is checked, in the order of the fields.
-_SPRINGS: Mapping[str, fields.Check] = {
+SPRING_FIELDS: Mapping[str, fields.Check] = {
     "fixed": fields.names,
     "bounds": fields.bounds,
     "ties": fields.groups,
@@ -199,7 +199,7 @@ _SPRINGS: Mapping[str, fields.Check] = {
     "search": fields.flag,
     "constraints": fields.texts,
 }
-_SETTINGS: Mapping[str, fields.Check] = {
+SETTING_FIELDS: Mapping[str, fields.Check] = {
     "channels": fields.none_or(fields.some_names),
     "without": fields.names,
     "rename": fields.new_names,

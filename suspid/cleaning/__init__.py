@@ -11,10 +11,11 @@ from suspid.cleaning.as_record import RecordLike, as_record
 from suspid.cleaning.clean import clean
 from suspid.cleaning.cleaned import Cleaned
 from suspid.cleaning.clipping import CLIPPED, clipped_run
+from suspid.cleaning.clock import DRIFT
 from suspid.cleaning.conversions import scaled, to_si
 from suspid.cleaning.faults import clipped_times, stuck_times, unmarked
 from suspid.cleaning.findings import Finding
-from suspid.cleaning.gaps import runs
+from suspid.cleaning.gaps import MOST_FILLED, runs
 from suspid.cleaning.joining import ONE_RATE
 from suspid.cleaning.placing import halving_error, interpolate
 from suspid.cleaning.read_record import read_record
@@ -22,6 +23,8 @@ from suspid.cleaning.sensors import Vertical, vertical
 
 __all__ = [
     "CLIPPED",
+    "DRIFT",
+    "MOST_FILLED",
     "ONE_RATE",
     "Aligned",
     "Cleaned",

@@ -17,7 +17,8 @@ Flags: TypeAlias = NDArray[np.bool_]
 
 # Samples on each side of a gap over which the error is measured: enough for a mean square, near enough for a decay.
 NEARBY = 200
-# Share of a channel that may be filled. Above it the noise of the record is no longer that of the sensor.
+# Share of a channel, and of a block of a drive, that may be filled. Above it the noise of the record is no longer that
+# of the sensor.
 MOST_FILLED = 0.1
 
 

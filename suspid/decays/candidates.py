@@ -16,9 +16,9 @@ from suspid.decays.kinds import kind_of
 from suspid.decays.predictions import at_rest_from, at_rest_until, released_at
 from suspid.decays.refusals import Refusal, drowned, fits, refused
 from suspid.decays.rests import decay_between
-from suspid.decays.starts import LATEST_START, Start, find_start
+from suspid.decays.starts import Start, find_start
 from suspid.decays.trials import Trial, block_size, quiet_variance, tried
-from suspid.decays.verification import verified
+from suspid.decays.verification import LATEST_START, verified
 from suspid.signals import Signal
 from suspid.units import Decibel, RealArray
 from suspid.values import frozen_real

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from suspid.identification import UNIFORM_STD, resolution
+from suspid.levels import UNLIKELY
 from suspid.signals import Signal
 from suspid.units import ComplexArray, Decibel, RealArray, Second
 from suspid.values import frozen_real
@@ -21,18 +22,12 @@ FOLD = 1.5
 # The background estimate of a band scatters by as much again when it rests on this many cycles; its levels are lowered
 # accordingly. A smaller number gives false events at low frequencies.
 UNCERTAIN_CYCLES = 24.0
-# The background of a band is this quantile of its power, converted to the mean of exponentially distributed power
-# (noise). A higher quantile fails where decays fill most of the record; a lower one scatters more.
-QUANTILE = 0.25
-# The background is at least this share of the greatest power of its band (-70 dB), because no sensor is quieter.
-DYNAMIC = 1e-7
-# Probability that Gaussian noise alone passes the threshold anywhere in the record, and the factor in power above that
-# threshold at which an event begins. The factor allows for noise that is not Gaussian, such as rolling on a road.
-FALSE_EVENT, MARGIN = 1e-3, 4.0
-# Longest envelope [points]. It bounds time and memory for long recordings, and limits the resolution in time there.
-ENVELOPE_POINTS = 2**17
-# A sensor that changes this often between values that it holds is taken to be quantised. Fewer changes are chance.
-FEWEST_CHANGES = 8
+# The quiet part of a recording is this quantile of its power: of a band, converted to the mean of exponentially
+# distributed power (noise). A higher one fails where decays fill most of the record; a lower one scatters more.
+QUIET_QUANTILE = 0.25
+# An event begins at this factor in power above the threshold that Gaussian noise alone is `UNLIKELY` to pass anywhere
+# in the record. It allows for noise that is not Gaussian, such as rolling on a road.
+MARGIN = 4.0
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -74,7 +69,8 @@ def envelopes(signal: Signal) -> Envelopes:
     from scipy.fft import rfft
 
     count = signal.values.shape[1]
-    points = min(count, ENVELOPE_POINTS)
+    # Longest envelope [points]. It bounds time and memory for long recordings, and limits the resolution in time there.
+    points = min(count, 2**17)
     centres = _centres(signal)
     # Positions of the points, in samples.
     at = (np.arange(points) + 0.5) * (count / points) - 0.5
@@ -94,7 +90,7 @@ def envelopes(signal: Signal) -> Envelopes:
         levels[band, :edge] = levels[band, edge]
         levels[band, points - edge :] = levels[band, points - edge - 1]
         levels[band] -= 10 * np.log10(1 + UNCERTAIN_CYCLES / (centre * signal.duration))
-    chances = count * len(signal.values) / FALSE_EVENT
+    chances = count * len(signal.values) / UNLIKELY
     return Envelopes(
         timepts=frozen_real(signal.start + signal.step * at),
         centres=frozen_real(centres),
@@ -114,8 +110,9 @@ def background(power: RealArray) -> float:
     >>> round(background(np.random.default_rng(1).exponential(2.0, 100_000)), 1)
     2.0
     """
-    quiet = np.quantile(power, QUANTILE) / -np.log1p(-QUANTILE)
-    return max(float(quiet), DYNAMIC * float(np.max(power)))
+    quiet = np.quantile(power, QUIET_QUANTILE) / -np.log1p(-QUIET_QUANTILE)
+    # The background is at least this share of the greatest power of its band (-70 dB), because no sensor is quieter.
+    return max(float(quiet), 1e-7 * float(np.max(power)))
 
 
 def finest(values: RealArray) -> RealArray:
@@ -127,7 +124,9 @@ def finest(values: RealArray) -> RealArray:
     out = resolution(values)
     for channel, samples in enumerate(values):
         held = samples[1:][np.diff(samples) == 0]
-        if np.sum(np.diff(held) != 0) < FEWEST_CHANGES:
+        # A sensor that changes this often between values that it holds is taken to be quantised. Fewer changes are
+        # chance.
+        if np.sum(np.diff(held) != 0) < 8:
             continue
         gaps = np.diff(np.unique(held))
         gaps = gaps[gaps > 1e-6 * np.max(np.abs(samples - np.median(samples)))]

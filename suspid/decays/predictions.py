@@ -21,13 +21,9 @@ NOISE = 4.6
 STRONG_ENERGY, FITTED_PERIODS, FEWEST_FITTED = 0.7, 4.0, 24
 # The recurrence has at most this many coefficients per channel, and one for so many blocks.
 MOST_COEFFICIENTS, BLOCKS_EACH = 16, 5
-# Share of the variance added to the normal equations against rounding.
-RIDGE = 1e-6
 # An error this many times the largest one within the decay is a force. Less stops at the jumps of friction; more lets
 # a weak force pass.
 FORCED_ERROR = 3.0
-# Fewest samples of a rest.
-FEWEST_HELD = 8
 # A force smaller than this share of the motion is left to the fit, which sees it better.
 SMALL_FORCE = 0.003
 
@@ -87,7 +83,8 @@ def released_at(values: RealArray, finest: RealArray) -> int:
         sizes = np.ptp(ahead, axis=1)
         moved = np.any(np.abs(ahead - ahead[:, :1]) > 0.5 * np.where(sizes > within, sizes, np.inf)[:, None], axis=0)
         grown = np.any(sizes > np.maximum(np.ptp(behind, axis=1), within))
-        if grown and rest > max(FEWEST_HELD, int(np.argmax(moved))):
+        # Fewest samples of a rest.
+        if grown and rest > max(8, int(np.argmax(moved))):
             return int(end) + at_rest_until(ahead, finest) + 1
     return 0
 
@@ -137,7 +134,8 @@ def freed_at(values: RealArray, finest: RealArray, *, step: Second) -> tuple[int
     known = np.vstack([ahead, np.ones(count - lags)])
     inside = slice(anchor, anchor + length - lags)
     normal = known[:, inside] @ known[:, inside].T
-    normal += RIDGE * (length - lags) * np.eye(len(normal))
+    # Share of the variance added to the normal equations against rounding.
+    normal += 1e-6 * (length - lags) * np.eye(len(normal))
     weights = np.linalg.solve(normal, known[:, inside] @ scaled[:, inside].T)
     errors = scaled[:, : count - lags] - weights.T @ known
     usual = np.sqrt(np.mean(errors[:, inside] ** 2, axis=1, keepdims=True))

@@ -6,9 +6,10 @@ import numpy as np
 
 from suspid.units import RealArray
 
-# Number of exponentials, more than a decay has, and blocks that they follow. Fewer exponentials refuse decays of
-# several modes; more follow driven motion too.
-ORDER, SKETCH_BLOCKS = 20, 300
+# Number of exponentials, more than a decay has. Fewer refuse decays of several modes; more follow driven motion too.
+ORDER = 20
+# First looks at a stretch go over this many blocks. More cost time; fewer do not tell driven motion from a decay.
+LOOK_BLOCKS = 300
 # A channel is driven if its residual exceeds this share of its motion, root mean square, and correlates by this much
 # from block to block. Lower limits refuse noisy or slightly nonlinear decays.
 LEFT, CORRELATED = 0.2, 0.3
@@ -32,7 +33,7 @@ def clearly_driven(values: RealArray, *, size: int) -> bool:
     >>> clearly_driven(rolling, size=1)
     True
     """
-    count = min(values.shape[1] // size, SKETCH_BLOCKS)
+    count = min(values.shape[1] // size, LOOK_BLOCKS)
     means = values[:, : count * size].reshape(len(values), count, size).mean(axis=2)
     left, motion = _left(means - means.mean(axis=1, keepdims=True))
     power = np.sum(left**2, axis=1)

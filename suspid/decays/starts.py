@@ -12,17 +12,19 @@ from numpy.typing import NDArray
 from suspid.decays.bursts import Burst
 from suspid.decays.predictions import SMALL_FORCE, freed_at
 from suspid.decays.refusals import decaying, refused
-from suspid.decays.sketches import clearly_driven
-from suspid.decays.trials import FEWEST_BLOCKS, Trial, tried
+from suspid.decays.sketches import LOOK_BLOCKS, clearly_driven
+from suspid.decays.trials import Trial, tried
+from suspid.decays.verification import LATEST_START
+from suspid.identification import FEWEST_SAMPLES
 from suspid.signals import Signal
 from suspid.units import RealArray
 
-# Starts are tried at delays that grow by this factor, up to this share of the stretch. Then the interval between the
+# Starts are tried at delays that grow by this factor, up to `LATEST_START`. Then the interval between the
 # last start that fails and the first that holds is halved this often. A smaller factor and more halvings give a more
 # precise start and cost time.
-LATER, LATEST_START, HALVINGS = 1.4, 0.4, 2
-# These starts are tried first, over this many blocks. The stretch is refused if each of them is.
-LOOKS, LOOK_BLOCKS = (1, 6, 11), 300
+LATER, HALVINGS = 1.4, 2
+# These starts are tried first, over `LOOK_BLOCKS`. The stretch is refused if each of them is.
+LOOKS = 1, 6, 11
 # A start holds if this many later starts need no fewer poles, because poles that fit the excitation disappear then.
 LATER_STARTS = 2
 # If no start holds, the search ends this many periods of the highest band after the start with the least residual, if
@@ -71,7 +73,7 @@ def find_start(
 
     @cache
     def driven(place: int) -> bool:
-        long_enough = (last - place) // size >= FEWEST_BLOCKS
+        long_enough = (last - place) // size >= FEWEST_SAMPLES
         return long_enough and clearly_driven(signal.values[:, place:last], size=size)
 
     def look(place: int) -> Trial | None:
@@ -113,8 +115,8 @@ def _free(
     first, last = samples
     may, sure = freed_at(signal.values[:, first:last], finest, step=signal.step)
     values = signal.values[:, first + sure : last]
-    size = min(size, max(1, values.shape[1] // (2 * FEWEST_BLOCKS)))
-    if sure > latest * (last - first) or values.shape[1] < FEWEST_BLOCKS * size or clearly_driven(values, size=size):
+    size = min(size, max(1, values.shape[1] // (2 * FEWEST_SAMPLES)))
+    if sure > latest * (last - first) or values.shape[1] < FEWEST_SAMPLES * size or clearly_driven(values, size=size):
         return first, None
     rough = np.maximum(least, ROUGH_FIT**2 * np.var(values, axis=1))
     trial = tried(values, step=signal.step, size=size, least=rough)

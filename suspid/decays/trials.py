@@ -7,17 +7,26 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from suspid.identification import Selection, WhiteNoise, correlated, degrees_of_freedom, lag_one, select, synthesize
+from suspid.decays.envelopes import QUIET_QUANTILE
+from suspid.identification import (
+    FEWEST_SAMPLES,
+    Selection,
+    WhiteNoise,
+    correlated,
+    degrees_of_freedom,
+    lag_one,
+    select,
+    synthesize,
+)
 from suspid.units import Hertz, RealArray, Second
 from suspid.words import Reason
 
 # Blocks per cycle of the highest band that rings: samples are averaged in blocks of that length. Fewer blocks damp the
 # highest mode; more cost time.
 BLOCKS_A_CYCLE = 8.0
-# Blocks that a trial uses at most, the first ones, and at least. More cost time for what lies in the noise; fewer do
-# not tell a mode from noise.
+# Blocks that a trial uses at most, the first ones: more cost time for what lies in the noise. Fewer than a record needs
+# samples are not fitted.
 MOST_BLOCKS = 600
-FEWEST_BLOCKS = 32
 # The residual of the first of this many parts is compared with the others, of at least this many blocks each. Longer
 # parts dilute a forced beginning; shorter ones scatter.
 TRIAL_PARTS, FEWEST_EARLY = 24, 6
@@ -26,9 +35,9 @@ TRIAL_PARTS, FEWEST_EARLY = 24, 6
 EARLY_SURE = 5.0
 # A residual below this share of the motion is not compared: the fit is exact to rounding.
 EXACT_RESIDUAL = 1e-4
-# The noise has at least this share of the variance of a stretch at this quantile of the recording, if there are this
-# many stretches. Without it the fit spends poles on the background.
-QUIET_SHARE, QUIET_QUANTILE, FEWEST_STRETCHES = 0.5, 0.25, 4
+# The noise has at least this share of the variance of a quiet stretch, if there are this many stretches. Without it the
+# fit spends poles on the background.
+QUIET_SHARE, FEWEST_STRETCHES = 0.5, 4
 # Probability with which a white residual is called coloured by its correlation over one block (5 standard deviations).
 # It is small because a stretch is tried from many starts.
 TRIAL_COLOUR_LEVEL = 5.733e-7
@@ -130,7 +139,7 @@ def quiet_variance(values: RealArray, *, size: int, length: int, finest: RealArr
     It is `QUIET_SHARE` of a low quantile over stretches of the recording of ``length`` samples, and at least the
     variance of the rounding and quantisation error, whose standard deviation is ``finest``.
     """
-    blocks = max(length // size, FEWEST_BLOCKS)
+    blocks = max(length // size, FEWEST_SAMPLES)
     stretches = values.shape[1] // (blocks * size)
     least = finest**2 / size
     if stretches < FEWEST_STRETCHES:
@@ -169,7 +178,7 @@ def tried(values: RealArray, *, step: Second, size: int, least: RealArray, most:
     of noise. Unlike a filter they do not mix in samples from before the stretch. ``least`` is from `quiet_variance`.
     """
     count = min(values.shape[1] // size, most)
-    if count < FEWEST_BLOCKS:
+    if count < FEWEST_SAMPLES:
         return None
     means = values[:, : count * size].reshape(len(values), count, size).mean(axis=2)
     about = means - means.mean(axis=1, keepdims=True)

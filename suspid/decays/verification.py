@@ -10,9 +10,10 @@ from suspid.identification import Identification, identify
 from suspid.signals import Signal, as_response
 from suspid.words import DecayDoubt, Reason, Remark
 
-# Delays of the starts that are verified, in quarters of a block, up to this share of the stretch.
+# No start lies beyond this share of the stretch: what is left is too short to tell a decay by.
+LATEST_START = 0.4
+# Delays of the starts that are verified, in quarters of a block.
 QUARTERS = (0, 1, 2, 3, 4, 6, 9, 14, 20)
-LATEST_VERIFIED = 0.4
 # Modes with this share of the energy of the strongest must be found again. With a smaller share noise decides.
 STRONG = 0.05
 # A mode is found again within this share of its frequency plus this many of its standard deviations. Wider limits
@@ -36,7 +37,7 @@ def verified(
     usable: int | None = None
     places = [begin + round(quarter * max(1.0, size / 4)) for quarter in QUARTERS] if moved else [begin]
     for place in places:
-        if place - begin > LATEST_VERIFIED * (last - begin):
+        if place - begin > LATEST_START * (last - begin):
             break
         part = signal.values[:, place:last]
         try:

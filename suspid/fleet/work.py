@@ -22,7 +22,7 @@ from suspid.words import Failure, Remark
 # Exit code of a process that ends itself because time is up; any value that nothing else uses.
 TIME_UP = 86
 # Warnings, threads of BLAS and caches belong to the process: one record at a time.
-_ONE_AT_A_TIME = threading.Lock()
+_RUNNING = threading.Lock()
 
 
 class TimeUp(BaseException):
@@ -47,7 +47,7 @@ def tables_of(job: Job, chunk: Sequence[Entry], known: Mapping[int, Rows], *, do
 
 def rows_of(job: Job, entry: Entry) -> Rows:
     """Return the rows of one record; whatever goes wrong becomes a row among the failures."""
-    with _ONE_AT_A_TIME:
+    with _RUNNING:
         seen = [Seen()]
         try:
             with limited(job.time_limit):

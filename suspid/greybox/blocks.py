@@ -9,7 +9,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from suspid.cleaning import Aligned, aligned, clipped_times, stuck_times
+from suspid.cleaning import MOST_FILLED, Aligned, aligned, clipped_times, stuck_times
 from suspid.errors import RecordError
 from suspid.greybox.drives import DriveLimits
 from suspid.greybox.speeds import Going, Way, going
@@ -18,9 +18,6 @@ from suspid.units import RealArray, Second
 from suspid.words.drives import DriveReason
 
 Flags: TypeAlias = NDArray[np.bool_]
-
-# Share of the samples of a channel in a block that may be interpolated.
-MOST_FILLED_OF_BLOCK = 0.1
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -57,7 +54,7 @@ def examined(part: Sequence[RawChannel], way: Way, orders: dict[str, tuple[int, 
     for row, channel in enumerate(part):
         values = together.values[row, : count * size].reshape(count, size)
         filled = together.filled[row, : count * size].reshape(count, size)
-        holes = np.any(np.isnan(values), axis=1) | (np.mean(filled, axis=1) > MOST_FILLED_OF_BLOCK)
+        holes = np.any(np.isnan(values), axis=1) | (np.mean(filled, axis=1) > MOST_FILLED)
         still = _hit(stuck_times(channel, limits.stuck), edges)
         faults[DriveReason.MISSING][channel.name] = holes
         faults[DriveReason.CLIPPED][channel.name] = _hit(_until_recovered(clipped_times(channel), limits), edges)

@@ -40,7 +40,6 @@ BANDS = ((0.5, 4.0), (0.5, 6.0), (0.7, 5.0))
 SHAPES = tuple(
     Shape(bent=bent, numerator=free, band=band) for band in BANDS for bent in (False, True) for free in (False, True)
 )
-DRAWS = 200  # of the bootstrap: standard deviations to 5 %
 FEWEST_PARTS = 6  # fewer say nothing of their scatter
 AT_BOUND_SHARE = 0.02  # of the range of a parameter: nearer to an end it is not determined
 
@@ -225,7 +224,8 @@ def _mode(channel: str, spectra: Periodograms, rng: np.random.Generator) -> Body
     if any(_at_end(one) for one in kept):
         return BodyMode(channel=channel, hertz=nothing, why=Remark(BodyCheck.NOT_DETERMINED, {"channel": channel}))
     where = [np.flatnonzero(spectra.blocks == block) for block in blocks]
-    drawn = [np.concatenate([where[i] for i in rng.integers(0, len(where), len(where))]) for _ in range(DRAWS)]
+    # Draws of the bootstrap: standard deviations to 5 %.
+    drawn = [np.concatenate([where[i] for i in rng.integers(0, len(where), len(where))]) for _ in range(200)]
     means = np.array([np.mean(spectra.power[rows], axis=0) for rows in drawn])
     models = [
         (one.hertz, float(np.std(scattered(one, spectra.hertz, mean, means, worth=worth), ddof=1))) for one in kept

@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from suspid.units import Hertz, Ratio, RealArray, Second
 
 PERIODOGRAM: Second = 12.0  # of a periodogram: lines of 1/12 Hz are narrow beside any damped body mode
-IN_BLOCK = 5  # windows, half overlapping, that are drawn together: 36 s, over which a road is much the same
 # Averages of windows that half overlap and are tapered: as good as so many independent ones, and the lines of one
 # spread over so many (F. J. Harris, Proc. IEEE 66 (1978) 51-83).
 WORTH, LINE_WIDTH = 9 / 11, 1.5
@@ -93,7 +92,8 @@ def periodograms(rows: Sequence[tuple[RealArray, Second]], *, order: int, band: 
             part = values[start : start + size]
             spectrum = np.fft.rfft((part - np.mean(part)) * window)[lines]
             found.append(np.abs(spectrum) ** 2)
-            blocks.append(count + k // IN_BLOCK)
+            # Windows, half overlapping, that are drawn together: 36 s, over which a road is much the same.
+            blocks.append(count + k // 5)
         count = blocks[-1] + 1 if blocks else 0
     hertz = lines / PERIODOGRAM
     power = np.array(found).reshape(len(found), len(lines)) * (2 * np.pi * hertz) ** (2 * (2 - order))

@@ -30,10 +30,6 @@ from suspid.greybox.latent_splines import (
 from suspid.greybox.strut_motion import StrutMotion
 from suspid.units import Hertz, MetrePerSecond, RealArray, Second
 
-# Steps of one fit: friction that changes its sign at another sample keeps steps from vanishing.
-CURVE_STEPS = 15
-# Square of a step in standard errors that ends a fit.
-SMALL_STEP = 0.04
 # The sign of friction is smoothed over so many errors of velocity in the derivative alone.
 SMOOTH = 3.0
 # Blocks whose scores are independent [s]: several times as long as noise in the motion lasts.
@@ -118,12 +114,14 @@ def fitted_curve(
 ) -> CurveFit:
     """Return the fit from a start."""
     splines, settled, step = list(splines), False, 0
-    while step < CURVE_STEPS and not settled:
+    # Friction that changes its sign at another sample keeps steps from vanishing.
+    while step < 15 and not settled:
         step += 1
         parts = [linearised(m, shape, theta, c, noise) for m, c in zip(motions, splines, strict=True)]
         normal, gradient = sum(p.normal for p in parts), sum(p.gradient for p in parts)
         move = np.linalg.solve(normal, gradient)
-        settled = float(gradient @ move) < SMALL_STEP
+        # Square of a step in standard errors that ends a fit.
+        settled = float(gradient @ move) < 0.04
         theta = theta + move
         splines = [c + p.change - p.per_unknown @ move for c, p in zip(splines, parts, strict=True)]
     parts = [linearised(m, shape, theta, c, noise) for m, c in zip(motions, splines, strict=True)]

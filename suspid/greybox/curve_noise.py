@@ -18,8 +18,6 @@ BELOW_CORNER = 0.8
 # Length of the stretches whose spectra are averaged [s], and the number of bands of the spectrum.
 SPECTRUM_STRETCH: Second = 5.0
 SPECTRUM_BANDS = 16
-# Noise of a signal is at least this share of what noise there was taken to be: none of the two is exact.
-LEAST_SHARE = 1e-4
 # Test signals by which the effect of noise is computed: its spectrum is then known better than that of the residual.
 PROBES = 4
 
@@ -76,7 +74,8 @@ def noise_of(residual: Residual, noise: Noise) -> Noise:
         weights = residual.independent / mean**2
         scaled = residual.expected * weights[:, None]
         made = np.linalg.solve(scaled.T @ residual.expected, scaled.T @ residual.power)
-        factors = np.maximum(made, LEAST_SHARE)
+        # Noise of a signal is at least this share of what noise there was taken to be: none of the two is exact.
+        factors = np.maximum(made, 1e-4)
     return Noise(
         force=float(noise.force * np.sqrt(factors[0])),
         motion=float(noise.motion * np.sqrt(factors[1])),

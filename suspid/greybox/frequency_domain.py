@@ -22,11 +22,7 @@ from suspid.units import Hertz, Ratio, RealArray
 from suspid.words import Check, Level, Number, Remark
 from suspid.words.greybox import EstimateCheck
 
-FREQUENCY_ROUNDS = 12  # of fits and noise levels in turn; 3 to 6 are needed
-SETTLED_UNKNOWNS = 0.02  # change of an unknown, in standard deviations, below which both have settled
 NEGLIGIBLE_RISE = 1e-3  # gain of chi-square that ends a descent
-LEAST_LEFT = 0.1  # of the variance of a residual: where more was fitted, next to nothing is known of its noise
-LEAST_RELAXATION = 1e-9  # of `TIMES`: none
 SOFT = (0.2, 0.5)  # relaxations from which softer mounts are looked for, of `TIMES`: 2 and 5 ms
 
 
@@ -83,7 +79,8 @@ def _descended(problem: WheelProblem, z: RealArray, levels: Sequence[Levels], *,
     u, extras = problem.unknowns, problem.extras
     upper = extras.upper.copy()
     if stiff:
-        upper[: len(extras.mounts)] = LEAST_RELAXATION
+        # Of `TIMES`: as good as no relaxation.
+        upper[: len(extras.mounts)] = 1e-9
     ceiling = np.concatenate([u.upper, upper])
     return descend(
         lambda y: problem.equations(y, levels),
@@ -97,11 +94,13 @@ def _descended(problem: WheelProblem, z: RealArray, levels: Sequence[Levels], *,
 
 def _settled(problem: WheelProblem, z: RealArray, levels: list[Levels]) -> tuple[RealArray, list[Levels]]:
     """Return unknowns and noise levels that belong to each other, near a start."""
-    for _ in range(FREQUENCY_ROUNDS):
+    # Fits and noise levels in turn: 3 to 6 rounds are needed.
+    for _ in range(12):
         before, z = z, _descended(problem, z, levels)
         every = problem.every(z, levels)
         levels = problem.levels(every, levels)
-        if sum(float(np.sum((w.slope @ (z - before)) ** 2)) for w in every) < SETTLED_UNKNOWNS**2:
+        # Change of the unknowns, in standard deviations, below which both have settled.
+        if sum(float(np.sum((w.slope @ (z - before)) ** 2)) for w in every) < 0.02**2:
             break
     return z, levels
 
@@ -190,7 +189,8 @@ def _sandwich(every: Sequence[Whitened], prior: RealArray) -> RealArray:
     for w in every:
         lines, stretches, outputs = w.left.shape
         leverage = np.sum((w.slope @ inverse) * w.slope, axis=2) + np.sum(w.basis**2, axis=1)
-        residual = w.residual / np.sqrt(np.maximum(1 - leverage, LEAST_LEFT))
+        # Of the variance of a residual: where more was fitted, next to nothing is known of its noise.
+        residual = w.residual / np.sqrt(np.maximum(1 - leverage, 0.1))
         own = (w.slope * residual[:, :, None]).reshape(stretches, 2, lines, outputs, -1).sum(axis=(1, 3))
         flat = own.reshape(-1, own.shape[2])
         scores = scores + flat.T @ flat

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
 
-import numpy as np
-
 from suspid.greybox.estimates import ends_of, nominal_value
 from suspid.levels import LEVEL
 from suspid.model import Suspension
@@ -17,14 +15,12 @@ from suspid.words.greybox import EstimateCheck
 # Springs and masses within this factor of the least positive value are not needed.
 NEXT_TO_LEAST = 1.01
 MOST_GAIN = 2.0  # no sensor is off by such a factor, but units are
-AT_END = 1e-9  # distance from a bound, relative, below which a parameter is on it
 
 
 def on_bounds(unknowns: Unknowns, x: RealArray) -> Iterator[Check]:
     """Yield which unknowns ended on a bound."""
     u = unknowns
-    size = np.maximum(np.abs(x), AT_END)
-    ends = (x <= u.lower + AT_END * size) | (x >= u.upper - AT_END * size)
+    ends = u.on_bounds(x)
     vanished = ends & u.positive & (x <= NEXT_TO_LEAST * u.lower)
     for chosen, code, level in (
         (vanished, EstimateCheck.VANISHED, Level.CARE),

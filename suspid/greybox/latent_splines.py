@@ -12,6 +12,7 @@ import numpy as np
 
 from suspid.units import Hertz, RealArray, Second
 
+# Degree of the spline of the motion: its second derivative, the acceleration, is then a smooth cubic spline.
 SPLINE_DEGREE = 5
 # Points in each step at which forces are computed. Friction that changes its sign between two points is averaged.
 FINE_POINTS = 4

@@ -7,8 +7,6 @@ import numpy as np
 from suspid.greybox.measured_causes import Whitened
 from suspid.units import Hertz, Ratio, RealArray
 
-# Real numbers, at most, by which the transfers are varied: enough for each resonance, few beside the lines.
-FREEDOM = 48
 # Information on a variation, as a share of the largest, below which it is one of the parameters', or of the ends.
 SEEN = 1e-9
 STRETCHES_TOGETHER = 8  # stretches that are varied at a time
@@ -23,7 +21,8 @@ def coherent_leftover(found: Whitened, hertz: RealArray) -> tuple[float, int, Ra
     """
     lines, _, causes = found.motion.shape
     outputs = found.factor.shape[1]
-    nodes = max(2, FREEDOM // (2 * outputs * causes))
+    # Real numbers, at most, by which the transfers are varied: enough for each resonance, few beside the lines.
+    nodes = max(2, 48 // (2 * outputs * causes))
     at = np.linspace(hertz[0], hertz[-1], nodes)
     hats = np.maximum(0.0, 1 - np.abs(hertz[:, None] - at) / (at[1] - at[0]))
     own, cross, score = _products(found, hats)

@@ -13,9 +13,6 @@ from suspid.model import ModalSet, Suspension, scaled_shapes
 from suspid.reconstruction import Unknowns, parameter_names, parameter_vector
 from suspid.units import ComplexArray, RealArray
 
-# Poles nearer to each other than this share of their modulus count as one: their shapes have no derivatives.
-COINCIDE = 1e-6
-
 
 def of_car(u: Unknowns) -> list[int]:
     """Return which names of the unknowns are stiffnesses, dampings and masses; they come first."""
@@ -73,7 +70,8 @@ def modes_of(
     np.fill_diagonal(gaps, 1.0)
     upper = np.flatnonzero(poles.imag >= 0)
     shapes, channels = scaled_shapes(vectors[: len(moving), upper]), tuple(car.coordinates[i] for i in moving)
-    if np.any(np.abs(gaps) < COINCIDE * np.max(np.abs(poles))):
+    # Poles nearer to each other than this share of their modulus count as one: their shapes have no derivatives.
+    if np.any(np.abs(gaps) < 1e-6 * np.max(np.abs(poles))):
         return ModalSet(poles=poles[upper], shapes=shapes, channels=channels)
     left, right = b @ np.linalg.inv(vectors).T, f @ vectors
     columns = []

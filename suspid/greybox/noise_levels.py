@@ -14,9 +14,6 @@ import numpy as np
 
 from suspid.units import ComplexArray, RealArray
 
-POWER_OF = 32  # lines and stretches over which the power of the causes is taken together, at least
-NODES = 6  # of the spectrum of an output, evenly spaced in the logarithm of frequency
-LEVEL_STEPS = 30  # Newton steps at most
 LOOSE = 4.0  # standard deviation of the logarithm of a level about its first value; holds what is not seen
 
 
@@ -49,7 +46,8 @@ def shared_of(T: ComplexArray, precision: ComplexArray, left: ComplexArray, caus
     from scipy.ndimage import uniform_filter1d
 
     stretches = left.shape[1]
-    width = 2 * -(-POWER_OF // (2 * stretches)) + 1
+    # Lines and stretches over which the power of the causes is taken together, at least.
+    width = 2 * -(-32 // (2 * stretches)) + 1
     power = causes.swapaxes(1, 2) @ causes.conj() / stretches
     power = uniform_filter1d(power.real, width, axis=0) + 1j * uniform_filter1d(power.imag, width, axis=0)
     inverse = np.linalg.inv(power.conj())
@@ -64,7 +62,8 @@ def shared_of(T: ComplexArray, precision: ComplexArray, left: ComplexArray, caus
 def node_basis(hertz: RealArray) -> RealArray:
     """Return hat functions of the logarithm of frequency, (line, node)."""
     at = np.log(hertz)
-    nodes = np.linspace(at[0], at[-1], NODES)
+    # Nodes of the spectrum of an output, evenly spaced in the logarithm of frequency.
+    nodes = np.linspace(at[0], at[-1], 6)
     return np.asarray(np.maximum(0.0, 1 - np.abs(at[:, None] - nodes) / (nodes[1] - nodes[0])))
 
 
@@ -93,7 +92,8 @@ def levels_of(
     about, damping = np.concatenate([anchor.outputs.ravel(), anchor.causes]), 1e-3
     value = np.inf
     step = np.zeros_like(z)
-    for _ in range(LEVEL_STEPS):
+    # Newton steps at most; a few are needed.
+    for _ in range(30):
         trial = z + step
         out, cause = np.exp(basis @ trial[: nodes * outputs].reshape(nodes, outputs)), np.exp(trial[nodes * outputs :])
         R = covariance_of(T, out, cause)

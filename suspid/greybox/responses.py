@@ -18,9 +18,6 @@ from suspid.model import Suspension
 from suspid.simulation import recursion
 from suspid.units import RealArray
 
-# Columns of the unknown start, of unit length, that add less than this to the others are not seen by the channels.
-START_SEEN = 1e-10
-
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class OutputError:
@@ -148,5 +145,6 @@ def _orthonormal(columns: RealArray) -> tuple[RealArray, RealArray]:
     norm[norm == 0] = 1.0
     q, r = np.linalg.qr(columns / norm)
     u, s, v = np.linalg.svd(r)
-    keep = s > START_SEEN * s[0]
+    # Columns of the unknown start, of unit length, that add less than this to the others are not seen by the channels.
+    keep = s > 1e-10 * s[0]
     return q @ u[:, keep], (v[keep].T / s[keep]) / norm[:, None]

@@ -19,8 +19,6 @@ from suspid.units import Hertz, Metre, Ratio, RealArray
 EXPONENT = (2.0, 1.0)  # mean and standard deviation of the exponent, before the record is asked; ISO 8608 has 2
 DEPARTURE = 0.3  # standard deviation of the logarithm of the density about the power law
 LENGTH = 0.6  # of the departure's correlation, in the logarithm of frequency: shorter ones look like resonances
-FAINT = 1e-4  # power of the departure, over that of its largest component, from which on it is left out
-POINTS = 100  # points at which the departure is worked out
 REFERENCE_HERTZ: Hertz = 4.0  # at which the level is taken, in the middle of the band
 NOISE_STD = 0.3  # of the logarithm of the noise of the wheel's motion, about what the suspension's fit found
 WHEEL_ORDERS = (1, 2, 3)  # of wheel rotation
@@ -164,10 +162,12 @@ class Expected(NamedTuple):
 def road_model(track: Track, *, radius: Metre | None) -> RoadModel:
     """Return the model of one wheel's road; wheel orders are in it where speed and radius are known."""
     logs = np.log(track.wide) - track.log_speed[:, None]
-    points = np.linspace(np.min(logs), np.max(logs), POINTS)
+    # Points at which the departure is worked out.
+    points = np.linspace(np.min(logs), np.max(logs), 100)
     covariance = DEPARTURE**2 * np.exp(-0.5 * ((points[:, None] - points) / LENGTH) ** 2)
     values, vectors = np.linalg.eigh(covariance)
-    keep = values > FAINT * values[-1]
+    # Power of a component over that of the largest, below which it is left out.
+    keep = values > 1e-4 * values[-1]
     orders: tuple[int, ...] = ()
     if track.speeds is not None and radius is not None:
         turns = np.array([np.min(track.speeds), np.max(track.speeds)]) / (2 * np.pi * radius)

@@ -14,12 +14,10 @@ from suspid.reconstruction import Unknowns, descend, even_starts
 from suspid.units import RealArray
 
 NOISE_ROUNDS = 30  # of fits and noise levels in turn; some 4 are needed, with exact records 10
-SETTLED = 1e-3  # relative change of noise levels below which they have settled
 LOOSE_NOMINAL = 0.5  # standard deviation of nominal values, in the logarithm, while a stretch is short
 STRETCH_GROWTH = 3.0  # of the stretch, from one to the next: a mode then is off by less than half a cycle
 FIRST_CYCLES = 2.0  # of the fastest mode, in the first stretch
 STARTS = 6  # at most
-AGREE = 2  # starts that must have ended at the best fit
 SAME_FIT = 1.0  # difference of minus twice the log likelihood up to which two fits count as one
 
 
@@ -42,7 +40,8 @@ def descended(problem: Problem, x: RealArray, noise: Sequence[RealArray], *, rou
         )  # fmt: skip
         before, levels = levels, problem.noise(x, levels)
         change = max(float(np.max(np.abs(np.log(a / b)))) for a, b in zip(levels, before, strict=True))
-        if change < SETTLED:
+        # Relative change of noise levels below which they have settled.
+        if change < 1e-3:
             break
     prior = problem.unknowns.prior(x)[0]
     return Found(x=x, noise=tuple(levels), loss=problem.loss(levels) + float(prior @ prior))
@@ -55,7 +54,8 @@ def search(problem: Problem) -> tuple[Found, list[Found]]:
     for start in starts_of(u):
         ends.append(_along(problem, start))
         best = min(end.loss for end in ends)
-        if sum(end.loss < best + SAME_FIT for end in ends) >= AGREE:
+        # Two starts that end in one place are enough.
+        if sum(end.loss < best + SAME_FIT for end in ends) >= 2:
             break
     return min(ends, key=lambda end: end.loss), ends
 

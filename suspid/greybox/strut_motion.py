@@ -14,8 +14,6 @@ from suspid.signals import as_signal
 from suspid.units import RealArray, Second
 from suspid.values import listed, nearest_names
 
-CURVE_SAMPLES = 1000
-
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class StrutMotion:
@@ -46,7 +44,8 @@ def strut_motion(record: RecordLike, car: Suspension, strut: str, given: Sequenc
     RecordError
         If channels are missing, or the record is too short.
     """
-    signal = as_signal(as_record(record), least=CURVE_SAMPLES)
+    # Fewer samples do not fill the ranges of a curve.
+    signal = as_signal(as_record(record), least=1000)
     names = [s.name for s in car.struts]
     if strut not in names:
         raise InputError(f"there is no strut {strut!r}.{nearest_names(strut, names)}")

@@ -17,11 +17,9 @@ from suspid.greybox.transfers import Physics
 from suspid.greybox.trials import Trial
 from suspid.greybox.wheel_power import SPAN
 from suspid.levels import NEGLIGIBLE_GAIN
-from suspid.reconstruction import Unknowns
+from suspid.reconstruction import LARGEST_STEP, Unknowns
 from suspid.units import RealArray
 
-SCORING_STEPS = 60  # at most; 5 to 15 are needed
-LARGEST_MOVE = 0.5  # in a step: of the logarithm of a level, a spring or a mass, of other unknowns in their scale
 FIRST_FACTORS = (0.5, 0.7, 1.0, 1.4, 2.0)  # of springs and masses, where the search begins
 OVERLAP = 2 * SPAN  # lines over which scores are taken together: the tapers correlate about four
 
@@ -204,7 +202,8 @@ def _descended(problem: TireProblem, state: State) -> State:
     """Return the most likely point near a start."""
     u, count = problem.unknowns, len(problem.unknowns)
     value, damping = _value(problem, state), 1e-3
-    for _ in range(SCORING_STEPS):
+    # 5 to 15 steps are needed.
+    for _ in range(60):
         scores = [_scores(problem, state, i) for i in range(len(problem.models))]
         away, slope = u.prior(state.x)
         information = _prior_information(problem, state)
@@ -241,13 +240,13 @@ def _descended(problem: TireProblem, state: State) -> State:
 def _moved(problem: TireProblem, state: State, scores: Sequence[Scores], step: RealArray) -> State:
     """Return a point one step on; levels follow."""
     u, count = problem.unknowns, len(problem.unknowns)
-    step = np.clip(step, -LARGEST_MOVE, LARGEST_MOVE)
+    step = np.clip(step, -LARGEST_STEP, LARGEST_STEP)
     x = np.where(u.positive, state.x * np.exp(np.where(u.positive, step[:count], 0.0)), state.x + step[:count])
     roads, levels, at = [], [], count
     for model, one, own, level in zip(problem.models, scores, state.roads, state.levels, strict=True):
         place = [*range(count), *range(at, at + model.count)]
         roads.append(own + step[at : at + model.count])
         change = one.level_step + one.level_slope @ step[place]
-        levels.append(level + np.clip(change, -2 * LARGEST_MOVE, 2 * LARGEST_MOVE))
+        levels.append(level + np.clip(change, -2 * LARGEST_STEP, 2 * LARGEST_STEP))
         at += model.count
     return State(x=np.clip(x, u.lower, u.upper), roads=tuple(roads), levels=tuple(levels))

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from suspid.cleaning import DRIFT
 from suspid.greybox.further import FIRST_RELAXATION, TIMES, check_delays, chosen_of, label
 from suspid.greybox.measured_causes import Extras, Source, WheelProblem
 from suspid.greybox.noise_levels import node_basis
@@ -20,8 +21,6 @@ from suspid.units import Hertz, Second
 # The band, over the lowest and the highest natural frequency of the nominal car: 0.5 to 24 Hz for most cars. Below it
 # accelerations hold little, above it the wheels' motion hardly moves the body.
 BELOW, ABOVE = 0.4, 2.0
-# Relative difference of two rates of one logger, whose clock strays with its temperature; both count as the first.
-STRAYING = 1e-4
 STRETCH_PERIODS = 8.0  # of the lowest mode, in a stretch: longer ones have fewer ends, shorter ones follow slow changes
 
 
@@ -92,7 +91,7 @@ def _alike(one: Trial, other: Trial) -> bool:
     """Return whether two trials are of one logger, with the same channels and masses, at one rate."""
     same = one.logger is not None and one.logger == other.logger and one.channels == other.channels
     same = same and one.wheels == other.wheels and np.array_equal(one.added, other.added)
-    return same and abs(one.step / other.step - 1) < STRAYING
+    return same and abs(one.step / other.step - 1) < DRIFT
 
 
 def band_of(car: Suspension, above: float) -> tuple[Hertz, Hertz]:

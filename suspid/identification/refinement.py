@@ -21,8 +21,6 @@ Rejected: TypeAlias = tuple[tuple[Candidate, Remark], ...]
 # energy of a pole must exceed its BIC penalty this many times the loudness. A lower value splits modes that friction
 # bends; a higher one loses weak modes beside strong ones.
 WORTHWHILE = 20.0
-# Exponents over the record of the nuisances that replace slow poles: offset, slope and bend, to 1e-4 of a drift.
-PARABOLA = frozen_real([0.0, -0.3, 0.3])
 
 
 def thinned(problem: Problem, fit: Fit) -> tuple[Fit, RealArray, Rejected]:
@@ -65,7 +63,10 @@ def straightened(problem: Problem, fit: Fit, reach: float) -> tuple[Fit, Rejecte
         return fit, ()
     for index in slow[::-1]:
         poles = poles.without(int(index))
-    trial = problem.fitted(Poles(pairs=poles.pairs, reals=poles.reals, nuisances=PARABOLA / count), rough=True)
+    # Exponents over the record of the nuisances that replace slow poles: offset, slope and bend, to 1e-4 of a drift.
+    trial = problem.fitted(
+        Poles(pairs=poles.pairs, reals=poles.reals, nuisances=frozen_real([0.0, -0.3, 0.3]) / count), rough=True
+    )
     if trial is None or trial.loss > fit.loss + problem.penalty(real=True):
         return fit, ()
     return trial, tuple((_candidate(fit.poles, int(i), gain=0.0), Remark(Reason.BENT)) for i in slow)

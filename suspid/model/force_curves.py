@@ -15,8 +15,6 @@ from suspid.units import MetrePerSecond, Newton, NewtonSecondPerMetre, RealArray
 
 # Points of a damper's curve: velocity [m/s] and force [N], both positive in extension.
 Curve: TypeAlias = Sequence[tuple[MetrePerSecond, Newton]]
-# A curve may miss zero by this share of its largest force: rounding of the points.
-ROUNDED_ZERO = 1e-9
 
 
 def checked_curve(owner: str, given: object, *, strictly: bool) -> tuple[tuple[float, float], ...]:
@@ -46,7 +44,8 @@ def checked_curve(owner: str, given: object, *, strictly: bool) -> tuple[tuple[f
                 + (", and strictly where the damper is on a mount" if strictly and larger == f else "")
             )
     rest = float(piecewise(points, np.zeros(1))[0])
-    if abs(rest) > ROUNDED_ZERO * max(abs(f) for _, f in points):
+    # A curve may miss zero by this share of its largest force: rounding of the points.
+    if abs(rest) > 1e-9 * max(abs(f) for _, f in points):
         raise InputError(
             f"{owner}: curve: the force at rest is {rest:g} N and must be 0; a static force belongs to the position "
             f"of rest, a force that changes sign with the velocity is friction = {abs(rest):g}"

@@ -17,9 +17,6 @@ from suspid.model import Suspension
 from suspid.performance.strut_slopes import strut_slopes
 from suspid.units import STANDARD_GRAVITY, ComplexArray, Hertz, RealArray, Second
 
-# Elongation of a strut [m] under a lift of the whole car by 1 m up to which the lift counts as free: rounding of arms.
-FREE = 1e-9
-
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Wheels:
@@ -115,7 +112,9 @@ def static_loads(wheels: Wheels, parameters: Sequence[str] = ()) -> tuple[RealAr
     # The rise of each coordinate where all roads rise by 1 m: 1 of a displacement, 0 of pitch and roll.
     lift = np.linalg.lstsq(arms, -np.sum(road_arms, axis=1), rcond=None)[0]
     stretched = np.abs(arms @ lift + np.sum(road_arms, axis=1))
-    if np.max(stretched) > FREE:
+    # Elongation of a strut [m] under a lift of the whole car by 1 m up to which the lift counts as free: rounding of
+    # arms.
+    if np.max(stretched) > 1e-9:
         name = car.struts[int(np.argmax(stretched))].name
         raise InputError(
             f"static loads: strut {name!r} is stretched where the whole car is lifted, so its weight cannot be told; "

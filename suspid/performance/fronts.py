@@ -17,8 +17,6 @@ Evaluate = Callable[[RealArray], tuple[RealArray, RealArray]]
 PLACES_EACH, BEST_STARTS = 16, 3
 # Two searches agree where their figures differ by less than this share; a limit is met to it.
 SAME_FIGURE = 1e-4
-# How far the ends of a front may be from the very best in one figure, for the sake of the other.
-END_SLACK = 1e-5
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -86,7 +84,8 @@ def front_of(search: Search, start: RealArray, points: int) -> Front:
         )
     # Among the cars that are best in one figure, the one that is best in the other.
     for i, other in ((0, 1), (1, 0)):
-        better = _minimised(search, ends[i].x, [other], np.zeros(1), cap=(i, float(ends[i].figures[i]) + END_SLACK))
+        # How far the ends of a front may be from the very best in one figure, for the sake of the other.
+        better = _minimised(search, ends[i].x, [other], np.zeros(1), cap=(i, float(ends[i].figures[i]) + 1e-5))
         ends[i] = better if better.good else ends[i]
     ideal = np.array([ends[0].figures[0], ends[1].figures[1]])
     span = np.array([ends[1].figures[0], ends[0].figures[1]]) - ideal

@@ -23,9 +23,8 @@ from suspid.values import FrozenItems, frozen_real
 from suspid.words import Check, Level, Number, Remark, Verdict
 from suspid.words.ride import RideCheck, RideHeadline
 
+# Time on the road for which dose values hold, where no other is given.
 HOUR: Second = 3600.0
-# Frequencies of the spectra of a car.
-DRAWN = 1024
 
 
 def ride(
@@ -100,7 +99,8 @@ def ride(
     plan = plan_of(about.car, driven, duration=seconds, weightings=weightings, clearance=clearance)
     values, jacobian = plan.values(about.car, parameters=about.parameters, relaxations=about.relaxations)
     channels = tuple(plan.weightings)
-    hertz = np.geomspace(*driven.band, DRAWN)
+    # Frequencies of the spectra of a car.
+    hertz = np.geomspace(*driven.band, 1024)
     plain = Signals(rows=output_rows(about.car, channels), weightings=(None,) * len(channels), loads=0)
     figures = tuple(plan.formulas)
     return Ride(

@@ -23,8 +23,6 @@ from suspid.words.ride import RoadCheck, RoadHeadline
 ROAD_LIMITS: Mapping[str, float] = FrozenMapping(
     {name: 2 * mean if name != "H" else np.inf for name, mean in ROUGHNESS.items()}
 )
-# Share of the band up to half the sampling rate that is used: above, interpolation and folding bend a spectrum.
-USED_BAND = 0.5
 # Fewest spectral lines from which a level and an exponent are told, and lines of each piece of the test of a bend.
 FEWEST_WAVES, LINES_OF_PIECE = 20, 16
 
@@ -196,7 +194,8 @@ def _slopes(
     differences = differences - np.mean(differences)
     n = np.fft.rfftfreq(len(differences), spacing)
     power = 2 * spacing / len(differences) * np.abs(np.fft.rfft(differences)) ** 2
-    use = (n >= 1 / wavelengths[1]) & (n <= min(1 / wavelengths[0], USED_BAND / spacing / 2)) & (n > 0)
+    # Share of the band up to half the sampling rate that is used: above, interpolation and folding bend a spectrum.
+    use = (n >= 1 / wavelengths[1]) & (n <= min(1 / wavelengths[0], 0.5 / spacing / 2)) & (n > 0)
     lines = np.asarray(n[use], float)
     return lines, power[use], 4 * np.sin(np.pi * lines * spacing) ** 2
 

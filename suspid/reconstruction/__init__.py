@@ -9,7 +9,7 @@ through, and lists every other suspension that the same modes allow. Below it: `
 from suspid.reconstruction.alternatives import even_starts
 from suspid.reconstruction.asked import Bounds, unknowns_of
 from suspid.reconstruction.car_json import reconstruction_to_dict
-from suspid.reconstruction.descent import descend
+from suspid.reconstruction.descent import LARGEST_STEP, descend
 from suspid.reconstruction.observations import ModalTest
 from suspid.reconstruction.posed import Asked, check_asked
 from suspid.reconstruction.reconstruct import Reconstruction, reconstruct
@@ -22,6 +22,7 @@ from suspid.reconstruction.unknowns import (
 )
 
 __all__ = [
+    "LARGEST_STEP",
     "Asked",
     "Bounds",
     "ModalTest",

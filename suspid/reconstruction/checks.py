@@ -160,8 +160,7 @@ def shape_mac(seen: Observed, car: Suspension) -> RealArray:
 def remarks(problem: Problem, best: Optimum, cost: float) -> list[Remark]:
     """Return remarks on an optimum: bounds and constraints that act, and how sharp it is."""
     u, x, notes = problem.unknowns, best.x, []
-    size = np.maximum(np.abs(x), 1e-9)
-    ends = (x <= u.lower + 1e-9 * size) | (x >= u.upper - 1e-9 * size)
+    ends = u.on_bounds(x)
     vanished = ends & u.positive & (x <= 1.01 * LEAST)
     named = np.array(u.labels)
     if np.any(vanished):

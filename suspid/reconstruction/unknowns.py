@@ -53,6 +53,11 @@ class Unknowns:
         """Return p = (k, c, masses) of unknowns x, (…, parameter), in SI units."""
         return np.asarray(self.base + x @ self.spread.T)
 
+    def on_bounds(self, x: RealArray) -> NDArray[np.bool_]:
+        """Return which unknowns lie on one of their bounds, but for rounding."""
+        rounding = 1e-9 * np.maximum(np.abs(x), 1e-9)
+        return np.asarray((x <= self.lower + rounding) | (x >= self.upper - rounding))
+
     def sizes(self, x: RealArray) -> RealArray:
         """Return what a change of 1 means: of springs and masses themselves, unless there is next to none; else 1."""
         # A spring below a thousandth of nominal is judged beside the nominal one.

@@ -33,8 +33,6 @@ REASON_COLOURS: dict[Code, Colour] = {
     DriveReason.SHORT: Colour.PALE_GREEN,
 }
 WELCH_WINDOW: Second = 8.0  # of the spectra that are drawn
-MOST_CURVES = 2  # that are drawn
-MOST_FILES = 6  # of which the stretches are drawn
 
 
 def plot_drive(found: DriveAnalysis, figure: Figure) -> Figure:
@@ -63,9 +61,11 @@ def plot_drive(found: DriveAnalysis, figure: Figure) -> Figure:
     'time [s]'
     """
     keep_apart(figure)
-    files = found.drives[:MOST_FILES]
+    # Files whose stretches fit on one page.
+    files = found.drives[:6]
     records = [record for one in found.drives for record in one.records]
-    curves = found.curves[:MOST_CURVES]
+    # Curves that fit on one page.
+    curves = found.curves[:2]
     heights = [1.0] * len(files) + [4.0] * bool(records) + [4.0 / len(curves) ** 0.5 for _ in curves]
     axes = np.atleast_1d(figure.subplots(len(heights), 1, height_ratios=heights))
     for ax, drives in zip(axes, files, strict=False):

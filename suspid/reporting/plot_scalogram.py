@@ -20,9 +20,6 @@ if TYPE_CHECKING:
     from suspid.model import ModalSet
     from suspid.wavelets import Scalogram
 
-# Most columns of the picture: more than a page can show, and few enough to be drawn at once.
-COLUMNS = 800
-
 
 def plot_scalogram(
     scalogram: Scalogram,
@@ -80,7 +77,8 @@ def plot_scalogram(
     start, end = signal.start, signal.start + signal.duration
     order = np.argsort(scalogram.omega)
     hertz = np.asarray(scalogram.omega)[order] / (2 * np.pi)
-    columns = min(COLUMNS, 2 * pieces_across(ax), signal.values.shape[1])
+    # Most columns of the picture: more than a page can show, and few enough to be drawn at once.
+    columns = min(800, 2 * pieces_across(ax), signal.values.shape[1])
     # Half a step earlier, so that a sample lies in the middle of its column.
     edges = np.linspace(start, end, columns + 1) - signal.step / 2
     modulus = pooled(scalogram, _channel_weights(scalogram, channel), edges)[order]

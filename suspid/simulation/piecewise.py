@@ -31,8 +31,6 @@ TOO_STIFF = (
 )
 # Steps are halved so often while a damper turns back near the end of its piece: it may leave the piece and return.
 TURN_HALVINGS = 6
-# Exponentials that are kept; more appear only where times are not uniform.
-MOST_KEPT = 20_000
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -103,7 +101,8 @@ class Machine:
         from scipy.linalg import expm
 
         if (choice, span) not in self.steps:
-            if len(self.steps) > MOST_KEPT:
+            # Exponentials that are kept; more appear only where times are not uniform.
+            if len(self.steps) > 20_000:
                 self.steps.clear()
             self.steps[choice, span] = np.asarray(expm(self.generator(choice) * span))
         return self.steps[choice, span]

@@ -8,11 +8,6 @@ import numpy as np
 
 from suspid.units import RealArray, Second
 
-# Most significant digits that are looked for: more resolve any sampling step of a record of this many rows.
-SIGNIFICANT_DIGITS = 7
-# Rows of which the line is found; the others are checked against it.
-MOST_ROWS_FITTED = 20_000
-
 
 def resolutions(stamps: RealArray) -> RealArray | None:
     """Return the resolution of each stamp [s], if all have the same few significant digits; None if they have more.
@@ -24,7 +19,8 @@ def resolutions(stamps: RealArray) -> RealArray | None:
     """
     size = np.abs(stamps)
     decades = np.floor(np.log10(np.where(size > 0, size, 1.0)) + 1e-12)
-    for digits in range(2, SIGNIFICANT_DIGITS + 1):
+    # Most significant digits that are looked for: more resolve any sampling step of a record of this many rows.
+    for digits in range(2, 7 + 1):
         steps = 10.0 ** (decades - digits + 1)
         if np.all(np.abs(stamps / steps - np.round(stamps / steps)) < 1e-6):
             return np.asarray(np.where(size > 0, steps, 0.0))
@@ -40,7 +36,8 @@ def line_within(stamps: RealArray, wide: RealArray) -> tuple[Second, Second, Sec
     from scipy.optimize import linprog
 
     scale, last = float(stamps[-1] - stamps[0]), stamps.size - 1
-    some = np.unique(np.linspace(0, last, min(stamps.size, MOST_ROWS_FITTED)).astype(int))
+    # Rows of which the line is found; the others are checked against it.
+    some = np.unique(np.linspace(0, last, min(stamps.size, 20_000)).astype(int))
     line = np.column_stack([np.ones(some.size), some / last])
     half, centred = 0.5 * wide[some] / scale, (stamps[some] - stamps[0]) / scale
     limits = np.vstack([np.column_stack([line, -np.ones(some.size)]), np.column_stack([-line, -np.ones(some.size)])])

@@ -7,13 +7,12 @@ from enum import StrEnum
 
 from suspid.words.remarks import Code, Number, count
 
-MOST_IN_PERCENT = 2.0  # a share above it is said as a multiple
-
 
 def _percent(share: Number) -> str:
     """Return a share as a percentage of two digits; above twice the whole as a multiple of it."""
     assert isinstance(share, float)
-    if share > MOST_IN_PERCENT:
+    # A share above it is said as a multiple.
+    if share > 2.0:
         return f"{share:.2g} times the size"
     return f"{100 * share:.2g} %" if share < 0.995 else f"{100 * share:.0f} %"
 

@@ -21,12 +21,6 @@ VISIBLE = 3.0
 MISSED, MISSED_SHARE = 3.0, 0.1
 # Harmonics of each mode beside which the part of a force in step with another mode is found.
 HARMONICS = (2, 3, 4, 5)
-# States begin with 1; below this their ratios are not known to rounding.
-GONE_BELOW = 1e-100
-# Steps of the fit to a part of the record; they begin at the fit to the whole.
-REFIT_STEPS = 5
-# Parts of the decay over which a mode is described, at most; each is of one cycle at least.
-WINDOWS = 12
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -125,7 +119,8 @@ def swings_of(fit: DrivenFit, pole: int, window: slice = slice(None)) -> Swings 
     state, own = fit.states[pole, window], np.flatnonzero(fit.owners == pole)
     strongest = int(np.argmax(np.abs(fit.amplitudes[pole])))
     amplitude = fit.amplitudes[pole, strongest]
-    gone = np.flatnonzero(np.abs(state) < GONE_BELOW)
+    # States begin with 1; below this their ratios are not known to rounding.
+    gone = np.flatnonzero(np.abs(state) < 1e-100)
     state = state[: int(gone[0])] if gone.size else state
     if len(state) < 3:
         return None
@@ -246,7 +241,8 @@ def _within(fit: DrivenFit, window: slice) -> DrivenFit | None:
     """Return the fit to a window of the record, from the same poles and forces on."""
     first = fit.states[:, window.start]
     drive = replace(fit.drive, gains=fit.drive.gains / first[:, None], forces=fit.drive.forces[:, window])
-    return maximize(fit.values[:, window], drive, fit.noise, steps=REFIT_STEPS)
+    # Steps of the fit to a part of the record; they begin at the fit to the whole.
+    return maximize(fit.values[:, window], drive, fit.noise, steps=5)
 
 
 def covariance_of(fit: DrivenFit) -> RealArray:
@@ -314,7 +310,8 @@ def _cuts(envelope: RealArray, *, least: int) -> list[int]:
     """
     last = len(envelope) - 1
     fallen = np.maximum.accumulate(envelope[0] - envelope)
-    wanted = np.linspace(0.0, fallen[-1], min(WINDOWS, max(1, last // least)) + 1)[1:-1]
+    # Parts of the decay over which a mode is described, at most; each is of one cycle at least.
+    wanted = np.linspace(0.0, fallen[-1], min(12, max(1, last // least)) + 1)[1:-1]
     cuts = [0]
     for cut in np.searchsorted(fallen, wanted).tolist():
         if cut - cuts[-1] >= least and last - cut >= least:

@@ -18,11 +18,6 @@ from suspid.identification.poles import MOST_GROWTH
 from suspid.levels import NEGLIGIBLE_GAIN
 from suspid.units import ComplexArray, RealArray
 
-# States of motion that began with 1 stay below this; their squares must not overflow.
-UNBOUNDED = 1e50
-# Least pivot of the columns of unit norm: below it they are dependent.
-INDEPENDENT = 1e-7
-
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Drive:
@@ -201,13 +196,15 @@ def evaluate(values: RealArray, drive: Drive, noise: WhiteNoise) -> DrivenFit | 
     if drive.through:
         columns = np.column_stack([columns, drive.forces.T])
     # A step that lets a state grow without bound is none.
-    if not max(np.max(np.abs(columns)), np.max(np.abs(slopes), initial=0.0)) < UNBOUNDED:
+    # States of motion that began with 1 stay below this; their squares must not overflow.
+    if not max(np.max(np.abs(columns)), np.max(np.abs(slopes), initial=0.0)) < 1e50:
         return None
     norms = np.linalg.norm(columns, axis=0)
     if not np.all(norms > 0):
         return None
     basis, triangle = np.linalg.qr(columns / norms)
-    if not np.min(np.abs(triangle.diagonal())) > INDEPENDENT:
+    # Least pivot of the columns of unit norm: below it they are dependent.
+    if not np.min(np.abs(triangle.diagonal())) > 1e-7:
         return None
     inverse = solve_triangular(triangle, np.eye(len(triangle))) / norms[:, None]
     inner = basis.T @ values.T

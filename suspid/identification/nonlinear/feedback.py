@@ -11,8 +11,6 @@ from suspid.identification.nonlinear.driven import Drive, DrivenFit, evaluate, m
 from suspid.identification.nonlinear.forces import Force, ForceKind, forces_of, means
 from suspid.units import ComplexArray, RealArray
 
-# Forces that are fitted together. More cost time; with 4 channels these are all pairs.
-MOST_FORCES = 10
 # A force of which less than this share is left beside the others adds nothing that can be told from them.
 LEAST_OWN = 0.1
 # Least size of the part of a force that is not linear in the states: below it there is rounding.
@@ -116,7 +114,8 @@ def _best(record: Record, before: Bent, trials: list[Bent]) -> Bent:
 def _added(record: Record, bent: Bent, kind: ForceKind, motions: tuple[RealArray, RealArray]) -> Bent | None:
     """Return a fit to start from with forces of one more kind, less those that cannot be told from others."""
     forces, samples = list(bent.forces), list(bent.fit.drive.forces)
-    for force in forces_of(kind, len(record.values), most=MOST_FORCES):
+    # Forces that are fitted together. More cost time; with 4 channels these are all pairs.
+    for force in forces_of(kind, len(record.values), most=10):
         sample = _beside(force.sampled(*motions), bent.fit, samples)
         if sample is not None:
             forces.append(force)
