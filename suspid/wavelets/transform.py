@@ -17,8 +17,6 @@ from suspid.wavelets.scalogram import Normalization, Scalogram
 CUT = 1e-13
 # Longest envelope of a wavelet [records]. A longer wavelet sees only the ends of the record.
 LONGEST_ENVELOPE = 10.0
-# Rows per octave: a third of the width of the narrowest row in use. Fewer rows miss ridges.
-ROWS_PER_OCTAVE = 24
 
 
 def row_band(
@@ -41,7 +39,8 @@ def row_band(
 def row_frequencies(signal: Signal, band: tuple[RadianPerSecond, RadianPerSecond] | None = None) -> RealArray:
     """Return the angular frequencies of the rows over a band [rad/s], (row,), evenly spaced in the logarithm."""
     low, high = row_band(signal, band)
-    return frozen_real(np.geomspace(low, high, max(8, int(np.ceil(ROWS_PER_OCTAVE * np.log2(high / low))))))
+    # Rows per octave: a third of the width of the narrowest row in use. Fewer rows miss ridges.
+    return frozen_real(np.geomspace(low, high, max(8, int(np.ceil(24 * np.log2(high / low))))))
 
 
 def transform(
