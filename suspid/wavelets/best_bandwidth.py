@@ -20,6 +20,8 @@ from suspid.wavelets.transform import row_frequencies, transform
 
 # Bandwidths N of the wavelet that are tried: long wavelets suit light damping, more of them cost time.
 BANDWIDTHS = range(1, 51)
+# Precision of the transform. A larger value is faster; the accuracy stated in `best_bandwidth` needs this one.
+ENTROPY_CUT = 1e-8
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -106,8 +108,7 @@ def best_bandwidth(
     if not np.any(signal.values):
         raise InputError("the record is zero throughout and has no entropy; choose channels that move")
     wavelets = [Morlet(center=center, bandwidth=n) for n in tried]
-    # Precision of the transform. A larger value is faster; the accuracy stated in `best_bandwidth` needs this one.
-    entropy = [_entropy(transform(signal, omega=rows, wavelet=w, precision=1e-8)) for w in wavelets]
+    entropy = [_entropy(transform(signal, omega=rows, wavelet=w, precision=ENTROPY_CUT)) for w in wavelets]
     return BandwidthSearch(candidates=frozen_real(tried), entropy=frozen_real(entropy))
 
 
