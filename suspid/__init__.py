@@ -24,7 +24,15 @@ from suspid.errors import (
     RecordWarning,
     SuspidError,
 )
-from suspid.fleet import DamperTrends, FleetRun, FleetSummary, damper_trends, fleet_summary, identify_many
+from suspid.fleet import (
+    DamperTrends,
+    FleetRun,
+    FleetSummary,
+    damper_trends,
+    estimate_many,
+    fleet_summary,
+    identify_many,
+)
 from suspid.greybox import (
     BodyMode,
     BodyModes,
@@ -156,7 +164,7 @@ __all__ = [  # noqa: RUF022 - grouped by step
     "tune_active", "ActiveTuning",
     # a page for others, and many records
     "report", "report_to_dict", "content_of", "Source", "source_of",
-    "identify_many", "FleetRun", "fleet_summary", "FleetSummary", "damper_trends", "DamperTrends",
+    "identify_many", "estimate_many", "FleetRun", "fleet_summary", "FleetSummary", "damper_trends", "DamperTrends",
     # pictures of each step
     "plot_scalogram", "plot_skeletons", "plot_spectra", "plot_amplitude", "plot_entropy", "plot_fit", "plot_shapes",
     "plot_identification",

@@ -24,8 +24,9 @@ from suspid import InputError, eigenmodes, free_decay
 from suspid.analysis import CarSettings, Settings, analyse
 from suspid.cli.main import main
 from suspid.fleet.engine import Engine
-from suspid.fleet.identify_many import FleetRun, identify_many
+from suspid.fleet.identify_many import identify_many
 from suspid.fleet.parts import read_table
+from suspid.fleet.run import FleetRun
 from suspid.fleet.work import work
 from suspid.words import Defect, Failure
 

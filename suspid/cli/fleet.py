@@ -7,16 +7,27 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
+from click.core import ParameterSource
 
 from suspid.analysis import CarSettings, Settings
-from suspid.cli.options import FILE, analysing
+from suspid.cli.drive import LIMITS, WAY, limits_of, road_of, way_of
+from suspid.cli.options import FILE, analysing, packed
+from suspid.cli.parameters import ROAD_MODEL, WHEEL_RADIUS, Wanted, wanting
 from suspid.cli.support import Positive, said_warnings, say
+from suspid.greybox import DriveLimits
 
 if TYPE_CHECKING:
     from suspid.fleet import Progress
+
+# Options of one kind of record alone, by the names of their parameters.
+OF_DRIVES = (
+    "speed", "speed_unit", "longitudinal", "lateral", "least_speed", "most_braking", "most_cornering", "shortest",
+    "road", "wheel_radius",
+)  # fmt: skip
+OF_DECAYS = ("vertical", "which", "modes", "method", "band")
 
 
 @click.command("fleet")
@@ -26,12 +37,18 @@ if TYPE_CHECKING:
     "-o", "--output", type=FILE, metavar="RESULTS", help="Folder of the results; an interrupted run continues."
 )
 @click.option("--summary", is_flag=True, help="FOLDER holds results: show what they say, and run nothing.")
+@click.option("--drives", is_flag=True, help="The records are drives, each of them as for `suspid drive`.")
 @click.option("--workers", type=click.IntRange(min=1), metavar="N", help="Processes on this machine. [one per core]")
 @click.option("--scheduler", metavar="ADDRESS", help="Dask scheduler in their place, such as tcp://host:8786.")
 @click.option("--car", type=FILE, metavar="CAR", help="Find springs and dampers too, of this car (.toml).")
-@click.option("--fixed", metavar="STRUT[.stiffness|.damping]", multiple=True, help="Hold at the car's value; repeat.")
+@wanting
+@packed(way_of, WAY, "way")
+@packed(limits_of, LIMITS, "limits")
+@packed(road_of, (ROAD_MODEL, WHEEL_RADIUS), "road")
 @click.option("--time-limit", type=Positive("s"), metavar="SECONDS", help="Longest time for one record. [none]")
-@click.option("--chunk", type=click.IntRange(min=1), metavar="N", help="Records per task and part of a table. [32]")
+@click.option(
+    "--chunk", type=click.IntRange(min=1), metavar="N", help="Records per task and part of a table. [32; 4 drives]"
+)
 @click.option("--table", type=FILE, metavar="CSV", help="Columns record, vehicle, date: look for trends.")
 @click.option("--vehicle-from", "pattern", metavar="PATTERN", help="The same from names: (?P<vehicle>…)/(?P<date>…).")
 def fleet_command(
@@ -41,8 +58,12 @@ def fleet_command(
     summary: bool,
     workers: int | None,
     scheduler: str | None,
+    drives: bool,
     car: Path | None,
-    fixed: tuple[str, ...],
+    wanted: Wanted,
+    way: dict[str, str | None],
+    limits: DriveLimits,
+    road: dict[str, Any],
     time_limit: float | None,
     chunk: int | None,
     table: Path | None,
@@ -56,9 +77,13 @@ def fleet_command(
     rest. Afterwards, or with --summary RESULTS, it shows verdicts, how modes and parameters are distributed, which
     records stand out and, with --table or --vehicle-from, whose dampers change over time.
 
+    With --drives each file is a drive, and the options are those of `suspid drive`. The table has a row for each
+    vehicle and drive. Without --table and --vehicle-from, the vehicle is the file's folder, and the date is looked for
+    in the file's name.
+
     The exit code is 1 if no record could be identified, and 130 after Ctrl-C.
     """
-    from suspid.fleet import CHUNK, fleet_summary, identify_many
+    from suspid.fleet import CHUNK, DRIVES_CHUNK, estimate_many, fleet_summary, identify_many
     from suspid.model import read_car, read_constraints
 
     if table is not None and pattern is not None:
@@ -72,19 +97,25 @@ def fleet_command(
         raise click.UsageError("Missing option '-o': the folder of the results.")
     if workers is not None and scheduler is not None:
         raise click.UsageError("Give --workers or --scheduler, not both.")
-    constraints = () if car is None else read_constraints(car)
+    if wanted.added:
+        raise click.UsageError("--added belongs to single tests; name the masses of the loaded car in CAR.")
+    _check_kind(drives)
+    constraints = () if car is None or drives else read_constraints(car)
+    settings = replace(settings, springs=CarSettings(**wanted.unknowns(), constraints=constraints))
+    asked: dict[str, Any] = {
+        "output": output,
+        "car": None if car is None else read_car(car),
+        "settings": settings,
+        "time_limit": time_limit,
+        "workers": workers,
+        "scheduler": scheduler,
+    }
     with said_warnings() as said, goes_on(), progress_bar() as progress:
-        run = identify_many(
-            folder,
-            output=output,
-            car=None if car is None else read_car(car),
-            settings=replace(settings, springs=CarSettings(fixed=fixed, constraints=constraints)),
-            time_limit=time_limit,
-            chunk=CHUNK if chunk is None else chunk,
-            workers=workers,
-            scheduler=scheduler,
-            progress=progress,
-        )
+        if drives:
+            asked |= {"limits": limits, "way": way, "table": table, "pattern": pattern, **road}
+            run = estimate_many(folder, chunk=chunk or DRIVES_CHUNK, progress=progress, **asked)
+        else:
+            run = identify_many(folder, chunk=chunk or CHUNK, progress=progress, **asked)
         said += run.notes
         found = fleet_summary(output, table=table, pattern=pattern)
     say(str(found))
@@ -92,6 +123,17 @@ def fleet_command(
     if not found.verdicts:
         click.echo("suspid: error: no record could be identified", err=True)
         click.get_current_context().exit(1)
+
+
+def _check_kind(drives: bool) -> None:
+    """Refuse options that belong to the other kind of record."""
+    context = click.get_current_context()
+    for parameter in context.command.params:
+        if parameter.name not in (OF_DECAYS if drives else OF_DRIVES):
+            continue
+        if context.get_parameter_source(parameter.name) is ParameterSource.COMMANDLINE:
+            other = "leave --drives out" if drives else "give --drives too"
+            raise click.UsageError(f"{parameter.opts[0]} is for {'decays' if drives else 'drives'}: {other}.")
 
 
 @contextmanager

@@ -1,24 +1,29 @@
 """Many recordings.
 
-`identify_many` passes every record of a list or folder to `analyse`, on local cores or a Dask cluster, resumable, into
-Parquet tables. `fleet_summary` reads them: failures, verdicts, distributions, outliers, trends of each vehicle. Below
-them: `listing` and `records` (what to do), `job` (how), `rows` and `tables` (results), `engine` with `workers`
-and `children` (who), `parts`, `manifest` and `folder` (what makes a run resumable).
+`identify_many` passes every record of a list or folder to `analyse`, `estimate_many` every drive to `analyse_drive`, on
+local cores or a Dask cluster, resumable, into Parquet tables. `fleet_summary` reads them: failures, verdicts,
+distributions, outliers, trends of each vehicle. Below them: `run`, `listing` and `records` (what to do), `job` (how),
+`rows`, `drive_rows` and `tables` (results), `engine` with `workers` and `children` (who), `parts`, `manifest` and
+`folder` (what makes a run resumable).
 """
 
 from suspid.fleet.damper_trends import DamperTrend, DamperTrends, damper_trends, trends_of_rates
+from suspid.fleet.estimate_many import DRIVES_CHUNK, estimate_many
 from suspid.fleet.fleet_summary import fleet_summary
-from suspid.fleet.identify_many import CHUNK, FleetRun, Progress, identify_many
+from suspid.fleet.identify_many import CHUNK, identify_many
+from suspid.fleet.run import FleetRun, Progress
 from suspid.fleet.summary import FleetSummary
 
 __all__ = [
     "CHUNK",
+    "DRIVES_CHUNK",
     "DamperTrend",
     "DamperTrends",
     "FleetRun",
     "FleetSummary",
     "Progress",
     "damper_trends",
+    "estimate_many",
     "fleet_summary",
     "identify_many",
     "trends_of_rates",

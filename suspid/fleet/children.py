@@ -20,10 +20,10 @@ from dataclasses import dataclass, field
 from typing import IO, TypeAlias
 
 from suspid.errors import SuspidError
+from suspid.fleet.failures import failure
 from suspid.fleet.job import Job
 from suspid.fleet.parts import Part
 from suspid.fleet.records import Entry, Seen
-from suspid.fleet.rows import failure
 from suspid.fleet.tables import Rows
 from suspid.fleet.work import TIME_UP, check_versions, tables_of
 from suspid.words import Failure, Remark, Step

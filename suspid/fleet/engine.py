@@ -9,10 +9,10 @@ from dataclasses import dataclass, replace
 
 from suspid.errors import SuspidError
 from suspid.files import printable
+from suspid.fleet.failures import failure
 from suspid.fleet.job import Job
 from suspid.fleet.parts import Part, as_part
 from suspid.fleet.records import Entry, Seen
-from suspid.fleet.rows import failure
 from suspid.fleet.tables import joined
 from suspid.units import Second
 from suspid.words import Failure, Remark, Step
@@ -100,4 +100,4 @@ def _outcome(engine: Engine, future: Future[Part]) -> tuple[Part | None, BaseExc
 
 def _lost(job: Job, task: Task, error: BaseException | None) -> Part:
     why = Remark(Failure.WORKER_LOST, {"times": CHUNK_TRIES, "why": printable(str(error))})
-    return as_part(joined([failure(job, entry, Seen(step=Step.WORK), why) for entry in task.chunk]))
+    return as_part(joined([failure(job, entry, Seen(step=Step.WORK), why) for entry in task.chunk]), job.layout)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import textwrap
 from collections import Counter
@@ -13,13 +14,16 @@ import numpy as np
 
 from suspid.fleet.damper_trends import DamperTrends, trends_of_table
 from suspid.fleet.distributions import Distribution, Outlier, distribution, outliers_of
+from suspid.fleet.drive_summary import body_quantities, drive_dampers, placed_drives, wear_counts
 from suspid.fleet.families import OTHERS, families_by_density, families_of_car
 from suspid.fleet.manifest import read_manifest
 from suspid.fleet.parts import part_counts, part_numbers, read_table
 from suspid.fleet.summary import FailureCount, FleetSummary
+from suspid.fleet.tables import layout_of
 from suspid.fleet.trends import Trend, adjusted, trends_of
 from suspid.fleet.vehicles import read_vehicles, vehicles_from_names
 from suspid.model import Suspension, car_from_toml, eigenmodes
+from suspid.performance import WearRule
 from suspid.units import RealArray
 from suspid.words import Failure, Step
 
@@ -33,8 +37,9 @@ def fleet_summary(
     *,
     table: str | os.PathLike[str] | None = None,
     pattern: str | None = None,
+    rule: WearRule | None = None,
 ) -> FleetSummary:
-    r"""Return what the results of `identify_many` say, complete or so far.
+    r"""Return what the results of `identify_many` or `estimate_many` say, complete or so far.
 
     Modes are put into families: the modes of the car that the run was given, or else the peaks of the density of log
     frequency over all records. The columns of one quantity are held in memory at a time.
@@ -48,7 +53,9 @@ def fleet_summary(
         mileage): trends are then looked for.
     pattern : str, optional
         In its place a regular expression with the groups ``vehicle`` and ``date`` that the records' names match,
-        such as ``r"(?P<vehicle>\w+)/(?P<date>\d{4}-\d{2}-\d{2})"``.
+        such as ``r"(?P<vehicle>\w+)/(?P<date>\d{4}-\d{2}-\d{2})"``. Without both, drives have those of their rows.
+    rule : WearRule, optional
+        What is asked of the verdicts on dampers over their records.
 
     Raises
     ------
@@ -72,41 +79,58 @@ def fleet_summary(
     """
     place = Path(folder)
     manifest = read_manifest(place)
-    counts = [c for c in (part_counts(place, number) for number in part_numbers(place, "modes")) if c is not None]
-    names, record, columns = _modes(place)
-    vehicles = read_vehicles(table) if table is not None else {}
+    layout = layout_of(manifest)
+    toml = manifest.get("car")
+    car = car_from_toml(toml) if isinstance(toml, str) else None
+    counts = [part_counts(place, number, layout) for number in part_numbers(place, layout.main)]
+    complete = [one for one in counts if one is not None]
+    drives, placed, others = layout.main == "drives", dict[str, tuple[str, float]](), 0
+    if drives:
+        names, placed = placed_drives(place)
+        first, quantities = read_table(place, "drives", columns=["verdict", "doubts"]), body_quantities(place)
+    else:
+        names, record, columns = _modes(place)
+        label = _families(columns, record, car)
+        others = int(np.sum(label == OTHERS))
+        first, quantities = _first_rows(place), _mode_quantities(names, record, columns, label)
+    vehicles = read_vehicles(table) if table is not None else placed
     if pattern is not None:
         vehicles = vehicles_from_names(names, pattern)
-    first = _first_rows(place)
-    car = manifest.get("car")
-    f, zeta = columns["f_hz"], columns["zeta"]
-    if isinstance(car, str):
-        label = families_of_car(f, zeta, record, eigenmodes(car_from_toml(car)))
-    else:
-        label = families_by_density(f, zeta, record)
     distributions: list[Distribution] = []
     outliers: list[Outlier] = []
     trends: list[Trend] = []
-    for quantity, unit, who, values, stds in _quantities(place, names, record, columns, label):
+    for quantity, unit, who, values, stds in itertools.chain(quantities, _spring_quantities(place)):
         distributions.append(distribution(quantity, unit, values, stds))
         outliers += outliers_of(quantity, who, values, stds)
         trends += _trends(quantity, who, values, stds, vehicles)
-    asked = table is not None or pattern is not None
+    dampers = None
+    if car is not None and vehicles:
+        dampers = drive_dampers(place, vehicles, car, rule) if drives else _dampers(place, vehicles, car, rule)
+    asked = drives or table is not None or pattern is not None
     return FleetSummary(
         folder=place,
-        records=sum(done for done, _ in counts),
-        failed=sum(bad for _, bad in counts),
+        records=sum(done for done, _ in complete),
+        failed=sum(bad for _, bad in complete),
         failures=_failures(place),
         verdicts=_counts(first, "verdict"),
         doubts=_counts(first, "doubts"),
         distributions=tuple(distributions),
         outliers=tuple(sorted(outliers, key=lambda one: (-abs(one.z), one.record, one.quantity))),
         trends=adjusted(trends),
-        dampers=_dampers(place, vehicles, car_from_toml(car)) if isinstance(car, str) and vehicles else None,
-        others=int(np.sum(label == OTHERS)),
+        dampers=dampers,
+        others=others,
         unplaced=sum(1 for name in names if name not in vehicles) if asked else None,
         complete="complete" in manifest,
+        wear=wear_counts(place, car) if drives and car is not None else {},
     )
+
+
+def _families(columns: Mapping[str, RealArray], record: NDArray[np.int64], car: Suspension | None) -> NDArray[np.int64]:
+    """Return the family of each row of the modes: modes of the car, or else peaks of the density."""
+    f, zeta = columns["f_hz"], columns["zeta"]
+    if car is not None:
+        return families_of_car(f, zeta, record, eigenmodes(car))
+    return families_by_density(f, zeta, record)
 
 
 def _failures(folder: Path) -> tuple[FailureCount, ...]:
@@ -147,14 +171,13 @@ def _modes(folder: Path) -> tuple[list[str], NDArray[np.int64], dict[str, RealAr
     return encoded.dictionary.to_pylist(), np.asarray(encoded.indices, dtype=np.int64), columns
 
 
-def _quantities(
-    folder: Path,
+def _mode_quantities(
     names: Sequence[str],
     record: NDArray[np.int64],
     modes: Mapping[str, RealArray],
     label: NDArray[np.int64],
 ) -> Iterator[tuple[str, str, list[str], RealArray, RealArray]]:
-    """Yield name, unit, records, values and standard deviations of each quantity."""
+    """Yield name, unit, records, values and standard deviations of frequency and damping of each family."""
     for family in range(int(np.max(label, initial=OTHERS)) + 1):
         rows = np.flatnonzero(label == family)
         who = [names[k] for k in record[rows]]
@@ -164,6 +187,10 @@ def _quantities(
         ):
             if rows.size:
                 yield f"mode {family + 1} {quantity}", unit, who, modes[value][rows], modes[std][rows] * scale
+
+
+def _spring_quantities(folder: Path) -> Iterator[tuple[str, str, list[str], RealArray, RealArray]]:
+    """Yield the same of each parameter that was found."""
     if not part_numbers(folder, "springs"):
         return
     springs = read_table(folder, "springs", columns=["record", "parameter", "unit", "value", "std", "held"])
@@ -175,7 +202,9 @@ def _quantities(
         yield name, some["unit"][0].as_py(), some["record"].to_pylist(), values, stds
 
 
-def _dampers(folder: Path, vehicles: Mapping[str, tuple[str, float]], car: Suspension) -> DamperTrends | None:
+def _dampers(
+    folder: Path, vehicles: Mapping[str, tuple[str, float]], car: Suspension, rule: WearRule | None
+) -> DamperTrends | None:
     """Return the trends of dampers; None where springs and dampers were not looked for."""
     if not part_numbers(folder, "springs"):
         return None
@@ -183,7 +212,7 @@ def _dampers(folder: Path, vehicles: Mapping[str, tuple[str, float]], car: Suspe
     free = springs.take(np.flatnonzero(~springs["held"].to_numpy())).to_pydict()
     rows = zip(*(free[name] for name in ("record", "parameter", "value", "std")), strict=True)
     known = ((who, what, value, np.nan if std is None else std) for who, what, value, std in rows if value is not None)
-    return trends_of_table(known, vehicles, car)
+    return trends_of_table(known, vehicles, car, rule)
 
 
 def _trends(

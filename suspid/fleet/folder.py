@@ -15,7 +15,7 @@ from suspid.fleet.listing import Listing
 from suspid.fleet.manifest import check_same, durable_write, read_manifest
 from suspid.fleet.parts import part_names, part_numbers
 from suspid.fleet.records import LIST, Entry, read_list, samples_hash, write_list
-from suspid.fleet.tables import TABLES
+from suspid.fleet.tables import Layout, layout_of
 
 
 @contextmanager
@@ -61,7 +61,7 @@ def begun(folder: Path, manifest: Mapping[str, object]) -> Mapping[str, object]:
     else:
         write_manifest(folder, manifest)
     # The manifest comes first: a folder that holds anything and no manifest is not ours.
-    for table in TABLES:
+    for table in layout_of(manifest).names:
         (folder / table).mkdir(exist_ok=True)
     return manifest
 
@@ -100,11 +100,11 @@ def only_others(source: Listing) -> str:
     return f": only {printable(kinds)}" if kinds else ""
 
 
-def check_part(folder: Path, number: int, chunk: Sequence[Entry], *, listed: bool) -> None:
+def check_part(folder: Path, number: int, chunk: Sequence[Entry], layout: Layout, *, listed: bool) -> None:
     """Refuse to go on with a stream whose records are not those that made a part."""
     if listed:
         return
-    there = part_names(folder, number)
+    there = part_names(folder, number, layout)
     names = {name for name, _ in there}
     for entry in chunk:
         known = entry.samples is None or (entry.name, samples_hash(entry.samples)) in there
@@ -116,9 +116,9 @@ def check_part(folder: Path, number: int, chunk: Sequence[Entry], *, listed: boo
             )
 
 
-def check_end(folder: Path, parts: int) -> None:
+def check_end(folder: Path, parts: int, layout: Layout) -> None:
     """Refuse to end a run whose folder holds parts beyond its last one."""
-    beyond = [number for number in part_numbers(folder, "modes") if number >= parts]
+    beyond = [number for number in part_numbers(folder, layout.main) if number >= parts]
     if beyond:
         raise InputError(
             f"{printable(str(folder))}: holds parts from number {beyond[0]} on, but the records end before: "

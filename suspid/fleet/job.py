@@ -3,13 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
+from typing import Literal
 
 from suspid.analysis import CarSettings, Settings, check_springs
 from suspid.errors import InputError
 from suspid.fleet.manifest import environment
-from suspid.model import Suspension
-from suspid.units import Second
+from suspid.fleet.tables import DECAYS, Layout, drives_layout
+from suspid.greybox import DriveLimits, wheels_of
+from suspid.model import Suspension, car_from_toml
+from suspid.units import Metre, Second
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class DriveJob:
+    """What is asked of drives, as in `analyse_drive`."""
+
+    limits: DriveLimits = field(default_factory=DriveLimits)
+    way: Mapping[str, str | None] = field(default_factory=dict)
+    road: Literal["iso8608"] | None = None
+    wheel_radius: Metre | None = None
+    # Where vehicles and dates come from, for the manifest; each record has its own.
+    vehicles: str = "names"
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -20,12 +35,22 @@ class Job:
     # The car as TOML: python-control's models cannot be pickled, and the manifest holds text.
     car: str | None = None
     time_limit: Second | None = None
+    # None: the records are free decays.
+    drive: DriveJob | None = None
     # Versions of the client, which those of every worker must equal.
     environment: Mapping[str, str] = field(default_factory=environment)
+
+    @property
+    def layout(self) -> Layout:
+        """The tables that the records leave rows of."""
+        if self.drive is None:
+            return DECAYS
+        return drives_layout(None if self.car is None else car_from_toml(self.car))
 
     def to_dict(self) -> dict[str, object]:
         """Return what decides the results, for the manifest."""
         return {
+            **({} if self.drive is None else {"drives": asdict(self.drive)}),
             "settings": self.settings.to_dict(),
             "car": self.car,
             "time_limit": self.time_limit,
@@ -42,4 +67,22 @@ def check_job(job: Job, car: Suspension | None) -> None:
         if settings.springs != CarSettings():
             raise InputError("settings.springs is of use only with a car")
         return
-    check_springs(settings.springs, car)
+    if job.drive is None:
+        check_springs(settings.springs, car)
+
+
+def check_drive(job: Job, drive: DriveJob, car: Suspension | None) -> None:
+    """Refuse at once what would be the failure of every drive."""
+    settings, how = job.settings, job.settings.springs
+    unused = {
+        "springs.added_masses": how.added_masses, "springs.tolerance": how.tolerance,
+        "springs.constraints": how.constraints, "modes": settings.modes, "band": settings.band,
+        "vertical": settings.vertical,
+    }  # fmt: skip
+    for name, value in unused.items():
+        if value:
+            raise InputError(f"settings.{name} is of no use in drives; leave it out")
+    if drive.road is None and drive.wheel_radius is not None:
+        raise InputError('wheel_radius belongs to a model of the road: give road="iso8608" too')
+    if drive.road is not None and (car is None or not wheels_of(car)):
+        raise InputError("road needs a car with wheels: give car")

@@ -95,7 +95,7 @@ def _walk(folder: Path, root: Path, output: Path, left_out: Counter[str]) -> Ite
 
 def _holds_results(folder: Path) -> bool:
     """Return whether a folder holds results of a fleet, whose tables are no records."""
-    return (folder / "manifest.json").is_file() and (folder / "modes").is_dir()
+    return (folder / "manifest.json").is_file() and any((folder / name).is_dir() for name in ("modes", "drives"))
 
 
 def _matches(pattern: str) -> Iterator[Entry]:

@@ -4,12 +4,12 @@ A folder of results holds
 
 - ``manifest.json``: settings and versions; written first;
 - ``records.jsonl``: the records of a folder, a glob or a list, one ``[path, name, bytes]`` a line;
-- ``modes/part-000000.parquet`` …: one row per record and mode;
+- ``modes/part-000000.parquet`` …: one row per record and mode; of drives ``drives``: one row per vehicle and drive;
 - ``springs/part-….parquet``: one row per record and parameter of the car, where a car was given;
 - ``failures/part-….parquet``: one row per record, step and reason, where something failed.
 
-Part number k of each table comes from the k-th chunk of records. The part of ``modes`` is written last, with or without
-rows: it marks the chunk as complete. Nothing in these files depends on the clock or on the worker.
+Part number k of each table comes from the k-th chunk of records. The part of ``modes`` or ``drives`` is written last,
+with or without rows: it marks the chunk as complete. Nothing in these files depends on the clock or on the worker.
 """
 
 from __future__ import annotations
@@ -17,50 +17,44 @@ from __future__ import annotations
 import io
 import json
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from suspid.fleet.manifest import durable_write, read_manifest, require_fleet
-from suspid.fleet.tables import TABLE_COLUMNS, TABLES, Row, Rows, TableName, schema_of
+from suspid.fleet.tables import DECAYS, Layout, Row, Rows, TableName, layout_of
 
 if TYPE_CHECKING:
     import pyarrow as pa
 
-# Key of the metadata of a part of ``modes`` that holds how many records its chunk had and how many failed.
+# Key of the metadata of a part that holds how many records its chunk had and how many failed.
 COUNTS = b"suspid counts"
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Part:
-    """One chunk's tables as the bytes of Parquet files; a table without rows is empty bytes, save ``modes``."""
+    """One chunk's tables as the bytes of Parquet files; one without rows has none, save the last that is written."""
 
-    modes: bytes
-    springs: bytes
-    failures: bytes
+    files: Mapping[TableName, bytes]
     records: int
     failed: int
 
 
-def as_part(rows: Rows) -> Part:
+def as_part(rows: Rows, layout: Layout = DECAYS) -> Part:
     """Return the rows as the bytes of Parquet files: the same rows, the same bytes."""
     counts = json.dumps({"records": rows.records, "failed": rows.failed}).encode()
-    return Part(
-        modes=_parquet("modes", rows.modes, counts),
-        springs=_parquet("springs", rows.springs, counts) if rows.springs else b"",
-        failures=_parquet("failures", rows.failures, counts) if rows.failures else b"",
-        records=rows.records,
-        failed=rows.failed,
-    )
+    tables: dict[TableName, tuple[Row, ...]] = {name: getattr(rows, name) for name in layout.names}
+    files = {name: _parquet(layout, name, own, counts) for name, own in tables.items() if own or name == layout.main}
+    return Part(files=files, records=rows.records, failed=rows.failed)
 
 
-def write_part(folder: Path, number: int, part: Part) -> None:
-    """Write a chunk's tables, each complete or absent; the modes last, which marks the chunk as complete."""
-    for table in TABLES:
-        path, content = part_path(folder, table, number), getattr(part, table)
-        if content:
-            durable_write(path, content)
+def write_part(folder: Path, number: int, part: Part, layout: Layout = DECAYS) -> None:
+    """Write a chunk's tables, each complete or absent; the last one marks the chunk as complete."""
+    for table in layout.names:
+        path = part_path(folder, table, number)
+        if table in part.files:
+            durable_write(path, part.files[table])
         else:
             # A killed run may have left a part here; this chunk has no such rows.
             path.unlink(missing_ok=True)
@@ -71,12 +65,12 @@ def part_path(folder: Path, table: TableName, number: int) -> Path:
     return folder / table / f"part-{number:06d}.parquet"
 
 
-def part_counts(folder: Path, number: int) -> tuple[int, int] | None:
+def part_counts(folder: Path, number: int, layout: Layout = DECAYS) -> tuple[int, int] | None:
     """Return how many records a chunk had and how many failed, or None if the chunk is not complete."""
     import pyarrow as pa
     from pyarrow import parquet
 
-    path = part_path(folder, "modes", number)
+    path = part_path(folder, layout.main, number)
     try:
         counts = json.loads((parquet.read_metadata(path).metadata or {})[COUNTS])
         return int(counts["records"]), int(counts["failed"])
@@ -90,12 +84,12 @@ def part_numbers(folder: Path, table: TableName) -> list[int]:
     return sorted(int(name[5:-8]) for name in names if name[5:-8].isdigit())
 
 
-def part_names(folder: Path, number: int) -> set[tuple[str, str | None]]:
+def part_names(folder: Path, number: int, layout: Layout = DECAYS) -> set[tuple[str, str | None]]:
     """Return (record, sha256) of every record that has a row in a complete chunk."""
     from pyarrow import parquet
 
     found: set[tuple[str, str | None]] = set()
-    for table in ("modes", "failures"):
+    for table in (layout.main, *layout.names[:1]):
         path = part_path(folder, table, number)
         if path.exists():
             columns = parquet.ParquetFile(path).read(columns=["record", "sha256"]).to_pydict()
@@ -115,19 +109,20 @@ def read_table(folder: str | os.PathLike[str], table: TableName, *, columns: Seq
     import pyarrow as pa
     from pyarrow import parquet
 
-    read_manifest(Path(folder))
+    layout = layout_of(read_manifest(Path(folder)))
+    known = layout.columns_of(table)
     paths = [part_path(Path(folder), table, number) for number in part_numbers(Path(folder), table)]
-    wanted = list(columns or TABLE_COLUMNS[table])
+    wanted = list(columns or known)
     # Metadata differ from part to part; without them the tables join.
     parts = [parquet.ParquetFile(path).read(columns=wanted).replace_schema_metadata() for path in paths]
-    return pa.concat_tables(parts) if parts else schema_of(table).empty_table().select(wanted)
+    return pa.concat_tables(parts) if parts else layout.schema(table).empty_table().select(wanted)
 
 
-def _parquet(table: TableName, rows: Sequence[Row], counts: bytes) -> bytes:
+def _parquet(layout: Layout, table: TableName, rows: Sequence[Row], counts: bytes) -> bytes:
     import pyarrow as pa
     from pyarrow import parquet
 
-    schema = schema_of(table)
+    schema = layout.schema(table)
     arrays = [pa.array([row[name] for row in rows], type=schema.field(name).type) for name in schema.names]
     content = pa.Table.from_arrays(arrays, schema=schema.with_metadata({COUNTS: counts}))
     stream = io.BytesIO()

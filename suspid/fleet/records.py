@@ -47,6 +47,9 @@ class Entry:
     # Bytes of the file when it was listed.
     size: int | None = None
     samples: Samples | None = None
+    # Of a drive.
+    vehicle: str | None = None
+    when: float | None = None
     refusal: Remark | None = None
 
 

@@ -1,31 +1,30 @@
-"""One record of a fleet as rows of the tables: modes, springs, or the reason why there are none."""
+"""One record of a fleet as rows of the tables: modes and springs, a drive, or the reason why there are none."""
 
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 
 import numpy as np
 
 from suspid.analysis import STEPS, Analysis, analyse
-from suspid.errors import IdentificationError, RecordError, SuspidError
 from suspid.files import printable
+from suspid.fleet.drive_rows import drive_rows
+from suspid.fleet.failures import failure, which, why_of, without
 from suspid.fleet.job import Job
-from suspid.fleet.records import Entry, RefusedError, Seen, source_of
+from suspid.fleet.records import Entry, Seen, source_of
 from suspid.fleet.tables import Row, Rows
 from suspid.model import car_from_toml
 from suspid.reconstruction import reconstruction_to_dict
 from suspid.signals import as_signal
 from suspid.words import Failure, Note, Remark, Step
 
-# A reason longer than this [characters] is cut: some libraries put whole tables into their errors.
-LONGEST_REASON = 600
 STEP_OF = dict(zip(STEPS, (Step.READ, Step.FIND_DECAYS, Step.IDENTIFY, Step.RECONSTRUCT), strict=True))
 
 
 def record_rows(job: Job, entry: Entry, tell: Callable[[Seen], None]) -> Rows:
-    """Return the rows of one record: those of `analyse`; what goes wrong becomes a row among the failures.
+    """Return the rows of one record: those of `analyse` or `analyse_drive`; what fails is a row among the failures.
 
     ``tell`` is called with what is known of the record as soon as it is known.
     """
@@ -39,6 +38,8 @@ def record_rows(job: Job, entry: Entry, tell: Callable[[Seen], None]) -> Rows:
         with warnings.catch_warnings(), source_of(entry, know) as source:
             # What is found in a record has its columns.
             warnings.simplefilter("ignore")
+            if job.drive is not None:
+                return drive_rows(job, job.drive, entry, source, seen[-1], know)
             found = analyse(
                 source,
                 car=None if job.car is None else car_from_toml(job.car),
@@ -48,7 +49,7 @@ def record_rows(job: Job, entry: Entry, tell: Callable[[Seen], None]) -> Rows:
             modes = _mode_rows(job, entry, seen[-1], found)
             springs = _spring_rows(job, entry, seen[-1], found)
     except Exception as error:
-        return failure(job, entry, seen[-1], _why(error, seen[-1].place))
+        return failure(job, entry, seen[-1], why_of(error, seen[-1].place))
     if not modes:
         verdict = found.verdict
         why = "; ".join(str(one) for one in (*verdict.doubts, *found.notes)) or str(verdict.headline)
@@ -56,24 +57,10 @@ def record_rows(job: Job, entry: Entry, tell: Callable[[Seen], None]) -> Rows:
         return failure(job, entry, replace(seen[-1], step=Step.IDENTIFY), Remark(Failure.NO_MODE, {"why": why}), checks)
     missing = [note for note in found.notes if note.code is Note.NO_SPRINGS]
     if missing:
-        why = _without(str(missing[0].numbers["why"]), seen[-1].place)
+        why = without(str(missing[0].numbers["why"]), seen[-1].place)
         rows = failure(job, entry, seen[-1], Remark(Failure.NO_SPRINGS, {"why": why}))
         return replace(rows, modes=modes)
     return Rows(modes=modes, springs=springs)
-
-
-def failure(job: Job, entry: Entry, seen: Seen, why: Remark, checks: Sequence[str] = ()) -> Rows:
-    """Return the rows of a record that failed: one, with the step, the code and the reason in words."""
-    said = printable(" ".join(str(why).split()))
-    said = said if len(said) <= LONGEST_REASON else said[: LONGEST_REASON - 1] + "…"
-    row = {
-        **_which(job, entry, seen),
-        "step": str(seen.step),
-        "code": str(why.code),
-        "checks": list(checks),
-        "reason": said,
-    }
-    return Rows(failures=(row,), failed=1)
 
 
 def _mode_rows(job: Job, entry: Entry, seen: Seen, found: Analysis) -> tuple[Row, ...]:
@@ -88,7 +75,7 @@ def _mode_rows(job: Job, entry: Entry, seen: Seen, found: Analysis) -> tuple[Row
     shapes = modes.shapes
     assert shapes is not None
     shared = {
-        **_which(job, entry, seen),
+        **which(job, entry, seen),
         "modes": len(modes),
         "explained_least": float(np.min(single.explained)),
         "decays": len(found.used),
@@ -135,7 +122,7 @@ def _said(found: Analysis, place: str) -> dict[str, object]:
         "doubts": list(dict.fromkeys(str(one.code) for one in verdict.doubts)),
         "findings": list(dict.fromkeys(str(one.kind) for one in findings)),
         "notes": list(dict.fromkeys(str(one.code) for one in found.notes)),
-        "remarks": printable("; ".join(_without(one, place) for one in sentences)),
+        "remarks": printable("; ".join(without(one, place) for one in sentences)),
     }
 
 
@@ -158,7 +145,7 @@ def _spring_rows(job: Job, entry: Entry, seen: Seen, found: Analysis) -> tuple[R
         assert isinstance(entries, list)
         rows += [
             {
-                **_which(job, entry, seen),
+                **which(job, entry, seen),
                 "parameter": one["name"],
                 "unit": one["unit"],
                 "value": one["value"],
@@ -171,28 +158,3 @@ def _spring_rows(job: Job, entry: Entry, seen: Seen, found: Analysis) -> tuple[R
             for one in entries
         ]
     return tuple(rows)
-
-
-def _which(job: Job, entry: Entry, seen: Seen) -> dict[str, object]:
-    return {"record": entry.name, "sha256": seen.sha256, "suspid": job.environment["suspid"]}
-
-
-def _why(error: Exception, place: str) -> Remark:
-    """Return an error as a code with the words of the error."""
-    if isinstance(error, RefusedError):
-        return error.remark
-    if isinstance(error, MemoryError):
-        return Remark(Failure.MEMORY)
-    text = _without(str(error), place)
-    if isinstance(error, RecordError):
-        return Remark(Failure.UNUSABLE, {"why": text})
-    if isinstance(error, IdentificationError):
-        return Remark(Failure.NOT_IDENTIFIED, {"why": text})
-    if isinstance(error, SuspidError):
-        return Remark(Failure.REFUSED, {"why": text})
-    return Remark(Failure.UNEXPECTED, {"kind": type(error).__name__, "why": text})
-
-
-def _without(text: str, place: str) -> str:
-    """Return a message without the name of the file that it begins with: the row has it, and a copy has another."""
-    return text.removeprefix(f"{printable(place)}: ").replace(place, "the file") if place else text

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from suspid.files import printable
@@ -12,7 +12,7 @@ from suspid.fleet.damper_trends import DamperTrends
 from suspid.fleet.distributions import FEWEST_RECORDS, QUANTILES, Distribution, Outlier
 from suspid.fleet.trends import Trend
 from suspid.values import text_table
-from suspid.words import Failure, Step, count
+from suspid.words import DamperState, Failure, Step, count
 
 LEGEND = (
     "scatter: robust standard deviation from record to record; stated ±: root mean square of the standard deviations "
@@ -75,6 +75,8 @@ class FleetSummary:
         How many records have no vehicle; None if none was asked for.
     complete : bool
         Whether the run has ended.
+    wear : mapping of str to mapping of str to int
+        In how many drives each damper has each state of wear against its nominal value; empty of decays.
     """
 
     folder: Path
@@ -90,6 +92,7 @@ class FleetSummary:
     others: int
     unplaced: int | None
     complete: bool
+    wear: Mapping[str, Mapping[str, int]] = field(default_factory=dict)
 
     def __str__(self) -> str:
         parts = [
@@ -105,6 +108,8 @@ class FleetSummary:
             parts.append(text_table(columns) + "\nThe table of failures lists all of them with their reasons.")
         if self.verdicts:
             parts.append(_verdict_table(self.verdicts, self.doubts))
+        if self.wear:
+            parts.append(_wear_table(self.wear))
         if self.distributions:
             parts.append(f"{_distribution_table(self.distributions)}\n{LEGEND}")
         if self.others:
@@ -138,6 +143,11 @@ def _verdict_table(verdicts: Mapping[str, int], doubts: Mapping[str, int]) -> st
     shown = list(doubts.items())[:MOST_SHOWN]
     table = text_table({"doubt": [code for code, _ in shown], "records": [str(number) for _, number in shown]})
     return f"{levels}\n\n{table}{_more(len(doubts))}"
+
+
+def _wear_table(wear: Mapping[str, Mapping[str, int]]) -> str:
+    columns = {f"{state}": [str(states.get(str(state), 0)) for states in wear.values()] for state in DamperState}
+    return text_table({"drives by wear against nominal": list(wear), **columns})
 
 
 def _distribution_table(distributions: Sequence[Distribution]) -> str:

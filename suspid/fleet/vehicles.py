@@ -8,13 +8,18 @@ import math
 import os
 import re
 from collections.abc import Iterable
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 from suspid.errors import InputError
 from suspid.files import printable, read_text
 from suspid.values import nearest_names
 
 VEHICLE_COLUMNS = ("record", "vehicle", "date")
+# A date in a name, with or without a time of day: 2024-05-31, 20240531T1200, 2024_05_31 12-00-30.
+DATE_IN_NAME = re.compile(
+    r"(?<!\d)(?P<year>(?:19|20)\d\d)(?P<between>[-_.]?)(?P<month>0[1-9]|1[0-2])(?P=between)(?P<day>0[1-9]|[12]\d|3[01])"
+    r"(?:[T_ -]*(?P<hour>[01]\d|2[0-3])[-_:.]?(?P<minute>[0-5]\d)(?:[-_:.]?(?P<second>[0-5]\d))?)?(?!\d)"
+)
 
 
 def read_vehicles(path: str | os.PathLike[str]) -> dict[str, tuple[str, float]]:
@@ -83,6 +88,33 @@ def vehicles_from_names(names: Iterable[str], pattern: str) -> dict[str, tuple[s
             except ValueError:
                 continue
     return found
+
+
+def vehicle_in_name(name: str) -> tuple[str | None, float | None]:
+    """Return the vehicle and the time of a record by its name: its folders, and the last date in it.
+
+    Without folders the vehicle is what stands beside the date in the name of the file. None where there is nothing.
+
+    Examples
+    --------
+    >>> vehicle_in_name("north/VAN 7/2024-01-01.mf4"), vehicle_in_name("V8_20240101.csv"), vehicle_in_name("run1.csv")
+    (('north/VAN 7', 2024.0), ('V8', 2024.0), (None, None))
+    """
+    dates = list(DATE_IN_NAME.finditer(name))
+    when = None
+    for date in reversed(dates):
+        clock = ":".join(date[part] or "00" for part in ("hour", "minute", "second"))
+        try:
+            when = _time(f"{date['year']}-{date['month']}-{date['day']}T{clock}")[1]
+            break
+        except ValueError:
+            continue
+    path = PurePosixPath(name)
+    folders = [part for part in path.parent.parts if not DATE_IN_NAME.search(part)]
+    if folders:
+        return "/".join(folders), when
+    beside = DATE_IN_NAME.sub("", path.stem).strip(" -_.") if when is not None else ""
+    return beside or None, when
 
 
 def _time(text: str) -> tuple[str, float]:

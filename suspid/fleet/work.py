@@ -10,11 +10,12 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 
 from suspid.errors import InputError
+from suspid.fleet.failures import failure
 from suspid.fleet.job import Job
 from suspid.fleet.manifest import environment
 from suspid.fleet.parts import Part, as_part
 from suspid.fleet.records import Entry, Seen
-from suspid.fleet.rows import failure, record_rows
+from suspid.fleet.rows import record_rows
 from suspid.fleet.tables import Rows, joined
 from suspid.units import Second
 from suspid.words import Failure, Remark
@@ -42,7 +43,7 @@ def tables_of(job: Job, chunk: Sequence[Entry], known: Mapping[int, Rows], *, do
         for k, entry in enumerate(chunk):
             rows.append(known[k] if k in known else rows_of(job, entry))
             done()
-        return as_part(joined(rows))
+        return as_part(joined(rows), job.layout)
 
 
 def rows_of(job: Job, entry: Entry) -> Rows:
@@ -68,7 +69,7 @@ def check_versions(job: Job) -> None:
 def one_thread(job: Job) -> Iterator[None]:
     """Hold the threads of BLAS: workers must not fight, and sums must come in one order."""
     # Those of a library that is loaded later would run free.
-    for name in ("scipy.linalg", "control", *(["cvxpy"] if job.car else [])):
+    for name in ("scipy.linalg", "control", *(["cvxpy"] if job.car and job.drive is None else [])):
         importlib.import_module(name)
     try:
         threads = importlib.import_module("threadpoolctl")

@@ -9,7 +9,7 @@ of them) and records (`recorded`), weighted as ISO 2631-1 says (`weightings`). `
 
 from suspid.performance.active import ActiveTuning, tune_active
 from suspid.performance.contact import wheels_of
-from suspid.performance.damper_rates import dampers_between, dampers_of, rates_of
+from suspid.performance.damper_rates import dampers_between, dampers_of, rates_of, spring_beside
 from suspid.performance.grip import grip, grip_if_any
 from suspid.performance.grips import CLASSES, PHASE_LIMIT, Grip
 from suspid.performance.losses import Loss, Rates, WearRule, loss_of
@@ -48,6 +48,7 @@ __all__ = [
     "rates_of",
     "ride",
     "sensitivities",
+    "spring_beside",
     "tune",
     "tune_active",
     "wear",

@@ -12,11 +12,13 @@ class Step(Code):
     FIND_DECAYS = "find decays", "finding decays"
     IDENTIFY = "identify", "identifying"
     RECONSTRUCT = "reconstruct", "reconstructing"
+    FIND_STRETCHES = "find stretches", "finding usable stretches"
+    ESTIMATE = "estimate", "estimating"
     WORK = "work", "in its worker process"
 
 
 class Failure(Code):
-    """Why a record has no modes, or no springs and dampers."""
+    """Why a record has no modes, or no springs and dampers; of a drive, no usable stretch."""
 
     NOT_A_RESPONSE = "not a response", "expected a response or a path, not {kind}"
     CHANGED = "changed", "the file changed after it was listed: from {then} to {now} bytes"
@@ -26,6 +28,8 @@ class Failure(Code):
     NOT_IDENTIFIED = "not identified", "{why}"
     NO_MODE = "no mode", "{why}"
     NO_SPRINGS = "no springs", "{why}"
+    NO_STRETCH = "no stretch", "{why}"
+    NOT_ESTIMATED = "not estimated", "{why}"
     UNEXPECTED = "unexpected error", "{kind}: {why}"
     MEMORY = "out of memory", "there was not enough memory for this record"
     TIME = "time limit", "took longer than {limit:g} s"
