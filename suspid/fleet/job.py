@@ -76,7 +76,7 @@ def check_drive(job: Job, drive: DriveJob, car: Suspension | None) -> None:
     settings, how = job.settings, job.settings.springs
     unused = {
         "springs.added_masses": how.added_masses, "springs.tolerance": how.tolerance,
-        "springs.constraints": how.constraints, "modes": settings.modes, "band": settings.band,
+        "springs.constraints": how.constraints, "modes": settings.modes, "band_hz": settings.band_hz,
         "vertical": settings.vertical,
     }  # fmt: skip
     for name, value in unused.items():
