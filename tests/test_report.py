@@ -7,6 +7,7 @@ import re
 import xml.etree.ElementTree as ElementTree
 from base64 import b64decode
 from dataclasses import replace
+from hashlib import sha256
 from html.parser import HTMLParser
 from io import BytesIO
 from pathlib import Path
@@ -21,6 +22,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from suspid import (
+    Considered,
     Identification,
     InputError,
     Reconstruction,
@@ -42,12 +44,24 @@ from suspid.reporting import Source, content_of, json_schema, report, report_to_
 from suspid.reporting.axes import shown
 from suspid.reporting.colours import Colour
 from suspid.reporting.pictures import NARROW, Picture, Pictures, pictures_of
-from suspid.reporting.rows import quantity
+from suspid.reporting.report import view_of
+from suspid.reporting.rows import pole_rows, quantity
+from suspid.reporting.spring_rows import spring_rows
 from suspid.reporting.svg import page_style, svg_of
 from suspid.reporting.thinning import MOST_SAMPLES, drawable, is_whole
 from suspid.signals import as_response, as_signal
 from suspid.units import RealArray
-from suspid.words import DecayDoubt, Defect, ModeCheck, Number, ReconstructionCheck, RecordCheck, Remark
+from suspid.words import (
+    DecayDoubt,
+    Defect,
+    ModeCheck,
+    NextStep,
+    Number,
+    Reason,
+    ReconstructionCheck,
+    RecordCheck,
+    Remark,
+)
 from validation import cars
 
 HOSTILE = (
@@ -327,20 +341,71 @@ class TestRounding:
                 (found.modes.zeta[k], ends.zeta[k, 1] - found.modes.zeta[k]),
             ):
                 shown = quantity(float(value), float(reach))
-                assert any(
-                    cells[i].strip() == shown.value and cells[i + 1].strip() == f"± {shown.reach}"
-                    for i in range(len(cells) - 1)
-                )
+                assert f"{shown.value} ± {shown.reach}" in [cell.strip() for cell in cells]
 
     def test_every_spring_has_its_interval(self, found: Identification, springs: Reconstruction) -> None:
         text = " ".join(Page(report(content_of(found, reconstruction=springs))).cells)
         for name, (low, high) in springs.interval(0.95).items():
-            numbers = re.search(rf"{re.escape(name)} (\S+) ± (\S+) (?:N/m|N s/m) (\S+) (\S+)", text)
+            numbers = re.search(rf"{re.escape(name)} (?:N/m|N s/m) (\S+) (\S+) ± (\S+) (\S+) %", text)
             assert numbers, name
-            value, reach, lower, upper = (float(part.replace("−", "-")) for part in numbers.groups())
+            nominal, value, reach, change = (float(part.replace("−", "-")) for part in numbers.groups())
             # Each is rounded by half of the interval's second digit: a twentieth of it at most.
-            assert (lower, upper) == pytest.approx((low, high), abs=0.06 * reach)
-            assert value == pytest.approx((low + high) / 2, abs=0.06 * reach) or low == 0
+            assert (value - reach, value + reach) == pytest.approx((low, high), abs=0.11 * reach)
+            assert change == pytest.approx(100 * ((low + high) / 2 / nominal - 1), abs=0.051)
+
+
+class TestWhatDecides:
+    def test_a_tick_says_what_was_tested_and_a_note_what_changed(self, found: Identification) -> None:
+        names = [f"{strut.name}.{what}" for strut in cars.PAPER.struts for what in ("stiffness", "damping")]
+        other = cars.PAPER.with_parameters(
+            stiffness={strut.name: 1.3 * strut.stiffness for strut in cars.PAPER.struts},
+            damping={strut.name: 2.5 * strut.damping for strut in cars.PAPER.struts},
+        )
+        springs = reconstruct(found.modes, other)
+        said = "\n".join(map(str, springs.verdict.support))
+        assert "With the springs and dampers found, the car explains the modes" in said
+        assert "as described" not in said
+        (changed,) = (c.remark for c in springs.verdict.checks if c.remark.code is ReconstructionCheck.CHANGED)
+        assert changed.numbers["names"] == springs.parameters
+        assert sorted(springs.parameters) == sorted(names)
+        assert [row.significant for row in spring_rows(springs, 0.95)] == ["yes"] * 6
+        kept = reconstruct(found.modes, springs.suspension)
+        assert not [c for c in kept.verdict.checks if c.remark.code is ReconstructionCheck.CHANGED]
+
+    def test_the_car_file_is_in_the_page_and_in_the_json(
+        self, found: Identification, springs: Reconstruction, tmp_path: Path
+    ) -> None:
+        path = tmp_path / "car <b>.toml"
+        path.write_text(Path("examples/nominal_car.toml").read_text())
+        content = content_of(found, reconstruction=springs, car=source_of(path, text=True))
+        assert path.read_text().strip() in Page(report(content)).text
+        car: Any = report_to_dict(content)["car"]
+        assert car == {"file": path.name, "sha256": sha256(path.read_bytes()).hexdigest(), "toml": path.read_text()}
+        assert "[[struts]]" in str(report_to_dict(content_of(found, reconstruction=springs))["car"])
+
+    def test_there_is_always_a_next_step(self, found: Identification, nothing: Identification) -> None:
+        assert [step.code for step in content_of(found).steps] == [NextStep.USE, NextStep.GIVE_CAR]
+        assert content_of(nothing).steps[0].code is NextStep.RECORD_A_DECAY
+
+    def test_rejected_poles_have_a_row_for_each_reason(self, found: Identification) -> None:
+        pole = Considered(pole=-1 + 60j, remark=Remark(Reason.NOT_NEEDED), removed=False)
+        many = tuple(replace(pole, pole=-1 + 60j * (k + 1)) for k in range(16))
+        tone = replace(pole, remark=Remark(Reason.TONE), removed=True)
+        rows = pole_rows(replace(found, considered=(*many, tone)))
+        assert [row.number for row in rows] == [16, 1]
+        assert rows[0].frequency.startswith("9.551, 19.10, ")
+
+    @pytest.mark.parametrize(("seconds", "said"), [(6.0, "It is made at"), (60.0, "it shows the first")])
+    def test_what_is_said_of_the_scalogram_is_true(self, seconds: float, said: str) -> None:
+        t = np.arange(0, seconds, 1 / 7000)
+        decay = np.exp(-8 / seconds * t) * np.cos(2 * np.pi * 40 * t)
+        if seconds > 10:
+            decay = np.exp(-4 * t) * np.cos(2 * np.pi * 40 * t)
+        noise = 1e-3 * np.random.default_rng(0).normal(size=t.size)
+        view = view_of(drawable(identify(as_response(t, (decay + noise)[None], ["y"]), modes=1, bandwidth=8.0)))
+        assert said in str(view["shown"])
+        for first in re.findall(r"first (\S+) s,", str(view["shown"])):
+            assert float(first) < seconds
 
 
 class TestNames:
@@ -430,7 +495,7 @@ class TestWhatIsThere:
         twin = cars.PAPER.with_parameters(stiffness={"tire": 123456.0})
         both = replace(springs, alternatives=(twin,), distances=(2.5,), told_apart=("75 kg on the seat",))
         text = Page(report(content_of(found, reconstruction=both))).text
-        for said in ("twin 1", "1.2346e+05", "chi-square 2.5; told apart by 75 kg on the seat"):
+        for said in ("other 1", "123460", "chi-square 2.5; told apart by 75 kg on the seat"):
             assert said in text
 
     def test_the_ridge_method(self) -> None:

@@ -145,7 +145,7 @@ def _json_of(found: Analysis, files: Sequence[Path], said: Sequence[str]) -> dic
 
 
 @click.command("report")
-@click.argument("file", type=FILE)
+@click.argument("files", type=FILE, nargs=-1, required=True, metavar="FILE...")
 @click.option("-o", "--output", type=FILE, metavar="FILE", required=True, help="The page to write (.html).")
 @analysing
 @click.option("--car", type=FILE, metavar="CAR", help="Masses and nominal struts (.toml): springs and dampers as well.")
@@ -157,7 +157,7 @@ def _json_of(found: Analysis, files: Sequence[Path], said: Sequence[str]) -> dic
 @click.option("--title", metavar="TEXT", help="Heading of the page. [name of the file]")
 @click.option("--date", metavar="TEXT", help="Date on the page. [now]")
 def report_command(
-    file: Path,
+    files: tuple[Path, ...],
     output: Path,
     settings: Settings,
     car: Path | None,
@@ -168,19 +168,21 @@ def report_command(
     title: str | None,
     date: str | None,
 ) -> None:
-    """Write a page on the modes in FILE.
+    """Write a page on the modes in FILE, its springs and dampers.
 
-    The page is one HTML file to print or to send, with all that the result rests on. With --car the wheels of the car
-    that was found are judged on a test bench, with --road and --speed its ride as well.
+    The page is one HTML file to print or to send: first what to decide from, then all that it rests on. With --car the
+    wheels of the car that was found are judged on a test bench, with --road and --speed its ride as well.
+
+    Several FILEs are tests of one structure: their decays are joined, and the page compares them.
     """
     from suspid.identification import to_json
     from suspid.model import read_car, read_constraints
-    from suspid.reporting import content_of, report, report_to_dict
+    from suspid.reporting import content_of, report, report_to_dict, source_of
 
     if (road is None) != (speed is None) or (road is not None and car is None):
         raise click.UsageError("--road and --speed belong together, and need --car.")
     checked_page(output)
-    check_apart([file, *([car] if car else [])], [output, json_file])
+    check_apart([*files, *([car] if car else [])], [output, json_file])
     with ExitStack() as outputs, said_warnings() as said, progress(*STEPS, "drawing") as step:
         draft = outputs.enter_context(replacing(output))
         json_draft = outputs.enter_context(replacing(json_file)) if json_file else None
@@ -189,17 +191,21 @@ def report_command(
         settings = replace(settings, level=level, springs=replace(settings.springs, constraints=constraints))
         if suspension is not None:
             check_springs(settings.springs, suspension)
-        with named(file):
-            found = analyse(file, car=suspension, settings=settings, progress=step)
-        (source,) = sources_of([file], date=date)
+        if len(files) > 1:
+            found = analyse(list(files), car=suspension, settings=settings, progress=step)
+        else:
+            with named(files[0]):
+                found = analyse(files[0], car=suspension, settings=settings, progress=step)
+        described = None if car is None else source_of(car, text=True)
         step("drawing")
-        content = content_of(found, source=source, ride=_ride_of(found, road, speed))
+        ride = _ride_of(found, road, speed)
+        content = content_of(found, source=sources_of(files, date=date), car=described, ride=ride)
         draft.write_text(report(content, title=title), encoding="utf-8")
         if json_draft:
             json_draft.write_text(to_json(report_to_dict(content)), encoding="utf-8")
         said += said_of(found, most_left_out=MOST_LEFT_OUT, most_findings=MOST_FINDINGS)
     modes = count(len(found.modes), "mode") if len(found.modes) else "no mode"
-    say(f"{printable(str(output))}: {modes} in {printable(str(file))}")
+    say(f"{printable(str(output))}: {modes} in {', '.join(printable(str(file)) for file in files)}")
 
 
 def _ride_of(found: Analysis, road: str | None, speed: float | None) -> Ride | None:

@@ -5,7 +5,8 @@ An object with
 - ``format``: ``"suspid car 1"``;
 - ``parameters``: those found, a list of objects with ``name`` (such as ``"tire.stiffness"``), ``value``, ``unit``
   (N/m, N s/m or kg), ``std``, ``lower`` and ``upper``, the last two the ends of the interval of ``level``; all three
-  are null if the modes carry no covariance;
+  are null if the modes carry no covariance; ``nominal``, ``change`` (found over nominal less one [1]) and
+  ``significant`` (whether the nominal value lies outside the interval), null where they are not known;
 - ``level``: probability of the intervals [1];
 - ``held``: the strut parameters held, a list of objects with ``name``, ``value`` and ``unit``;
 - ``covariance``: joint covariance of the parameters, in their order and units, or null;
@@ -39,6 +40,7 @@ def reconstruction_to_dict(found: Reconstruction, *, level: Ratio = LEVEL) -> di
     from importlib.metadata import version
 
     values = parameter_values(found.suspension)
+    nominal = {} if found.nominal is None else parameter_values(found.nominal)
     stds: list[float | None] = [None] * len(found.parameters)
     ends: dict[str, tuple[float, float]] = {}
     if found.covariance is not None:
@@ -54,6 +56,11 @@ def reconstruction_to_dict(found: Reconstruction, *, level: Ratio = LEVEL) -> di
                 "std": std,
                 "lower": ends[name][0] if name in ends else None,
                 "upper": ends[name][1] if name in ends else None,
+                "nominal": nominal.get(name),
+                "change": values[name] / nominal[name] - 1 if nominal.get(name) else None,
+                "significant": not ends[name][0] <= nominal[name] <= ends[name][1]
+                if name in ends and name in nominal
+                else None,
             }
             for name, std in zip(found.parameters, stds, strict=True)
         ],

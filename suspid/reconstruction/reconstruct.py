@@ -231,6 +231,7 @@ def reconstruct(
     u = problem.unknowns
     return Reconstruction(
         suspension=car,
+        nominal=suspension,
         stiffness_std=stds[0],
         damping_std=stds[1],
         mass_std=stds[2],

@@ -80,6 +80,8 @@ class Reconstruction(Result):
         the fit leaves of the poles, relative, and of a tenth of the shapes is within the tolerance.
     searched : bool
         Whether alternatives were looked for.
+    nominal : Suspension or None
+        The suspension that was given.
     """
 
     suspension: Suspension
@@ -99,6 +101,7 @@ class Reconstruction(Result):
     freedom: int = 0
     explains: bool = True
     searched: bool = True
+    nominal: Suspension | None = None
 
     @property
     def status(self) -> str:
@@ -143,6 +146,9 @@ class Reconstruction(Result):
                 "lower": [ends[name][0] for name in self.parameters],
                 "upper": [ends[name][1] for name in self.parameters],
             }
+        if self.nominal is not None:
+            nominal = parameter_values(self.nominal)
+            columns["nominal"] = [nominal[name] for name in self.parameters]
         return columns
 
     def __str__(self) -> str:
@@ -191,7 +197,7 @@ def verdict_of(found: Reconstruction) -> Verdict:
     tolerance, and more equations than unknowns.
     """
     headline = Remark(ReconstructionHeadline.FOUND, {"parameters": len(found.parameters)})
-    return Verdict(headline, (_fit(found), *_others(found), *_remarked(found), *_vague(found)))
+    return Verdict(headline, (_fit(found), *_others(found), *_remarked(found), *_vague(found), *_changed(found)))
 
 
 def _fit(found: Reconstruction) -> Check:
@@ -236,3 +242,13 @@ def _vague(found: Reconstruction) -> Iterator[Check]:
     vague = tuple(n for n, s in zip(found.parameters, std, strict=True) if 0 < values[n] < NORMAL_95 * s)
     if vague:
         yield Check(Remark(ReconstructionCheck.VAGUE, {"names": vague}), Level.CARE)
+
+
+def _changed(found: Reconstruction) -> Iterator[Check]:
+    """Yield which parameters differ from nominal by more than their 95 % interval."""
+    if found.covariance is None or found.nominal is None or not found.parameters:
+        return
+    nominal, ends = parameter_values(found.nominal), found.interval(LEVEL)
+    names = tuple(name for name, (low, high) in ends.items() if not low <= nominal[name] <= high)
+    code = ReconstructionCheck.CHANGED if names else ReconstructionCheck.UNCHANGED
+    yield Check(Remark(code, {"names": names} if names else {}), Level.NOTE)

@@ -17,7 +17,7 @@ from suspid.reporting.source import Source
 from suspid.reporting.thinning import drawable
 from suspid.signals import as_signal
 from suspid.units import Ratio
-from suspid.words import Note
+from suspid.words import Note, Remark, next_steps
 
 if TYPE_CHECKING:
     import control
@@ -35,18 +35,20 @@ class Content:
     ----------
     analysis : Analysis
         What was found. Its identification has a wavelet transform that is quickly drawn; see `drawable`.
-    source : Source or None
-        The file and the command.
+    sources : tuple of Source
+        The files and the command; empty if they are not known.
     cleaned : Cleaned or None
         The whole recording; None if it is not known, and the analysis has the record alone.
     warnings : sequence of str
         Warnings that were given on the way.
     ride : Ride or None
         The car that was found on a road.
+    car : Source or None
+        The car file with its text.
     """
 
     analysis: Analysis
-    source: Source | None
+    sources: tuple[Source, ...]
     cleaned: Cleaned | None
     warnings: Sequence[str]
     ride: Ride | None = None
@@ -54,8 +56,28 @@ class Content:
     @property
     def grip(self) -> Grip | None:
         """Grip of the car that was found, if there is one and it has wheels."""
-        found = self.analysis.estimate or self.analysis.reconstruction
-        return None if found is None else grip_if_any(found)
+        return None if self.springs is None else grip_if_any(self.springs)
+
+    car: Source | None = None
+
+    @property
+    def source(self) -> Source | None:
+        """The file, or the first of several."""
+        return self.sources[0] if self.sources else None
+
+    @property
+    def springs(self) -> Estimate | Reconstruction | None:
+        """Springs and dampers: those fitted to the record itself, if there are any."""
+        return self.analysis.estimate or self.analysis.reconstruction
+
+    @property
+    def steps(self) -> tuple[Remark, ...]:
+        """What to do next."""
+        return next_steps(self.analysis.verdict, car=self.springs is not None or self._no_springs)
+
+    @property
+    def _no_springs(self) -> bool:
+        return any(note.code is Note.NO_SPRINGS for note in self.analysis.notes)
 
     @property
     def identification(self) -> Identification:
@@ -89,7 +111,7 @@ class Content:
 def content_of(
     found: Identification | Analysis,
     *,
-    source: Source | None = ...,
+    source: Source | Sequence[Source] | None = ...,
     cleaned: Cleaned | None = ...,
     decays: Sequence[Decay] = ...,
     repeats: Repeats | None = ...,
@@ -97,6 +119,7 @@ def content_of(
     level: Ratio = ...,
     warnings: Sequence[str] = ...,
     ride: Ride | None = ...,
+    car: Source | None = ...,
 ) -> Content: ...
 
 
@@ -107,6 +130,7 @@ def content_of(
     source: Source | Sequence[Source] | None = ...,
     level: Ratio = ...,
     warnings: Sequence[str] = ...,
+    car: Source | None = ...,
     curves: Sequence[DamperCurve] = ...,
     ride: Ride | None = ...,
 ) -> EstimateContent: ...
@@ -122,6 +146,7 @@ def content_of(
     reconstruction: Reconstruction | None = None,
     level: Ratio = LEVEL,
     warnings: Sequence[str] = (),
+    car: Source | None = None,
     curves: Sequence[DamperCurve] = (),
     ride: Ride | None = None,
 ) -> Content | EstimateContent:
@@ -133,7 +158,7 @@ def content_of(
         What was found; perhaps no mode. An `Analysis` brings all but source and warnings, an `Estimate` all but these
         and the level.
     source : Source, optional
-        The file and the command; see `source_of`. Of an estimate from several records a sequence, one for each.
+        The file and the command; see `source_of`. Of several records a sequence, one for each.
     cleaned : Cleaned, optional
         The whole recording and what was done to it. Its units are those of the figures.
     decays : sequence of Decay, optional
@@ -146,6 +171,8 @@ def content_of(
         Probability of all intervals [1].
     warnings : sequence of str
         Warnings that were given on the way.
+    car : Source, optional
+        The car file with its text; see `source_of`. Default: the description of the nominal car.
     curves : sequence of DamperCurve
         Curves of dampers that an estimate's page shows as well.
     ride : Ride, optional
@@ -167,16 +194,22 @@ def content_of(
     0.9
     """
     check_level(level)
+    sources = () if source is None else (source,) if isinstance(source, Source) else tuple(source)
     if isinstance(found, Estimate):
-        sources = () if source is None else (source,) if isinstance(source, Source) else tuple(source)
-        return EstimateContent(found=found, sources=sources, level=level, warnings=warnings, curves=curves, ride=ride)
-    if not isinstance(source, Source | None):
-        raise InputError(f"source={source!r:.80} must be one Source: an identification has one file")
+        return EstimateContent(
+            found=found, sources=sources, level=level, warnings=warnings, car=car, curves=curves, ride=ride
+        )
+    _check_sources(found, sources)
     if isinstance(found, Analysis):
         no_springs = [str(note) for note in found.notes if note.code is Note.NO_SPRINGS]
         analysis = replace(found, identification=drawable(found.identification))
         return Content(
-            analysis=analysis, source=source, cleaned=found.cleaned, warnings=(*no_springs, *warnings), ride=ride
+            analysis=analysis,
+            sources=sources,
+            cleaned=found.cleaned,
+            warnings=(*no_springs, *warnings),
+            car=car,
+            ride=ride,
         )
     response = found.response
     used = used_decay(response, decays)
@@ -191,7 +224,13 @@ def content_of(
         reconstruction=reconstruction,
         notes=(),
     )
-    return Content(analysis=analysis, source=source, cleaned=cleaned, warnings=warnings, ride=ride)
+    return Content(analysis=analysis, sources=sources, cleaned=cleaned, warnings=warnings, car=car, ride=ride)
+
+
+def _check_sources(found: Identification | Analysis, sources: Sequence[Source]) -> None:
+    files = max(1, len(found.tests)) if isinstance(found, Analysis) else 1
+    if len(sources) > files:
+        raise InputError(f"source has {len(sources)} files, but what was found is from {files}")
 
 
 def used_decay(response: control.TimeResponseData, decays: Sequence[Decay]) -> int | None:

@@ -9,18 +9,17 @@ from typing import TYPE_CHECKING
 
 from suspid.files import printable
 from suspid.performance import Ride, grip_if_any
-from suspid.reconstruction import parameter_values
 from suspid.reporting.axes import plot_residual, unit_ticks
-from suspid.reporting.estimate_rows import estimate_rows, masses_of
 from suspid.reporting.performance_part import performance_fields
 from suspid.reporting.pictures import Picture, picture, shape_pictures
 from suspid.reporting.plot_damper_curve import plot_damper_curve
 from suspid.reporting.plot_estimate import draw_changes, lively
 from suspid.reporting.plot_spectra import draw_spectra
 from suspid.reporting.rows import mode_quantities, signed
+from suspid.reporting.spring_rows import masses_of, spring_rows
 from suspid.reporting.svg import page_style
 from suspid.signals import as_signal
-from suspid.words import count
+from suspid.words import count, next_steps
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -51,6 +50,8 @@ class EstimateContent:
         Curves of the dampers, if they were found as well.
     ride : Ride or None
         The car on a road.
+    car : Source or None
+        The car file with its text.
     """
 
     found: Estimate
@@ -59,6 +60,7 @@ class EstimateContent:
     warnings: Sequence[str]
     curves: Sequence[DamperCurve] = ()
     ride: Ride | None = None
+    car: Source | None = None
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -76,20 +78,18 @@ def page_fields(content: EstimateContent) -> dict[str, object]:
     records = found.residual
     samples = sum(as_signal(residual).timepts.size for residual in records)
     seconds = sum(as_signal(residual).duration for residual in records)
-    twins = [parameter_values(car) for car in found.alternatives]
     tested = f"{found.chi_square:.4g} at {count(found.freedom, 'degree')} of freedom"
     hidden = max(0, len(records) - MOST_DRAWN)
     with page_style():
         return {
             "facts": f"{count(len(records), 'record')}, {samples} samples, {seconds:.4g} s",
-            "estimate": estimate_rows(found, level),
+            "springs": spring_rows(found, level),
+            "found_others": len(found.alternatives),
+            "steps": [str(step) for step in next_steps(found.verdict, car=True)],
             "masses": masses_of(found),
             "chi_square": tested if found.freedom else "was not tested: the residual is rounding",
             "changed": _changes(found, level),
-            "twins": twins,
-            "twin_rows": [(printable(name), [signed(f"{t[name]:.5g}") for t in twins]) for name in found.parameters
-                          if all(name in t for t in twins)],
-            "modes": mode_quantities(found.modes, level),
+            "modes": [(quantities, "") for quantities in mode_quantities(found.modes, level)],
             "shapes": list(shape_pictures(found.modes)),
             "curves": [(printable(one.name), str(one.verdict.headline), _curve(one, k, level))
                        for k, one in enumerate(content.curves)],

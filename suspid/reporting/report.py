@@ -12,24 +12,25 @@ import numpy as np
 
 from suspid.files import printable
 from suspid.greybox import Estimate
+from suspid.model import car_to_toml
 from suspid.reporting.colours import Colour
 from suspid.reporting.content import Content, content_of
 from suspid.reporting.estimate_page import EstimateContent, page_fields
-from suspid.reporting.estimate_rows import estimate_rows, masses_of
 from suspid.reporting.performance_part import performance_fields
 from suspid.reporting.pictures import MOST_CHANNELS, pictures_of
-from suspid.reporting.rows import channel_rows, mode_rows, parameter_rows, pole_rows, repeat_rows
-from suspid.reporting.source import versions
+from suspid.reporting.rows import channel_rows, digits, mode_quantities, mode_rows, pole_rows, repeat_rows
+from suspid.reporting.source import Source, versions
+from suspid.reporting.spring_rows import masses_of, spring_rows
 from suspid.reporting.thinning import is_whole
 from suspid.signals import as_signal
 
 if TYPE_CHECKING:
     from suspid.analysis import Analysis
     from suspid.identification import Identification
+    from suspid.model import ModalSet
     from suspid.reconstruction import Reconstruction
 
-# What the page shows at most: rejected poles, modes at a glance, letters of a name. The JSON has all.
-MOST_POLES = 20
+# What the page shows at most: modes at a glance, letters of a name. The JSON has all.
 MOST_CARDS = 6
 MOST_LETTERS = 40
 
@@ -69,6 +70,7 @@ def report(found: Identification | Analysis | Estimate | Content | EstimateConte
         lstrip_blocks=True,
     )
     environment.filters["safe_text"] = _shown
+    environment.filters["safe_lines"] = _lines
     if isinstance(found, Estimate):
         found = content_of(found)
     if isinstance(found, EstimateContent):
@@ -77,8 +79,8 @@ def report(found: Identification | Analysis | Estimate | Content | EstimateConte
         verdict, sources = found.found.verdict, found.sources
     else:
         content = found if isinstance(found, Content) else content_of(found)
-        sources = (content.source,) if content.source else ()
-        file = sources[0].file if sources else str(content.identification.response.title or "")
+        sources = content.sources
+        file = ", ".join(s.file for s in sources) if sources else str(content.identification.response.title or "")
         fields, template, verdict = _fields(content), "report.html.j2", content.analysis.verdict
         found = content
     return environment.get_template(template).render(
@@ -88,6 +90,7 @@ def report(found: Identification | Analysis | Estimate | Content | EstimateConte
         colours=list(Colour),
         sources=sources,
         sizes=[_in_bytes(source.size) for source in sources],
+        car=_car_of(found),
         warnings=[_shown(text) for text in found.warnings],
         versions=versions(),
         **fields,
@@ -99,16 +102,20 @@ def _fields(content: Content) -> dict[str, object]:
     shown, analysis = content.identification, content.analysis
     repeats, car = analysis.repeats, analysis.reconstruction
     names, level = as_signal(shown.response).channels, content.level
+    best, modes = content.springs, mode_rows(shown, level)
     return {
         "record": _record_facts(shown),
-        "cards": _cards(shown),
+        "cards": _cards(analysis.modes),
         "method": shown.method,
-        "modes": mode_rows(shown, level),
+        "modes": [((m.frequency, m.wn, m.zeta), m.note) for m in modes]
+        if repeats is None
+        else [(row, "") for row in mode_quantities(repeats.modes, level)],
+        "checks": modes,
         "channels": channel_rows(shown, content.units),
         "pictures": pictures_of(
             shown, cleaned=content.cleaned, decays=analysis.decays, units=content.units, used=content.used
         ),
-        "view": _view(shown),
+        "view": view_of(shown),
         "fits": [(_short(n), f"{100 * s:.2f} %") for n, s in zip(names, shown.explained, strict=True)][:MOST_CHANNELS],
         "hidden_channels": max(0, len(names) - MOST_CHANNELS),
         "names": [_short(name) for name in names],
@@ -116,23 +123,38 @@ def _fields(content: Content) -> dict[str, object]:
         "decays": analysis.decays,
         "remarks": content.remarks,
         "used": content.used,
-        "poles": pole_rows(shown)[:MOST_POLES],
-        "hidden_poles": max(0, len(shown.considered) - MOST_POLES),
+        "poles": pole_rows(shown),
         "repeats": None if repeats is None else repeat_rows(repeats, level),
-        "estimate": [] if analysis.estimate is None else estimate_rows(analysis.estimate, level),
-        "masses": "" if analysis.estimate is None else masses_of(analysis.estimate),
+        "springs": [] if best is None else spring_rows(best, level),
+        "others": 0 if best is None else len(best.alternatives),
+        "masses": "" if best is None else masses_of(best),
+        "fitted": analysis.estimate is not None,
         "reconstruction": car,
-        "parameters": [] if car is None else parameter_rows(car, level),
+        "from_modes": [] if car is None or best is car else spring_rows(car, level),
         **performance_fields(content.grip, content.ride, level),
         "chi_square": "" if car is None else _chi_square(car),
         "status": "" if car is None else _sentence(car.status),
+        "steps": [str(step) for step in content.steps],
         "twins": [] if car is None else _twins(car),
     }
+
+
+def _car_of(found: Content | EstimateContent) -> Source | None:
+    """Return the car file with its text, or the description of the nominal car where there is no file."""
+    springs = found.springs if isinstance(found, Content) else found.found
+    if found.car is not None or springs is None or springs.nominal is None:
+        return found.car
+    return Source(file="", sha256="", size=0, command="", created="", text=car_to_toml(springs.nominal))
 
 
 def _shown(text: object) -> str:
     """Return a text on one line, with nothing in it that a reader does not see; the template escapes it."""
     return printable(" ".join(str(text).split()))
+
+
+def _lines(text: str) -> str:
+    """Return a text line by line, with nothing in it that a reader does not see; the template escapes it."""
+    return "\n".join(printable(line.replace("\t", "    ")) for line in text.splitlines())
 
 
 def _sentence(text: str) -> str:
@@ -160,23 +182,27 @@ def _record_facts(found: Identification) -> dict[str, str]:
     }
 
 
-def _cards(found: Identification) -> list[tuple[str, str]]:
+def _cards(modes: ModalSet) -> list[tuple[str, str]]:
     """Return frequency [Hz] and damping ratio [1] of the first modes, for a glance."""
-    modes = found.modes
     pairs = zip(modes.wn.tolist(), modes.zeta.tolist(), strict=True)
-    return [(f"{wn / (2 * np.pi):.4g}", f"{zeta:.3g}".replace("-", "−")) for wn, zeta in pairs][:MOST_CARDS]
+    cards = [(digits(wn / (2 * np.pi), 4), digits(zeta, 3)) for wn, zeta in pairs]
+    return cards[:MOST_CARDS]
 
 
-def _view(found: Identification) -> dict[str, str | bool]:
+def view_of(found: Identification) -> dict[str, str | bool]:
     """Return what there is to know of the transform that is shown."""
-    search, view = found.bandwidth_search, found.steps.signal
+    search, view, signal = found.bandwidth_search, found.steps.signal, as_signal(found.response)
+    if is_whole(found):
+        shown = ""
+    elif view.duration < signal.duration - view.step:
+        shown = f"Of {signal.duration:.4g} s it shows the first {view.duration:.4g} s, at {1 / view.step:.4g} Hz."
+    else:
+        shown = f"It is made at {1 / view.step:.4g} Hz, of the record at {1 / signal.step:.4g} Hz."
     return {
         "bandwidth": f"{found.scalogram.wavelet.bandwidth:.3g}",
         "searched": search is not None,
         "at_end": search is not None and search.at_end and len(search.candidates) > 1,
-        "whole": is_whole(found),
-        "length": f"{view.duration:.4g} s",
-        "rate": f"{1 / view.step:.4g} Hz",
+        "shown": shown,
     }
 
 
@@ -188,8 +214,11 @@ def _chi_square(found: Reconstruction) -> str:
     if not found.freedom:
         return said + "as many unknowns as equations, so nothing is left to judge the car by."
     if found.explains:
-        return said + "the car as described explains the modes within their uncertainty."
-    return said + "the car as described does not explain the modes; the intervals are widened for it, and are a guess."
+        return said + "with the springs and dampers found, the car explains the modes within their uncertainty."
+    return (
+        said + "no springs and dampers let this car, with its masses, explain the modes; the intervals are widened for "
+        "it, and are a guess."
+    )
 
 
 def _twins(found: Reconstruction) -> list[tuple[str, str]]:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.identification import identification_to_dict, modes_to_dict, to_json
+from suspid.model import car_to_toml
 from suspid.reconstruction import reconstruction_to_dict
 from suspid.reporting.content import Content, content_of
 from suspid.reporting.estimate_json import estimate_to_dict
@@ -25,7 +26,9 @@ from suspid.units import Ratio
 if TYPE_CHECKING:
     from suspid.analysis import Analysis
     from suspid.cleaning import Cleaned
+    from suspid.greybox import Estimate
     from suspid.identification import Identification, Repeats
+    from suspid.reconstruction import Reconstruction
 
 
 def report_to_dict(found: Identification | Analysis | Content) -> dict[str, object]:
@@ -47,7 +50,7 @@ def report_to_dict(found: Identification | Analysis | Content) -> dict[str, obje
     repeats, car = analysis.repeats, analysis.reconstruction
     fields = identification_to_dict(shown, file=source.file if source else "", warnings=content.warnings)
     fields |= {
-        "report": "suspid report 2",
+        "report": "suspid report 3",
         "level": content.level,
         "verdict": analysis.verdict.to_dict(),
         "quality": _quality(shown, content.level),
@@ -63,7 +66,10 @@ def report_to_dict(found: Identification | Analysis | Content) -> dict[str, obje
         "estimate": None if analysis.estimate is None else estimate_to_dict(analysis.estimate, level=content.level),
         "grip": None if content.grip is None else grip_to_dict(content.grip, level=content.level),
         "ride": None if content.ride is None else ride_to_dict(content.ride, level=content.level),
+        "next_steps": [step.to_dict() for step in content.steps],
+        "car": car_to_plain(content.car, content.springs),
         "source": None if source is None else _source(source),
+        "sources": [_source(one) for one in content.sources],
         "versions": versions(),
     }
     plain: dict[str, object] = json.loads(to_json(fields))
@@ -143,6 +149,15 @@ def _source(source: Source) -> dict[str, object]:
         "command": source.command,
         "created": source.created,
     }
+
+
+def car_to_plain(file: Source | None, springs: Estimate | Reconstruction | None) -> dict[str, object] | None:
+    """Return the text of the car file with its hash, or of the nominal car; None without one."""
+    if file is not None:
+        return {"file": file.file, "sha256": file.sha256, "toml": file.text}
+    if springs is None or springs.nominal is None:
+        return None
+    return {"file": "", "sha256": "", "toml": car_to_toml(springs.nominal)}
 
 
 def _repeats_to_dict(repeats: Repeats) -> dict[str, object]:

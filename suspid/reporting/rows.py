@@ -9,17 +9,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.files import printable
-from suspid.levels import normal_reach
-from suspid.reconstruction import parameter_values, unit_of
 from suspid.signals import as_signal
 from suspid.units import Ratio
+from suspid.words import Code
 
 if TYPE_CHECKING:
-    from suspid.identification import Identification, Repeats
+    from suspid.identification import Considered, Identification, Repeats
     from suspid.model import ModalSet
-    from suspid.reconstruction import Reconstruction
 
 NOTHING = "–"
+# Frequencies and sentences that are listed of poles rejected for one kind of reason; the JSON has all.
+MOST_POLES, MOST_REASONS = 6, 2
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -57,26 +57,13 @@ class ChannelRow:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class PoleRow:
-    """A pole that is no mode, and why."""
+    """Poles that are no modes for one reason: how many, their frequencies [Hz], damping ratios [1], and why."""
 
+    number: int
     frequency: str
-    wn: str
     zeta: str
     reason: str
     removed: bool
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class ParameterRow:
-    """A spring, a damper or a mass: value with interval, ends of that, or held at its nominal value."""
-
-    name: str
-    unit: str
-    value: Quantity
-    lower: str
-    upper: str
-    held: bool
-    twins: tuple[str, ...]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -117,6 +104,30 @@ def quantity(value: float, reach: float | None, *, digits: int = 6) -> Quantity:
     return Quantity(value=fixed(value, places), reach=fixed(reach, places))
 
 
+def digits(value: float, count: int) -> str:
+    """Return a value to a number of significant digits, without an exponent; zeros at the end stay.
+
+    Examples
+    --------
+    >>> digits(7.98, 4), digits(134641.2, 4), digits(0.002, 3)
+    ('7.980', '134641', '0.00200')
+    """
+    if not np.isfinite(value) or value == 0:
+        return f"{value:g}"
+    return fixed(value, max(0, count - 1 - int(np.floor(np.log10(abs(value))))))
+
+
+def plain(value: float) -> str:
+    """Return a value with up to six significant digits, without an exponent.
+
+    Examples
+    --------
+    >>> plain(1e6), plain(0.25), plain(-1234.5678)
+    ('1000000', '0.25', '−1234.57')
+    """
+    return signed(np.format_float_positional(float(f"{value:.6g}"), trim="-")) if np.isfinite(value) else f"{value:g}"
+
+
 def decimals(reach: float) -> int:
     """Return how many decimals show two significant digits of a width; fewer than none for tens and more."""
     places = 1 - int(np.floor(np.log10(reach)))
@@ -152,7 +163,7 @@ def mode_rows(identification: Identification, level: Ratio) -> list[ModeRow]:
                 zeta=zeta,
                 note=notes[kind],
                 halves=_or_nothing(float(halves[k]), "{:.1f}"),
-                loudness=f"{identification.loudness[k]:.3g}" if judged else NOTHING,
+                loudness=digits(float(identification.loudness[k]), 3) if judged else NOTHING,
                 collinearity=_or_nothing(float(collinearity[k]), "{:.3f}"),
             )
         )
@@ -219,58 +230,27 @@ def channel_rows(identification: Identification, units: Sequence[str]) -> list[C
 
 
 def pole_rows(identification: Identification) -> list[PoleRow]:
-    """Return a row for each pole that was considered and is no mode."""
-    return [
-        PoleRow(
-            frequency=f"{abs(c.pole) / (2 * np.pi):.4g}",
-            wn=f"{abs(c.pole):.4g}",
-            zeta=signed(f"{-c.pole.real / max(abs(c.pole), 1e-300):.3g}"),
-            reason=printable(c.reason),
-            removed=c.removed,
-        )
-        for c in identification.considered
-    ]
+    """Return a row for each reason why poles that were considered are no modes."""
+    kinds: dict[tuple[Code, bool], list[Considered]] = {}
+    for considered in identification.considered:
+        kinds.setdefault((considered.remark.code, considered.removed), []).append(considered)
+    return [_pole_row(some, removed=removed) for (_, removed), some in kinds.items()]
 
 
-def parameter_rows(found: Reconstruction, level: Ratio) -> list[ParameterRow]:
-    """Return a row for each spring and damper (and free mass), those held last, with their values in every twin."""
-    values = parameter_values(found.suspension)
-    twins = [parameter_values(car) for car in found.alternatives]
-    ends = found.interval(level) if found.covariance is not None else {}
-    stds = [None] * len(found.parameters) if found.covariance is None else np.sqrt(np.diag(found.covariance)).tolist()
-    rows = []
-    for name, std in zip(found.parameters, stds, strict=True):
-        # From the standard deviation: an end that lies on a bound must not sharpen the value.
-        reach = None if std is None else normal_reach(level) * std
-        places = decimals(reach) if reach else None
-        rows.append(
-            ParameterRow(
-                name=printable(name),
-                unit=unit_of(name),
-                value=quantity(values[name], reach),
-                lower=_end(ends[name][0], places) if name in ends else NOTHING,
-                upper=_end(ends[name][1], places) if name in ends else NOTHING,
-                held=False,
-                twins=tuple(signed(f"{twin[name]:.5g}") for twin in twins),
-            )
-        )
-    rows += [
-        ParameterRow(
-            name=printable(name),
-            unit=unit_of(name),
-            value=quantity(values[name], None),
-            lower=NOTHING,
-            upper=NOTHING,
-            held=True,
-            twins=tuple(signed(f"{twin[name]:.5g}") for twin in twins),
-        )
-        for name in found.held
-    ]
-    return rows
-
-
-def _end(value: float, places: int | None) -> str:
-    return signed(f"{value:.6g}") if places is None or not np.isfinite(value) else fixed(value, places)
+def _pole_row(some: Sequence[Considered], *, removed: bool) -> PoleRow:
+    """Return the row of poles of one kind, by frequency."""
+    reasons = list(dict.fromkeys(printable(c.reason) for c in some))
+    more = f"; … {len(reasons) - MOST_REASONS} more in the JSON" if len(reasons) > MOST_REASONS else ""
+    hertz = sorted(abs(c.pole) / (2 * np.pi) for c in some)
+    zeta = sorted(-c.pole.real / max(abs(c.pole), 1e-300) for c in some)
+    shown = ", ".join(digits(one, 4) for one in hertz[:MOST_POLES])
+    return PoleRow(
+        number=len(some),
+        frequency=shown + (f", … {digits(hertz[-1], 4)}" if len(hertz) > MOST_POLES else ""),
+        zeta=signed(f"{zeta[0]:.3g}" if len(zeta) == 1 else f"{zeta[0]:.3g} … {zeta[-1]:.3g}"),
+        reason="; ".join(reasons[:MOST_REASONS]) + more,
+        removed=removed,
+    )
 
 
 def _or_nothing(value: float, form: str) -> str:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from suspid.errors import InputError
-from suspid.files import printable
+from suspid.files import printable, read_text
 
 # Packages whose versions a report names.
 PACKAGES = ("suspid", "numpy", "scipy", "control", "PyWavelets", "cvxpy")
@@ -31,6 +31,8 @@ class Source:
         The command that made the report.
     created : str
         Date and time of the report, as the reader should see it; ISO 8601 is best.
+    text : str
+        What is in it, where the report shows that: the description of a car, or limits.
     """
 
     file: str
@@ -38,10 +40,11 @@ class Source:
     size: int
     command: str
     created: str
+    text: str = ""
 
 
-def source_of(path: str | os.PathLike[str], *, command: str, created: str) -> Source:
-    """Return the source that a file is, with its hash.
+def source_of(path: str | os.PathLike[str], *, command: str = "", created: str = "", text: bool = False) -> Source:
+    """Return the source that a file is, with its hash, and its text where that is asked for.
 
     Raises
     ------
@@ -65,7 +68,8 @@ def source_of(path: str | os.PathLike[str], *, command: str, created: str) -> So
             size = stream.tell()
     except (OSError, ValueError) as refusal:
         raise InputError(f"{printable(str(path))}: cannot be read: {printable(str(refusal))}") from None
-    return Source(file=file.name, sha256=digest, size=size, command=command, created=created)
+    whole = read_text(file) if text else ""
+    return Source(file=file.name, sha256=digest, size=size, command=command, created=created, text=whole)
 
 
 def versions() -> dict[str, str]:

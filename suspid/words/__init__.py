@@ -13,6 +13,7 @@ from suspid.words.fleet import Failure, Step
 from suspid.words.greybox import EstimateCheck, EstimateHeadline
 from suspid.words.identification import Headline, ModeCheck, Reason
 from suspid.words.io import DAMAGE, LeftOut
+from suspid.words.next_steps import NextStep, next_steps
 from suspid.words.reconstruction import ReconstructionCheck, ReconstructionHeadline, ReconstructionNote, Suspect
 from suspid.words.remarks import Code, Number, Remark, amount, count, in_a_row
 from suspid.words.verdicts import Check, Level, Verdict
@@ -35,6 +36,7 @@ __all__ = [
     "LeftOut",
     "Level",
     "ModeCheck",
+    "NextStep",
     "Note",
     "Number",
     "Reason",
@@ -52,4 +54,5 @@ __all__ = [
     "count",
     "dead",
     "in_a_row",
+    "next_steps",
 ]

@@ -42,9 +42,9 @@ def _others(numbers: Numbers) -> str:
 def _unexplained(numbers: Numbers) -> str:
     return (
         f"The residual is not noise alone (chi-square {numbers['chi_square']:.3g} at {numbers['freedom']}, mostly in "
-        f"{numbers['channel']}): the car as described does not explain the records, or the noise is coloured. The "
-        f"intervals allow for its colour, not for a wrong topology. Let what may be missing be found too: mounts of "
-        f"dampers, gains and delays of channels (mounts=…, gains=…, delays=…); or describe another mass."
+        f"{numbers['channel']}): no springs and dampers let this car explain the records, or the noise is coloured. "
+        f"The intervals allow for its colour, not for a wrong topology. Let what may be missing be found too: mounts "
+        f"of dampers, gains and delays of channels (mounts=…, gains=…, delays=…); or describe another mass."
     )
 
 
@@ -59,19 +59,20 @@ class EstimateCheck(Code):
 
     EXPLAINS = (
         "explains",
-        "The car as described explains the records: the residual is noise (chi-square {chi_square:.3g} at {freedom}).",
+        "With the springs and dampers found, the car explains the records: the residual is noise (chi-square "
+        "{chi_square:.3g} at {freedom}).",
     )
     ROUNDING = "rounding", "The records are met to their rounding."
     UNEXPLAINED = "unexplained", _unexplained
     NOTHING_FOLLOWS = (
         "nothing follows",
-        "The car as described explains how the channels follow the given motion (chi-square {chi_square:.3g} at "
-        "{freedom}).",
+        "With the springs and dampers found, the car explains how the channels follow the given motion (chi-square "
+        "{chi_square:.3g} at {freedom}).",
     )
     FOLLOWS = (
         "follows",
         "What is left of the channels follows the given motion (chi-square {chi_square:.3g} at {freedom}): the "
-        "transfer is off by {error:.2%} near {hertz:.3g} Hz, so the car as described lacks something, such as another "
+        "transfer is off by {error:.2%} near {hertz:.3g} Hz, so the car lacks something, such as another "
         "axle. Springs and dampers may be wrong by as much or more, which the intervals leave out. Describe what is "
         "missing and measure it: for another axle, a half car with both wheels given.",
     )

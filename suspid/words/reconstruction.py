@@ -136,10 +136,14 @@ class ReconstructionCheck(Code):
 
     EXPLAINS = (
         "explains",
-        "The car as described explains the modes within their uncertainty (chi-square {chi_square:.3g} at {freedom}).",
+        "With the springs and dampers found, the car explains the modes within their uncertainty (chi-square "
+        "{chi_square:.3g} at {freedom}).",
     )
     WITHIN_TOLERANCE = "within tolerance", "The modes are met to {misfit:.1e} rms, within the tolerance."
-    UNEXPLAINED = "unexplained", "The car as described does not explain these modes within their uncertainty."
+    UNEXPLAINED = (
+        "unexplained",
+        "No springs and dampers let this car, with its masses, explain the modes within their uncertainty.",
+    )
     NOT_JUDGED = (
         "not judged",
         "There are as many unknowns as equations: whether the car explains the modes is not tested.",
@@ -155,4 +159,6 @@ class ReconstructionCheck(Code):
     PENALTY = "penalty", "A penalty pulls the parameters; the intervals leave that out."
     BY_NOMINAL = "by nominal", _listed("Known from the nominal values alone: {names}.")
     NOT_SHARP = "not sharp", "The optimum is not sharp: a further step would still reduce the squared residual."
+    CHANGED = "changed", _listed("Differs from nominal by more than its 95 % interval: {names}.")
+    UNCHANGED = "unchanged", "No parameter differs from nominal by more than its 95 % interval."
     VAGUE = "vague", _listed("Hardly known, with a 95 % interval wider than the value: {names}.")

@@ -1,0 +1,134 @@
+"""What to do next, after the checks of a verdict."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from suspid.words.analysis import Note, RecordCheck
+from suspid.words.greybox import EstimateCheck
+from suspid.words.identification import ModeCheck
+from suspid.words.reconstruction import ReconstructionCheck
+from suspid.words.remarks import Code, Remark
+from suspid.words.verdicts import Verdict
+
+
+class NextStep(Code):
+    """What to do next."""
+
+    USE = "use", "Nothing speaks against these values: use them with their intervals."
+    RECORD_A_DECAY = (
+        "record a decay",
+        "Record a free decay: displace the body and release it, or let the wheels drop off a kerb with the engine off, "
+        "and record until the motion has died away. `suspid drive` takes everyday driving.",
+    )
+    RECORD_LONGER = "record longer", "Record until the motion has died away in the noise."
+    WHICH_PART = (
+        "which part",
+        "Look at the decays found, and choose one with --decay N, or a stretch with --from and --to.",
+    )
+    CHOOSE_TEST = "choose test", "Choose one of the tests in the file with --test NAME, or join them with --test all."
+    LEAVE_OUT = "leave out", "Leave out the test that does not belong to the others, or look for what was different."
+    REPEAT = (
+        "repeat",
+        "Repeat the test and join the files (suspid report FILE FILE…): the intervals shrink with the root of their "
+        "number.",
+    )
+    TWO_AMPLITUDES = (
+        "two amplitudes",
+        "Repeat the test at half the amplitude: what changes with it is friction, or a spring or damper that bends.",
+    )
+    CHANNELS = (
+        "channels",
+        "Look at the channels in their table; leave out with --without those that show other motion.",
+    )
+    QUIET = "quiet", "Switch off what turns (engine, fans), or leave the stretch out in which it runs."
+    CLEANING = "cleaning", "Look at the defects in the table of the cleaning, and record anew what was clipped or lost."
+    ADD_MASS = (
+        "add mass",
+        "Test again with a known mass added (suspid reconstruct --added), or with a sensor on another mass: this test "
+        "leaves springs and dampers open.",
+    )
+    CHECK_CAR = (
+        "check car",
+        "Check the masses and the topology in the car file, and the names and units of the channels: some masses and "
+        "gains that would explain the modes are named with the springs and dampers.",
+    )
+    LET_FREE = (
+        "let free",
+        "Check the topology, the bounds and what is held: the values named in the verdict rest on them.",
+    )
+    WRITE_CAR = (
+        "write car",
+        "Springs and dampers differ from the nominal ones: if the masses are right, take over those found.",
+    )
+    GIVE_CAR = "give car", "Give the masses and nominal struts (--car car.toml) to find springs and dampers."
+
+
+# What follows from each check that speaks against a result, or is worth a note.
+AFTER: dict[Code, NextStep] = {
+    ModeCheck.NOTHING_DECAYS: NextStep.RECORD_A_DECAY,
+    ModeCheck.NO_FREE_DECAY: NextStep.RECORD_A_DECAY,
+    ModeCheck.STEADY_LINE: NextStep.RECORD_A_DECAY,
+    ModeCheck.GROWING: NextStep.RECORD_A_DECAY,
+    ModeCheck.HARDLY_EXPLAINED: NextStep.WHICH_PART,
+    ModeCheck.LATE_MOTION: NextStep.WHICH_PART,
+    RecordCheck.DECAY: NextStep.WHICH_PART,
+    ModeCheck.FEW_CYCLES: NextStep.RECORD_LONGER,
+    ModeCheck.FEW_SAMPLES: NextStep.RECORD_LONGER,
+    ModeCheck.NOT_CROSS_CHECKED: NextStep.RECORD_LONGER,
+    ModeCheck.HALVES_DISAGREE: NextStep.TWO_AMPLITUDES,
+    ModeCheck.HARMONICS: NextStep.TWO_AMPLITUDES,
+    ModeCheck.REPEATS_DISAGREE: NextStep.TWO_AMPLITUDES,
+    ModeCheck.UNRESOLVED: NextStep.TWO_AMPLITUDES,
+    ModeCheck.CHANNELS_UNEXPLAINED: NextStep.CHANNELS,
+    ModeCheck.SHARED_NOISE: NextStep.CHANNELS,
+    ModeCheck.OUT_OF_PHASE: NextStep.CHANNELS,
+    ModeCheck.RESIDUAL_LINE: NextStep.QUIET,
+    ModeCheck.STEADY_TONES: NextStep.QUIET,
+    ModeCheck.DAMPING_UNKNOWN: NextStep.REPEAT,
+    ModeCheck.KNOWN_ROUGHLY: NextStep.REPEAT,
+    RecordCheck.ONE_OF_TESTS: NextStep.CHOOSE_TEST,
+    RecordCheck.NO_SHARED_MODE: NextStep.LEAVE_OUT,
+    RecordCheck.SHARES_NO_MODE: NextStep.LEAVE_OUT,
+    RecordCheck.ODD_TEST: NextStep.LEAVE_OUT,
+    RecordCheck.DEFECTS: NextStep.CLEANING,
+    ReconstructionCheck.ALTERNATIVES: NextStep.ADD_MASS,
+    ReconstructionCheck.NEAR_MISS: NextStep.ADD_MASS,
+    ReconstructionCheck.BY_NOMINAL: NextStep.ADD_MASS,
+    EstimateCheck.ALTERNATIVES: NextStep.ADD_MASS,
+    EstimateCheck.BY_NOMINAL: NextStep.ADD_MASS,
+    Note.NO_SPRINGS: NextStep.ADD_MASS,
+    ReconstructionCheck.UNEXPLAINED: NextStep.CHECK_CAR,
+    EstimateCheck.UNEXPLAINED: NextStep.CHECK_CAR,
+    EstimateCheck.FOLLOWS: NextStep.CHECK_CAR,
+    ReconstructionCheck.VANISHED: NextStep.LET_FREE,
+    ReconstructionCheck.AT_BOUND: NextStep.LET_FREE,
+    ReconstructionCheck.ACTIVE: NextStep.LET_FREE,
+    EstimateCheck.VANISHED: NextStep.LET_FREE,
+    EstimateCheck.AT_BOUND: NextStep.LET_FREE,
+    ReconstructionCheck.VAGUE: NextStep.REPEAT,
+    EstimateCheck.VAGUE: NextStep.REPEAT,
+    ReconstructionCheck.CHANGED: NextStep.WRITE_CAR,
+    EstimateCheck.CHANGED: NextStep.WRITE_CAR,
+}
+
+
+def next_steps(verdict: Verdict, *, car: bool) -> tuple[Remark, ...]:
+    """Return what to do next, the gravest first; ``car`` says whether one was given.
+
+    Examples
+    --------
+    >>> from suspid.words import Headline
+    >>> [str(step.code) for step in next_steps(Verdict(Remark(Headline.MODES, {"modes": 2})), car=False)]
+    ['use', 'give car']
+    """
+    return tuple(Remark(step) for step in _steps(verdict, car=car))
+
+
+def _steps(verdict: Verdict, *, car: bool) -> Iterator[NextStep]:
+    if not verdict.doubts:
+        yield NextStep.USE
+    said = [AFTER[remark.code] for remark in (*verdict.doubts, *verdict.notes) if remark.code in AFTER]
+    yield from dict.fromkeys(said)
+    if not car:
+        yield NextStep.GIVE_CAR
