@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from suspid.units import ComplexArray, RealArray
 from suspid.values import frozen_real
@@ -57,6 +58,43 @@ def power_sums(phi: ComplexArray, count: int) -> tuple[ComplexArray, ComplexArra
             sums = _moments(count)[0][:, None]
         zeroth[near], first[near], second[near] = sums
     return zeroth, first, second
+
+
+def gram_sums(pairs: ComplexArray, reals: RealArray, count: int) -> ComplexArray:
+    """Return ``sum_k (k / n)^j conj(exp(theta_i k)) exp(theta_l k)``, (j, i, l), for j = 0, 1, 2.
+
+    The exponents are pairs (those of the upper half plane), their conjugates, and real ones. Each sum that is another
+    one or its conjugate is computed once.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> gram, _, _ = gram_sums(np.array([2j]), np.zeros(1), 3)
+    >>> bool(np.isclose(gram[0, 1], sum(np.exp(-4j * k) for k in range(3)))), float(gram[2, 2].real)
+    (True, 3.0)
+    """
+    left, right, place = _distinct_products(len(pairs), len(reals))
+    theta = np.concatenate([pairs, pairs.conj(), reals])
+    sums = np.array(power_sums(theta[left] + theta[right], count))
+    return np.asarray(np.concatenate([sums, sums.conj()], axis=1)[:, place])
+
+
+@lru_cache(maxsize=256)
+def _distinct_products(pairs: int, reals: int) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.intp]]:
+    """Return the exponents whose sums are the distinct ones, and where each inner product stands among them.
+
+    The conjugate of the exponential i is that of exponent ``twin(i)``. A place beyond the distinct sums is a conjugate.
+    """
+    size = 2 * pairs + reals
+    twin = np.concatenate([np.arange(pairs) + pairs, np.arange(pairs), np.arange(2 * pairs, size)])
+    first, second = np.meshgrid(twin, np.arange(size), indexing="ij")
+    sums = np.sort(np.stack([first, second]).reshape(2, -1), axis=0)
+    mirrored = np.sort(twin[sums], axis=0)
+    codes, other = sums[0] * size + sums[1], mirrored[0] * size + mirrored[1]
+    least = np.minimum(codes, other)
+    distinct, place = np.unique(least, return_inverse=True)
+    place = np.where(codes == least, place, place + len(distinct)).reshape(size, size)
+    return distinct // size, distinct % size, place
 
 
 def cross_sums(left: ComplexArray, right: ComplexArray, count: int) -> ComplexArray:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 
 from suspid.identification.classification import MOST_DECAY
 from suspid.identification.exponentials import Blocks, synthesize
-from suspid.identification.likelihood import DecayFit, bic_penalty, maximize
+from suspid.identification.likelihood import DecayFit, bic_penalty, evaluate, maximize
 from suspid.identification.noise import WhiteNoise, loss_growth, loudness, over_channels, power_beside
 from suspid.identification.poles import Poles
 from suspid.identification.shapes import same_shape
@@ -22,6 +23,9 @@ COLOUR_BEGINS = 1.5
 # Poles nearer than this, in linewidths (geometric mean of the two decay rates) and in the ratio of their natural
 # frequencies, may be one mode that is not quite linear: friction and nonlinear springs bend a mode by less.
 BENT, OTHER_FREQUENCY = 2.0, 1.35
+# A refit regains at most this many times what a Gauss-Newton step promises. A lower number may take another order of
+# removal; a higher one costs refits.
+MISJUDGED = 3.0
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -32,9 +36,14 @@ class Problem:
     blocks: Blocks  # the record cut into blocks
     noise: WhiteNoise  # the noise model
 
+    @property
+    def _inner_noise(self) -> WhiteNoise:
+        """The noise model with the rounding of differences of energies."""
+        return self.noise.rounded(self.blocks.energy, self.blocks.count, of_energies=True)
+
     def fitted(self, start: Poles | DecayFit, *, rough: bool = False) -> Fit | None:
         """Return the fit of greatest likelihood near given poles, or None if they are linearly dependent."""
-        noise = self.noise.rounded(self.blocks.energy, self.blocks.count, of_energies=True)
+        noise = self._inner_noise
         if rough:
             # Until all poles are found, they are fitted to a twentieth of their standard deviations, in at most 20
             # steps: a pole that exists comes near in fewer. A smaller share costs time.
@@ -48,11 +57,11 @@ class Problem:
         better = self.fitted(fit.solution)
         return fit if better is None or better.solution is fit.solution else better
 
-    def worths(self, fit: Fit, *, refit: bool = True) -> tuple[RealArray, RealArray]:
-        """Return the cost of leaving each pole out: in twice the log likelihood, and in energy over noise variance.
+    def worths(self, fit: Fit) -> tuple[RealArray, RealArray]:
+        """Return the cost of leaving each pole out while the others stay: in twice the log likelihood, and in energy.
 
         At fixed poles the sum of squares grows by ``a^H (G^-1)^-1 a`` with a the amplitudes left out and G^-1
-        their block of the inverse Gram matrix. Where that is little, the other poles are refitted.
+        their block of the inverse Gram matrix. The energy is in units of the noise variance.
         """
         solution, count, pairs = fit.solution, self.blocks.count, len(fit.poles.pairs)
         inverse = np.linalg.inv(solution.gram)
@@ -64,13 +73,42 @@ class Problem:
         real = fit.poles.rows[pairs:]
         of_reals = np.abs(solution.amplitudes[real]) ** 2 / inverse[real, real].real[:, None]
         more = np.concatenate([of_pairs, of_reals]) / (count * fit.variance)
-        energies = count * more.sum(axis=1)
-        gains = loss_growth(np.maximum(more, 0.0).T, count)
-        if refit:
-            for index in np.flatnonzero(gains < 3 * self.penalties(fit.poles)):
-                refitted = self.fitted(fit.poles.without(int(index)), rough=True)
-                gains[index] = gains[index] if refitted is None else refitted.loss - fit.loss
-        return gains, energies
+        return loss_growth(np.maximum(more, 0.0).T, count), count * more.sum(axis=1)
+
+    def gains(self, fit: Fit, *, known: Mapping[int, float] | None = None) -> RealArray:
+        """Return what each pole is worth in twice the log likelihood, (pole,); some may be ``known``.
+
+        Where a pole costs little at fixed poles, the others are refitted without it.
+        """
+        gains = self.worths(fit)[0]
+        for index in np.flatnonzero(self.weak(fit, gains)).tolist():
+            if known is not None and index in known:
+                gains[index] = known[index]
+                continue
+            refitted = self.without(fit, index)
+            gains[index] = gains[index] if refitted is None else refitted.loss - fit.loss
+        return gains
+
+    def weak(self, fit: Fit, gains: RealArray) -> NDArray[np.bool_]:
+        """Return whether each pole costs so little at fixed poles that the others are refitted without it, (pole,)."""
+        return np.asarray(gains < 3 * self.penalties(fit.poles))
+
+    def without(self, fit: Fit, index: int) -> Fit | None:
+        """Return the fit of the other poles, refitted, or None if they are linearly dependent."""
+        return self.fitted(fit.poles.without(index), rough=True)
+
+    def regained(self, fit: Fit, index: int) -> float:
+        """Return what the other poles may regain by a refit without one of them, in twice the log likelihood.
+
+        It is `MISJUDGED` times what a Gauss-Newton step promises, or infinite where there is none.
+        """
+        trial = evaluate(self.blocks, fit.poles.without(index), self._inner_noise)
+        if trial is None or not np.isfinite(trial.information).all():
+            return np.inf
+        scale = np.sqrt(np.maximum(trial.information.diagonal(), 1e-300))
+        slope = trial.gradient / scale
+        unit = trial.information / (scale[:, None] * scale)
+        return float(MISJUDGED * slope @ np.linalg.lstsq(unit, slope, rcond=1e-9)[0])
 
     def penalty(self, *, real: bool) -> float:
         """Return the BIC penalty of a pair or a real pole."""

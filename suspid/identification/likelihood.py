@@ -13,7 +13,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from suspid.identification.exponentials import Blocks, power_sums
+from suspid.identification.exponentials import Blocks, gram_sums
 from suspid.identification.noise import WhiteNoise, degrees_of_freedom
 from suspid.identification.poles import Poles
 from suspid.units import ComplexArray, RealArray
@@ -55,8 +55,8 @@ def evaluate(blocks: Blocks, poles: Poles, noise: WhiteNoise) -> DecayFit | None
     """Return the fit at given poles, or None where their exponentials are linearly dependent."""
     from scipy.linalg.lapack import zpotrf, ztrtri
 
-    theta, count, pairs = poles.exponents, blocks.count, len(poles.pairs)
-    gram, tilt, bend = power_sums(theta.conj()[:, None] + theta, count)
+    count, pairs = blocks.count, len(poles.pairs)
+    gram, tilt, bend = gram_sums(poles.pairs, np.concatenate([poles.reals, poles.nuisances]), count)
     # The pivots of the Gram matrix of unit vectors are the parts of each that are orthogonal to those before it.
     norm = 1 / np.sqrt(gram.diagonal().real)
     lower, failed = zpotrf(gram * (norm[:, None] * norm), lower=1, clean=1)

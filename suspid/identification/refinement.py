@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
@@ -29,27 +31,91 @@ def thinned(problem: Problem, fit: Fit) -> tuple[Fit, RealArray, Rejected]:
     The least significant pole is removed and the others are refitted, until all are significant.
     """
     rejected: Rejected = ()
+    bounds: dict[int, float] = {}
     while fit.poles.free:
-        gains, energy = problem.worths(fit)
-        penalties, beside = problem.penalties(fit.poles), fit.beside
-        if fit.explained < LEAST_EXPLAINED:
-            beside = np.maximum(beside, fit.loudness)
-        loud = np.where(beside > LOUD, beside, 1.0)
-        # Where the residual is not noise, energy counts instead of likelihood. Coloured noise has its power there.
-        worth = np.where(loud > 1, np.minimum(energy / (WORTHWHILE * loud), gains), gains / beside) / penalties
-        # Poles far apart when they were added may have approached each other: the weaker of two is removed.
-        index = int(np.argmin(np.where(fit.splits, 0.0, worth) + 1e-9 * worth / np.max(worth)))
+        limits = _Limits.of(problem, fit, bounds)
+        index, shorter = _weakest(problem, fit, limits)
         split = bool(fit.splits[index])
-        shorter = problem.fitted(fit.poles.without(index), rough=True) if split or worth[index] < 1 else None
-        if shorter is None:
-            return fit, gains, rejected
+        leaves = split or limits.worth(index, limits.gains[index]) < 1
+        shorter = shorter or (problem.without(fit, index) if leaves else None)
+        if shorter is None or not leaves:
+            return fit, problem.gains(fit, known=limits.refitted), rejected
         reason = Remark(Reason.SPLIT if split else Reason.NOT_NEEDED)
-        if not split and gains[index] >= penalties[index]:
-            times = energy[index] / (penalties[index] * loud[index])
+        if not split and limits.gains[index] >= limits.penalties[index]:
+            times = limits.energies[index] / (limits.penalties[index] * limits.loud[index])
             reason = Remark(Reason.NOT_SIGNIFICANT, {"times": float(times), "needed": WORTHWHILE})
-        rejected += ((_candidate(fit.poles, index, gain=float(gains[index])), reason),)
+        rejected += ((_candidate(fit.poles, index, gain=float(limits.gains[index])), reason),)
+        # Without one pole the others are needed no less than before, in units of a noise that is no smaller.
+        quieter = float(np.min(fit.variance / shorter.variance))
+        bounds |= {k: bound * quieter for k, bound in (bounds | limits.refitted).items()}
+        bounds = {k - (k > index): bound for k, bound in bounds.items() if k != index}
         fit = shorter
     return fit, np.zeros(0), rejected
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class _Limits:
+    """What each pole of a fit must be worth, and is."""
+
+    gains: RealArray  # (pole,): what it costs to leave each out, in twice the log likelihood; refitted where known
+    energies: RealArray  # (pole,): the same in energy over noise variance
+    penalties: RealArray  # (pole,): BIC penalties
+    beside: RealArray  # (pole,): power of the residual beside each over that of the noise
+    bounds: Mapping[int, float]  # lower bounds of gains, from fits with more poles
+    refitted: dict[int, float]  # gains for which the other poles were refitted
+
+    @classmethod
+    def of(cls, problem: Problem, fit: Fit, bounds: Mapping[int, float]) -> _Limits:
+        gains, energies = problem.worths(fit)
+        beside = fit.beside
+        if fit.explained < LEAST_EXPLAINED:
+            beside = np.maximum(beside, fit.loudness)
+        penalties = problem.penalties(fit.poles)
+        return cls(gains=gains, energies=energies, penalties=penalties, beside=beside, bounds=bounds, refitted={})
+
+    @property
+    def loud(self) -> RealArray:
+        """Power of the residual beside each pole where it is no noise, else 1, (pole,)."""
+        return np.asarray(np.where(self.beside > LOUD, self.beside, 1.0))
+
+    def worth(self, index: int, gain: float) -> float:
+        """Return the gain of a pole over what is required."""
+        beside = float(self.beside[index])
+        # Where the residual is not noise, energy counts instead of likelihood. Coloured noise has its power there.
+        worth = min(float(self.energies[index]) / (WORTHWHILE * beside), gain) if beside > LOUD else gain / beside
+        return worth / float(self.penalties[index])
+
+
+def _weakest(problem: Problem, fit: Fit, limits: _Limits) -> tuple[int, Fit | None]:
+    """Return the pole that is worth least, and the fit without it where the others were refitted.
+
+    A gain in ``limits`` is then that of the refit. Poles far apart when they were added may have approached each other:
+    the weaker of two goes first. Only where a pole could be the weakest, the others are refitted.
+    """
+    weak = problem.weak(fit, limits.gains)
+
+    def lowest(index: int) -> float:
+        """Return a lower bound of the worth of a pole."""
+        if not weak[index]:
+            return limits.worth(index, limits.gains[index])
+        if index in limits.bounds:
+            return limits.worth(index, limits.bounds[index])
+        # The steps of two poles that are near each other promise nothing.
+        return -np.inf if fit.splits[index] else limits.worth(index, limits.gains[index] - problem.regained(fit, index))
+
+    candidates = np.flatnonzero(fit.splits) if fit.splits.any() else np.arange(len(limits.gains))
+    least = {index: lowest(index) for index in candidates.tolist()}
+    best, found, shorter = np.inf, -1, None
+    for index in sorted(least, key=lambda index: least[index]):
+        if least[index] >= best:
+            break
+        trial = problem.without(fit, index) if weak[index] else None
+        if trial is not None:
+            limits.gains[index] = limits.refitted[index] = trial.loss - fit.loss
+        worth = limits.worth(index, limits.gains[index])
+        if worth < best:
+            best, found, shorter = worth, index, trial
+    return found, shorter
 
 
 def straightened(problem: Problem, fit: Fit, reach: float) -> tuple[Fit, Rejected]:

@@ -128,7 +128,7 @@ def _alone(
         (Candidate(theta=complex(fit.poles.pairs[index]), real=False, gain=float(gains[index])), remark)
         for index in beside
     )
-    return again, problem.worths(again)[0], dropped
+    return again, problem.gains(again), dropped
 
 
 def _found(problem: Problem) -> tuple[Fit, Rejected]:
@@ -175,7 +175,7 @@ def _refined(problem: Problem, fit: Fit) -> tuple[Fit, RealArray, RealArray, Rej
     fit, gains, lost = thinned(problem, fit)
     fit, pair_gains = paired(problem, single(problem, problem.polished(fit)))
     if len(pair_gains) or len(gains) != len(fit.poles.every):
-        gains, _ = problem.worths(fit)
+        gains = problem.gains(fit)
     return fit, gains, pair_gains, rejected + lost
 
 
@@ -192,12 +192,12 @@ def _extended(problem: Problem, fit: Fit, found: list[Candidate]) -> tuple[Fit |
             break
         theta, poles = candidate.theta, fit.poles
         trial = problem.fitted(poles.with_real(theta.real) if candidate.real else poles.with_pair(theta), rough=True)
-        if trial is not None and trial.splits.any():
-            trial = problem.polished(trial)
         if trial is None:
             continue
-        gain = fit.loss - trial.loss
         index = -1 if candidate.real else len(trial.poles.pairs) - 1
+        if trial.splits[index]:
+            trial = problem.polished(trial)
+        gain = fit.loss - trial.loss
         if trial.splits[index]:
             near = float(linewidths_apart(trial.poles.every)[index].min())
             rejected += ((candidate, Remark(Reason.SPLIT, {"linewidths": near})),)
@@ -227,7 +227,7 @@ def _together(problem: Problem, fit: Fit, found: list[Candidate]) -> Fit | None:
         trial = problem.fitted(poles, rough=True)
         if trial is None:
             return None
-        gains, _ = problem.worths(trial, refit=False)
+        gains, _ = problem.worths(trial)
         added = slice(len(fit.poles.pairs), len(trial.poles.pairs))
         stays = (gains[added] > STRONG_GAIN * penalty) & ~trial.splits[added]
         if stays.all():
