@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from suspid.errors import RecordError
+from suspid.samples import Samples, as_samples
 from suspid.units import RealArray, Second
 from suspid.values import frozen_real
 
@@ -178,17 +179,21 @@ def as_response(
 
     With inputs it is squeezed only where it has one of them too.
     """
-    from suspid.responses import Response
+    return as_samples(timepts, values, channels, title=title, inputs=inputs).response
 
-    return Response(
-        time=np.array(timepts, float),
-        outputs=np.array(values, float),
-        output_labels=list(channels),
-        inputs=np.array(list(inputs.values()), float) if inputs else None,
-        input_labels=list(inputs) if inputs else None,
-        issiso=len(channels) == 1 and len(inputs or "1") == 1,
-        title=title or None,
-    )
+
+def like(
+    record: control.TimeResponseData,
+    timepts: RealArray,
+    values: RealArray,
+    channels: Sequence[str],
+    *,
+    title: str = "",
+    inputs: Mapping[str, RealArray] | None = None,
+) -> control.TimeResponseData:
+    """Return what `as_response` does, or `Samples` if the record is such: what was made of it stays of its kind."""
+    made = as_samples(timepts, values, channels, title=title, inputs=inputs)
+    return made if isinstance(record, Samples) else made.response
 
 
 def inputs_of(response: control.TimeResponseData) -> dict[str, RealArray]:
@@ -244,7 +249,7 @@ def cut(
             f"it lasts from {time[0]:.6g} to {time[-1]:.6g} s"
         )
     inputs = {name: samples[keep] for name, samples in inputs_of(response).items()}
-    return as_response(time[keep], signal.values[:, keep], signal.channels, inputs=inputs)
+    return like(response, time[keep], signal.values[:, keep], signal.channels, inputs=inputs)
 
 
 def span(start: Second | None, stop: Second | None) -> str:

@@ -32,6 +32,7 @@ from suspid.model import ModalSet, Suspension
 from suspid.reconstruction import Reconstruction
 from suspid.recordings import Recording
 from suspid.results import Result
+from suspid.samples import held
 from suspid.signals import cut
 from suspid.words import Check, Defect, Level, ModeCheck, Note, RecordCheck, Remark, Verdict
 
@@ -212,7 +213,7 @@ def analyse(
         begin(STEPS[0])
         opened = read(source, settings)
         begin(STEPS[1])
-        stretch = stretch_of(opened.cleaned.record, settings)
+        stretch = stretch_of(held(opened.cleaned, "record"), settings)
         begin(STEPS[2])
         identification, repeats = _identified(opened, stretch, settings)
     notes = [*opened.notes, *stretch.notes]
@@ -250,7 +251,7 @@ def _of_several(
     stretches = []
     for name, one in zip(names, opened, strict=True):
         with naming(name):
-            stretches.append(stretch_of(one.cleaned.record, settings))
+            stretches.append(stretch_of(held(one.cleaned, "record"), settings))
     parts = [
         Part(source=k, name=name, record=record)
         for k, (name, one, stretch) in enumerate(zip(names, opened, stretches, strict=True))
@@ -297,7 +298,7 @@ def _decays_of(opened: Read, stretch: Used) -> list[control.TimeResponseData]:
     """Return the decays of a recording that are used, or the stretch that is."""
     if len(stretch.used) < 2:
         return [stretch.record]
-    return [cut(opened.cleaned.record, start=decay.start, stop=decay.stop) for decay in stretch.used]
+    return [cut(held(opened.cleaned, "record"), start=decay.start, stop=decay.stop) for decay in stretch.used]
 
 
 def _check_types(car: object, settings: object) -> None:
@@ -312,7 +313,9 @@ def _identified(opened: Read, stretch: Used, settings: Settings) -> tuple[Identi
     """Return the identification of the decay and, where several are used, that of all jointly."""
     if len(stretch.used) < 2:
         return stretch.identification or identified(stretch.record, settings), None
-    repeats = identify_repeats(opened.cleaned.record, stretch.used, modes=settings.modes, band_hz=settings.band_hz)
+    repeats = identify_repeats(
+        held(opened.cleaned, "record"), stretch.used, modes=settings.modes, band_hz=settings.band_hz
+    )
     return repeats.each[0], repeats
 
 

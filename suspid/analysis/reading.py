@@ -17,7 +17,8 @@ from suspid.errors import InputError, RecordError, SuspidError
 from suspid.files import printable
 from suspid.io import bare_name, read_recording
 from suspid.recordings import Recording
-from suspid.signals import as_response, as_signal
+from suspid.samples import held
+from suspid.signals import as_signal, like
 from suspid.values import listed, nearest_names
 from suspid.words import Note, Remark
 
@@ -150,7 +151,7 @@ def _chosen(response: control.TimeResponseData, settings: Settings) -> Cleaned:
     record = response
     if kept != signal.channels:
         rows = [signal.channels.index(name) for name in kept]
-        record = as_response(signal.timepts, signal.values[rows], kept, title=_title(response))
+        record = like(response, signal.timepts, signal.values[rows], kept, title=_title(response))
     return Cleaned(record=record, units=("",) * len(kept), findings=())
 
 
@@ -158,7 +159,7 @@ def _as_wanted(cleaned: Cleaned, settings: Settings) -> tuple[Cleaned, tuple[Rem
     """Return the record scaled, in SI, with its vertical, and renamed, in this order."""
     notes: tuple[Remark, ...] = ()
     if settings.scale:
-        cleaned = replace(cleaned, record=scaled(cleaned.record, _by_channel(dict(settings.scale), cleaned)))
+        cleaned = replace(cleaned, record=scaled(held(cleaned, "record"), _by_channel(dict(settings.scale), cleaned)))
     if settings.si:
         cleaned, notes = _in_si(cleaned)
     if settings.vertical is not None:
@@ -172,7 +173,7 @@ def _as_wanted(cleaned: Cleaned, settings: Settings) -> tuple[Cleaned, tuple[Rem
 def _in_si(cleaned: Cleaned) -> tuple[Cleaned, tuple[Remark, ...]]:
     """Return the record with every channel whose unit is known in SI."""
     factors, units, notes = dict[str, float](), list[str](), list[Remark]()
-    for name, unit in zip(as_signal(cleaned.record).channels, cleaned.units, strict=True):
+    for name, unit in zip(as_signal(held(cleaned, "record")).channels, cleaned.units, strict=True):
         try:
             factor, si = to_si(1.0, unit)
         except InputError as error:
@@ -186,36 +187,42 @@ def _in_si(cleaned: Cleaned) -> tuple[Cleaned, tuple[Remark, ...]]:
             notes.append(
                 Remark(Note.CONVERTED, {"channel": name, "unit": unit, "si": si, "factor": float(factor)}),
             )
-    return replace(cleaned, record=scaled(cleaned.record, factors), units=tuple(units)), tuple(notes)
+    return replace(cleaned, record=scaled(held(cleaned, "record"), factors), units=tuple(units)), tuple(notes)
 
 
 def _upright(cleaned: Cleaned, given: Iterable[str]) -> tuple[Cleaned, str]:
     """Return the record with the vertical of a tilted accelerometer in place of its axes, and how it was found."""
-    signal = as_signal(cleaned.record)
+    signal = as_signal(held(cleaned, "record"))
     axes = tuple(channel_named(name.strip(), signal.channels) for name in given)
-    up, found = vertical(cleaned.record, axes)
+    up, found = vertical(held(cleaned, "record"), axes)
     kept = [k for k, name in enumerate(signal.channels) if name not in axes]
-    record = as_response(
+    record = like(
+        held(cleaned, "record"),
         signal.timepts,
         np.concatenate([as_signal(up).values, signal.values[kept]]),
         [*as_signal(up).channels, *(signal.channels[k] for k in kept)],
-        title=_title(cleaned.record),
+        title=_title(held(cleaned, "record")),
     )
     units = (cleaned.units[signal.channels.index(axes[0])], *(cleaned.units[k] for k in kept))
     return replace(cleaned, record=record, units=units), str(found)
 
 
 def _renamed(cleaned: Cleaned, renames: dict[str, str]) -> Cleaned:
-    signal = as_signal(cleaned.record)
+    signal = as_signal(held(cleaned, "record"))
     names = [renames.get(name, name) for name in signal.channels]
     if len(set(names)) < len(names):
         raise InputError(f"renaming leaves two channels of the same name: {', '.join(map(repr, names))}")
-    return replace(cleaned, record=as_response(signal.timepts, signal.values, names, title=_title(cleaned.record)))
+    return replace(
+        cleaned,
+        record=like(
+            held(cleaned, "record"), signal.timepts, signal.values, names, title=_title(held(cleaned, "record"))
+        ),
+    )
 
 
 def _by_channel(values: Mapping[str, Value], cleaned: Cleaned) -> dict[str, Value]:
     """Return values by the full names of the channels."""
-    channels = as_signal(cleaned.record).channels
+    channels = as_signal(held(cleaned, "record")).channels
     return {channel_named(name, channels): value for name, value in values.items()}
 
 

@@ -14,7 +14,7 @@ from suspid.errors import InputError
 from suspid.files import printable
 from suspid.identification import Repeats
 from suspid.recordings import Recording
-from suspid.signals import as_response, as_signal
+from suspid.signals import as_signal, like
 from suspid.units import RealArray
 from suspid.values import listed
 from suspid.words import Check, Level, Note, Number, RecordCheck, Remark
@@ -105,7 +105,7 @@ def alike(parts: Sequence[Part]) -> tuple[list[Part], list[Remark]]:
             notes.append(Remark(Note.RESAMPLED, numbers))
         record = part.record
         if apart > EQUAL_RATE or signal.channels != wanted.channels:
-            record = as_response(timepts, rows, wanted.channels, title=part.name)
+            record = like(record, timepts, rows, wanted.channels, title=part.name)
         made.append(Part(source=part.source, name=part.name, record=record))
     return made, notes
 

@@ -12,7 +12,7 @@ from suspid.analysis.settings import Settings
 from suspid.decays import Decay, Decays, find_decays
 from suspid.errors import RecordError
 from suspid.identification import Identification
-from suspid.signals import as_response, as_signal, cut, late_start
+from suspid.signals import as_signal, cut, late_start, like
 from suspid.words import Note, Number, Remark
 
 if TYPE_CHECKING:
@@ -103,7 +103,7 @@ def _moving(record: control.TimeResponseData) -> tuple[control.TimeResponseData,
     kept = [name for name, moves in zip(signal.channels, moving, strict=True) if moves]
     notes = [Remark(Note.STILL_CHANNEL, {"channel": name}) for name in signal.channels if name not in kept]
     title = str(getattr(record, "title", None) or "")
-    return as_response(signal.timepts, signal.values[moving], kept, title=title), notes
+    return like(record, signal.timepts, signal.values[moving], kept, title=title), notes
 
 
 def _remarks(decays: Decays) -> str:

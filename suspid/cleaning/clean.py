@@ -12,7 +12,8 @@ from suspid.cleaning.constant import alive, stilled
 from suspid.cleaning.joining import by_clock, one_clock, placed, whole
 from suspid.errors import RecordError
 from suspid.recordings import RawChannel, Recording
-from suspid.signals import as_response, as_signal, span
+from suspid.samples import as_samples
+from suspid.signals import as_signal, span
 from suspid.units import Hertz, Second
 
 
@@ -80,10 +81,10 @@ def clean(
     findings += further
     findings += stilled(timepts, table, by_name=by_name)
     order = [name for name in names if name in table]
-    response = as_response(timepts, np.array([table.pop(name) for name in order]), order, title=recording.title)
-    as_signal(response)
+    record = as_samples(timepts, np.array([table.pop(name) for name in order]), order, title=recording.title)
+    as_signal(record)
     units = {channel.name: channel.unit for channel in chosen}
-    return Cleaned(record=response, units=tuple(units[name] for name in order), findings=tuple(findings))
+    return Cleaned(record=record, units=tuple(units[name] for name in order), findings=tuple(findings))
 
 
 def _within(channel: RawChannel, start: Second | None, stop: Second | None) -> RawChannel:

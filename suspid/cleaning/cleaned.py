@@ -9,13 +9,14 @@ from tabulate import tabulate
 
 from suspid.cleaning.findings import Finding
 from suspid.files import printable
+from suspid.samples import AsResponse
 from suspid.words import Cleaning, Remark, Verdict
 
 if TYPE_CHECKING:
     import control
 
 
-@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Cleaned:
     """A record that can be used, and what was done to make it so.
 
@@ -29,7 +30,7 @@ class Cleaned:
         What was met; none for a clean recording, whose samples and stamps are unchanged to the last bit.
     """
 
-    record: control.TimeResponseData
+    record: control.TimeResponseData = AsResponse("record")  # noqa: RUF009 - no default
     units: tuple[str, ...]
     findings: tuple[Finding, ...]
 

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from suspid.errors import InputError
 from suspid.files import printable
-from suspid.signals import as_response, as_signal
+from suspid.signals import as_signal, like
 from suspid.units import STANDARD_GRAVITY, RealArray
 from suspid.values import nearest_names
 
@@ -113,4 +113,4 @@ def scaled(response: control.TimeResponseData, factors: Mapping[str, float]) -> 
             raise InputError(f"the factor of channel {name!r}, {factor}, must be finite and not zero")
     by = np.array([factors.get(name, 1.0) for name in signal.channels])
     title = getattr(response, "title", None) or ""
-    return as_response(np.asarray(response.time), signal.values * by[:, None], signal.channels, title=title)
+    return like(response, np.asarray(response.time), signal.values * by[:, None], signal.channels, title=title)

@@ -11,7 +11,7 @@ import numpy as np
 from suspid.cleaning.conversions import to_si as to_si
 from suspid.errors import InputError, RecordError
 from suspid.files import printable
-from suspid.signals import Signal, as_response, as_signal
+from suspid.signals import Signal, as_signal, like
 from suspid.units import STANDARD_GRAVITY, Ratio, RealArray
 from suspid.values import frozen_real, nearest_names
 
@@ -191,8 +191,8 @@ def vertical(
         principal_explained=float(shares[-1] / np.sum(shares)),
     )
     along = up @ (motion if unit else values)
-    return as_response(
-        np.asarray(response.time), along[None], [name], title=getattr(response, "title", None) or ""
+    return like(
+        response, np.asarray(response.time), along[None], [name], title=getattr(response, "title", None) or ""
     ), found
 
 

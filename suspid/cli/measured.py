@@ -29,6 +29,7 @@ from suspid.cli.support import ARGUMENTS, check_apart, named, said_warnings, say
 from suspid.errors import InputError
 from suspid.files import printable, replacing
 from suspid.levels import LEVEL
+from suspid.samples import held
 from suspid.signals import as_signal
 from suspid.values import samples_in_words
 from suspid.words import DAMAGE, Note, count
@@ -122,7 +123,8 @@ def _in_words(files: Sequence[Path], found: Analysis) -> str:
     tests = list(found.tests.values()) or [found]
     names = [printable(str(file)) for file in files] if len(tests) == len(files) else list(found.tests)
     lines = [
-        f"{name}: {record_in_words(test.identification.response)}" for name, test in zip(names, tests, strict=True)
+        f"{name}: {record_in_words(held(test.identification, 'response'))}"
+        for name, test in zip(names, tests, strict=True)
     ]
     return "\n".join([*lines, "", str(found)])
 

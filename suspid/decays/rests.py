@@ -7,7 +7,8 @@ import numpy as np
 from suspid.decays.decay import Decay
 from suspid.errors import SuspidError
 from suspid.identification import identify
-from suspid.signals import Signal, as_response, as_signal
+from suspid.samples import as_samples, held
+from suspid.signals import Signal, as_signal
 from suspid.units import Decibel
 from suspid.words import DecayDoubt, Remark
 
@@ -18,12 +19,12 @@ def decay_between(part: Signal, first: int, last: int, *, level: Decibel) -> Dec
     Few cycles that friction stops follow no damped exponentials, so that quick fits refuse them.
     """
     try:
-        found = identify(as_response(part.timepts[first:last], part.values[:, first:last], part.channels))
+        found = identify(as_samples(part.timepts[first:last], part.values[:, first:last], part.channels))
     except SuspidError:
         return None
     if not found.forces:
         return None
-    motion, left = as_signal(found.fitted).values, as_signal(found.residual).values
+    motion, left = as_signal(held(found, "fitted")).values, as_signal(held(found, "residual")).values
     energy = np.sum((motion - motion.mean(axis=1, keepdims=True)) ** 2, axis=1)
     cycles = float(np.max(found.modes.wn)) * part.step * (last - first) / (2 * np.pi)
     strength = float(np.sum(energy / np.maximum(found.noise_std**2, 1e-300))) * cycles**2

@@ -7,7 +7,8 @@ import numpy as np
 from suspid.decays.trials import Trial
 from suspid.errors import SuspidError
 from suspid.identification import Identification, identify
-from suspid.signals import Signal, as_response
+from suspid.samples import as_samples
+from suspid.signals import Signal
 from suspid.words import DecayDoubt, Reason, Remark
 
 # No start lies beyond this share of the stretch: what is left is too short to tell a decay by.
@@ -41,7 +42,7 @@ def verified(
             break
         part = signal.values[:, place:last]
         try:
-            found = identify(as_response(signal.timepts[place:last], part, signal.channels))
+            found = identify(as_samples(signal.timepts[place:last], part, signal.channels))
         except SuspidError as error:
             doubt: Remark | None = Remark(DecayDoubt.NOT_IDENTIFIED, {"error": str(error)})
         else:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from suspid.signals import as_response
+from suspid.samples import as_samples
 from suspid.units import RealArray
 from suspid.words import Failure, Remark, Step
 
@@ -125,7 +125,7 @@ def source_of(entry: Entry, know: Callable[[Seen], None]) -> Iterator[Path | con
     if entry.samples is not None:
         know(Seen(sha256=samples_hash(entry.samples)))
         samples = entry.samples
-        yield as_response(samples.timepts, samples.values, samples.channels, title=entry.name)
+        yield as_samples(samples.timepts, samples.values, samples.channels, title=entry.name)
         return
     assert entry.path is not None
     with _at_hand(entry.path) as path:

@@ -20,6 +20,7 @@ from suspid.identification.steps import FourSteps
 from suspid.identification.verdict import verdict_of
 from suspid.model import ModalSet
 from suspid.results import Result
+from suspid.samples import AsResponse, held
 from suspid.signals import as_signal
 from suspid.units import RealArray
 from suspid.values import frozen_real, text_table
@@ -64,11 +65,11 @@ class Identification(Result):
         The forces, other than linear ones, with which the decay was fitted.
     """
 
-    response: control.TimeResponseData
+    response: control.TimeResponseData = AsResponse("response")  # noqa: RUF009 - no default
     method: Method
     modes: ModalSet
-    fitted: control.TimeResponseData
-    residual: control.TimeResponseData
+    fitted: control.TimeResponseData = AsResponse("fitted")  # noqa: RUF009 - no default
+    residual: control.TimeResponseData = AsResponse("residual")  # noqa: RUF009 - no default
     noise_std: RealArray
     loudness: RealArray
     considered: tuple[Considered, ...]
@@ -102,14 +103,14 @@ class Identification(Result):
     @property
     def explained(self) -> RealArray:
         """Share of each channel's energy about its mean that the fit explains [1], (channel,)."""
-        signal, left = as_signal(self.response).values, as_signal(self.residual).values
+        signal, left = as_signal(held(self, "response")).values, as_signal(held(self, "residual")).values
         energy = np.sum((signal - signal.mean(axis=1, keepdims=True)) ** 2, axis=1)
         return np.asarray(1 - np.sum(left**2, axis=1) / np.where(energy > 0, energy, 1.0))
 
     @property
     def whiteness(self) -> RealArray:
         """Correlation of each channel's residual with itself one sample later [1], (channel,): 0 for white noise."""
-        return lag_one(as_signal(self.residual).values)
+        return lag_one(as_signal(held(self, "residual")).values)
 
     @property
     def collinearity(self) -> RealArray:
@@ -131,7 +132,7 @@ class Identification(Result):
         """
         if self.forces:
             return frozen_real(np.full(len(self.modes), np.nan))
-        signal = as_signal(self.response)
+        signal = as_signal(held(self, "response"))
         every = np.array([*self.modes.poles, *(c.pole for c in self.considered if c.removed)]) * signal.step
         pair = every.imag > 0
         poles = Poles(pairs=np.asarray(every[pair], complex), reals=every[~pair].real, nuisances=np.zeros(1))
@@ -173,7 +174,7 @@ def tables_of(found: Identification) -> str:
     if found.method == "ridge":
         parts.append(text_table(_ridge_columns(found.ridges)))
     channels = {
-        "channel": as_signal(found.response).channels,
+        "channel": as_signal(held(found, "response")).channels,
         "explained": [f"{100 * share:.2f} %" for share in found.explained],
         "noise std": [f"{std:.3g}" for std in found.noise_std],
         "lag-1 correlation": [f"{value:+.2f}" for value in found.whiteness],

@@ -26,7 +26,8 @@ from suspid.identification.pulses import without_pulse
 from suspid.identification.selection import Selection, select
 from suspid.identification.steps import FourSteps
 from suspid.model import ModalSet
-from suspid.signals import Signal, as_response, as_signal
+from suspid.samples import as_samples
+from suspid.signals import Signal, as_signal
 from suspid.units import ComplexArray, Hertz, RadianPerSecond, RealArray, Second, angular
 from suspid.values import check_count, frozen_real
 from suspid.wavelets import BANDWIDTHS, row_band, sample_noise
@@ -149,8 +150,8 @@ def _by_ridges(response: control.TimeResponseData, signal: Signal, steps: FourSt
         response=response,
         method="ridge",
         modes=steps.modes,
-        fitted=as_response(signal.timepts, fitted, signal.channels, title="Fitted decay"),
-        residual=as_response(signal.timepts, signal.values - fitted, signal.channels, title="Residual"),
+        fitted=as_samples(signal.timepts, fitted, signal.channels, title="Fitted decay"),
+        residual=as_samples(signal.timepts, signal.values - fitted, signal.channels, title="Residual"),
         noise_std=frozen_real(sample_noise(signal)),
         loudness=frozen_real(np.ones(len(steps.modes))),
         considered=(),
@@ -192,8 +193,8 @@ def _by_likelihood(
         response=response,
         method="likelihood",
         modes=modes,
-        fitted=as_response(signal.timepts, signal.values - left, signal.channels, title="Fitted decay"),
-        residual=as_response(signal.timepts, left, signal.channels, title="Residual"),
+        fitted=as_samples(signal.timepts, signal.values - left, signal.channels, title="Fitted decay"),
+        residual=as_samples(signal.timepts, left, signal.channels, title="Residual"),
         noise_std=frozen_real(np.sqrt(np.sum(left**2, axis=1) / freedom)),
         loudness=loudness,
         considered=considered,

@@ -22,6 +22,7 @@ from suspid.identification.selection import select
 from suspid.identification.verdict import verdict_of_repeats
 from suspid.model import ModalSet
 from suspid.results import Result
+from suspid.samples import held
 from suspid.signals import Stretch, as_signal, cut
 from suspid.units import Hertz, RealArray, Second, angular
 from suspid.values import check_count, frozen_real, text_table
@@ -159,7 +160,7 @@ def identify_repeats(
     check_count("modes", modes)
     parts = _stretches(response, decays, names)
     each = tuple(_identified(name, part, band_hz) for name, part in parts)
-    signals = [as_signal(found.response, least=FEWEST_SAMPLES) for found in each]
+    signals = [as_signal(held(found, "response"), least=FEWEST_SAMPLES) for found in each]
     spans = tuple((s.start, s.start + s.step * (s.values.shape[1] - 1)) for s in signals)
     step, channels = signals[0].step, signals[0].channels
     values = [s.values - s.values.mean(axis=1, keepdims=True) for s in signals]

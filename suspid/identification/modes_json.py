@@ -38,6 +38,7 @@ from suspid.errors import InputError
 from suspid.files import parsed_json, printable, read_text
 from suspid.identification.identification import Identification
 from suspid.model import ModalSet, parsed_toml
+from suspid.samples import held
 from suspid.signals import Signal, as_signal
 from suspid.values import nearest_names
 
@@ -80,7 +81,7 @@ def identification_to_dict(identification: Identification, *, file: str, warning
     """Return the modes with the record, the settings, the noise and the windows of the ridges."""
     from importlib.metadata import version
 
-    signal = as_signal(identification.response)
+    signal = as_signal(held(identification, "response"))
     return {
         **modes_to_dict(identification.modes),
         "record": {

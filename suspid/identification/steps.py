@@ -10,7 +10,8 @@ import numpy as np
 
 from suspid.errors import IdentificationError
 from suspid.model import ModalSet
-from suspid.signals import Signal, as_response
+from suspid.samples import Samples, as_samples
+from suspid.signals import Signal
 from suspid.units import RadianPerSecond, RealArray
 from suspid.wavelets import (
     BandwidthSearch,
@@ -58,7 +59,11 @@ class FourSteps:
     @cached_property
     def response(self) -> control.TimeResponseData:
         """The record less its mean."""
-        return as_response(self.signal.timepts, self.signal.values, self.signal.channels)
+        return self._samples.response
+
+    @cached_property
+    def _samples(self) -> Samples:
+        return as_samples(self.signal.timepts, self.signal.values, self.signal.channels)
 
     @cached_property
     def omega(self) -> RealArray:
@@ -70,14 +75,14 @@ class FourSteps:
         """Step 1: entropy against bandwidth; None if the bandwidth was given."""
         if self.bandwidth is not None:
             return None
-        return best_bandwidth(self.response, omega=self.omega, candidates=self.candidates)
+        return best_bandwidth(self._samples, omega=self.omega, candidates=self.candidates)
 
     @cached_property
     def scalogram(self) -> Scalogram:
         """Step 2: the transform with the bandwidth given or of least entropy."""
         bandwidth = self.bandwidth if self.search is None else self.search.best
         assert bandwidth is not None
-        return cwt(self.response, omega=self.omega, bandwidth=bandwidth, precision=SEARCH_PRECISION)
+        return cwt(self._samples, omega=self.omega, bandwidth=bandwidth, precision=SEARCH_PRECISION)
 
     @cached_property
     def ridges(self) -> tuple[Ridge, ...]:
@@ -90,7 +95,7 @@ class FourSteps:
             transform = self.scalogram
             if factor != 1.0:
                 bandwidth = self.scalogram.wavelet.bandwidth * factor
-                transform = cwt(self.response, omega=self.omega, bandwidth=bandwidth, precision=SEARCH_PRECISION)
+                transform = cwt(self._samples, omega=self.omega, bandwidth=bandwidth, precision=SEARCH_PRECISION)
             try:
                 attempts.append(find_ridges(transform, count=self.count))
             except IdentificationError as error:

@@ -13,6 +13,7 @@ from suspid.identification.lines import clear_line
 from suspid.identification.noise import ABOVE_RESOLUTION, most_shared, resolution, shared_noise
 from suspid.identification.pulses import one_shape
 from suspid.levels import LEVEL
+from suspid.samples import held
 from suspid.signals import Signal, as_signal, late_start
 from suspid.units import Ratio
 from suspid.words import Check, Headline, Level, ModeCheck, Number, Reason, Remark, Verdict, amount
@@ -103,7 +104,7 @@ def _why_none(found: Identification) -> Iterator[Check]:
     else:
         yield _of(ModeCheck.NOTHING_DECAYS, Level.NONE)
         strongest = considered[0].pole if considered else 0j
-        signal = as_signal(found.response)
+        signal = as_signal(held(found, "response"))
         line = clear_line(signal.values, signal.step)
         near = line is not None and abs(2 * np.pi * line - strongest.imag) < 4 * np.pi / signal.duration
         # A pole that decays by less than e^-1 in more than 10 cycles is a steady line.
@@ -113,7 +114,7 @@ def _why_none(found: Identification) -> Iterator[Check]:
 
 
 def _late_motion(found: Identification) -> Iterator[Check]:
-    signal = as_signal(found.response)
+    signal = as_signal(held(found, "response"))
     late = late_start(signal)
     if late is not None:
         yield _of(ModeCheck.LATE_MOTION, Level.CARE, {"delay": late - signal.start, "time": late})
@@ -134,7 +135,7 @@ def _explained(found: Identification) -> Iterator[Check]:
 
 
 def _unexplained(found: Identification) -> Iterator[Check]:
-    names = as_signal(found.response).channels
+    names = as_signal(held(found, "response")).channels
     weak = [
         f"{printable(name)} ({100 * float(share):.4g} %)"
         for name, share in zip(names, found.explained, strict=True)
@@ -190,11 +191,11 @@ def _unresolved(found: Identification) -> Iterator[Check]:
 def _one_shape(found: Identification) -> bool:
     """Return whether all channels move alike: the fitted motion beside its principal direction is noise."""
     unknowns = 2 * (len(found.modes) + sum(c.removed for c in found.considered))
-    return one_shape(as_signal(found.fitted).values, found.noise_std, unknowns)
+    return one_shape(as_signal(held(found, "fitted")).values, found.noise_std, unknowns)
 
 
 def _few_samples(found: Identification) -> Iterator[Check]:
-    samples = as_signal(found.response).values.shape[1]
+    samples = as_signal(held(found, "response")).values.shape[1]
     poles = [*found.modes.poles, *(c.pole for c in found.considered if c.removed)]
     unknowns = 1 + sum(2 if pole.imag else 1 for pole in poles)
     if samples < SAMPLES_EACH * unknowns:
@@ -213,7 +214,7 @@ def _residual(found: Identification) -> Iterator[Check]:
         yield _of(ModeCheck.RESIDUAL_LOUD, Level.CARE, {"modes": tuple(loud)})
     else:
         yield _of(ModeCheck.RESIDUAL_WHITE, Level.SOUND)
-    residual = as_signal(found.residual)
+    residual = as_signal(held(found, "residual"))
     yield from _structure(found, residual)
     if shared_noise(residual.values) > 1:
         one, other, correlation = most_shared(residual.values)
@@ -224,7 +225,7 @@ def _residual(found: Identification) -> Iterator[Check]:
 def _structure(found: Identification, residual: Signal) -> Iterator[Check]:
     """Check that nothing but noise is left: no colour and no line, where the residual exceeds rounding."""
     size = np.sqrt(np.mean(residual.values**2, axis=1))
-    rough = size > ABOVE_RESOLUTION * resolution(as_signal(found.response).values)
+    rough = size > ABOVE_RESOLUTION * resolution(as_signal(held(found, "response")).values)
     lag = np.where(rough, found.whiteness, 0.0)
     worst = int(np.argmax(np.abs(lag)))
     # A larger correlation over one sample is not that of white noise; a sensor's filter leaves less.
@@ -238,7 +239,7 @@ def _structure(found: Identification, residual: Signal) -> Iterator[Check]:
 
 def _few_cycles(found: Identification) -> Iterator[Check]:
     """Check that each oscillation is seen over several cycles or until it has decayed, and that there is one."""
-    poles, duration = found.modes.poles, as_signal(found.response).duration
+    poles, duration = found.modes.poles, as_signal(held(found, "response")).duration
     cycles = np.abs(poles.imag) * duration / (2 * np.pi)
     few = (poles.imag != 0) & (cycles < CYCLES_SEEN) & (-poles.real * duration < CYCLES_SEEN)
     for k in np.flatnonzero(few).tolist():

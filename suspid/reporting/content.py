@@ -15,6 +15,7 @@ from suspid.performance import Grip, Ride, grip_if_any
 from suspid.reporting.estimate_page import EstimateContent
 from suspid.reporting.source import Source
 from suspid.reporting.thinning import drawable
+from suspid.samples import held
 from suspid.signals import as_signal
 from suspid.units import Ratio
 from suspid.words import Note, Remark, next_steps
@@ -92,13 +93,13 @@ class Content:
     @property
     def used(self) -> int | None:
         """Which of the decays the record is."""
-        return used_decay(self.identification.response, self.analysis.decays)
+        return used_decay(held(self.identification, "response"), self.analysis.decays)
 
     @property
     def units(self) -> tuple[str, ...]:
         """The unit of each channel of the record; empty where it is not known."""
-        names, whole = as_signal(self.identification.response).channels, self.analysis.cleaned
-        known = dict(zip(as_signal(whole.record).channels, whole.units, strict=True))
+        names, whole = as_signal(held(self.identification, "response")).channels, self.analysis.cleaned
+        known = dict(zip(as_signal(held(whole, "record")).channels, whole.units, strict=True))
         return tuple(known.get(name, "") for name in names)
 
     @property
@@ -211,7 +212,7 @@ def content_of(
             car=car,
             ride=ride,
         )
-    response = found.response
+    response = held(found, "response")
     used = used_decay(response, decays)
     analysis = Analysis(
         settings=Settings(level=level),

@@ -21,6 +21,7 @@ from suspid.reporting.plot_shapes import plot_shapes
 from suspid.reporting.plot_skeletons import plot_skeletons
 from suspid.reporting.svg import page_style, svg_of
 from suspid.reporting.thinning import first_cycles
+from suspid.samples import held
 from suspid.signals import as_signal
 from suspid.units import Second
 from suspid.wavelets import Ridge
@@ -143,7 +144,7 @@ def _draw_entropy(search: BandwidthSearch, figure: Figure) -> None:
 
 def _fits(found: Identification, units: Sequence[str]) -> Iterator[tuple[Picture, ...]]:
     """Draw the record of each channel: the whole, and the first cycles where these are much shorter."""
-    signal, span = as_signal(found.response), first_cycles(found)
+    signal, span = as_signal(held(found, "response")), first_cycles(found)
     # The first cycles are drawn apart where they are a small part of the record.
     spans = [None, span] if span[1] - span[0] < 0.6 * signal.duration else [None]
     for k, (name, unit) in enumerate(zip(signal.channels[:MOST_CHANNELS], units, strict=False)):
@@ -214,10 +215,10 @@ def _overviews(
     """Draw the first channels of the whole recording with its decays."""
     if cleaned is None or not decays:
         return
-    units = dict(zip(as_signal(cleaned.record).channels, cleaned.units, strict=True))
-    shown = [name for name in as_signal(found.response).channels if name in units][:3]
+    units = dict(zip(as_signal(held(cleaned, "record")).channels, cleaned.units, strict=True))
+    shown = [name for name in as_signal(held(found, "response")).channels if name in units][:3]
     for k, name in enumerate(shown):
-        draw = partial(_draw_overview, cleaned.record, name, units[name], decays, used)
+        draw = partial(_draw_overview, held(cleaned, "record"), name, units[name], decays, used)
         described = f"The recording with {len(decays)} decays"
         yield picture(draw, name=f"recording-{k}", described=described, height=1.9, wide_height=2.0)
 

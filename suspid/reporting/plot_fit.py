@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from suspid.reporting.axes import checked_grid, key_above, plot_residual, position, shown, unit_ticks
+from suspid.samples import held
 from suspid.signals import as_signal
 from suspid.units import Second
 
@@ -59,9 +60,7 @@ def plot_fit(
     >>> axes[1].get_xlabel()
     'time [s]'
     """
-    record, fitted, residual = (
-        as_signal(r) for r in (identification.response, identification.fitted, identification.residual)
-    )
+    record, fitted, residual = (as_signal(held(identification, name)) for name in ("response", "fitted", "residual"))
     names = record.channels if channels is None else tuple(channels)
     drawn = checked_grid(axes, (len(names),))
     low, high = span or (record.start, record.start + record.duration)

@@ -16,6 +16,7 @@ from suspid.reporting.plot_scalogram import plot_scalogram
 from suspid.reporting.plot_shapes import plot_shapes
 from suspid.reporting.plot_skeletons import plot_skeletons
 from suspid.reporting.thinning import first_cycles
+from suspid.samples import held
 from suspid.signals import as_signal
 from suspid.units import Second
 
@@ -69,7 +70,7 @@ def plot_identification(identification: Identification, figure: Figure) -> Figur
     keep_apart(figure)
     ridges = identification.ridges[:MOST_RIDGES]
     blocks = [ridges[i : i + ABREAST] for i in range(0, len(ridges), ABREAST)]
-    names = as_signal(identification.response).channels[:8]
+    names = as_signal(held(identification, "response")).channels[:8]
     last = _last_parts(identification)
     places = _places(figure, _heights(identification, len(blocks), len(names), last))
 
@@ -138,7 +139,7 @@ def _write_modes(identification: Identification, ax: Axes) -> None:
         lines = [*lines[: MODES_ON_PAGE + 1], f"  … {len(identification.modes)} modes in all"]
     ax.set_axis_off()
     ax.text(0.0, 1.0, "\n".join(lines), family="monospace", va="top", transform=ax.transAxes, fontsize=8)
-    title = str(identification.response.title or "")
+    title = str(held(identification, "response").title or "")
     ax.set_title(f"{shown(title, most=60)} — method {identification.method}".lstrip(" —"), loc="left")
 
 

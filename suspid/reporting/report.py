@@ -22,6 +22,7 @@ from suspid.reporting.rows import channel_rows, digits, mode_quantities, mode_ro
 from suspid.reporting.source import Source, versions
 from suspid.reporting.spring_rows import masses_of, spring_rows
 from suspid.reporting.thinning import is_whole
+from suspid.samples import held
 from suspid.signals import as_signal
 
 if TYPE_CHECKING:
@@ -80,7 +81,9 @@ def report(found: Identification | Analysis | Estimate | Content | EstimateConte
     else:
         content = found if isinstance(found, Content) else content_of(found)
         sources = content.sources
-        file = ", ".join(s.file for s in sources) if sources else str(content.identification.response.title or "")
+        file = (
+            ", ".join(s.file for s in sources) if sources else str(held(content.identification, "response").title or "")
+        )
         fields, template, verdict = _fields(content), "report.html.j2", content.analysis.verdict
         found = content
     return environment.get_template(template).render(
@@ -101,7 +104,7 @@ def _fields(content: Content) -> dict[str, object]:
     """Return what the template of an identification shows beside what every page does."""
     shown, analysis = content.identification, content.analysis
     repeats, car = analysis.repeats, analysis.reconstruction
-    names, level = as_signal(shown.response).channels, content.level
+    names, level = as_signal(held(shown, "response")).channels, content.level
     best, modes = content.springs, mode_rows(shown, level)
     return {
         "record": _record_facts(shown),
@@ -170,7 +173,7 @@ def _short(name: str) -> str:
 
 
 def _record_facts(found: Identification) -> dict[str, str]:
-    signal = as_signal(found.response)
+    signal = as_signal(held(found, "response"))
     samples = signal.values.shape[1]
     return {
         "samples": f"{samples}",

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.files import printable
+from suspid.samples import held
 from suspid.signals import as_signal
 from suspid.units import Ratio
 from suspid.words import Code
@@ -219,7 +220,7 @@ def channel_rows(identification: Identification, units: Sequence[str]) -> list[C
             whiteness=signed(f"{round(white, 2) + 0.0:+.2f}"),
         )
         for name, unit, share, std, white in zip(
-            as_signal(identification.response).channels,
+            as_signal(held(identification, "response")).channels,
             units,
             identification.explained,
             identification.noise_std,

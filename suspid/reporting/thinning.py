@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.identification import FourSteps
+from suspid.samples import held
 from suspid.signals import Signal, as_signal
 from suspid.units import RealArray, Second
 from suspid.values import frozen_real
@@ -45,7 +46,7 @@ def extremes(time: RealArray, values: RealArray, *, pieces: int = PIECES) -> tup
 
 def first_cycles(identification: Identification, onset: Second | None = None) -> tuple[Second, Second]:
     """Return the span of the first cycles of the slowest mode, from the onset (default: the first sample) on [s]."""
-    signal, poles = as_signal(identification.response), identification.modes.poles
+    signal, poles = as_signal(held(identification, "response")), identification.modes.poles
     start = signal.start if onset is None else onset
     oscillating = poles.imag[poles.imag > 0]
     # Six cycles of the slowest mode are drawn enlarged.
@@ -142,5 +143,5 @@ def _some(candidates: tuple[float, ...]) -> tuple[float, ...]:
 
 def is_whole(identification: Identification) -> bool:
     """Return whether the wavelet's view is that of every sample of the record."""
-    signal, view = as_signal(identification.response), identification.steps.signal
+    signal, view = as_signal(held(identification, "response")), identification.steps.signal
     return signal.values.shape == view.values.shape

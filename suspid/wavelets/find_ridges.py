@@ -8,7 +8,8 @@ import numpy as np
 
 from suspid.cleaning import RecordLike, as_record
 from suspid.errors import IdentificationError, InputError
-from suspid.signals import Signal, as_response, as_signal
+from suspid.samples import as_samples
+from suspid.signals import Signal, as_signal
 from suspid.units import RealArray
 from suspid.values import check_count, frozen_real
 from suspid.wavelets.cwt import cwt
@@ -68,7 +69,7 @@ def find_ridges(scalogram: Scalogram | RecordLike, *, count: int | None = None) 
     if not isinstance(scalogram, Scalogram):
         whole = as_signal(as_record(scalogram))
         about = whole.values - whole.values.mean(axis=1, keepdims=True)
-        scalogram = cwt(as_response(whole.timepts, about, whole.channels))
+        scalogram = cwt(as_samples(whole.timepts, about, whole.channels))
     if len(scalogram.omega) < 3:
         raise InputError(f"the scalogram has {len(scalogram.omega)} rows; a maximum over scale needs at least 3")
     signal = scalogram.signal
