@@ -234,6 +234,19 @@ class TestTires:
         change = (after.state.x - fit.state.x) / (22e3 * 0.01)
         np.testing.assert_allclose(fit.by_suspension[: len(change), 0], change, rtol=0.1)
 
+    def test_the_order_of_the_wheels_does_not_matter(self) -> None:
+        """Both wheels roll over one road: what they say of tires is summed over both before it is squared."""
+        rng = np.random.default_rng(3)
+        problem = exact_problem()
+        (exact,) = problem.models
+        first, second = (
+            replace(exact, track=replace(exact.track, power=exact.track.power * rng.exponential(size=(20, 186))))
+            for _ in range(2)
+        )
+        one, other = (fit_tires(replace(problem, models=m), [0]) for m in ((first, second), (second, first)))
+        count = len(problem.unknowns)
+        np.testing.assert_allclose(one.covariance[:count, :count], other.covariance[:count, :count], rtol=1e-2)
+
 
 class TestDrives:
     def test_springs_and_dampers_do_not_depend_on_the_road(self) -> None:

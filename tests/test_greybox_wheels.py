@@ -25,10 +25,14 @@ from suspid import (
     quarter_car,
 )
 from suspid.greybox.frequency_domain import _sandwich
+from suspid.greybox.measured_causes import WheelProblem
 from suspid.greybox.noise_levels import Levels, Shared, covariance_of, levels_of, node_basis, shared_of
 from suspid.greybox.transfers import Layout, Physics, layout_of, transfer
-from suspid.greybox.trials import trials_of
-from suspid.reconstruction import parameter_names, parameter_vector
+from suspid.greybox.trials import Trial, trials_of
+from suspid.greybox.wheel_power import tracks_of
+from suspid.greybox.wheel_problem import wheel_problem
+from suspid.reconstruction import parameter_names, parameter_vector, unknowns_of
+from suspid.signals import as_response
 from suspid.units import ComplexArray, RealArray
 from suspid.words import EstimateCheck
 
@@ -196,6 +200,46 @@ class TestNoiseLevels:
         found = levels_of(T, moments, basis, start, anchor=start, count=stretches, shared=shared)
         np.testing.assert_allclose(np.exp(found.causes), cause, rtol=0.05)
         np.testing.assert_allclose(np.exp(found.outputs), np.tile(out, (basis.shape[1], 1)), rtol=0.15)
+
+
+def at_rest(
+    body: float, wheel: float, *, stretch: float | None = None
+) -> tuple[WheelProblem, RealArray, Levels, list[Trial]]:
+    """Return the problem of a car that stands, its true unknowns, and the true levels of the noise of its sensors."""
+    rng, times = np.random.default_rng(1), np.arange(60_000) / 100.0
+    noise, channels = np.array([body, wheel]), ("chassis_acceleration", "tire_acceleration")
+    record = as_response(times, noise[:, None] * rng.standard_normal((2, len(times))), channels)
+    trials = trials_of(record, QUARTER, ("tire",))
+    unknowns = unknowns_of(QUARTER, rate=30.0, fixed=["tire.stiffness", "tire.damping"])
+    problem = wheel_problem(
+        QUARTER, trials, unknowns, gains=None, delays=None, mounts=(), band=(0.7, 30.0), stretch=stretch
+    )
+    power = 2 * np.log(noise)
+    levels = Levels(outputs=np.full((problem.sources[0].basis.shape[1], 1), power[0]), causes=power[1:])
+    return problem, np.concatenate([unknowns.nominal, problem.extras.start]), levels, trials
+
+
+class TestCarAtRest:
+    """All that is seen is noise, so every statistic is that of noise."""
+
+    def test_the_power_of_the_wheel_is_that_of_its_noise(self) -> None:
+        problem, z, levels, trials = at_rest(0.02, 0.3)
+        (track,) = tracks_of(problem, z, 0, levels, trials, speeds=None, band=(2.0, 25.0))
+        # 91 stretches of some 150 lines, of which tapers make about a half independent.
+        assert np.mean(track.power / track.noise) == pytest.approx(1.0, abs=0.04)
+        assert np.all(track.noise > 0)
+
+    def test_all_information_is_that_of_noise(self) -> None:
+        problem, z, levels, _ = at_rest(0.02, 0.3)
+        found = problem.whitened(z, 0, levels)
+        slope = found.slope.reshape(-1, len(z))
+        np.testing.assert_allclose(np.sum(slope**2, axis=0), np.diag(found.spurious), rtol=0.1)
+
+    def test_levels_of_short_stretches_are_those_of_the_noise(self) -> None:
+        """The ends of a stretch take up to four fifths of a line of low frequency, which is no sign of less noise."""
+        problem, z, levels, _ = at_rest(0.3, 0.03, stretch=1.5)
+        (found,) = problem.levels(problem.every(z, [levels]), [levels])
+        np.testing.assert_allclose(found.outputs, levels.outputs, atol=0.15)
 
 
 class TestIntervals:

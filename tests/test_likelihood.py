@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 
 from suspid.identification.covariance import joint_covariance
 from suspid.identification.exponentials import blocks_of, synthesize
-from suspid.identification.likelihood import DecayFit, evaluate, maximize
+from suspid.identification.likelihood import DecayFit, evaluate, maximize, reweighed
 from suspid.identification.noise import WhiteNoise
 from suspid.identification.poles import Poles
 
@@ -219,11 +219,65 @@ class TestMaximization:
         assert np.all(np.diff(losses) <= 1e-9 * abs(losses[0]))
         assert losses[-1] < losses[0]
 
+    @pytest.mark.parametrize("factor", [1.5, 0.7, 0.85 + 0.1j])
+    def test_steps_from_afar_never_lose_and_end_at_an_optimum(self, pairs: Complex, factor: complex) -> None:
+        values, start = record(pairs, 3), poles_of(pairs * factor, REAL * 3.0)
+        losses = []
+        for steps in (*range(8), 60):
+            fit = maximize(blocks_of(values), start, NO_FLOOR, steps=steps)
+            assert fit is not None
+            losses.append(NO_FLOOR.loss(fit.squares, COUNT))
+        assert np.all(np.diff(losses) <= 1e-9 * abs(losses[0]))
+        assert fit.gradient @ np.linalg.solve(fit.information, fit.gradient) < 1e-5
+
     def test_the_unit_of_a_channel_does_not_matter(self, pairs: Complex) -> None:
         values, start = record(pairs, 4), poles_of(pairs * (1.02 - 0.01j), REAL * 1.2)
         one, other = best(values, start), best(values * np.array([[1e-9], [1.0], [1e6]]), start)
         np.testing.assert_allclose(other.poles.exponents, one.poles.exponents, rtol=1e-7)
         np.testing.assert_allclose(other.information, one.information, rtol=1e-4, atol=1e-4 * one.information.max())
+
+
+def nearly_one(apart: float) -> Poles:
+    """Two pairs whose frequencies differ by a share; the part of one beside the other is a tenth of the share."""
+    return Poles(pairs=np.array([-0.01 + 0.25j, -0.01 + 0.25j * (1 + apart)]), reals=np.zeros(0), nuisances=np.zeros(0))
+
+
+class TestClosePoles:
+    def values(self, poles: Poles) -> Real:
+        motion = dense_basis(poles, COUNT) @ np.array([1.0, 0.5, -0.7, 0.3])
+        return np.asarray(motion + 1e-3 * np.random.default_rng(1).standard_normal((1, COUNT)), float)
+
+    @pytest.mark.parametrize("apart", [1e-2, 1e-3, 1e-4, 1e-5])
+    def test_the_residual_is_known_to_its_rounding(self, apart: float) -> None:
+        poles = nearly_one(apart)
+        values = self.values(poles)
+        fit = fitted(values, poles)
+        assert np.all(np.abs(fit.squares - dense_squares(values, poles)) <= fit.rounding)
+        assert np.all(fit.rounding < 0.1 * fit.squares)
+
+    @pytest.mark.parametrize("apart", [0.0, 1e-8])
+    def test_one_pole_given_twice_is_not_fitted(self, apart: float) -> None:
+        values = self.values(nearly_one(1e-3))
+        assert evaluate(blocks_of(values), nearly_one(apart), WhiteNoise(least=np.zeros(1))) is None
+
+    def test_a_record_without_noise_or_motion_is_not_fitted(self) -> None:
+        silent = blocks_of(np.zeros((1, COUNT)))
+        assert evaluate(silent, nearly_one(0.5), WhiteNoise(least=np.zeros(1))) is None
+        assert evaluate(silent, nearly_one(0.5), WhiteNoise(least=np.ones(1))) is not None
+
+
+class TestReweighing:
+    """Information is per variance; a residual below its rounding is not known."""
+
+    def test_twice_the_residual_halves_the_information(self) -> None:
+        fit = fitted(record(LIGHT, 1), poles_of(LIGHT, REAL))
+        other = reweighed(fit, NO_FLOOR, 2 * fit.squares)
+        np.testing.assert_allclose(other.information, fit.information / 2, rtol=1e-12, atol=1e-12)
+        np.testing.assert_allclose(other.squares, 2 * fit.squares)
+
+    def test_no_residual_is_smaller_than_its_rounding(self) -> None:
+        fit = fitted(record(LIGHT, 1), poles_of(LIGHT, REAL))
+        np.testing.assert_array_equal(reweighed(fit, NO_FLOOR, np.zeros(3)).squares, fit.rounding)
 
 
 def dense_covariance(pairs: Complex, std: Real) -> Real:

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from suspid.cleaning import DRIFT
-from suspid.greybox.further import FIRST_RELAXATION, TIMES, check_delays, chosen_of, label
+from suspid.greybox.further import FIRST_RELAXATION, GAINS, TIMES, check_delays, chosen_of, label
 from suspid.greybox.measured_causes import Extras, Source, WheelProblem
 from suspid.greybox.noise_levels import node_basis
 from suspid.greybox.spectra import spectra_of
@@ -113,6 +113,6 @@ def _extras(car: Suspension, mounts: Sequence[int], gains: Sequence[str], delays
         start=np.array([*relaxation, *[1.0] * b, *[0.0] * c]),
         positive=np.array([False] * a + [True] * b + [False] * c, bool),
         scale=np.array([TIMES] * a + [1.0] * b + [TIMES] * c),
-        lower=np.array([0.0] * a + [0.1] * b + [-np.inf] * c),
-        upper=np.array([np.inf] * a + [10.0] * b + [np.inf] * c),
+        lower=np.array([0.0] * a + [GAINS[0]] * b + [-np.inf] * c),
+        upper=np.array([np.inf] * a + [GAINS[1]] * b + [np.inf] * c),
     )
