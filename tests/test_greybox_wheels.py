@@ -204,7 +204,7 @@ class TestNoiseLevels:
 
 def at_rest(
     body: float, wheel: float, *, stretch: float | None = None
-) -> tuple[WheelProblem, RealArray, Levels, list[Trial]]:
+) -> tuple[WheelProblem, RealArray, Levels, tuple[Trial, ...]]:
     """Return the problem of a car that stands, its true unknowns, and the true levels of the noise of its sensors."""
     rng, times = np.random.default_rng(1), np.arange(60_000) / 100.0
     noise, channels = np.array([body, wheel]), ("chassis_acceleration", "tire_acceleration")

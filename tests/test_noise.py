@@ -324,6 +324,51 @@ class TestHalves:
         values = np.exp(-0.004 * k) * np.cos(0.4 * k + 2e-6 * k**2) + 0.003 * white(1, 1, 1200)
         assert disagreement(values, poles(-0.004 + 0.4j), 0, np.full(1, 0.003)) > 5
 
+    def switched(self, shift: float, count: int = 1200, decay: float = 0.004) -> Real:
+        """Return a decay without noise whose frequency changes where half of the information has passed."""
+        k, cut = np.arange(count), halfway(decay, count)
+        phase = np.where(k < cut, 0.4 * k, 0.4 * cut + (0.4 + shift) * (k - cut))
+        return np.asarray((np.exp(-decay * k) * np.cos(phase))[None])
+
+    def stds(self, count: int, decay: float, noise: float) -> list[Real]:
+        """Return the bounds of decay rate and frequency in the two halves."""
+        values, cut = self.switched(0.0, count, decay), halfway(decay, count)
+        stds = []
+        for part in (values[:, :cut], values[:, cut:]):
+            fit = evaluate(blocks_of(part), poles(-decay + 0.4j), WhiteNoise(least=np.full(1, noise**2)))
+            assert fit is not None
+            stds.append(np.sqrt(np.linalg.inv(fit.information).diagonal()))
+        return stds
+
+    def test_a_known_change_is_told_in_its_standard_deviations(self) -> None:
+        shift, noise = 0.002, np.full(1, 0.01)
+        first, second = self.stds(1200, 0.004, 0.01)
+        expected = shift / np.sqrt(2 * (first[1] ** 2 + second[1] ** 2))
+        # The mean of each half, which is taken off, moves its pole a little.
+        assert disagreement(self.switched(shift), poles(-0.004 + 0.4j), 0, noise) == pytest.approx(expected, rel=0.03)
+
+    def test_an_offset_does_not_matter(self) -> None:
+        values, noise = self.switched(0.001), np.full(1, 0.01)
+        one, other = (disagreement(values + by, poles(-0.004 + 0.4j), 0, noise) for by in (0.0, 3.0))
+        assert other == pytest.approx(one, rel=1e-6)
+
+    @pytest.mark.parametrize(("shift", "known"), [(0.7, True), (1.3, False)])
+    def test_a_pole_farther_off_than_its_decay_rate_is_another(self, shift: float, known: bool) -> None:
+        found = disagreement(self.switched(0.004 * shift), poles(-0.004 + 0.4j), 0, np.full(1, 0.001))
+        assert np.isfinite(found) == known
+
+    @pytest.mark.parametrize(("share", "known"), [(0.3, True), (0.37, False)])
+    def test_a_half_that_hardly_knows_the_decay_rate_says_nothing(self, share: float, known: bool) -> None:
+        unit = max(float(std.max()) for std in self.stds(1200, 0.004, 1.0))
+        noise = np.full(1, share * 0.004 / unit)
+        assert np.isfinite(disagreement(self.switched(0.0), poles(-0.004 + 0.4j), 0, noise)) == known
+
+    @pytest.mark.parametrize(("count", "known"), [(90, False), (180, True)])
+    def test_a_half_of_less_than_32_samples_says_nothing(self, count: int, known: bool) -> None:
+        assert (count - halfway(0.002, count) >= 32) == known
+        found = disagreement(self.switched(0.0, count, 0.002), poles(-0.002 + 0.4j), 0, np.full(1, 1e-6))
+        assert np.isfinite(found) == known
+
 
 class TestReasons:
     COUNT = 1000
