@@ -4,25 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 
 from suspid.greybox.fits import Fit
+from suspid.greybox.further import TIMES
 from suspid.greybox.identifiability import blind, check_determined, names_in
-from suspid.greybox.leftover import coherent_leftover
 from suspid.greybox.measured_causes import WheelProblem, Whitened, first_levels
+from suspid.greybox.misfit import Misfit, misfit_of
 from suspid.greybox.noise_levels import Levels
-from suspid.greybox.search import starts_of
+from suspid.greybox.search import AGREE, SAME_FIT, starts_of
 from suspid.greybox.trials import signal_of
-from suspid.levels import CHI_SQUARE_95, likely
+from suspid.levels import CHI_SQUARE_95
 from suspid.reconstruction import descend
 from suspid.signals import Signal
-from suspid.units import Hertz, Ratio, RealArray
-from suspid.words import Check, Level, Number, Remark
+from suspid.units import Ratio, RealArray
+from suspid.words import Check, Level, Remark
 from suspid.words.greybox import EstimateCheck
 
 NEGLIGIBLE_RISE = 1e-3  # gain of chi-square that ends a descent
+HELD_WITHIN = 1e-9  # distance between the bounds of what is held
 SOFT = (0.2, 0.5)  # relaxations from which softer mounts are looked for, of `TIMES`: 2 and 5 ms
 
 
@@ -35,13 +36,14 @@ def fit_in_frequency(problem: WheelProblem) -> Fit:
         If the records do not determine a combination of the unknowns.
     """
     u, extras = problem.unknowns, problem.extras
-    ends: list[tuple[RealArray, list[Levels], list[Whitened], Judged]] = []
+    ends: list[tuple[RealArray, list[Levels], list[Whitened], Misfit]] = []
     for start in starts_of(u):
         first = [first_levels(source) for source in problem.sources]
         z, levels = _released(problem, *_settled(problem, np.concatenate([start, extras.start]), first))
         every = problem.every(z, levels)
-        ends.append((z, levels, every, _judged(problem, every)))
-        if ends[-1][3].likely:
+        ends.append((z, levels, every, misfit_of(every, [source.spectra.hertz for source in problem.sources])))
+        closest = min(end[3].chi_square for end in ends)
+        if ends[-1][3].likely or sum(end[3].chi_square < closest + SAME_FIT for end in ends) >= AGREE:
             break
     z, levels, every, judged = min(ends, key=lambda end: end[3].chi_square)
     size = np.concatenate([u.sizes(z[: len(u)]), np.ones(len(extras.names))])
@@ -50,14 +52,19 @@ def fit_in_frequency(problem: WheelProblem) -> Fit:
     labels = (*u.labels, *extras.names)
     squares = np.asarray(np.linalg.qr(data, mode="r"))
     check_determined(np.concatenate([squares, prior * size]), labels, u.suspension(z[: len(u)]))
-    checks = [_said(judged)]
+    checks = [judged.check]
     if len(prior) and len(blind(squares)):
         checks.append(Check(Remark(EstimateCheck.BY_NOMINAL, {"names": names_in(blind(squares), labels)}), Level.CARE))
     signals = sorted((made for i, w in enumerate(every) for made in _in_time(problem, w, i)), key=lambda made: made[0])
     noise = {n: _noise(problem, own, i) for i, own in enumerate(levels) for n in problem.sources[i].numbers}
+    whitened = _at_stiff_mounts(problem, z, levels, judged.inflation) or every
+    covariance = _sandwich(whitened, prior, judged.inflation)
+    if not judged.likely:
+        apart = _from_held(problem, z, levels)
+        covariance += np.outer(apart, apart)
     return Fit(
         x=z[: len(u)],
-        covariance=_sandwich(_at_stiff_mounts(problem, z, levels) or every, prior),
+        covariance=covariance,
         fitted=tuple(fitted for _, fitted, _ in signals),
         residual=tuple(residual for _, _, residual in signals),
         noise=tuple(noise[n] for n in sorted(noise)),
@@ -74,20 +81,19 @@ def fit_in_frequency(problem: WheelProblem) -> Fit:
     )
 
 
-def _descended(problem: WheelProblem, z: RealArray, levels: Sequence[Levels], *, stiff: bool = False) -> RealArray:
-    """Return the best unknowns near a start at given noise levels, perhaps without mounts."""
-    u, extras = problem.unknowns, problem.extras
-    upper = extras.upper.copy()
-    if stiff:
-        # Of `TIMES`: as good as no relaxation.
-        upper[: len(extras.mounts)] = 1e-9
-    ceiling = np.concatenate([u.upper, upper])
+def _descended(
+    problem: WheelProblem, z: RealArray, levels: Sequence[Levels], *, extras: tuple[RealArray, RealArray] | None = None
+) -> RealArray:
+    """Return the best unknowns near a start at given noise levels, perhaps with other bounds of the extras."""
+    u, more = problem.unknowns, problem.extras
+    low, high = (more.lower, more.upper) if extras is None else extras
+    lower, upper = np.concatenate([u.lower, low]), np.concatenate([u.upper, high])
     return descend(
         lambda y: problem.equations(y, levels),
-        np.minimum(z, ceiling),
-        positive=np.concatenate([u.positive, extras.positive]),
-        lower=np.concatenate([u.lower, extras.lower]),
-        upper=ceiling,
+        np.clip(z, lower, upper),
+        positive=np.concatenate([u.positive, more.positive]),
+        lower=lower,
+        upper=upper,
         negligible=NEGLIGIBLE_RISE,
     )
 
@@ -127,7 +133,9 @@ def _released(problem: WheelProblem, z: RealArray, levels: list[Levels]) -> tupl
     return (z, levels) if costs[0] - costs[best] < CHI_SQUARE_95 else _settled(problem, found[best], levels)
 
 
-def _at_stiff_mounts(problem: WheelProblem, z: RealArray, levels: list[Levels]) -> list[Whitened] | None:
+def _at_stiff_mounts(
+    problem: WheelProblem, z: RealArray, levels: list[Levels], inflation: Ratio
+) -> list[Whitened] | None:
     """Return the residuals of the best car without mounts, if the records do not rule it out; else None.
 
     A delay and a mount differ by the squares of both times alone, so the records tell them apart the worse the shorter
@@ -135,65 +143,49 @@ def _at_stiff_mounts(problem: WheelProblem, z: RealArray, levels: list[Levels]) 
     """
     if not problem.extras.mounts:
         return None
-    stiff = _descended(problem, z, levels, stiff=True)
+    upper = problem.extras.upper.copy()
+    upper[: len(problem.extras.mounts)] = HELD_WITHIN
+    stiff = _descended(problem, z, levels, extras=(problem.extras.lower, upper))
     rise = np.sum(problem.equations(stiff, levels)[0] ** 2) - np.sum(problem.equations(z, levels)[0] ** 2)
-    return None if float(rise) > CHI_SQUARE_95 else problem.every(stiff, levels)
+    return None if float(rise) > inflation * CHI_SQUARE_95 else problem.every(stiff, levels)
 
 
-class Judged(NamedTuple):
-    """Whether what is left of the outputs follows the given motion."""
+def _from_held(problem: WheelProblem, z: RealArray, levels: list[Levels]) -> RealArray:
+    """Return how far the unknowns are from those of the best car with gains, delays and mounts as stated.
 
-    chi_square: float
-    freedom: int
-    error: Ratio  # largest of a transfer
-    hertz: Hertz  # where
-
-    @property
-    def likely(self) -> bool:
-        """Whether the statistic is not improbably large."""
-        return likely(self.chi_square, self.freedom)
-
-
-def _judged(problem: WheelProblem, every: Sequence[Whitened]) -> Judged:
-    parts = [
-        Judged(*coherent_leftover(w, source.spectra.hertz)) for w, source in zip(every, problem.sources, strict=True)
-    ]
-    worst = max(parts, key=lambda part: part.chi_square / max(part.freedom, 1))
-    return worst._replace(
-        chi_square=sum(part.chi_square for part in parts), freedom=sum(part.freedom for part in parts)
-    )
+    What a car lacks passes for a gain of the sensor, a delay or a mount, as far as it can.
+    """
+    u, extras = problem.unknowns, problem.extras
+    stated = extras.start.copy()
+    stated[: len(extras.mounts)] = [u.car.struts[j].relaxation / TIMES for j in extras.mounts]
+    held = _descended(problem, z, levels, extras=(stated - HELD_WITHIN, stated + HELD_WITHIN))
+    positive = np.concatenate([u.positive, extras.positive])
+    ratio = np.where(positive, z, 1.0) / np.where(positive, held, 1.0)
+    return np.asarray(np.where(positive, z * np.log(ratio), z - held))
 
 
-def _said(judged: Judged) -> Check:
-    numbers: dict[str, Number] = {"chi_square": judged.chi_square, "freedom": judged.freedom}
-    if judged.likely:
-        return Check(Remark(EstimateCheck.NOTHING_FOLLOWS, numbers), Level.SOUND)
-    return Check(
-        Remark(EstimateCheck.FOLLOWS, {**numbers, "error": judged.error, "hertz": judged.hertz}), Level.DOUBTFUL
-    )
-
-
-def _sandwich(every: Sequence[Whitened], prior: RealArray) -> RealArray:
+def _sandwich(every: Sequence[Whitened], prior: RealArray, inflation: Ratio = 1.0) -> RealArray:
     """Return the covariance of the unknowns from the scatter of the scores of all lines.
 
     The information is that of the true motion: what the noise of the estimated motion adds is subtracted. A residual is
     smaller than its noise by what was fitted to it, at few lines a large part: ``1 - h`` of its variance is left, with
-    h its leverage (HC2 of J. G. MacKinnon and H. White, J. Econometrics 29 (1985) 305-325).
+    h its leverage (HC2 of J. G. MacKinnon and H. White, J. Econometrics 29 (1985) 305-325). All variances of the data
+    are ``inflation`` times as large where the car does not explain them.
     """
     information, scores = prior.T @ prior, prior.T @ prior
     for w in every:
         flat = w.slope.reshape(-1, w.slope.shape[2])
-        information = information + flat.T @ flat - w.spurious
+        information = information + (flat.T @ flat - w.spurious) / inflation
     scale = np.sqrt(np.diag(information))
     inverse = np.linalg.inv(information / np.outer(scale, scale)) / np.outer(scale, scale)
     for w in every:
         lines, stretches, outputs = w.left.shape
-        leverage = np.sum((w.slope @ inverse) * w.slope, axis=2) + np.sum(w.basis**2, axis=1)
+        leverage = np.sum((w.slope @ inverse) * w.slope, axis=2) / inflation + np.sum(w.basis**2, axis=1)
         # Of the variance of a residual: where more was fitted, next to nothing is known of its noise.
         residual = w.residual / np.sqrt(np.maximum(1 - leverage, 0.1))
         own = (w.slope * residual[:, :, None]).reshape(stretches, 2, lines, outputs, -1).sum(axis=(1, 3))
         flat = own.reshape(-1, own.shape[2])
-        scores = scores + flat.T @ flat
+        scores = scores + flat.T @ flat / inflation
     return np.asarray(inverse @ scores @ inverse)
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from suspid.greybox.measured_causes import Whitened
@@ -12,8 +14,18 @@ SEEN = 1e-9
 STRETCHES_TOGETHER = 8  # stretches that are varied at a time
 
 
-def coherent_leftover(found: Whitened, hertz: RealArray) -> tuple[float, int, Ratio, Hertz]:
-    """Return the statistic of the test, its degrees of freedom, and the error of the transfer where it shows most.
+class Leftover(NamedTuple):
+    """What is left of one record and follows the given motion."""
+
+    chi_square: float
+    freedom: int
+    directions: float  # over which it is spread: all of them, or fewer if it is larger in some than chance has it
+    error: Ratio  # of the transfer, where it shows most
+    hertz: Hertz  # where that is
+
+
+def coherent_leftover(found: Whitened, hertz: RealArray) -> Leftover:
+    """Return the statistic of the test, and the error of the transfer where it shows most.
 
     Every transfer is varied by a continuous function of frequency, real and imaginary part, of which the physical
     parameters explain a part. What the residual gains by the rest is a chi-square if the topology is right (a score
@@ -45,7 +57,15 @@ def coherent_leftover(found: Whitened, hertz: RealArray) -> tuple[float, int, Ra
     # In standard deviations: at the ends of the band a large error may be within them.
     shown = found.factor @ change @ found.motion.transpose(0, 2, 1)
     worst = int(np.argmax(np.sum(np.abs(shown) ** 2, axis=(1, 2))))
-    return float(amounts @ amounts), int(np.sum(keep)), float(error[worst]), float(hertz[worst])
+    chi_square, freedom = float(amounts @ amounts), int(np.sum(keep))
+    return Leftover(
+        chi_square=chi_square,
+        freedom=freedom,
+        # A Gaussian amount has a fourth moment of three times its squared second.
+        directions=min(float(freedom), 3 * chi_square**2 / float(np.sum(amounts**4))),
+        error=float(error[worst]),
+        hertz=float(hertz[worst]),
+    )
 
 
 def _products(found: Whitened, hats: RealArray) -> tuple[RealArray, RealArray, RealArray]:

@@ -54,7 +54,7 @@ def wheel_problem(
                 starts=tuple(trials[i].start for i in numbers),
                 layout=layout,
                 spectra=spectra,
-                basis=node_basis(spectra.hertz),
+                basis=node_basis(spectra.hertz, spectra.values.shape[1]),
                 gains=tuple(trial.channels.index(c) for c in chosen_of("gains", gains, trial.channels, causes)),
                 delays=tuple(trial.channels.index(c) for c in chosen_of("delays", delays, trial.channels, causes)),
             )

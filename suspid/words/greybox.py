@@ -73,8 +73,10 @@ class EstimateCheck(Code):
         "follows",
         "What is left of the channels follows the given motion (chi-square {chi_square:.3g} at {freedom}): the "
         "transfer is off by {error:.2%} near {hertz:.3g} Hz, so the car lacks something, such as another "
-        "axle. Springs and dampers may be wrong by as much or more, which the intervals leave out. Describe what is "
-        "missing and measure it: for another axle, a half car with both wheels given.",
+        "axle. The intervals allow for it: standard deviations are {wider:.1f} times as large as they would be, and "
+        "contain what changes with gains, delays and mounts as stated. The mass that moves at a corner is not the load "
+        "that it carries. Describe what is missing and measure it: for another axle, a half car with both wheels "
+        "given.",
     )
     MASSES = "masses", _masses
     SCALE = "scale", "The force that was given sets the scale of masses, springs and dampers."
