@@ -13,7 +13,7 @@ from suspid.greybox.identifiability import blind, check_determined, names_in
 from suspid.greybox.measured_causes import WheelProblem, Whitened, first_levels
 from suspid.greybox.misfit import Misfit, misfit_of
 from suspid.greybox.noise_levels import Levels
-from suspid.greybox.search import AGREE, SAME_FIT, starts_of
+from suspid.greybox.search import SAME_FIT, starts_of
 from suspid.greybox.trials import signal_of
 from suspid.levels import CHI_SQUARE_95
 from suspid.reconstruction import descend
@@ -42,8 +42,9 @@ def fit_in_frequency(problem: WheelProblem) -> Fit:
         z, levels = _released(problem, *_settled(problem, np.concatenate([start, extras.start]), first))
         every = problem.every(z, levels)
         ends.append((z, levels, every, misfit_of(every, [source.spectra.hertz for source in problem.sources])))
+        # Two starts that ended at one fit are enough.
         closest = min(end[3].chi_square for end in ends)
-        if ends[-1][3].likely or sum(end[3].chi_square < closest + SAME_FIT for end in ends) >= AGREE:
+        if ends[-1][3].likely or sum(end[3].chi_square < closest + SAME_FIT for end in ends) >= 2:
             break
     z, levels, every, judged = min(ends, key=lambda end: end[3].chi_square)
     size = np.concatenate([u.sizes(z[: len(u)]), np.ones(len(extras.names))])
