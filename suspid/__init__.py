@@ -70,6 +70,7 @@ from suspid.model import (
 )
 from suspid.performance import (
     ActiveTuning,
+    DamperTuning,
     DamperWear,
     Grip,
     Ride,
@@ -84,6 +85,7 @@ from suspid.performance import (
     sensitivities,
     tune,
     tune_active,
+    tune_damper,
     wear,
     weighting,
 )
@@ -161,7 +163,7 @@ __all__ = [  # noqa: RUF022 - grouped by step
     # figures that a car is judged by
     "grip", "Grip", "wear", "Wear", "WearRule", "DamperWear", "ride", "Ride", "weighting",
     "classify_road", "RoadClass", "sensitivities", "Sensitivities", "tune", "Tuning",
-    "tune_active", "ActiveTuning",
+    "tune_active", "ActiveTuning", "tune_damper", "DamperTuning",
     # a page for others, and many records
     "report", "report_to_dict", "content_of", "Source", "source_of",
     "identify_many", "estimate_many", "FleetRun", "fleet_summary", "FleetSummary", "damper_trends", "DamperTrends",

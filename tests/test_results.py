@@ -40,6 +40,7 @@ from suspid import (
     simulate,
     tune,
     tune_active,
+    tune_damper,
 )
 from suspid.errors import InputError
 from suspid.results import Result
@@ -65,6 +66,7 @@ DRAWN = {
     "ride",
     "sensitivities",
     "tuning",
+    "damper",
     "scalogram",
     "bandwidths",
     "curve",
@@ -101,6 +103,9 @@ def results() -> dict[str, Any]:
         "ride": ride(cars.HATCHBACK, road="C", speed=20.0),
         "sensitivities": sensitivities(cars.HATCHBACK),
         "tuning": tune(cars.HATCHBACK, parameters=["chassis.damping"], objective="tire.load", road="C", speed=20.0),
+        "damper": tune_damper(
+            cars.HATCHBACK, strut="chassis", roads=[("B", 20.0), ("C", 20.0)], objective="chassis_acceleration.Wk"
+        ),
         "active": tune_active(
             cars.HATCHBACK,
             actuator="chassis_travel",

@@ -24,6 +24,7 @@ from suspid import (
     road,
     sensitivities,
     tune,
+    tune_damper,
     weighting,
 )
 from suspid.performance import ROAD_LIMITS
@@ -223,6 +224,72 @@ def front_text() -> str:
     )
 
 
+def curve_text(seeds: int) -> str:
+    """Return a damper's curve for three roads, and its figures beside those of an independent integrator."""
+    drives = (("A", 30.0), ("C", 20.0), ("D", 14.0))
+    car, wanted = QUARTER, "chassis_acceleration.Wk"
+    found = tune_damper(car, strut="chassis", roads=drives, objective=wanted, constraints={"chassis.travel": 0.018})
+    rows: dict[str, list[str]] = {
+        "road": [],
+        "figure": [],
+        "by work": [],
+        "integrated": [],
+        "ratio": [],
+        "one rate": [],
+    }
+    for k, (kind, speed) in enumerate(drives):
+        curved = _integrated(car, np.array(found.strut.curve), kind, speed, seeds)
+        single = _integrated(car, np.array([[-1.0, -1.0], [1.0, 1.0]]) * [1.0, found.single or 0.0], kind, speed, seeds)
+        for i, figure in enumerate(found.figures):
+            expected = float(found.values[k, i])
+            cells = [
+                kind,
+                figure,
+                f"{expected:.4g}",
+                f"{curved[i]:.4g}",
+                f"{curved[i] / expected:.3f}",
+                f"{single[i]:.4g}",
+            ]
+            for column, cell in zip(rows.values(), cells, strict=True):
+                column.append(cell)
+    return f"```\n{found}\n```\n\n```\n{text_table(rows)}\n```"
+
+
+def _integrated(car: Suspension, curve: RealArray, kind: str, speed: float, seeds: int) -> tuple[float, float]:
+    """Return weighted acceleration and rms travel of a quarter car with a damper's curve, by Runge and Kutta."""
+    step, seconds = 5e-4, 45.0
+    t = step / 2 * np.arange(round(2 * seconds / step) + 1)
+    made = road(kind, speed=speed, under=car)
+    heights = [made.heights(t, rng=np.random.default_rng([FIRST_SEED, 7, s])) for s in range(seeds)]
+    z_road = np.array([one[car.roads[0]] for one in heights])
+    k, k_tire = (next(s.stiffness for s in car.struts if s.name == name) for name in ("chassis", "tire"))
+    body, wheel = car.masses["chassis"], car.masses["tire"]
+    ends = [np.diff(curve[:2], axis=0)[0], np.diff(curve[-2:], axis=0)[0]]
+    # Far beyond the last points the curve goes on straight.
+    far = np.concatenate([curve[:1] - 50 * ends[0], curve, curve[-1:] + 50 * ends[1]])
+
+    def rate(x: RealArray, h: RealArray) -> RealArray:
+        force = k * (x[0] - x[1]) + np.interp(x[2] - x[3], far[:, 0], far[:, 1])
+        return np.array([x[2], x[3], -force / body, (force - k_tire * (x[1] - h)) / wheel])
+
+    x, kept = np.zeros((4, seeds)), []
+    for i in range(0, len(t) - 2, 2):
+        first = rate(x, z_road[:, i])
+        if i % 8 == 0:
+            kept.append([first[2], x[0] - x[1]])
+        second = rate(x + step / 2 * first, z_road[:, i + 1])
+        third = rate(x + step / 2 * second, z_road[:, i + 1])
+        fourth = rate(x + step * third, z_road[:, i + 2])
+        x = x + step / 6 * (first + 2 * second + 2 * third + fourth)
+    outputs = np.array(kept, np.float64)[round(5 / (4 * step)) :]  # (sample, output, seed), without the start
+    felt = [
+        ride(as_response(4 * step * np.arange(len(outputs), dtype=float), outputs[:, :1, s].T, ["chassis_acceleration"]))
+        for s in range(seeds)
+    ]
+    weighted_rms = float(np.sqrt(np.mean([one["chassis_acceleration.Wk"] ** 2 for one in felt])))
+    return weighted_rms, float(np.sqrt(np.mean(np.var(outputs[:, 1], axis=0))))
+
+
 def derivative_text() -> str:
     """Return the largest difference of exact elasticities from central differences."""
     found = sensitivities(HALF, road="C", speed=20.0)
@@ -287,6 +354,8 @@ def report() -> str:
         f"```\n{optimum_table()}\n```",
         "## Fronts",
         front_text(),
+        "## A damper's curve for three roads",
+        curve_text(SEEDS),
         "## Sensitivities beside central differences",
         derivative_text(),
         "## Intervals",

@@ -10,6 +10,7 @@ of them) and records (`recorded`), weighted as ISO 2631-1 says (`weightings`). `
 from suspid.performance.active import ActiveTuning, tune_active
 from suspid.performance.contact import wheels_of
 from suspid.performance.damper_rates import dampers_between, dampers_of, rates_of, spring_beside
+from suspid.performance.damper_tunings import DamperTuning
 from suspid.performance.grip import grip, grip_if_any
 from suspid.performance.grips import CLASSES, PHASE_LIMIT, Grip
 from suspid.performance.losses import Loss, Rates, WearRule, loss_of
@@ -18,6 +19,7 @@ from suspid.performance.rides import Ride
 from suspid.performance.road_classes import ROAD_LIMITS, RoadClass, classify_road
 from suspid.performance.sensitivities import Sensitivities, sensitivities
 from suspid.performance.tune import tune
+from suspid.performance.tune_damper import tune_damper
 from suspid.performance.tunings import Tuning
 from suspid.performance.wear import wear
 from suspid.performance.wears import DamperWear, ParameterChange, Wear
@@ -28,6 +30,7 @@ __all__ = [
     "PHASE_LIMIT",
     "ROAD_LIMITS",
     "ActiveTuning",
+    "DamperTuning",
     "DamperWear",
     "Grip",
     "Loss",
@@ -51,6 +54,7 @@ __all__ = [
     "spring_beside",
     "tune",
     "tune_active",
+    "tune_damper",
     "wear",
     "weighting",
     "wheels_of",

@@ -11,7 +11,7 @@ from suspid.analysis import Analysis, DriveAnalysis
 from suspid.greybox import DamperCurve, Estimate
 from suspid.identification import Identification, Repeats
 from suspid.model import ModalSet
-from suspid.performance import Grip, Ride, Sensitivities, Tuning
+from suspid.performance import DamperTuning, Grip, Ride, Sensitivities, Tuning
 from suspid.reporting.colours import Colour
 from suspid.reporting.plot_damper_curve import plot_damper_curve
 from suspid.reporting.plot_drive import draw_finding, plot_drive
@@ -23,7 +23,7 @@ from suspid.reporting.plot_ride import draw_spectrum, plot_ride
 from suspid.reporting.plot_scalogram import plot_scalogram
 from suspid.reporting.plot_sensitivities import plot_sensitivities
 from suspid.reporting.plot_shapes import plot_shapes
-from suspid.reporting.plot_tuning import draw_front, plot_tuning
+from suspid.reporting.plot_tuning import draw_damper, draw_front, plot_tuning
 from suspid.results import Drawing
 from suspid.results import drawing_of as drawing_of
 from suspid.wavelets import BandwidthSearch, Scalogram
@@ -90,6 +90,11 @@ def _(found: Ride) -> Drawing:
 @drawing_of.register
 def _(found: Tuning) -> Drawing:
     return Drawing(alone=partial(draw_front, found), page=partial(plot_tuning, found), size=(7.0, 8.0))
+
+
+@drawing_of.register
+def _(found: DamperTuning) -> Drawing:
+    return Drawing(alone=partial(draw_damper, found))
 
 
 @drawing_of.register

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from suspid.performance import Tuning
+    from suspid.performance import DamperTuning, Tuning
 
 
 def plot_tuning(found: Tuning, figure: Figure) -> Figure:
@@ -63,6 +63,23 @@ def plot_tuning(found: Tuning, figure: Figure) -> Figure:
         low, high = lower.get_ylim()
         frequency_ticks(lower.yaxis, high / low)
     return figure
+
+
+def draw_damper(found: DamperTuning, ax: Axes) -> None:
+    """Draw the curve of a damper with the rms velocity on each road, beside the best single damper rate."""
+    points = np.array(found.strut.curve)
+    reach = 3 * float(np.max(found.velocity))
+    velocities = np.linspace(-reach, reach, 400)
+    forces = np.interp(velocities, points[:, 0], points[:, 1])
+    ax.plot(velocities, forces, color=Colour.BLUE, linewidth=1.4, label="curve")
+    if found.single is not None:
+        ax.plot(velocities, found.single * velocities, color=Colour.GREY, linewidth=1.0, linestyle="--",
+                label=f"one rate, {found.single:.4g} N s/m")  # fmt: skip
+    ax.plot(found.velocity, np.interp(found.velocity, points[:, 0], points[:, 1]), "o", color=Colour.VERMILION,
+            markersize=4, label="rms velocity on each road")  # fmt: skip
+    ax.set(xlabel="velocity [m/s]", ylabel="force [N]", xlim=(-reach, reach))
+    ax.legend(fontsize="small", frameon=False)
+    ax.grid(color=Colour.SHADE, linewidth=0.6)
 
 
 def draw_front(found: Tuning, upper: Axes) -> None:

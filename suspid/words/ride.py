@@ -113,3 +113,24 @@ class TuningCheck(Code):
         _listed("Each figure is its mean plus {reach:.3g} standard deviations over what is uncertain: {names}."),
     )
     ONE = "one", "Both objectives are best in the same car: there is no compromise to make."
+
+
+class DamperTuningHeadline(Code):
+    """What was found."""
+
+    CURVE = "curve", lambda n: f"curve of {n['strut']} for {count(n['roads'], 'road')}"
+
+
+class DamperTuningCheck(Code):
+    """What speaks for and against a damper's curve."""
+
+    STARTS = "starts", "{share:.0%} of the searches from other starts ended at the same values."
+    NO_SINGLE = "no single", "No single damper rate within the bounds meets the limits on all roads."
+    UNEVEN = (
+        "uneven",
+        "Rebound over compression is {ratio:.3g}: the car rides lower or higher on rough roads, which is left out.",
+    )
+    GAUSSIAN = (
+        "gaussian",
+        "The figures are those of the damper rate of equal work; simulate the car with its curve for the peaks.",
+    )

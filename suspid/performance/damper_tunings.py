@@ -1,0 +1,102 @@
+"""The result of tuning a damper: its curve, and what it does on each road."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from suspid.model import Strut, Suspension
+from suspid.results import Result
+from suspid.simulation import Road
+from suspid.units import NewtonSecondPerMetre, RealArray
+from suspid.values import text_table
+from suspid.words import Verdict
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class DamperTuning(Result):
+    """A damper's curve for several roads.
+
+    Parameters
+    ----------
+    strut : Strut
+        The strut with its curve; its ``damping`` is the mean over the roads of the rates of equal work.
+    car : Suspension
+        The car as it was.
+    roads : tuple of Road
+        The roads.
+    figures : tuple of str
+        The objective, then the figures that were limited.
+    units : tuple of str
+        Their units.
+    asked : ndarray (road,)
+        The best damper rate for each road alone [N s/m].
+    damping : ndarray (road,)
+        The damper rate of equal work of the curve on each road [N s/m].
+    velocity : ndarray (road,)
+        Rms velocity of the damper on each road [m/s].
+    values : ndarray (road, figure)
+        Figures with the curve, by its damper rate of equal work.
+    best : ndarray (road, figure)
+        Figures with the best damper rate for each road alone.
+    single : float or None
+        The best single damper rate for all roads [N s/m]; None if no rate meets the limits on all of them.
+    single_values : ndarray (road, figure)
+        Figures with that; empty without one.
+    verdict : Verdict
+        How near the curve comes to what the roads ask for.
+    """
+
+    strut: Strut
+    car: Suspension
+    roads: tuple[Road, ...]
+    figures: tuple[str, ...]
+    units: tuple[str, ...]
+    asked: RealArray
+    damping: RealArray
+    velocity: RealArray
+    values: RealArray
+    best: RealArray
+    single: NewtonSecondPerMetre | None
+    single_values: RealArray
+    verdict: Verdict
+
+    @property
+    def tuned(self) -> Suspension:
+        """The car with the curve, to be simulated."""
+        struts = tuple(self.strut if one.name == self.strut.name else one for one in self.car.struts)
+        return replace(self.car, struts=struts)
+
+    def _table(self) -> Mapping[str, Sequence[object]]:
+        columns: dict[str, Sequence[object]] = {
+            "roughness_m3": [one.roughness for one in self.roads],
+            "speed_m_per_s": [one.speed for one in self.roads],
+            "asked": self.asked.tolist(),
+            "damping": self.damping.tolist(),
+            "velocity_m_per_s": self.velocity.tolist(),
+        }
+        return columns | dict(zip(self.figures, self.values.T.tolist(), strict=True))
+
+    def __str__(self) -> str:
+        columns = {
+            "road [1e-6 m3]": [f"{1e6 * one.roughness:.4g}" for one in self.roads],
+            "speed [m/s]": [f"{one.speed:.4g}" for one in self.roads],
+            "asked for [N s/m]": [f"{one:.4g}" for one in self.asked],
+            "curve [N s/m]": [f"{one:.4g}" for one in self.damping],
+        }
+        for k, (name, unit) in enumerate(zip(self.figures, self.units, strict=True)):
+            columns[f"{name} [{unit}]"] = [f"{one:.4g}" for one in self.values[:, k]]
+        if self.single is not None:
+            columns[f"one rate, {self.single:.4g} N s/m"] = [f"{one:.4g}" for one in self.single_values[:, 0]]
+        points = self.strut.curve or ()
+        curve = {"velocity [m/s]": [f"{v:.3g}" for v, _ in points], "force [N]": [f"{f:.4g}" for _, f in points]}
+        return f"{text_table(columns)}\n{text_table(curve)}\n{self.verdict}"
+
+    @property
+    def gain(self) -> RealArray:
+        """Share of the objective that the curve saves on each road over the best single rate; NaN without one."""
+        if self.single is None:
+            return np.full(len(self.roads), np.nan)
+        return np.asarray(1 - self.values[:, 0] / self.single_values[:, 0])
