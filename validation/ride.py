@@ -283,7 +283,9 @@ def _integrated(car: Suspension, curve: RealArray, kind: str, speed: float, seed
         x = x + step / 6 * (first + 2 * second + 2 * third + fourth)
     outputs = np.array(kept, np.float64)[round(5 / (4 * step)) :]  # (sample, output, seed), without the start
     felt = [
-        ride(as_response(4 * step * np.arange(len(outputs), dtype=float), outputs[:, :1, s].T, ["chassis_acceleration"]))
+        ride(
+            as_response(4 * step * np.arange(len(outputs), dtype=float), outputs[:, :1, s].T, ["chassis_acceleration"])
+        )
         for s in range(seeds)
     ]
     weighted_rms = float(np.sqrt(np.mean([one["chassis_acceleration.Wk"] ** 2 for one in felt])))
