@@ -22,11 +22,11 @@ if TYPE_CHECKING:
 # velocity less Gaussian.
 BEND = 2.0
 # Weight of the bends of a curve beside the logarithm of the objective: it decides between curves that are equally good.
-SMOOTH = 1e-4
+EVENNESS = 1e-4
 # Where a search ends: the mean logarithm no longer changes by this.
 SAME_COST = 1e-10
 # Searches from other starts agree, and limits are met, to this share.
-SAME = 1e-3
+SAME_CURVE = 1e-3
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -90,17 +90,17 @@ class Search:
             ends.append(minimize(self._cost, x, method="SLSQP", bounds=box, constraints=rules, tol=SAME_COST))
         good = [
             end.x for end in ends
-            if np.max(np.abs(self._work(end.x))) < SAME and np.min(self._room(end.x), initial=0.0) > -SAME
+            if np.max(np.abs(self._work(end.x))) < SAME_CURVE and np.min(self._room(end.x), initial=0.0) > -SAME_CURVE
         ]  # fmt: skip
         if not good:
             return None, np.zeros(roads), 0.0
         costs = np.array([self._cost(x) for x in good])
         x = good[int(np.argmin(costs))]
-        return np.exp(x[roads:]), np.exp(x[:roads]), float(np.sum(costs < costs.min() + SAME)) / len(starts)
+        return np.exp(x[roads:]), np.exp(x[:roads]), float(np.sum(costs < costs.min() + SAME_CURVE)) / len(starts)
 
     def _cost(self, x: RealArray) -> float:
         at = [float(place.figures(c)[0]) for place, c in zip(self.places, x[: len(self.places)], strict=True)]
-        return float(np.mean(at) + SMOOTH * np.sum(np.diff(x[len(self.places) :]) ** 2))
+        return float(np.mean(at) + EVENNESS * np.sum(np.diff(x[len(self.places) :]) ** 2))
 
     def _work(self, x: RealArray) -> RealArray:
         """Return by how much the work of the curve is off on each road, in logarithms."""
