@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     pass
 
 # Points of a curve on each side of zero, between these multiples of the least and the largest rms velocity.
-KNOTS, SLOWEST, FASTEST = 6, 0.5, 2.5
+KNOTS, KNOTS_FROM, KNOTS_TO = 6, 0.5, 2.5
 # Damper rates at which each road is computed; between them figures are on splines, to 1e-6.
 RATES = 33
 # Rates among which the best for one road, and the best single one, are looked for.
@@ -131,7 +131,7 @@ def tune_damper(
     together = np.where(np.all(met, axis=0), np.mean(cost, axis=0), np.inf)
     single = float(fine[np.argmin(together)]) if np.any(np.isfinite(together)) else None
     slow, fast = (float(np.exp(place.speed(np.log(c)))) for place, c in _ends(places, best))
-    knots = np.geomspace(SLOWEST * slow, FASTEST * fast, KNOTS)
+    knots = np.geomspace(KNOTS_FROM * slow, KNOTS_TO * fast, KNOTS)
     search = Search(places=places, knots=knots, low=low, high=high, tops=np.log(tops))
     slopes, damping, agreed = search.best([best, np.full(len(best), single or np.exp(np.mean(np.log(best))))])
     if slopes is None:
