@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import numbers
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from typing import TypeGuard, TypeVar
 
 import numpy as np
@@ -15,6 +16,9 @@ from suspid.units import ComplexArray, RealArray
 
 # Names that a message lists; a file may have hundreds of channels.
 MOST_NAMES = 10
+
+# Magnitudes beyond these are no quantities of mechanics in SI units, and products of several leave the range of floats.
+SMALLEST, LARGEST = 1e-30, 1e30
 
 Value = TypeVar("Value")
 
@@ -114,6 +118,26 @@ def samples_in_words(timepts: RealArray, channels: Sequence[str]) -> str:
     names = ", ".join(channels[:6]) + (", …" if len(channels) > 6 else "")
     number = f"{len(channels)} channel{'s' * (len(channels) != 1)}"
     return f"{len(timepts)} samples{rate} from t = {start:.6g} s, {number}: {names}"
+
+
+@contextmanager
+def within_numbers() -> Iterator[None]:
+    """Turn an error of arithmetic or of linear algebra into an `InputError`: something is far too large or too small.
+
+    Examples
+    --------
+    >>> with within_numbers():
+    ...     np.linalg.inv(np.zeros((2, 2)))
+    Traceback (most recent call last):
+    suspid.errors.InputError: the computation left the range of numbers (Singular matrix): a mass, spring, ...
+    """
+    try:
+        yield
+    except (ArithmeticError, np.linalg.LinAlgError) as error:
+        raise InputError(
+            f"the computation left the range of numbers ({error}): a mass, spring, damper or sample is far too large "
+            f"or too small; check the units of the car and of the channels"
+        ) from None
 
 
 def text_table(columns: Mapping[str, Sequence[str]]) -> str:

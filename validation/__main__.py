@@ -27,6 +27,7 @@ REPORTS = (
     "decays",
     "rigs",
     "fleet",
+    "fuzz",
     "greybox",
     "ride",
     "drives",

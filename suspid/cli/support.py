@@ -14,10 +14,10 @@ from pathlib import Path
 from typing import IO, Any
 
 import click
-import numpy as np
 
 from suspid.errors import SuspidError
 from suspid.files import printable
+from suspid.values import within_numbers
 
 # Where the context keeps the arguments of the command.
 ARGUMENTS = "suspid.arguments"
@@ -81,14 +81,10 @@ class Commands(click.Group):
             if isinstance(stream, io.TextIOWrapper):
                 stream.reconfigure(errors="backslashreplace")
         try:
-            return super().invoke(ctx)
+            with within_numbers():
+                return super().invoke(ctx)
         except SuspidError as error:
             raise _Failure(str(error)) from None
-        except (ArithmeticError, np.linalg.LinAlgError) as error:
-            raise _Failure(
-                f"the computation left the range of numbers ({error}): a mass, spring, damper or sample is far too "
-                f"large or too small; check the units of the car and of the channels"
-            ) from None
 
 
 def check_apart(inputs: list[Path], outputs: list[Path | None]) -> None:

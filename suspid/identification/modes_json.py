@@ -37,10 +37,10 @@ import numpy as np
 from suspid.errors import InputError
 from suspid.files import parsed_json, printable, read_text
 from suspid.identification.identification import Identification
-from suspid.model import ModalSet, parsed_toml
+from suspid.model import ModalSet, check_definite, parsed_toml
 from suspid.samples import held
 from suspid.signals import Signal, as_signal
-from suspid.values import nearest_names
+from suspid.values import LARGEST, SMALLEST, nearest_names
 
 MODES_FORMAT = "suspid modes 1"
 MODE_KEYS = ("frequency_hz", "wn_rad_per_s", "zeta", "wn_std_rad_per_s", "zeta_std", "pole_rad_per_s", "shape")
@@ -166,6 +166,7 @@ def modes_from_dict(content: Mapping[str, object]) -> ModalSet:
     covariance = content.get("covariance")
     if covariance is not None:
         covariance = np.array(_numbers("covariance", covariance))
+        check_definite(covariance)
     elif stds[0] is not None:
         if np.any(poles.imag <= 0):
             raise InputError("standard deviations of an overdamped mode can only be given as covariance")
@@ -202,9 +203,14 @@ def _mode(where: str, entry: object) -> tuple[complex, list[complex] | None, tup
         wn = given.get("wn_rad_per_s", given.get("frequency_hz", 0.0) * 2 * np.pi)
         if "zeta" not in given or not ("wn_rad_per_s" in given or "frequency_hz" in given):
             raise InputError(f"{where} needs zeta, and wn_rad_per_s or frequency_hz")
-        if wn <= 0 or not abs(given["zeta"]) < 1:
-            raise InputError(f"{where}: {wn = :g} rad/s must be positive, zeta = {given['zeta']:g} between -1 and 1")
+        if not SMALLEST <= wn <= LARGEST or not abs(given["zeta"]) < 1:
+            raise InputError(
+                f"{where}: {wn = :g} rad/s must lie from {SMALLEST:g} to {LARGEST:g}, "
+                f"zeta = {given['zeta']:g} between -1 and 1"
+            )
         pole = complex(ModalSet.from_wn_zeta([wn], [given["zeta"]]).poles[0])
+    if pole and not SMALLEST <= abs(pole) <= LARGEST:
+        raise InputError(f"{where}: the pole {pole:g} rad/s must lie from {SMALLEST:g} to {LARGEST:g}")
     alone = ModalSet(poles=np.array([pole]))
     means = {"frequency_hz": alone.wn[0] / (2 * np.pi), "wn_rad_per_s": alone.wn[0], "zeta": alone.zeta[0]}
     for key, meant in means.items():
@@ -236,6 +242,8 @@ def _number(what: str, value: object) -> float:
         number = math.inf
     if not math.isfinite(number):
         raise InputError(f"{what} must be finite")
+    if abs(number) > LARGEST:
+        raise InputError(f"{what} = {number:g} is beyond {LARGEST:g}")
     return number
 
 

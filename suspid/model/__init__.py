@@ -12,6 +12,7 @@ from suspid.model.car_text import car_to_toml
 from suspid.model.checks import added_masses
 from suspid.model.compare import compare
 from suspid.model.comparison import Comparison
+from suspid.model.covariance import check_definite
 from suspid.model.eigenmodes import eigenmodes, scaled_shapes
 from suspid.model.force_curves import Curve, equal_work, piecewise, slopes
 from suspid.model.full_car import full_car
@@ -40,6 +41,7 @@ __all__ = [
     "assert_modes_close",
     "car_from_toml",
     "car_to_toml",
+    "check_definite",
     "check_linear",
     "check_plain",
     "compare",

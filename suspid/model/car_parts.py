@@ -73,11 +73,3 @@ def by_wheel(what: str, front: PerSide, rear: PerSide, unit: str) -> dict[str, f
         for side, one in zip(("left", "right"), pair, strict=True):
             values[f"{axle}_{side}"] = finite_number(name, one, unit)
     return values
-
-
-def positive(name: str, value: object, unit: str) -> float:
-    """Return a value as a float; refuse it unless it is finite and positive."""
-    number = finite_number(name, value, unit)
-    if number <= 0:
-        raise InputError(f"{name} = {number:g} {unit} must be positive")
-    return number

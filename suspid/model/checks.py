@@ -8,16 +8,32 @@ from collections.abc import Mapping
 import numpy as np
 
 from suspid.errors import InputError
-from suspid.values import FrozenMapping
+from suspid.values import LARGEST, SMALLEST, FrozenMapping
 
 
 def finite_number(what: str, value: object, unit: str) -> float:
-    """Return a value as a float; raise an `InputError` with its name and unit unless it is a finite number."""
+    """Return a value as a float; raise an `InputError` with its name and unit unless it is a number of usual size."""
     if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
         raise InputError(f"{what} = {value!r} is not a number; give it in {unit}")
-    if not math.isfinite(value):
-        raise InputError(f"{what} = {value} {unit} is not finite")
-    return float(value)
+    try:
+        number = float(value)
+    except OverflowError:
+        number = math.inf
+    if not math.isfinite(number):
+        raise InputError(f"{what} = {number} {unit} is not finite")
+    if abs(number) > LARGEST:
+        raise InputError(f"{what} = {number:g} {unit} is beyond {LARGEST:g}; check its unit")
+    return number
+
+
+def positive_number(what: str, value: object, unit: str) -> float:
+    """Return the same as `finite_number`, for what must be positive."""
+    number = finite_number(what, value, unit)
+    if number <= 0:
+        raise InputError(f"{what} = {number:g} {unit} must be positive")
+    if number < SMALLEST:
+        raise InputError(f"{what} = {value:g} {unit} is below {SMALLEST:g}; check its unit")
+    return number
 
 
 def check_name(what: str, name: object) -> None:

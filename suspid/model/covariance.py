@@ -5,7 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from suspid.errors import InputError
 from suspid.units import RealArray
+
+# Largest error of a correlation by rounding, also of one that was written with few digits.
+DEFINITE = 1e-6
 
 
 def jacobian_of(pole: complex) -> RealArray:
@@ -23,3 +27,28 @@ def covariance_order(order: NDArray[np.intp], size: int, count: int) -> list[int
     poles = [2 * m + part for m in order for part in (0, 1)]
     shapes = [2 * count + 2 * (m * per_mode + c) + part for m in order for c in range(per_mode) for part in (0, 1)]
     return [int(i) for i in poles + shapes]
+
+
+def check_definite(covariance: RealArray) -> None:
+    """Refuse a matrix that is no covariance: not symmetric, or with a negative variance of a sum of its variables.
+
+    Examples
+    --------
+    >>> check_definite(np.array([[1.0, 2.0], [2.0, 1.0]]))
+    Traceback (most recent call last):
+    suspid.errors.InputError: covariance is not positive semidefinite: a correlation in it is 2...
+    """
+    spread = np.sqrt(np.abs(np.diag(covariance)))
+    # A variable without variance has rounding beside others.
+    spread = np.maximum(spread, 1e-9 * np.max(spread, initial=0.0))
+    if not np.any(spread):
+        spread = np.ones(len(covariance))
+    correlation = covariance / spread[:, None] / spread
+    largest = float(np.max(np.abs(correlation), initial=0.0))
+    if not np.allclose(correlation, correlation.T, rtol=0.0, atol=DEFINITE):
+        raise InputError("covariance is not symmetric")
+    if not largest <= 1 + DEFINITE:
+        raise InputError(f"covariance is not positive semidefinite: a correlation in it is {largest:.3g}")
+    least = float(np.min(np.linalg.eigvalsh(correlation), initial=0.0))
+    if least < -DEFINITE * len(correlation):
+        raise InputError(f"covariance is not positive semidefinite: its correlation has the eigenvalue {least:.3g}")

@@ -8,10 +8,10 @@ from suspid.model.car_parts import (
     between,
     body_arms,
     by_wheel,
-    positive,
     seat_arguments,
     seated,
 )
+from suspid.model.checks import positive_number
 from suspid.model.suspension import Suspension
 from suspid.units import Kilogram, Metre, NewtonPerMetre, NewtonSecondPerMetre
 
@@ -108,17 +108,18 @@ def full_car(
         }
     )
     masses = {
-        "heave": positive("chassis_mass", chassis_mass, "kg"),
-        "pitch": positive("pitch_inertia", pitch_inertia, "kg m2"),
-        "roll": positive("roll_inertia", roll_inertia, "kg m2"),
+        "heave": positive_number("chassis_mass", chassis_mass, "kg"),
+        "pitch": positive_number("pitch_inertia", pitch_inertia, "kg m2"),
+        "roll": positive_number("roll_inertia", roll_inertia, "kg m2"),
         **by_wheel("tire_mass", front_tire_mass, rear_tire_mass, "kg"),
     }
     stiffness = by_wheel("stiffness", front_stiffness, rear_stiffness, "N/m")
     damping = by_wheel("damping", front_damping, rear_damping, "N s/m")
     tire_stiffness = by_wheel("tire_stiffness", front_tire_stiffness, rear_tire_stiffness, "N/m")
     tire_damping = by_wheel("tire_damping", front_tire_damping, rear_tire_damping, "N s/m")
-    front, rear = positive("cg_to_front", cg_to_front, "m"), -positive("cg_to_rear", cg_to_rear, "m")
-    front_half, rear_half = positive("front_track", front_track, "m") / 2, positive("rear_track", rear_track, "m") / 2
+    front, rear = positive_number("cg_to_front", cg_to_front, "m"), -positive_number("cg_to_rear", cg_to_rear, "m")
+    front_half = positive_number("front_track", front_track, "m") / 2
+    rear_half = positive_number("rear_track", rear_track, "m") / 2
     corners = {
         "front_left": body_arms(front, front_half),
         "front_right": body_arms(front, -front_half),

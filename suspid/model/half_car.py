@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from suspid.model.car_parts import KilogramSquareMetre, between, body_arms, positive, seat_arguments, seated
+from suspid.model.car_parts import KilogramSquareMetre, between, body_arms, seat_arguments, seated
+from suspid.model.checks import positive_number
 from suspid.model.suspension import Suspension
 from suspid.units import Kilogram, Metre, NewtonPerMetre, NewtonSecondPerMetre
 
@@ -80,13 +81,13 @@ def half_car(
         }
     )
     masses = {
-        "heave": positive("chassis_mass", chassis_mass, "kg"),
-        "pitch": positive("pitch_inertia", pitch_inertia, "kg m2"),
+        "heave": positive_number("chassis_mass", chassis_mass, "kg"),
+        "pitch": positive_number("pitch_inertia", pitch_inertia, "kg m2"),
         "front": front_tire_mass,
         "rear": rear_tire_mass,
     }
-    at_front = body_arms(positive("cg_to_front", cg_to_front, "m"))
-    at_rear = body_arms(-positive("cg_to_rear", cg_to_rear, "m"))
+    at_front = body_arms(positive_number("cg_to_front", cg_to_front, "m"))
+    at_rear = body_arms(-positive_number("cg_to_rear", cg_to_rear, "m"))
     struts = [
         between("front", front_stiffness, front_damping, at_front, {"front": 1.0}),
         between("rear", rear_stiffness, rear_damping, at_rear, {"rear": 1.0}),

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from suspid.errors import InputError
 from suspid.levels import LEVEL, check_level, normal_reach
-from suspid.model.covariance import covariance_order, jacobian_of
+from suspid.model.covariance import check_definite, covariance_order, jacobian_of
 from suspid.model.modal_table import modal_table
 from suspid.results import Result
 from suspid.units import ComplexArray, RadianPerSecond, Ratio, RealArray
-from suspid.values import frozen_complex, frozen_real
+from suspid.values import LARGEST, SMALLEST, frozen_complex, frozen_real
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -95,8 +95,11 @@ class ModalSet(Result):
                     f"shapes must be (channel, mode): got {shapes.shape} for "
                     f"{len(channels)} channels and {len(poles)} modes"
                 )
-            if not np.all(np.isfinite(shapes)):
-                raise InputError(f"{np.sum(~np.isfinite(shapes))} of {shapes.size} components of shapes are not finite")
+            wild = ~(np.abs(shapes) <= LARGEST)
+            if np.any(wild):
+                raise InputError(
+                    f"{np.sum(wild)} of {shapes.size} components of shapes are not finite, or beyond {LARGEST:g}"
+                )
             if not channels:
                 object.__setattr__(self, "channels", tuple(f"channel {i + 1}" for i in range(len(shapes))))
             object.__setattr__(self, "shapes", frozen_complex(shapes[:, order]))
@@ -109,6 +112,7 @@ class ModalSet(Result):
                 raise InputError(
                     f"covariance must be finite, with variances >= 0; its diagonal is {np.diag(covariance)}"
                 )
+            check_definite(covariance[: 2 * len(poles), : 2 * len(poles)])
             index = covariance_order(order, len(covariance), len(poles))
             object.__setattr__(self, "covariance", frozen_real(covariance[np.ix_(index, index)]))
 
@@ -146,8 +150,8 @@ class ModalSet(Result):
         wn, zeta = np.atleast_1d(np.asarray(wn, float)), np.atleast_1d(np.asarray(zeta, float))
         if wn.shape != zeta.shape or wn.ndim != 1:
             raise InputError(f"wn and zeta must be vectors of one length; got {wn.shape} and {zeta.shape}")
-        if not np.all(np.isfinite(wn) & (wn > 0)):
-            raise InputError(f"wn = {wn} rad/s: natural frequencies must be positive and finite")
+        if not np.all((wn >= SMALLEST) & (wn <= LARGEST)):
+            raise InputError(f"wn = {wn} rad/s: natural frequencies must be positive, from {SMALLEST:g} to {LARGEST:g}")
         if not np.all(np.abs(zeta) < 1):
             raise InputError(f"zeta = {zeta}: damping ratios are ratios below 1, not percent")
         covariance = None

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from suspid.errors import InputError
-from suspid.model.checks import check_name, finite_number
+from suspid.model.checks import check_name, finite_number, positive_number
 from suspid.model.force_curves import Curve, checked_curve, equal_work
 from suspid.units import MetrePerSecond, Newton, NewtonPerMetre, NewtonSecondPerMetre, Second
 from suspid.values import FrozenMapping
@@ -78,12 +78,8 @@ class Strut:
                 raise InputError(f"strut {self.name!r}: {quantity} = {value:g} {unit} is negative; it must be >= 0")
             object.__setattr__(self, quantity, value)
         if self.mount_stiffness is not None:
-            mount = finite_number(f"strut {self.name!r}: mount_stiffness", self.mount_stiffness, "N/m")
-            if mount <= 0:
-                raise InputError(
-                    f"strut {self.name!r}: mount_stiffness = {mount:g} N/m must be positive; leave it out for a "
-                    f"damper without a mount"
-                )
+            what = f"strut {self.name!r}: mount_stiffness, which a damper without a mount lacks,"
+            mount = positive_number(what, self.mount_stiffness, "N/m")
             object.__setattr__(self, "mount_stiffness", mount)
         if self.curve is not None:
             points = checked_curve(f"strut {self.name!r}", self.curve, strictly=self.mount_stiffness is not None)

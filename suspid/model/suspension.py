@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from suspid.errors import InputError
-from suspid.model.checks import check_name, finite_number
+from suspid.model.checks import check_name, positive_number
 from suspid.model.sensor import Sensor
 from suspid.model.strut import Strut
 from suspid.units import Kilogram, MetrePerSecond, Newton, NewtonPerMetre, NewtonSecondPerMetre, RealArray
@@ -221,9 +221,7 @@ def _check_masses(masses: Mapping[str, Kilogram]) -> None:
         raise InputError("a suspension needs at least one mass; masses is empty")
     for coordinate, mass in masses.items():
         check_name("a mass", coordinate)
-        value = finite_number(f"mass {coordinate!r}", mass, "kg")
-        if value <= 0:
-            raise InputError(f"mass {coordinate!r} = {value:g} kg must be positive")
+        positive_number(f"mass {coordinate!r}", mass, "kg")
 
 
 def _check_struts(struts: Sequence[Strut]) -> None:

@@ -14,7 +14,7 @@ from suspid.performance.contact import Wheels, contact, static_loads, wheels_of
 from suspid.performance.grips import PHASE_LIMIT, Grip
 from suspid.performance.uncertain import Car, Uncertain, uncertain
 from suspid.units import ComplexArray, Hertz, Metre, Newton, Ratio, RealArray
-from suspid.values import frozen_real, nearest_names
+from suspid.values import frozen_real, nearest_names, within_numbers
 from suspid.words import Check, Level, Number, Remark, Verdict
 from suspid.words.grip import GripCheck, GripHeadline
 
@@ -85,46 +85,47 @@ def grip(
     Verdict: grip of tire: sound. Every check that could be made was passed.
     note: Taken as known, without any error in the intervals: all springs, dampers and masses.
     """
-    about = uncertain(car, nominal_std)
-    _check(amplitude, highest, loads)
-    check_linear(about.car, "grip")
-    wheels = wheels_of(about.car, about.relaxations)
-    load, load_slopes = _loads(wheels, about.parameters, loads)
-    hertz = np.arange(1, int(np.ceil(highest / GRID)) + 1) * (highest / np.ceil(highest / GRID))
+    with within_numbers():
+        about = uncertain(car, nominal_std)
+        _check(amplitude, highest, loads)
+        check_linear(about.car, "grip")
+        wheels = wheels_of(about.car, about.relaxations)
+        load, load_slopes = _loads(wheels, about.parameters, loads)
+        hertz = np.arange(1, int(np.ceil(highest / GRID)) + 1) * (highest / np.ceil(highest / GRID))
 
-    def least_at(f: RealArray) -> tuple[RealArray, RealArray]:
-        return _adhesion(*contact(wheels, f, about.parameters), load, load_slopes, amplitude)
+        def least_at(f: RealArray) -> tuple[RealArray, RealArray]:
+            return _adhesion(*contact(wheels, f, about.parameters), load, load_slopes, amplitude)
 
-    def phase_at(f: RealArray) -> tuple[RealArray, RealArray]:
-        return _phase(*contact(wheels, f, about.parameters))
+        def phase_at(f: RealArray) -> tuple[RealArray, RealArray]:
+            return _phase(*contact(wheels, f, about.parameters))
 
-    low, high = wheels.resonances()
-    ends = np.column_stack([np.full(len(high), low), high])
-    (least, least_slopes), (phase, phase_slopes) = least_at(hertz), phase_at(hertz)
-    everywhere = np.array([[0.0, highest]] * len(high))
-    lowest = [_least_of(least_at, hertz, least[i], everywhere[i], i) for i in range(len(high))]
-    turned = [_least_of(phase_at, hertz, phase[i], ends[i], i, inside=True) for i in range(len(high))]
-    jacobian = np.array([slopes for _, _, slopes in (*lowest, *turned)])
-    found = Grip(
-        wheels=wheels.names,
-        load=frozen_real(load),
-        least=frozen_real([value for _, value, _ in lowest]),
-        phase=frozen_real([value for _, value, _ in turned]),
-        adhesion_hertz=frozen_real([f for f, _, _ in lowest]),
-        phase_hertz=frozen_real([f for f, _, _ in turned]),
-        hertz=frozen_real(hertz),
-        adhesion_curve=frozen_real(least),
-        phase_curve=frozen_real(phase),
-        adhesion_band=frozen_real(_stds(least_slopes, about.covariance)),
-        phase_band=frozen_real(_stds(phase_slopes, about.covariance)),
-        resonances=frozen_real(ends),
-        amplitude=float(amplitude),
-        parameters=about.parameters,
-        jacobian=frozen_real(jacobian.reshape(2 * len(high), len(about.parameters))),
-        covariance=about.covariance,
-        verdict=Verdict(Remark(GripHeadline.GRIP, {"names": wheels.names})),
-    )
-    return _judged(found, about)
+        low, high = wheels.resonances()
+        ends = np.column_stack([np.full(len(high), low), high])
+        (least, least_slopes), (phase, phase_slopes) = least_at(hertz), phase_at(hertz)
+        everywhere = np.array([[0.0, highest]] * len(high))
+        lowest = [_least_of(least_at, hertz, least[i], everywhere[i], i) for i in range(len(high))]
+        turned = [_least_of(phase_at, hertz, phase[i], ends[i], i, inside=True) for i in range(len(high))]
+        jacobian = np.array([slopes for _, _, slopes in (*lowest, *turned)])
+        found = Grip(
+            wheels=wheels.names,
+            load=frozen_real(load),
+            least=frozen_real([value for _, value, _ in lowest]),
+            phase=frozen_real([value for _, value, _ in turned]),
+            adhesion_hertz=frozen_real([f for f, _, _ in lowest]),
+            phase_hertz=frozen_real([f for f, _, _ in turned]),
+            hertz=frozen_real(hertz),
+            adhesion_curve=frozen_real(least),
+            phase_curve=frozen_real(phase),
+            adhesion_band=frozen_real(_stds(least_slopes, about.covariance)),
+            phase_band=frozen_real(_stds(phase_slopes, about.covariance)),
+            resonances=frozen_real(ends),
+            amplitude=float(amplitude),
+            parameters=about.parameters,
+            jacobian=frozen_real(jacobian.reshape(2 * len(high), len(about.parameters))),
+            covariance=about.covariance,
+            verdict=Verdict(Remark(GripHeadline.GRIP, {"names": wheels.names})),
+        )
+        return _judged(found, about)
 
 
 def grip_if_any(car: Car, nominal_std: Ratio | Mapping[str, Ratio] | None = None) -> Grip | None:

@@ -19,7 +19,7 @@ from suspid.performance.weightings import weighting_named
 from suspid.simulation import Road, places_of
 from suspid.simulation import road as road_of
 from suspid.units import Metre, Ratio, Second
-from suspid.values import FrozenItems, frozen_real
+from suspid.values import FrozenItems, frozen_real, within_numbers
 from suspid.words import Check, Level, Number, Remark, Verdict
 from suspid.words.ride import RideCheck, RideHeadline
 
@@ -91,33 +91,34 @@ def ride(
         if road is not None or speed is not None or clearance is not None or nominal_std is not None:
             raise InputError("road, speed, clearance and nominal_std go with a car; this is a record")
         return recorded(car, duration=duration, weightings=weightings)
-    about = uncertain(car, nominal_std)
-    seconds = HOUR if duration is None else duration
-    if not (np.isfinite(seconds) and seconds > 0):
-        raise InputError(f"{duration=} must be a positive number of s")
-    driven = driven_road(about.car, road, speed)
-    plan = plan_of(about.car, driven, duration=seconds, weightings=weightings, clearance=clearance)
-    values, jacobian = plan.values(about.car, parameters=about.parameters, relaxations=about.relaxations)
-    channels = tuple(plan.weightings)
-    # Frequencies of the spectra of a car.
-    hertz = np.geomspace(*driven.band, 1024)
-    plain = Signals(rows=output_rows(about.car, channels), weightings=(None,) * len(channels), loads=0)
-    figures = tuple(plan.formulas)
-    return Ride(
-        figures=figures,
-        values=frozen_real(values),
-        units=tuple(unit for unit, _, _ in plan.formulas.values()),
-        duration=float(seconds),
-        parameters=about.parameters,
-        jacobian=frozen_real(jacobian),
-        covariance=about.covariance,
-        scatter=frozen_real(np.zeros(len(figures))),
-        hertz=frozen_real(hertz),
-        channels=channels,
-        density=frozen_real(densities(about.car, plain, driven, hertz)),
-        weightings=FrozenItems(plan.weightings),
-        verdict=_judged(plan, dict(zip(figures, values.tolist(), strict=True)), about),
-    )
+    with within_numbers():
+        about = uncertain(car, nominal_std)
+        seconds = HOUR if duration is None else duration
+        if not (np.isfinite(seconds) and seconds > 0):
+            raise InputError(f"{duration=} must be a positive number of s")
+        driven = driven_road(about.car, road, speed)
+        plan = plan_of(about.car, driven, duration=seconds, weightings=weightings, clearance=clearance)
+        values, jacobian = plan.values(about.car, parameters=about.parameters, relaxations=about.relaxations)
+        channels = tuple(plan.weightings)
+        # Frequencies of the spectra of a car.
+        hertz = np.geomspace(*driven.band, 1024)
+        plain = Signals(rows=output_rows(about.car, channels), weightings=(None,) * len(channels), loads=0)
+        figures = tuple(plan.formulas)
+        return Ride(
+            figures=figures,
+            values=frozen_real(values),
+            units=tuple(unit for unit, _, _ in plan.formulas.values()),
+            duration=float(seconds),
+            parameters=about.parameters,
+            jacobian=frozen_real(jacobian),
+            covariance=about.covariance,
+            scatter=frozen_real(np.zeros(len(figures))),
+            hertz=frozen_real(hertz),
+            channels=channels,
+            density=frozen_real(densities(about.car, plain, driven, hertz)),
+            weightings=FrozenItems(plan.weightings),
+            verdict=_judged(plan, dict(zip(figures, values.tolist(), strict=True)), about),
+        )
 
 
 def driven_road(car: Suspension, road: Road | str | float | None, speed: float | None) -> Road:

@@ -184,4 +184,6 @@ def _filters(wanted: Signals, hertz: RealArray) -> RealArray:
     for name in wanted.weightings:
         if name is not None and name not in made:
             made[name] = np.abs(weighting(name, hertz)) ** 2
-    return np.array([made[name] for name in (*wanted.weightings, *[None] * wanted.loads)])
+    rows = [made[name] for name in (*wanted.weightings, *[None] * wanted.loads)]
+    # A car may have nothing to look at.
+    return np.array(rows).reshape(len(rows), len(hertz))

@@ -106,7 +106,7 @@ def descend_together(equations: Equations, x: RealArray, unknowns: Unknowns) -> 
         # Unknowns without any slope must not make the matrix singular.
         normal[:, own, own] += damping[:, None] * np.maximum(diagonal, 1e-6 * largest) + stuck + (largest <= 0)
         # Longest step, in the logarithm of springs and masses, and in dampers themselves.
-        step = np.maximum(np.minimum(np.linalg.solve(normal, -gradient[..., None])[..., 0], 1.5), -1.5)
+        step = np.maximum(np.minimum(_solved(normal, -gradient), 1.5), -1.5)
         trial = x + step
         trial[:, positive] = x[:, positive] * np.exp(step[:, positive])
         trial = np.minimum(np.maximum(trial, lower), upper)
@@ -219,3 +219,13 @@ def _loaded_poles(car: Suspension, added: RealArray) -> ComplexArray:
     A[:, :n, n:] = np.eye(n)
     A[:, n:, :n], A[:, n:, n:] = -car.K / masses[:, :, None], -car.C / masses[:, :, None]
     return np.asarray(np.linalg.eigvals(A), complex)
+
+
+def _solved(normal: RealArray, right: RealArray) -> RealArray:
+    """Return the solution of each of many systems; where one is singular, the least one of all."""
+    try:
+        return np.asarray(np.linalg.solve(normal, right[..., None])[..., 0])
+    except np.linalg.LinAlgError:
+        # Poles many powers of ten apart; what leaves the range of floats is no step.
+        inverse = np.linalg.pinv(np.nan_to_num(normal), hermitian=True)
+        return np.nan_to_num((inverse @ right[..., None])[..., 0])
