@@ -15,7 +15,7 @@ import numpy as np
 from suspid.errors import RecordError
 from suspid.samples import Samples, as_samples
 from suspid.units import RealArray, Second
-from suspid.values import LARGEST, SMALLEST, frozen_real
+from suspid.values import LARGEST_SIZE, SMALLEST_SIZE, frozen_real
 
 if TYPE_CHECKING:
     import control
@@ -110,11 +110,11 @@ def as_signal(response: control.TimeResponseData, *, least: int = 2) -> Signal:
                 f"t = {timepts[bad[0]]:g} s; cut the record there or fill the gap"
             )
         largest = float(np.max(np.abs(samples), initial=0.0))
-        if largest and not SMALLEST <= largest <= LARGEST:
+        if largest and not SMALLEST_SIZE <= largest <= LARGEST_SIZE:
             at = timepts[int(np.argmax(np.abs(samples)))]
             raise RecordError(
-                f"channel {name!r} reaches {largest:.3g} at t = {at:g} s; samples are used from {SMALLEST:g} to "
-                f"{LARGEST:g}: change the unit of the channel, or cut the record there"
+                f"channel {name!r} reaches {largest:.3g} at t = {at:g} s; samples are used from {SMALLEST_SIZE:g} to "
+                f"{LARGEST_SIZE:g}: change the unit of the channel, or cut the record there"
             )
     return Signal(start=float(timepts[0]), step=uniform_step(timepts), values=frozen_real(values), channels=channels)
 

@@ -18,7 +18,7 @@ from suspid.units import ComplexArray, RealArray
 MOST_NAMES = 10
 
 # Magnitudes beyond these are no quantities of mechanics in SI units, and products of several leave the range of floats.
-SMALLEST, LARGEST = 1e-30, 1e30
+SMALLEST_SIZE, LARGEST_SIZE = 1e-30, 1e30
 
 Value = TypeVar("Value")
 

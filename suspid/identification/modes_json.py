@@ -40,7 +40,7 @@ from suspid.identification.identification import Identification
 from suspid.model import ModalSet, check_definite, parsed_toml
 from suspid.samples import held
 from suspid.signals import Signal, as_signal
-from suspid.values import LARGEST, SMALLEST, nearest_names
+from suspid.values import LARGEST_SIZE, SMALLEST_SIZE, nearest_names
 
 MODES_FORMAT = "suspid modes 1"
 MODE_KEYS = ("frequency_hz", "wn_rad_per_s", "zeta", "wn_std_rad_per_s", "zeta_std", "pole_rad_per_s", "shape")
@@ -203,14 +203,14 @@ def _mode(where: str, entry: object) -> tuple[complex, list[complex] | None, tup
         wn = given.get("wn_rad_per_s", given.get("frequency_hz", 0.0) * 2 * np.pi)
         if "zeta" not in given or not ("wn_rad_per_s" in given or "frequency_hz" in given):
             raise InputError(f"{where} needs zeta, and wn_rad_per_s or frequency_hz")
-        if not SMALLEST <= wn <= LARGEST or not abs(given["zeta"]) < 1:
+        if not SMALLEST_SIZE <= wn <= LARGEST_SIZE or not abs(given["zeta"]) < 1:
             raise InputError(
-                f"{where}: {wn = :g} rad/s must lie from {SMALLEST:g} to {LARGEST:g}, "
+                f"{where}: {wn = :g} rad/s must lie from {SMALLEST_SIZE:g} to {LARGEST_SIZE:g}, "
                 f"zeta = {given['zeta']:g} between -1 and 1"
             )
         pole = complex(ModalSet.from_wn_zeta([wn], [given["zeta"]]).poles[0])
-    if pole and not SMALLEST <= abs(pole) <= LARGEST:
-        raise InputError(f"{where}: the pole {pole:g} rad/s must lie from {SMALLEST:g} to {LARGEST:g}")
+    if pole and not SMALLEST_SIZE <= abs(pole) <= LARGEST_SIZE:
+        raise InputError(f"{where}: the pole {pole:g} rad/s must lie from {SMALLEST_SIZE:g} to {LARGEST_SIZE:g}")
     alone = ModalSet(poles=np.array([pole]))
     means = {"frequency_hz": alone.wn[0] / (2 * np.pi), "wn_rad_per_s": alone.wn[0], "zeta": alone.zeta[0]}
     for key, meant in means.items():
@@ -242,8 +242,8 @@ def _number(what: str, value: object) -> float:
         number = math.inf
     if not math.isfinite(number):
         raise InputError(f"{what} must be finite")
-    if abs(number) > LARGEST:
-        raise InputError(f"{what} = {number:g} is beyond {LARGEST:g}")
+    if abs(number) > LARGEST_SIZE:
+        raise InputError(f"{what} = {number:g} is beyond {LARGEST_SIZE:g}")
     return number
 
 

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from suspid.errors import InputError
-from suspid.values import LARGEST, SMALLEST, FrozenMapping
+from suspid.values import LARGEST_SIZE, SMALLEST_SIZE, FrozenMapping
 
 
 def finite_number(what: str, value: object, unit: str) -> float:
@@ -21,8 +21,8 @@ def finite_number(what: str, value: object, unit: str) -> float:
         number = math.inf
     if not math.isfinite(number):
         raise InputError(f"{what} = {number} {unit} is not finite")
-    if abs(number) > LARGEST:
-        raise InputError(f"{what} = {number:g} {unit} is beyond {LARGEST:g}; check its unit")
+    if abs(number) > LARGEST_SIZE:
+        raise InputError(f"{what} = {number:g} {unit} is beyond {LARGEST_SIZE:g}; check its unit")
     return number
 
 
@@ -31,8 +31,8 @@ def positive_number(what: str, value: object, unit: str) -> float:
     number = finite_number(what, value, unit)
     if number <= 0:
         raise InputError(f"{what} = {number:g} {unit} must be positive")
-    if number < SMALLEST:
-        raise InputError(f"{what} = {value:g} {unit} is below {SMALLEST:g}; check its unit")
+    if number < SMALLEST_SIZE:
+        raise InputError(f"{what} = {value:g} {unit} is below {SMALLEST_SIZE:g}; check its unit")
     return number
 
 

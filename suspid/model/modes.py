@@ -14,7 +14,7 @@ from suspid.model.covariance import check_definite, covariance_order, jacobian_o
 from suspid.model.modal_table import modal_table
 from suspid.results import Result
 from suspid.units import ComplexArray, RadianPerSecond, Ratio, RealArray
-from suspid.values import LARGEST, SMALLEST, frozen_complex, frozen_real
+from suspid.values import LARGEST_SIZE, SMALLEST_SIZE, frozen_complex, frozen_real
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -95,10 +95,10 @@ class ModalSet(Result):
                     f"shapes must be (channel, mode): got {shapes.shape} for "
                     f"{len(channels)} channels and {len(poles)} modes"
                 )
-            wild = ~(np.abs(shapes) <= LARGEST)
+            wild = ~(np.abs(shapes) <= LARGEST_SIZE)
             if np.any(wild):
                 raise InputError(
-                    f"{np.sum(wild)} of {shapes.size} components of shapes are not finite, or beyond {LARGEST:g}"
+                    f"{np.sum(wild)} of {shapes.size} components of shapes are not finite, or beyond {LARGEST_SIZE:g}"
                 )
             if not channels:
                 object.__setattr__(self, "channels", tuple(f"channel {i + 1}" for i in range(len(shapes))))
@@ -150,8 +150,10 @@ class ModalSet(Result):
         wn, zeta = np.atleast_1d(np.asarray(wn, float)), np.atleast_1d(np.asarray(zeta, float))
         if wn.shape != zeta.shape or wn.ndim != 1:
             raise InputError(f"wn and zeta must be vectors of one length; got {wn.shape} and {zeta.shape}")
-        if not np.all((wn >= SMALLEST) & (wn <= LARGEST)):
-            raise InputError(f"wn = {wn} rad/s: natural frequencies must be positive, from {SMALLEST:g} to {LARGEST:g}")
+        if not np.all((wn >= SMALLEST_SIZE) & (wn <= LARGEST_SIZE)):
+            raise InputError(
+                f"wn = {wn} rad/s: natural frequencies must be positive, from {SMALLEST_SIZE:g} to {LARGEST_SIZE:g}"
+            )
         if not np.all(np.abs(zeta) < 1):
             raise InputError(f"zeta = {zeta}: damping ratios are ratios below 1, not percent")
         covariance = None

@@ -15,7 +15,7 @@ from suspid.performance.road_response import Grid, Moments, Signals, exact_grid,
 from suspid.performance.weightings import weighting_named
 from suspid.simulation import Road
 from suspid.units import Metre, RealArray, Second
-from suspid.values import SMALLEST, nearest_names
+from suspid.values import SMALLEST_SIZE, nearest_names
 
 # ISO 2631-1: of seat and floor, vertical vibration counts by Wk, its slow part by Wf (motion sickness), rotation by We.
 VERTICAL, ROTATION = ("Wk", "Wf"), ("We",)
@@ -197,7 +197,7 @@ def crossings(limits: tuple[Metre, Metre]) -> Formula:
 def _known(static: Static) -> tuple[float, RealArray]:
     if static is None:
         raise InputError("a share of the static load needs that load")
-    if abs(static[0]) < SMALLEST:
+    if abs(static[0]) < SMALLEST_SIZE:
         raise InputError(f"a wheel carries {static[0]:g} N at rest, of which there is no share; check masses and arms")
     return static
 
