@@ -275,6 +275,29 @@ class TestAnyGrid:
         assert clock.places is not None
         assert clock.places.tolist() == list(range(9000))
 
+    @pytest.mark.parametrize("seed", range(3))
+    def test_rows_that_arrive_in_packets_are_regular(self, seed: int) -> None:
+        # A serial port is read every 62 ms or a little later; its rows get the time of reading.
+        rng = np.random.default_rng(seed)
+        read = 1103.4 + np.cumsum(0.062 + 0.04 * (rng.random(700) < 0.1) + 0.002 * rng.standard_normal(700))
+        taken = 1103.4 + np.arange(11_000) / 259.7
+        stamps = np.round(read[np.searchsorted(read, taken)], 3)
+        clock = read_clock(stamps, wave((taken - 1103.4) / 10)[None])
+        assert kinds(clock) == ["packets"]
+        std = clock.findings[0].remark.numbers["rate_std"]
+        assert isinstance(std, float)
+        assert abs(1 / clock.step - 259.7) < 4 * std < 0.2
+        assert clock.timepts.size == 11_000
+
+    def test_packets_with_a_pause_between_them_are_refused(self) -> None:
+        # The motion goes on while no rows are taken.
+        read = np.cumsum(0.062 + 0.004 * np.random.default_rng(0).standard_normal(1000))
+        taken = np.arange(11_000) / 259.7
+        taken[6000:] += 9.0
+        stamps = np.round(read[np.searchsorted(read, taken)], 3)
+        with pytest.raises(RecordError, match="occur twice"):
+            read_clock(stamps, wave(taken / 10)[None])
+
     @pytest.mark.parametrize(("rate", "quantum"), GRIDS)
     def test_a_doubled_row_is_dropped(self, rate: float, quantum: float) -> None:
         rows = np.insert(np.arange(3000), [700, 2100], [700, 2100])

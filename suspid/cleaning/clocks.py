@@ -10,7 +10,7 @@ import numpy as np
 from suspid.cleaning.clock import DRIFT, OFF, Clock, check_rate, on_grid, stated
 from suspid.cleaning.findings import Finding, found
 from suspid.cleaning.following import late_or_irregular, rows_are_missing
-from suspid.cleaning.nearest import dispersed, nearest_clock
+from suspid.cleaning.nearest import dispersed, nearest_clock, packed
 from suspid.cleaning.ordering import LATEST, numbered, ordered, stamped, unrepeated
 from suspid.errors import RecordError
 from suspid.signals import JITTER
@@ -78,7 +78,9 @@ def _read(stamps: RealArray, values: RealArray, rate: Hertz | None) -> Clock:
         try:
             times, rows, further = ordered(stamps, values, rows, lost)
         except RecordError:
-            clock = dispersed(times, values[:, rows], rows, numbered(rows, lost)) if rate is None else None
+            index = numbered(rows, lost)
+            clock = dispersed(times, values[:, rows], rows, index) or packed(times, values[:, rows], rows, index)
+            clock = clock if rate is None else None
             if clock is None:
                 raise
             return replace(clock, findings=(*findings, *clock.findings))

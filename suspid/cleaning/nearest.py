@@ -6,7 +6,7 @@ import numpy as np
 
 from suspid.cleaning.clock import DRIFT, MOST_PER_ROW, OFF, Clock, check_rate, on_grid, stated
 from suspid.cleaning.findings import found
-from suspid.cleaning.following import late_or_irregular
+from suspid.cleaning.following import FOLLOWED, SIGNIFICANT, late_or_irregular, share_followed
 from suspid.errors import RecordError
 from suspid.signals import JITTER
 from suspid.stamps import FEW, HOLE, SHORTEST, Indices, line, nearest_grid
@@ -17,6 +17,9 @@ from suspid.words import Defect, Number
 # Steps between samples above which nothing is interpolated, and share of the time that such holes may take. Wider
 # holes would be filled with what the record does not say.
 WIDE_HOLE, HOLLOW = 2.5, 0.2
+# Fewest packets that show a rate, and the longest wait for one over the time of the record. Rows that were lost in a
+# longer one do not show.
+FEW_PACKETS, LONGEST_WAIT = 20, 0.1
 
 
 def nearest_clock(times: RealArray, values: RealArray, rows: Indices, rate: Hertz | None) -> Clock:
@@ -60,6 +63,33 @@ def dispersed(times: RealArray, values: RealArray, rows: Indices, places: Indice
         return None
     _, numbers = late_or_irregular(values, places, step, off)
     return on_grid(start, step, places, rows, times, Defect.JITTERING_STAMPS, numbers)
+
+
+def packed(times: RealArray, values: RealArray, rows: Indices, places: Indices) -> Clock | None:
+    """Return the clock of regular rows that came in packets, each with the time of its arrival as stamp, or None.
+
+    The times of arrival lie on a line over the number of the last row of each packet; single ones come late, by the
+    time that the longest of them was waited for.
+    """
+    steps = np.diff(times)
+    ends = np.flatnonzero(steps > 0)
+    if ends.size < FEW_PACKETS or 2 * ends.size > times.size or np.any(steps < 0):
+        return None
+    start, step, _ = line(places[ends], times[ends])
+    off = times[ends] - start - step * places[ends]
+    waited = float(np.max(steps))
+    if step < SHORTEST or np.max(np.abs(off)) > waited or waited > LONGEST_WAIT * (times[-1] - times[0]):
+        return None
+    share, std = share_followed(values, (times - start) / step - places, places)
+    if share > max(SIGNIFICANT * std, FOLLOWED):
+        return None
+    numbers: dict[str, Number] = {
+        "packets": int(ends.size) + 1,
+        "rows": float(np.median(np.diff(ends))),
+        "rate": 1 / step,
+        "rate_std": float(np.std(off)) / (step * np.sqrt(ends.size) * step * float(np.std(places[ends]))),
+    }
+    return on_grid(start, step, places, rows, times, Defect.PACKETS, numbers)
 
 
 def _irregular(times: RealArray, rows: Indices, rate: Hertz | None, numbers: dict[str, Number]) -> Clock:

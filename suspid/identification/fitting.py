@@ -103,9 +103,11 @@ class Problem:
         It is `MISJUDGED` times what a Gauss-Newton step promises, or infinite where there is none.
         """
         trial = evaluate(self.blocks, fit.poles.without(index), self._inner_noise)
-        if trial is None or not np.isfinite(trial.information).all():
+        diagonal = np.zeros(1) if trial is None else trial.information.diagonal()
+        if trial is None or not (np.isfinite(trial.information.sum()) and np.all(diagonal > 0)):
             return np.inf
-        scale = np.sqrt(np.maximum(trial.information.diagonal(), 1e-300))
+        # Far below the largest, the information of a pole is rounding.
+        scale = np.sqrt(np.maximum(diagonal, 1e-12 * np.max(diagonal)))
         slope = trial.gradient / scale
         unit = trial.information / (scale[:, None] * scale)
         return float(MISJUDGED * slope @ np.linalg.lstsq(unit, slope, rcond=1e-9)[0])

@@ -15,6 +15,8 @@ NUMBERED = re.compile(
     r"|.*\[\d+\]",
     re.I,
 )
+# The same at the end of a name, as Capstone writes it.
+NUMBERED_LAST = re.compile(rf"(.*\S)\s+({NUMBERED.pattern.split('|.*')[0]})", re.I)
 
 
 def runs_of(clocks: Mapping[str, int]) -> dict[str, str]:
@@ -29,8 +31,10 @@ def runs_of(clocks: Mapping[str, int]) -> dict[str, str]:
     {'Fe.Out.Acc': 'Fe', 'Fe.Out.Pos': 'Fe', 'Al.Out.Acc': 'Al', 'Al.Out.Pos': 'Al'}
     >>> runs_of({"front.acc": 1, "rear.acc": 1}), runs_of({"Run 1: z (m)": 1, "Run 2: z (m)": 1})["Run 2: z (m)"]
     ({}, 'Run 2')
+    >>> runs_of({"Angle (rad) Run #1": 1, "Angle (rad) Run #2": 1})
+    {'Angle (rad) Run #1': 'Run #1', 'Angle (rad) Run #2': 'Run #2'}
     """
-    parts = _without_common({name: SEPARATORS.split(bare_name(name)) for name in clocks})
+    parts = _without_common({name: _parts(name) for name in clocks})
     groups: dict[str, dict[str, str]] = {}
     for name, (first, *rest) in parts.items():
         if rest:
@@ -44,6 +48,12 @@ def runs_of(clocks: Mapping[str, int]) -> dict[str, str]:
     by_clock = {clock: group for group, some in used.items() for clock in some} if not shared else {}
     of = {name: group for group, names in groups.items() for name in names}
     return {name: of.get(name) or by_clock.get(clocks[name], "") for name in clocks}
+
+
+def _parts(name: str) -> Sequence[str]:
+    """Return the parts of a name, that which numbers a test first."""
+    last = NUMBERED_LAST.fullmatch(plain(name))
+    return [last[2], bare_name(last[1])] if last else SEPARATORS.split(bare_name(name))
 
 
 def _without_common(parts: Mapping[str, Sequence[str]]) -> dict[str, Sequence[str]]:

@@ -185,11 +185,11 @@ def may_be_time(name: str) -> bool:
 
     Examples
     --------
-    >>> [may_be_time(name) for name in ("Run 1: Time (s)", "Time - Road (m)", "timing belt")]
-    [True, True, False]
+    >>> [may_be_time(name) for name in ("Run 1: Time (s)", "Time - Road (m)", "t_received", "timing belt")]
+    [True, True, True, False]
     """
     words = _words(name)
-    return bool(words & TIME_WORDS) or (words == {"t"} and bracketed_unit(name) in ("", *PER_SECOND))
+    return bool(words & TIME_WORDS) or ("t" in words and bracketed_unit(name) in ("", *PER_SECOND))
 
 
 def is_abscissa(name: str, *, rate_known: bool = False) -> bool:
@@ -202,7 +202,7 @@ def is_abscissa(name: str, *, rate_known: bool = False) -> bool:
     """
     words = _words(name)
     called_x = "x" in words and words <= ABSCISSA and not rate_known
-    return called_x or re.fullmatch(r"column [12]|arr_0|.*\[1\]", name) is not None
+    return called_x or re.fullmatch(r"column [12]|arr_0|.*\[[12]\]", name) is not None
 
 
 def _words(name: str) -> set[str]:

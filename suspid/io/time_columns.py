@@ -28,6 +28,8 @@ from suspid.words import LeftOut, Remark
 # Of the steps of a clock, this share lies this near to the usual one, relative to it: loggers that wait between two
 # samples stray by a tenth. Fewer stamps do not show it.
 MOST_STEPS, JITTERY, FEW_STAMPS = 0.9, 0.25, 8
+# No step of a clock that is read late now and then is longer than this, over the usual one.
+MOST_LATE = 2.5
 # Least size of a stamp since 1970, by its unit: present ones are near 1.7e12 ms, 1.7e15 us and 1.7e18 ns.
 EPOCHS = (("ns", 1e17), ("us", 1e14), ("ms", 1e11))
 # Days since 1900 of the years 1982 to 2064 as spreadsheets count them, and since the year 0 as MATLAB does. In seconds,
@@ -122,7 +124,8 @@ def time_names(table: Table, among: Sequence[str] | None = None, *, given: bool 
     named = [name for name in free if may_be_time(name)]
     if not named and len(table.sizes) > 1:
         # The first column of a table, and of each matrix beside others.
-        firsts = {_first(table), *(name for name in free if f"{name.removesuffix('[1]')}[2]" in table.sizes)}
+        matrices = {name.removesuffix("[1]") for name in free if name.endswith("[1]")}
+        firsts = {_first(table), *(_of_matrix(table, name) for name in matrices if f"{name}[2]" in table.sizes)}
         named = [name for name in free if name in firsts and is_abscissa(name, rate_known=bool(table.rates) or given)]
     with contextlib.suppress(RecordError):
         return [name for name, numbers in zip(named, table.columns(named), strict=True) if runs_as_clock(numbers)]
@@ -135,6 +138,12 @@ def _first(table: Table) -> str:
     if name == "column 1" and second == "column 2" and len(table.sizes) > 2 and is_count(table.columns([name])[0]):
         return second
     return name
+
+
+def _of_matrix(table: Table, name: str) -> str:
+    """Return the first column of a matrix, or the second where the first counts the rows and others follow."""
+    first, second, third = (f"{name}[{k}]" for k in (1, 2, 3))
+    return second if third in table.sizes and is_count(table.columns([first])[0]) else first
 
 
 def runs_as_clock(stamps: RealArray) -> bool:
@@ -160,7 +169,9 @@ def runs_as_clock(stamps: RealArray) -> bool:
     rises = usual > 0 and np.all(steps > 0)
     if rises and float(np.quantile(np.abs(steps - usual), MOST_STEPS)) <= JITTERY * usual:
         return True
-    return _are_rounded(stamps, steps)
+    # Stamps of whole milliseconds, some of them late by one.
+    late = rises and float(np.max(steps)) <= MOST_LATE * usual
+    return late or _are_rounded(stamps, steps)
 
 
 def filled(stamps: RealArray) -> int:

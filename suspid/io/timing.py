@@ -160,6 +160,8 @@ def _counters(plan: _Plan, columns: Mapping[str, RealArray]) -> list[str]:
     counters = [name for name in plan.followers if counts_rows(name, columns[name])]
     first = next(iter(plan.followers), "")
     unnamed = is_abscissa(first) and not first.endswith("]") and first not in counters
+    # In a matrix, the column before the time counts the rows.
+    unnamed |= first.endswith("[1]") and plan.time == f"{first.removesuffix('[1]')}[2]"
     if unnamed and columns[first].size >= FEW_STAMPS and is_count(columns[first]):
         counters.append(first)
     return [] if len(counters) == len(plan.channels) else counters

@@ -212,6 +212,11 @@ class Defect(Code):
     OVERRIDDEN_STAMPS = "overridden stamps", _overridden_stamps
     JITTERING_STAMPS = "jittering stamps", _jittering_stamps
     IRREGULAR_STAMPS = "irregular stamps", _irregular_stamps
+    PACKETS = (
+        "packets",
+        "rows came in {packets} packets of about {rows:.0f}, each with one time stamp; uniform sampling at {rate:.6g} "
+        "± {rate_std:.1g} Hz assumed, samples unchanged",
+    )
     AMBIGUOUS_STAMPS = (
         "ambiguous stamps",
         "time stamps fit a clock of {rate:.7g} Hz that was rounded as well as one of {other_rate:.7g} Hz with "

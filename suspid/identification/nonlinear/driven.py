@@ -200,7 +200,7 @@ def evaluate(values: RealArray, drive: Drive, noise: WhiteNoise) -> DrivenFit | 
     if not max(np.max(np.abs(columns)), np.max(np.abs(slopes), initial=0.0)) < 1e50:
         return None
     norms = np.linalg.norm(columns, axis=0)
-    if not np.all(norms > 0):
+    if len(columns) < columns.shape[1] or not np.all(norms > 0):
         return None
     basis, triangle = np.linalg.qr(columns / norms)
     # Least pivot of the columns of unit norm: below it they are dependent.
