@@ -81,6 +81,11 @@ class DriveAnalysis(Result):
         return float(sum(one.usable for one in self.drives))
 
     @property
+    def remarks(self) -> tuple[Check, ...]:
+        """What is said of the drive, beside what is said of what was found in it."""
+        return (*self.notes, *(check for one in self.drives for check in one.remarks))
+
+    @property
     def explains(self) -> bool:
         """Whether the car that was found explains the records; true where none was looked for."""
         return self.estimate is None or self.estimate.explains
@@ -90,13 +95,12 @@ class DriveAnalysis(Result):
         """How far the result can be trusted: what is said of the drive, then of what was found in it."""
         found = self.estimate or self.body
         numbers = {"seconds": self.usable, "length": float(sum(one.length for one in self.drives))}
-        said = [*self.notes, *(check for one in self.drives for check in one.remarks)]
         if found is None:
             return Verdict(
-                Remark(DriveRemark.NONE, numbers), (Check(Remark(DriveRemark.NONE, numbers), Level.NONE), *said)
+                Remark(DriveRemark.NONE, numbers), (Check(Remark(DriveRemark.NONE, numbers), Level.NONE), *self.remarks)
             )
         code = DriveHeadline.SPRINGS if self.estimate else DriveHeadline.FREQUENCIES
-        checks = {str(check): check for check in [*said, *found.verdict.checks]}
+        checks = {str(check): check for check in (*self.remarks, *found.verdict.checks)}
         return Verdict(Remark(code, numbers), tuple(checks.values()))
 
     def __str__(self) -> str:

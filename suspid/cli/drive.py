@@ -143,8 +143,9 @@ def drive_command(
                 found.estimate,
                 source=sources_of(files),
                 level=outputs.probability,
-                warnings=[*said, *(str(check.remark) for check in found.notes)],
+                warnings=[*said, *dict.fromkeys(map(str, found.remarks))],
                 curves=found.curves,
+                wear=found.wear,
             )
             page_draft.write_text(report(content), encoding="utf-8")
         if figure_draft:

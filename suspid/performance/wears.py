@@ -117,6 +117,11 @@ class Wear(Result):
         """The state of each damper."""
         return {one.damper: one.state for one in self.dampers}
 
+    @property
+    def certainty(self) -> Ratio:
+        """Probability with which each end of a loss holds [1]."""
+        return 1 - self.rule.rate / TESTS
+
     def _table(self) -> Mapping[str, Sequence[object]]:
         return columns_of(self.changes, ["name", "unit", "before", "after", "change", "low", "high", "significant"])
 
@@ -134,7 +139,7 @@ class Wear(Result):
         parts = [text_table(changes)]
         if self.before is not None and self.after is not None:
             parts.append(text_table(_grips(self.before, self.after)))
-        sides = f"{100 * (1 - self.rule.rate / TESTS):g} % certain"
+        sides = f"{100 * self.certainty:g} % certain"
         dampers = {
             "damper": [one.damper for one in self.dampers],
             "verdict": [str(one.state) for one in self.dampers],

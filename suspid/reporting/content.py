@@ -11,7 +11,7 @@ from suspid.cleaning import Cleaned
 from suspid.errors import InputError
 from suspid.greybox import DamperCurve, Estimate
 from suspid.levels import LEVEL, check_level
-from suspid.performance import Grip, Ride, grip_if_any
+from suspid.performance import Grip, Ride, Wear, grip_if_any
 from suspid.reporting.estimate_page import EstimateContent
 from suspid.reporting.source import Source
 from suspid.reporting.thinning import drawable
@@ -134,6 +134,7 @@ def content_of(
     car: Source | None = ...,
     curves: Sequence[DamperCurve] = ...,
     ride: Ride | None = ...,
+    wear: Wear | None = ...,
 ) -> EstimateContent: ...
 
 
@@ -150,6 +151,7 @@ def content_of(
     car: Source | None = None,
     curves: Sequence[DamperCurve] = (),
     ride: Ride | None = None,
+    wear: Wear | None = None,
 ) -> Content | EstimateContent:
     """Return what `report` and `report_to_dict` show of an analysis, an estimate, or an identification.
 
@@ -178,6 +180,8 @@ def content_of(
         Curves of dampers that an estimate's page shows as well.
     ride : Ride, optional
         The car that was found on a road, from `ride`.
+    wear : Wear, optional
+        Wear of the dampers of an estimate, from `wear`.
 
     Raises
     ------
@@ -198,7 +202,7 @@ def content_of(
     sources = () if source is None else (source,) if isinstance(source, Source) else tuple(source)
     if isinstance(found, Estimate):
         return EstimateContent(
-            found=found, sources=sources, level=level, warnings=warnings, car=car, curves=curves, ride=ride
+            found=found, sources=sources, level=level, warnings=warnings, car=car, curves=curves, ride=ride, wear=wear
         )
     _check_sources(found, sources)
     if isinstance(found, Analysis):

@@ -18,6 +18,7 @@ from suspid.reporting.plot_spectra import draw_spectra
 from suspid.reporting.rows import mode_quantities, signed
 from suspid.reporting.spring_rows import masses_of, spring_rows
 from suspid.reporting.svg import page_style
+from suspid.reporting.wear_part import wear_fields
 from suspid.signals import as_signal
 from suspid.words import count, next_steps
 
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from suspid.greybox import DamperCurve, Estimate
+    from suspid.performance import Wear
     from suspid.reporting.source import Source
     from suspid.units import Ratio
 
@@ -52,6 +54,8 @@ class EstimateContent:
         The car on a road.
     car : Source or None
         The car file with its text.
+    wear : Wear or None
+        Wear of the dampers.
     """
 
     found: Estimate
@@ -61,6 +65,7 @@ class EstimateContent:
     curves: Sequence[DamperCurve] = ()
     ride: Ride | None = None
     car: Source | None = None
+    wear: Wear | None = None
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -91,6 +96,7 @@ def page_fields(content: EstimateContent) -> dict[str, object]:
             "changed": _changes(found, level),
             "modes": [(quantities, "") for quantities in mode_quantities(found.modes, level)],
             "shapes": list(shape_pictures(found.modes)),
+            **wear_fields(content.wear),
             "curves": [(printable(one.name), str(one.verdict.headline), _curve(one, k, level))
                        for k, one in enumerate(content.curves)],
             "records": [_part(content, k) for k in range(min(len(records), MOST_DRAWN))],
