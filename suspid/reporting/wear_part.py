@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from suspid.words import Check
 
 # What the damping is compared with, by `Wear.against`.
-AGAINST = {
+COMPARED_WITH = {
     "nominal": "nominal values",
     "earlier": "earlier estimates",
     "history": "earlier estimates, by their own scatter",
@@ -50,7 +50,7 @@ def wear_fields(found: Wear | None) -> dict[str, object]:
     return {
         "dampers": [_row(one) for one in found.dampers],
         "wear_points": [(_kind(check), printable(str(check))) for check in every],
-        "wear_against": AGAINST[found.against],
+        "wear_against": COMPARED_WITH[found.against],
         "wear_sure": f"{100 * found.certainty:g} %",
     }
 
