@@ -6,6 +6,7 @@ The page is one file without a script. Its policy forbids the network. Its pictu
 
 from __future__ import annotations
 
+from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -26,6 +27,8 @@ from suspid.samples import held
 from suspid.signals import as_signal
 
 if TYPE_CHECKING:
+    from jinja2 import Template
+
     from suspid.analysis import Analysis
     from suspid.identification import Identification
     from suspid.model import ModalSet
@@ -61,17 +64,6 @@ def report(found: Identification | Analysis | Estimate | Content | EstimateConte
     >>> page.startswith("<!doctype html>"), "2 modes found" in page
     (True, True)
     """
-    from jinja2 import Environment, PackageLoader, StrictUndefined
-
-    environment = Environment(
-        loader=PackageLoader("suspid.reporting", "templates"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters["safe_text"] = _shown
-    environment.filters["safe_lines"] = _lines
     if isinstance(found, Estimate):
         found = content_of(found)
     if isinstance(found, EstimateContent):
@@ -86,7 +78,7 @@ def report(found: Identification | Analysis | Estimate | Content | EstimateConte
         )
         fields, template, verdict = _fields(content), "report.html.j2", content.analysis.verdict
         found = content
-    return environment.get_template(template).render(
+    return _template(template).render(
         title=_shown(title or file or "Record"),
         verdict=verdict,
         level=f"{100 * found.level:g} %",
@@ -98,6 +90,23 @@ def report(found: Identification | Analysis | Estimate | Content | EstimateConte
         versions=versions(),
         **fields,
     )
+
+
+@cache
+def _template(name: str) -> Template:
+    """Return a compiled template; compiling takes longer than filling in."""
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    environment = Environment(
+        loader=PackageLoader("suspid.reporting", "templates"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters["safe_text"] = _shown
+    environment.filters["safe_lines"] = _lines
+    return environment.get_template(name)
 
 
 def _fields(content: Content) -> dict[str, object]:

@@ -77,6 +77,8 @@ def svg_of(figure: Figure, *, name: str, described: str) -> str:
     >>> element.startswith('<svg'), "&lt;b&gt;" in element
     (True, True)
     """
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+
     engine = figure.get_layout_engine()
     if engine is not None:
         # Here and not within `savefig`, which would draw the figure once more for it.
@@ -84,7 +86,11 @@ def svg_of(figure: Figure, *, name: str, described: str) -> str:
         figure.set_layout_engine("none")
     with io.StringIO() as stream:
         nothing = dict.fromkeys(("Creator", "Date", "Format", "Type"))
-        figure.savefig(stream, format="svg", transparent=True, dpi=DOTS_PER_INCH, metadata=nothing)
+        # `savefig` would draw the figure once more before it writes it.
+        figure.set_dpi(DOTS_PER_INCH)
+        for patch in (figure.patch, *(ax.patch for ax in figure.axes)):
+            patch.set(facecolor="none", edgecolor="none")
+        FigureCanvasSVG(figure).print_svg(stream, metadata=nothing)
         # What is parsed is matplotlib's own output, in which it has escaped every text.
         root = ElementTree.fromstring(stream.getvalue())
     used = {m[1] for node in root.iter() for value in node.attrib.values() if (m := LOCAL_REFERENCE.match(value))}

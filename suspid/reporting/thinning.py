@@ -86,13 +86,19 @@ def row_edges(hertz: RealArray) -> RealArray:
 def drawable(identification: Identification) -> Identification:
     """Return the identification with a wavelet's view of it that is quickly made.
 
-    A short record, and one identified by its ridges, keep theirs. Of a long one the view is that of its first
-    part, until the slowest mode has died away, at a rate that suffices for the fastest.
+    One identified by its ridges keeps its own. Else the wavelet is one of a dozen. Of a long record the view is that
+    of its first part, until the slowest mode has died away, at a rate that suffices for the fastest.
     """
     signal = identification.steps.signal
     channels, count = signal.values.shape
-    if channels * count <= MOST_SAMPLES or identification.method == "ridge":
+    if identification.method == "ridge":
         return identification
+    if channels * count <= MOST_SAMPLES:
+        steps = identification.steps
+        few = _some(steps.candidates)
+        return (
+            identification if few == steps.candidates else replace(identification, steps=replace(steps, candidates=few))
+        )
     most = max(MOST_SAMPLES // channels, FEWEST_DRAWN)
     # Where there is no mode, what was taken for none is of interest.
     beside = [c.pole for c in identification.considered if c.removed or not len(identification.modes)]

@@ -10,8 +10,9 @@ import csv
 import itertools
 import re
 from collections import Counter
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
 
 from suspid.errors import RecordError
 from suspid.files import printable
@@ -99,7 +100,7 @@ def shapes(lines: Sequence[str]) -> Counter[str]:
 
 def find_dialect(head: Sequence[str], sample: Sequence[str], counted: Mapping[str, int]) -> tuple[Dialect, int]:
     """Return the dialect in which most lines of a sample are rows of numbers, and the number of cells of a row."""
-    trials = [trial for dialect in DIALECTS if (trial := _tried(dialect, counted))]
+    trials = _trials(counted)
     if not trials:
         raise RecordError("holds no row of numbers; a record needs at least 2 samples, one a line")
     # Blanks and tabs read what tabs alone read, and a few lines of a header besides.
@@ -118,9 +119,25 @@ def find_dialect(head: Sequence[str], sample: Sequence[str], counted: Mapping[st
     return chosen.dialect, chosen.width
 
 
-def _tried(dialect: Dialect, counted: Mapping[str, int]) -> _Trial | None:
+def _trials(counted: Mapping[str, int]) -> list[_Trial]:
+    """Return the dialects in which some of the lines are rows of numbers."""
+    text, kind = "".join(counted), cache(kind_of)
+    found: list[_Trial] = []
+    whole: dict[bool, _Trial | None] = {}
+    for dialect in DIALECTS:
+        # Delimiters that no line has leave the same cells: all of the line.
+        absent = dialect.delimiter != " " and dialect.delimiter not in text
+        trial = whole[dialect.comma] if absent and dialect.comma in whole else _tried(dialect, counted, kind)
+        if absent:
+            whole[dialect.comma] = trial
+        if trial is not None:
+            found.append(replace(trial, dialect=dialect))
+    return found
+
+
+def _tried(dialect: Dialect, counted: Mapping[str, int], kind: Callable[..., Kind]) -> _Trial | None:
     cells = {shape: dialect.cells(shape) for shape in counted}
-    kinds = {shape: [kind_of(cell, comma=dialect.comma) for cell in row] for shape, row in cells.items()}
+    kinds = {shape: [kind(cell, comma=dialect.comma) for cell in row] for shape, row in cells.items()}
     widths = Counter[int]()
     for shape, found in kinds.items():
         if "number" in found:

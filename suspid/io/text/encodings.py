@@ -65,7 +65,9 @@ def decoded(content: bytes) -> tuple[bytes, dict[str, Remark]]:
     if re.match(rb"\d\d:\d\d:\d\d\.\d+ -> ", content):
         start = content[:TOP]
         content = content.replace(b" -> ", next((d for d in (b"\t", b";", b",") if d in start), b"\t"))
-    if (whole := ONE_LINE.search(content)) is not None:
+    # The search takes longer than reading the numbers; only a text that ends in a bracket is one.
+    closed = content.rstrip(b"; \t\n\r\f\v").endswith(b"]")
+    if closed and (whole := ONE_LINE.search(content)) is not None:
         rows = whole[1].replace(b";", b"\n").replace(b"...", b"")
         content = content[: whole.start()].rstrip(b" \t") + b"\n" + rows + b"\n"
     if PRINTED_MATRIX.search(content[:TOP]):
