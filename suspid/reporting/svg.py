@@ -7,7 +7,7 @@ import re
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from suspid.reporting.colours import Colour
 
@@ -90,7 +90,8 @@ def svg_of(figure: Figure, *, name: str, described: str) -> str:
         figure.set_dpi(DOTS_PER_INCH)
         for patch in (figure.patch, *(ax.patch for ax in figure.axes)):
             patch.set(facecolor="none", edgecolor="none")
-        FigureCanvasSVG(figure).print_svg(stream, metadata=nothing)
+        canvas: Any = FigureCanvasSVG(figure)  # its methods have no types
+        canvas.print_svg(stream, metadata=nothing)
         # What is parsed is matplotlib's own output, in which it has escaped every text.
         root = ElementTree.fromstring(stream.getvalue())
     used = {m[1] for node in root.iter() for value in node.attrib.values() if (m := LOCAL_REFERENCE.match(value))}
