@@ -14,8 +14,13 @@ from click.testing import CliRunner
 from suspid import InputError, ModalSet, ReconstructionError, Strut, Suspension, eigenmodes
 from suspid.cli.main import main
 from suspid.model import car_to_toml, read_car, read_constraints
+from suspid.reconstruction.alternatives import spectral_minima
+from suspid.reconstruction.observations import ModalTest
+from suspid.reconstruction.posed import Asked, posed
+from suspid.reconstruction.programs import Limits, least_squares
 from suspid.reconstruction.reconstruct import Reconstruction, reconstruct
-from suspid.reconstruction.unknowns import parameter_names, parameter_vector
+from suspid.reconstruction.unknowns import Unknowns, parameter_names, parameter_vector
+from suspid.units import RealArray
 from suspid.words import ReconstructionCheck, ReconstructionNote
 from validation.cars import HATCHBACK, PAPER
 from validation.springs import nominal, with_noise
@@ -35,6 +40,31 @@ def plain(seed: int = 0, car: Suspension = PAPER) -> ModalSet:
 
 def codes(found: Reconstruction) -> set[object]:
     return {remark.code for remark in found.remarks}
+
+
+def test_a_program_that_has_no_solution_is_refused() -> None:
+    both = Limits(low=np.zeros(2), high=np.ones(2), E=np.ones((1, 2)), e=np.array([10.0]))
+    with pytest.raises(ReconstructionError, match="optimality conditions"):
+        least_squares(np.eye(2), np.ones(2), both)
+
+
+@pytest.mark.parametrize(("met", "rounds"), [(1, 2), (2, 2), (3, 1)])
+def test_a_minimum_that_was_met_less_than_three_times_calls_for_more_starts(
+    met: int, rounds: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where one is met so seldom, others may have been missed; a round that finds no new one ends the search."""
+    asked = []
+
+    def ends(_: object, starts: RealArray, unknowns: Unknowns) -> tuple[RealArray, RealArray]:
+        asked.append(len(starts))
+        found = np.tile(unknowns.nominal, (len(starts), 1))
+        found[:met] *= 2
+        return found, np.zeros(len(starts))
+
+    monkeypatch.setattr("suspid.reconstruction.alternatives.descend_together", ends)
+    problem, _ = posed([ModalTest(modes=eigenmodes(PAPER))], PAPER, Asked())
+    assert len(spectral_minima(problem.tests, problem.unknowns, reach=1.0)) == 2
+    assert len(asked) == rounds
 
 
 class TestInactiveConstraintsDoNothing:

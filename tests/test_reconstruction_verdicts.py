@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 from suspid import InputError, ModalSet, ReconstructionError, Strut, Suspension, eigenmodes, statespace
+from suspid.reconstruction.checks import check_fit
 from suspid.reconstruction.observations import ModalTest
+from suspid.reconstruction.posed import Asked, posed
 from suspid.reconstruction.reconstruct import reconstruct
 from suspid.reconstruction.unknowns import parameter_names, parameter_vector
 from suspid.units import RealArray
@@ -123,6 +125,23 @@ class TestWithoutCovariance:
         assert not answer.explains
         assert "does not explain these modes: more is left than 3.0%" in answer.status
         assert answer.chi_square is None
+
+    @pytest.mark.parametrize(("mac", "accepted"), [(0.78, False), (0.82, True)])
+    def test_a_shape_is_the_mode_s_own_from_a_mac_of_0_8_on(self, mac: float, accepted: bool) -> None:
+        """A shape and a part at right angles to it: its MAC is the squared cosine."""
+        modes = eigenmodes(PAPER)
+        assert modes.shapes is not None
+        own = modes.shapes[:, 1] / np.linalg.norm(modes.shapes[:, 1])
+        other = modes.shapes[:, 0] - own * np.vdot(own, modes.shapes[:, 0])
+        mixed = np.sqrt(mac) * own + np.sqrt(1 - mac) * other / np.linalg.norm(other)
+        shapes = np.column_stack([modes.shapes[:, 0], mixed / mixed[np.argmax(np.abs(mixed))], modes.shapes[:, 2]])
+        tests = [ModalTest(modes=ModalSet(poles=modes.poles, shapes=shapes, channels=modes.channels))]
+        problem, _ = posed(tests, PAPER, Asked())
+        if accepted:
+            assert check_fit(problem, tests, PAPER, 0.01)[1] == pytest.approx(mac, abs=1e-9)
+        else:
+            with pytest.raises(ReconstructionError, match="MAC"):
+                check_fit(problem, tests, PAPER, 0.01)
 
     def test_the_tolerance_decides(self) -> None:
         answer = reconstruct(self.with_gain(1.1), nominal(PAPER))
