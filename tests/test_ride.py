@@ -23,7 +23,7 @@ from suspid import (
     weighting,
 )
 from suspid.model import output_rows
-from suspid.performance.figures import plan_of
+from suspid.performance.figure_plan import plan_of
 from suspid.performance.ride import driven_road
 from suspid.performance.road_response import Signals, grid_of, response
 from suspid.performance.weightings import WEIGHTINGS, weighted

@@ -8,7 +8,7 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 from suspid import InputError, quarter_car, ride, road, tune
-from suspid.performance.figures import plan_of
+from suspid.performance.figure_plan import plan_of
 from suspid.performance.road_response import grid_of
 from suspid.words import Level
 from suspid.words.ride import TuningCheck

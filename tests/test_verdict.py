@@ -11,13 +11,8 @@ from suspid import Identification, Level, Verdict, add_noise, free_decay, identi
 from suspid.identification.classification import LEAST_EXPLAINED
 from suspid.identification.considered import Considered
 from suspid.identification.lines import clear_line
-from suspid.identification.verdict import (
-    ROUGH_WN,
-    ROUGH_ZETA,
-    SAMPLES_EACH,
-    UNKNOWN_ZETA,
-    verdict_of,
-)
+from suspid.identification.mode_checks import ROUGH_WN, ROUGH_ZETA, UNKNOWN_ZETA
+from suspid.identification.verdict import SAMPLES_EACH, verdict_of
 from suspid.model import ModalSet
 from suspid.signals import Signal, as_response, as_signal, late_start
 from suspid.units import RealArray

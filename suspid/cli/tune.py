@@ -13,6 +13,7 @@ from suspid.cli.options import AT_SPEED, FILE, ON_ROAD, pairs, road_named
 from suspid.cli.ride import GIVEN_STOPS, PICTURE_OF_RIDE, STATED_STD, car_of, drawing
 from suspid.cli.support import Positive, check_apart, named, said_warnings, say
 from suspid.files import replacing
+from suspid.reconstruction import QUANTITIES
 
 if TYPE_CHECKING:
     from suspid.model import Suspension
@@ -103,7 +104,7 @@ def tune_command(
 def _struts(car: Suspension) -> list[list[str]]:
     """Return springs and dampers of the struts that are not on the road."""
     off = [s for s in car.struts if not any(s.arms.get(r) for r in car.roads)]
-    return [[f"{s.name}.{q}"] for q in ("stiffness", "damping") for s in off if getattr(s, q)]
+    return [[f"{s.name}.{q}"] for q in QUANTITIES for s in off if getattr(s, q)]
 
 
 def _figures(car: Suspension) -> tuple[str, str]:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Literal
 from suspid.errors import InputError
 from suspid.model import Suspension, car_from_toml
 from suspid.performance import dampers_between
+from suspid.reconstruction import QUANTITIES
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -194,7 +195,7 @@ def drives_layout(car: Suspension | None) -> Layout:
     """
     columns = dict(DRIVE_COLUMNS)
     for strut in car.struts if car else ():
-        for quantity in ("stiffness", "damping"):
+        for quantity in QUANTITIES:
             if getattr(strut, quantity) > 0:
                 columns |= dict.fromkeys((f"{strut.name}.{quantity}", f"{strut.name}.{quantity}_std"), "double")
     for name in dampers_named(car):

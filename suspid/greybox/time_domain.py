@@ -19,7 +19,7 @@ from suspid.greybox.whiteness import portmanteau, score_power
 from suspid.identification import ABOVE_RESOLUTION
 from suspid.levels import CHI_SQUARE_95, likely
 from suspid.model import ModalSet, Suspension, eigenmodes
-from suspid.reconstruction import reconstruct
+from suspid.reconstruction import QUANTITIES, reconstruct
 from suspid.units import RealArray
 from suspid.words import Check, Level, Number, Remark
 from suspid.words.greybox import EstimateCheck
@@ -135,7 +135,7 @@ def _twins(problem: Problem, best: Found) -> Iterator[RealArray]:
 
 
 def _strut_parameters(car: Suspension) -> list[str]:
-    return [f"{s.name}.{quantity}" for quantity, s in product(("stiffness", "damping"), car.struts)]
+    return [f"{s.name}.{quantity}" for quantity, s in product(QUANTITIES, car.struts)]
 
 
 def _judged(problem: Problem, errors: list[OutputError], noise: list[RealArray]) -> tuple[float, int, list[Check]]:

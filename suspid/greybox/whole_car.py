@@ -23,7 +23,7 @@ from suspid.greybox.tire_fit import TireFit, TireProblem, fit_tires
 from suspid.greybox.trials import Trial
 from suspid.greybox.wheel_power import tracks_of
 from suspid.greybox.wheel_problem import band_of, wheel_problem
-from suspid.reconstruction import Unknowns
+from suspid.reconstruction import QUANTITIES, Unknowns
 from suspid.units import Hertz, Ratio, RealArray, Second
 from suspid.words import Check, Level, Number, Remark
 from suspid.words.greybox import EstimateCheck
@@ -184,7 +184,7 @@ def _parts(unknowns: Unknowns, trials: Sequence[Trial], beyond: Sequence[str]) -
     """Return which unknowns the given motion determines, and which only the road does."""
     u = unknowns
     wheels = {u.car.coordinates[i] for trial in trials for i in trial.wheels}
-    far = {f"{name}.{q}" for name in beyond for q in ("stiffness", "damping")} | {f"{name}.mass" for name in wheels}
+    far = {f"{name}.{q}" for name in beyond for q in QUANTITIES} | {f"{name}.mass" for name in wheels}
     first = sorted({c for name, c in zip(u.names, u.column, strict=True) if name not in far})
     second = sorted({c for name, c in zip(u.names, u.column, strict=True) if name in far})
     both = [u.labels[c] for c in first if c in second]

@@ -9,7 +9,7 @@ import numpy as np
 
 from suspid.cleaning import RecordLike, as_record
 from suspid.errors import InputError
-from suspid.performance.figures import (
+from suspid.performance.figure_plan import (
     ACCELERATION,
     ANGLES,
     ROTATION,

@@ -9,7 +9,7 @@ import numpy as np
 from suspid.cleaning import RecordLike
 from suspid.errors import InputError
 from suspid.model import Suspension, output_rows
-from suspid.performance.figures import ROTATION, SICKNESS, Plan, plan_of
+from suspid.performance.figure_plan import ROTATION, SICKNESS, Plan, plan_of
 from suspid.performance.reactions import reaction
 from suspid.performance.recorded import recorded
 from suspid.performance.rides import Ride

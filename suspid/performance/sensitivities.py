@@ -9,7 +9,7 @@ import numpy as np
 
 from suspid.errors import InputError
 from suspid.model import Suspension, statespace
-from suspid.performance.figures import plan_of
+from suspid.performance.figure_plan import plan_of
 from suspid.performance.ride import HOUR, driven_road
 from suspid.performance.strut_slopes import strut_slopes
 from suspid.reconstruction import parameter_names, parameter_values

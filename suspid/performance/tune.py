@@ -3,62 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from suspid.errors import InputError
-from suspid.model import Suspension
-from suspid.performance.figures import Plan, plan_of
+from suspid.performance.choices import Choice, box_of, choice_of
+from suspid.performance.figure_plan import Plan, plan_of
 from suspid.performance.fronts import Front, Search, front_of
 from suspid.performance.ride import HOUR, driven_road
 from suspid.performance.road_response import Grid, exact_grid
 from suspid.performance.tunings import Tuning
 from suspid.performance.uncertain import Car, Uncertain, uncertain
-from suspid.reconstruction import parameter_values
 from suspid.simulation import Road
 from suspid.units import Metre, Ratio, RealArray, Second
-from suspid.values import frozen_real, nearest_names
+from suspid.values import frozen_real
 from suspid.words import Check, Level, Number, Remark, Verdict
 from suspid.words.ride import RideCheck, TuningCheck, TuningHeadline
 
-# Parameters are looked for within this factor of the car's own, both ways.
-REACH_OF_BOUNDS = 4.0
 # Figures that are zero to rounding, such as the probability of a rare event, have no logarithm.
 NO_FIGURE = 1e-300
 # A factor nearer to its bound than this is at it.
 AT_BOUND = 1e-3
-KINDS_TUNED = ("stiffness", "damping")
-
-
-@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
-class Choice:
-    """The unknowns: groups of parameters that keep their ratios, and the cars that are looked at for each choice."""
-
-    base: Suspension
-    groups: tuple[tuple[str, ...], ...]
-    values: Mapping[str, float]
-    scenarios: tuple[Mapping[str, float], ...]  # factors of parameters that are uncertain
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """All parameters that are chosen."""
-        return tuple(name for group in self.groups for name in group)
-
-    def chosen(self, x: RealArray) -> dict[str, float]:
-        """Return the parameters at logarithms of factors, one for each group."""
-        factors = np.exp(x)
-        pairs = zip(self.groups, factors.tolist(), strict=True)
-        return {name: self.values[name] * factor for group, factor in pairs for name in group}
-
-    def car(self, x: RealArray, scenario: Mapping[str, float]) -> Suspension:
-        """Return the car with chosen parameters, in a scenario."""
-        parts: dict[str, dict[str, float]] = {"stiffness": {}, "damping": {}, "mass": {}}
-        drawn = {name: self.values[name] * factor for name, factor in scenario.items()}
-        for name, value in {**drawn, **self.chosen(x)}.items():
-            owner, _, quantity = name.rpartition(".")
-            parts[quantity][owner] = value
-        return self.base.with_parameters(stiffness=parts["stiffness"], damping=parts["damping"], masses=parts["mass"])
 
 
 def tune(
@@ -139,8 +104,8 @@ def tune(
     driven = driven_road(about.car, road, speed)
     figures = (*wanted, *(name for name in limits if name not in wanted))
     plan = plan_of(about.car, driven, duration=duration, weightings=weightings, clearance=clearance).only(figures)
-    choice = _choice(about, parameters, robust)
-    low, high = _box(choice, bounds or {})
+    choice = choice_of(about, parameters, robust)
+    low, high = box_of(choice, bounds or {})
     grid = exact_grid(about.car, plan.signals, driven)
     start = np.clip(np.zeros(len(low)), low, high)
     # An objective that is limited too stands once more, as a figure of its own.
@@ -216,53 +181,6 @@ def _check(wanted: Sequence[str], limits: Mapping[str, float], points: int, robu
         raise InputError(f"{points=} must be two or more")
     if not (np.isfinite(robust) and robust >= 0):
         raise InputError(f"{robust=} must be a number of standard deviations, 0 or more")
-
-
-def _choice(about: Uncertain, parameters: Sequence[str | Sequence[str]], robust: Ratio) -> Choice:
-    """Return the unknowns of a request."""
-    known = parameter_values(about.car)
-    if isinstance(parameters, str) or not len(parameters):
-        raise InputError(f"{parameters=} must be a sequence of names such as ['chassis.damping']")
-    groups = tuple((one,) if isinstance(one, str) else tuple(one) for one in parameters)
-    names = [name for group in groups for name in group]
-    for name in names:
-        if name not in known or name.rpartition(".")[2] not in KINDS_TUNED:
-            allowed = [one for one in known if one.rpartition(".")[2] in KINDS_TUNED]
-            raise InputError(f"there is no spring or damper {name!r}.{nearest_names(name, allowed)}")
-        if names.count(name) > 1:
-            raise InputError(f"parameter {name!r} is given twice")
-        if not known[name]:
-            raise InputError(f"parameter {name!r} is zero: a factor does not change it; give the car a first guess")
-    scenarios: tuple[Mapping[str, float], ...] = ({},)
-    if robust:
-        rows = [i for i, name in enumerate(about.parameters) if name in known and name not in names and known[name]]
-        if not rows:
-            raise InputError("robust: nothing is uncertain beside what is chosen; give an Estimate or nominal_std")
-        uncertain_names = [about.parameters[i] for i in rows]
-        at = np.array([known[name] for name in uncertain_names])
-        relative = about.covariance[np.ix_(rows, rows)] / np.outer(at, at)
-        values, vectors = np.linalg.eigh(relative)
-        reach = vectors * np.sqrt(np.maximum(values, 0.0) * len(rows))
-        moves = [sign * column for column in reach.T for sign in (1.0, -1.0)]
-        scenarios = tuple(dict(zip(uncertain_names, np.exp(move).tolist(), strict=True)) for move in moves)
-    return Choice(base=about.car, groups=groups, values=known, scenarios=scenarios)
-
-
-def _box(choice: Choice, bounds: Mapping[str, tuple[float, float]]) -> tuple[RealArray, RealArray]:
-    """Return the bounds of the logarithms of factors, of each group."""
-    firsts = [group[0] for group in choice.groups]
-    for name in bounds:
-        if name not in firsts:
-            raise InputError(f"bounds: {name!r} is not chosen.{nearest_names(name, firsts)}")
-    ends = [
-        bounds.get(name, (choice.values[name] / REACH_OF_BOUNDS, choice.values[name] * REACH_OF_BOUNDS))
-        for name in firsts
-    ]
-    for name, (low, high) in zip(firsts, ends, strict=True):
-        if not 0 < low < high < np.inf:
-            raise InputError(f"bounds: {name!r} = {(low, high)} must ascend from above 0")
-    logs = np.log(np.array(ends) / np.array([[choice.values[name]] for name in firsts]))
-    return logs[:, 0], logs[:, 1]
 
 
 def _judged(front: Front, choice: Choice, search: Search, robust: Ratio, about: Uncertain) -> Verdict:

@@ -14,6 +14,7 @@ from suspid.reconstruction.observations import ModalTest
 from suspid.reconstruction.posed import Asked, check_asked
 from suspid.reconstruction.reconstruct import Reconstruction, reconstruct
 from suspid.reconstruction.unknowns import (
+    QUANTITIES,
     Unknowns,
     parameter_names,
     parameter_values,
@@ -23,6 +24,7 @@ from suspid.reconstruction.unknowns import (
 
 __all__ = [
     "LARGEST_STEP",
+    "QUANTITIES",
     "Asked",
     "Bounds",
     "ModalTest",

@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from suspid.errors import InputError
+from suspid.reconstruction.unknowns import QUANTITIES
 from suspid.values import nearest_names
 
 COMPARISONS: Mapping[type[ast.cmpop], Callable[[Any, Any], Any]] = {
@@ -63,8 +64,8 @@ def _degree(node: ast.expr, struts: Sequence[str], where: str) -> int:
     name = _name(node)
     if name is not None:
         strut, _, quantity = name.rpartition(".")
-        known = [f"{s}.{q}" for s in struts for q in ("stiffness", "damping")]
-        if quantity not in ("stiffness", "damping") or strut not in struts:
+        known = [f"{s}.{q}" for s in struts for q in QUANTITIES]
+        if quantity not in QUANTITIES or strut not in struts:
             raise InputError(f"{where}: there is no parameter {name!r}.{nearest_names(name, known)}")
         return 1
     if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub | ast.UAdd):

@@ -1,0 +1,122 @@
+"""What speaks for and against single modes: their halves, precision, cycles and amplitudes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from suspid.files import printable
+from suspid.samples import held
+from suspid.signals import as_signal
+from suspid.units import Ratio
+from suspid.words import Check, Level, ModeCheck, Number, Reason, Remark
+
+if TYPE_CHECKING:
+    from suspid.identification.identification import Identification
+
+# Disagreement of the halves [sd] beyond which it is no chance: 0.3 % for a Gaussian.
+HALVES_APART = 3.0
+# Half widths of the interval, as shares of the value, from which on zeta is unknown, zeta is rough, wn is rough.
+UNKNOWN_ZETA, ROUGH_ZETA, ROUGH_WN = 1.0, 0.25, 0.05
+# Phase collinearity below which the channels of a mode are out of phase.
+OUT_OF_PHASE = 0.5
+# A mode with fewer cycles in the record than this, that has not decayed by as many nepers, is known from few cycles.
+CYCLES_SEEN = 3.0
+
+
+def check_of(code: ModeCheck, level: Level, numbers: Mapping[str, Number] | None = None) -> Check:
+    """Return a check of an identification."""
+    return Check(Remark(code, numbers or {}), level)
+
+
+def check_halves(found: Identification) -> Iterator[Check]:
+    """Check that both halves of the decay show the same modes."""
+    apart = found.halves
+    known = np.isfinite(apart)
+    for mode, value in enumerate(apart.tolist(), 1):
+        if value > HALVES_APART:
+            yield check_of(ModeCheck.HALVES_DISAGREE, Level.CARE, {"mode": mode, "apart": value})
+    if np.any(known) and np.nanmax(apart) <= HALVES_APART:
+        which = "every mode" if np.all(known) else f"mode {', '.join(map(str, numbers_of(known)))}"
+        yield check_of(ModeCheck.HALVES_AGREE, Level.SOUND, {"which": which, "most": float(np.nanmax(apart))})
+
+
+def check_amplitudes(found: Identification) -> Iterator[Check]:
+    """Check whether the decay is linear; if not, how each mode depends on its amplitude."""
+    if not found.forces:
+        return
+    kinds = tuple(dict.fromkeys(force.kind.value for force in found.forces))
+    # Where all modes of a nonlinear fit fall by half in a cycle, a pulse of force without ringing looks the same.
+    swings = bool(np.min(found.modes.zeta) < np.log(2) / (2 * np.pi))
+    yield check_of(ModeCheck.NONLINEAR, Level.CARE if swings else Level.DOUBTFUL, {"forces": kinds})
+    for mode, each in enumerate(found.amplitude_dependence, 1):
+        (high_wn, high_zeta), (low_wn, low_zeta) = each.ends
+        numbers: dict[str, Number] = {
+            "mode": mode,
+            "high": float(np.max(each.amplitude)),
+            "high_hz": high_wn / (2 * np.pi),
+            "high_zeta": high_zeta,
+            "low": float(np.min(each.amplitude)),
+            "low_hz": low_wn / (2 * np.pi),
+            "low_zeta": low_zeta,
+            "channel": printable(each.channel),
+            "holds": each.holds_at,
+        }
+        yield check_of(ModeCheck.AMPLITUDE, Level.NOTE, numbers)
+
+
+def check_resolution(found: Identification) -> Iterator[Check]:
+    """Check that no mode may as well be two."""
+    partners = [c.pole for c in found.considered if c.remark.code is Reason.UNRESOLVED]
+    modes = sorted({int(np.argmin(np.abs(found.modes.poles - pole))) + 1 for pole in partners})
+    if modes:
+        yield check_of(ModeCheck.UNRESOLVED, Level.CARE, {"modes": tuple(modes)})
+
+
+def check_phases(found: Identification) -> Iterator[Check]:
+    """Check whether all channels of each mode move in phase or antiphase."""
+    modes = numbers_of((np.array(found.modes.kinds) == "pair") & (found.collinearity < OUT_OF_PHASE))
+    if len(found.modes.channels) > 1 and modes:
+        yield check_of(ModeCheck.OUT_OF_PHASE, Level.NOTE, {"modes": modes})
+
+
+def check_cycles(found: Identification) -> Iterator[Check]:
+    """Check that each oscillation is seen over several cycles or until it has decayed, and that there is one."""
+    poles, duration = found.modes.poles, as_signal(held(found, "response")).duration
+    cycles = np.abs(poles.imag) * duration / (2 * np.pi)
+    few = (poles.imag != 0) & (cycles < CYCLES_SEEN) & (-poles.real * duration < CYCLES_SEEN)
+    for k in np.flatnonzero(few).tolist():
+        yield check_of(ModeCheck.FEW_CYCLES, Level.CARE, {"mode": k + 1, "cycles": float(cycles[k])})
+    if not np.any(poles.imag != 0):
+        # What the residual contradicts is a drift.
+        yield check_of(ModeCheck.REAL_ONLY, Level.DOUBTFUL if np.any(found.loudness > 1) else Level.CARE)
+
+
+def check_precision(found: Identification, level: Ratio) -> Iterator[Check]:
+    """Check how wide the intervals of frequency and damping are."""
+    modes = found.modes
+    if modes.covariance is None:
+        return
+    ends = modes.interval(level)
+    pairs = np.array(modes.kinds) == "pair"
+    wn = (ends.wn[:, 1] - modes.wn) / np.where(modes.wn > 0, modes.wn, 1.0)
+    zeta = (ends.zeta[:, 1] - modes.zeta) / np.where(modes.zeta != 0, np.abs(modes.zeta), 1.0)
+    vague = pairs & (zeta > UNKNOWN_ZETA)
+    rough = pairs & ~vague & (zeta > ROUGH_ZETA) | pairs & (wn > ROUGH_WN)
+    if np.any(vague):
+        yield check_of(ModeCheck.DAMPING_UNKNOWN, Level.CARE, {"modes": numbers_of(vague)})
+    for k in np.flatnonzero(rough).tolist():
+        numbers: dict[str, Number] = {"mode": k + 1}
+        numbers |= {"wn": float(wn[k])} if wn[k] > ROUGH_WN else {}
+        numbers |= {"zeta": float(zeta[k])} if ROUGH_ZETA < zeta[k] <= UNKNOWN_ZETA else {}
+        yield check_of(ModeCheck.KNOWN_ROUGHLY, Level.CARE, numbers)
+    if np.any(pairs) and not np.any(vague | rough):
+        most = {"wn": float(np.max(wn[pairs])), "zeta": float(np.max(zeta[pairs])), "level": float(level)}
+        yield check_of(ModeCheck.KNOWN, Level.SOUND, most)
+
+
+def numbers_of(which: np.ndarray[tuple[int], np.dtype[np.bool_]]) -> tuple[int, ...]:
+    """Return the numbers of modes, from 1 on."""
+    return tuple(int(k) + 1 for k in np.flatnonzero(which))
