@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from suspid.model import Suspension, output_rows
-from suspid.performance.figures import Plan
+from suspid.performance.figure_plan import Plan
 from suspid.performance.road_response import Signals, exact_grid, moments
 from suspid.performance.tune import NO_FIGURE
 from suspid.simulation import Road

@@ -10,11 +10,11 @@ import numpy as np
 
 from suspid.errors import InputError
 from suspid.model import Strut
+from suspid.performance.choices import REACH_OF_BOUNDS
 from suspid.performance.damper_search import OnRoad, Search, on_road
 from suspid.performance.damper_tunings import DamperTuning
-from suspid.performance.figures import plan_of
+from suspid.performance.figure_plan import plan_of
 from suspid.performance.ride import HOUR, driven_road
-from suspid.performance.tune import REACH_OF_BOUNDS
 from suspid.performance.uncertain import Car, uncertain
 from suspid.simulation import Road
 from suspid.units import Metre, NewtonSecondPerMetre, Ratio, RealArray, Second
