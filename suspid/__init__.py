@@ -12,7 +12,18 @@
 
 from importlib.metadata import version
 
-from suspid.analysis import Analysis, CarSettings, DriveAnalysis, Settings, analyse, analyse_drive
+from suspid.analysis import (
+    Analysis,
+    CarSettings,
+    CheckedLimits,
+    DriveAnalysis,
+    Limit,
+    Settings,
+    analyse,
+    analyse_drive,
+    check_limits,
+    read_limits,
+)
 from suspid.cleaning import Cleaned, Finding, Vertical, as_record, clean, read_record, scaled, to_si, vertical
 from suspid.decays import Decay, Decays, find_decays
 from suspid.errors import (
@@ -149,6 +160,7 @@ __all__ = [  # noqa: RUF022 - grouped by step
     "find_drives", "Drives", "Drive", "DriveLimits", "body_modes", "BodyModes", "BodyMode",
     # the whole recipe
     "analyse", "Analysis", "Settings", "CarSettings", "analyse_drive", "DriveAnalysis",
+    "check_limits", "CheckedLimits", "Limit", "read_limits",
     # a record's modes, at once or step by step, and those of repeats
     "identify", "Identification", "FourSteps", "Considered", "identify_repeats", "Repeats",
     "best_bandwidth", "BandwidthSearch", "cwt", "Scalogram", "Morlet",

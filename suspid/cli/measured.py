@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from suspid.analysis import STEPS, Analysis, Settings, analyse, check_springs
+from suspid.analysis import STEPS, Analysis, Settings, analyse, check_springs, read_limits
 from suspid.cli.options import (
     AT_SPEED,
     DBC_OPTION,
@@ -148,11 +148,13 @@ def _json_of(found: Analysis, files: Sequence[Path], said: Sequence[str]) -> dic
 
 @click.command("report")
 @click.argument("files", type=FILE, nargs=-1, required=True, metavar="FILE...")
-@click.option("-o", "--output", type=FILE, metavar="FILE", required=True, help="The page to write (.html).")
+@click.option("-o", "--output", type=FILE, metavar="FILE", required=True, help="The page to write (.html, .pdf).")
 @analysing
 @click.option("--car", type=FILE, metavar="CAR", help="Masses and nominal struts (.toml): springs and dampers as well.")
 @ON_ROAD
 @AT_SPEED
+@click.option("--limits", type=FILE, metavar="FILE", help="Bounds of modes, springs and dampers to judge by (.toml).")
+@click.option("--format", "kind", type=click.Choice(["html", "pdf"]), help="Kind of page. [that of the name]")
 @click.option("--level", type=click.FloatRange(0, 1, min_open=True, max_open=True), default=LEVEL, show_default=True,
               help="Probability of the intervals.")  # fmt: skip
 @click.option("--json", "json_file", type=FILE, metavar="FILE", help="Write all that the page shows as JSON.")
@@ -163,6 +165,8 @@ def report_command(
     output: Path,
     settings: Settings,
     car: Path | None,
+    limits: Path | None,
+    kind: str | None,
     road: str | None,
     speed: float | None,
     level: float,
@@ -183,8 +187,8 @@ def report_command(
 
     if (road is None) != (speed is None) or (road is not None and car is None):
         raise click.UsageError("--road and --speed belong together, and need --car.")
-    checked_page(output)
-    check_apart([*files, *([car] if car else [])], [output, json_file])
+    write = writer(output, kind)
+    check_apart([*files, *filter(None, (car, limits))], [output, json_file])
     with ExitStack() as outputs, said_warnings() as said, progress(*STEPS, "drawing") as step:
         draft = outputs.enter_context(replacing(output))
         json_draft = outputs.enter_context(replacing(json_file)) if json_file else None
@@ -198,16 +202,19 @@ def report_command(
         else:
             with named(files[0]):
                 found = analyse(files[0], car=suspension, settings=settings, progress=step)
+        asked = () if limits is None else read_limits(limits)
         described = None if car is None else source_of(car, text=True)
         step("drawing")
         ride = _ride_of(found, road, speed)
-        content = content_of(found, source=sources_of(files, date=date), car=described, ride=ride)
-        draft.write_text(report(content, title=title), encoding="utf-8")
+        content = content_of(found, source=sources_of(files, date=date), car=described, limits=asked, ride=ride)
+        write(report(content, title=title), draft)
         if json_draft:
             json_draft.write_text(to_json(report_to_dict(content)), encoding="utf-8")
         said += said_of(found, most_left_out=MOST_LEFT_OUT, most_findings=MOST_FINDINGS)
     modes = count(len(found.modes), "mode") if len(found.modes) else "no mode"
     say(f"{printable(str(output))}: {modes} in {', '.join(printable(str(file)) for file in files)}")
+    if content.limits is not None:
+        say(str(content.limits))
 
 
 def _ride_of(found: Analysis, road: str | None, speed: float | None) -> Ride | None:
@@ -252,8 +259,26 @@ def record_in_words(record: control.TimeResponseData) -> str:
 def checked_page(path: Path) -> Path:
     """Return the path, if it is one of an HTML file."""
     if path.suffix.lower() not in (".html", ".htm"):
-        raise InputError(f"{printable(str(path))}: reports are written as .html; choose such a name")
+        raise InputError(f"{printable(str(path))}: pages are written as .html or .pdf; choose such a name")
     return path
+
+
+def writer(path: Path, kind: str | None) -> Callable[[str, Path], None]:
+    """Return how a page is written, by the kind that is asked for or by the suffix of the file."""
+    from suspid.reporting import browser, write_pdf
+
+    suffix = path.suffix.lower()
+    if (kind or "pdf") == "pdf" and suffix == ".pdf":
+        browser()
+        return write_pdf
+    if suffix == ".pdf" or kind == "pdf":
+        raise InputError(f"{printable(str(path))}: --format {kind} and this name do not agree; name it .{kind}")
+    checked_page(path)
+    return _write_text
+
+
+def _write_text(page: str, draft: Path) -> None:
+    draft.write_text(page, encoding="utf-8")
 
 
 def sources_of(files: Sequence[Path], *, date: str | None = None) -> list[Source]:

@@ -37,9 +37,10 @@ import numpy as np
 from suspid.errors import InputError
 from suspid.files import parsed_json, printable, read_text
 from suspid.identification.identification import Identification
-from suspid.model import ModalSet, check_definite, parsed_toml
+from suspid.model import ModalSet, check_definite
 from suspid.samples import held
 from suspid.signals import Signal, as_signal
+from suspid.toml import parsed_toml
 from suspid.values import LARGEST_SIZE, SMALLEST_SIZE, nearest_names
 
 MODES_FORMAT = "suspid modes 1"

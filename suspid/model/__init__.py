@@ -7,7 +7,7 @@ of either kind. `read_car` and `write_car` keep a suspension as TOML.
 """
 
 from suspid.model.assert_modes_close import assert_modes_close
-from suspid.model.car_files import car_from_toml, parsed_toml, read_car, read_constraints, write_car
+from suspid.model.car_files import car_from_toml, read_car, read_constraints, write_car
 from suspid.model.car_text import car_to_toml
 from suspid.model.checks import added_masses
 from suspid.model.compare import compare
@@ -53,7 +53,6 @@ __all__ = [
     "modal_table",
     "output_rows",
     "output_weights",
-    "parsed_toml",
     "piecewise",
     "pole_distances",
     "quarter_car",

@@ -45,11 +45,9 @@ from __future__ import annotations
 import inspect
 import os
 import reprlib
-import tomllib
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import NoReturn
 
 from suspid.errors import InputError
 from suspid.files import printable, read_text, replacing
@@ -61,8 +59,8 @@ from suspid.model.quarter_car import quarter_car
 from suspid.model.sensor import MOTIONS, Sensor
 from suspid.model.strut import Strut
 from suspid.model.suspension import Suspension
+from suspid.toml import as_number, as_table, check_keys, parsed_toml, refuse
 from suspid.units import UNITS
-from suspid.values import nearest_names
 
 EXTRAS = ("mounts", "friction", "curves", "sensors")  # tables that go with any description of the car
 STRUT_KEYS = ("name", "stiffness", "damping", "arms")
@@ -137,16 +135,16 @@ def car_from_toml(text: str) -> Suspension:
     {'chassis': 400.0, 'tire': 40.0}
     """
     content = parsed_toml(text)
-    _check_keys("the file", content, ("constraints", "masses", "struts", *EXTRAS, *PRESETS))
+    check_keys("the file", content, ("constraints", "masses", "struts", *EXTRAS, *PRESETS))
     content.pop("constraints", None)
-    mounts = _table("[mounts]", content.pop("mounts", {}))
-    friction = _table("[friction]", content.pop("friction", {}))
-    curves = _table("[curves]", content.pop("curves", {}))
-    sensors = _table("[sensors]", content.pop("sensors", {}))
+    mounts = as_table("[mounts]", content.pop("mounts", {}))
+    friction = as_table("[friction]", content.pop("friction", {}))
+    curves = as_table("[curves]", content.pop("curves", {}))
+    sensors = as_table("[sensors]", content.pop("sensors", {}))
     return replace(
         _car(content).with_parameters(
-            mount_stiffness={name: _number("[mounts]", name, value, "N/m") for name, value in mounts.items()},
-            friction={name: _number("[friction]", name, value, "N") for name, value in friction.items()},
+            mount_stiffness={name: as_number("[mounts]", name, value, "N/m") for name, value in mounts.items()},
+            friction={name: as_number("[friction]", name, value, "N") for name, value in friction.items()},
             curve={name: _curve(name, points) for name, points in curves.items()},
         ),
         sensors=[_sensor(f"[sensors] {name!r}", name, table) for name, table in sensors.items()],
@@ -159,14 +157,14 @@ def _car(content: Mapping[str, object]) -> Suspension:
         if len(content) > 1:
             others = ", ".join(f"[{name}]" for name in content if name != short)
             raise InputError(f"[{short}] describes the whole car; remove {others}, or [{short}]")
-        return _preset(short, _table(f"[{short}]", content[short]))
+        return _preset(short, as_table(f"[{short}]", content[short]))
     for key, form in (("masses", "[masses]"), ("struts", "[[struts]]")):
         if key not in content:
             shorts = ", ".join(f"[{name}]" for name in PRESETS)
             raise InputError(
                 f"there is no {form}; describe the car with [masses] and [[struts]], or with one of {shorts}"
             )
-    masses = {name: _number("[masses]", name, m, "kg") for name, m in _table("[masses]", content["masses"]).items()}
+    masses = {name: as_number("[masses]", name, m, "kg") for name, m in as_table("[masses]", content["masses"]).items()}
     if not isinstance(content["struts"], list):
         raise InputError("[struts] must be a list of tables; write [[struts]] before each strut")
     struts = [_strut(f"[[struts]] number {k}", table) for k, table in enumerate(content["struts"], start=1)]
@@ -200,17 +198,9 @@ def read_constraints(path: str | os.PathLike[str]) -> tuple[str, ...]:
     return tuple(found)
 
 
-def parsed_toml(text: str) -> dict[str, object]:
-    """Return the content of a TOML text; raise an `InputError` with the line where it is not TOML."""
-    try:
-        return tomllib.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"is not TOML: {printable(str(error))}") from None
-
-
 def _preset(preset: str, given: Mapping[str, object]) -> Suspension:
     where, parameters = f"[{preset}]", inspect.signature(PRESETS[preset]).parameters
-    _check_keys(where, given, tuple(parameters))
+    check_keys(where, given, tuple(parameters))
     for name, parameter in parameters.items():
         if parameter.default is inspect.Parameter.empty and name not in given:
             raise InputError(f"{where}: {name} is missing")
@@ -218,9 +208,9 @@ def _preset(preset: str, given: Mapping[str, object]) -> Suspension:
     for name, value in given.items():
         unit = UNITS.get(name.rpartition("_")[2], "m")
         if isinstance(value, list) and preset == "full_car":  # full_car refuses a pair where it takes one value
-            values[name] = tuple(_number(where, name, side, unit) for side in value)
+            values[name] = tuple(as_number(where, name, side, unit) for side in value)
         else:
-            values[name] = _number(where, name, value, unit)
+            values[name] = as_number(where, name, value, unit)
     try:
         return PRESETS[preset](**values)
     except InputError as error:
@@ -228,22 +218,22 @@ def _preset(preset: str, given: Mapping[str, object]) -> Suspension:
 
 
 def _strut(where: str, given: object) -> Strut:
-    table = _table(where, given)
+    table = as_table(where, given)
     name = table.get("name")
     if isinstance(name, str):
         where = f"[[struts]] {name!r}"
-    _check_keys(where, table, STRUT_KEYS)
+    check_keys(where, table, STRUT_KEYS)
     for key in STRUT_KEYS:
         if key not in table:
             raise InputError(f"{where}: {key} is missing")
     if not isinstance(name, str):
         raise InputError(f"{where}: name = {reprlib.repr(name)} must be text")
-    arms = _table(f"{where}: arms", table["arms"])
+    arms = as_table(f"{where}: arms", table["arms"])
     return Strut(
         name=name,
-        stiffness=_number(where, "stiffness", table["stiffness"], "N/m"),
-        damping=_number(where, "damping", table["damping"], "N s/m"),
-        arms={coordinate: _number(f"{where}: arms", coordinate, arm, "1 or m") for coordinate, arm in arms.items()},
+        stiffness=as_number(where, "stiffness", table["stiffness"], "N/m"),
+        damping=as_number(where, "damping", table["damping"], "N s/m"),
+        arms={coordinate: as_number(f"{where}: arms", coordinate, arm, "1 or m") for coordinate, arm in arms.items()},
     )
 
 
@@ -251,15 +241,15 @@ def _curve(name: str, given: object) -> list[tuple[float, float]]:
     points = []
     for point in given if isinstance(given, list) else [given]:
         if not (isinstance(point, list) and len(point) == 2):
-            _refuse(f"[curves]: {name} = {reprlib.repr(given)} must be a list of pairs [velocity in m/s, force in N]")
-        velocity = _number("[curves]", name, point[0], "m/s")
-        points.append((velocity, _number("[curves]", name, point[1], "N")))
+            refuse(f"[curves]: {name} = {reprlib.repr(given)} must be a list of pairs [velocity in m/s, force in N]")
+        velocity = as_number("[curves]", name, point[0], "m/s")
+        points.append((velocity, as_number("[curves]", name, point[1], "N")))
     return points
 
 
 def _sensor(where: str, name: str, given: object) -> Sensor:
-    table = _table(where, given)
-    _check_keys(where, table, (*MOTIONS, "ahead", "left"))
+    table = as_table(where, given)
+    check_keys(where, table, (*MOTIONS, "ahead", "left"))
     motions = [motion for motion in MOTIONS if motion in table]
     if len(motions) != 1:
         raise InputError(f"{where} must have one of {', '.join(MOTIONS)}, as {{ acceleration = 'heave' }}")
@@ -267,33 +257,10 @@ def _sensor(where: str, name: str, given: object) -> Sensor:
     if "ahead" in table or "left" in table:
         if of != "heave" or motions[0] == "travel":
             raise InputError(f"{where}: ahead and left place a point on the body; they go with 'heave' alone")
-        ahead, left = (_number(where, key, table.get(key, 0.0), "m") for key in ("ahead", "left"))
+        ahead, left = (as_number(where, key, table.get(key, 0.0), "m") for key in ("ahead", "left"))
         of = body_arms(ahead, left if "left" in table else None)
     elif isinstance(of, dict):
-        of = {coordinate: _number(where, coordinate, arm, "1 or m") for coordinate, arm in of.items()}
+        of = {coordinate: as_number(where, coordinate, arm, "1 or m") for coordinate, arm in of.items()}
     elif not isinstance(of, str):
         raise InputError(f"{where}: {motions[0]} = {reprlib.repr(of)} must be a name, or a table of arms")
     return Sensor(name=name, motion=motions[0], of=of)
-
-
-def _table(where: str, value: object) -> dict[str, object]:
-    return value if isinstance(value, dict) else _refuse(f"{where} must be a table, not {reprlib.repr(value)}")
-
-
-def _number(where: str, key: str, value: object, unit: str) -> float:
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        _refuse(f"{where}: {key} = {reprlib.repr(value)} must be a number in {unit}")
-    try:
-        return float(value)
-    except OverflowError:
-        _refuse(f"{where}: {key} is too large for a number in {unit}")
-
-
-def _check_keys(where: str, given: Collection[str], known: Collection[str]) -> None:
-    for key in given:
-        if key not in known:
-            raise InputError(f"{where} has an unknown key {key!r}.{nearest_names(key, known)}")
-
-
-def _refuse(message: str) -> NoReturn:
-    raise InputError(message)

@@ -16,6 +16,7 @@ from suspid.reporting.drive_json import drive_to_dict
 from suspid.reporting.estimate_json import estimate_from_dict, estimate_to_dict, read_estimate
 from suspid.reporting.estimate_page import EstimateContent
 from suspid.reporting.json_schema import json_schema
+from suspid.reporting.pdf import browser, write_pdf
 from suspid.reporting.plot_amplitude import plot_amplitude
 from suspid.reporting.plot_damper_curve import plot_damper_curve
 from suspid.reporting.plot_drive import plot_drive
@@ -43,6 +44,7 @@ __all__ = [
     "Content",
     "EstimateContent",
     "Source",
+    "browser",
     "comparison_to_dict",
     "content_of",
     "damper_curve_to_dict",
@@ -74,4 +76,5 @@ __all__ = [
     "source_of",
     "tuning_to_dict",
     "wear_to_dict",
+    "write_pdf",
 ]

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, overload
 
-from suspid.analysis import Analysis, Settings
+from suspid.analysis import Analysis, CheckedLimits, Limit, Settings, check_limits
 from suspid.cleaning import Cleaned
 from suspid.errors import InputError
 from suspid.greybox import DamperCurve, Estimate
@@ -18,7 +18,8 @@ from suspid.reporting.thinning import drawable
 from suspid.samples import held
 from suspid.signals import as_signal
 from suspid.units import Ratio
-from suspid.words import Note, Remark, next_steps
+from suspid.words import NextStep, Note, Remark, next_steps
+from suspid.words.limits import LimitState
 
 if TYPE_CHECKING:
     import control
@@ -46,6 +47,8 @@ class Content:
         The car that was found on a road.
     car : Source or None
         The car file with its text.
+    limits : CheckedLimits or None
+        The limits that were given, judged.
     """
 
     analysis: Analysis
@@ -60,6 +63,7 @@ class Content:
         return None if self.springs is None else grip_if_any(self.springs)
 
     car: Source | None = None
+    limits: CheckedLimits | None = None
 
     @property
     def source(self) -> Source | None:
@@ -74,7 +78,8 @@ class Content:
     @property
     def steps(self) -> tuple[Remark, ...]:
         """What to do next."""
-        return next_steps(self.analysis.verdict, car=self.springs is not None or self._no_springs)
+        given = self.springs is not None or self._no_springs
+        return (*_limit_steps(self.limits), *next_steps(self.analysis.verdict, car=given))
 
     @property
     def _no_springs(self) -> bool:
@@ -121,6 +126,7 @@ def content_of(
     warnings: Sequence[str] = ...,
     ride: Ride | None = ...,
     car: Source | None = ...,
+    limits: Sequence[Limit] = ...,
 ) -> Content: ...
 
 
@@ -132,6 +138,7 @@ def content_of(
     level: Ratio = ...,
     warnings: Sequence[str] = ...,
     car: Source | None = ...,
+    limits: Sequence[Limit] = ...,
     curves: Sequence[DamperCurve] = ...,
     ride: Ride | None = ...,
     wear: Wear | None = ...,
@@ -149,6 +156,7 @@ def content_of(
     level: Ratio = LEVEL,
     warnings: Sequence[str] = (),
     car: Source | None = None,
+    limits: Sequence[Limit] = (),
     curves: Sequence[DamperCurve] = (),
     ride: Ride | None = None,
     wear: Wear | None = None,
@@ -176,6 +184,8 @@ def content_of(
         Warnings that were given on the way.
     car : Source, optional
         The car file with its text; see `source_of`. Default: the description of the nominal car.
+    limits : sequence of Limit
+        What modes, springs and dampers must keep to; `read_limits` reads them from a file.
     curves : sequence of DamperCurve
         Curves of dampers that an estimate's page shows as well.
     ride : Ride, optional
@@ -202,7 +212,15 @@ def content_of(
     sources = () if source is None else (source,) if isinstance(source, Source) else tuple(source)
     if isinstance(found, Estimate):
         return EstimateContent(
-            found=found, sources=sources, level=level, warnings=warnings, car=car, curves=curves, ride=ride, wear=wear
+            found=found,
+            sources=sources,
+            level=level,
+            warnings=warnings,
+            car=car,
+            limits=check_limits(found, limits, level=level) if limits else None,
+            curves=curves,
+            ride=ride,
+            wear=wear,
         )
     _check_sources(found, sources)
     if isinstance(found, Analysis):
@@ -214,6 +232,7 @@ def content_of(
             cleaned=found.cleaned,
             warnings=(*no_springs, *warnings),
             car=car,
+            limits=check_limits(found, limits, level=found.settings.level) if limits else None,
             ride=ride,
         )
     response = held(found, "response")
@@ -229,7 +248,18 @@ def content_of(
         reconstruction=reconstruction,
         notes=(),
     )
-    return Content(analysis=analysis, sources=sources, cleaned=cleaned, warnings=warnings, car=car, ride=ride)
+    checked = check_limits(analysis, limits, level=level) if limits else None
+    return Content(
+        analysis=analysis, sources=sources, cleaned=cleaned, warnings=warnings, car=car, limits=checked, ride=ride
+    )
+
+
+def _limit_steps(limits: CheckedLimits | None) -> tuple[Remark, ...]:
+    """Return what follows from limits that are not met, or not known to be."""
+    if limits is None:
+        return ()
+    steps = ((NextStep.LIMITS_MISSED, LimitState.MISSED), (NextStep.LIMITS_OPEN, LimitState.OPEN))
+    return tuple(Remark(step, {"names": limits.named(state)}) for step, state in steps if limits.named(state))
 
 
 def _check_sources(found: Identification | Analysis, sources: Sequence[Source]) -> None:

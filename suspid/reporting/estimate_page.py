@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from suspid.files import printable
 from suspid.performance import Ride, grip_if_any
 from suspid.reporting.axes import plot_residual, unit_ticks
+from suspid.reporting.limit_rows import limit_rows
 from suspid.reporting.performance_part import performance_fields
 from suspid.reporting.pictures import Picture, picture, shape_pictures
 from suspid.reporting.plot_damper_curve import plot_damper_curve
@@ -25,6 +26,7 @@ from suspid.words import count, next_steps
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from suspid.analysis import CheckedLimits
     from suspid.greybox import DamperCurve, Estimate
     from suspid.performance import Wear
     from suspid.reporting.source import Source
@@ -56,6 +58,8 @@ class EstimateContent:
         The car file with its text.
     wear : Wear or None
         Wear of the dampers.
+    limits : CheckedLimits or None
+        The limits that were given, judged.
     """
 
     found: Estimate
@@ -66,6 +70,7 @@ class EstimateContent:
     ride: Ride | None = None
     car: Source | None = None
     wear: Wear | None = None
+    limits: CheckedLimits | None = None
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -88,6 +93,7 @@ def page_fields(content: EstimateContent) -> dict[str, object]:
     with page_style():
         return {
             "facts": f"{count(len(records), 'record')}, {samples} samples, {seconds:.4g} s",
+            "limits": limit_rows(content.limits),
             "springs": spring_rows(found, level),
             "found_others": len(found.alternatives),
             "steps": [str(step) for step in next_steps(found.verdict, car=True)],

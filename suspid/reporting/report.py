@@ -17,6 +17,7 @@ from suspid.model import car_to_toml
 from suspid.reporting.colours import Colour
 from suspid.reporting.content import Content, content_of
 from suspid.reporting.estimate_page import EstimateContent, page_fields
+from suspid.reporting.limit_rows import limit_rows
 from suspid.reporting.performance_part import performance_fields
 from suspid.reporting.pictures import MOST_CHANNELS, pictures_of
 from suspid.reporting.rows import channel_rows, digits, mode_quantities, mode_rows, pole_rows, repeat_rows
@@ -84,6 +85,7 @@ def report(found: Identification | Analysis | Estimate | Content | EstimateConte
         level=f"{100 * found.level:g} %",
         colours=list(Colour),
         sources=sources,
+        limits_said="" if found.limits is None else f"{found.limits.verdict.headline}.",
         sizes=[_in_bytes(source.size) for source in sources],
         car=_car_of(found),
         warnings=[_shown(text) for text in found.warnings],
@@ -137,6 +139,7 @@ def _fields(content: Content) -> dict[str, object]:
         "used": content.used,
         "poles": pole_rows(shown),
         "repeats": None if repeats is None else repeat_rows(repeats, level),
+        "limits": limit_rows(content.limits),
         "springs": [] if best is None else spring_rows(best, level),
         "others": 0 if best is None else len(best.alternatives),
         "masses": "" if best is None else masses_of(best),

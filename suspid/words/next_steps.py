@@ -15,6 +15,11 @@ from suspid.words.verdicts import Verdict
 class NextStep(Code):
     """What to do next."""
 
+    LIMITS_MISSED = "limits missed", lambda n: f"Outside the limits, so to be changed: {', '.join(n['names'])}."
+    LIMITS_OPEN = (
+        "limits open",
+        lambda n: f"Not known to be within the limits: {', '.join(n['names'])}; the table of limits says why.",
+    )
     USE = "use", "Nothing speaks against these values: use them with their intervals."
     RECORD_A_DECAY = (
         "record a decay",

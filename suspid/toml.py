@@ -1,0 +1,47 @@
+"""Files in TOML: parsed, and each value checked by name."""
+
+from __future__ import annotations
+
+import reprlib
+import tomllib
+from collections.abc import Collection
+from typing import NoReturn
+
+from suspid.errors import InputError
+from suspid.files import printable
+from suspid.values import nearest_names
+
+
+def parsed_toml(text: str) -> dict[str, object]:
+    """Return the content of a TOML text; raise an `InputError` with the line where it is not TOML."""
+    try:
+        return tomllib.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"is not TOML: {printable(str(error))}") from None
+
+
+def as_table(where: str, value: object) -> dict[str, object]:
+    """Return a table, or refuse what is none."""
+    return value if isinstance(value, dict) else refuse(f"{where} must be a table, not {reprlib.repr(value)}")
+
+
+def as_number(where: str, key: str, value: object, unit: str) -> float:
+    """Return a number in a unit, or refuse what is none."""
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        refuse(f"{where}: {key} = {reprlib.repr(value)} must be a number in {unit}")
+    try:
+        return float(value)
+    except OverflowError:
+        refuse(f"{where}: {key} is too large for a number in {unit}")
+
+
+def check_keys(where: str, given: Collection[str], known: Collection[str]) -> None:
+    """Refuse a key that is not known; the message names the nearest."""
+    for key in given:
+        if key not in known:
+            raise InputError(f"{where} has an unknown key {key!r}.{nearest_names(key, known)}")
+
+
+def refuse(message: str) -> NoReturn:
+    """Refuse a file: raise an `InputError`."""
+    raise InputError(message)
