@@ -35,8 +35,8 @@ def found() -> Reconstruction:
     return reconstruct(rough, CAR.with_parameters(stiffness={"chassis": 22e3}), fixed=["tire.damping"])
 
 
-def state(found: Reconstruction, **bounds: float) -> str:
-    (row,) = check_limits(found, [Limit(of="chassis", quantity="damping", **bounds)]).rows
+def state(found: Reconstruction, *, least: float = -math.inf, most: float = math.inf) -> str:
+    (row,) = check_limits(found, [Limit(of="chassis", quantity="damping", least=least, most=most)]).rows
     return str(row.state)
 
 
