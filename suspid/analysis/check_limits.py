@@ -24,7 +24,7 @@ from suspid.words.limits import LimitHeadline, LimitReason, LimitState
 
 # A mode that is meant by its frequency lies within this factor of it: an octave.
 OCTAVE = 2.0
-LEVELS = {LimitState.MET: Level.SOUND, LimitState.MISSED: Level.DOUBTFUL, LimitState.OPEN: Level.CARE}
+WEIGHTS = {LimitState.MET: Level.SOUND, LimitState.MISSED: Level.DOUBTFUL, LimitState.OPEN: Level.CARE}
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -54,7 +54,7 @@ class CheckedLimit:
     def check(self) -> Check:
         """The limit as part of a verdict."""
         numbers: dict[str, Number] = {"name": self.limit.name, "why": str(self.why or ""), "value": self.value}
-        return Check(Remark(self.state, numbers), LEVELS[self.state])
+        return Check(Remark(self.state, numbers), WEIGHTS[self.state])
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -196,11 +196,12 @@ def _open(
     why: LimitReason,
     value: float = math.nan,
     ends: tuple[float, float] = (math.nan, math.nan),
-    **numbers: int | str,
+    *,
+    numbers: Mapping[str, Number] | None = None,
 ) -> CheckedLimit:
     """Return the row of a limit that cannot be judged."""
     return CheckedLimit(
-        limit=limit, value=value, lower=ends[0], upper=ends[1], state=LimitState.OPEN, why=Remark(why, numbers)
+        limit=limit, value=value, lower=ends[0], upper=ends[1], state=LimitState.OPEN, why=Remark(why, numbers or {})
     )
 
 
@@ -216,7 +217,7 @@ def _judged(limit: Limit, value: float, ends: tuple[float, float]) -> CheckedLim
         reach = max(high - value, value - low)
         # The interval of n tests is shorter by the root of n.
         tests = math.ceil((reach / margin) ** 2) if margin > 0.01 * reach else 0
-        return _open(limit, LimitReason.INTERVAL, value, ends, tests=tests)
+        return _open(limit, LimitReason.INTERVAL, value, ends, numbers={"tests": tests})
     return CheckedLimit(limit=limit, value=value, lower=low, upper=high, state=state)
 
 
@@ -225,7 +226,7 @@ def _of_mode(limit: Limit, modes: ModalSet | None, level: Ratio) -> CheckedLimit
     k = None if modes is None else _mode_meant(limit, modes)
     if modes is None or k is None:
         which = f"near {limit.near:g} Hz" if limit.near is not None else f"{limit.of}"
-        return _open(limit, LimitReason.NO_MODE, which=which, found=count)
+        return _open(limit, LimitReason.NO_MODE, numbers={"which": which, "found": count})
     value = float(getattr(modes, limit.quantity)[k])
     if modes.covariance is None:
         return _open(limit, LimitReason.NO_INTERVAL, value)
