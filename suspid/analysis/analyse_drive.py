@@ -127,6 +127,7 @@ def analyse_drive(
     road: Literal["iso8608"] | None = None,
     wheel_radius: Metre | None = None,
     before: Sequence[Estimate] = (),
+    curves_before: Sequence[Sequence[DamperCurve]] = (),
     curves: bool = True,
     progress: Step | None = None,
 ) -> DriveAnalysis:
@@ -158,6 +159,8 @@ def analyse_drive(
         Rolling radius of the wheels [m], with a model of the road.
     before : sequence of Estimate, optional
         Earlier estimates of this car, in order of time, that the dampers are compared with. Default: nominal values.
+    curves_before : sequence of sequences of DamperCurve, optional
+        Curves of dampers in earlier drives, which those that are not viscous are compared with; see `wear`.
     curves : bool
         Whether curves of dampers are sought, which takes seconds for each.
     progress : callable, optional
@@ -213,7 +216,9 @@ def analyse_drive(
     step("estimating")
     if car is not None and wheels and not missing:
         rolling = _rolling(drives, road, wheel_radius)
-        return _with_dampers(drives, car, {**dict(unknowns or {}), **rolling}, before, step if curves else None)
+        return _with_dampers(
+            drives, car, {**dict(unknowns or {}), **rolling}, (before, curves_before), step if curves else None
+        )
     if road is not None or before:
         raise InputError(
             "road and before need springs and dampers: give a car, and a channel for the motion of each wheel"
@@ -235,18 +240,20 @@ def _with_dampers(
     drives: Sequence[Drives],
     car: Suspension,
     asked: Mapping[str, Any],
-    before: Sequence[Estimate],
+    earlier: tuple[Sequence[Estimate], Sequence[Sequence[DamperCurve]]],
     step: Step | None,
 ) -> DriveAnalysis:
     """Return springs and dampers, with the wear of the latter, and with their curves if there is a step for them."""
     records = [record for one in drives for record in one.records]
     tests = [RecordTest(record=record, logger=LOGGER) for record in records]
     found = estimate(tests, car, given=wheels_of(car), **asked)
-    judged, no_wear = wear_of(found, before)
+    before, curves_before = earlier
     if step is None:
+        judged, no_wear = wear_of(found, before)
         return DriveAnalysis(drives=tuple(drives), estimate=found, body=None, notes=no_wear, wear=judged)
     step("finding curves")
     curves, notes = curves_of(records, found, LOGGER)
+    judged, no_wear = wear_of(found, before, curves, curves_before)
     bent = tuple(one.name for one in curves if one.explains and not one.linear)
     if bent:
         notes = (Check(Remark(DriveRemark.BENT, {"names": bent}), Level.NOTE), *notes)

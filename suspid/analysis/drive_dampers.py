@@ -66,7 +66,12 @@ def curves_of(
     return tuple(curves.values()), tuple(_said(records, part, curves, failed, tuple(better), corrections))
 
 
-def wear_of(found: Estimate, before: Sequence[Estimate]) -> tuple[Wear | None, tuple[Check, ...]]:
+def wear_of(
+    found: Estimate,
+    before: Sequence[Estimate],
+    curves: Sequence[DamperCurve] = (),
+    curves_before: Sequence[Sequence[DamperCurve]] = (),
+) -> tuple[Wear | None, tuple[Check, ...]]:
     """Return the wear of the dampers, or why it is not judged.
 
     Raises
@@ -75,7 +80,7 @@ def wear_of(found: Estimate, before: Sequence[Estimate]) -> tuple[Wear | None, t
         If earlier estimates were given and are of another car.
     """
     try:
-        return wear(found, before=list(before) or None), ()
+        return wear(found, before=list(before) or None, curves=curves, curves_before=curves_before), ()
     except InputError as error:
         if before:
             raise

@@ -64,11 +64,18 @@ def compare_command(
                 raise InputError(f"{path} has {_kind(path)} and {after} has {kind}: compare results of one kind")
         if kind == "an estimate":
             from suspid.performance import wear
-            from suspid.reporting import plot_grip, read_estimate, wear_to_dict
+            from suspid.reporting import plot_grip, read_curves, read_estimate, wear_to_dict
 
             rule = _rule(damper_std, load_std)
             earlier = [read_estimate(path) for path in before]
-            found = wear(read_estimate(after), before=earlier, rule=rule, nominal_std=nominal_std)
+            found = wear(
+                read_estimate(after),
+                before=earlier,
+                curves=read_curves(after),
+                curves_before=[read_curves(path) for path in before],
+                rule=rule,
+                nominal_std=nominal_std,
+            )
             text, content = str(found), wear_to_dict(found)
             if figure_draft:
                 if found.after is None:

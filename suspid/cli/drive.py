@@ -100,7 +100,7 @@ def drive_command(
     from suspid.analysis import analyse_drive
     from suspid.identification import to_json
     from suspid.model import car_to_toml, read_car
-    from suspid.reporting import content_of, drive_to_dict, plot_drive, read_estimate, report
+    from suspid.reporting import content_of, drive_to_dict, plot_drive, read_curves, read_estimate, report
 
     if len({path.resolve() for path in files}) < len(files):
         raise click.UsageError("One of the FILES is named twice: every drive counts once.")
@@ -125,6 +125,7 @@ def drive_command(
             way=way,
             unknowns=wanted.unknowns(),
             before=[read_estimate(path) for path in before],
+            curves_before=[read_curves(path) for path in before],
             **road,
             progress=step,
         )

@@ -152,15 +152,15 @@ class DamperCurve(Result):
         amplitude : float, optional
             Amplitude of the velocity [m/s]. Default: that of the root mean square in the records.
         """
-        return float(self._work(amplitude) @ np.append(self.forces, self.friction))
+        return float(self.work_of(amplitude) @ np.append(self.forces, self.friction))
 
     def equivalent_damping_std(self, amplitude: MetrePerSecond | None = None) -> NewtonSecondPerMetre:
         """Return the standard deviation of `equivalent_damping` [N s/m]."""
-        work = self._work(amplitude)
+        work = self.work_of(amplitude)
         return float(np.sqrt(work @ self.covariance[1:, 1:] @ work))
 
-    def _work(self, amplitude: MetrePerSecond | None) -> RealArray:
-        """Return the equivalent damping per force at each node and per friction."""
+    def work_of(self, amplitude: MetrePerSecond | None = None) -> RealArray:
+        """Return the equivalent damping per force at each node and per friction [s/m]."""
         speed = np.sqrt(2) * self.velocity_std if amplitude is None else amplitude
         nodes = self.velocities.tolist()
         units = [equal_work(list(zip(nodes, row, strict=True)), 0.0, speed) for row in np.eye(len(nodes)).tolist()]

@@ -7,9 +7,10 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from suspid.errors import InputError
-from suspid.greybox import Estimate, nominal_value, parameter_unit
+from suspid.greybox import DamperCurve, Estimate, nominal_value, parameter_unit
 from suspid.levels import NORMAL_95
 from suspid.model import Suspension
+from suspid.performance.curve_wear import bent, curve_named, said_of_bent, wear_by_curve
 from suspid.performance.damper_rates import dampers_of, nominal_rates, rates_of
 from suspid.performance.grip import grip_if_any
 from suspid.performance.losses import ENOUGH_DRIVES, TESTS, WearRule, loss_of
@@ -23,6 +24,8 @@ def wear(
     now: Estimate,
     *,
     before: Estimate | Sequence[Estimate] | None = None,
+    curves: Sequence[DamperCurve] = (),
+    curves_before: Sequence[Sequence[DamperCurve]] = (),
     rule: WearRule | None = None,
     nominal_std: Ratio | Mapping[str, Ratio] | None = None,
 ) -> Wear:
@@ -40,6 +43,11 @@ def wear(
     before : Estimate or sequence of Estimate, optional
         Earlier estimates of the same car. From six on their own scatter is taken in place of the stated one.
         Default: the nominal values that the estimate began with, which new dampers meet to within a few percent only.
+    curves : sequence of DamperCurve, optional
+        Curves of dampers in the drive of the newest estimate. A damper that is not viscous is compared by its curve:
+        by the damping of equal work at the least amplitude of the drives.
+    curves_before : sequence of sequences of DamperCurve, optional
+        Curves in earlier drives, in order of time. Without one, a damper that is not viscous cannot be told.
     rule : WearRule, optional
         What is assumed of drives, and what is asked.
     nominal_std : float, or mapping of str to float, optional
@@ -87,18 +95,25 @@ def wear(
     quantile = float(-ndtri(rule.rate / TESTS))
     dampers = []
     for strut in dampers_of(now, earlier):
+        wheel = None if after is None else next((one for one in after.wheels if strut.arms.get(one)), None)
+        own = curve_named(curves, strut.name)
+        old = [one for one in (curve_named(each, strut.name) for each in curves_before) if one is not None]
+        if own is not None and old and (doubts or bent(own) or any(map(bent, old))):
+            dampers.append(wear_by_curve(strut.name, own, old, rule, wheel))
+            continue
         rates = [rates_of(one, strut.name) for one in earlier] or [nominal_rates(now, strut.name)]
         new = rates_of(now, strut.name)
         if not all(one.damping > 0 for one in rates):
             continue
         loss = loss_of(new, rates, rule, nominal=not earlier, tests=TESTS)
-        wheel = None if after is None else next((one for one in after.wheels if strut.arms.get(one)), None)
         phase = said_of_phase(strut.name, wheel, former, after, quantile) if wheel else None
         state = rule.state(loss.low, loss.high)
         checks = list(said_of_loss(strut.name, loss, state, rule, new, rates))
         if phase is not None:
             checks.append(phase[0])
             state = worst(state, phase[1])
+        if own is not None and bent(own):
+            state, checks = DamperState.CANNOT_TELL, [said_of_bent(strut.name, own)]
         dampers.append(
             DamperWear(
                 damper=strut.name,

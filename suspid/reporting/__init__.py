@@ -10,7 +10,7 @@ To add a picture to the page: draw it on Axes in a module of its own, as in ``pl
 """
 
 from suspid.reporting.content import Content, content_of
-from suspid.reporting.damper_curve_json import damper_curve_to_dict
+from suspid.reporting.damper_curve_json import damper_curve_to_dict, read_curves
 from suspid.reporting.drawings import drawing_of
 from suspid.reporting.drive_json import drive_to_dict
 from suspid.reporting.estimate_json import estimate_from_dict, estimate_to_dict, read_estimate
@@ -69,6 +69,7 @@ __all__ = [
     "plot_skeletons",
     "plot_spectra",
     "plot_tuning",
+    "read_curves",
     "read_estimate",
     "report",
     "report_to_dict",

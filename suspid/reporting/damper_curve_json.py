@@ -1,19 +1,27 @@
 """A damper's curve as JSON.
 
 Every field is described with its unit in ``suspid/reporting/schemas/damper.schema.json`` (JSON Schema, draft 2020-12),
-which `json_schema` returns.
+which `json_schema` returns. `read_curves` reads the curves of a drive back, with their verdict in words.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
 
+import numpy as np
+
+from suspid.errors import InputError
+from suspid.files import parsed_json, printable, read_text
+from suspid.greybox import DamperCurve, LineTest
 from suspid.levels import LEVEL
+from suspid.model import Suspension, car_from_toml
 from suspid.reporting.json_schema import as_plain
 from suspid.units import Ratio
-
-if TYPE_CHECKING:
-    from suspid.greybox import DamperCurve
+from suspid.values import frozen_real
+from suspid.words import Check, EstimateCheck, Level, Remark, Verdict
 
 
 def damper_curve_to_dict(found: DamperCurve, *, level: Ratio = LEVEL) -> dict[str, object]:
@@ -66,3 +74,56 @@ def damper_curve_to_dict(found: DamperCurve, *, level: Ratio = LEVEL) -> dict[st
         "masses": [{"name": name, "value": mass, "unit": "kg"} for name, mass in found.suspension.masses.items()],
     }
     return as_plain("suspid damper 1", fields)
+
+
+def read_curves(path: str | os.PathLike[str]) -> tuple[DamperCurve, ...]:
+    """Return the curves of dampers that ``suspid drive --json`` wrote; none of another file's JSON.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or a curve is not complete.
+    """
+    content = parsed_json(read_text(Path(path)))
+    curves, estimate = content.get("curves"), content.get("estimate")
+    if not curves or not isinstance(estimate, dict):
+        return ()
+    try:
+        car = car_from_toml(estimate["car"]["nominal"])
+        return tuple(_curve(one, car) for one in curves) if isinstance(curves, list) else ()
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise InputError(
+            f"{printable(str(path))}: has no complete curve of a damper ({printable(str(error))}); write it anew with "
+            f"suspid drive --json"
+        ) from None
+
+
+def _curve(content: Mapping[str, Any], car: Suspension) -> DamperCurve:
+    nodes, line, verdict = content["nodes"], content["linear"], content["verdict"]
+    said = [Check(_said(one), Level[one["level"].upper()]) for one in verdict["checks"]]
+    covariance = np.array(content["covariance"], float)
+    if covariance.shape != (len(nodes) + 2, len(nodes) + 2) or not np.all(np.isfinite(covariance)):
+        raise ValueError(f"its covariance has the shape {covariance.shape} for {len(nodes)} nodes")
+    return DamperCurve(
+        name=content["strut"],
+        suspension=car,
+        velocities=frozen_real([node["velocity"] for node in nodes]),
+        forces=frozen_real([node["force"] for node in nodes]),
+        friction=float(content["friction"]["value"]),
+        friction_sought=bool(content["friction"]["sought"]),
+        stiffness=float(content["stiffness"]["value"]),
+        covariance=frozen_real(covariance),
+        linear=LineTest(
+            **{name: line[name] for name in ("statistic", "freedom", "residual_freedom", "p_value", "level")}
+        ),
+        velocity_std=float(content["velocity_std"]),
+        noise_std=tuple(content["noise_std"]),
+        chi_square=float(content["chi_square"]),
+        freedom=int(content["freedom"]),
+        explains=bool(content["explains"]),
+        verdict=Verdict(_said(verdict["headline"]), tuple(said)),
+    )
+
+
+def _said(content: Mapping[str, Any]) -> Remark:
+    return Remark(EstimateCheck.SAID, {"text": content["text"]})

@@ -77,5 +77,15 @@ class WearCheck(Code):
         "{damper}: the least phase of {wheel}, {phase:.1f} deg, is below {limit:.0f} deg, as it was in the car it is "
         "compared with ({before:.1f} deg).",
     )
+    BY_CURVE = (
+        "by curve",
+        "{damper}: compared by its curve, whose damping of equal work is {damping:.4g} N s/m at a velocity of "
+        "{amplitude:.2g} m/s.",
+    )
+    BENT = (
+        "bent",
+        "{damper}: it is not viscous, and a nominal c holds at one amplitude alone: here its damping of equal work is "
+        "{damping:.4g} N s/m at {amplitude:.2g} m/s. Compare it with the curve of an earlier drive.",
+    )
     UNTRUSTED = "untrusted", "The estimate {which} is {level}: dampers cannot be judged from it."
     RATES = "rates", _rates
