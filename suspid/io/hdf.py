@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import itertools
+import math
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from pathlib import Path
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 from suspid.errors import RecordError
 from suspid.files import printable, read_bytes
 from suspid.io.foreign import sheltered
+from suspid.io.limits import most_bytes
 from suspid.io.tables import Table, stated_rate
 from suspid.io.variables import DEEPEST, Group, Text, Value, Variable, as_table
 from suspid.units import Hertz
@@ -26,8 +28,6 @@ if TYPE_CHECKING:
 Read = TypeVar("Read")
 # Limit of a record; a damaged file may seem to have more groups.
 MOST_VARIABLES = 20_000
-# A data set of more than LARGE bytes must not unpack to more than MOST_PACKED times its size in the file.
-LARGE, MOST_PACKED = 1 << 28, 2000
 
 
 def read_hdf(path: Path) -> Table:
@@ -98,6 +98,8 @@ def _structures(group: h5py.Group, depth: int, count: Iterator[int], around: fro
     fields = {name: group[name] for name in group if isinstance(group.get(name, getlink=True), h5py.HardLink)}
     if not fields or not all(_refers(field) and "MATLAB_class" not in field.attrs for field in fields.values()):
         return None
+    if sum(map(_in_memory, fields.values())) > most_bytes(0):
+        raise RecordError("is damaged: its references take more memory than any record")
     referred = {name: np.ravel(field[()]) for name, field in fields.items()}
     length = min(map(len, referred.values()))
     if next(count) + length * len(fields) > MOST_VARIABLES:
@@ -109,6 +111,12 @@ def _structures(group: h5py.Group, depth: int, count: Iterator[int], around: fro
         }
         for k in range(length)
     }
+
+
+def _in_memory(data: h5py.Dataset) -> int:
+    """Return the bytes that reading a data set takes: its own and those of a chunk, of which it may fill a part."""
+    chunk = math.prod(data.chunks) * data.dtype.itemsize if data.chunks else 0
+    return int(max(data.nbytes, chunk))
 
 
 def _refers(thing: object) -> bool:
@@ -126,6 +134,8 @@ def _dataset(data: h5py.Dataset) -> Value:
     of_class = of_class.decode("latin1") if isinstance(of_class, bytes) else str(of_class)
     if "MATLAB_object_decode" in data.attrs:
         return Remark(LeftOut.CLASS_OBJECT, {"name": of_class})
+    if kind in "OSU" and _in_memory(data) > most_bytes(data.id.get_storage_size()):
+        return Remark(LeftOut.UNFILLED, {"shape": str(data.shape)})
     if "MATLAB_empty" in data.attrs or (data.shape and not data.size):
         return Remark(LeftOut.EMPTY)
     if of_class == "cell" or (kind == "O" and _refers(data)):
@@ -137,7 +147,7 @@ def _dataset(data: h5py.Dataset) -> Value:
         return Remark(LeftOut.COMPLEX)
     if data.external or data.is_virtual:
         return Remark(LeftOut.OTHER_FILES)
-    if data.nbytes > LARGE and data.nbytes > MOST_PACKED * max(data.id.get_storage_size(), 1):
+    if _in_memory(data) > most_bytes(data.id.get_storage_size()):
         return Remark(LeftOut.UNFILLED, {"shape": str(data.shape)})
     if names and data.dtype.subdtype is None and all(data.dtype[name].kind in "iufb" for name in names):
         return {name: _variable(data, name) for name in names}

@@ -20,8 +20,9 @@ import numpy as np
 
 from suspid.errors import RecordError
 from suspid.files import printable, read_bytes
+from suspid.io.limits import check_memory, most_bytes
 from suspid.io.tables import Table
-from suspid.io.variables import DEEPEST, MOST_BYTES, Group, Text, Value, Variable, as_table
+from suspid.io.variables import DEEPEST, Group, Text, Value, Variable, as_table
 from suspid.words import LeftOut, Remark
 
 # Bytes before the first element.
@@ -114,15 +115,16 @@ def _variables(content: bytes) -> Group:
     """Return the variables of a file of v5 to v7."""
     order = "<" if content[126:128] == b"IM" else ">"
     found: dict[str, Value] = {}
-    position = HEADER
+    position, left = HEADER, most_bytes(len(content))
     while position < len(content):
         kind, body = _element(content, position, order)
         position += 8 + len(body)
         if kind == Item.COMPRESSED:
             inflater = zlib.decompressobj()
-            matrix = inflater.decompress(body, MOST_BYTES)
-            if inflater.unconsumed_tail:
-                raise RecordError(f"holds a variable of more than {MOST_BYTES >> 30} GiB")
+            matrix = inflater.decompress(body, left)
+            left -= len(matrix)
+            if inflater.unconsumed_tail or left <= 0:
+                check_memory(most_bytes(len(content)) + 1, len(content))
             kind, body = _element(matrix, 0, order)
         if kind != Item.MATRIX:
             raise RecordError(f"is damaged: element of type {kind} in place of a variable")

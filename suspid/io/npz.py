@@ -14,8 +14,9 @@ import numpy as np
 from suspid.errors import RecordError
 from suspid.files import printable, read_bytes
 from suspid.io.foreign import sheltered
+from suspid.io.limits import check_memory
 from suspid.io.tables import Table
-from suspid.io.variables import MOST_BYTES, Group, Value, Variable, as_table
+from suspid.io.variables import Group, Value, Variable, as_table
 from suspid.words import LeftOut, Remark
 
 HEADERS = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0}
@@ -50,8 +51,7 @@ def _group(content: bytes) -> Group:
     found: dict[str, Value] = {}
     with zipfile.ZipFile(io.BytesIO(content)) as archive:
         entries = archive.infolist()
-        if sum(entry.file_size for entry in entries) > MOST_BYTES:
-            raise RecordError(f"holds more than {MOST_BYTES >> 30} GiB")
+        check_memory(sum(entry.file_size for entry in entries), len(content))
         for entry in entries:
             name = printable(entry.filename.removesuffix(".npy"))
             if name == entry.filename:

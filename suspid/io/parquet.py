@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,7 @@ from suspid.words import LeftOut, Remark
 
 # A few bytes may encode any number of equal samples; more than this are refused.
 MOST_ROWS = 1 << 28
+TOGETHER = 128  # columns that are read at once
 
 
 def read_parquet(path: Path) -> Table:
@@ -89,9 +91,9 @@ def _table(content: bytes, suffix: str) -> Table:
     schema, samples = file.schema_arrow, file.metadata.num_rows
     if not 0 <= samples <= MOST_ROWS:
         raise RecordError(f"states {samples} samples a column; at most {MOST_ROWS} are read")
-    twice = next((name for name in schema.names if schema.names.count(name) > 1), None)
-    if twice is not None:
-        raise RecordError(f"holds {schema.names.count(twice)} columns {twice!r}; names must differ")
+    twice, often = next(iter(Counter(schema.names).most_common(1)), ("", 0))
+    if often > 1:
+        raise RecordError(f"holds {often} columns {twice!r}; names must differ")
     types = {field.name: field.type for field in schema}
     unusable = {name: why for name, kind in types.items() if (why := _why_not(kind, pa.types))}
     usable = [name for name in types if name not in unusable]
@@ -100,11 +102,7 @@ def _table(content: bytes, suffix: str) -> Table:
         raise RecordError(f"holds no sample: {listed or f'{len(types)} columns, {samples} samples'}")
 
     def columns(wanted: Sequence[str]) -> list[RealArray]:
-        return sheltered(
-            lambda: [_numbers(name, types[name], _column(content, name, samples)) for name in wanted],
-            extra="parquet",
-            suffix=suffix,
-        )
+        return sheltered(lambda: _columns(file, wanted, types, samples), extra="parquet", suffix=suffix)
 
     temporal = [name for name in usable if pa.types.is_temporal(types[name])]
     clocks: dict[str, TimeBase] = {}
@@ -134,16 +132,19 @@ def _unit(metadata: dict[bytes, bytes] | None) -> str:
     return printable(found.decode("utf-8", "replace").strip())
 
 
-def _column(content: bytes, name: str, samples: int) -> Any:
-    """Return the cells of a column as pyarrow's chunks of them."""
-    import pyarrow.parquet as pq
-
-    file = pq.ParquetFile(io.BytesIO(content), page_checksum_verification=True)
-    # For a name with a point, pyarrow may return members of a structure as well.
-    cells = file.read(columns=[name], use_threads=False).column(name)
-    if len(cells) != samples:
-        raise RecordError(f"is damaged: column {name!r} holds {len(cells)} samples, not {samples}")
-    return cells
+def _columns(file: Any, wanted: Sequence[str], types: Mapping[str, Any], samples: int) -> list[RealArray]:
+    """Return the numbers of columns, read a group at a time: one by one takes long, all at once takes memory."""
+    values: list[RealArray] = []
+    for k in range(0, len(wanted), TOGETHER):
+        names = list(wanted[k : k + TOGETHER])
+        # For a name with a point, pyarrow may return members of a structure as well.
+        cells = file.read(columns=names, use_threads=False)
+        for name in names:
+            column = cells.column(name)
+            if len(column) != samples:
+                raise RecordError(f"is damaged: column {name!r} holds {len(column)} samples, not {samples}")
+            values.append(_numbers(name, types[name], column))
+    return values
 
 
 def _numbers(name: str, kind: Any, cells: Any) -> RealArray:

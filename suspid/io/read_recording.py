@@ -60,7 +60,7 @@ def read_recording(
     try:
         table = reader_of(path, dbc)(path)
         wanted = [channels] if isinstance(channels, str) else channels
-        return as_recording(table, channels=wanted, time=time, fs=fs, title=path.stem)
+        return as_recording(table, channels=wanted, time=time, fs=fs, title=path.stem, size=path.stat().st_size)
     except RecordError as error:
         name = printable(str(path))
         message = f"{name}: {str(error).removeprefix(f'{name}: ')}"

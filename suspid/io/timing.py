@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from suspid.errors import RecordError
+from suspid.io.limits import metered
 from suspid.io.runs import runs_of
 from suspid.io.tables import Table, TimeBase, counts_rows, is_abscissa, is_count, is_time, is_time_in_unknown_unit
 from suspid.io.time_columns import (
@@ -59,8 +60,11 @@ def as_recording(
     time: str | None = None,
     fs: Hertz | None = None,
     title: str = "",
+    size: int | None = None,
 ) -> Recording:
     """Return the channels of a table, each with its stamps; see `suspid.read_recording`.
+
+    ``size`` is that of its file [bytes], by which the memory that is taken is limited.
 
     Examples
     --------
@@ -72,6 +76,7 @@ def as_recording(
     """
     if fs is not None and not (np.isfinite(fs) and fs > 0):
         raise RecordError(f"{fs=} Hz must be positive and finite")
+    table = metered(table, size)
     plan = _plan(table, channels, time, fs)
     followers = plan.followers
     times = [plan.time] if plan.time is not None and followers else []

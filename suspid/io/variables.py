@@ -17,8 +17,8 @@ from suspid.units import Hertz, RealArray
 from suspid.values import frozen_real
 from suspid.words import LeftOut, Number, Remark
 
-# Limits of a record; damaged files state deeper structures and larger arrays.
-DEEPEST, MOST_BYTES = 16, 1 << 31
+# Limit of a record; damaged files state deeper structures.
+DEEPEST = 16
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
