@@ -20,7 +20,7 @@ from suspid.words import LeftOut, Remark
 
 # A few bytes may encode any number of equal samples; more than this are refused.
 MOST_ROWS = 1 << 28
-TOGETHER = 128  # columns that are read at once
+COLUMNS_AT_ONCE = 128  # columns that are read at once
 
 
 def read_parquet(path: Path) -> Table:
@@ -135,8 +135,8 @@ def _unit(metadata: dict[bytes, bytes] | None) -> str:
 def _columns(file: Any, wanted: Sequence[str], types: Mapping[str, Any], samples: int) -> list[RealArray]:
     """Return the numbers of columns, read a group at a time: one by one takes long, all at once takes memory."""
     values: list[RealArray] = []
-    for k in range(0, len(wanted), TOGETHER):
-        names = list(wanted[k : k + TOGETHER])
+    for k in range(0, len(wanted), COLUMNS_AT_ONCE):
+        names = list(wanted[k : k + COLUMNS_AT_ONCE])
         # For a name with a point, pyarrow may return members of a structure as well.
         cells = file.read(columns=names, use_threads=False)
         for name in names:
