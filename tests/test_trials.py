@@ -11,7 +11,7 @@ from suspid.decays.doubts import clipped_samples, doubts_of, doubts_of_backgroun
 from suspid.decays.kinds import kind_of
 from suspid.decays.refusals import fits, refused
 from suspid.decays.starts import find_start
-from suspid.decays.trials import Trial, background_ratio, block_size, quiet_variance, tried
+from suspid.decays.trials import Trial, background_ratio, block_means, block_size, quiet_variance, tried
 from suspid.decays.verification import verified
 from suspid.signals import Signal
 from suspid.words import DecayDoubt, DecayKind, DecayRemark
@@ -110,11 +110,11 @@ class TestTrial:
 class TestNoiseOfARecording:
     def test_quiet_variance_is_below_that_of_white_noise(self) -> None:
         # Half of a low quantile over the stretches of the variance of means over 4 samples, 1 / 4.
-        found = quiet_variance(noise(1, 20000), size=4, length=400, finest=np.zeros(2))
+        found = quiet_variance(block_means(noise(1, 20000), 4), size=4, length=400, finest=np.zeros(2))
         assert np.all((found > 0.4 / 4) & (found < 0.5 / 4))
 
     def test_quiet_variance_of_a_short_recording_is_that_of_rounding(self) -> None:
-        found = quiet_variance(noise(1, 600), size=4, length=400, finest=np.array([0.2, 0.4]))
+        found = quiet_variance(block_means(noise(1, 600), 4), size=4, length=400, finest=np.array([0.2, 0.4]))
         np.testing.assert_allclose(found, [0.01, 0.04])
 
     def test_white_background_has_the_power_of_white_noise(self) -> None:
@@ -122,9 +122,9 @@ class TestNoiseOfARecording:
         values[:, -600:] += decay()
         found = trial(values[:, -600:])
         # The quantile 0.2 of 100 exponential values scatters by sqrt(0.2 / 0.8 / 100) / -log(0.8) = 22 %.
-        ratio = background_ratio(values, found, size=2, length=600)
+        ratio = background_ratio(block_means(values, 2), found, size=2, length=600)
         assert ratio[0] == pytest.approx(1.0, abs=3 * 0.25)
-        assert doubts_of_background(signal(values), found, size=2, length=600) == ()
+        assert doubts_of_background(block_means(values, 2), found, size=2, length=600) == ()
 
     def test_a_resonant_background_has_the_power_of_its_spectrum(self) -> None:
         from scipy.signal import lfilter
@@ -138,9 +138,9 @@ class TestNoiseOfARecording:
         response = 1 / abs(np.array([1.0, -2 * 0.99 * np.cos(POLE.imag * STEP), 0.99**2]) @ turn) ** 2
         expected = 1 + (0.004 / 0.01) ** 2 * response
         # The window is 300 blocks of 2 samples, 0.33 Hz wide at its half, and the resonance 0.32 Hz: some 2 dB.
-        ratio = background_ratio(values, found, size=2, length=600)
+        ratio = background_ratio(block_means(values, 2), found, size=2, length=600)
         assert abs(10 * np.log10(ratio[0] / expected)) < 4
-        (doubt,) = doubts_of_background(signal(values), found, size=2, length=600)
+        (doubt,) = doubts_of_background(block_means(values, 2), found, size=2, length=600)
         assert doubt.code is DecayDoubt.BACKGROUND
 
 

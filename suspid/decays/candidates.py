@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cache, cached_property, partial
 from itertools import pairwise
 from typing import TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from suspid.decays.bursts import Burst
 from suspid.decays.decay import Decay
@@ -17,7 +20,7 @@ from suspid.decays.predictions import at_rest_from, at_rest_until, released_at
 from suspid.decays.refusals import Refusal, drowned, fits, refused
 from suspid.decays.rests import decay_between
 from suspid.decays.starts import Start, find_start
-from suspid.decays.trials import Trial, block_size, quiet_variance, tried
+from suspid.decays.trials import Trial, block_means, block_size, quiet_variance, tried
 from suspid.decays.verification import LATEST_START, verified
 from suspid.signals import Signal
 from suspid.units import Decibel, RealArray
@@ -39,13 +42,46 @@ LATEST_ALONE = 0.9
 Found: TypeAlias = tuple[tuple[Decay, ...], tuple[Remark, ...]]
 
 
-@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Channels:
+    """Channels of a recording with what every event in them needs, found once."""
+
+    signal: Signal  # the recording
+    finest: RealArray  # (channel,): standard deviation of the rounding and quantisation error
+
+    @cached_property
+    def clipped(self) -> NDArray[np.bool_]:
+        """Which samples are clipped, (sample,)."""
+        return clipped_samples(self.signal.values)
+
+    @cached_property
+    def means(self) -> Callable[[int], RealArray]:
+        """Means over blocks of some samples, (channel, block)."""
+        return cache(partial(block_means, self.signal.values))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Recording:
     """A recording with what every event in it needs."""
 
     signal: Signal  # the recording
     bands: Envelopes  # power of its octave bands above the background
     finest: RealArray  # (channel,): standard deviation of the rounding and quantisation error
+
+    def among(self, moving: NDArray[np.intp]) -> Channels:
+        """Return some of the channels."""
+        if len(moving) == len(self.signal.channels):
+            return self._all
+        part = replace(
+            self.signal,
+            values=frozen_real(self.signal.values[moving]),
+            channels=tuple(self.signal.channels[channel] for channel in moving),
+        )
+        return Channels(signal=part, finest=self.finest[moving])
+
+    @cached_property
+    def _all(self) -> Channels:
+        return Channels(signal=self.signal, finest=self.finest)
 
 
 def decays_after(recording: Recording, burst: Burst) -> Found:
@@ -85,19 +121,16 @@ def examined(recording: Recording, burst: Burst, *, moved: bool) -> Found:
     # Channels that are constant in the second half, such as the road after a step, take no part.
     later = signal.values[:, first + (last - first) // 2 : last]
     moving = np.flatnonzero(np.ptp(later, axis=1) > 0) if later.size else np.zeros(0, np.intp)
-    part = replace(
-        signal,
-        values=frozen_real(signal.values[moving]),
-        channels=tuple(signal.channels[channel] for channel in moving),
-    )
+    chosen = recording.among(moving)
+    part = chosen.signal
     size = min(block_size(signal.step, burst.top), max(1, (last - first) // 64))
     alone = 2 * (last - first) > signal.values.shape[1]
-    clipped = clipped_samples(part.values)
+    clipped = chosen.clipped
     start, doubt = Start(begin=first, trial=None), None
     if moving.size:
-        least = quiet_variance(part.values, size=size, length=last - first, finest=recording.finest[moving])
+        least = quiet_variance(chosen.means(size), size=size, length=last - first, finest=chosen.finest)
         if moved:
-            finest, latest = recording.finest[moving], LATEST_ALONE if alone else LATEST_START
+            finest, latest = chosen.finest, LATEST_ALONE if alone else LATEST_START
             start = find_start(part, least, burst, first, last, size, clipped, finest, latest=latest)
             start, doubt = _verified(part, start, last, size)
             start = replace(start, begin=start.begin + at_rest_until(part.values[:, start.begin : last], finest))
@@ -119,7 +152,7 @@ def examined(recording: Recording, burst: Burst, *, moved: bool) -> Found:
         _, doubt = verified(part, start.trial, start.begin, last, size, moved=False)
     doubts = (
         *doubts_of(part, start.trial, burst, _cycles(start.trial), start.begin, clipped[start.begin : last]),
-        *doubts_of_background(part, start.trial, size=size, length=last - start.begin),
+        *doubts_of_background(chosen.means(size), start.trial, size=size, length=last - start.begin),
         *([doubt] if doubt is not None else []),
     )
     kind = kind_of(part, start.trial, first, start.begin) if moved else None

@@ -71,9 +71,9 @@ def doubts_of_company(refusals: int, looked: int) -> tuple[Remark, ...]:
     return (Remark(DecayDoubt.COMPANY, {"refused": refusals, "examined": looked}),)
 
 
-def doubts_of_background(signal: Signal, trial: Trial, *, size: int, length: int) -> tuple[Remark, ...]:
+def doubts_of_background(means: RealArray, trial: Trial, *, size: int, length: int) -> tuple[Remark, ...]:
     """Return the doubt that the background excites the modes, if it is stronger than white noise at one of them."""
-    ratio = background_ratio(signal.values, trial, size=size, length=length)
+    ratio = background_ratio(means, trial, size=size, length=length)
     worst = int(np.argmax(ratio))
     if ratio[worst] < HIGH_BACKGROUND:
         return ()

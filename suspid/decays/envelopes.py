@@ -9,7 +9,7 @@ import numpy as np
 from suspid.identification import UNIFORM_STD, resolution
 from suspid.levels import UNLIKELY
 from suspid.signals import Signal
-from suspid.units import ComplexArray, Decibel, RealArray, Second
+from suspid.units import Decibel, RealArray, Second
 from suspid.values import frozen_real
 
 # Width of a band [octaves], a Gaussian over the logarithm of frequency. Wider bands mix modes; narrower bands blur the
@@ -53,8 +53,8 @@ class Envelopes:
 def envelopes(signal: Signal) -> Envelopes:
     """Return the power of each octave band above its background.
 
-    The record is mirrored at its end so that its Fourier transform sees no jump. Each band is the inverse transform of
-    its own bins alone, so low bands cost little.
+    The record is mirrored at its end so that its Fourier transform sees no jump. Each band is the transform of its own
+    bins alone, so low bands cost little.
 
     Examples
     --------
@@ -66,8 +66,6 @@ def envelopes(signal: Signal) -> Envelopes:
     >>> float(found.timepts[np.argmax(found.level)].round())
     30.0
     """
-    from scipy.fft import rfft
-
     count = signal.values.shape[1]
     # Longest envelope [points]. It bounds time and memory for long recordings, and limits the resolution in time there.
     points = min(count, 2**17)
@@ -75,15 +73,16 @@ def envelopes(signal: Signal) -> Envelopes:
     # Positions of the points, in samples.
     at = (np.arange(points) + 0.5) * (count / points) - 0.5
     levels = np.full((len(centres), points), -np.inf)
-    trend = np.linspace(-1.0, 1.0, count)
-    for samples, least in zip(signal.values, finest(signal.values), strict=True):
-        about = samples - samples.mean()
-        about = about - trend * (float(about @ trend) / float(trend @ trend))
-        spectrum = rfft(np.concatenate([about, about[::-1]]))
-        for band, centre in enumerate(centres):
-            power, white = _band_power(spectrum, 2 * count * centre * signal.step, 2 * count)
-            floor = max(background(power[: len(power) // 2 + 1]), white * least**2, 1e-300)
-            here = np.interp((at + 0.5) * (len(power) / (2 * count)), np.arange(len(power)), power)
+    quantum, spectra = finest(signal.values), _mirrored(signal.values)
+    for band, centre in enumerate(centres):
+        low, window, length = _window(2 * count * centre * signal.step, count)
+        white = 2 * count * float(window @ window) / length**2
+        place = (at + 0.5) * (length / (2 * count))
+        before = np.minimum(place.astype(int), length // 2 - 1)
+        for spectrum, least in zip(spectra, quantum, strict=True):
+            power = _power(spectrum[low : low + len(window)] * window, length)
+            floor = max(background(power), white * least**2, 1e-300)
+            here = power[before] + (place - before) * (power[before + 1] - power[before])
             np.maximum(levels[band], 10 * np.log10(np.maximum(here / floor, 1e-9)), out=levels[band])
     for band, centre in enumerate(centres):
         edge = int(np.ceil(FOLD / (centre * signal.step) * points / count))
@@ -139,19 +138,50 @@ def _centres(signal: Signal) -> RealArray:
     return np.asarray(top / 2.0 ** np.arange(max(1, int(np.floor(np.log2(top / bottom))) + 1)))
 
 
-def _band_power(spectrum: ComplexArray, centre: float, count: int) -> tuple[RealArray, float]:
-    """Return the squared envelope of a band at the rate that it needs, and its mean for white noise of variance 1.
+def _mirrored(values: RealArray) -> RealArray:
+    """Return the Fourier transforms of mirrored channels without their lines, (channel, bin), up to their phases.
+
+    They are cosine transforms of type II, half as long.
+    """
+    from scipy.fft import dct
+
+    trend, out = np.linspace(-1.0, 1.0, values.shape[1]), np.empty(values.shape)
+    for samples, spectrum in zip(values, out, strict=True):
+        about = samples - samples.mean()
+        about -= trend * (float(about @ trend) / float(trend @ trend))
+        spectrum[:] = dct(about, overwrite_x=True)
+    return out
+
+
+def _window(centre: float, count: int) -> tuple[int, RealArray, int]:
+    """Return the first bin of a band, the Gaussian over its bins, and the length of the transform that it needs.
 
     The Gaussian is cut two octaves from its centre, at 4e-6 of its peak.
     """
-    from scipy.fft import ifft, next_fast_len
+    from scipy.fft import next_fast_len
 
-    low = int(np.ceil(centre / 4))
-    high = min(int(np.floor(centre * 4)), len(spectrum) - 1)
-    bins = np.arange(low, high + 1)
-    window = np.exp(-0.5 * (np.log2(bins / centre) / OCTAVES) ** 2)
-    length = next_fast_len(2 * len(bins))
-    padded = np.zeros(length, complex)
-    padded[: len(bins)] = spectrum[low : high + 1] * window
-    envelope = ifft(padded)
-    return np.asarray(envelope.real**2 + envelope.imag**2), count * float(window @ window) / length**2
+    low, high = int(np.ceil(centre / 4)), min(int(np.floor(centre * 4)), count - 1)
+    window = np.arange(low, high + 1, dtype=float)
+    window /= centre
+    np.log2(window, out=window)
+    window /= OCTAVES
+    np.square(window, out=window)
+    window *= -0.5
+    np.exp(window, out=window)
+    return low, window, 2 * int(next_fast_len(len(window), real=True))
+
+
+def _power(band: RealArray, length: int) -> RealArray:
+    """Return the squared envelope of a band at the rate that it needs.
+
+    That of a mirrored record has its first half twice, so that a real transform gives all of it.
+    """
+    from scipy.fft import rfft
+
+    envelope = rfft(band, length, overwrite_x=True)
+    real, imag = envelope.real, envelope.imag
+    # In place: of a long record each copy counts.
+    real *= real
+    imag *= imag
+    real += imag
+    return np.asarray(real / length**2)

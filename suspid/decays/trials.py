@@ -133,37 +133,47 @@ def block_size(step: Second, top: Hertz) -> int:
     return max(1, int(1 / (BLOCKS_A_CYCLE * top * step)))
 
 
-def quiet_variance(values: RealArray, *, size: int, length: int, finest: RealArray) -> RealArray:
+def block_means(values: RealArray, size: int) -> RealArray:
+    """Return the means over blocks of ``size`` samples, (channel, block); the rest of the samples is left out."""
+    if size == 1:
+        return values
+    blocks = values.shape[1] // size
+    return np.asarray(values[:, : blocks * size].reshape(len(values), blocks, size).mean(axis=2))
+
+
+def quiet_variance(means: RealArray, *, size: int, length: int, finest: RealArray) -> RealArray:
     """Return a lower bound of the variance of the noise in the means over blocks of ``size`` samples, (channel,).
 
-    It is `QUIET_SHARE` of a low quantile over stretches of the recording of ``length`` samples, and at least the
-    variance of the rounding and quantisation error, whose standard deviation is ``finest``.
+    The means are those of the recording, (channel, block), from `block_means`. The bound is `QUIET_SHARE` of a low
+    quantile over stretches of the recording of ``length`` samples, and at least the variance of the rounding and
+    quantisation error, whose standard deviation is ``finest``.
     """
     blocks = max(length // size, FEWEST_SAMPLES)
-    stretches = values.shape[1] // (blocks * size)
+    stretches = means.shape[1] // blocks
     least = finest**2 / size
     if stretches < FEWEST_STRETCHES:
         return np.asarray(least)
-    means = values[:, : stretches * blocks * size].reshape(len(values), stretches, blocks, size).mean(axis=3)
-    quiet = np.quantile(np.var(means, axis=2), QUIET_QUANTILE, axis=1)
+    parts = means[:, : stretches * blocks].reshape(len(means), stretches, blocks)
+    quiet = np.quantile(np.var(parts, axis=2), QUIET_QUANTILE, axis=1)
     return np.asarray(np.maximum(least, QUIET_SHARE * quiet))
 
 
-def background_ratio(values: RealArray, trial: Trial, *, size: int, length: int) -> RealArray:
+def background_ratio(means: RealArray, trial: Trial, *, size: int, length: int) -> RealArray:
     """Return the background power of the recording at each mode over that of white noise like the fit's, (mode,).
 
     It is a low quantile of the power at the frequency of the mode (Hann window) in stretches as long as the decay, in
-    the channel where the mode is strongest, and 1 in recordings too short for that.
+    the channel where the mode is strongest, and 1 in recordings too short for that. The means over blocks of ``size``
+    samples are those of the recording.
     """
     blocks = trial.residual.shape[1]
-    stretches = values.shape[1] // (max(length // size, blocks) * size)
+    stretches = means.shape[1] // max(length // size, blocks)
     if stretches < FEWEST_STRETCHES:
         return np.ones(len(trial.modes))
-    means = values[:, : stretches * blocks * size].reshape(len(values), stretches, blocks, size).mean(axis=3)
+    parts = means[:, : stretches * blocks].reshape(len(means), stretches, blocks)
     window = np.hanning(blocks)
     fit, rows = trial.selection.fit, trial.modes
     turns = np.exp(-1j * np.arange(blocks)[:, None] * fit.poles.pairs[rows].imag) * window[:, None]
-    power = np.abs((means - means.mean(axis=2, keepdims=True)) @ turns) ** 2
+    power = np.abs((parts - parts.mean(axis=2, keepdims=True)) @ turns) ** 2
     white = trial.noise_std[:, None] ** 2 * float(window @ window)
     # The power of noise is exponentially distributed.
     ratio = np.quantile(power, CALM, axis=1) / -np.log1p(-CALM) / white
