@@ -149,7 +149,7 @@ class TestSpeed:
         assert speed.direct_sum(signal, 60.0, i * scalogram.strides[0]) == pytest.approx(complex(got), rel=1e-10)
 
     def test_runs_on_little(self) -> None:
-        text = speed.report(rounds=1, lengths=(1000,), samples=2000, rows=12)
+        text = speed.report(rounds=1, lengths=(1000,), samples=2000, rows=12, everyday=str)
         for title in ("## Accuracy of the transforms", "## Times", "### Against the length of the record"):
             assert title in text
         errors = [float(e) for e in re.findall(r"\| suspid, own rates, to 1e-13 .*?\| (\de[-+]\d+)", text)]

@@ -25,6 +25,7 @@ from validation import cars
 from validation.peer_methods import mwdi
 from validation.peer_skeletons import RATE
 from validation.peers import START, missing_module, record, silence
+from validation.speed_everyday import everyday_table
 
 CHANNELS = ("seat", "chassis", "tire")
 LENGTHS = (1_000, 10_000, 100_000, 1_000_000)
@@ -36,7 +37,14 @@ PEER_DEFAULT = "ssqueezepy, float32, reflect padding, parallel on"
 CLEAR = 6.0
 
 
-def report(*, rounds: int = 7, lengths: Sequence[int] = LENGTHS, samples: int = SAMPLES, rows: int = ROWS) -> str:
+def report(
+    *,
+    rounds: int = 7,
+    lengths: Sequence[int] = LENGTHS,
+    samples: int = SAMPLES,
+    rows: int = ROWS,
+    everyday: Callable[[int], str] = everyday_table,
+) -> str:
     """Return the report as markdown: accuracy, which is reproducible, then times, which are not."""
     noise = np.random.default_rng(0).standard_normal(samples)
     signal = as_signal(as_response(np.arange(samples) / RATE, noise[None], ("seat",)))
@@ -59,6 +67,11 @@ def report(*, rounds: int = 7, lengths: Sequence[int] = LENGTHS, samples: int = 
         f"for this machine only; compare the ratios.",
         "### One call without hints, one channel, 5000 samples at 20 dB",
         identify_text(rounds),
+        "### Everyday calls",
+        "CPU time of the process, the least of several rounds in turns. The limit is one `numpy.fft.rfft` of the "
+        "record: whoever looks at all samples in all frequencies takes as long. Peers that are installed stand below "
+        "the call.",
+        everyday(max(2, rounds // 2)),
         "### Against the length of the record, three channels",
         "The paper's car; the noise is that of 20 dB over ten seconds, whatever the length. Memory is the peak that "
         "Python traces during the call, record excluded.",

@@ -80,7 +80,7 @@ def envelopes(signal: Signal) -> Envelopes:
         place = (at + 0.5) * (length / (2 * count))
         before = np.minimum(place.astype(int), length // 2 - 1)
         for spectrum, least in zip(spectra, quantum, strict=True):
-            power = _power(spectrum[low : low + len(window)] * window, length)
+            power = _power(spectrum[low : low + len(window)], window, length)
             floor = max(background(power), white * least**2, 1e-300)
             here = power[before] + (place - before) * (power[before + 1] - power[before])
             np.maximum(levels[band], 10 * np.log10(np.maximum(here / floor, 1e-9)), out=levels[band])
@@ -171,16 +171,18 @@ def _window(centre: float, count: int) -> tuple[int, RealArray, int]:
     return low, window, 2 * int(next_fast_len(len(window), real=True))
 
 
-def _power(band: RealArray, length: int) -> RealArray:
+def _power(bins: RealArray, window: RealArray, length: int) -> RealArray:
     """Return the squared envelope of a band at the rate that it needs.
 
     That of a mirrored record has its first half twice, so that a real transform gives all of it.
     """
     from scipy.fft import rfft
 
-    envelope = rfft(band, length, overwrite_x=True)
-    real, imag = envelope.real, envelope.imag
     # In place: of a long record each copy counts.
+    band = np.zeros(length)
+    np.multiply(bins, window, out=band[: len(window)])
+    envelope = rfft(band, overwrite_x=True)
+    real, imag = envelope.real, envelope.imag
     real *= real
     imag *= imag
     real += imag
