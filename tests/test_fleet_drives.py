@@ -9,6 +9,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -182,6 +183,15 @@ class TestTrends:
         told = command("--summary", run.output, "--table", tmp_path / "vehicles.csv")
         assert told.exit_code == 0, told.output
         assert "1 damper over their records" in told.stdout
+
+    def test_drives_that_no_trend_can_be_drawn_from_are_counted(self, run: FleetRun) -> None:
+        summary = fleet_summary(run.output)
+        assert summary.dampers is not None
+        assert summary.untrusted == 0
+        none = replace(summary, dampers=replace(summary.dampers, trends=()), untrusted=3)
+        assert "at least four drives" in str(none)
+        assert "3 drives are in no trend of a damper" in str(none)
+        assert "1 drive is in no trend of a damper" in str(replace(summary, untrusted=1))
 
 
 class TestResumed:

@@ -51,6 +51,13 @@ def wear_counts(folder: Path, car: Suspension) -> dict[str, dict[str, int]]:
     return {name: dict(sorted(states.items())) for name, states in counts.items() if states}
 
 
+def untrusted_drives(folder: Path) -> int:
+    """Return how many drives have an estimate that cannot be built upon."""
+    table = read_table(folder, "drives", columns=["verdict", "explains"]).to_pydict()
+    rows = zip(table["verdict"], table["explains"], strict=True)
+    return sum(1 for verdict, explains in rows if explains is not None and verdict in UNTRUSTED)
+
+
 def drive_dampers(
     folder: Path, vehicles: Mapping[str, tuple[str, float]], car: Suspension, rule: WearRule | None
 ) -> DamperTrends:

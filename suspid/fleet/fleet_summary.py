@@ -14,7 +14,7 @@ import numpy as np
 
 from suspid.fleet.damper_trends import DamperTrends, trends_of_table
 from suspid.fleet.distributions import Distribution, Outlier, distribution, outliers_of
-from suspid.fleet.drive_summary import body_quantities, drive_dampers, placed_drives, wear_counts
+from suspid.fleet.drive_summary import body_quantities, drive_dampers, placed_drives, untrusted_drives, wear_counts
 from suspid.fleet.families import OTHERS, families_by_density, families_of_car
 from suspid.fleet.manifest import read_manifest
 from suspid.fleet.parts import part_counts, part_numbers, read_table
@@ -122,6 +122,7 @@ def fleet_summary(
         unplaced=sum(1 for name in names if name not in vehicles) if asked else None,
         complete="complete" in manifest,
         wear=wear_counts(place, car) if drives and car is not None else {},
+        untrusted=untrusted_drives(place) if drives else 0,
     )
 
 

@@ -77,6 +77,8 @@ class FleetSummary:
         Whether the run has ended.
     wear : mapping of str to mapping of str to int
         In how many drives each damper has each state of wear against its nominal value; empty of decays.
+    untrusted : int
+        How many drives have springs and dampers that cannot be built upon, and are in no trend of dampers.
     """
 
     folder: Path
@@ -93,6 +95,7 @@ class FleetSummary:
     unplaced: int | None
     complete: bool
     wear: Mapping[str, Mapping[str, int]] = field(default_factory=dict)
+    untrusted: int = 0
 
     def __str__(self) -> str:
         parts = [
@@ -131,8 +134,8 @@ class FleetSummary:
             parts.append(_no_outlier(self.distributions))
         if self.unplaced is not None:
             parts.append(_trends_in_words(self.trends, self.unplaced))
-        if self.dampers is not None and self.dampers.trends:
-            parts.append(_dampers_in_words(self.dampers))
+        if self.dampers is not None and (self.dampers.trends or self.wear):
+            parts.append(_dampers_in_words(self.dampers, self.untrusted))
         return "\n\n".join(parts)
 
 
@@ -204,7 +207,15 @@ def _trends_in_words(trends: Sequence[Trend], unplaced: int) -> str:
     return f"{said}\n\n{text_table(columns)}{_more(len(changing))}"
 
 
-def _dampers_in_words(dampers: DamperTrends) -> str:
+def _dampers_in_words(dampers: DamperTrends, untrusted: int) -> str:
+    left_out = ""
+    if untrusted:
+        left_out = (
+            f"{count(untrusted, 'drive')} {'is' if untrusted == 1 else 'are'} in no trend of a damper, because the "
+            "springs and dampers found are doubtful: see suspid drive"
+        )
+    if not dampers.trends:
+        return "\n".join(filter(None, [str(dampers), left_out]))
     rule, doubtful = dampers.rule, dampers.doubtful
     states = Counter(str(one.state) for one in dampers.trends)
     numbers = ", ".join(f"{number} {state}" for state, number in sorted(states.items()))
@@ -212,6 +223,7 @@ def _dampers_in_words(dampers: DamperTrends) -> str:
         f"{count(len(dampers.trends), 'damper')} over their records: {numbers} (of those that lost no more than "
         f"{rule.small:.0%}, at most {rule.rate:.1%} are called worn)"
     )
+    said = "\n".join(filter(None, [said, left_out]))
     if not doubtful.trends:
         return said
     return f"{said}\n\n{replace(doubtful, trends=doubtful.trends[:MOST_SHOWN])}{_more(len(doubtful.trends))}"
