@@ -1,0 +1,138 @@
+"""Limits of the cleaning, each by a record on either side of it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from suspid.cleaning.clipping import clipped_run
+from suspid.cleaning.inspection import inspect
+from suspid.cleaning.ordering import ordered, stamped, unrepeated
+from suspid.cleaning.placing import interpolate
+from suspid.errors import RecordError
+from suspid.stamps import Indices
+from suspid.units import RealArray
+from suspid.words import Defect
+
+K = np.arange(400)
+SWING: RealArray = 0.5 * np.sin(0.37 * K) + 0.001 * np.cos(1.9 * K)
+NONE: Indices = np.empty(0, np.intp)
+
+
+class TestClipping:
+    @pytest.mark.parametrize(("count", "clipped"), [(2, False), (3, True), (4, True), (40, True)])
+    def test_three_samples_at_the_limit_between_jumps_are_clipped(self, count: int, clipped: bool) -> None:
+        values = SWING.copy()
+        values[200 : 200 + count] = 1.0
+        found = (200, count) if clipped else None
+        assert clipped_run(values, largest=True) == found
+        assert clipped_run(-values, largest=False) == found
+
+    @pytest.mark.parametrize(("share", "clipped"), [(0.45, True), (0.55, False)])
+    def test_a_limit_that_is_held_for_most_of_a_record_is_its_rest(self, share: float, clipped: bool) -> None:
+        values = np.where(share * 400 > K, 1.0, SWING)
+        assert (clipped_run(values, largest=True) is not None) == clipped
+
+    @pytest.mark.parametrize("turn", [0.1, 0.2, 0.4, 0.8])
+    def test_a_mass_that_is_held_and_let_go_is_not_clipped(self, turn: float) -> None:
+        """It leaves rest with half of the step by which its steps grow; a cosine does."""
+        k = np.arange(300)
+        values = np.concatenate([np.ones(40), np.exp(-0.01 * turn * k) * np.cos(turn * k)])
+        assert clipped_run(values, largest=True) is None
+
+    def test_noise_of_a_few_steps_of_a_converter_is_not_clipped(self) -> None:
+        rng = np.random.default_rng(1)
+        noise = [np.round(0.6 * rng.standard_normal(3000)) for _ in range(20)]
+        assert [clipped_run(values, largest=True) for values in noise] == [None] * 20
+
+
+class TestOrder:
+    STAMPS: RealArray = np.arange(100) / 10.0
+
+    def order(self, stamps: RealArray) -> tuple[RealArray, list[object]]:
+        values = np.random.default_rng(1).standard_normal((1, len(stamps)))
+        times, _, findings = ordered(stamps, values, np.arange(len(stamps)), NONE)
+        return times, [finding.kind for finding in findings]
+
+    @pytest.mark.parametrize(("lost", "fine"), [(10, True), (11, False)])
+    def test_a_tenth_of_the_stamps_may_be_missing(self, lost: int, fine: bool) -> None:
+        stamps = self.STAMPS.copy()
+        stamps[5 : 5 + lost] = np.nan
+        if fine:
+            assert len(stamped(stamps)[0]) == 100 - lost
+        else:
+            with pytest.raises(RecordError, match="are not numbers"):
+                stamped(stamps)
+
+    def test_times_since_1970_in_any_unit_are_times(self) -> None:
+        for per_second in (1.0, 1e3):
+            assert len(stamped(1.7e9 * per_second + self.STAMPS)[0]) == 100
+
+    @pytest.mark.parametrize(("rows", "far", "left_out"), [(100, 2, 2), (100, 3, 0), (12, 1, 1), (11, 1, 0)])
+    def test_few_rows_at_the_ends_far_from_all_others_are_left_out(self, rows: int, far: int, left_out: int) -> None:
+        stamps = self.STAMPS[:rows].copy()
+        stamps[-far:] += 1e6
+        assert rows - len(stamped(stamps)[0]) == left_out
+
+    @pytest.mark.parametrize(("back", "defect"), [(8, Defect.SWAPPED_ROWS), (9, Defect.WRONG_STAMPS)])
+    def test_a_row_that_comes_up_to_eight_rows_late_is_put_back(self, back: int, defect: Defect) -> None:
+        """One that comes later has, as have those before it, a wrong stamp."""
+        stamps = np.arange(1000) / 10.0
+        stamps[500 : 501 + back] = np.append(stamps[501 : 501 + back], stamps[500])
+        times, codes = self.order(stamps)
+        assert codes == [defect]
+        np.testing.assert_allclose(times, np.arange(1000) / 10.0)
+
+    def test_rows_are_not_put_where_they_nearly_double_others(self) -> None:
+        """A stamp that lies beside an earlier one is a wrong stamp, not a late row."""
+        stamps = self.STAMPS.copy()
+        stamps[50] = stamps[45] + 0.01
+        times, codes = self.order(stamps)
+        assert codes == [Defect.WRONG_STAMPS]
+        np.testing.assert_allclose(times, self.STAMPS, atol=1e-9)
+
+    @pytest.mark.parametrize(("wrong", "fine"), [(2, True), (3, False)])
+    def test_two_wrong_stamps_of_a_hundred_are_repaired(self, wrong: int, fine: bool) -> None:
+        """Another stamp, half a step off, is among them."""
+        stamps = self.STAMPS.copy()
+        stamps[20] += 0.06
+        stamps[50 : 50 + wrong - 1] = 1.03
+        if fine:
+            times, codes = self.order(stamps)
+            assert codes == [Defect.WRONG_STAMPS]
+            np.testing.assert_allclose(times, self.STAMPS, atol=0.01)
+        else:
+            with pytest.raises(RecordError, match="runs backwards"):
+                self.order(stamps)
+
+    @pytest.mark.parametrize(("count", "removed"), [(5, 5), (6, 0)])
+    def test_more_repeated_rows_than_asked_for_are_left(self, count: int, removed: int) -> None:
+        stamps, values = self.STAMPS.copy(), np.random.default_rng(1).standard_normal((1, 100))
+        again = 10 * np.arange(1, count + 1)
+        stamps[again], values[:, again] = stamps[again - 1], values[:, again - 1]
+        rows, _ = unrepeated(stamps, values, np.arange(100), most=0.05)
+        assert 100 - len(rows) == removed
+
+
+class TestChannels:
+    @pytest.mark.parametrize(("count", "dropout"), [(3, False), (4, True)])
+    def test_four_zeros_between_jumps_are_a_dropout(self, count: int, dropout: bool) -> None:
+        values = 3.0 * np.sin(0.02 * K) + 0.01 * np.random.default_rng(1).standard_normal(400)
+        values[78 : 78 + count] = 0.0
+        found = inspect("seat", K / 100.0, values)
+        assert (Defect.DROPOUT in [finding.kind for finding in found.findings]) == dropout
+
+    @pytest.mark.parametrize(("value", "kept"), [(2.0, True), (1e31, False), (-1e31, False)])
+    def test_what_no_quantity_reaches_is_missing(self, value: float, kept: bool) -> None:
+        values = SWING + 0.0
+        values[7] = value
+        assert np.isfinite(inspect("seat", K / 100.0, values).values[7]) == kept
+
+    @pytest.mark.parametrize(("ahead", "used"), [(0.8, False), (0.6, True)])
+    def test_a_sample_beside_another_is_not_used_between_them(self, ahead: float, used: bool) -> None:
+        """Its noise would become slope; a stamp that is four tenths of a step behind counts."""
+        times, wanted = np.arange(30.0), np.array([15.5])
+        plain = interpolate(wanted, times, np.sin(times), widest=3.0)
+        more = np.insert(times, 16, 16 - ahead)
+        other = interpolate(wanted, more, np.sin(more) + 0.1 * (more % 1 > 0), widest=3.0)
+        assert (abs(float(other[0] - plain[0])) > 0.01) == used
