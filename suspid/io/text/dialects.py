@@ -146,7 +146,7 @@ def _tried(dialect: Dialect, counted: Mapping[str, int], kind: Callable[..., Kin
         return None
     width = widths.most_common(1)[0][0]
     score = sum(n * _score(cells[shape], kinds[shape], width) for shape, n in counted.items())
-    return _Trial(score, width, dialect)
+    return _Trial(score, width, dialect) if score > 0 else None
 
 
 def _score(cells: Sequence[str], kinds: Sequence[Kind], width: int) -> float:
