@@ -97,9 +97,9 @@ def assert_within(found: ModalSet, truth: ModalSet, *, std: float) -> None:
 
 
 class TestSize:
-    """Multiplying a record by a power of two changes no pole, as long as its squares can be held."""
+    """Multiplying a record by a power of two changes no pole, within the sizes that records have."""
 
-    @pytest.mark.parametrize("exponent", [-320, 320])
+    @pytest.mark.parametrize("exponent", [-80, 80])
     def test_poles_stay(self, exponent: int) -> None:
         rng = np.random.default_rng(1)
         decay = free_decay(cars.PAPER, np.arange(1250) * 0.004, initial_state={"v_tire": 1.0})
@@ -115,7 +115,7 @@ class TestSize:
     def test_beyond_that_a_channel_is_refused_by_name(self, factor: float) -> None:
         signal = as_signal(free_decay(cars.PAPER, np.arange(1250) * 0.004, initial_state={"v_tire": 1.0}))
         values = signal.values * np.array([[1.0], [factor], [1.0]])
-        with pytest.raises(RecordError, match="channel 'chassis' has a peak"):
+        with pytest.raises(RecordError, match="channel 'chassis' reaches"):
             identify(as_response(signal.timepts, values, signal.channels))
 
 

@@ -23,6 +23,7 @@ from suspid.io.formats import READERS
 from suspid.io.read_recording import read_recording
 from suspid.io.write_record import write_record
 from suspid.signals import as_response
+from suspid.values import LARGEST_SIZE, SMALLEST_SIZE
 from suspid.words import LeftOut
 
 DATA = Path(__file__).resolve().parents[2] / "shared" / "data"
@@ -51,7 +52,7 @@ def matlab(**variables: object) -> bytes:
 class TestWrittenThenReadIsTheSame:
     @FUZZ
     @given(
-        values=st.lists(st.tuples(*[st.floats(allow_nan=False, allow_infinity=False)] * 2), min_size=2, max_size=20),
+        values=st.lists(st.tuples(*[st.floats(-LARGEST_SIZE, LARGEST_SIZE)] * 2), min_size=2, max_size=20),
         step=st.floats(1e-6, 1e3),
         start=st.floats(-1e3, 1e3),
     )
@@ -61,6 +62,9 @@ class TestWrittenThenReadIsTheSame:
         time = np.asarray(start + step * np.arange(len(values)), float)
         if np.any(np.diff(time) < 0.999 * step):
             return  # the step drowns in the start: no uniform grid in double precision
+        sizes = np.max(np.abs(values), axis=0)
+        if np.any((sizes > 0) & (sizes < SMALLEST_SIZE)):
+            return  # no record holds a channel as small
         record = as_response(time, np.array(values).T, ["seat", "tire"])
         for name in ("r.csv", "r.parquet"):
             write_record(record, scratch / name)

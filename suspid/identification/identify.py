@@ -36,10 +36,6 @@ if TYPE_CHECKING:
     import control
 
 
-# Largest peak of a channel, and inverse of the least: sums of squares must stay within double precision.
-LARGEST_PEAK = 1e100
-
-
 def identify(
     response: RecordLike,
     *,
@@ -115,7 +111,6 @@ def identify(
     check_count("modes", modes)
     response = as_record(response)
     signal = as_signal(response, least=FEWEST_SAMPLES)
-    _check_size(signal)
     centred = signal.values - signal.values.mean(axis=1, keepdims=True)
     for name, samples, about in zip(signal.channels, signal.values, centred, strict=True):
         if not max(about.max(), -about.min()) > 1e-12 * max(samples.max(), -samples.min()):
@@ -132,16 +127,6 @@ def identify(
     if method == "ridge":
         return _by_ridges(response, signal, steps)
     return _by_likelihood(response, signal, centred, steps, band)
-
-
-def _check_size(signal: Signal) -> None:
-    """Refuse samples so large or small that their squares are beyond double precision."""
-    for name, peak in zip(signal.channels, np.max(np.abs(signal.values), axis=1).tolist(), strict=True):
-        if peak and not 1 / LARGEST_PEAK < peak < LARGEST_PEAK:
-            raise RecordError(
-                f"channel {name!r} has a peak of {peak:.3g}; samples between {1 / LARGEST_PEAK:g} and {LARGEST_PEAK:g} "
-                f"can be identified: scale the channel, or leave it out"
-            )
 
 
 def _by_ridges(response: control.TimeResponseData, signal: Signal, steps: FourSteps) -> Identification:
