@@ -60,7 +60,16 @@ from suspid.greybox import (
     estimate,
     find_drives,
 )
-from suspid.identification import Considered, FourSteps, Identification, Repeats, identify, identify_repeats
+from suspid.identification import (
+    Considered,
+    FourSteps,
+    Identification,
+    Repeats,
+    Stabilization,
+    identify,
+    identify_repeats,
+    stabilization,
+)
 from suspid.io import read_recording, write_record
 from suspid.model import (
     Comparison,
@@ -120,6 +129,7 @@ from suspid.reporting import (
     plot_shapes,
     plot_skeletons,
     plot_spectra,
+    plot_stabilization,
     plot_tuning,
     read_estimate,
     report,
@@ -163,6 +173,7 @@ __all__ = [  # noqa: RUF022 - grouped by step
     "check_limits", "CheckedLimits", "Limit", "read_limits",
     # a record's modes, at once or step by step, and those of repeats
     "identify", "Identification", "FourSteps", "Considered", "identify_repeats", "Repeats",
+    "stabilization", "Stabilization",
     "best_bandwidth", "BandwidthSearch", "cwt", "Scalogram", "Morlet",
     "find_ridges", "Ridge", "Window", "fit_ridges", "SkeletonFit",
     # back to springs and dampers, and how near that is
@@ -181,7 +192,7 @@ __all__ = [  # noqa: RUF022 - grouped by step
     "identify_many", "estimate_many", "FleetRun", "fleet_summary", "FleetSummary", "damper_trends", "DamperTrends",
     # pictures of each step
     "plot_scalogram", "plot_skeletons", "plot_spectra", "plot_amplitude", "plot_entropy", "plot_fit", "plot_shapes",
-    "plot_identification",
+    "plot_identification", "plot_stabilization",
     "plot_estimate", "plot_damper_curve", "plot_grip", "plot_ride", "plot_tuning", "plot_sensitivities", "plot_drive",
     # what is said of a result
     "Verdict", "Level", "Check", "Remark", "Code", "DamperState",

@@ -25,6 +25,7 @@ from suspid.identification.noise import (
 )
 from suspid.identification.nonlinear import AmplitudeDependence, Force, ForceKind
 from suspid.identification.selection import Selection, select
+from suspid.identification.stabilization import Stabilization, stabilization
 from suspid.identification.steps import FourSteps
 from suspid.identification.verdict import verdict_of, verdict_of_repeats
 
@@ -41,6 +42,7 @@ __all__ = [
     "Method",
     "Repeats",
     "Selection",
+    "Stabilization",
     "WhiteNoise",
     "correlated",
     "degrees_of_freedom",
@@ -53,6 +55,7 @@ __all__ = [
     "read_modes",
     "resolution",
     "select",
+    "stabilization",
     "synthesize",
     "tables_of",
     "tables_of_repeats",

@@ -32,6 +32,7 @@ from suspid.reporting.plot_sensitivities import plot_sensitivities
 from suspid.reporting.plot_shapes import plot_shapes
 from suspid.reporting.plot_skeletons import plot_skeletons
 from suspid.reporting.plot_spectra import plot_spectra
+from suspid.reporting.plot_stabilization import plot_stabilization
 from suspid.reporting.plot_tuning import plot_tuning
 from suspid.reporting.report import report
 from suspid.reporting.report_json import report_to_dict
@@ -68,6 +69,7 @@ __all__ = [
     "plot_shapes",
     "plot_skeletons",
     "plot_spectra",
+    "plot_stabilization",
     "plot_tuning",
     "read_curves",
     "read_estimate",

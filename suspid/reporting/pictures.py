@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from suspid.errors import SuspidError
 from suspid.model import ModalSet
 from suspid.reporting.axes import without_legend
 from suspid.reporting.plot_amplitude import plot_amplitude
@@ -19,6 +20,8 @@ from suspid.reporting.plot_recording import plot_recording
 from suspid.reporting.plot_scalogram import plot_scalogram
 from suspid.reporting.plot_shapes import plot_shapes
 from suspid.reporting.plot_skeletons import plot_skeletons
+from suspid.reporting.plot_spectra import plot_spectra
+from suspid.reporting.plot_stabilization import plot_stabilization
 from suspid.reporting.svg import page_style, svg_of
 from suspid.reporting.thinning import first_cycles
 from suspid.samples import held
@@ -40,7 +43,7 @@ if TYPE_CHECKING:
 # phone, the second a screen and paper.
 NARROW, WIDE = 4.2, 9.0
 # What the page shows at most; the JSON has all.
-MOST_CHANNELS = 24
+MOST_CHANNELS, MOST_SPECTRA = 24, 6
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -58,6 +61,8 @@ class Pictures:
     scalogram: Picture
     entropy: Picture | None
     fits: tuple[tuple[Picture, ...], ...]
+    stabilization: Picture | None
+    spectra: tuple[Picture, ...]
     shapes: tuple[Picture, ...]
     skeletons: tuple[Picture, ...]
     amplitudes: Picture | None
@@ -73,6 +78,8 @@ def pictures_of(
             scalogram=_scalogram(found),
             entropy=_entropy(found),
             fits=tuple(_fits(found, units)),
+            stabilization=_stabilization(found),
+            spectra=tuple(_spectra(found, units)),
             shapes=tuple(shape_pictures(found.modes)),
             skeletons=tuple(_skeleton(ridge, k) for k, ridge in enumerate(found.ridges[:MOST_RIDGES], 1)),
             amplitudes=_amplitudes(found),
@@ -166,6 +173,34 @@ def _draw_fit(
     ax = figure.subplots()
     plot_fit(found, axes=[ax], channels=[name], span=between, units=[unit])
     _plain(ax).set_title("whole record" if between is None else "first cycles", loc="left")
+
+
+def _stabilization(found: Identification) -> Picture | None:
+    """Draw the poles of every order, where the record is long enough for them."""
+    described = "Poles of every model order over frequency, marked where they are stable"
+    try:
+        return picture(partial(_draw_stabilization, found), name="stabilization", described=described, height=2.8,
+                       wide_height=3.2)  # fmt: skip
+    except SuspidError:
+        return None
+
+
+def _draw_stabilization(found: Identification, figure: Figure) -> None:
+    _plain(plot_stabilization(found, figure.subplots()))
+
+
+def _spectra(found: Identification, units: Sequence[str]) -> Iterator[Picture]:
+    """Draw the spectra of each channel, of its fit and of the residual."""
+    signal = as_signal(found.response)
+    for k, (name, unit) in enumerate(list(zip(signal.channels, units, strict=False))[:MOST_SPECTRA]):
+        described = f"Spectra of channel {k + 1}, of its fit and of the residual"
+        yield picture(partial(_draw_spectra, found, name, unit), name=f"spectra-{k}", described=described, height=1.75)
+
+
+def _draw_spectra(found: Identification, name: str, unit: str, figure: Figure) -> None:
+    ax = figure.subplots()
+    plot_spectra(found, axes=[ax], channels=[name], units=[unit])
+    _plain(ax).set_title("spectrum", loc="left")
 
 
 def shape_pictures(modes: ModalSet) -> Iterator[Picture]:

@@ -1,4 +1,4 @@
-"""Power spectra of a record beside those of what an estimate explains of it and what it leaves."""
+"""Power spectra of a record beside those of what was fitted to it and of what is left."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from suspid.reporting.axes import checked_grid, key_above, shown
+from suspid.identification import Identification
+from suspid.reporting.axes import checked_grid, key_above, position, shown, thinned
 from suspid.reporting.colours import Colour
 from suspid.signals import as_signal
 from suspid.units import RealArray
@@ -23,24 +24,36 @@ if TYPE_CHECKING:
 STRETCHES, SHOWN = 8, 1e-9
 
 
-def plot_spectra(found: Estimate, *, axes: Sequence[Axes] | NDArray[np.object_], record: int = 0) -> None:
+def plot_spectra(
+    found: Estimate | Identification,
+    *,
+    axes: Sequence[Axes] | NDArray[np.object_],
+    record: int = 0,
+    channels: Sequence[str] | None = None,
+    units: Sequence[str] | None = None,
+) -> None:
     """Draw the power spectral density of each channel of a record, of its fit and of the residual.
 
-    The densities are Welch's, of Hann windows over an eighth of the record or more of them.
+    The densities of an estimate are Welch's, of Hann windows over an eighth of the record or more of them. That of a
+    decay that was identified is the periodogram of the whole, because a window would take its beginning away.
 
     Parameters
     ----------
-    found : Estimate
+    found : Estimate or Identification
         What was found.
     axes : (channel,) of matplotlib.axes.Axes
         Where to draw.
     record : int
-        Which of the records, from 0 on.
+        Which of the records of an estimate, from 0 on.
+    channels : sequence of str, optional
+        The channels to draw. Default: all.
+    units : sequence of str, optional
+        Their units. Default: SI of an estimate; of an identification not known.
 
     Raises
     ------
     InputError
-        If the numbers of Axes and channels differ.
+        If the numbers of Axes and channels differ, or there is no such channel.
 
     Examples
     --------
@@ -55,28 +68,39 @@ def plot_spectra(found: Estimate, *, axes: Sequence[Axes] | NDArray[np.object_],
     >>> axes[1].get_xlabel()
     'frequency [Hz]'
     """
-    residual, fitted = as_signal(found.residual[record]), as_signal(found.fitted[record])
-    drawn = checked_grid(axes, (len(residual.channels),))
-    for ax, name, fit, left in zip(drawn, residual.channels, fitted.values, residual.values, strict=True):
-        draw_spectra(ax, fit + left, fit, left, 1 / residual.step)
+    decay = isinstance(found, Identification)
+    left = as_signal(found.residual if isinstance(found, Identification) else found.residual[record])
+    fitted = as_signal(found.fitted if isinstance(found, Identification) else found.fitted[record])
+    names = left.channels if channels is None else channels
+    drawn = checked_grid(axes, (len(names),))
+    for ax, name, unit in zip(drawn, names, units or [""] * len(names), strict=True):
+        k = position(name, left.channels)
+        fit, residual = fitted.values[k], left.values[k]
+        draw_spectra(ax, fit + residual, fit, residual, 1 / left.step, decay=decay)
+        ax.set_ylabel(f"PSD [({shown(unit)})²/Hz]" if unit else "PSD [unit²/Hz]" if decay else "PSD [SI²/Hz]")
         ax.set_title(shown(name), loc="left")
     drawn[-1].set_xlabel("frequency [Hz]")
     key_above(drawn[0])
 
 
-def draw_spectra(ax: Axes, record: RealArray, fit: RealArray, residual: RealArray, rate: float) -> None:
-    """Draw the densities of one channel on logarithmic axes."""
+def draw_spectra(
+    ax: Axes, record: RealArray, fit: RealArray, residual: RealArray, rate: float, *, decay: bool = False
+) -> None:
+    """Draw the densities of one channel on logarithmic axes; those of a decay without a window."""
     from scipy.signal import welch
 
-    length = max(min(record.size, 64), record.size // STRETCHES)
+    length = record.size if decay else max(min(record.size, 64), record.size // STRETCHES)
+    window = "boxcar" if decay else "hann"
     top = 0.0
     for values, colour, label, width in (
         (record, Colour.PALE, "record", 2.4),
         (fit, Colour.BLUE, "fit", 1.0),
         (residual, Colour.VERMILION, "residual", 0.9),
     ):
-        frequency, density = welch(values, fs=rate, nperseg=length)
-        ax.loglog(frequency[1:], np.maximum(density[1:], 1e-300), color=colour, linewidth=width, label=label)
+        frequency, density = welch(values, fs=rate, nperseg=length, window=window)
+        ax.loglog(
+            *thinned(ax, frequency[1:], np.maximum(density[1:], 1e-300)), color=colour, linewidth=width, label=label
+        )
         top = max(top, float(np.max(density[1:])))
     if top > 0:
         ax.set_ylim(bottom=max(ax.get_ylim()[0], SHOWN * top))
