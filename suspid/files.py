@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import difflib
+import itertools
 import json
 import os
 import secrets
@@ -10,6 +12,9 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from suspid.errors import InputError
+
+# Files of a folder that are looked at for a name near one that is not there.
+MOST_BESIDE = 1000
 
 
 def printable(text: str) -> str:
@@ -30,7 +35,7 @@ def read_bytes(path: Path, *, error: type[InputError] = InputError) -> bytes:
         if path.is_dir():
             raise error(f"{name}: is a folder; give a file in it")
         if not path.exists():
-            raise error(f"{name}: there is no such file")
+            raise error(f"{name}: there is no such file{_beside(path)}")
         if not path.is_file():
             raise error(f"{name}: is not a regular file")
         content = path.read_bytes()
@@ -70,7 +75,7 @@ def parsed_json(text: str) -> dict[str, object]:
     try:
         content = json.loads(text)
     except (ValueError, RecursionError) as error:
-        raise InputError(f"is not JSON: {printable(str(error))}") from None
+        raise InputError(f"is not JSON: {printable(str(error))}; give what --json wrote") from None
     if not isinstance(content, dict):
         raise InputError(f"must contain a JSON object, not {type(content).__name__}")
     return content
@@ -118,3 +123,17 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
 
 def _reason(refusal: Exception) -> str:
     return printable(refusal.strerror or str(refusal) if isinstance(refusal, OSError) else str(refusal))
+
+
+def _beside(path: Path) -> str:
+    """Return where a file that is not there may be meant: the nearest names in its folder, or that there is none."""
+    folder = path.parent
+    if not folder.is_dir():
+        return f", nor a folder {printable(str(folder))}; check the path"
+    try:
+        names = [one.name for one in itertools.islice(folder.iterdir(), MOST_BESIDE)]
+    except OSError:
+        return "; check the path"
+    near = difflib.get_close_matches(path.name, names, n=2)
+    known = " or ".join(repr(printable(name)) for name in near)
+    return f". Did you mean {known}?" if near else f" in {printable(str(folder.resolve()))}; check the path"

@@ -141,7 +141,7 @@ def real_numbers(data: ArrayLike, what: str) -> RealArray:
             raise RecordError(f"{what} is complex; pass its real or its imaginary part as a record of its own")
         values = values.real
     if values.dtype.kind not in "iufb":
-        raise RecordError(f"{what} holds no numbers but {values.dtype}; a record is an array of real numbers")
+        raise RecordError(f"{what} holds no numbers but {values.dtype}; give an array of real numbers")
     return np.asarray(values, float)
 
 

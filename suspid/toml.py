@@ -17,7 +17,10 @@ def parsed_toml(text: str) -> dict[str, object]:
     try:
         return tomllib.loads(text)
     except (ValueError, RecursionError) as error:
-        raise InputError(f"is not TOML: {printable(str(error))}") from None
+        raise InputError(
+            f"is not TOML: {printable(str(error))}; examples/car.toml and examples/limits.toml show the form, such as "
+            f"damping = 300"
+        ) from None
 
 
 def as_table(where: str, value: object) -> dict[str, object]:

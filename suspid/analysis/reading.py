@@ -87,7 +87,7 @@ def tests_of(source: str | os.PathLike[str] | Recording, settings: Settings) -> 
 
 
 def _opened(source: str | os.PathLike[str], settings: Settings) -> Recording:
-    return read_recording(source, channels=settings.channels, time=settings.time, fs=settings.fs, dbc=settings.dbc)
+    return read_recording(source, channels=_asked(settings), time=settings.time, fs=settings.fs, dbc=settings.dbc)
 
 
 def _plainly_named(recording: Recording) -> Recording:
@@ -131,9 +131,16 @@ def _refuse_clock(settings: Settings) -> None:
             raise InputError(f"{name}={getattr(settings, name)!r}: a response has {what}; leave {name} out")
 
 
+def _asked(settings: Settings) -> tuple[str, ...] | None:
+    """Return the channels that are asked for, with the axes that a vertical is made of; None for all."""
+    if settings.channels is None:
+        return None
+    return (*settings.channels, *(axis for axis in settings.vertical or () if axis not in settings.channels))
+
+
 def _kept(channels: tuple[str, ...], settings: Settings) -> tuple[str, ...]:
     """Return the channels that the settings ask for, each once."""
-    wanted = tuple(channel_named(name, channels) for name in (settings.channels or channels))
+    wanted = tuple(channel_named(name, channels) for name in (_asked(settings) or channels))
     for name in wanted:
         if wanted.count(name) > 1 and settings.channels is not None:
             raise RecordError(f"channel {name!r} is asked for twice")

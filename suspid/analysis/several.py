@@ -61,7 +61,7 @@ def check_each_once(sources: Sequence[object]) -> None:
     files = [os.path.realpath(one) for one in sources if isinstance(one, str | os.PathLike)]
     twice = next((name for k, name in enumerate(files) if name in files[:k]), None)
     if twice is not None:
-        raise InputError(f"{printable(twice)} is named twice: every test counts once")
+        raise InputError(f"{printable(twice)} is named twice: name each once, every test counts once")
 
 
 def alike(parts: Sequence[Part]) -> tuple[list[Part], list[Remark]]:

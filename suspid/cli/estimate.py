@@ -11,7 +11,7 @@ import click
 
 from suspid.analysis import Settings, read
 from suspid.cli.measured import checked_page, checked_picture, save_picture, sources_of
-from suspid.cli.options import FILE, packed, progress, reading
+from suspid.cli.options import FILE, RECORD, packed, progress, reading
 from suspid.cli.parameters import ROAD_MODEL, WHEEL_RADIUS, Outputs, Wanted, conclude, wanting, writing
 from suspid.cli.support import check_apart, named, said_warnings
 from suspid.files import replacing
@@ -33,7 +33,7 @@ ROAD = (
 
 
 @click.command("estimate")
-@click.argument("files", type=FILE, nargs=-1, required=True, metavar="FILE...")
+@click.argument("files", type=RECORD, nargs=-1, required=True, metavar="FILE...")
 @reading
 @click.option("--car", type=FILE, metavar="CAR", required=True, help="Masses and nominal struts (.toml).")
 @click.option(
@@ -77,7 +77,7 @@ def estimate_command(
     from suspid.signals import cut
 
     if len({path.resolve() for path in files}) < len(files):
-        raise click.UsageError("One of the FILES is named twice: every test counts once.")
+        raise click.UsageError("One of the FILES is named twice: name each once, every test counts once.")
     check_apart([*files, car], [plot, page, outputs.output, outputs.json_file])
     masses, unknowns = wanted.added_masses(files), wanted.unknowns()
     causes = [name.strip() for name in given.split(",") if name.strip()]

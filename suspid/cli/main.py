@@ -81,7 +81,7 @@ def reconstruct_command(
     from suspid.reconstruction import ModalTest, reconstruct, reconstruction_to_dict
 
     if len({path.resolve() for path in modes}) < len(modes):
-        raise click.UsageError("One of the MODES is named twice: every test counts once.")
+        raise click.UsageError("One of the MODES is named twice: name each once, every test counts once.")
     check_apart([*modes, car], [outputs.output, outputs.json_file])
     masses, unknowns = wanted.added_masses(modes), wanted.unknowns()
     with outputs.drafts() as (draft, json_draft), said_warnings() as said:

@@ -20,6 +20,7 @@ from suspid.cli.options import (
     FILE,
     FS_OPTION,
     ON_ROAD,
+    RECORD,
     TIME_OPTION,
     analysing,
     progress,
@@ -50,7 +51,7 @@ MOST_FINDINGS = 5
 
 
 @click.command("channels")
-@click.argument("file", type=FILE)
+@click.argument("file", type=RECORD)
 @TIME_OPTION
 @FS_OPTION
 @DBC_OPTION
@@ -67,14 +68,15 @@ def channels_command(file: Path, time: str | None, fs: float | None, dbc: Path |
 
 
 @click.command("identify")
-@click.argument("files", type=FILE, nargs=-1, required=True, metavar="FILE...")
+@click.argument("files", type=RECORD, nargs=-1, required=True, metavar="FILE...")
 @analysing
 @click.option("--plot", type=FILE, metavar="FILE", help="Write pictures of the identification (.png, .svg, .pdf).")
 @click.option("--json", "json_file", type=FILE, metavar="FILE", help="Write modes, uncertainty and settings as JSON.")
 def identify_command(files: tuple[Path, ...], settings: Settings, plot: Path | None, json_file: Path | None) -> None:
     """Find the modes in the record FILE.
 
-    FILE has any format that `suspid channels` reads. No mode is an answer as well: the exit code is then 0.
+    FILE has any format that `suspid channels` reads; - is the standard input. No mode is an answer as well:
+    the exit code is then 0.
 
     Several FILEs are tests of one structure: their decays are joined.
     """
@@ -147,7 +149,7 @@ def _json_of(found: Analysis, files: Sequence[Path], said: Sequence[str]) -> dic
 
 
 @click.command("report")
-@click.argument("files", type=FILE, nargs=-1, required=True, metavar="FILE...")
+@click.argument("files", type=RECORD, nargs=-1, required=True, metavar="FILE...")
 @click.option("-o", "--output", type=FILE, metavar="FILE", required=True, help="The page to write (.html, .pdf).")
 @analysing
 @click.option("--car", type=FILE, metavar="CAR", help="Masses and nominal struts (.toml): springs and dampers as well.")

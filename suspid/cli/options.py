@@ -2,21 +2,55 @@
 
 from __future__ import annotations
 
+import csv
 import inspect
+import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial, wraps
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, Literal, TypeVar, cast, get_args
 
 import click
 
 from suspid.analysis import Settings
-from suspid.cli.support import Finite, Positive
+from suspid.cli.support import Finite, Positive, in_options
 from suspid.errors import InputError
 from suspid.identification import Method, identify
 
 FILE = click.Path(path_type=Path)
+# First bytes of the kinds of binary files that a pipe may carry; everything else is text.
+KINDS = {
+    b"\x89HDF": ".h5",
+    b"MATLAB": ".mat",
+    b"RIFF": ".wav",
+    b"PAR1": ".parquet",
+    b"\x93NUMPY": ".npy",
+    b"PK": ".npz",
+    b"TDSm": ".tdms",
+    b"MDF": ".mf4",
+}
+
+
+class Record(click.Path):
+    """A file that is read; ``-`` is the standard input, kept in a file while the command runs."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the path."""
+        if str(value) != "-" or ctx is None:
+            return super().convert(value, param, ctx)
+        content = sys.stdin.buffer.read()
+        if not content:
+            self.fail("- is the standard input, and it is empty: pipe a record into it, or name a file.", param, ctx)
+        folder = ctx.with_resource(TemporaryDirectory(prefix="suspid-"))
+        suffix = next((kind for start, kind in KINDS.items() if content.startswith(start)), ".csv")
+        path = Path(folder, f"stdin{suffix}")
+        path.write_bytes(content)
+        return path
+
+
+RECORD = Record(path_type=Path)
 TIME_OPTION = click.option(
     "--time", metavar="NAME", help="Column of time, if it is not named like one; none ignores times in the file."
 )
@@ -47,8 +81,10 @@ class Which(click.ParamType[str]):
 
 READING = (
     click.option("--test", metavar="NAME", help="Which of several tests in the file; all joins them."),
-    click.option("--channel", "channels", metavar="NAME", multiple=True, help="Channel to use; repeat. [all]"),
-    click.option("--without", metavar="NAME", multiple=True, help="Channel to leave out; repeat."),
+    click.option(
+        "--channel", "channels", metavar="NAME", multiple=True, help="Channel to use; repeat, or NAME,NAME. [all]"
+    ),
+    click.option("--without", metavar="NAME", multiple=True, help="Channel to leave out; repeat, or NAME,NAME."),
     click.option(
         "--rename", "renames", metavar="OLD=NEW", multiple=True, help="Call a channel by another name; repeat."
     ),
@@ -128,8 +164,8 @@ def settings_of(
     try:
         return Settings(
             test=test,
-            channels=channels or None,
-            without=without,
+            channels=_listed(channels) or None,
+            without=_listed(without),
             rename=rename,
             scale=scale,
             vertical=axes,
@@ -145,7 +181,18 @@ def settings_of(
             band_hz=band,
         )
     except InputError as error:
-        raise click.UsageError(f"{error}.") from None
+        raise click.UsageError(f"{in_options(str(error), click.get_current_context().command)}.") from None
+
+
+def _listed(given: Sequence[str]) -> tuple[str, ...]:
+    """Return names that may stand in one text, with commas between them; a name with a comma stands in quotes.
+
+    Examples
+    --------
+    >>> _listed(["seat, tire", '"acc, z"'])
+    ('seat', 'tire', 'acc, z')
+    """
+    return tuple(name.strip() for row in csv.reader(given, skipinitialspace=True) for name in row if name.strip())
 
 
 def packed(

@@ -6,6 +6,7 @@ import errno
 import io
 import math
 import os
+import re
 import sys
 import warnings
 from collections.abc import Iterator
@@ -19,6 +20,36 @@ from suspid.errors import SuspidError
 from suspid.files import printable
 from suspid.values import within_numbers
 
+# What the arguments of Python are called on the command line.
+ARGUMENTS_AS_OPTIONS = {
+    "added_masses": "--added",
+    "band_hz": "--band",
+    "bounds": "--bound",
+    "channels": "--channel",
+    "dbc": "--dbc",
+    "decay": "--decay",
+    "fixed": "--fixed",
+    "free_masses": "--free-mass",
+    "fs": "--fs",
+    "given": "--given",
+    "level": "--level",
+    "method": "--method",
+    "modes": "--modes",
+    "nominal_std": "--nominal-std",
+    "rename": "--rename",
+    "road": "--road",
+    "scale": "--scale",
+    "speed": "--speed",
+    "start": "--from",
+    "stop": "--to",
+    "test": "--test",
+    "ties": "--tie",
+    "time": "--time",
+    "tolerance": "--tolerance",
+    "vertical": "--vertical",
+    "wheel_radius": "--wheel-radius",
+    "without": "--without",
+}
 # Where the context keeps the arguments of the command.
 ARGUMENTS = "suspid.arguments"
 
@@ -66,6 +97,22 @@ class _Failure(click.ClickException):
         click.echo(f"suspid: error: {printable(line)}", file=file or sys.stderr)
 
 
+def in_options(message: str, command: click.Command | None) -> str:
+    """Return a message with options of a command in place of the arguments of Python that they set.
+
+    Examples
+    --------
+    >>> fixed = click.Option(["--fixed"])
+    >>> in_options("hold it with fixed=…, or set rate=2", click.Command("reconstruct", params=[fixed]))
+    'hold it with --fixed …, or set rate=2'
+    """
+    known = {name for option in getattr(command, "params", ()) for name in option.opts}
+    for argument, option in ARGUMENTS_AS_OPTIONS.items():
+        if option in known:
+            message = re.sub(rf"(?<![\w.-]){argument}=(?!=)", f"{option} ", message)
+    return message
+
+
 class Commands(click.Group):
     """Commands whose `SuspidError` ends the program with one line instead of a traceback."""
 
@@ -84,7 +131,7 @@ class Commands(click.Group):
             with within_numbers():
                 return super().invoke(ctx)
         except SuspidError as error:
-            raise _Failure(str(error)) from None
+            raise _Failure(in_options(str(error), self.commands.get(ctx.invoked_subcommand or ""))) from None
 
 
 def check_apart(inputs: list[Path], outputs: list[Path | None]) -> None:
@@ -118,6 +165,7 @@ def named(file: Path) -> Iterator[None]:
         yield
     except SuspidError as error:
         message = str(error)
+        message = in_options(message, click.get_current_context().command)
         raise _Failure(message if name in message else f"{name}: {message}") from None
 
 

@@ -1,0 +1,158 @@
+"""Sixty mistakes of a newcomer: none leaves them without the next step."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import suspid
+from suspid import Limit, ModalSet, Settings, SuspidError
+from suspid.cli import main
+
+RECORD, CAR = "examples/quarter_car.csv", "examples/car.toml"
+DECAY = np.exp(-0.5 * np.arange(0, 4, 0.01)) * np.cos(20 * np.arange(0, 4, 0.01))
+# What a next step sounds like: a known name, the right form, a command, an option or a place to look.
+STEP = re.compile(
+    r"Did you mean|Known|known|such as|write |give |name |choose|install|see |use |take |read |must |lasts from|"
+    r"Try |--|is not one of|needs|leave|check|give|describe|remove|positive|as_record|eigenmodes|between|call ",
+)
+
+COMMANDS = [
+    "identfy x.csv",
+    "identify",
+    "identify nowhere.csv",
+    "identify examples",
+    "identify README.md",
+    f"identify {RECORD} --chanel seat",
+    f"identify {RECORD} --channel seats",
+    f"identify {RECORD} --channel seat,seat",
+    f"identify {RECORD} --without seat,chassis,tire",
+    f"identify {RECORD} --modes 0",
+    f"identify {RECORD} --modes three",
+    f"identify {RECORD} --method wavelet",
+    f"identify {RECORD} --band 5 2",
+    f"identify {RECORD} --band 5",
+    f"identify {RECORD} --band 300 400",
+    f"identify {RECORD} --from 50",
+    f"identify {RECORD} --from 5 --to 2",
+    f"identify {RECORD} --from abc",
+    f"identify {RECORD} --fs 0",
+    f"identify {RECORD} --fs 500Hz",
+    f"identify {RECORD} --decay last",
+    f"identify {RECORD} --decay all --method ridge",
+    f"identify {RECORD} --rename seat",
+    f"identify {RECORD} --scale seat=mm",
+    f"identify {RECORD} --scale seat=0",
+    f"identify {RECORD} --vertical x,y",
+    f"identify {RECORD} --vertical x,y,z",
+    f"identify {RECORD} --time clock",
+    f"identify {RECORD} --test second",
+    f"identify {RECORD} --plot page.doc",
+    f"identify {RECORD} {RECORD}",
+    f"report {RECORD}",
+    f"report {RECORD} -o page.docx",
+    f"report {RECORD} -o r.html --car {RECORD}",
+    f"report {RECORD} -o r.html --car nominal.toml",
+    f"report {RECORD} -o r.html --limits {CAR}",
+    f"report {RECORD} -o r.html --format pdf",
+    f"report {RECORD} -o r.html --level 95",
+    f"report {RECORD} -o r.html --road C",
+    f"reconstruct {RECORD} {CAR}",
+    f"reconstruct modes.json {CAR}",
+    f"modes {RECORD}",
+    f"simulate {CAR} -o d.csv --fs 100 --duration 2 --initial v_wheel=1",
+    f"simulate {CAR} -o d.csv --fs 100 --duration 2 --initial v_tire",
+    f"estimate {RECORD}",
+    f"estimate {RECORD} --car {CAR} --given wheel",
+    f"estimate {RECORD} --car {CAR} --fixed spring",
+    "compare before.json",
+    "channels nothing.mat",
+    f"drive {RECORD} --car {RECORD}",
+]
+
+CALLS: list[Callable[[], object]] = [
+    lambda: suspid.identify(DECAY),
+    lambda: suspid.identify(DECAY, fs=100),  # type: ignore[call-arg]
+    lambda: suspid.as_record(DECAY, fs=-100),
+    lambda: suspid.as_record(DECAY[:, None, None], fs=100),
+    lambda: suspid.as_record(DECAY, fs=100, channels=["a", "b"]),
+    lambda: suspid.cwt(list("abc")),  # type: ignore[arg-type]
+    lambda: suspid.analyse("examples/quarter_car.xls"),
+    lambda: suspid.analyse(RECORD, car=CAR),  # type: ignore[arg-type]
+    lambda: suspid.analyse(RECORD, settings={"modes": 3}),  # type: ignore[arg-type]
+    lambda: Settings(band_hz=(20.0, 1.0)),
+    lambda: Settings(method="era"),  # type: ignore[arg-type]
+    lambda: suspid.compare(ModalSet.from_wn_zeta([1.0], [0.1]), [1.0]),  # type: ignore[arg-type]
+    lambda: suspid.assert_modes_close([1.0], [1.0]),  # type: ignore[arg-type]
+    lambda: suspid.eigenmodes(np.eye(2)),  # type: ignore[arg-type]
+    lambda: suspid.quarter_car(
+        chassis_mass=-400, tire_mass=40, chassis_stiffness=20e3, tire_stiffness=2e5, chassis_damping=1500
+    ),
+    lambda: Limit(of="chassis", quantity="stiffnes", least=1.0),
+    lambda: Limit(of=1, quantity="zeta"),
+    lambda: suspid.read_car("examples/quarter_car.csv"),
+]
+
+
+@pytest.mark.parametrize("line", COMMANDS)
+def test_a_command_that_is_wrong_names_the_next_step(line: str) -> None:
+    result = CliRunner().invoke(main, line.split())
+    assert result.exit_code in (1, 2), result.output
+    assert "Traceback" not in result.output
+    # A wrong command line comes with the command that helps.
+    last = result.stderr if result.exit_code == 2 else result.stderr.strip().splitlines()[-1]
+    assert STEP.search(last), last
+    # On the command line arguments of Python have no place.
+    assert not re.search(r"\b[a-z_]+=[('\[]", last), last
+
+
+@pytest.mark.parametrize("call", CALLS)
+def test_a_call_that_is_wrong_names_the_next_step(call: Callable[[], object]) -> None:
+    with pytest.raises((SuspidError, TypeError)) as error:
+        call()
+    assert STEP.search(str(error.value)) or isinstance(error.value, TypeError), str(error.value)
+
+
+def test_there_are_sixty() -> None:
+    assert len(COMMANDS) + len(CALLS) >= 60
+
+
+class TestWhatIsMeant:
+    def test_standard_input_is_a_record(self) -> None:
+        result = CliRunner().invoke(main, ["channels", "-"], input=Path(RECORD).read_bytes())
+        assert result.exit_code == 0, result.output
+        assert "chassis" in result.stdout
+        assert CliRunner().invoke(main, ["channels", "-"], input="").exit_code == 2
+
+    def test_channels_in_one_text_or_several(self) -> None:
+        from suspid.cli.options import settings_of
+
+        blank = {
+            "test": None, "without": (), "renames": (), "scales": (), "vertical": None, "si": False, "time": None,
+            "fs": None, "dbc": None, "start": None, "stop": None, "which": "auto", "modes": None,
+            "method": "likelihood", "band": None,
+        }  # fmt: skip
+        one = settings_of(channels=("seat, tire",), **blank)  # type: ignore[arg-type]
+        assert one == settings_of(channels=("seat", "tire"), **blank)  # type: ignore[arg-type]
+        assert one.channels == ("seat", "tire")
+        assert settings_of(channels=('"acc, z"',), **blank).channels == ("acc, z",)  # type: ignore[arg-type]
+
+    def test_a_vertical_beside_chosen_channels(self) -> None:
+        from suspid import analyse
+
+        t = np.arange(0, 4, 0.01)
+        up = 9.81 + DECAY
+        tilted = np.array([0.6 * up, 0.0 * up, 0.8 * up, DECAY, 2 * DECAY])
+        noise = 1e-4 * np.random.default_rng(1).normal(size=tilted.shape)
+        record = suspid.as_record(tilted + noise, timepts=t, channels=["ax", "ay", "az", "seat", "other"])
+        found = analyse(record, settings=Settings(channels=("seat",), vertical=("ax", "ay", "az"), modes=1))
+        assert len(found.identification.explained) == 2
+
+    def test_a_shell_can_complete(self) -> None:
+        result = CliRunner().invoke(main, [], prog_name="suspid", env={"_SUSPID_COMPLETE": "bash_source"})
+        assert "_suspid_completion" in result.output
