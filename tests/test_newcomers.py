@@ -81,7 +81,7 @@ CALLS: list[Callable[[], object]] = [
     lambda: suspid.as_record(DECAY, fs=-100),
     lambda: suspid.as_record(DECAY[:, None, None], fs=100),
     lambda: suspid.as_record(DECAY, fs=100, channels=["a", "b"]),
-    lambda: suspid.cwt(list("abc")),  # type: ignore[arg-type]
+    lambda: suspid.cwt(list("abc")),
     lambda: suspid.analyse("examples/quarter_car.xls"),
     lambda: suspid.analyse(RECORD, car=CAR),  # type: ignore[arg-type]
     lambda: suspid.analyse(RECORD, settings={"modes": 3}),  # type: ignore[arg-type]
@@ -89,7 +89,7 @@ CALLS: list[Callable[[], object]] = [
     lambda: Settings(method="era"),  # type: ignore[arg-type]
     lambda: suspid.compare(ModalSet.from_wn_zeta([1.0], [0.1]), [1.0]),  # type: ignore[arg-type]
     lambda: suspid.assert_modes_close([1.0], [1.0]),  # type: ignore[arg-type]
-    lambda: suspid.eigenmodes(np.eye(2)),  # type: ignore[arg-type]
+    lambda: suspid.eigenmodes(np.eye(2)),
     lambda: suspid.quarter_car(
         chassis_mass=-400, tire_mass=40, chassis_stiffness=20e3, tire_stiffness=2e5, chassis_damping=1500
     ),
