@@ -256,6 +256,8 @@ class TestVerdict:
         text = Page(report(content_of(found, repeats=repeats))).text
         assert "6 … 11.9" in text
         assert "2 decays agree" in text
+        assert "the first of 2 decays" in text
+        assert "decay 2" in text
         content = report_to_dict(content_of(found, repeats=repeats))
         Draft202012Validator(json_schema("report")).validate(content)
         assert ModeCheck.REPEATS_AGREE.value in codes_of(content)

@@ -119,6 +119,7 @@ def _fields(content: Content) -> dict[str, object]:
     best, modes = content.springs, mode_rows(shown, level)
     return {
         "record": _record_facts(shown),
+        "first_of": 0 if repeats is None else len(repeats.each),
         "cards": _cards(analysis.modes),
         "method": shown.method,
         "modes": [((m.frequency, m.wn, m.zeta), m.note) for m in modes]

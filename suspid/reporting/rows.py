@@ -81,10 +81,10 @@ class JointRow:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class RepeatRows:
-    """The modes of all decays jointly, and those of each: its span [s], frequencies [Hz] and damping ratios [1]."""
+    """The modes of all decays jointly, and those of each: its name, span [s], frequencies [Hz], damping ratios [1]."""
 
     joint: tuple[JointRow, ...]
-    single: tuple[tuple[str, str, str], ...]
+    single: tuple[tuple[str, str, str, str], ...]
 
 
 def quantity(value: float, reach: float | None, *, digits: int = 6) -> Quantity:
@@ -198,15 +198,21 @@ def repeat_rows(repeats: Repeats, level: Ratio) -> RepeatRows:
             mode_quantities(repeats.modes, level), repeats.consistency, strict=True
         )
     )
+    names = repeats.names or [f"decay {k}" for k in range(1, len(repeats.each) + 1)]
     single = tuple(
         (
+            printable(name),
             signed(f"{start:.6g} … {stop:.6g}"),
-            ", ".join(f"{wn / (2 * np.pi):.4g}" for wn in found.modes.wn) or NOTHING,
-            signed(", ".join(f"{zeta:.3g}" for zeta in found.modes.zeta)) or NOTHING,
+            ", ".join(_with_reach(row[0]) for row in mode_quantities(found.modes, level)) or NOTHING,
+            ", ".join(_with_reach(row[2]) for row in mode_quantities(found.modes, level)) or NOTHING,
         )
-        for (start, stop), found in zip(repeats.spans, repeats.each, strict=True)
+        for name, (start, stop), found in zip(names, repeats.spans, repeats.each, strict=True)
     )
     return RepeatRows(joint=joint, single=single)
+
+
+def _with_reach(one: Quantity) -> str:
+    return f"{one.value} ± {one.reach}" if one.reach else one.value
 
 
 def channel_rows(identification: Identification, units: Sequence[str]) -> list[ChannelRow]:
