@@ -18,7 +18,7 @@ from suspid.values import check_count, frozen_complex
 # Relative changes from one order to the next up to which a pole counts as stable: the custom of the field.
 STABLE_WN, STABLE_ZETA = 0.01, 0.05
 # Rows of the matrix of shifted samples, all channels together: more see slower modes, and take more time.
-MOST_ROWS = 360
+SHIFTED_ROWS = 360
 # Samples that are kept in a cycle of the highest frequency in view.
 SAMPLES_A_CYCLE = 2.5
 
@@ -133,7 +133,7 @@ def _thinned(values: RealArray, step: float, highest: Hertz | None) -> tuple[Rea
 def _subspace(values: RealArray) -> RealArray:
     """Return the directions of all channels over a window, (sample · channel, direction), the strongest first."""
     channels, count = values.shape
-    window = max(2, min(count // 2, MOST_ROWS // channels))
+    window = max(2, min(count // 2, SHIFTED_ROWS // channels))
     shifted = np.lib.stride_tricks.sliding_window_view(values, count - window + 1, axis=1)
     rows = np.asarray(shifted.transpose(1, 0, 2).reshape(window * channels, -1), float)
     _, vectors = np.linalg.eigh(rows @ rows.T)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 # Highest frequency in view, over that of the highest mode.
-ABOVE = 2.5
+IN_VIEW = 2.5
 
 
 def plot_stabilization(found: Identification | Stabilization | RecordLike, ax: Axes, *, most: int = 40) -> Axes:
@@ -56,7 +56,7 @@ def plot_stabilization(found: Identification | Stabilization | RecordLike, ax: A
     else:
         record = found.response if isinstance(found, Identification) else as_record(found)
         rate = 1 / as_signal(record).step
-        highest = float(min(ABOVE * hertz.max(), 0.4 * rate)) if len(hertz) else 0.4 * rate
+        highest = float(min(IN_VIEW * hertz.max(), 0.4 * rate)) if len(hertz) else 0.4 * rate
         diagram = stabilization(record, most=most, highest_hz=highest)
         _draw_spectrum(ax, record, highest)
     for one in hertz.tolist():
