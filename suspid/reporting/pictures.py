@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 # phone, the second a screen and paper.
 NARROW, WIDE = 4.2, 9.0
 # What the page shows at most; the JSON has all.
-MOST_CHANNELS, MOST_SPECTRA = 24, 6
+MOST_CHANNELS, DRAWN_SPECTRA = 24, 6
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -192,7 +192,7 @@ def _draw_stabilization(found: Identification, figure: Figure) -> None:
 def _spectra(found: Identification, units: Sequence[str]) -> Iterator[Picture]:
     """Draw the spectra of each channel, of its fit and of the residual."""
     signal = as_signal(found.response)
-    for k, (name, unit) in enumerate(list(zip(signal.channels, units, strict=False))[:MOST_SPECTRA]):
+    for k, (name, unit) in enumerate(list(zip(signal.channels, units, strict=False))[:DRAWN_SPECTRA]):
         described = f"Spectra of channel {k + 1}, of its fit and of the residual"
         yield picture(partial(_draw_spectra, found, name, unit), name=f"spectra-{k}", described=described, height=1.75)
 
