@@ -1,4 +1,8 @@
-"""What denoising does to a record, and what it does to the damping found in it.
+"""
+What denoising does
+===================
+
+What denoising does to a record, and what it does to the damping found in it.
 
 A denoised record looks better. It holds no more information on the modes than before, and where the tail of
 a decay is taken for noise the damping comes out too high. So: denoise to look, identify from the raw record.

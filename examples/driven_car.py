@@ -1,4 +1,9 @@
-"""A quarter car on a rough road, straight to its springs and dampers: on a rig whose road is known, then in a drive."""
+"""
+Springs and dampers from a drive
+================================
+
+A quarter car on a rough road, straight to its springs and dampers: on a rig whose road is known, then in a drive.
+"""
 
 import sys
 import tempfile

@@ -1,4 +1,8 @@
-"""Twelve tests of one car whose damper wears out: identified as a fleet, and the trend that its tables show.
+"""
+A fleet and its worn damper
+===========================
+
+Twelve tests of one car whose damper wears out: identified as a fleet, and the trend that its tables show.
 
 Run it as ``python examples/fleet.py`` after ``pip install '.[fleet]'``.
 """

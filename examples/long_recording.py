@@ -1,4 +1,8 @@
-"""Half a minute of recording with three bumps in it: the decays found, identified jointly, and a page on them.
+"""
+Decays in a long recording
+==========================
+
+Half a minute of recording with three bumps in it: the decays found, identified jointly, and a page on them.
 
 Run it as ``python examples/long_recording.py [page.html]``.
 """

@@ -1,4 +1,8 @@
-"""From a file to a table of modes and a page of pictures.
+"""
+From a file to modes and pictures
+=================================
+
+From a file to a table of modes and a page of pictures.
 
 Run it as ``python examples/measured_file.py RECORD PICTURE.png``. Without names it reads the record beside
 this script and draws to the temporary folder.

@@ -1,4 +1,8 @@
-"""The paper's four steps one by one, with a picture of each.
+"""
+The paper's four steps
+======================
+
+The paper's four steps one by one, with a picture of each.
 
 Run it with the name of a picture to write; without one it goes to the temporary folder.
 """

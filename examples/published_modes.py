@@ -1,4 +1,8 @@
-"""From published natural frequencies and damping ratios to springs and dampers, checked as in a test.
+"""
+Springs from published modes
+============================
+
+From published natural frequencies and damping ratios to springs and dampers, checked as in a test.
 
 Frequencies and damping alone may belong to two sets of springs; a nominal car that is roughly right says which.
 """

@@ -1,4 +1,8 @@
-"""A car you know, its noisy free decay, the modes found in it, and the springs found from those.
+"""
+From a record to modes to springs
+=================================
+
+A car you know, its noisy free decay, the modes found in it, and the springs found from those.
 
 Run it as ``python examples/quickstart.py``.
 """

@@ -1,4 +1,9 @@
-"""From a noisy record to a seat controller and the spread of its effect; the picture goes to the path given, if any."""
+"""
+A controller for the seat
+=========================
+
+From a noisy record to a seat controller and the spread of its effect; the picture goes to the path given, if any.
+"""
 
 import sys
 import tempfile

@@ -1,0 +1,145 @@
+"""Configuration of the manual: `.ci/manual` builds it into build/manual.
+
+Its sources are the docstrings, the scripts and notebooks in examples/, the README's sections and the reports of
+`python -m validation`; the pages beside this file only put them together.
+"""
+
+from __future__ import annotations
+
+import builtins
+import os
+import re
+import shutil
+import sys
+from importlib.metadata import version as version_of
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+ROOT = next(folder for folder in HERE.parents if (folder / "pyproject.toml").exists())
+sys.path[:0] = [str(ROOT), str(HERE)]
+
+# Examples find the record beside them by their own place, which the gallery does not tell them.
+vars(builtins)["__file__"] = str(ROOT / "examples" / "example.py")
+
+project, author, copyright = "suspid", "the suspid developers", "the suspid developers"
+version = release = version_of("suspid")
+
+extensions = [
+    "myst_nb",
+    "numpydoc",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.autosummary",
+    "sphinx.ext.intersphinx",
+    "sphinx.ext.mathjax",
+    "sphinx_click",
+    "sphinx_gallery.gen_gallery",
+]
+html_static_path, html_css_files = ["_static"], ["manual.css"]
+html_theme, html_title = "furo", f"suspid {release}"
+default_role = "any"
+nitpicky = False
+suppress_warnings = ["config.cache", "ref.any"]
+autosummary_generate = True
+autodoc_typehints = "none"
+numpydoc_show_class_members = False
+numpydoc_xref_param_type = False
+nb_execution_mode = "force"
+nb_execution_raise_on_error = True
+nb_execution_timeout = 300
+myst_enable_extensions = ["dollarmath"]
+# Objects of other libraries are linked where the links are tried: `.ci/manual links`.
+intersphinx_mapping: dict[str, tuple[str, None]] = {}
+if os.environ.get("SUSPID_LINKS"):
+    intersphinx_mapping = {
+        "control": ("https://python-control.readthedocs.io/en/stable/", None),
+        "numpy": ("https://numpy.org/doc/stable/", None),
+    }
+exclude_patterns = ["gallery/*.ipynb", "gallery/*.py", "gallery/*.md5", "gallery/*.zip", "gallery/*.json"]
+
+
+sphinx_gallery_conf = {
+    "examples_dirs": [str(ROOT / "examples")],
+    "gallery_dirs": ["gallery"],
+    "filename_pattern": r".*\.py",
+    "ignore_pattern": r"__init__\.py",
+    "image_scrapers": ("figures_of_examples",),
+    "download_all_examples": False,
+    "show_memory": False,
+    "remove_config_comments": True,
+    "min_reported_time": 1e9,
+    "plot_gallery": True,
+    "abort_on_example_error": True,
+    "capture_repr": (),
+    "within_subsection_order": "FileNameSortKey",
+    "nested_sections": False,
+    "copyfile_regex": r"GALLERY_HEADER\.rst",
+}
+
+
+def _public_names() -> str:
+    """Return the page of all public names, in the groups of ``suspid.__all__``."""
+    text = (ROOT / "suspid" / "__init__.py").read_text(encoding="utf-8")
+    listed = text[text.index("__all__") : text.index("]", text.index("__all__"))]
+    parts = [
+        "Public names",
+        "============",
+        "",
+        "Every name can be imported from ``suspid``.",
+        "",
+        ".. currentmodule:: suspid",
+        "",
+    ]
+    for line in listed.splitlines()[1:]:
+        if line.strip().startswith("#"):
+            heading = line.strip("# ").strip()
+            heading = heading[:1].upper() + heading[1:]
+            parts += ["", heading, "-" * len(heading), "", ".. autosummary::", "   :toctree: api", ""]
+        parts += [f"   {name}" for name in re.findall(r'"(\w+)"', line)]
+    return "\n".join(parts) + "\n"
+
+
+def _section(title: str) -> str:
+    """Return a section of the README without its heading; links to files of the repository are left as text."""
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    found = re.search(rf"^## {re.escape(title)}\n(.*?)(?=^## |\Z)", text, re.MULTILINE | re.DOTALL)
+    if found is None:
+        raise ValueError(f"README.md has no section {title!r}")
+    body = re.sub(r"<!--.*?-->\n?", "", found[1])
+    body = re.sub(r"!\[[^\]]*\]\([^)]*\)\n?", "", body)
+    body = re.sub(r"^###", "##", body, flags=re.MULTILINE)
+    return re.sub(r"\[([^\]]+)\]\((?!https?:)[^)]*\)", r"\1", body)
+
+
+def _make_pages(source: Path) -> None:
+    """Write the pages that are made from the README, the reports and the names, beside the others."""
+    (source / "names.rst").write_text(_public_names(), encoding="utf-8")
+    for name, title, heading in (
+        ("recordings", "Recordings", "What can be done"),
+        ("conventions", "Conventions", "Conventions"),
+        ("measured", "Measured", "How the figures were measured"),
+        ("matlab", "Coming from MATLAB", "Coming from MATLAB"),
+        ("changes", "Changelog", "Changes"),
+        ("developers", "Working on suspid", "Working on suspid"),
+    ):
+        body = _section(title)
+        if name == "measured":
+            body += "\n## Reports\n\nWhat `python -m validation` wrote:\n\n"
+            body += "```{toctree}\n:glob:\n:maxdepth: 1\n\nreports/*\n```\n"
+        (source / f"{name}.md").write_text(f"# {heading}\n{body}", encoding="utf-8")
+    reports = source / "reports"
+    reports.mkdir(exist_ok=True)
+    for report in sorted((ROOT / "validation" / "report").glob("*.md")):
+        text = report.read_text(encoding="utf-8")
+        pictures = set(re.findall(r"\]\(([\w.-]+\.(?:png|svg))\)", text))
+        for picture in pictures:
+            shutil.copy(report.with_name(picture), reports / picture)
+        links = re.sub(r"(?<!!)\[([^\]]+)\]\((?!https?:)[^)]*\)", r"\1", text)
+        (reports / report.name).write_text(links, encoding="utf-8")
+    for notebook in (ROOT / "examples").glob("*.ipynb"):
+        shutil.copy(notebook, source / notebook.name)
+    for record in ("quarter_car.csv", "nominal_car.toml", "car.toml", "hatchback.toml"):
+        shutil.copy(ROOT / "examples" / record, source / record)
+
+
+if HERE != ROOT / ".manual":
+    _make_pages(HERE)
