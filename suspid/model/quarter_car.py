@@ -19,7 +19,7 @@ def quarter_car(
     chassis_damping: NewtonSecondPerMetre,
     tire_damping: NewtonSecondPerMetre = 0.0,
 ) -> Suspension:
-    """Return the quarter car of Fig. 1: seat on chassis on tire on the road.
+    """Return the quarter car: seat on chassis on tire on the road.
 
     Parameters
     ----------

@@ -26,7 +26,7 @@ def statespace(
     roads: Sequence[str] | None = None,
     road_rate: bool = True,
 ) -> control.StateSpace:
-    """Return the suspension as a `control.StateSpace`: Eq. (5)-(7).
+    """Return the suspension as a `control.StateSpace`.
 
     Parameters
     ----------
