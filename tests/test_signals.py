@@ -1,3 +1,7 @@
+import subprocess
+import sys
+from pathlib import Path
+
 import control
 import numpy as np
 import pytest
@@ -75,3 +79,19 @@ class TestTime:
         else:
             with pytest.raises(RecordError, match=r"t = 5\.012 s lies 0\.012 steps off"):
                 uniform_step(times)
+
+
+def test_a_record_is_identified_without_importing_python_control() -> None:
+    """It takes longer to import than all else together; a response is made where a user takes one."""
+    lines = (
+        "import sys",
+        "from suspid import analyse",
+        "found = analyse(sys.argv[1])",
+        "str(found), str(found.verdict)",
+        "assert 'control' not in sys.modules",
+        "import control",
+        "assert isinstance(found.identification.response, control.TimeResponseData)",
+        "assert isinstance(found.record, control.TimeResponseData)",
+    )
+    example = Path(__file__).parents[1] / "examples" / "quarter_car.csv"
+    subprocess.run([sys.executable, "-c", "\n".join(lines), str(example)], check=True)
