@@ -226,3 +226,18 @@ class TestSpringsFromTheRecord:
         found = analyse(as_response(noisy.timepts, noisy.values, ["a", "b", "c"]), car=cars.SALOON)
         assert found.estimate is None
         assert Note.NO_ESTIMATE in [note.code for note in found.notes] or found.reconstruction is not None
+
+
+class TestCommandsAreNoMotion:
+    def test_a_force_that_is_switched_is_left_out(self, tmp_path: Path) -> None:
+        # A rig of one mass is pushed by a constant force from 1 s on; the file has the force beside the position.
+        times = np.arange(4000) / 500
+        since = np.maximum(times - 1.0, 0.0)
+        moved = 1 - np.exp(-1.2 * since) * (np.cos(15.0 * since) + 1.2 / 15.0 * np.sin(15.0 * since))
+        noise = 1e-4 * np.random.default_rng(0).standard_normal(times.size)
+        file = tmp_path / "step.csv"
+        table = np.column_stack([times, moved + noise, np.where(times >= 1.0, 40.0, 0.0)])
+        np.savetxt(file, table, delimiter=",", header="time,position,effort", comments="", fmt="%.6g")
+        found = analyse(file)
+        assert any(note.code is Note.HELD_CHANNEL for note in found.notes)
+        assert found.identification.modes.poles == pytest.approx([-1.2 + 15.0j], rel=1e-3)

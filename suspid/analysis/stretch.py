@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.analysis.choice import explains, settled, tried
+from suspid.analysis.held import without_held
 from suspid.analysis.settings import Settings
 from suspid.decays import Decay, Decays, find_decays
 from suspid.errors import RecordError
@@ -34,7 +35,15 @@ class Used:
 
 
 def stretch_of(record: control.TimeResponseData, settings: Settings) -> Used:
-    """Return the stretch of a record that the settings ask for."""
+    """Return the stretch of a record that the settings ask for; commands and forces are left out unless asked for."""
+    held: tuple[Remark, ...] = ()
+    if settings.channels is None:
+        record, held = without_held(record)
+    found = _stretch_of(record, settings)
+    return replace(found, notes=(*held, *found.notes))
+
+
+def _stretch_of(record: control.TimeResponseData, settings: Settings) -> Used:
     if settings.start is not None or settings.stop is not None:
         part = cut(record, start=settings.start, stop=settings.stop)
         return Used(record=part, decays=(), used=(), notes=())

@@ -48,6 +48,11 @@ class Note(Code):
         lambda n: f"{count(int(str(n['number'])), 'decay')} with doubts {'is' if n['number'] == 1 else 'are'} left out",
     )
     DECAY_DOUBT = "decay doubt", "this decay: {doubt}"
+    HELD_CHANNEL = (
+        "held channel",
+        "channel {channel!r} is a command or a force, no motion: it holds its value but for jumps ({jumps}); left out; "
+        "name the channels to use it",
+    )
     STILL_CHANNEL = "still channel", "channel {channel!r} is constant in this decay; left out"
     ONE_OF_TESTS = (
         "one of tests",

@@ -65,5 +65,7 @@ def _significant_digits(samples: RealArray) -> int | None:
 
 
 def _rounded_to(some: RealArray, digits: int) -> bool:
-    scaled = some * 10.0 ** (digits - 1 - np.floor(np.log10(some)))
-    return bool(np.all(np.abs(scaled - np.round(scaled)) < 1e-15 * 10.0**digits + 1e-9))
+    # Samples whose power of ten overflows are rounding.
+    with np.errstate(over="ignore", invalid="ignore"):
+        scaled = some * 10.0 ** (digits - 1 - np.floor(np.log10(some)))
+        return bool(np.all(np.abs(scaled - np.round(scaled)) < 1e-15 * 10.0**digits + 1e-9))

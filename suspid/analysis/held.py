@@ -1,0 +1,64 @@
+"""Held channels: commands and forces that jump from one constant value to another, and are no motion."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from suspid.signals import as_signal, like
+from suspid.units import RealArray
+from suspid.words import Note, Remark
+
+if TYPE_CHECKING:
+    import control
+
+# A channel is held if it changes in this many places at most, none of them longer than this many samples: a spline
+# through a jump rings for about as many. A motion changes for longer, and one of a few steps of its resolution tells
+# nothing of its modes.
+MOST_JUMPS, LONGEST_JUMP = 4, 48
+# Share of the range below which a change is rounding.
+SAME = 1e-9
+
+
+def without_held(record: control.TimeResponseData) -> tuple[control.TimeResponseData, tuple[Remark, ...]]:
+    """Return the record without channels that hold their value but for a few jumps, and what was left out.
+
+    A record of such channels alone, or one too short to tell, stays as it is.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from suspid.signals import as_response
+    >>> motion = np.exp(-np.arange(400) / 80) * np.sin(np.arange(400) / 5)
+    >>> force = np.where(np.arange(400) < 20, 0.5, 0.0)
+    >>> left, notes = without_held(as_response(np.arange(400) / 100, np.stack([motion, force]), ["x", "F"]))
+    >>> list(left.output_labels), len(notes)
+    (['x'], 1)
+    """
+    signal = as_signal(record)
+    jumps = [_jumps(samples) for samples in signal.values]
+    kept = [name for name, number in zip(signal.channels, jumps, strict=True) if number is None]
+    if not kept or len(kept) == len(signal.channels):
+        return record, ()
+    rows = [signal.channels.index(name) for name in kept]
+    notes = tuple(
+        Remark(Note.HELD_CHANNEL, {"channel": name, "jumps": number})
+        for name, number in zip(signal.channels, jumps, strict=True)
+        if number is not None
+    )
+    title = str(getattr(record, "title", None) or "")
+    return like(record, signal.timepts, signal.values[rows], kept, title=title), notes
+
+
+def _jumps(samples: RealArray) -> int | None:
+    """Return how often a channel jumps between values that it holds; None if it moves otherwise."""
+    if samples.size < 4 * LONGEST_JUMP:
+        return None
+    changes = np.flatnonzero(np.abs(np.diff(samples)) > SAME * np.ptp(samples))
+    if not changes.size:
+        return None
+    first = np.flatnonzero(np.diff(changes, prepend=-LONGEST_JUMP - 2) > LONGEST_JUMP)
+    last = np.append(first[1:], changes.size) - 1
+    longest = int(np.max(changes[last] - changes[first])) + 1
+    return first.size if first.size <= MOST_JUMPS and longest <= LONGEST_JUMP else None
