@@ -102,7 +102,10 @@ class Problem:
 
         It is `MISJUDGED` times what a Gauss-Newton step promises, or infinite where there is none.
         """
-        trial = evaluate(self.blocks, fit.poles.without(index), self._inner_noise)
+        others = fit.poles.without(index)
+        if not others.free:
+            return 0.0
+        trial = evaluate(self.blocks, others, self._inner_noise)
         diagonal = np.zeros(1) if trial is None else trial.information.diagonal()
         if trial is None or not (np.isfinite(trial.information.sum()) and np.all(diagonal > 0)):
             return np.inf
