@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 # nothing of its modes.
 MOST_JUMPS, LONGEST_JUMP = 4, 48
 # Share of the range below which a change is rounding.
-SAME = 1e-9
+ROUNDING_CHANGE = 1e-9
 
 
 def without_held(record: control.TimeResponseData) -> tuple[control.TimeResponseData, tuple[Remark, ...]]:
@@ -55,7 +55,7 @@ def _jumps(samples: RealArray) -> int | None:
     """Return how often a channel jumps between values that it holds; None if it moves otherwise."""
     if samples.size < 4 * LONGEST_JUMP:
         return None
-    changes = np.flatnonzero(np.abs(np.diff(samples)) > SAME * np.ptp(samples))
+    changes = np.flatnonzero(np.abs(np.diff(samples)) > ROUNDING_CHANGE * np.ptp(samples))
     if not changes.size:
         return None
     first = np.flatnonzero(np.diff(changes, prepend=-LONGEST_JUMP - 2) > LONGEST_JUMP)
