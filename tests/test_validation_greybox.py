@@ -53,7 +53,7 @@ def test_the_bound_falls_with_the_root_of_the_time() -> None:
     rng = np.random.default_rng(2)
     wheels = rng.standard_normal((1, 24000))
 
-    def bound(count: int, mounted: tuple[str, ...] | None = None) -> RealArray:
+    def bound(count: int, unknown: tuple[str, ...] = ()) -> RealArray:
         return given_bound(
             transfer_of([[1.0]], [0], [1]),
             QUARTER,
@@ -62,13 +62,15 @@ def test_the_bound_falls_with_the_root_of_the_time() -> None:
             rate=200.0,
             std_body=np.array([0.03]),
             std_wheels=np.array([0.1]),
-            mounted=mounted,
+            unknown=unknown,
         )
 
     np.testing.assert_allclose(bound(6000) / bound(24000), 2.0, rtol=0.1)
     # Delay and mount are nearly one thing: what tells them apart scatters more between stretches of noise.
-    np.testing.assert_allclose(bound(6000, ("chassis",)) / bound(24000, ("chassis",)), 2.0, rtol=0.2)
-    assert np.all(bound(6000, ("chassis",)) > bound(6000))
+    np.testing.assert_allclose(
+        bound(6000, ("gains", "delays", "mounts")) / bound(24000, ("gains", "delays", "mounts")), 2.0, rtol=0.2
+    )
+    assert np.all(bound(6000, ("gains", "delays", "mounts")) > bound(6000))
 
 
 def test_roads_have_the_density_of_their_class() -> None:

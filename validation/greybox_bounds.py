@@ -63,14 +63,15 @@ def given_bound(
     rate: Hertz,
     std_body: RealArray,
     std_wheels: RealArray,
-    mounted: Sequence[str] | None,
+    unknown: Sequence[str] = (),
     pushed: Sequence[tuple[RealArray, RealArray]] = (),
 ) -> RealArray:
     """Return the least standard deviations of parameters where the motion of wheels is measured, with noise.
 
     ``transfer`` gives T (line, body channel, wheel). The wheels' true motion (wheel, sample) is free at every line, so
     the information of a line is that of ``Y_q - T Y_g`` with the covariance ``S_q + T S_g T^H``. Starts are left out.
-    With ``mounted``, gain and delay of each wheel's sensor are unknown too, and the mounts of these struts' dampers.
+    ``unknown`` names what is too: ``"gains"`` and ``"delays"`` of the wheels' sensors, ``"mounts"`` of the dampers in
+    ``names``.
     ``pushed`` are clean motions (channel or wheel, sample) of body and wheels under forces alone, to be averaged: what
     of them does not follow the wheels is noise of known spectrum.
     """
@@ -89,18 +90,19 @@ def given_bound(
         value = value_of(car, name)
         high, low = (transfer(changed(car, name, value * (1 + sign * STEP)), s) for sign in (1, -1))
         columns.append(np.einsum("fqw,fw->fq", (high - low) / (2 * STEP), G))
-    if mounted is not None:
-        # A gain and a delay turn and stretch the column of their wheel.
-        for w in range(len(wheels)):
-            columns += [T[:, :, w] * G[:, w, None], T[:, :, w] * (s * G[:, w])[:, None]]
-        for name in mounted:
-            damping = value_of(car, f"{name}.damping")
-            relaxation = next(strut.relaxation for strut in car.struts if strut.name == name)
-            pair = [
-                transfer(car.with_parameters(mount_stiffness={name: damping / rho}), s)
-                for rho in (relaxation + RELAXATION, relaxation + 2 * RELAXATION)
-            ]
-            columns.append(np.einsum("fqw,fw->fq", pair[1] - pair[0], G) / RELAXATION)
+    # A gain and a delay turn and stretch the column of their wheel.
+    for w in range(len(wheels)):
+        turned = T[:, :, w] * G[:, w, None]
+        columns += [turned] * ("gains" in unknown) + [turned * s[:, None]] * ("delays" in unknown)
+    dampers = [name.partition(".")[0] for name in names if name.endswith(".damping")]
+    for name in dampers if "mounts" in unknown else ():
+        damping = value_of(car, f"{name}.damping")
+        relaxation = next(strut.relaxation for strut in car.struts if strut.name == name)
+        pair = [
+            transfer(car.with_parameters(mount_stiffness={name: damping / rho}), s)
+            for rho in (relaxation + RELAXATION, relaxation + 2 * RELAXATION)
+        ]
+        columns.append(np.einsum("fqw,fw->fq", pair[1] - pair[0], G) / RELAXATION)
     J = np.stack(columns, axis=2)
     # A line is complex: the variance of its real and of its imaginary part is half of R each.
     information = 2 * np.real(np.einsum("fqi,fqj->ij", J.conj(), np.linalg.solve(R, J)))

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid import ModalSet, Suspension, reconstruct
-from suspid.signals import as_signal
+from suspid.signals import as_response, as_signal
 from suspid.units import ComplexArray, RealArray, Second
 from validation.greybox_bounds import BAND
 
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 SEGMENT = 2048  # samples of Welch's method, about 10 s
 BLOCK_ROWS = 30  # of pyOMA_2's Hankel matrix
+SLOWER = 4  # times the step of a drive, for pyOMA_2
 
 
 def welch_h1(record: control.TimeResponseData, car: Suspension) -> RealArray:
@@ -81,9 +82,28 @@ def era_and_reconstruct(record: control.TimeResponseData, nominal: Suspension, f
 
 
 def ssi_and_reconstruct(record: control.TimeResponseData, nominal: Suspension, fixed: tuple[str, ...]) -> Suspension:
-    """Return the car from the modes of pyOMA_2's SSI-cov, its order given, by `reconstruct`."""
-    found = ssi_modes(record, len(nominal.masses))
+    """Return the car from the modes of pyOMA_2's SSI-cov, its order given, by `reconstruct`.
+
+    Accelerations on a road hardly show the modes of the body: they are integrated once, and taken at 50 Hz.
+    """
+    found = ssi_modes(_for_modes(record), len(nominal.masses))
     return reconstruct(found, nominal, fixed=fixed, tolerance=0.5, search=False).suspension
+
+
+def _for_modes(record: control.TimeResponseData) -> control.TimeResponseData:
+    """Return accelerations as velocities at a quarter of their rate, other records as they are."""
+    from scipy.signal import decimate
+
+    signal = as_signal(record)
+    if not all(name.endswith("_acceleration") for name in signal.channels):
+        return record
+    count = signal.values.shape[1]
+    f = np.fft.rfftfreq(count, signal.step)
+    inverse = np.zeros(len(f), complex)
+    inverse[f > BAND[0]] = 1 / (2j * np.pi * f[f > BAND[0]])
+    velocities = decimate(np.fft.irfft(np.fft.rfft(signal.values) * inverse, count), SLOWER, ftype="fir")
+    times = SLOWER * signal.step * np.arange(velocities.shape[1])
+    return as_response(times, velocities, signal.channels)
 
 
 def ssi_modes(record: control.TimeResponseData, modes: int) -> ModalSet:
@@ -116,7 +136,7 @@ def ssi_poles(values: RealArray, step: Second, order: int) -> tuple[ComplexArray
 
 
 def _modes(poles: ComplexArray, shapes: ComplexArray, channels: tuple[str, ...]) -> ModalSet:
-    """Return modes; the shapes of accelerations are those of displacements."""
+    """Return modes; the shapes of accelerations and velocities are those of displacements."""
     names = [name.removesuffix("_acceleration") for name in channels]
     return ModalSet(poles=poles, shapes=shapes, channels=names)
 

@@ -176,7 +176,7 @@ def given_row(name: str, drive: Drive, *, car: Suspension = QUARTER, options: Ma
             rate=drive.rate,
             std_body=np.array([stds[f"{c}_acceleration"] for c in body]),
             std_wheels=np.array([stds[f"{c}_acceleration"] for c in wheels]),
-            mounted=None if options else [name.partition(".")[0] for name in names if name.endswith(".damping")],
+            unknown=[kind for kind in KNOWN if kind not in (options or {})],
             pushed=[moved("level", seed) for seed in range(FORCES if drive.body_force or drive.engine else 0)],
         )
 
@@ -216,6 +216,13 @@ FULL_KNOCK = {
     "v_front_left": 1.0, "v_front_right": -0.4, "v_rear_left": 0.3, "v_rear_right": -0.8,
 }  # fmt: skip
 KNOWN: Mapping[str, Any] = {"gains": (), "delays": (), "mounts": ()}
+
+
+def only(free: str) -> Mapping[str, Any]:
+    """Return options that leave one of gains, delays and mounts unknown."""
+    return {kind: () for kind in KNOWN if kind != free}
+
+
 MOUNTED = QUARTER.with_parameters(mount_stiffness={"chassis": 1e6})
 SOFT = QUARTER.with_parameters(mount_stiffness={"chassis": 4e5})
 
@@ -256,6 +263,14 @@ def rows() -> dict[str, list[Row]]:
             given_row("wheel sensor 2 ms late", Drive(delay={"tire_acceleration": 0.002})),
             given_row("mount 1e6 N/m", Drive(), car=MOUNTED),
             given_row("mount 4e5 N/m", Drive(), car=SOFT),
+            *(
+                given_row(f"{name}, {free} alone unknown", drive, car=car, options=only(f"{free}s"))
+                for name, free, drive, car in (
+                    ("wheel sensor 2 % high", "gain", Drive(gain={"tire_acceleration": 1.02}), QUARTER),
+                    ("wheel sensor 2 ms late", "delay", Drive(delay={"tire_acceleration": 0.002}), QUARTER),
+                    ("mount 1e6 N/m", "mount", Drive(), MOUNTED),
+                )
+            ),
             given_row("half car, 60 s", Drive(), car=half(0.1)),
             given_row("half car, 60 s, gain, delay, mount known", Drive(), car=half(0.1), options=KNOWN),
             given_row("full car, 60 s at 100 Hz", Drive(rate=100.0), car=FULL),
