@@ -117,7 +117,8 @@ def test_a_car_that_does_not_explain_ends_with_three(files: Path, monkeypatch: p
     [
         (["decay.csv", "decay.csv"], 2, "named twice"),
         (["decay.csv", "--json", "decay.csv"], 2, "named twice"),
-        (["rig.csv", "--given", "rod"], 1, "given: 'rod'"),
+        (["rig.csv", "--given", "rod"], 1, "--given: 'rod' is no road ('road')"),
+        (["decay.csv", "--fixed", "tyre"], 1, "--fixed: there is no strut parameter"),
         (["decay.csv", "--given", "road"], 1, "the record has no input or channel 'road'"),
         (["decay.csv", "--plot", "e.xyz"], 1, "pictures of type '.xyz' are not known"),
         (["decay.csv", "--page", "e.pdf"], 1, "reports are written as .html"),
@@ -134,6 +135,66 @@ def test_wrong_requests_leave_nothing(
     assert result.exit_code == code, result.output
     assert message in result.output
     assert sorted(path.name for path in files.iterdir()) == before
+
+
+@pytest.fixture(scope="module")
+def drive(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a drive, the same with its wheel's sensor upside down, with names exchanged, and with it dead."""
+    folder = tmp_path_factory.mktemp("drive")
+    write_car(NOMINAL, folder / "car.toml")
+    times, rng = np.arange(0, 10, 0.005), np.random.default_rng(1)
+    # Nothing above 40 Hz: samples at 200 Hz hold it all.
+    rough = np.convolve(0.003 * np.cumsum(rng.standard_normal(times.size)), np.hanning(13) / 6, "same")
+    names = ["chassis_acceleration", "tire_acceleration"]
+    record = simulate(CAR, times, {"road": rough}, outputs=names, interpolation="cubic")
+    rows = add_noise(record, snr_db=40, rng=rng).outputs
+    for name, body, wheel in (
+        ("drive", rows[0], rows[1]), ("reversed", rows[0], -rows[1]), ("exchanged", rows[1], rows[0]),
+        ("dead", rows[0], 0 * rows[1]),
+    ):  # fmt: skip
+        table = np.column_stack([times, body, wheel])
+        np.savetxt(folder / f"{name}.csv", table, delimiter=",", header=",".join(["time [s]", *names]), comments="")
+    return folder
+
+
+class TestDrive:
+    @pytest.mark.parametrize("options", [[], ["--given", "wheels"], ["--given", "tire"]])
+    def test_the_first_command_works(self, drive: Path, options: list[str]) -> None:
+        done = run("estimate", drive / "drive.csv", "--car", drive / "car.toml", "--json", drive / "e.json", *options)
+        assert done.exit_code == 0, done.output
+        assert holds({"parameters": self.struts(drive)})
+        assert ("as --given tire does" in done.stderr) is (not options)
+
+    @staticmethod
+    def struts(drive: Path) -> list[dict[str, object]]:
+        every = json.loads((drive / "e.json").read_text())["parameters"]
+        return [one for one in every if one["name"] in TRUTH]
+
+    def test_what_is_known_of_the_sensors_is_held(self, drive: Path) -> None:
+        known = [word for option in ("--gain", "--delay", "--mount") for word in (option, "none")]
+        done = run("estimate", drive / "drive.csv", "--car", drive / "car.toml", *known, "--json", drive / "e.json")
+        names = [one["name"] for one in json.loads((drive / "e.json").read_text())["parameters"]]
+        assert names == ["chassis.stiffness", "chassis.damping"], done.output
+
+    @pytest.mark.parametrize(
+        ("name", "said"),
+        [
+            ("reversed", "With the sign of tire_acceleration reversed the car explains the records"),
+            ("exchanged", "acceleration exchanged the car explains the records"),
+            ("dead", "channel 'tire_acceleration' from 0 to 9.995 s: constant at 0"),
+        ],
+    )
+    def test_what_is_wrong_with_a_sensor_is_said(self, drive: Path, name: str, said: str) -> None:
+        done = run("estimate", drive / f"{name}.csv", "--car", drive / "car.toml", "--given", "wheels")
+        assert done.exit_code == 1, done.output
+        assert said in done.output
+        # Of options, not of arguments of functions.
+        assert "=…" not in done.output
+
+    def test_a_drive_that_is_taken_for_a_decay_is_told(self, drive: Path) -> None:
+        done = run("estimate", drive / "drive.csv", "--car", drive / "car.toml", "--given", "none")
+        assert done.exit_code == 3, done.output
+        assert "The motion does not die down" in done.output
 
 
 def test_a_wheel_without_a_tire(tmp_path: Path) -> None:

@@ -101,8 +101,9 @@ def _for_modes(record: control.TimeResponseData) -> control.TimeResponseData:
     f = np.fft.rfftfreq(count, signal.step)
     inverse = np.zeros(len(f), complex)
     inverse[f > BAND[0]] = 1 / (2j * np.pi * f[f > BAND[0]])
-    velocities = decimate(np.fft.irfft(np.fft.rfft(signal.values) * inverse, count), SLOWER, ftype="fir")
-    times = SLOWER * signal.step * np.arange(velocities.shape[1])
+    whole = np.fft.irfft(np.fft.rfft(signal.values) * inverse, count)
+    velocities = np.asarray(decimate(whole, SLOWER, ftype="fir"), float)
+    times = np.asarray(SLOWER * signal.step * np.arange(velocities.shape[1]), float)
     return as_response(times, velocities, signal.channels)
 
 

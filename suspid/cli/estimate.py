@@ -9,11 +9,12 @@ from typing import Any
 
 import click
 
-from suspid.analysis import Settings, read
+from suspid.analysis import Settings
+from suspid.cli.fitting import GIVEN, fitted, sensing, tests_of
 from suspid.cli.measured import checked_page, checked_picture, save_picture, sources_of
 from suspid.cli.options import FILE, RECORD, packed, progress, reading
 from suspid.cli.parameters import ROAD_MODEL, WHEEL_RADIUS, Outputs, Wanted, conclude, wanting, writing
-from suspid.cli.support import check_apart, named, said_warnings
+from suspid.cli.support import check_apart, said_warnings
 from suspid.files import replacing
 
 
@@ -36,13 +37,9 @@ ROAD = (
 @click.argument("files", type=RECORD, nargs=-1, required=True, metavar="FILE...")
 @reading
 @click.option("--car", type=FILE, metavar="CAR", required=True, help="Masses and nominal struts (.toml).")
-@click.option(
-    "--given",
-    metavar="NAME,…",
-    default="",
-    help="Causes that were measured: roads, forces, wheels by their names in CAR. [free decay]",
-)
+@GIVEN
 @packed(road_of, ROAD, "road")
+@sensing
 @wanting
 @click.option("--plot", type=FILE, metavar="FILE", help="Write pictures of the estimate (.png, .svg, .pdf).")
 @click.option("--page", type=FILE, metavar="FILE", help="Write a page to print or to send (.html).")
@@ -53,6 +50,7 @@ def estimate_command(
     car: Path,
     given: str,
     road: dict[str, Any],
+    sensing: dict[str, Any],
     wanted: Wanted,
     plot: Path | None,
     page: Path | None,
@@ -63,24 +61,21 @@ def estimate_command(
     A FILE has channels named as in CAR: sensors, coordinates such as chassis or chassis_acceleration, travels such as
     chassis_travel; --rename gives them these names. Several FILES are tests of one car.
 
-    Without --given a record is a free decay. --given road is a rig or a known road, --given chassis_force an actuator.
-    In everyday driving the motion of the wheels is measured, and the road is not needed: give the wheels by their names
-    in CAR, such as --given tire or --given front,rear. With --road iso8608 tires and the modes of the whole car are
-    found too, by a model of the road.
+    Causes that were measured are given: --given wheels in everyday driving, where the road is not needed; --given road
+    on a rig or a known road, --given chassis_force with an actuator. Without --given a record is a free decay if it
+    dies down, or else moved by the roads or wheels that were measured. With --road iso8608 tires and the modes of the
+    whole car are found too, by a model of the road.
 
     Ends with 3 if the car that was found does not explain the records.
     """
-    from suspid.greybox import RecordTest, estimate
     from suspid.identification import to_json
     from suspid.model import car_to_toml, read_car
     from suspid.reporting import content_of, estimate_to_dict, plot_estimate, report
-    from suspid.signals import cut
 
     if len({path.resolve() for path in files}) < len(files):
         raise click.UsageError("One of the FILES is named twice: name each once, every test counts once.")
     check_apart([*files, car], [plot, page, outputs.output, outputs.json_file])
     masses, unknowns = wanted.added_masses(files), wanted.unknowns()
-    causes = [name.strip() for name in given.split(",") if name.strip()]
     with (
         replacing(checked_picture(plot)) if plot else nullcontext() as figure_draft,
         replacing(checked_page(page)) if page else nullcontext() as page_draft,
@@ -88,17 +83,11 @@ def estimate_command(
         said_warnings() as said,
         progress("reading", "estimating", "drawing") as step,
     ):
-        suspension, tests = read_car(car), []
+        suspension = read_car(car)
         step("reading")
-        for file, kg in zip(files, masses, strict=True):
-            with named(file):
-                opened = read(file, settings)
-                said += [f"{file}: {finding}" for finding in opened.cleaned.findings]
-                said += [f"{file}: {note}" for note in opened.notes]
-                record = cut(opened.cleaned.record, start=settings.start, stop=settings.stop)
-            tests.append(RecordTest(record=record, added_masses=kg))
+        tests = tests_of(files, settings, masses, said)
         step("estimating")
-        found = estimate(tests, suspension, given=causes, **road, **unknowns)
+        found = fitted(tests, suspension, given, said, {**road, **sensing, **unknowns})
         text = outputs.words(found)
         step("drawing")
         if not found.explains:

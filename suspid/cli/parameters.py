@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from suspid.cli.options import FILE, packed
-from suspid.cli.support import Positive, say
+from suspid.cli.support import Positive, in_options, say
 from suspid.files import replacing
 from suspid.levels import LEVEL
 
@@ -134,7 +134,7 @@ class Outputs:
 
 def conclude(text: str, *, explains: bool) -> None:
     """Print the result; end with `EXIT_UNEXPLAINED` where it does not explain what it was found from."""
-    say(text)
+    say(in_options(text, click.get_current_context().command))
     if not explains:
         click.get_current_context().exit(EXIT_UNEXPLAINED)
 

@@ -28,13 +28,16 @@ ARGUMENTS_AS_OPTIONS = {
     "channels": "--channel",
     "dbc": "--dbc",
     "decay": "--decay",
+    "delays": "--delay",
     "fixed": "--fixed",
     "free_masses": "--free-mass",
+    "gains": "--gain",
     "fs": "--fs",
     "given": "--given",
     "level": "--level",
     "method": "--method",
     "modes": "--modes",
+    "mounts": "--mount",
     "nominal_std": "--nominal-std",
     "rename": "--rename",
     "road": "--road",
@@ -109,7 +112,9 @@ def in_options(message: str, command: click.Command | None) -> str:
     known = {name for option in getattr(command, "params", ()) for name in option.opts}
     for argument, option in ARGUMENTS_AS_OPTIONS.items():
         if option in known:
+            message = re.sub(rf"(?<![\w.-]){argument}=\(\)", f"{option} none", message)
             message = re.sub(rf"(?<![\w.-]){argument}=(?!=)", f"{option} ", message)
+            message = re.sub(rf"^{argument}: ", f"{option}: ", message)
     return message
 
 
@@ -171,7 +176,7 @@ def named(file: Path) -> Iterator[None]:
 
 @contextmanager
 def said_warnings() -> Iterator[list[str]]:
-    """Collect warnings of the library, and add one's own; at the end each is a line on stderr."""
+    """Collect warnings of the library, and add one's own; at the end, or at an error, each is a line on stderr."""
     said: list[str] = []
 
     def add(message: Warning | str, *_: object, **__: object) -> None:
@@ -182,6 +187,9 @@ def said_warnings() -> Iterator[list[str]]:
         for category in (DeprecationWarning, PendingDeprecationWarning, FutureWarning, ResourceWarning):
             warnings.simplefilter("ignore", category)
         warnings.showwarning = add
-        yield said
-    for text in dict.fromkeys(said):
-        click.echo(f"suspid: warning: {printable(text)}", err=True)
+        try:
+            yield said
+        finally:
+            # What was found in a file may be why the command failed.
+            for text in dict.fromkeys(said):
+                click.echo(f"suspid: warning: {printable(text)}", err=True)

@@ -3,14 +3,16 @@
 `estimate` fits the parameters of a `suspid.Suspension` to records by maximum likelihood. `trials` are records as
 data; in the time domain `dynamics` (exact motion and its derivatives), `responses` (output error of one record),
 `problem`, `further` (unknowns: mounts, gains, delays), `search` and `time_domain`; in the frequency domain `spectra`,
-`transfers`, `measured_causes` (errors in variables), `noise_levels`, `wheel_problem` and `frequency_domain`.
-`whiteness`, `leftover`, `identifiability`, `modal` and `judgement` say how far the result can be trusted, `estimates`
-holds it. `find_drives` finds the usable stretches of long recordings: `speeds`, `blocks`, `stretches`, `drives`.
+`transfers`, `measured_causes` (errors in variables), `noise_levels`, `wheel_problem`, `settling`, `suspects` and
+`frequency_domain`. `whiteness`, `leftover`, `misfit`, `identifiability`, `modal` and `judgement` say how far the
+result can be trusted, `estimates` holds it; `causes` says what may have moved the car. `find_drives` finds the usable
+stretches of long recordings: `speeds`, `blocks`, `stretches`, `drives`.
 With a model of the road: `rolling`, `wheel_power`, `reach`, `road_model`, `tire_fit`, `whole_car`, `roads`.
 `damper_curve`: `strut_motion`, `latent_splines`, `force_basis`, `curve_fit`, `curve_noise`, `damper_curves`.
 """
 
 from suspid.greybox.body_modes import BodyMode, BodyModes, body_modes
+from suspid.greybox.causes import likely_causes
 from suspid.greybox.damper_curve import damper_curve
 from suspid.greybox.damper_curves import DamperCurve, LineTest
 from suspid.greybox.drives import Drive, DriveLimits, Drives, stretch_table, summary_table
@@ -37,6 +39,7 @@ __all__ = [
     "damper_curve",
     "estimate",
     "find_drives",
+    "likely_causes",
     "nominal_value",
     "parameter_table",
     "parameter_unit",

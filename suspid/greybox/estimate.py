@@ -9,7 +9,9 @@ import numpy as np
 
 from suspid.cleaning import RecordLike
 from suspid.errors import InputError
+from suspid.greybox.causes import dies_down
 from suspid.greybox.estimates import Estimate
+from suspid.greybox.fits import Fit
 from suspid.greybox.frequency_domain import fit_in_frequency
 from suspid.greybox.further import further_asked
 from suspid.greybox.judgement import changes, gains_off, on_bounds, rests_on
@@ -75,8 +77,8 @@ def estimate(
         strut of nominal stiffness 0 is a damper alone and stays one.
     given : sequence of str
         What moves the car. Roads, and forces named as in `statespace`, count as exactly known; roads that are not
-        given stand still. Coordinates, such as ``("wheel",)``, are given as measured by the channels. Empty: a free
-        decay.
+        given stand still. Coordinates, such as ``("tire",)``, are given as measured by the channels. ``"roads"`` and
+        ``"wheels"`` are all of them. Empty: a free decay.
     fixed : sequence of str
         Strut parameters held at their nominal value: ``"tire.damping"``, or ``"tire"`` for both of a strut's.
     bounds : mapping of str to (float, float), optional
@@ -209,6 +211,7 @@ def estimate(
             else []
         ),
         *([Check(Remark(EstimateCheck.UNUSED, {"names": unused}), Level.NOTE)] if unused else []),
+        *([Check(Remark(EstimateCheck.DRIVEN), Level.DOUBTFUL)] if _driven(fit, trials) else []),
     ]
     headline = Remark(EstimateHeadline.FOUND, {"parameters": len(u.names), "records": len(trials)})
     return Estimate(
@@ -232,6 +235,12 @@ def estimate(
         verdict=Verdict(headline, tuple(checks)),
         road=fit.roads,
     )
+
+
+def _driven(fit: Fit, trials: Sequence[Trial]) -> bool:
+    """Return whether records that count as free decays are not explained and do not die down."""
+    free = all(not trial.wheels and not len(trial.inputs) for trial in trials)
+    return free and not fit.explains and not any(dies_down(trial.values) for trial in trials)
 
 
 def _check(suspension: object) -> None:

@@ -8,23 +8,18 @@ from dataclasses import replace
 import numpy as np
 
 from suspid.greybox.fits import Fit
-from suspid.greybox.further import TIMES
 from suspid.greybox.identifiability import blind, check_determined, names_in
 from suspid.greybox.measured_causes import WheelProblem, Whitened, first_levels
 from suspid.greybox.misfit import Misfit, misfit_of
 from suspid.greybox.noise_levels import Levels
 from suspid.greybox.search import SAME_FIT, starts_of
+from suspid.greybox.settling import at_stiff_mounts, from_held, released, settled
+from suspid.greybox.suspects import suspect_of
 from suspid.greybox.trials import signal_of
-from suspid.levels import CHI_SQUARE_95
-from suspid.reconstruction import descend
 from suspid.signals import Signal
 from suspid.units import Ratio, RealArray
 from suspid.words import Check, Level, Remark
 from suspid.words.greybox import EstimateCheck
-
-NEGLIGIBLE_RISE = 1e-3  # gain of chi-square that ends a descent
-HELD_WITHIN = 1e-9  # distance between the bounds of what is held
-SOFT = (0.2, 0.5)  # relaxations from which softer mounts are looked for, of `TIMES`: 2 and 5 ms
 
 
 def fit_in_frequency(problem: WheelProblem) -> Fit:
@@ -39,7 +34,7 @@ def fit_in_frequency(problem: WheelProblem) -> Fit:
     ends: list[tuple[RealArray, list[Levels], list[Whitened], Misfit]] = []
     for start in starts_of(u):
         first = [first_levels(source) for source in problem.sources]
-        z, levels = _released(problem, *_settled(problem, np.concatenate([start, extras.start]), first))
+        z, levels = released(problem, *settled(problem, np.concatenate([start, extras.start]), first))
         every = problem.every(z, levels)
         ends.append((z, levels, every, misfit_of(every, [source.spectra.hertz for source in problem.sources])))
         # Two starts that ended at one fit are enough.
@@ -52,16 +47,20 @@ def fit_in_frequency(problem: WheelProblem) -> Fit:
     prior = np.hstack([u.prior(z[: len(u)])[1], np.zeros((int(np.sum(u.has_prior)), len(extras.names)))])
     labels = (*u.labels, *extras.names)
     squares = np.asarray(np.linalg.qr(data, mode="r"))
-    check_determined(np.concatenate([squares, prior * size]), labels, u.suspension(z[: len(u)]))
-    checks = [judged.check]
+    slopes = np.concatenate([squares, prior * size])
+    suspect = None if judged.likely and not len(blind(slopes)) else suspect_of(problem)
+    check_determined(
+        slopes, labels, u.suspension(z[: len(u)]), hint="" if suspect is None else f"{suspect} As they are, "
+    )
+    checks = [judged.check, *([] if suspect is None else [Check(suspect, Level.DOUBTFUL)])]
     if len(prior) and len(blind(squares)):
         checks.append(Check(Remark(EstimateCheck.BY_NOMINAL, {"names": names_in(blind(squares), labels)}), Level.CARE))
     signals = sorted((made for i, w in enumerate(every) for made in _in_time(problem, w, i)), key=lambda made: made[0])
     noise = {n: _noise(problem, own, i) for i, own in enumerate(levels) for n in problem.sources[i].numbers}
-    whitened = _at_stiff_mounts(problem, z, levels, judged.inflation) or every
+    whitened = at_stiff_mounts(problem, z, levels, judged.inflation) or every
     covariance = _sandwich(whitened, prior, judged.inflation)
     if not judged.likely:
-        apart = _from_held(problem, z, levels)
+        apart = from_held(problem, z, levels)
         covariance += np.outer(apart, apart)
     return Fit(
         x=z[: len(u)],
@@ -80,89 +79,6 @@ def fit_in_frequency(problem: WheelProblem) -> Fit:
         extra_values=z[len(u) :] * extras.scale,
         extra_ranges=np.column_stack([extras.lower, extras.upper]) * extras.scale[:, None],
     )
-
-
-def _descended(
-    problem: WheelProblem, z: RealArray, levels: Sequence[Levels], *, extras: tuple[RealArray, RealArray] | None = None
-) -> RealArray:
-    """Return the best unknowns near a start at given noise levels, perhaps with other bounds of the extras."""
-    u, more = problem.unknowns, problem.extras
-    low, high = (more.lower, more.upper) if extras is None else extras
-    lower, upper = np.concatenate([u.lower, low]), np.concatenate([u.upper, high])
-    return descend(
-        lambda y: problem.equations(y, levels),
-        np.clip(z, lower, upper),
-        positive=np.concatenate([u.positive, more.positive]),
-        lower=lower,
-        upper=upper,
-        negligible=NEGLIGIBLE_RISE,
-    )
-
-
-def _settled(problem: WheelProblem, z: RealArray, levels: list[Levels]) -> tuple[RealArray, list[Levels]]:
-    """Return unknowns and noise levels that belong to each other, near a start."""
-    # Fits and noise levels in turn: 3 to 6 rounds are needed.
-    for _ in range(12):
-        before, z = z, _descended(problem, z, levels)
-        every = problem.every(z, levels)
-        levels = problem.levels(every, levels)
-        # Change of the unknowns, in standard deviations, below which both have settled.
-        if sum(float(np.sum((w.slope @ (z - before)) ** 2)) for w in every) < 0.02**2:
-            break
-    return z, levels
-
-
-def _released(problem: WheelProblem, z: RealArray, levels: list[Levels]) -> tuple[RealArray, list[Levels]]:
-    """Return the best of the unknowns that were found and those on the other side of the ridge between stiff and soft.
-
-    A mount acts nearly as a negative delay does, so there may be a minimum without a mount beside the right one. The
-    softer one is taken if the records rule out the stiffer one.
-    """
-    extras = problem.extras
-    if not extras.mounts:
-        return z, levels
-    count, mounts = len(problem.unknowns), len(extras.mounts)
-    found = [z]
-    for soft in SOFT:
-        start = z.copy()
-        start[count : count + mounts] = soft
-        late = np.array([name.endswith(".delay") for name in extras.names])
-        start[count:][late] += soft - float(np.mean(z[count : count + mounts]))
-        found.append(_descended(problem, start, levels))
-    costs = [float(np.sum(problem.equations(one, levels)[0] ** 2)) for one in found]
-    best = int(np.argmin(costs))
-    return (z, levels) if costs[0] - costs[best] < CHI_SQUARE_95 else _settled(problem, found[best], levels)
-
-
-def _at_stiff_mounts(
-    problem: WheelProblem, z: RealArray, levels: list[Levels], inflation: Ratio
-) -> list[Whitened] | None:
-    """Return the residuals of the best car without mounts, if the records do not rule it out; else None.
-
-    A delay and a mount differ by the squares of both times alone, so the records tell them apart the worse the shorter
-    these are. Standard deviations at chance values of such a mount would be far too small.
-    """
-    if not problem.extras.mounts:
-        return None
-    upper = problem.extras.upper.copy()
-    upper[: len(problem.extras.mounts)] = HELD_WITHIN
-    stiff = _descended(problem, z, levels, extras=(problem.extras.lower, upper))
-    rise = np.sum(problem.equations(stiff, levels)[0] ** 2) - np.sum(problem.equations(z, levels)[0] ** 2)
-    return None if float(rise) > inflation * CHI_SQUARE_95 else problem.every(stiff, levels)
-
-
-def _from_held(problem: WheelProblem, z: RealArray, levels: list[Levels]) -> RealArray:
-    """Return how far the unknowns are from those of the best car with gains, delays and mounts as stated.
-
-    What a car lacks passes for a gain of the sensor, a delay or a mount, as far as it can.
-    """
-    u, extras = problem.unknowns, problem.extras
-    stated = extras.start.copy()
-    stated[: len(extras.mounts)] = [u.car.struts[j].relaxation / TIMES for j in extras.mounts]
-    held = _descended(problem, z, levels, extras=(stated - HELD_WITHIN, stated + HELD_WITHIN))
-    positive = np.concatenate([u.positive, extras.positive])
-    ratio = np.where(positive, z, 1.0) / np.where(positive, held, 1.0)
-    return np.asarray(np.where(positive, z * np.log(ratio), z - held))
 
 
 def _sandwich(every: Sequence[Whitened], prior: RealArray, inflation: Ratio = 1.0) -> RealArray:

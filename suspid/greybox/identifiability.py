@@ -41,13 +41,13 @@ def names_in(directions: RealArray, labels: Sequence[str]) -> tuple[str, ...]:
     return tuple(label for label, w in zip(labels, weight, strict=True) if w > NAMED_SHARE)
 
 
-def check_determined(slope: RealArray, labels: Sequence[str], car: Suspension) -> None:
+def check_determined(slope: RealArray, labels: Sequence[str], car: Suspension, *, hint: str = "") -> None:
     """Raise if data and nominal values leave a combination of the unknowns open.
 
     Raises
     ------
     EstimationError
-        With the names, and the combinations as relative changes.
+        With the names, the combinations as relative changes, after a hint.
     """
     open_ = blind(slope)
     if not len(open_):
@@ -56,9 +56,10 @@ def check_determined(slope: RealArray, labels: Sequence[str], car: Suspension) -
     masses = [name for name in names if name.endswith(".mass")]
     scale = "; only ratios to a known mass (or to a given force) can be found" if masses else ""
     raise EstimationError(
-        f"the records do not determine {', '.join(names)}: {len(open_)} of {len(labels)} combinations of the unknowns "
-        f"leave all channels as they are within their noise ({'; or '.join(_in_words(o, labels) for o in open_)})"
-        f"{scale}; hold one with fixed=…, state nominal_std=…, or measure at more coordinates",
+        f"{hint}the records do not determine {', '.join(names)}: {len(open_)} of {len(labels)} combinations of the "
+        f"unknowns leave all channels as they are within their noise "
+        f"({'; or '.join(_in_words(o, labels) for o in open_)}){scale}; hold one with fixed=…, state nominal_std=…, "
+        f"or measure at more coordinates",
         best=car,
     )
 

@@ -63,9 +63,9 @@ def node_basis(hertz: RealArray, stretches: int = 1) -> RealArray:
     """Return hat functions of frequency, (line, node): the more, the more lines of all stretches there are."""
     # Nodes are evenly spaced up to about 4 times the lowest frequency, and in the logarithm of frequency above.
     at = np.arcsinh(hertz / (4 * hertz[0]))
-    # With fewer than 50 lines and stretches a node, a level would follow chance. A force on the body may end at some
+    # With fewer than 100 lines and stretches a node, a level would follow chance. A force on the body may end at some
     # frequency; with few nodes, lines beyond it weigh too little.
-    nodes = np.linspace(at[0], at[-1], int(np.clip(len(hertz) * stretches // 50, 6, 24)))
+    nodes = np.linspace(at[0], at[-1], int(np.clip(len(hertz) * stretches // 100, 6, 24)))
     return np.asarray(np.maximum(0.0, 1 - np.abs(at[:, None] - nodes) / (nodes[1] - nodes[0])))
 
 

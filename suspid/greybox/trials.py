@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from suspid.cleaning import RecordLike, as_record
 from suspid.errors import InputError, RecordError
+from suspid.greybox.wheels import wheels_of
 from suspid.identification import resolution
 from suspid.model import Suspension, added_masses, force_weights, output_weights
 from suspid.signals import Signal, as_signal
@@ -112,7 +113,7 @@ def _trial(one: object, car: Suspension, given: Sequence[str]) -> Trial:
     test = one if isinstance(one, RecordTest) else RecordTest(record=one)
     record = as_record(test.record)
     signal, causes = as_signal(record, least=8), _inputs(record)
-    names = tuple(given if test.given is None else test.given)
+    names = given_names(given if test.given is None else test.given, car)
     for name in test.added_masses:
         if name not in car.coordinates:
             raise InputError(f"added_masses: there is no mass {name!r}.{nearest_names(name, car.masses)}")
@@ -166,6 +167,23 @@ def _trial(one: object, car: Suspension, given: Sequence[str]) -> Trial:
     )
 
 
+def given_names(given: Sequence[str], car: Suspension) -> tuple[str, ...]:
+    """Return the causes that are named; ``"wheels"`` and ``"roads"`` are all of them, if nothing else has that name.
+
+    Examples
+    --------
+    >>> from suspid import quarter_car
+    >>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3,
+    ...                   tire_stiffness=200e3, chassis_damping=1500)
+    >>> given_names(["wheels"], car), given_names(["road"], car)
+    (('tire',), ('road',))
+    """
+    known = {*car.coordinates, *car.roads}
+    groups = {"wheel": wheels_of(car), "wheels": wheels_of(car), "road": car.roads, "roads": car.roads}
+    every = [one for name in given for one in ((name,) if name in known else groups.get(name) or (name,))]
+    return tuple(dict.fromkeys(every))
+
+
 def _inputs(record: control.TimeResponseData) -> dict[str, RealArray]:
     """Return the inputs of a response by name."""
     samples, labels = getattr(record, "inputs", None), getattr(record, "input_labels", None)
@@ -182,8 +200,10 @@ def _force(car: Suspension, name: str) -> RealArray:
     try:
         return force_weights(car, name)
     except InputError as error:
-        known = [*car.roads, *car.coordinates]
-        raise InputError(f"given: {name!r} is no road, no coordinate ({listed(known)}) and no force: {error}") from None
+        raise InputError(
+            f"given: {name!r} is no road ({listed(car.roads) or 'there is none'}), no coordinate "
+            f"({listed(car.coordinates)}), none of 'roads' and 'wheels', and no force: {error}"
+        ) from None
 
 
 def input_pieces(trial: Trial, hold: Hold) -> tuple[RealArray, RealArray]:

@@ -78,6 +78,16 @@ class EstimateCheck(Code):
         "that it carries. Describe what is missing and measure it: for another axle, a half car with both wheels "
         "given.",
     )
+    REVERSED = "reversed", _listed("With the sign of {names} reversed the car explains the records: check the sensor.")
+    EXCHANGED = (
+        "exchanged",
+        _listed("With {names} exchanged the car explains the records: check the names of the channels."),
+    )
+    DRIVEN = (
+        "driven",
+        "The motion does not die down, so this is no free decay: give what moved the car, such as given=['wheels'] in "
+        "a drive (--given wheels).",
+    )
     MASSES = "masses", _masses
     SCALE = "scale", "The force that was given sets the scale of masses, springs and dampers."
     CANCELS = (

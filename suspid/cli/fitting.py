@@ -1,0 +1,105 @@
+"""What the commands that fit the car itself share: records in files, what moved them, and the fit."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from suspid.analysis import Settings, read
+from suspid.cli.options import packed
+from suspid.cli.support import named
+from suspid.errors import EstimationError, RecordError
+
+if TYPE_CHECKING:
+    from suspid.greybox import Estimate, RecordTest
+    from suspid.model import Suspension
+
+GIVEN = click.option(
+    "--given",
+    metavar="NAME,…",
+    default="",
+    help="Causes that were measured: wheels, roads, forces, or single ones by their names in CAR; none: a free decay. "
+    "[what explains the records]",
+)
+
+
+def sensing_of(
+    gains: tuple[str, ...], delays: tuple[str, ...], mounts: tuple[str, ...]
+) -> dict[str, tuple[str, ...] | None]:
+    """Return the arguments of `estimate` on channels and mounts; ``none`` leaves none unknown."""
+    asked = {"gains": gains, "delays": delays, "mounts": mounts}
+    return {name: tuple(one for one in chosen if one != "none") if chosen else None for name, chosen in asked.items()}
+
+
+def _unknown(option: str, argument: str, metavar: str, what: str) -> Any:
+    return click.option(
+        option, argument, metavar=f"{metavar}|none", multiple=True, help=f"{what} that is unknown; repeat. [as needed]"
+    )
+
+
+sensing = packed(
+    sensing_of,
+    (
+        _unknown("--gain", "gains", "CHANNEL", "Channel whose gain"),
+        _unknown("--delay", "delays", "CHANNEL", "Channel whose delay"),
+        _unknown("--mount", "mounts", "STRUT", "Strut the mount of whose damper"),
+    ),
+    "sensing",
+)
+
+
+def tests_of(
+    files: Sequence[Path], settings: Settings, masses: Sequence[Mapping[str, float]], said: list[str]
+) -> list[RecordTest]:
+    """Return the records in files as tests, and add what was found in the files to what is said."""
+    from suspid.greybox import RecordTest
+    from suspid.signals import cut
+
+    tests = []
+    for file, kg in zip(files, masses, strict=True):
+        with named(file):
+            opened = read(file, settings)
+            said += [f"{file}: {finding}" for finding in opened.cleaned.findings]
+            said += [f"{file}: {note}" for note in opened.notes]
+            record = cut(opened.cleaned.record, start=settings.start, stop=settings.stop)
+        tests.append(RecordTest(record=record, added_masses=kg))
+    return tests
+
+
+def fitted(
+    tests: Sequence[RecordTest], suspension: Suspension, given: str, said: list[str], options: Mapping[str, Any]
+) -> Estimate:
+    """Return the estimate under the causes that are named, or under those that explain the records.
+
+    Raises
+    ------
+    EstimationError, RecordError
+        If no cause leads to an estimate.
+    """
+    from suspid.greybox import estimate, likely_causes
+
+    causes = [name.strip() for name in given.split(",") if name.strip()]
+    if causes or options.get("road"):
+        causes = [] if causes == ["none"] else causes or ["wheels"]
+        return estimate(tests, suspension, given=causes, **options)
+    found: list[Estimate] = []
+    refused: list[EstimationError | RecordError] = []
+    for likely in likely_causes(tests, suspension):
+        try:
+            found.append(estimate(tests, suspension, given=likely, **options))
+        except (EstimationError, RecordError) as error:
+            refused.append(error)
+            continue
+        if likely and found[-1].explains:
+            said.append(
+                f"the motion of {', '.join(likely)} was taken as the cause, as --given {','.join(likely)} does: it "
+                f"explains the rest of the records"
+            )
+        if found[-1].explains:
+            return found[-1]
+    if not found:
+        raise refused[0]
+    return found[0]

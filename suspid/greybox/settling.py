@@ -1,0 +1,101 @@
+"""Unknowns and noise levels of drives that belong to each other, and what a mount or a gain of chance may hide."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from suspid.greybox.further import TIMES
+from suspid.greybox.measured_causes import WheelProblem, Whitened
+from suspid.greybox.noise_levels import Levels
+from suspid.levels import CHI_SQUARE_95
+from suspid.reconstruction import descend
+from suspid.units import Ratio, RealArray
+
+NEGLIGIBLE_RISE = 1e-3  # gain of chi-square that ends a descent
+HELD_WITHIN = 1e-9  # distance between the bounds of what is held
+SOFT = (0.2, 0.5)  # relaxations from which softer mounts are looked for, of `TIMES`: 2 and 5 ms
+
+
+def descended(
+    problem: WheelProblem, z: RealArray, levels: Sequence[Levels], *, extras: tuple[RealArray, RealArray] | None = None
+) -> RealArray:
+    """Return the best unknowns near a start at given noise levels, perhaps with other bounds of the extras."""
+    u, more = problem.unknowns, problem.extras
+    low, high = (more.lower, more.upper) if extras is None else extras
+    lower, upper = np.concatenate([u.lower, low]), np.concatenate([u.upper, high])
+    return descend(
+        lambda y: problem.equations(y, levels),
+        np.clip(z, lower, upper),
+        positive=np.concatenate([u.positive, more.positive]),
+        lower=lower,
+        upper=upper,
+        negligible=NEGLIGIBLE_RISE,
+    )
+
+
+def settled(problem: WheelProblem, z: RealArray, levels: list[Levels]) -> tuple[RealArray, list[Levels]]:
+    """Return unknowns and noise levels that belong to each other, near a start."""
+    # Fits and noise levels in turn: 3 to 6 rounds are needed.
+    for _ in range(12):
+        before, z = z, descended(problem, z, levels)
+        every = problem.every(z, levels)
+        levels = problem.levels(every, levels)
+        # Change of the unknowns, in standard deviations, below which both have settled.
+        if sum(float(np.sum((w.slope @ (z - before)) ** 2)) for w in every) < 0.02**2:
+            break
+    return z, levels
+
+
+def released(problem: WheelProblem, z: RealArray, levels: list[Levels]) -> tuple[RealArray, list[Levels]]:
+    """Return the best of the unknowns that were found and those on the other side of the ridge between stiff and soft.
+
+    A mount acts nearly as a negative delay does, so there may be a minimum without a mount beside the right one. The
+    softer one is taken if the records rule out the stiffer one.
+    """
+    extras = problem.extras
+    if not extras.mounts:
+        return z, levels
+    count, mounts = len(problem.unknowns), len(extras.mounts)
+    found = [z]
+    for soft in SOFT:
+        start = z.copy()
+        start[count : count + mounts] = soft
+        late = np.array([name.endswith(".delay") for name in extras.names])
+        start[count:][late] += soft - float(np.mean(z[count : count + mounts]))
+        found.append(descended(problem, start, levels))
+    costs = [float(np.sum(problem.equations(one, levels)[0] ** 2)) for one in found]
+    best = int(np.argmin(costs))
+    return (z, levels) if costs[0] - costs[best] < CHI_SQUARE_95 else settled(problem, found[best], levels)
+
+
+def at_stiff_mounts(
+    problem: WheelProblem, z: RealArray, levels: list[Levels], inflation: Ratio
+) -> list[Whitened] | None:
+    """Return the residuals of the best car without mounts, if the records do not rule it out; else None.
+
+    A delay and a mount differ by the squares of both times alone, so the records tell them apart the worse the shorter
+    these are. Standard deviations at chance values of such a mount would be far too small.
+    """
+    if not problem.extras.mounts:
+        return None
+    upper = problem.extras.upper.copy()
+    upper[: len(problem.extras.mounts)] = HELD_WITHIN
+    stiff = descended(problem, z, levels, extras=(problem.extras.lower, upper))
+    rise = np.sum(problem.equations(stiff, levels)[0] ** 2) - np.sum(problem.equations(z, levels)[0] ** 2)
+    return None if float(rise) > inflation * CHI_SQUARE_95 else problem.every(stiff, levels)
+
+
+def from_held(problem: WheelProblem, z: RealArray, levels: list[Levels]) -> RealArray:
+    """Return how far the unknowns are from those of the best car with gains, delays and mounts as stated.
+
+    What a car lacks passes for a gain of the sensor, a delay or a mount, as far as it can.
+    """
+    u, extras = problem.unknowns, problem.extras
+    stated = extras.start.copy()
+    stated[: len(extras.mounts)] = [u.car.struts[j].relaxation / TIMES for j in extras.mounts]
+    held = descended(problem, z, levels, extras=(stated - HELD_WITHIN, stated + HELD_WITHIN))
+    positive = np.concatenate([u.positive, extras.positive])
+    ratio = np.where(positive, z, 1.0) / np.where(positive, held, 1.0)
+    return np.asarray(np.where(positive, z * np.log(ratio), z - held))
