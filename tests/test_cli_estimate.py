@@ -121,7 +121,7 @@ def test_a_car_that_does_not_explain_ends_with_three(files: Path, monkeypatch: p
         (["decay.csv", "--fixed", "tyre"], 1, "--fixed: there is no strut parameter"),
         (["decay.csv", "--given", "road"], 1, "the record has no input or channel 'road'"),
         (["decay.csv", "--plot", "e.xyz"], 1, "pictures of type '.xyz' are not known"),
-        (["decay.csv", "--page", "e.pdf"], 1, "reports are written as .html"),
+        (["decay.csv", "--page", "e.pdf"], 1, "pages are written as .html"),
         (["decay.csv", "--added", "other.csv:chassis=1"], 2, "is none of the MODES"),
         (["missing.csv"], 1, "there is no such file"),
     ],
@@ -169,6 +169,14 @@ class TestDrive:
     def struts(drive: Path) -> list[dict[str, object]]:
         every = json.loads((drive / "e.json").read_text())["parameters"]
         return [one for one in every if one["name"] in TRUTH]
+
+    def test_the_report_shows_springs_and_dampers(self, drive: Path) -> None:
+        options = ["--car", drive / "car.toml", "-o", drive / "page.html", "--json", drive / "e.json"]
+        done = run("report", drive / "drive.csv", *options)
+        assert done.exit_code == 0, done.output
+        assert "springs, dampers and 1 mode" in done.output
+        assert "chassis.stiffness" in (drive / "page.html").read_text()
+        assert holds({"parameters": self.struts(drive)})
 
     def test_what_is_known_of_the_sensors_is_held(self, drive: Path) -> None:
         known = [word for option in ("--gain", "--delay", "--mount") for word in (option, "none")]

@@ -16,9 +16,10 @@ from suspid.cli.compare import compare_command
 from suspid.cli.drive import drive_command
 from suspid.cli.estimate import estimate_command
 from suspid.cli.fleet import fleet_command
-from suspid.cli.measured import channels_command, identify_command, report_command
+from suspid.cli.measured import channels_command, identify_command
 from suspid.cli.options import FILE
 from suspid.cli.parameters import Outputs, Wanted, conclude, wanting, writing
+from suspid.cli.report import report_command
 from suspid.cli.ride import ride_command
 from suspid.cli.simulate import simulate_command
 from suspid.cli.support import Commands, Positive, check_apart, said_warnings, say

@@ -1,4 +1,4 @@
-"""The commands that start from a measured record: what is in a file, its modes, and the report on them."""
+"""The commands that start from a measured record: what is in a file, and its modes."""
 
 from __future__ import annotations
 
@@ -13,23 +13,19 @@ from typing import TYPE_CHECKING
 
 import click
 
-from suspid.analysis import STEPS, Analysis, Settings, analyse, check_springs, read_limits
+from suspid.analysis import STEPS, Analysis, Settings, analyse
 from suspid.cli.options import (
-    AT_SPEED,
     DBC_OPTION,
     FILE,
     FS_OPTION,
-    ON_ROAD,
     RECORD,
     TIME_OPTION,
     analysing,
     progress,
-    road_named,
 )
 from suspid.cli.support import ARGUMENTS, check_apart, named, said_warnings, say
 from suspid.errors import InputError
 from suspid.files import printable, replacing
-from suspid.levels import LEVEL
 from suspid.samples import held
 from suspid.signals import as_signal
 from suspid.values import samples_in_words
@@ -41,7 +37,6 @@ if TYPE_CHECKING:
     import control
     from matplotlib.figure import Figure
 
-    from suspid.performance import Ride
     from suspid.reporting import Source
 
 # Things in a file that are no channels which are listed; `suspid channels` lists all.
@@ -146,85 +141,6 @@ def _json_of(found: Analysis, files: Sequence[Path], said: Sequence[str]) -> dic
         ]
         content = {**modes_to_dict(found.modes), "tests": tests, "warnings": [*said, *map(str, found.notes)]}
     return {**content, "verdict": found.verdict.to_dict()}
-
-
-@click.command("report")
-@click.argument("files", type=RECORD, nargs=-1, required=True, metavar="FILE...")
-@click.option("-o", "--output", type=FILE, metavar="FILE", required=True, help="The page to write (.html, .pdf).")
-@analysing
-@click.option("--car", type=FILE, metavar="CAR", help="Masses and nominal struts (.toml): springs and dampers as well.")
-@ON_ROAD
-@AT_SPEED
-@click.option("--limits", type=FILE, metavar="FILE", help="Bounds of modes, springs and dampers to judge by (.toml).")
-@click.option("--format", "kind", type=click.Choice(["html", "pdf"]), help="Kind of page. [that of the name]")
-@click.option("--level", type=click.FloatRange(0, 1, min_open=True, max_open=True), default=LEVEL, show_default=True,
-              help="Probability of the intervals.")  # fmt: skip
-@click.option("--json", "json_file", type=FILE, metavar="FILE", help="Write all that the page shows as JSON.")
-@click.option("--title", metavar="TEXT", help="Heading of the page. [name of the file]")
-@click.option("--date", metavar="TEXT", help="Date on the page. [now]")
-def report_command(
-    files: tuple[Path, ...],
-    output: Path,
-    settings: Settings,
-    car: Path | None,
-    limits: Path | None,
-    kind: str | None,
-    road: str | None,
-    speed: float | None,
-    level: float,
-    json_file: Path | None,
-    title: str | None,
-    date: str | None,
-) -> None:
-    """Write a page on the modes in FILE, its springs and dampers.
-
-    The page is one HTML file to print or to send: first what to decide from, then all that it rests on. With --car the
-    wheels of the car that was found are judged on a test bench, with --road and --speed its ride as well.
-
-    Several FILEs are tests of one structure: their decays are joined, and the page compares them.
-    """
-    from suspid.identification import to_json
-    from suspid.model import read_car, read_constraints
-    from suspid.reporting import content_of, report, report_to_dict, source_of
-
-    if (road is None) != (speed is None) or (road is not None and car is None):
-        raise click.UsageError("--road and --speed belong together, and need --car.")
-    write = writer(output, kind)
-    check_apart([*files, *filter(None, (car, limits))], [output, json_file])
-    with ExitStack() as outputs, said_warnings() as said, progress(*STEPS, "drawing") as step:
-        draft = outputs.enter_context(replacing(output))
-        json_draft = outputs.enter_context(replacing(json_file)) if json_file else None
-        suspension = None if car is None else read_car(car)
-        constraints = () if car is None else read_constraints(car)
-        settings = replace(settings, level=level, springs=replace(settings.springs, constraints=constraints))
-        if suspension is not None:
-            check_springs(settings.springs, suspension)
-        if len(files) > 1:
-            found = analyse(list(files), car=suspension, settings=settings, progress=step)
-        else:
-            with named(files[0]):
-                found = analyse(files[0], car=suspension, settings=settings, progress=step)
-        asked = () if limits is None else read_limits(limits)
-        described = None if car is None else source_of(car, text=True)
-        step("drawing")
-        ride = _ride_of(found, road, speed)
-        content = content_of(found, source=sources_of(files, date=date), car=described, limits=asked, ride=ride)
-        write(report(content, title=title), draft)
-        if json_draft:
-            json_draft.write_text(to_json(report_to_dict(content)), encoding="utf-8")
-        said += said_of(found, most_left_out=MOST_LEFT_OUT, most_findings=MOST_FINDINGS)
-    modes = count(len(found.modes), "mode") if len(found.modes) else "no mode"
-    say(f"{printable(str(output))}: {modes} in {', '.join(printable(str(file)) for file in files)}")
-    if content.limits is not None:
-        say(str(content.limits))
-
-
-def _ride_of(found: Analysis, road: str | None, speed: float | None) -> Ride | None:
-    """Return the ride of the car that was found, if there is one and a road is asked for."""
-    from suspid.performance import ride
-
-    car = found.estimate or found.reconstruction
-    return None if car is None or road is None else ride(car, road=road_named(road), speed=speed)
 
 
 def said_of(found: Analysis, *, most_left_out: int | None = None, most_findings: int | None = None) -> list[str]:

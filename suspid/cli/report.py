@@ -1,0 +1,150 @@
+"""The command that writes a page on records: modes of decays, springs and dampers of drives and rigs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from suspid.analysis import STEPS, Analysis, Settings, analyse, check_springs, read_limits
+from suspid.cli.fitting import GIVEN, fitted, tests_of
+from suspid.cli.measured import MOST_FINDINGS, MOST_LEFT_OUT, said_of, sources_of, writer
+from suspid.cli.options import AT_SPEED, FILE, ON_ROAD, RECORD, analysing, progress, road_named
+from suspid.cli.support import check_apart, named, said_warnings, say
+from suspid.errors import EstimationError
+from suspid.files import printable, replacing
+from suspid.levels import LEVEL
+from suspid.words import count
+
+if TYPE_CHECKING:
+    from suspid.greybox import Estimate
+    from suspid.model import Suspension
+    from suspid.performance import Ride
+    from suspid.reconstruction import Reconstruction
+
+
+@click.command("report")
+@click.argument("files", type=RECORD, nargs=-1, required=True, metavar="FILE...")
+@click.option("-o", "--output", type=FILE, metavar="FILE", required=True, help="The page to write (.html, .pdf).")
+@analysing
+@click.option("--car", type=FILE, metavar="CAR", help="Masses and nominal struts (.toml): springs and dampers as well.")
+@GIVEN
+@ON_ROAD
+@AT_SPEED
+@click.option("--limits", type=FILE, metavar="FILE", help="Bounds of modes, springs and dampers to judge by (.toml).")
+@click.option("--format", "kind", type=click.Choice(["html", "pdf"]), help="Kind of page. [that of the name]")
+@click.option("--level", type=click.FloatRange(0, 1, min_open=True, max_open=True), default=LEVEL, show_default=True,
+              help="Probability of the intervals.")  # fmt: skip
+@click.option("--json", "json_file", type=FILE, metavar="FILE", help="Write all that the page shows as JSON.")
+@click.option("--title", metavar="TEXT", help="Heading of the page. [name of the file]")
+@click.option("--date", metavar="TEXT", help="Date on the page. [now]")
+def report_command(
+    files: tuple[Path, ...],
+    output: Path,
+    settings: Settings,
+    car: Path | None,
+    given: str,
+    limits: Path | None,
+    kind: str | None,
+    road: str | None,
+    speed: float | None,
+    level: float,
+    json_file: Path | None,
+    title: str | None,
+    date: str | None,
+) -> None:
+    """Write a page on the modes in FILE, its springs and dampers.
+
+    The page is one HTML file to print or to send: first what to decide from, then all that it rests on. With --car the
+    wheels of the car that was found are judged on a test bench, with --road and --speed its ride as well.
+
+    Several FILEs are tests of one structure: their decays are joined, and the page compares them.
+
+    With --car, a drive in which the motion of the wheels was measured, or a rig with its road, is a page on springs and
+    dampers, and on the modes that follow from them; --given says what moved the car.
+    """
+    from suspid.identification import to_json
+    from suspid.model import read_car, read_constraints
+    from suspid.reporting import content_of, estimate_to_dict, report, report_to_dict, source_of
+
+    if (road is None) != (speed is None) or (road is not None and car is None):
+        raise click.UsageError("--road and --speed belong together, and need --car.")
+    if given and car is None:
+        raise click.UsageError("--given needs --car.")
+    write = writer(output, kind)
+    check_apart([*files, *filter(None, (car, limits))], [output, json_file])
+    with ExitStack() as outputs, said_warnings() as said, progress(*STEPS, "drawing") as step:
+        draft = outputs.enter_context(replacing(output))
+        json_draft = outputs.enter_context(replacing(json_file)) if json_file else None
+        suspension = None if car is None else read_car(car)
+        constraints = () if car is None else read_constraints(car)
+        settings = replace(settings, level=level, springs=replace(settings.springs, constraints=constraints))
+        if suspension is not None:
+            check_springs(settings.springs, suspension)
+        driven = None if suspension is None else _driven(files, settings, suspension, given, said)
+        found = driven or _analysed(files, settings, suspension, step)
+        asked = () if limits is None else read_limits(limits)
+        described = None if car is None else source_of(car, text=True)
+        step("drawing")
+        sources = sources_of(files, date=date)
+        if isinstance(found, Analysis):
+            ride = _ride_of(found.estimate or found.reconstruction, road, speed)
+            shown = content_of(found, source=sources, car=described, limits=asked, ride=ride)
+            page, plain, judged = report(shown, title=title), report_to_dict(shown), shown.limits
+            said += said_of(found, most_left_out=MOST_LEFT_OUT, most_findings=MOST_FINDINGS)
+        else:
+            ride = _ride_of(found, road, speed)
+            content = content_of(
+                found, source=sources, level=level, warnings=said, car=described, limits=asked, ride=ride
+            )
+            page, plain = report(content, title=title), estimate_to_dict(found, level=level)
+            judged = content.limits
+        write(page, draft)
+        if json_draft:
+            json_draft.write_text(to_json(plain), encoding="utf-8")
+    modes = count(len(found.modes), "mode") if len(found.modes) else "no mode"
+    what = modes if isinstance(found, Analysis) else f"springs, dampers and {modes}"
+    say(f"{printable(str(output))}: {what} in {', '.join(printable(str(file)) for file in files)}")
+    if judged is not None:
+        say(str(judged))
+
+
+def _driven(
+    files: Sequence[Path], settings: Settings, suspension: Suspension, given: str, said: list[str]
+) -> Estimate | None:
+    """Return the estimate of a car whose cause was named, or measured beside motion that does not die down."""
+    from suspid.greybox import likely_causes
+
+    heard: list[str] = []
+    tests = tests_of(files, settings, [{} for _ in files], heard)
+    if not given and () in likely_causes(tests, suspension):
+        return None
+    try:
+        found = fitted(tests, suspension, given, heard, {})
+    except EstimationError as error:
+        if given:
+            raise
+        said.append(str(error))
+        return None
+    said += heard if given or found.explains else []
+    return found if given or found.explains else None
+
+
+def _analysed(
+    files: Sequence[Path], settings: Settings, suspension: Suspension | None, step: Callable[[str], None]
+) -> Analysis:
+    if len(files) > 1:
+        return analyse(list(files), car=suspension, settings=settings, progress=step)
+    with named(files[0]):
+        return analyse(files[0], car=suspension, settings=settings, progress=step)
+
+
+def _ride_of(car: Estimate | Reconstruction | None, road: str | None, speed: float | None) -> Ride | None:
+    """Return the ride of the car that was found, if there is one and a road is asked for."""
+    from suspid.performance import ride
+
+    return None if car is None or road is None else ride(car, road=road_named(road), speed=speed)
