@@ -79,17 +79,9 @@ def estimate(
         What moves the car. Roads, and forces named as in `statespace`, count as exactly known; roads that are not
         given stand still. Coordinates, such as ``("tire",)``, are given as measured by the channels. ``"roads"`` and
         ``"wheels"`` are all of them. Empty: a free decay.
-    fixed : sequence of str
-        Strut parameters held at their nominal value: ``"tire.damping"``, or ``"tire"`` for both of a strut's.
-    bounds : mapping of str to (float, float), optional
-        Least and largest value by parameter, such as ``{"tire.stiffness": (150e3, 250e3)}``; None for no bound.
-    ties : sequence of sequences of str
-        Groups of parameters that are equal, such as ``("left.stiffness", "right.stiffness")``.
-    nominal_std : float, or mapping of str to float, optional
-        Standard deviation of the nominal parameters, relative [1]: they then count as measured values. A number
-        holds for all that are not 0. A mass named here, as in ``{"tire.mass": 0.005}``, is unknown but for that.
-    free_masses : sequence of str
-        Masses that are unknown too, by coordinate; only known masses, or a given force, can give them a scale.
+    fixed, bounds, ties, nominal_std, free_masses : optional
+        What of struts and masses is held, bounded, equal, known beforehand, and unknown, as in `reconstruct`. A given
+        force gives unknown masses a scale, as known ones do.
     gains, delays : sequence of str, optional
         Channels whose gain [1], or delay behind the other channels [s], is unknown. Default: where motion is given, all
         that show nothing but given motion; else none. Of all channels together only ratios of gains and differences of
