@@ -47,6 +47,9 @@ NEXT, MOST_MODES = 2, 6
 ALIKE_MAC = 0.9
 # A pole is a harmonic of another mode if its frequency is that near to a multiple and its amplitude below this share.
 MULTIPLE, HARMONIC = 0.03, 0.2
+# A linear fit with none of these multiples of a mode has no higher ones from forces either: those are weaker. A pole at
+# four times another is a mode.
+FIRST_MULTIPLES = 3
 # Largest number of entries of the derivatives in the search; longer records are thinned to this many samples per cycle
 # of the fastest mode, and cut.
 MOST_ENTRIES, PER_CYCLE = 4e4, 10.0
@@ -68,7 +71,13 @@ def _distorted(selection: Selection) -> bool:
         return True
     amplitudes = fit.amplitudes[: len(pairs)] / np.sqrt(fit.squares + 1e-300)
     return any(
-        _repeated(complex(pairs[k]), amplitudes[k], np.delete(pairs, k), np.delete(amplitudes, k, axis=0))
+        _repeated(
+            complex(pairs[k]),
+            amplitudes[k],
+            np.delete(pairs, k),
+            np.delete(amplitudes, k, axis=0),
+            most=FIRST_MULTIPLES,
+        )
         for k in range(len(pairs))
     )
 
@@ -256,11 +265,17 @@ def _own(fit: DrivenFit) -> bool:
 
 
 def _repeated(
-    theta: complex, amplitude: ComplexArray, others: ComplexArray, amplitudes: ComplexArray, *, weak: float = HARMONIC
+    theta: complex,
+    amplitude: ComplexArray,
+    others: ComplexArray,
+    amplitudes: ComplexArray,
+    *,
+    weak: float = HARMONIC,
+    most: float = np.inf,
 ) -> bool:
     """Return whether a pole is part of another of the same shape, or a multiple of it below a share of its amplitude.
 
-    So is one at the sum or difference of two that are larger. The amplitudes, over the noise, are (channel,) and
+    So is one at the sum or difference of two that are larger. Multiples count up to ``most``. The amplitudes, over the noise, are (channel,) and
     (other, channel).
     """
     ratio = np.abs(theta) / np.abs(others)
@@ -269,7 +284,11 @@ def _repeated(
     near = alike & (np.maximum(ratio, 1 / ratio) < OTHER_FREQUENCY)
     if _combined(abs(theta), np.abs(others[sizes > size])):
         return True
-    multiple = (np.round(ratio) > 1) & (np.abs(ratio / np.maximum(np.round(ratio), 1.0) - 1) < MULTIPLE)
+    multiple = (
+        (np.round(ratio) > 1)
+        & (np.round(ratio) <= most)
+        & (np.abs(ratio / np.maximum(np.round(ratio), 1.0) - 1) < MULTIPLE)
+    )
     return bool(np.any(near | multiple & (size < weak**2 * sizes)))
 
 
