@@ -28,7 +28,7 @@ from suspid.words import LeftOut, Remark
 # Of the steps of a clock, this share lies this near to the usual one, relative to it: loggers that wait between two
 # samples stray by a tenth. Fewer stamps do not show it.
 MOST_STEPS, JITTERY, FEW_STAMPS = 0.9, 0.25, 8
-# No step of a clock that is read late now and then is longer than this, over the usual one.
+# No step of a clock that is read late now and then is longer than this, over the usual one, nor as much shorter.
 MOST_LATE = 2.5
 # Least size of a stamp since 1970, by its unit: present ones are near 1.7e12 ms, 1.7e15 us and 1.7e18 ns.
 EPOCHS = (("ns", 1e17), ("us", 1e14), ("ms", 1e11))
@@ -170,7 +170,7 @@ def runs_as_clock(stamps: RealArray) -> bool:
     if rises and float(np.quantile(np.abs(steps - usual), MOST_STEPS)) <= JITTERY * usual:
         return True
     # Stamps of whole milliseconds, some of them late by one.
-    late = rises and float(np.max(steps)) <= MOST_LATE * usual
+    late = rises and float(np.max(steps)) <= MOST_LATE * usual and float(np.min(steps)) * MOST_LATE >= usual
     return late or _are_rounded(stamps, steps)
 
 
