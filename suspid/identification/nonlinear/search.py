@@ -275,8 +275,8 @@ def _repeated(
 ) -> bool:
     """Return whether a pole is part of another of the same shape, or a multiple of it below a share of its amplitude.
 
-    So is one at the sum or difference of two that are larger. Multiples count up to ``most``. The amplitudes, over the noise, are (channel,) and
-    (other, channel).
+    So is one at the sum or difference of two that are larger. Multiples count up to ``most``. The amplitudes, over the
+    noise, are (channel,) and (other, channel).
     """
     ratio = np.abs(theta) / np.abs(others)
     size, sizes = float(np.sum(np.abs(amplitude) ** 2)), np.sum(np.abs(amplitudes) ** 2, axis=1)
