@@ -6,7 +6,7 @@ import control
 import numpy as np
 import pytest
 
-from suspid import InputError, quarter_car, road, statespace, tune_active
+from suspid import ActiveTuning, InputError, quarter_car, road, statespace, tune_active
 from validation.cars import TWO_AXLES
 
 CAR = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3, chassis_damping=1300)
@@ -49,6 +49,28 @@ def test_without_limits_it_is_h2_optimal() -> None:
     )
     closed = plant.lft(control.h2syn(plant, states, 1))
     assert control.norm(closed, 2) ** 2 == pytest.approx(found.cost, rel=3e-4)
+
+
+def test_peaks_hold_at_every_frequency() -> None:
+    """The largest gain of the closed loop over a fine grid of frequencies, beside that of the loop without a limit."""
+    request = {"actuator": "chassis_travel", "road": "C", "speed": 20.0, "objective": OBJECTIVE}
+    free = tune_active(CAR, **request)  # type: ignore[arg-type]
+
+    def peak(found: ActiveTuning, name: str) -> float:
+        gains = np.abs(found.closed(1j * np.geomspace(0.1, 1e3, 20_000)))[found.closed.output_labels.index(name)]
+        return float(np.max(gains))
+
+    top = 0.8 * peak(free, "chassis_travel")
+    kept = tune_active(CAR, peaks={"chassis_travel": top}, **request)  # type: ignore[arg-type]
+    assert peak(kept, "chassis_travel") <= top * 1.001
+    assert kept.cost > free.cost
+    assert kept.bound == pytest.approx(free.bound, rel=1e-3)
+    # Where the wheel swings on its tire alone no force in the strut changes the acceleration of the body: its gain from
+    # the road's slope is k_t / (m_s w) there (J. K. Hedrick and T. Butsuen, Proc. IMechE D 204, 1990).
+    invariant = 210e3 / (350 * np.sqrt(210e3 / 50))
+    assert peak(free, "chassis_acceleration") == pytest.approx(invariant, rel=1e-3)
+    with pytest.raises(InputError, match="keeps the limits and peaks"):
+        tune_active(CAR, peaks={"chassis_acceleration": 0.95 * invariant}, **request)  # type: ignore[arg-type]
 
 
 def test_limits_hold_and_cost_something() -> None:

@@ -77,6 +77,7 @@ def tune_active(
     actuator: str,
     objective: Mapping[str, float],
     limits: Mapping[str, float] | None = None,
+    peaks: Mapping[str, float] | None = None,
     road: Road | str | float,
     speed: float | None = None,
 ) -> ActiveTuning:
@@ -94,6 +95,8 @@ def tune_active(
         ``{"chassis_acceleration": 1.0, "tire_travel": 0.003}``: the sum of squares of their rms over it is least.
     limits : mapping of str to float, optional
         Largest rms of outputs, or of the ``"force"``.
+    peaks : mapping of str to float, optional
+        Largest gain of outputs at any frequency, from the road's slope in time [m/s], or of the ``"force"``.
     road, speed
         As in `ride`; the road counts by its roughness, with exponent 2 and all wavelengths.
 
@@ -113,7 +116,9 @@ def tune_active(
     With ``x' = A x + B u + G w``, w white, and ``u = Y X^-1 x`` the variances W of the outputs are bounded by the
     linear matrix inequalities ``A X + X A' + B Y + Y' B' + G G' <= 0`` and ``[W, C X + D Y; ., X] >= 0`` (S. Boyd et
     al., Linear Matrix Inequalities in System and Control Theory, SIAM 1994, 7.2 and 10.4). Without limits the gain is
-    that of `control.lqr`.
+    that of `control.lqr`. A gain g at all frequencies is kept by the bounded real lemma with the same X, which is
+    sufficient and not necessary (C. Scherer, P. Gahinet and M. Chilali, IEEE Trans. Automatic Control 42, 1997,
+    896-911): peaks may stay below their limits, and the cost above its bound.
 
     Examples
     --------
@@ -126,7 +131,7 @@ def tune_active(
     >>> found.rms["chassis_acceleration"] < found.passive["chassis_acceleration"]
     True
     """
-    names, wanted = _names(objective, limits or {})
+    names, wanted = _names(objective, limits or {}, peaks or {})
     level = _slope_density(car, road, speed)
     A, B, G, C, D, states = _plant(car, actuator, names)
     noise = level * np.outer(G, G)
@@ -134,7 +139,10 @@ def tune_active(
 
     still = solve_continuous_lyapunov(A, -noise)
     passive = np.sqrt(np.maximum(np.einsum("is,st,it->i", C, still, C), 0.0))
-    gain, bound = _program(A, B, noise, C, D, np.sqrt(np.diag(still)), list(wanted.values()))
+    tops = {names.index(name): top for name, top in (peaks or {}).items()}
+    ask = (A, B, G, level, C, D, np.sqrt(np.diag(still)), list(wanted.values()))
+    gain, reached = _program(*ask, tops)
+    bound = _program(*ask, {})[1] if tops else reached
     closed_A, closed_C = A - np.outer(B, gain), C - np.outer(D, gain)
     if np.max(np.linalg.eigvals(closed_A).real) >= 0:
         raise SuspidError("the feedback that was found does not hold the car; change the scales or the limits")
@@ -143,8 +151,8 @@ def tune_active(
     found = dict(zip(names, rms.tolist(), strict=True))
     cost = sum((found[name] / one) ** 2 for name, (one, _) in wanted.items() if one)
     late = [name for name, (_, top) in wanted.items() if top and found[name] > top * (1 + SAME_VARIANCE)]
-    if late or cost > bound * (1 + SAME_VARIANCE):
-        raise SuspidError(f"the convex program was not solved accurately: cost {cost:.6g}, bound {bound:.6g}")
+    if late or cost > reached * (1 + SAME_VARIANCE):
+        raise SuspidError(f"the convex program was not solved accurately: cost {cost:.6g}, bound {reached:.6g}")
     import control
 
     return ActiveTuning(
@@ -161,15 +169,15 @@ def tune_active(
 
 
 def _names(
-    objective: Mapping[str, float], limits: Mapping[str, float]
+    objective: Mapping[str, float], limits: Mapping[str, float], peaks: Mapping[str, float]
 ) -> tuple[tuple[str, ...], dict[str, tuple[float, float]]]:
     """Return all outputs, and of each its scale in the objective and its limit, 0 where it has none."""
     if not objective:
         raise InputError("objective is empty; name outputs with the value of each that counts as one")
-    for name, value in [*objective.items(), *limits.items()]:
+    for name, value in [*objective.items(), *limits.items(), *peaks.items()]:
         if not (isinstance(value, int | float | np.number) and 0 < value < np.inf):
             raise InputError(f"{name!r} = {value!r} must be a positive number")
-    names = tuple(dict.fromkeys([*objective, *limits]))
+    names = tuple(dict.fromkeys([*objective, *limits, *peaks]))
     return names, {name: (float(objective.get(name, 0.0)), float(limits.get(name, 0.0))) for name in names}
 
 
@@ -218,11 +226,13 @@ def _plant(
 def _program(
     A: RealArray,
     B: RealArray,
-    noise: RealArray,
+    G: RealArray,
+    level: float,
     C: RealArray,
     D: RealArray,
     scale: RealArray,
     wanted: list[tuple[float, float]],
+    peaks: Mapping[int, float],
 ) -> tuple[RealArray, float]:
     """Return the gain and the least cost, by the convex program in states and a force of the size of one."""
     import warnings
@@ -234,11 +244,13 @@ def _program(
     force = float(np.max(np.abs(a)) / np.max(np.abs(b)))
     b, n = b * force, len(A)
     X, Y = cp.Variable((n, n), symmetric=True), cp.Variable((1, n))
-    moved = a @ X + b[:, None] @ Y
-    constraints = [moved + moved.T + noise / np.outer(scale, scale) << 0]
+    moved, g = a @ X + b[:, None] @ Y, (G / scale)[:, None]
+    constraints = [moved + moved.T + level * (g @ g.T) << 0]
     costs = []
     for row, direct, (one, top) in zip(C * scale, D * force, wanted, strict=True):
         unit = one or top
+        if not unit:
+            continue
         W = cp.Variable((1, 1))
         y = (row[None, :] @ X + direct * Y) / unit
         constraints.append(cp.bmat([[W, y], [y.T, X]]) >> 0)
@@ -246,13 +258,21 @@ def _program(
             constraints.append((top / unit) ** 2 >= W)
         if one:
             costs.append(W[0, 0])
+    for index, top in peaks.items():
+        # In units in which white noise of the road has the density one, as in X.
+        y = (C[index] * scale)[None, :] @ X + D[index] * force * Y
+        y, g_road = y / (top * np.sqrt(level)), np.sqrt(level) * g
+        constraints.append(
+            cp.bmat([[-(moved + moved.T), -g_road, -y.T], [-g_road.T, np.eye(1), np.zeros((1, 1))],
+                     [-y, np.zeros((1, 1)), np.eye(1)]]) >> 0
+        )  # fmt: skip
     problem = cp.Problem(cp.Minimize(sum(costs)), constraints)
     with warnings.catch_warnings():
         # Whether the solution is accurate is judged by the closed loop.
         warnings.simplefilter("ignore", UserWarning)
         problem.solve(solver=cp.CLARABEL)
     if problem.status in ("infeasible", "infeasible_inaccurate"):
-        raise InputError("no state feedback keeps the limits; raise them")
+        raise InputError("no state feedback keeps the limits" + (" and peaks together" * bool(peaks)) + "; raise them")
     if X.value is None or Y.value is None:
         raise SuspidError(f"the convex program was not solved: {problem.status}")
     gain = -force * np.linalg.solve(X.value, Y.value[0]) / scale
