@@ -19,7 +19,7 @@ def environment() -> dict[str, str]:
     """Return the versions on which the bytes of the results depend."""
     from importlib.metadata import version
 
-    return {name: version(name) for name in ("suspid", "numpy", "scipy", "cvxpy", "pyarrow")}
+    return {name: version(name) for name in ("suspid", "numpy", "scipy", "cvxpy", "pyarrow", "control", "PyWavelets")}
 
 
 def read_manifest(folder: Path) -> dict[str, object]:
