@@ -6,6 +6,7 @@ of the chunk. The caller therefore knows which record a dead worker was busy wit
 
 from __future__ import annotations
 
+import ctypes
 import os
 import pickle
 import queue
@@ -14,8 +15,9 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import CancelledError
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from typing import IO, TypeAlias
 
@@ -26,12 +28,17 @@ from suspid.fleet.parts import Part
 from suspid.fleet.records import Entry, Seen
 from suspid.fleet.tables import Rows
 from suspid.fleet.work import TIME_UP, check_versions, tables_of
+from suspid.units import Second
 from suspid.words import Failure, Remark, Step
 
 # A process may die for a reason other than its record (the system was short of memory): one more try costs little.
 RECORD_TRIES = 2
 # BLAS threads of several workers would compete for the cores, and change the order of sums.
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS"), "1")
+
+# How long a process may take beyond its own limits: it loads libraries before its first record.
+LATE_ANSWER: Second = 10.0
+PARENT_DEATH_SIGNAL = 1  # number of the request to Linux that a process be killed when its parent ends
 
 Process: TypeAlias = "subprocess.Popen[bytes]"
 
@@ -43,8 +50,14 @@ class Children:
     idle: queue.SimpleQueue[Process] = field(default_factory=queue.SimpleQueue)
     # All that were started and not seen to end.
     living: list[Process] = field(default_factory=list)
+    # Those that were killed since a record took too long.
+    overdue: list[Process] = field(default_factory=list)
     # Set when no more work is wanted.
     stopped: threading.Event = field(default_factory=threading.Event)
+
+
+# The process of a worker of a cluster; it ends with that worker.
+NEARBY_CHILDREN = Children()
 
 
 def work_in_child(children: Children, job: Job, chunk: Sequence[Entry]) -> Part:
@@ -61,11 +74,12 @@ def work_in_child(children: Children, job: Job, chunk: Sequence[Entry]) -> Part:
     last, deaths = -1, 0
     while True:
         process = _idle(children)
-        answer = _asked(process, job, chunk, known)
+        answer = _asked(children, process, job, chunk, known)
         if isinstance(answer, Part):
             children.idle.put(process)
             return answer
         code = _end(children, process)
+        code = TIME_UP if process in children.overdue else code
         if children.stopped.is_set():
             raise CancelledError
         deaths = deaths + 1 if answer == last else 1
@@ -83,6 +97,12 @@ def work_apart(job: Job, chunk: Sequence[Entry]) -> Part:
         return work_in_child(children, job, chunk)
     finally:
         close(children)
+
+
+def work_nearby(job: Job, chunk: Sequence[Entry]) -> Part:
+    """Return the same as `work_in_child`, by a process that stays with this one for further chunks."""
+    check_versions(job)
+    return work_in_child(NEARBY_CHILDREN, job, chunk)
 
 
 def give_up(children: Children) -> None:
@@ -145,7 +165,9 @@ def _started() -> Process:
     )
 
 
-def _asked(process: Process, job: Job, chunk: Sequence[Entry], known: Mapping[int, Rows]) -> Part | int:
+def _asked(
+    children: Children, process: Process, job: Job, chunk: Sequence[Entry], known: Mapping[int, Rows]
+) -> Part | int:
     """Return the tables of a chunk, or the index of the record during which the process died."""
     assert process.stdin is not None
     try:
@@ -153,13 +175,34 @@ def _asked(process: Process, job: Job, chunk: Sequence[Entry], known: Mapping[in
     except OSError:
         return 0
     for k in range(len(chunk) + 1):
-        answer = _answer(process)
+        with _killed_when_overdue(children, process, job.time_limit):
+            answer = _answer(process)
         if isinstance(answer, Part):
             return answer
         if answer is None:
             # The last record also stands for the tables that follow it.
             return min(k, len(chunk) - 1)
     raise AssertionError("a worker answers a chunk with its tables")
+
+
+@contextmanager
+def _killed_when_overdue(children: Children, process: Process, limit: Second | None) -> Iterator[None]:
+    """Kill a process that does not answer in time: native code may hold the interpreter, and with it all inner limits."""
+    if limit is None:
+        yield
+        return
+
+    def kill() -> None:
+        children.overdue.append(process)
+        process.kill()
+
+    timer = threading.Timer(2 * limit + LATE_ANSWER, kill)
+    timer.daemon = True
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
 
 
 def _answer(process: Process) -> object:
@@ -196,6 +239,10 @@ def _end_with(parent: int) -> None:
         os._exit(1)
 
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if sys.platform == "linux":
+        # The thread below cannot run where native code holds the interpreter; the system can.
+        with suppress(OSError, AttributeError):
+            ctypes.CDLL(None).prctl(PARENT_DEATH_SIGNAL, int(signal.SIGKILL))
     if sys.platform != "win32":
         threading.Thread(target=watch, daemon=True).start()
 

@@ -7,13 +7,15 @@ import json
 import os
 import tempfile
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from suspid.errors import InputError
+from suspid.files import printable
 from suspid.samples import as_samples
 from suspid.units import RealArray
 from suspid.words import Failure, Remark, Step
@@ -64,22 +66,43 @@ def samples_hash(samples: Samples) -> str:
 def write_list(path: Path, entries: Iterable[Entry]) -> int:
     """Write the list of files that a run is about, complete or absent; return how many they are."""
     draft, count = path.with_name(f".{path.name}.draft"), 0
-    with draft.open("w", encoding="ascii") as stream:
-        for entry in entries:
-            stream.write(json.dumps([entry.path, entry.name, entry.size]) + "\n")
-            count += 1
-        stream.flush()
-        os.fsync(stream.fileno())
-    draft.replace(path)
+    try:
+        with draft.open("w", encoding="ascii") as stream:
+            for entry in entries:
+                stream.write(json.dumps([entry.path, entry.name, entry.size]) + "\n")
+                count += 1
+            stream.flush()
+            os.fsync(stream.fileno())
+        draft.replace(path)
+    except OSError as refusal:
+        with suppress(OSError):
+            draft.unlink(missing_ok=True)
+        raise InputError(f"{printable(str(path))}: cannot be written: {refusal.strerror or refusal}") from None
     return count
 
 
 def read_list(path: Path) -> Iterator[Entry]:
     """Yield the files of a list that `write_list` wrote."""
-    with path.open(encoding="ascii") as stream:
-        for line in stream:
-            address, name, size = json.loads(line)
-            yield Entry(name=name, path=address, size=size)
+    try:
+        with path.open(encoding="ascii") as stream:
+            for number, line in enumerate(stream, start=1):
+                yield _listed(path, number, line)
+    except (OSError, UnicodeDecodeError) as refusal:
+        raise InputError(f"{printable(str(path))}: cannot be read: {printable(str(refusal))}") from None
+
+
+def _listed(path: Path, number: int, line: str) -> Entry:
+    try:
+        address, name, size = json.loads(line)
+        kinds = isinstance(address, str) and isinstance(name, str) and isinstance(size, int | None)
+    except (ValueError, TypeError, RecursionError):
+        kinds = False
+    if not kinds or not line.endswith("\n"):
+        raise InputError(
+            f"{printable(str(path))}: line {number} is damaged; remove this file if the recordings are those with "
+            f"which the run began, else give another folder for the results"
+        )
+    return Entry(name=name, path=address, size=size)
 
 
 def in_chunks(entries: Iterable[Entry], most: int) -> Iterator[tuple[Entry, ...]]:

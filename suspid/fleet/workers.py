@@ -5,16 +5,19 @@ from __future__ import annotations
 import importlib
 import os
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from suspid.errors import InputError
+from suspid.errors import InputError, SuspidError
 from suspid.files import printable
-from suspid.fleet.children import Children, close, give_up, work_apart, work_in_child
-from suspid.fleet.engine import ASK, Engine
+from suspid.fleet.children import Children, close, give_up, work_apart, work_in_child, work_nearby
+from suspid.fleet.engine import ASK, CLUSTER_LOST, Engine
+from suspid.fleet.job import Job
 from suspid.fleet.manifest import INSTALL
+from suspid.fleet.parts import Part
+from suspid.fleet.records import Entry
 from suspid.fleet.work import work
 from suspid.units import Second
 
@@ -78,14 +81,16 @@ def _connected(connect: Any, address: str) -> object:
 
 
 def _engine_of(client: Any) -> Engine:
-    threads = client.nthreads()
+    with _lost():
+        threads = client.nthreads()
     asked = [time.monotonic(), float(sum(threads.values()))]
     pool = client.get_executor(pure=False)
 
     def workers() -> int:
         # The cluster may grow and shrink.
         if time.monotonic() - asked[0] > ASK:
-            asked[:] = time.monotonic(), float(sum(client.nthreads().values()))
+            with _lost():
+                asked[:] = time.monotonic(), float(sum(client.nthreads().values()))
         return max(1, int(asked[1]))
 
     note = ""
@@ -95,9 +100,28 @@ def _engine_of(client: Any) -> Engine:
             f"them with --nthreads 1 and one process per core"
         )
     return Engine(
-        submit=lambda job, chunk, died: pool.submit(work_apart if died else work, job, chunk),
+        submit=lambda job, chunk, died: pool.submit(_way(job, died=died), job, chunk),
         stop=lambda now: pool.shutdown(wait=not now),
         workers=workers,
         alive=lambda: client.status == "running",
         note=note,
     )
+
+
+def _way(job: Job, *, died: bool) -> Callable[[Job, tuple[Entry, ...]], Part]:
+    """Return how a worker of a cluster does a chunk: with a time limit by another process, which can be ended."""
+    if died:
+        return work_apart
+    return work if job.time_limit is None else work_nearby
+
+
+@contextmanager
+def _lost() -> Iterator[None]:
+    """Say that the cluster is lost, however its library says so."""
+    try:
+        yield
+    except SuspidError:
+        raise
+    # What a scheduler that dies raises depends on what the client was waiting for.
+    except Exception as refusal:
+        raise SuspidError(CLUSTER_LOST) from refusal
