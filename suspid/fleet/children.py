@@ -187,7 +187,7 @@ def _asked(
 
 @contextmanager
 def _killed_when_overdue(children: Children, process: Process, limit: Second | None) -> Iterator[None]:
-    """Kill a process that does not answer in time: native code may hold the interpreter, and with it all inner limits."""
+    """Kill a process that does not answer in time: native code may hold the interpreter and all inner limits."""
     if limit is None:
         yield
         return
