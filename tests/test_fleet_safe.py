@@ -29,11 +29,11 @@ def test_a_worker_that_holds_the_interpreter_is_ended_from_outside(
 ) -> None:
     (tmp_path / "sitecustomize.py").write_text(HANGS)
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))
-    monkeypatch.setattr("suspid.fleet.children.LATE_ANSWER", 2.0)
+    monkeypatch.setattr("suspid.fleet.children.LATE_ANSWER", 1.0)
     (tmp_path / "r.csv").write_text("t,seat\n0,1\n1,2\n")
     children = Children()
     try:
-        part = work_in_child(children, Job(time_limit=1.0), [Entry(name="r", path=str(tmp_path / "r.csv"))])
+        part = work_in_child(children, Job(time_limit=0.2), [Entry(name="r", path=str(tmp_path / "r.csv"))])
     finally:
         close(children)
     assert (part.records, part.failed) == (1, 1)

@@ -77,8 +77,7 @@ def test_a_bomb_is_refused_before_its_memory_is_taken(
         peak = tracemalloc.get_traced_memory()[1]
     finally:
         tracemalloc.stop()
-    # A column of a matrix takes the matrix and a copy besides; all of the bomb would be 25 times the limit.
-    assert peak < 4 * max(LIMIT, TIMES_SIZE * size)
+    assert peak < 3 * max(LIMIT, TIMES_SIZE * size)
 
 
 def test_channels_of_a_large_file_may_be_chosen(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

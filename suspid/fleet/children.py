@@ -1,7 +1,7 @@
 """Worker processes on this machine: each analyses chunks of records, and its death costs one record at most.
 
-A worker reads ``(job, chunk, known)`` from its standard input and writes one `True` after each record, then the tables
-of the chunk. The caller therefore knows which record a dead worker was busy with.
+A worker reads ``(job, chunk, known)`` from its standard input and writes `True` when its libraries are loaded and after
+each record, then the tables of the chunk. The caller therefore knows which record a dead worker was busy with.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ RECORD_TRIES = 2
 # BLAS threads of several workers would compete for the cores, and change the order of sums.
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS"), "1")
 
-# How long a process may take beyond its own limits: it loads libraries before its first record.
+# How long a process may take beyond its own limits, on a machine that is busy with other things.
 LATE_ANSWER: Second = 10.0
 PARENT_DEATH_SIGNAL = 1  # number of the request to Linux that a process be killed when its parent ends
 
@@ -69,6 +69,8 @@ def work_in_child(children: Children, job: Job, chunk: Sequence[Entry]) -> Part:
         If workers end as they start.
     CancelledError
         If the run was stopped.
+    ChildProcessError
+        If a process does not outlive the making of the tables.
     """
     known: dict[int, Rows] = {}
     last, deaths = -1, 0
@@ -82,6 +84,8 @@ def work_in_child(children: Children, job: Job, chunk: Sequence[Entry]) -> Part:
         code = TIME_UP if process in children.overdue else code
         if children.stopped.is_set():
             raise CancelledError
+        if answer in known:
+            raise ChildProcessError(f"a process ends as it makes tables ({_how(code)})")
         deaths = deaths + 1 if answer == last else 1
         last = answer
         if deaths == RECORD_TRIES or code == TIME_UP:
@@ -174,9 +178,14 @@ def _asked(
         _send(process.stdin, (job, tuple(chunk), dict(known)))
     except OSError:
         return 0
+    if _answer(process) is None:
+        return 0
     for k in range(len(chunk) + 1):
         with _killed_when_overdue(children, process, job.time_limit):
             answer = _answer(process)
+        if answer is not None and process in children.overdue:
+            # It answered as it was killed: this record is done, and the next one is not to blame.
+            children.overdue.remove(process)
         if isinstance(answer, Part):
             return answer
         if answer is None:

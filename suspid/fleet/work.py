@@ -37,9 +37,10 @@ def work(job: Job, chunk: Sequence[Entry]) -> Part:
 
 
 def tables_of(job: Job, chunk: Sequence[Entry], known: Mapping[int, Rows], *, done: Callable[[], None]) -> Part:
-    """Return the tables of a chunk of records, some of which may be known; call ``done`` after each record."""
+    """Return the tables of a chunk, some records of which may be known; call ``done`` first and after each record."""
     rows = []
     with one_thread(job):
+        done()
         for k, entry in enumerate(chunk):
             rows.append(known[k] if k in known else rows_of(job, entry))
             done()

@@ -161,8 +161,11 @@ def _variable(data: h5py.Dataset, field: str | None) -> Variable:
     rates: Mapping[str, Hertz] = {name: rate for name, rate in stated.items() if rate is not None}
 
     def read() -> NDArray[Any]:
-        values = np.asarray(_sheltered(lambda: np.array(data[()] if field is None else data[field])))
-        masked = np.isin(values, _sheltered(lambda: _fills(data))) if field is None else np.zeros(0, bool)
+        values = np.asarray(_sheltered(lambda: data[()] if field is None else data[field]))
+        fills = np.empty(0) if field is not None else _sheltered(lambda: _fills(data))
+        if not fills.size:
+            return values
+        masked = np.isin(values, fills)
         return np.where(masked, np.nan, values) if np.any(masked) else values
 
     return Variable(shape=tuple(data.shape), read=read, unit=unit, rates=rates)
