@@ -258,4 +258,5 @@ def is_count(values: RealArray) -> bool:
     if values.size < 2 or not abs(values[0]) < 2.0**53 or values[0] != round(values[0]):
         return False
     # The last number tells of most columns that they do not count, without the memory of all whole numbers.
-    return values[-1] == values[0] + values.size - 1 and np.array_equal(values, values[0] + np.arange(values.size))
+    last = values[0] + values.size - 1
+    return bool(values[-1] == last) and np.array_equal(values, values[0] + np.arange(values.size))
