@@ -68,7 +68,9 @@ from suspid.identification import (
     Stabilization,
     identify,
     identify_repeats,
+    read_modes,
     stabilization,
+    write_modes,
 )
 from suspid.io import read_recording, write_record
 from suspid.model import (
@@ -173,7 +175,7 @@ __all__ = [  # noqa: RUF022 - grouped by step
     "check_limits", "CheckedLimits", "Limit", "read_limits",
     # a record's modes, at once or step by step, and those of repeats
     "identify", "Identification", "FourSteps", "Considered", "identify_repeats", "Repeats",
-    "stabilization", "Stabilization",
+    "stabilization", "Stabilization", "read_modes", "write_modes",
     "best_bandwidth", "BandwidthSearch", "cwt", "Scalogram", "Morlet",
     "find_ridges", "Ridge", "Window", "fit_ridges", "SkeletonFit",
     # back to springs and dampers, and how near that is

@@ -6,7 +6,6 @@ wrong, and with 3 if a car was found and written, but does not explain the modes
 
 from __future__ import annotations
 
-from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -24,7 +23,6 @@ from suspid.cli.ride import ride_command
 from suspid.cli.simulate import simulate_command
 from suspid.cli.support import Commands, Positive, check_apart, said_warnings, say
 from suspid.cli.tune import tune_command
-from suspid.files import replacing
 
 if TYPE_CHECKING:
     from suspid.model import ModalSet
@@ -110,13 +108,11 @@ def reconstruct_command(
 @click.option("--json", "json_file", type=FILE, metavar="FILE", help="Write the modes as JSON.")
 def modes_command(car: Path, json_file: Path | None) -> None:
     """Show the exact modes of CAR (.toml)."""
-    from suspid.identification import modes_to_dict, to_json
+    from suspid.identification import write_modes
     from suspid.model import eigenmodes, read_car
 
     check_apart([car], [json_file])
-    with ExitStack() as outputs:
-        draft = outputs.enter_context(replacing(json_file)) if json_file else None
-        modes: ModalSet = eigenmodes(read_car(car))
-        if draft:
-            draft.write_text(to_json(modes_to_dict(modes)), encoding="utf-8")
+    modes: ModalSet = eigenmodes(read_car(car))
+    if json_file:
+        write_modes(modes, json_file)
     say(str(modes))

@@ -13,7 +13,14 @@ from suspid.identification.halves import FEWEST_SAMPLES
 from suspid.identification.identification import Identification, Method, tables_of
 from suspid.identification.identify import identify
 from suspid.identification.identify_repeats import Repeats, identify_repeats, tables_of_repeats
-from suspid.identification.modes_json import identification_to_dict, modes_from_dict, modes_to_dict, read_modes, to_json
+from suspid.identification.modes_json import (
+    identification_to_dict,
+    modes_from_dict,
+    modes_to_dict,
+    read_modes,
+    to_json,
+    write_modes,
+)
 from suspid.identification.noise import (
     ABOVE_RESOLUTION,
     UNIFORM_STD,
@@ -62,4 +69,5 @@ __all__ = [
     "to_json",
     "verdict_of",
     "verdict_of_repeats",
+    "write_modes",
 ]

@@ -1,4 +1,4 @@
-"""Modes as JSON: what ``suspid identify --json`` writes and ``suspid reconstruct`` reads.
+"""Modes as JSON: what `write_modes` and ``suspid identify --json`` write, `read_modes` and ``suspid reconstruct`` read.
 
 An object with
 
@@ -35,7 +35,7 @@ from pathlib import Path
 import numpy as np
 
 from suspid.errors import InputError
-from suspid.files import parsed_json, printable, read_text
+from suspid.files import parsed_json, printable, read_text, replacing
 from suspid.identification.identification import Identification
 from suspid.model import ModalSet, check_definite
 from suspid.samples import held
@@ -180,7 +180,34 @@ def modes_from_dict(content: Mapping[str, object]) -> ModalSet:
 
 
 def read_modes(path: str | os.PathLike[str]) -> ModalSet:
-    """Return the modes in a JSON or TOML file of the form above; an `InputError` begins with the name of the file."""
+    r"""Return the modes in a file that `write_modes` or ``suspid identify --json`` wrote, or that was written by hand.
+
+    Parameters
+    ----------
+    path : path
+        A JSON or TOML file. Written by hand it needs ``modes``, each with ``zeta`` and ``wn_rad_per_s`` or
+        ``frequency_hz``, and perhaps ``wn_std_rad_per_s`` and ``zeta_std``.
+
+    Returns
+    -------
+    ModalSet
+        The modes with shapes and covariance, where the file has them.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or used; it begins with the name of the file.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = Path(folder, "modes.toml")
+    ...     _ = path.write_text("[[modes]]\nfrequency_hz = 2.0\nzeta = 0.3\n")
+    ...     modes = read_modes(path)
+    >>> modes.zeta
+    array([0.3])
+    """
     file = Path(path)
     text = read_text(file)
     try:
@@ -188,6 +215,37 @@ def read_modes(path: str | os.PathLike[str]) -> ModalSet:
         return modes_from_dict(content)
     except InputError as error:
         raise InputError(f"{printable(str(path))}: {error}") from None
+
+
+def write_modes(modes: ModalSet, path: str | os.PathLike[str]) -> None:
+    """Write modes as JSON, every bit kept: frequencies, damping ratios, poles, shapes and covariance.
+
+    Parameters
+    ----------
+    modes : ModalSet
+        The modes, such as ``identify(record).modes``.
+    path : path
+        The file, by custom ``.json``; `read_modes` and the commands read it.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written, or its suffix is one of TOML.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = Path(folder, "modes.json")
+    ...     write_modes(ModalSet.from_wn_zeta([10.0], [0.6]), path)
+    ...     again = read_modes(path)
+    >>> again.poles
+    array([-6.+8.j])
+    """
+    if Path(path).suffix.lower() == ".toml":
+        raise InputError(f"{printable(str(path))}: modes are written as JSON; name the file .json")
+    with replacing(path) as draft:
+        draft.write_text(to_json(modes_to_dict(modes)), encoding="utf-8")
 
 
 def _mode(where: str, entry: object) -> tuple[complex, list[complex] | None, tuple[float, float] | None]:
