@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -14,13 +14,15 @@ from click.core import ParameterSource
 
 from suspid.analysis import CarSettings, Settings
 from suspid.cli.drive import LIMITS, WAY, limits_of, road_of, way_of
+from suspid.cli.measured import sources_of, writer
 from suspid.cli.options import FILE, analysing, packed
 from suspid.cli.parameters import ROAD_MODEL, WHEEL_RADIUS, Wanted, wanting
 from suspid.cli.support import Positive, said_warnings, say
+from suspid.files import printable, replacing
 from suspid.greybox import DriveLimits
 
 if TYPE_CHECKING:
-    from suspid.fleet import Progress
+    from suspid.fleet import FleetSummary, Progress
 
 # Options of one kind of record alone, by the names of their parameters.
 OF_DRIVES = (
@@ -37,6 +39,8 @@ OF_DECAYS = ("vertical", "which", "modes", "method", "band")
     "-o", "--output", type=FILE, metavar="RESULTS", help="Folder of the results; an interrupted run continues."
 )
 @click.option("--summary", is_flag=True, help="FOLDER holds results: show what they say, and run nothing.")
+@click.option("--page", type=FILE, metavar="FILE", help="Write the summary as a page to send (.html, .pdf).")
+@click.option("--csv", is_flag=True, help="Write the tables of RESULTS as CSV too.")
 @click.option("--drives", is_flag=True, help="The records are drives, each of them as for `suspid drive`.")
 @click.option("--workers", type=click.IntRange(min=1), metavar="N", help="Processes on this machine. [one per core]")
 @click.option("--scheduler", metavar="ADDRESS", help="Dask scheduler in their place, such as tcp://host:8786.")
@@ -56,6 +60,8 @@ def fleet_command(
     settings: Settings,
     output: Path | None,
     summary: bool,
+    page: Path | None,
+    csv: bool,
     workers: int | None,
     scheduler: str | None,
     drives: bool,
@@ -91,7 +97,8 @@ def fleet_command(
     if summary:
         if output is not None:
             raise click.UsageError("--summary shows what is there: leave -o out.")
-        say(str(fleet_summary(folder, table=table, pattern=pattern)))
+        with drafted(page) as write:
+            _conclude(fleet_summary(folder, table=table, pattern=pattern), write, csv=csv, said=())
         return
     if output is None:
         raise click.UsageError("Missing option '-o': the folder of the results.")
@@ -110,19 +117,44 @@ def fleet_command(
         "workers": workers,
         "scheduler": scheduler,
     }
-    with said_warnings() as said, goes_on(), progress_bar() as progress:
-        if drives:
-            asked |= {"limits": limits, "way": way, "table": table, "pattern": pattern, **road}
-            run = estimate_many(folder, chunk=chunk or DRIVES_CHUNK, progress=progress, **asked)
-        else:
-            run = identify_many(folder, chunk=chunk or CHUNK, progress=progress, **asked)
-        said += run.notes
-        found = fleet_summary(output, table=table, pattern=pattern)
-    say(str(found))
+    with drafted(page) as write, said_warnings() as said:
+        with goes_on(), progress_bar() as progress:
+            if drives:
+                asked |= {"limits": limits, "way": way, "table": table, "pattern": pattern, **road}
+                run = estimate_many(folder, chunk=chunk or DRIVES_CHUNK, progress=progress, **asked)
+            else:
+                run = identify_many(folder, chunk=chunk or CHUNK, progress=progress, **asked)
+            said += run.notes
+            found = fleet_summary(output, table=table, pattern=pattern)
+        _conclude(found, write, csv=csv, said=said)
     # Each record that was identified has a verdict; distributions need several records.
     if not found.verdicts:
         click.echo("suspid: error: no record could be identified", err=True)
         click.get_current_context().exit(1)
+
+
+@contextmanager
+def drafted(page: Path | None) -> Iterator[Callable[[str], None] | None]:
+    """Give what writes a page, whose name and place are checked before the work begins."""
+    if page is None:
+        yield None
+        return
+    write = writer(page, None)
+    with replacing(page) as draft:
+        yield lambda text: write(text, draft)
+
+
+def _conclude(found: FleetSummary, write: Callable[[str], None] | None, *, csv: bool, said: Sequence[str]) -> None:
+    """Show what the results say, and write the page and the tables that are asked for."""
+    from suspid.fleet import write_csv
+    from suspid.reporting import content_of, report
+
+    if write is not None:
+        source = sources_of([found.folder / "manifest.json"])
+        write(report(content_of(found, source=source, warnings=said)))
+    say(str(found))
+    for file in write_csv(found.folder) if csv else ():
+        click.echo(f"suspid: {printable(str(file))} written", err=True)
 
 
 def _check_kind(drives: bool) -> None:

@@ -4,27 +4,37 @@
 local cores or a Dask cluster, resumable, into Parquet tables. `fleet_summary` reads them: failures, verdicts,
 distributions, outliers, trends of each vehicle. Below them: `run`, `listing` and `records` (what to do), `job` (how),
 `rows`, `drive_rows` and `tables` (results), `engine` with `workers` and `children` (who), `parts`, `manifest` and
-`folder` (what makes a run resumable).
+`folder` (what makes a run resumable); `csv_tables`.
 """
 
+from suspid.fleet.csv_tables import write_csv
 from suspid.fleet.damper_trends import DamperTrend, DamperTrends, damper_trends, trends_of_rates
+from suspid.fleet.distributions import QUANTILES, Distribution, Outlier
 from suspid.fleet.estimate_many import DRIVES_CHUNK, estimate_many
 from suspid.fleet.fleet_summary import fleet_summary
 from suspid.fleet.identify_many import CHUNK, identify_many
 from suspid.fleet.run import FleetRun, Progress
-from suspid.fleet.summary import FleetSummary
+from suspid.fleet.summary import LEGEND, MOST_SHOWN, FleetSummary
+from suspid.fleet.trends import Trend
 
 __all__ = [
     "CHUNK",
     "DRIVES_CHUNK",
+    "LEGEND",
+    "MOST_SHOWN",
+    "QUANTILES",
     "DamperTrend",
     "DamperTrends",
+    "Distribution",
     "FleetRun",
     "FleetSummary",
+    "Outlier",
     "Progress",
+    "Trend",
     "damper_trends",
     "estimate_many",
     "fleet_summary",
     "identify_many",
     "trends_of_rates",
+    "write_csv",
 ]

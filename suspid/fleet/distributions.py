@@ -13,6 +13,9 @@ from suspid.units import RealArray
 FEWEST_RECORDS = 8
 # Of each distribution: the ends of 95 % and of the middle half.
 QUANTILES = (0.025, 0.25, 0.75, 0.975)
+# Bars of a histogram at most: a picture of 4 inches shows no more. Its edges are these quantiles, so that one value
+# far off does not make all others one bar.
+MOST_BARS, EDGES = 40, (0.005, 0.995)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -34,6 +37,10 @@ class Distribution:
     stated : float
         Root mean square of the standard deviations that the records state; NaN if they state none. Where the scatter
         is much larger, the vehicles differ, or their tests do, by more than noise.
+    edges : tuple of float
+        Edges of the bars of its histogram.
+    bars : tuple of int
+        How many records are in each; the first and the last have those beyond the edges too.
     """
 
     quantity: str
@@ -43,6 +50,19 @@ class Distribution:
     quantiles: tuple[float, ...]
     scatter: float
     stated: float
+    edges: tuple[float, ...] = ()
+    bars: tuple[int, ...] = ()
+
+    @property
+    def known_quantiles(self) -> tuple[float | None, ...]:
+        """Those of `QUANTILES` beyond which at least one record lies, None in place of the others."""
+        beyond = [self.count * min(q, 1 - q) >= 1 for q in QUANTILES]
+        return tuple(value if known else None for value, known in zip(self.quantiles, beyond, strict=True))
+
+    @property
+    def known_scatter(self) -> float | None:
+        """The scatter, or None of fewer than four values: the median absolute deviation is then that of one of them."""
+        return self.scatter if self.count >= 4 else None
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -71,15 +91,33 @@ def distribution(quantity: str, unit: str, values: RealArray, stds: RealArray) -
     from scipy import stats
 
     stated = stds[np.isfinite(stds)]
+    scatter = float(stats.median_abs_deviation(values, scale="normal"))
+    edges, bars = _histogram(values)
     return Distribution(
         quantity=quantity,
         unit=unit,
         count=len(values),
         median=float(np.median(values)),
         quantiles=tuple(np.quantile(values, QUANTILES).tolist()),
-        scatter=float(stats.median_abs_deviation(values, scale="normal")),
+        scatter=scatter,
         stated=float(np.sqrt(np.mean(stated**2))) if stated.size else float("nan"),
+        edges=edges,
+        bars=bars,
     )
+
+
+def _histogram(values: RealArray) -> tuple[tuple[float, ...], tuple[int, ...]]:
+    """Return edges and bars of a histogram, with bars as wide as Freedman and Diaconis advise, no more than fit."""
+    low = float(np.quantile(values, EDGES[0], method="lower"))
+    high = float(np.quantile(values, EDGES[1], method="higher"))
+    # Values that are alike but for rounding have no width to divide.
+    if not high - low > 1e-9 * max(abs(low), abs(high)):
+        return (low, high), (len(values),)
+    lower, upper = np.quantile(values, (0.25, 0.75))
+    advised = 2 * float(upper - lower) / len(values) ** (1 / 3)
+    width = max(advised, (high - low) / min(MOST_BARS, len(values)))
+    bars, edges = np.histogram(np.clip(values, low, high), bins=int(np.ceil((high - low) / width)), range=(low, high))
+    return tuple(edges.tolist()), tuple(bars.tolist())
 
 
 def outliers_of(quantity: str, who: Sequence[str], values: RealArray, stds: RealArray) -> list[Outlier]:

@@ -123,6 +123,7 @@ def fleet_summary(
         complete="complete" in manifest,
         wear=wear_counts(place, car) if drives and car is not None else {},
         untrusted=untrusted_drives(place) if drives else 0,
+        car=car,
     )
 
 

@@ -11,8 +11,21 @@ from suspid.files import printable
 from suspid.fleet.damper_trends import DamperTrends
 from suspid.fleet.distributions import FEWEST_RECORDS, QUANTILES, Distribution, Outlier
 from suspid.fleet.trends import Trend
+from suspid.model import Suspension
 from suspid.values import text_table
-from suspid.words import DamperState, Failure, Step, count
+from suspid.words import (
+    Check,
+    DamperState,
+    Failure,
+    FleetCheck,
+    FleetHeadline,
+    Level,
+    Number,
+    Remark,
+    Step,
+    Verdict,
+    count,
+)
 
 LEGEND = (
     "scatter: robust standard deviation from record to record; stated ±: root mean square of the standard deviations "
@@ -79,6 +92,8 @@ class FleetSummary:
         In how many drives each damper has each state of wear against its nominal value; empty of decays.
     untrusted : int
         How many drives have springs and dampers that cannot be built upon, and are in no trend of dampers.
+    car : Suspension or None
+        The nominal car that the run was given.
     """
 
     folder: Path
@@ -96,6 +111,35 @@ class FleetSummary:
     complete: bool
     wear: Mapping[str, Mapping[str, int]] = field(default_factory=dict)
     untrusted: int = 0
+    car: Suspension | None = None
+
+    @property
+    def verdict(self) -> Verdict:
+        """How far the results can be trusted as a whole, and what they show."""
+        identified = sum(self.verdicts.values())
+        doubtful = sum(self.verdicts.get(level.label, 0) for level in (Level.DOUBTFUL, Level.NONE))
+        changes = sum(1 for one in self.trends if one.changes)
+        dampers = () if self.dampers is None else self.dampers.trends
+        worn = sum(1 for one in dampers if one.state is DamperState.WORN)
+        said: tuple[tuple[object, FleetCheck, dict[str, Number], Level], ...] = (
+            (not identified, FleetCheck.NOTHING, {}, Level.NONE),
+            (not self.complete, FleetCheck.NOT_ENDED, {}, Level.CARE),
+            (self.failed, FleetCheck.FAILED, {"failed": self.failed}, Level.CARE),
+            (not self.failed, FleetCheck.NO_FAILURE, {}, Level.SOUND),
+            (
+                doubtful,
+                FleetCheck.DOUBTFUL,
+                {"doubtful": doubtful},
+                Level.DOUBTFUL if doubtful == identified else Level.CARE,
+            ),
+            (self.unplaced, FleetCheck.UNPLACED, {"unplaced": self.unplaced or 0}, Level.CARE),
+            (self.untrusted, FleetCheck.UNTRUSTED, {"untrusted": self.untrusted}, Level.CARE),
+            (dampers, FleetCheck.DAMPERS, {"worn": worn, "dampers": len(dampers)}, Level.NOTE),
+            (self.trends, FleetCheck.CHANGES, {"changes": changes, "trends": len(self.trends)}, Level.NOTE),
+            (self.outliers, FleetCheck.OUTLIERS, {"outliers": len(self.outliers)}, Level.NOTE),
+        )
+        checks = tuple(Check(Remark(code, numbers), level) for holds, code, numbers, level in said if holds)
+        return Verdict(Remark(FleetHeadline.RESULTS, {"identified": identified, "records": self.records}), checks)
 
     def __str__(self) -> str:
         parts = [
@@ -154,23 +198,23 @@ def _wear_table(wear: Mapping[str, Mapping[str, int]]) -> str:
 
 
 def _distribution_table(distributions: Sequence[Distribution]) -> str:
-    # With three values the median absolute deviation is that of one of them.
     return text_table(
         {
             "quantity": [f"{one.quantity} [{one.unit}]" for one in distributions],
             "records": [str(one.count) for one in distributions],
             "median": [f"{one.median:.5g}" for one in distributions],
-            **{f"{100 * q:g} %": [_quantile(one, k) for one in distributions] for k, q in enumerate(QUANTILES)},
-            "scatter": [f"{one.scatter:.2g}" if one.count >= 4 else "" for one in distributions],
+            **{
+                f"{100 * q:g} %": [_or_empty(one.known_quantiles[k], ".5g") for one in distributions]
+                for k, q in enumerate(QUANTILES)
+            },
+            "scatter": [_or_empty(one.known_scatter, ".2g") for one in distributions],
             "stated ±": [f"{one.stated:.2g}" for one in distributions],
         }
     )
 
 
-def _quantile(one: Distribution, k: int) -> str:
-    """Return a quantile, if at least one record lies beyond it."""
-    beyond = min(QUANTILES[k], 1 - QUANTILES[k])
-    return f"{one.quantiles[k]:.5g}" if one.count * beyond >= 1 else ""
+def _or_empty(value: float | None, form: str) -> str:
+    return "" if value is None else format(value, form)
 
 
 def _no_outlier(distributions: Sequence[Distribution]) -> str:

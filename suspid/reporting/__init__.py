@@ -15,6 +15,7 @@ from suspid.reporting.drawings import drawing_of
 from suspid.reporting.drive_json import drive_to_dict
 from suspid.reporting.estimate_json import estimate_from_dict, estimate_to_dict, read_estimate
 from suspid.reporting.estimate_page import EstimateContent
+from suspid.reporting.fleet_page import FleetContent
 from suspid.reporting.json_schema import json_schema
 from suspid.reporting.pdf import browser, write_pdf
 from suspid.reporting.plot_amplitude import plot_amplitude
@@ -44,6 +45,7 @@ __all__ = [
     "PAGE",
     "Content",
     "EstimateContent",
+    "FleetContent",
     "Source",
     "browser",
     "comparison_to_dict",

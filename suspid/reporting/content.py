@@ -9,10 +9,12 @@ from typing import TYPE_CHECKING, overload
 from suspid.analysis import Analysis, CheckedLimits, Limit, Settings, check_limits
 from suspid.cleaning import Cleaned
 from suspid.errors import InputError
+from suspid.fleet import FleetSummary
 from suspid.greybox import DamperCurve, Estimate
 from suspid.levels import LEVEL, check_level
 from suspid.performance import Grip, Ride, Wear, grip_if_any
 from suspid.reporting.estimate_page import EstimateContent
+from suspid.reporting.fleet_page import FleetContent
 from suspid.reporting.source import Source
 from suspid.reporting.thinning import drawable
 from suspid.samples import held
@@ -145,8 +147,14 @@ def content_of(
 ) -> EstimateContent: ...
 
 
+@overload
 def content_of(
-    found: Identification | Analysis | Estimate,
+    found: FleetSummary, *, source: Source | Sequence[Source] | None = ..., warnings: Sequence[str] = ...
+) -> FleetContent: ...
+
+
+def content_of(
+    found: Identification | Analysis | Estimate | FleetSummary,
     *,
     source: Source | Sequence[Source] | None = None,
     cleaned: Cleaned | None = None,
@@ -160,14 +168,14 @@ def content_of(
     curves: Sequence[DamperCurve] = (),
     ride: Ride | None = None,
     wear: Wear | None = None,
-) -> Content | EstimateContent:
-    """Return what `report` and `report_to_dict` show of an analysis, an estimate, or an identification.
+) -> Content | EstimateContent | FleetContent:
+    """Return what `report` and `report_to_dict` show of an analysis, an estimate, an identification, or a fleet.
 
     Parameters
     ----------
-    found : Identification, Analysis or Estimate
+    found : Identification, Analysis, Estimate or FleetSummary
         What was found; perhaps no mode. An `Analysis` brings all but source and warnings, an `Estimate` all but these
-        and the level.
+        and the level, a `FleetSummary` all but source and warnings.
     source : Source, optional
         The file and the command; see `source_of`. Of several records a sequence, one for each.
     cleaned : Cleaned, optional
@@ -210,6 +218,8 @@ def content_of(
     """
     check_level(level)
     sources = () if source is None else (source,) if isinstance(source, Source) else tuple(source)
+    if isinstance(found, FleetSummary):
+        return FleetContent(found=found, sources=sources, warnings=warnings)
     if isinstance(found, Estimate):
         return EstimateContent(
             found=found,

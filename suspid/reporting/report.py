@@ -1,4 +1,4 @@
-"""The HTML page of an identification or an estimate: verdict first, then everything that it rests on.
+"""The HTML page of an identification, an estimate or a fleet: verdict first, then everything that it rests on.
 
 The page is one file without a script. Its policy forbids the network. Its pictures are SVG in the colours of the page
 (light, dark or paper). Every text that comes from a file is escaped. The same input gives the same bytes.
@@ -12,11 +12,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.files import printable
+from suspid.fleet import FleetSummary
 from suspid.greybox import Estimate
 from suspid.model import car_to_toml
 from suspid.reporting.colours import Colour
 from suspid.reporting.content import Content, content_of
 from suspid.reporting.estimate_page import EstimateContent, page_fields
+from suspid.reporting.fleet_page import FleetContent, fleet_fields
 from suspid.reporting.limit_rows import limit_rows
 from suspid.reporting.performance_part import performance_fields
 from suspid.reporting.pictures import MOST_CHANNELS, pictures_of
@@ -40,12 +42,16 @@ MOST_CARDS = 6
 MOST_LETTERS = 40
 
 
-def report(found: Identification | Analysis | Estimate | Content | EstimateContent, *, title: str | None = None) -> str:
+def report(
+    found: Identification | Analysis | Estimate | FleetSummary | Content | EstimateContent | FleetContent,
+    *,
+    title: str | None = None,
+) -> str:
     """Return the page as HTML.
 
     Parameters
     ----------
-    found : Identification, Analysis, Estimate, or what `content_of` returns
+    found : Identification, Analysis, Estimate, FleetSummary, or what `content_of` returns
         What was found; perhaps no mode. `content_of` adds where it comes from, and more to an identification.
     title : str, optional
         Heading. Default: name of the file, or title of the record.
@@ -65,30 +71,29 @@ def report(found: Identification | Analysis | Estimate | Content | EstimateConte
     >>> page.startswith("<!doctype html>"), "2 modes found" in page
     (True, True)
     """
-    if isinstance(found, Estimate):
-        found = content_of(found)
-    if isinstance(found, EstimateContent):
-        file = found.sources[0].file if len(found.sources) == 1 else ""
-        fields, template = page_fields(found), "estimate.html.j2"
-        verdict, sources = found.found.verdict, found.sources
+    content = found if isinstance(found, Content | EstimateContent | FleetContent) else content_of(found)
+    if isinstance(content, FleetContent):
+        file, verdict, limits = content.found.folder.name, content.found.verdict, None
+        fields, template = fleet_fields(content), "fleet.html.j2"
+    elif isinstance(content, EstimateContent):
+        file = content.sources[0].file if len(content.sources) == 1 else ""
+        verdict, limits = content.found.verdict, content.limits
+        fields, template = page_fields(content), "estimate.html.j2"
     else:
-        content = found if isinstance(found, Content) else content_of(found)
-        sources = content.sources
-        file = (
-            ", ".join(s.file for s in sources) if sources else str(held(content.identification, "response").title or "")
-        )
-        fields, template, verdict = _fields(content), "report.html.j2", content.analysis.verdict
-        found = content
+        recorded = str(held(content.identification, "response").title or "")
+        file = ", ".join(source.file for source in content.sources) or recorded
+        verdict, limits = content.analysis.verdict, content.limits
+        fields, template = _fields(content), "report.html.j2"
     return _template(template).render(
         title=_shown(title or file or "Record"),
         verdict=verdict,
-        level=f"{100 * found.level:g} %",
+        level=f"{100 * content.level:g} %",
         colours=list(Colour),
-        sources=sources,
-        limits_said="" if found.limits is None else f"{found.limits.verdict.headline}.",
-        sizes=[_in_bytes(source.size) for source in sources],
-        car=_car_of(found),
-        warnings=[_shown(text) for text in found.warnings],
+        sources=content.sources,
+        limits_said="" if limits is None else f"{limits.verdict.headline}.",
+        sizes=[_in_bytes(source.size) for source in content.sources],
+        car=_car_of(content),
+        warnings=[_shown(text) for text in content.warnings],
         versions=versions(),
         **fields,
     )
@@ -155,12 +160,16 @@ def _fields(content: Content) -> dict[str, object]:
     }
 
 
-def _car_of(found: Content | EstimateContent) -> Source | None:
+def _car_of(content: Content | EstimateContent | FleetContent) -> Source | None:
     """Return the car file with its text, or the description of the nominal car where there is no file."""
-    springs = found.springs if isinstance(found, Content) else found.found
-    if found.car is not None or springs is None or springs.nominal is None:
-        return found.car
-    return Source(file="", sha256="", size=0, command="", created="", text=car_to_toml(springs.nominal))
+    if isinstance(content, FleetContent):
+        nominal, file = content.found.car, None
+    else:
+        springs = content.springs if isinstance(content, Content) else content.found
+        nominal, file = None if springs is None else springs.nominal, content.car
+    if file is not None or nominal is None:
+        return file
+    return Source(file="", sha256="", size=0, command="", created="", text=car_to_toml(nominal))
 
 
 def _shown(text: object) -> str:

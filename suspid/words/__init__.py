@@ -9,7 +9,7 @@ to the enumeration of its subject. Each subject is one module.
 from suspid.words.analysis import Note, RecordCheck
 from suspid.words.cleaning import Cleaning, Defect, dead
 from suspid.words.decays import DecayDoubt, DecayKind, DecayRemark
-from suspid.words.fleet import Failure, Step
+from suspid.words.fleet import Failure, FleetCheck, FleetHeadline, Step
 from suspid.words.greybox import EstimateCheck, EstimateHeadline
 from suspid.words.identification import Headline, ModeCheck, Reason
 from suspid.words.io import DAMAGE, LeftOut
@@ -32,6 +32,8 @@ __all__ = [
     "EstimateCheck",
     "EstimateHeadline",
     "Failure",
+    "FleetCheck",
+    "FleetHeadline",
     "Headline",
     "LeftOut",
     "Level",

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from suspid.words.remarks import Code
+from collections.abc import Mapping
+from typing import Any
+
+from suspid.words.remarks import Code, count
 
 
 class Step(Code):
@@ -39,3 +42,37 @@ class Failure(Code):
         "its process died {times} times ({how}): out of memory, or a crash in native code",
     )
     WORKER_LOST = "worker lost", "{times} workers were lost over its chunk: {why}"
+
+
+def _identified(numbers: Mapping[str, Any]) -> str:
+    return f"results of {numbers['identified']} of {count(numbers['records'], 'record')}"
+
+
+def _doubtful(numbers: Mapping[str, Any]) -> str:
+    one = numbers["doubtful"] == 1
+    return f"{count(numbers['doubtful'], 'result')} {'is' if one else 'are'} doubtful, or {'is' if one else 'are'} none"
+
+
+def _changes(numbers: Mapping[str, Any]) -> str:
+    return f"{count(numbers['changes'], 'significant change')} over time in {count(numbers['trends'], 'trend')}."
+
+
+class FleetHeadline(Code):
+    """How many records of a fleet gave a result."""
+
+    RESULTS = "results", _identified
+
+
+class FleetCheck(Code):
+    """What is said for and against the results of a fleet."""
+
+    NOTHING = "no result", "No record gave a result."
+    NOT_ENDED = "not ended", "The run has not ended: these are the records done so far."
+    FAILED = "failed", lambda n: f"{count(n['failed'], 'record')} failed."
+    NO_FAILURE = "no failure", "No record failed."
+    DOUBTFUL = "doubtful", lambda n: f"{_doubtful(n)}."
+    UNPLACED = "unplaced", lambda n: f"{count(n['unplaced'], 'record')} without vehicle and date: in no trend."
+    UNTRUSTED = "untrusted", lambda n: f"{count(n['untrusted'], 'drive')} with doubtful dampers: in no trend of them."
+    CHANGES = "changes", _changes
+    DAMPERS = "dampers", lambda n: f"{count(n['worn'], 'worn damper')} of {n['dampers']} followed over time."
+    OUTLIERS = "outliers", lambda n: f"{count(n['outliers'], 'value')} far from the median of the fleet."

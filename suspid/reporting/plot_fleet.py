@@ -1,0 +1,65 @@
+"""Pictures of a fleet: how a quantity is spread, and changes with their intervals."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from suspid.reporting.axes import shown
+from suspid.reporting.colours import Colour
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from suspid.fleet import Distribution
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Change:
+    """A change with its interval, all in percent, and whether it stands out."""
+
+    name: str
+    low: float
+    value: float
+    high: float
+    grave: bool
+
+
+def draw_distribution(found: Distribution, ax: Axes) -> None:
+    """Draw the histogram of a quantity with its median."""
+    edges = np.array(found.edges)
+    if len(found.bars) == 1 and not edges[-1] > edges[0]:
+        # Values that are all alike make one bar, as wide as a tenth of the picture.
+        half = 0.05 * (abs(float(edges[0])) or 1.0)
+        edges = np.array([edges[0] - half, edges[0] + half])
+    ax.bar(
+        edges[:-1],
+        found.bars,
+        width=np.diff(edges),
+        align="edge",
+        color=Colour.PALE_BLUE,
+        edgecolor=Colour.BLUE,
+        linewidth=0.6,
+    )
+    ax.axvline(found.median, color=Colour.VERMILION, linewidth=1.2)
+    ax.set_title(f"{shown(found.quantity)} [{shown(found.unit)}]", loc="left")
+    ax.set_ylabel("records")
+    ax.locator_params(axis="x", nbins=5)
+    ax.locator_params(axis="y", nbins=3, integer=True)
+
+
+def draw_intervals(changes: Sequence[Change], ax: Axes, *, label: str, marks: Sequence[float] = ()) -> None:
+    """Draw changes with their intervals, a line for each; dotted lines mark the limits of a rule."""
+    for row, one in enumerate(changes):
+        colour = Colour.VERMILION if one.grave else Colour.BLUE
+        ax.plot([one.low, one.high], [row, row], color=colour, linewidth=2.0)
+        ax.plot([one.value], [row], "o", color=colour, markersize=4)
+    ax.axvline(0.0, color=Colour.PALE, linewidth=0.8, zorder=0)
+    for mark in marks:
+        ax.axvline(mark, color=Colour.GREY, linewidth=0.8, linestyle=":", zorder=0)
+    ax.set_yticks(range(len(changes)), [shown(one.name) for one in changes])
+    ax.set_ylim(len(changes) - 0.5, -0.5)
+    ax.set_xlabel(label)
