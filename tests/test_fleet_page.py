@@ -19,7 +19,7 @@ from suspid.fleet import write_csv
 from suspid.fleet.distributions import EDGES, MOST_BARS, distribution
 from suspid.fleet.manifest import FLEET_FORMAT, environment
 from suspid.fleet.parts import as_part, read_table, write_part
-from suspid.fleet.tables import TABLE_COLUMNS, Rows
+from suspid.fleet.tables import DECAYS, TABLE_COLUMNS, Rows
 from suspid.model import car_to_toml
 from suspid.words import DamperState, FleetCheck, Level
 
@@ -112,7 +112,7 @@ class TestCsv:
     def test_it_holds_the_tables(self, results: Path) -> None:
         files = write_csv(results)
         assert [file.name for file in files] == ["failures.csv", "springs.csv", "modes.csv"]
-        for file, table in zip(files, ("failures", "springs", "modes"), strict=True):
+        for file, table in zip(files, DECAYS.names, strict=True):
             expected = read_table(results, table)
             with file.open(encoding="utf-8", newline="") as stream:
                 rows = list(csv.DictReader(stream))
