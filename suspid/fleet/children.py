@@ -181,7 +181,8 @@ def _asked(
     if _answer(process) is None:
         return 0
     for k in range(len(chunk) + 1):
-        with _killed_when_overdue(children, process, job.time_limit):
+        # Tables take what libraries take to load; no record is to blame.
+        with _killed_when_overdue(children, process, job.time_limit if k < len(chunk) else None):
             answer = _answer(process)
         if answer is not None and process in children.overdue:
             # It answered as it was killed: this record is done, and the next one is not to blame.

@@ -17,7 +17,7 @@ from suspid.fleet.distributions import Distribution, Outlier, distribution, outl
 from suspid.fleet.drive_summary import body_quantities, drive_dampers, placed_drives, untrusted_drives, wear_counts
 from suspid.fleet.families import OTHERS, families_by_density, families_of_car
 from suspid.fleet.manifest import read_manifest
-from suspid.fleet.parts import part_counts, part_numbers, read_table
+from suspid.fleet.parts import check_parts, part_numbers, read_table
 from suspid.fleet.summary import FailureCount, FleetSummary
 from suspid.fleet.tables import layout_of
 from suspid.fleet.trends import Trend, adjusted, trends_of
@@ -60,7 +60,7 @@ def fleet_summary(
     Raises
     ------
     InputError
-        If there are no results, or the table or the pattern cannot be used.
+        If there are no results or damaged ones, or the table or the pattern cannot be used.
 
     Examples
     --------
@@ -82,8 +82,8 @@ def fleet_summary(
     layout = layout_of(manifest)
     toml = manifest.get("car")
     car = car_from_toml(toml) if isinstance(toml, str) else None
-    counts = [part_counts(place, number, layout) for number in part_numbers(place, layout.main)]
-    complete = [one for one in counts if one is not None]
+    ended = manifest.get("complete")
+    complete = check_parts(place, layout, ended["parts"] if isinstance(ended, dict) else None)
     drives, placed, others = layout.main == "drives", dict[str, tuple[str, float]](), 0
     if drives:
         names, placed = placed_drives(place)
@@ -120,7 +120,7 @@ def fleet_summary(
         dampers=dampers,
         others=others,
         unplaced=sum(1 for name in names if name not in vehicles) if asked else None,
-        complete="complete" in manifest,
+        complete=ended is not None,
         wear=wear_counts(place, car) if drives and car is not None else {},
         untrusted=untrusted_drives(place) if drives else 0,
         car=car,

@@ -12,10 +12,11 @@ from pathlib import Path
 from suspid.errors import InputError
 from suspid.files import printable
 from suspid.fleet.listing import Listing
-from suspid.fleet.manifest import check_same, durable_write, read_manifest
-from suspid.fleet.parts import part_names, part_numbers
-from suspid.fleet.records import LIST, Entry, read_list, samples_hash, write_list
+from suspid.fleet.manifest import check_same, durable_write, read_manifest, writing
+from suspid.fleet.parts import part_counts, part_names, part_numbers
+from suspid.fleet.records import LIST, Entry, entry_hash, read_list, samples_hash, write_list
 from suspid.fleet.tables import Layout, layout_of
+from suspid.words import count
 
 
 @contextmanager
@@ -62,7 +63,8 @@ def begun(folder: Path, manifest: Mapping[str, object]) -> Mapping[str, object]:
         write_manifest(folder, manifest)
     # The manifest comes first: a folder that holds anything and no manifest is not ours.
     for table in layout_of(manifest).names:
-        (folder / table).mkdir(exist_ok=True)
+        with writing(folder / table):
+            (folder / table).mkdir(exist_ok=True)
     return manifest
 
 
@@ -71,20 +73,17 @@ def write_manifest(folder: Path, manifest: Mapping[str, object]) -> None:
     durable_write(folder / "manifest.json", (json.dumps(manifest, indent=1) + "\n").encode())
 
 
-def taken(folder: Path, source: Listing) -> tuple[Iterator[Entry], int | None, tuple[str, ...]]:
+def taken(folder: Path, source: Listing, layout: Layout) -> tuple[Iterator[Entry], int | None, tuple[str, ...]]:
     """Return the records, their number if it is known, and what to say of them; files from the list kept."""
     if not source.listed:
         return iter(source.entries), None, ()
     notes = []
     kept, now = folder / LIST, folder / f".{LIST}.now"
     if kept.exists():
-        count = write_list(now, source.entries)
+        write_list(now, source.entries)
         total = sum(1 for _ in read_list(kept))
         if not filecmp.cmp(now, kept, shallow=False):
-            notes.append(
-                f"the files have changed since the run began: {total} records then, {count} now; the results are of "
-                f"those of then; for the others give another folder"
-            )
+            notes += _changes(folder, kept, now, layout)
         now.unlink()
     else:
         total = write_list(kept, source.entries)
@@ -92,6 +91,37 @@ def taken(folder: Path, source: Listing) -> tuple[Iterator[Entry], int | None, t
         kinds = ", ".join(f"{count} {suffix}" for suffix, count in sorted(source.left_out.items()))
         notes.append(f"left out, as files of no kind that is a record: {kinds}")
     return read_list(kept), total, tuple(notes)
+
+
+def _changes(folder: Path, kept: Path, now: Path, layout: Layout) -> list[str]:
+    """Say how the files differ from those of then; one that was written again with the same content does not."""
+    then, here = ({one.path: one for one in read_list(path)} for path in (kept, now))
+    there = [path for path in then if path in here]
+    other = {then[path].name: here[path] for path in there if then[path].size != here[path].size}
+    again = {
+        then[path].name: here[path]
+        for path in there
+        if then[path].size == here[path].size and then[path].modified != here[path].modified
+    }
+    numbers = part_numbers(folder, layout.main) if again else []
+    for number in numbers:
+        if part_counts(folder, number, layout) is not None:
+            for name, digest in part_names(folder, number, layout):
+                if name in again and entry_hash(again[name]) == digest:
+                    del again[name]
+    changed = sorted({*other, *again})
+    notes = []
+    if changed:
+        notes.append(
+            f"{count(len(changed), 'file')} changed since the run began, {printable(changed[0])} first; results that "
+            f"are there are of what it was then: for others give another folder"
+        )
+    if len(there) < max(len(then), len(here)):
+        notes.append(
+            f"the files have changed since the run began: {len(then)} records then, {len(here)} now; the results are "
+            f"of those of then; for the others give another folder"
+        )
+    return notes
 
 
 def only_others(source: Listing) -> str:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import functools
 import glob
 import hashlib
 import os
+import re
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from suspid.errors import InputError, SuspidError
 from suspid.files import printable
@@ -20,6 +22,11 @@ from suspid.words import Failure, Remark
 
 if TYPE_CHECKING:
     import control
+
+# Where object stores say that a file has changed, by the surest first.
+CHANGE_KEYS = ("ETag", "etag", "md5Hash", "mtime", "LastModified", "last_modified", "updated", "modified", "created")
+# Files of the results of a fleet, below the folder of the results.
+RESULT = re.compile(r"[\\/](?:(?:modes|drives|springs|failures)[\\/]part-\d+\.parquet|manifest\.json|records\.jsonl)$")
 
 Address: TypeAlias = "str | os.PathLike[str]"
 Record: TypeAlias = "Address | control.TimeResponseData | tuple[str, control.TimeResponseData]"
@@ -87,20 +94,29 @@ def _walk(folder: Path, root: Path, output: Path, left_out: Counter[str]) -> Ite
         if one.is_dir(follow_symlinks=False):
             if path != output and not _holds_results(path):
                 yield from _walk(path, root, output, left_out)
+        elif _is_result(one.path, _holds_results):
+            continue
         elif path.suffix.lower() in READERS:
             yield _local(one.path, name=path.relative_to(root).as_posix())
         else:
             left_out[path.suffix.lower() or "without suffix"] += 1
 
 
-def _holds_results(folder: Path) -> bool:
+def _holds_results(folder: str | Path) -> bool:
     """Return whether a folder holds results of a fleet, whose tables are no records."""
-    return (folder / "manifest.json").is_file() and any((folder / name).is_dir() for name in ("modes", "drives"))
+    place = Path(folder)
+    return (place / "manifest.json").is_file() and any((place / name).is_dir() for name in ("modes", "drives"))
+
+
+def _is_result(place: str, holds_results: Callable[[str], bool]) -> bool:
+    """Return whether a file belongs to the results of a fleet, by its place and by what stands beside it."""
+    found = RESULT.search(place)
+    return found is not None and holds_results(place[: found.start()])
 
 
 def _matches(pattern: str) -> Iterator[Entry]:
     for path in sorted(glob.iglob(pattern, recursive=True)):
-        if not Path(path).is_dir():
+        if not Path(path).is_dir() and not _is_result(os.path.abspath(path), _holds_results):
             yield _local(path)
 
 
@@ -115,30 +131,40 @@ def _remote(address: str, left_out: Counter[str]) -> Iterator[Entry]:
         raise InputError(f"{printable(address)}: cannot be listed: {printable(str(refusal))}") from None
     if not found:
         raise InputError(f"{printable(address)}: there is no record there")
+    holds_results = functools.cache(lambda root: _remote_results(files, root))
     for place in sorted(found):
-        if found[place].get("type") == "directory":
+        if found[place].get("type") == "directory" or _is_result(place, holds_results):
             continue
         suffix = Path(place).suffix.lower()
         if suffix in READERS or len(found) == 1:
             full = files.unstrip_protocol(place)
             name = place[len(path) :].lstrip("/") if place.startswith(f"{path.rstrip('/')}/") else full
-            yield Entry(name=_clean(name), path=full, size=found[place].get("size"))
+            said = next((str(found[place][key]) for key in CHANGE_KEYS if found[place].get(key) is not None), None)
+            yield Entry(name=_clean(name), path=full, size=found[place].get("size"), modified=said)
         else:
             left_out[suffix or "without suffix"] += 1
 
 
+def _remote_results(files: Any, folder: str) -> bool:
+    """Return the same as `_holds_results` of a folder of an object store."""
+    return bool(files.exists(f"{folder}/manifest.json")) and any(
+        files.isdir(f"{folder}/{name}") for name in ("modes", "drives")
+    )
+
+
 def _local(path: str, *, name: str | None = None) -> Entry:
-    size = None
+    size = modified = None
     if "://" not in path:
         try:
-            size = os.stat(path).st_size
+            status = os.stat(path)
+            size, modified = status.st_size, str(status.st_mtime_ns)
         except (OSError, ValueError):
             # It has its row among the failures when its turn comes.
             size = None
         path_there = os.path.abspath(path)
     else:
         path_there = path
-    return Entry(name=_clean(path if name is None else name), path=path_there, size=size)
+    return Entry(name=_clean(path if name is None else name), path=path_there, size=size, modified=modified)
 
 
 def _given(number: int, one: object) -> Entry:

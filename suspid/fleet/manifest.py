@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 
 from suspid.errors import InputError
 from suspid.files import printable, read_text
 from suspid.io import install_line
 
-FLEET_FORMAT = "suspid fleet 2"
+FLEET_FORMAT = "suspid fleet 3"
 INSTALL = install_line("fleet")
 
 
@@ -32,7 +33,8 @@ def read_manifest(folder: Path) -> dict[str, object]:
     except ValueError as error:
         raise InputError(f"{printable(str(path))}: is not a manifest: {printable(str(error))}") from None
     if not isinstance(content, dict) or content.get("format") != FLEET_FORMAT:
-        raise InputError(f"{printable(str(path))}: is not a manifest of {FLEET_FORMAT!r}")
+        said = f", but of {content.get('format')!r:.40}" if isinstance(content, dict) and "format" in content else ""
+        raise InputError(f"{printable(str(path))}: is not a manifest of {FLEET_FORMAT!r}{printable(said)}")
     return content
 
 
@@ -60,13 +62,20 @@ def durable_write(path: Path, content: bytes) -> None:
     """Write a file so that it is complete or absent, even if the power fails: write, sync, rename, sync."""
     # The draft has a fixed name, so that the next run overwrites what a killed one left.
     draft = path.with_name(f".{path.name}.draft")
-    try:
+    with writing(path):
         with draft.open("wb") as stream:
             stream.write(content)
             stream.flush()
             os.fsync(stream.fileno())
         draft.replace(path)
         sync_folder(path.parent)
+
+
+@contextmanager
+def writing(path: Path) -> Iterator[None]:
+    """Say what cannot be written, and that the run may go on from there."""
+    try:
+        yield
     except OSError as refusal:
         raise InputError(
             f"{printable(str(path))}: cannot be written: {refusal.strerror or refusal}; what is written so far is "

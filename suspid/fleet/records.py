@@ -48,6 +48,8 @@ class Entry:
     path: str | None = None
     # Bytes of the file when it was listed.
     size: int | None = None
+    # When the file was last changed, or its tag in an object store, when it was listed.
+    modified: str | None = None
     samples: Samples | None = None
     # Of a drive.
     vehicle: str | None = None
@@ -69,7 +71,7 @@ def write_list(path: Path, entries: Iterable[Entry]) -> int:
     try:
         with draft.open("w", encoding="ascii") as stream:
             for entry in entries:
-                stream.write(json.dumps([entry.path, entry.name, entry.size]) + "\n")
+                stream.write(json.dumps([entry.path, entry.name, entry.size, entry.modified]) + "\n")
                 count += 1
             stream.flush()
             os.fsync(stream.fileno())
@@ -93,8 +95,9 @@ def read_list(path: Path) -> Iterator[Entry]:
 
 def _listed(path: Path, number: int, line: str) -> Entry:
     try:
-        address, name, size = json.loads(line)
-        kinds = isinstance(address, str) and isinstance(name, str) and isinstance(size, int | None)
+        address, name, size, modified = json.loads(line)
+        kinds = all(isinstance(one, str) for one in (address, name)) and isinstance(size, int | None)
+        kinds = kinds and isinstance(modified, str | None)
     except (ValueError, TypeError, RecursionError):
         kinds = False
     if not kinds or not line.endswith("\n"):
@@ -102,7 +105,7 @@ def _listed(path: Path, number: int, line: str) -> Entry:
             f"{printable(str(path))}: line {number} is damaged; remove this file if the recordings are those with "
             f"which the run began, else give another folder for the results"
         )
-    return Entry(name=name, path=address, size=size)
+    return Entry(name=name, path=address, size=size, modified=modified)
 
 
 def in_chunks(entries: Iterable[Entry], most: int) -> Iterator[tuple[Entry, ...]]:
@@ -154,13 +157,26 @@ def source_of(entry: Entry, know: Callable[[Seen], None]) -> Iterator[Path | con
     with _at_hand(entry.path) as path:
         know(Seen(place=str(path)))
         if path.is_file():
-            with path.open("rb") as stream:
-                digest = hashlib.file_digest(stream, "sha256").hexdigest()
-            know(Seen(place=str(path), sha256=digest))
+            know(Seen(place=str(path), sha256=file_hash(path)))
             size = path.stat().st_size
             if entry.size is not None and size != entry.size:
                 raise RefusedError(Remark(Failure.CHANGED, {"then": entry.size, "now": size}))
         yield path
+
+
+def entry_hash(entry: Entry) -> str | None:
+    """Return the sha256 of a file as it is now; None if it cannot be read."""
+    try:
+        with _at_hand(entry.path or "") as path:
+            return file_hash(path)
+    except (OSError, RefusedError):
+        return None
+
+
+def file_hash(path: Path) -> str:
+    """Return the sha256 of a file."""
+    with path.open("rb") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()
 
 
 @contextmanager

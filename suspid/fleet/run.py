@@ -17,10 +17,11 @@ from suspid.fleet.folder import begun, check_end, check_part, only_others, own, 
 from suspid.fleet.job import DriveJob, Job
 from suspid.fleet.listing import Records, listing
 from suspid.fleet.manifest import FLEET_FORMAT
-from suspid.fleet.parts import part_counts, read_table, write_part
+from suspid.fleet.parts import part_counts, part_path, read_table, write_part
 from suspid.fleet.records import Entry, in_chunks
 from suspid.model import Suspension, car_to_toml
 from suspid.units import Second
+from suspid.words import count as counted
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -98,7 +99,8 @@ def run(
     source = listing(records, output=folder)
     with own(folder), engine as hands:
         manifest = begun(folder, {"format": FLEET_FORMAT, **job.to_dict(), "chunk": chunk, "records": source.source})
-        entries, total, notes = taken(folder, source)
+        entries, total, notes = taken(folder, source, layout)
+        damaged: list[int] = []
         counts = {"records": 0, "failed": 0, "kept": 0, "parts": 0}
 
         def to_do() -> Iterator[tuple[int, tuple[Entry, ...]]]:
@@ -106,6 +108,7 @@ def run(
                 counts["parts"] = number + 1
                 there = part_counts(folder, number, layout)
                 if there is None:
+                    damaged.extend([number] if part_path(folder, layout.main, number).exists() else [])
                     yield number, some
                     continue
                 check_part(folder, number, some, layout, listed=source.listed)
@@ -122,6 +125,8 @@ def run(
             write_part(folder, number, part, layout)
             tally(part.records, part.failed)
         check_end(folder, counts["parts"], layout)
+        if damaged:
+            notes = (*notes, f"{counted(len(damaged), 'damaged part')} made again: number {_listed(damaged)}")
         if total is not None and not total:
             raise InputError(f"there is no record in what was given{only_others(source)}")
         kept = counts.pop("kept")
@@ -129,6 +134,10 @@ def run(
     if hands.note:
         notes = (*notes, hands.note)
     return FleetRun(output=folder, records=counts["records"], failed=counts["failed"], kept=kept, notes=notes)
+
+
+def _listed(numbers: list[int]) -> str:
+    return ", ".join(map(str, numbers[:10])) + (" …" if len(numbers) > 10 else "")
 
 
 def job_of(car: Suspension | None, settings: Settings, time_limit: Second | None, drive: DriveJob | None = None) -> Job:
