@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import signal
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
 
 from suspid import Suspension, add_noise, free_decay, quarter_car, write_record
+from suspid.fleet.engine import Engine
+from suspid.fleet.work import work
 
 CAR = quarter_car(
     chassis_mass=400, tire_mass=40, chassis_stiffness=20e3, tire_stiffness=200e3, chassis_damping=1500, tire_damping=50
@@ -62,3 +65,16 @@ def content(folder: Path) -> dict[str, bytes]:
 def parts(folder: Path) -> int:
     """Return how many chunks are complete."""
     return len(list((folder / "modes").glob("part-*.parquet")))
+
+
+@contextmanager
+def own_process(workers: int | None) -> Iterator[Engine]:
+    """Do the work in this process: what is tested is what becomes of it."""
+    assert workers is None
+    pool = ThreadPoolExecutor(1)
+    yield Engine(
+        submit=lambda job, chunk, _: pool.submit(work, job, chunk),
+        stop=lambda now: pool.shutdown(wait=True, cancel_futures=now),
+        workers=lambda: 1,
+        alive=lambda: True,
+    )

@@ -10,24 +10,20 @@ import sys
 import threading
 import time
 from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from fleets import CAR, content, make_fleet, time_limit, write_decay
+from fleets import CAR, content, make_fleet, own_process, time_limit, write_decay
 
 from suspid import InputError, eigenmodes, free_decay
 from suspid.analysis import CarSettings, Settings, analyse
 from suspid.cli.main import main
-from suspid.fleet.engine import Engine
 from suspid.fleet.identify_many import identify_many
 from suspid.fleet.parts import read_table
 from suspid.fleet.run import FleetRun
-from suspid.fleet.work import work
 from suspid.words import Defect, Failure
 
 COUNT, CHUNK = 14, 4
@@ -69,19 +65,6 @@ def fleet(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def run(fleet: Path, tmp_path_factory: pytest.TempPathFactory) -> FleetRun:
     return identify_many(fleet, output=tmp_path_factory.mktemp("out"), car=CAR, workers=1, chunk=CHUNK)
-
-
-@contextmanager
-def own_process(workers: int | None) -> Iterator[Engine]:
-    """Do the work in this process: what is tested is what becomes of it."""
-    assert workers is None
-    pool = ThreadPoolExecutor(1)
-    yield Engine(
-        submit=lambda job, chunk, _: pool.submit(work, job, chunk),
-        stop=lambda now: pool.shutdown(wait=True, cancel_futures=now),
-        workers=lambda: 1,
-        alive=lambda: True,
-    )
 
 
 def rows(run: FleetRun, table: str) -> list[dict[str, Any]]:
@@ -414,7 +397,8 @@ class TestManifest:
         assert manifest["settings"]["method"] == "likelihood"
         assert "[[struts]]" in manifest["car"]
         listed = [json.loads(line) for line in (run.output / "records.jsonl").read_text().splitlines()]
-        assert all(Path(path).stat().st_size == size for path, _, size in listed)
+        there = [(os.stat(path), size, changed) for path, _, size, changed in listed]
+        assert all((file.st_size, str(file.st_mtime_ns)) == (size, changed) for file, size, changed in there)
         assert len(listed) == COUNT
 
     def test_truth_lies_in_the_intervals(self, run: FleetRun) -> None:

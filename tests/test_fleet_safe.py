@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import os
+import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from fleets import content, make_fleet
+from fleets import content, make_fleet, own_process
 
 from suspid.errors import InputError
 from suspid.fleet.children import Children, close, work_in_child
@@ -83,7 +85,7 @@ class TestParts:
         for table in ("modes", "failures"):
             path = part_path(tmp_path, table, 0)
             whole = path.read_bytes()
-            for k in range(0, len(whole), 37):
+            for k in range(0, len(whole), 97):
                 path.write_bytes(whole[:k] + bytes([whole[k] ^ 1]) + whole[k + 1 :])
                 assert part_counts(tmp_path, 0) is None, f"{table}: byte {k} of {len(whole)}"
             path.write_bytes(whole[:-1])
@@ -107,13 +109,20 @@ class TestParts:
 
 
 class TestAgain:
+    @pytest.fixture(autouse=True, scope="class")
+    @staticmethod
+    def here() -> Iterator[None]:
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(sys.modules["suspid.fleet.identify_many"], "local_engine", own_process)
+            yield
+
     @pytest.fixture(scope="class")
     @staticmethod
     def fleet(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
         folder = tmp_path_factory.mktemp("again")
         make_fleet(folder / "in", 2)
         (folder / "in" / "bad.csv").write_text("nothing\n")
-        identify_many(folder / "in", output=folder / "in" / "out", workers=1, chunk=2)
+        identify_many(folder / "in", output=folder / "in" / "out", chunk=2)
         return folder / "in", folder / "in" / "out"
 
     def test_damaged_and_deleted_parts_are_made_again(self, fleet: tuple[Path, Path]) -> None:
@@ -125,7 +134,7 @@ class TestAgain:
         next((output / "failures").iterdir()).unlink()
         with pytest.raises(InputError, match=r"failures.part-000000\.parquet: is damaged or missing"):
             fleet_summary(output)
-        run = identify_many(records, output=output, workers=1, chunk=2)
+        run = identify_many(records, output=output, chunk=2)
         assert run.kept == 0
         assert run.notes == ("2 damaged parts made again: number 0, 1",)
         assert content(output) == before
@@ -138,9 +147,9 @@ class TestAgain:
         status = path.stat()
         try:
             os.utime(path, ns=(0, 10**18))
-            assert identify_many(records, output=output, workers=1, chunk=2).notes == ()
+            assert identify_many(records, output=output, chunk=2).notes == ()
             path.write_text(text[:-2] + ("1" if text[-2] != "1" else "2") + text[-1])
-            (note,) = identify_many(records, output=output, workers=1, chunk=2).notes
+            (note,) = identify_many(records, output=output, chunk=2).notes
         finally:
             path.write_text(text)
             os.utime(path, ns=(status.st_atime_ns, status.st_mtime_ns))
@@ -159,4 +168,4 @@ class TestAgain:
         (output / "manifest.json").write_bytes((fleet[1] / "manifest.json").read_bytes())
         (output / "springs").write_text("in the way")
         with pytest.raises(InputError, match="springs: cannot be written"):
-            identify_many(fleet[0], output=output, workers=1, chunk=2)
+            identify_many(fleet[0], output=output, chunk=2)
