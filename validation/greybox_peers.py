@@ -6,6 +6,7 @@ import contextlib
 import importlib
 import io
 import logging
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -84,10 +85,12 @@ def era_and_reconstruct(record: control.TimeResponseData, nominal: Suspension, f
 def ssi_and_reconstruct(record: control.TimeResponseData, nominal: Suspension, fixed: tuple[str, ...]) -> Suspension:
     """Return the car from the modes of pyOMA_2's SSI-cov, its order given, by `reconstruct`.
 
-    Accelerations on a road hardly show the modes of the body: they are integrated once, and taken at 50 Hz.
+    Accelerations on a road hardly show the modes of the body: they are integrated once, and taken at 50 Hz. The car
+    has no mounts: modes do not tell them.
     """
     found = ssi_modes(_for_modes(record), len(nominal.masses))
-    return reconstruct(found, nominal, fixed=fixed, tolerance=0.5, search=False).suspension
+    rigid = replace(nominal, struts=[replace(s, mount_stiffness=None) for s in nominal.struts])
+    return reconstruct(found, rigid, fixed=fixed, tolerance=0.5, search=False).suspension
 
 
 def _for_modes(record: control.TimeResponseData) -> control.TimeResponseData:
