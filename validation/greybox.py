@@ -34,8 +34,7 @@ LEVEL = 0.95
 OFTEN = (
     "quarter car with a seat, 20 dB", "half car, modes 2% apart, 40 dB", "force on the body, 20 s",
     "force on the body 0.1 m/s2", "mount 4e5 N/m", "full car, 60 s at 100 Hz, gain, delay, mount known",
-    "full car, 60 s at 100 Hz", "wheel sensor 2 % high, gain alone unknown",
-    "wheel sensor 2 ms late, delay alone unknown", "mount 1e6 N/m, mount alone unknown",
+    "full car, 60 s at 100 Hz", "wheel sensor 2 ms late, delay alone unknown",
 )  # fmt: skip
 BESIDE_PEERS = (
     "class B, 60 s, gain, delay, mount known", "wheel sensor 2 ms late", "mount 1e6 N/m",
