@@ -265,3 +265,8 @@ class TestDrives:
 def test_rates_and_times_that_are_no_numbers(wrong: dict[str, Any]) -> None:
     with pytest.raises(RecordError, match="number"):
         as_record(np.ones((2, 4)), **wrong)
+
+
+def test_units_in_order_hold_for_channels_of_one_name() -> None:
+    record = as_record(np.ones((2, 5)), fs=1, channels=["seat", "seat"], units=["m", "mm"])
+    assert np.array_equal(record.y[:, 0], [1.0, 1e-3])

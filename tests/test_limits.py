@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -159,3 +160,20 @@ class TestReport:
         result = CliRunner().invoke(main, ["report", "examples/quarter_car.csv", "-o", "r.html", "--format", "pdf"])
         assert result.exit_code == 1
         assert "name it .pdf" in result.stderr
+
+
+@pytest.mark.parametrize("near", ["0", "-3.0", "nan", "inf"])
+def test_a_frequency_of_a_mode_is_positive(near: str) -> None:
+    with pytest.raises(InputError, match="near_hz"):
+        limits_from_toml(f"[modes.hop]\nnear_hz = {near}\nwn = {{ min = 1.0 }}")
+
+
+@pytest.mark.parametrize("of", [0, -1, 1.5, True, "x", "1"])
+def test_modes_are_numbered_from_one(of: Any) -> None:
+    with pytest.raises(InputError, match="from 1 on"):
+        Limit(of=of, quantity="wn", least=1.0)
+
+
+def test_a_number_of_a_mode_that_python_does_not_read() -> None:
+    with pytest.raises(InputError, match="must have a number"):
+        limits_from_toml(f"[modes.{'1' * 5000}]\nwn = {{ min = 1.0 }}")

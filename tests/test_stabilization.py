@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
@@ -61,3 +63,17 @@ class TestPicture:
         stable = np.unique(np.round(lines["and damping"], 1))
         assert set(np.round(marks, 1)) <= set(stable)
         assert plot_stabilization(stabilization(record, most=6), Figure().subplots()).get_ylim()[1] == 8
+
+
+@pytest.mark.parametrize(
+    "setting", [{"highest_hz": 0}, {"highest_hz": -1.0}, {"highest_hz": np.nan}, {"highest_hz": "3"}, {"most": None}]
+)
+def test_settings_that_are_no_such_numbers_are_refused(setting: dict[str, Any]) -> None:
+    with pytest.raises(InputError, match=next(iter(setting))):
+        stabilization(as_response(np.arange(100) / 100, np.cos(np.arange(100.0))[None], ["seat"]), **setting)
+
+
+@pytest.mark.filterwarnings("error")
+def test_real_roots_are_no_poles() -> None:
+    found = stabilization(as_response(np.arange(100) / 100, (-1.0) ** np.arange(100)[None], ["seat"]))
+    assert not any(len(poles) for poles in found.poles)

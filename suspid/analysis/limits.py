@@ -28,6 +28,7 @@ from suspid.errors import InputError
 from suspid.files import printable, read_text
 from suspid.toml import as_number, as_table, check_keys, parsed_toml
 from suspid.units import Hertz
+from suspid.values import is_count
 
 # Units that a limit may be written in, and how large each is in SI; the first is SI's own.
 SCALES: Mapping[str, Mapping[str, float]] = {
@@ -37,6 +38,8 @@ SCALES: Mapping[str, Mapping[str, float]] = {
     "damping": {"N s/m": 1.0, "kN s/m": 1e3, "N s/mm": 1e3},
 }
 OF_MODES, OF_STRUTS = ("wn", "zeta"), ("stiffness", "damping")
+# Digits of the number of a mode: Python reads no whole number of more than some thousand.
+LONGEST_NUMBER = 9
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -59,7 +62,7 @@ class Limit:
     Raises
     ------
     InputError
-        If the quantity or the unit is unknown, there is no bound, or ``least`` is not below ``most``.
+        If the quantity or the unit is unknown, there is no such mode or bound, or ``least`` is not below ``most``.
 
     Examples
     --------
@@ -81,6 +84,10 @@ class Limit:
         object.__setattr__(self, "unit", self.unit or next(iter(units)))
         if self.unit not in units:
             raise InputError(f"{self.name}: the unit {self.unit!r} is not one of {', '.join(units)}")
+        if self.near is not None and not (math.isfinite(self.near) and self.near > 0):
+            raise InputError(f"{self.name}: near_hz = {self.near!r:.40} must be positive and finite, in Hz")
+        if self.quantity in OF_MODES and self.near is None and not is_count(self.of):
+            raise InputError(f"of={self.of!r:.40} must be the number of a mode, from 1 on, or give near")
         if not self.least < self.most or (math.isinf(self.least) and math.isinf(self.most)):
             raise InputError(f"{self.name}: give min, max or both, with min below max")
 
@@ -150,7 +157,7 @@ def _of_mode(name: str, given: dict[str, object]) -> Iterator[Limit]:
     where = f"[modes.{name}]"
     check_keys(where, given, ("near_hz", *OF_MODES))
     near = given.pop("near_hz", None)
-    number = int(name) if name.isdecimal() and int(name) > 0 else None
+    number = int(name) if len(name) <= LONGEST_NUMBER and name.isdecimal() and int(name) > 0 else None
     if near is None and number is None:
         raise InputError(f"{where} must have a number, as [modes.1], or near_hz, as near_hz = 1.2")
     found = None if near is None else as_number(where, "near_hz", near, "Hz")

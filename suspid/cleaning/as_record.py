@@ -236,7 +236,8 @@ def _converted(values: RealArray, names: Sequence[str], units: Sequence[str] | M
     if not isinstance(units, Mapping):
         if isinstance(units, str) or len(units) != len(names):
             raise RecordError(f"units={units!r:.80} must state the unit of each of {len(names)} channels, or map names")
-        units = dict(zip(names, units, strict=True))
+        # In order: two channels of one name may have different units.
+        return np.array([to_si(row, unit)[0] for row, unit in zip(values, units, strict=True)])
     unknown = sorted(set(units) - set(names))
     if unknown:
         raise RecordError(f"units of {unknown[0]!r}: there is no such channel; the channels are {', '.join(names)}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numbers
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -13,7 +14,7 @@ from suspid.errors import InputError
 from suspid.results import Result
 from suspid.signals import as_signal
 from suspid.units import ComplexArray, Hertz, RealArray
-from suspid.values import check_count, frozen_complex
+from suspid.values import frozen_complex, is_count
 
 # Relative changes from one order to the next up to which a pole counts as stable: the custom of the field.
 STABLE_WN, STABLE_ZETA = 0.01, 0.05
@@ -99,7 +100,10 @@ def stabilization(record: RecordLike, *, most: int = 40, highest_hz: Hertz | Non
     >>> (abs(found.poles[-1][found.stable_zeta[-1]]) / (2 * np.pi)).round(1)
     array([ 1.1, 11.7])
     """
-    check_count("most", most)
+    if not is_count(most):
+        raise InputError(f"most={most!r:.40} must be a whole number")
+    if highest_hz is not None and not (isinstance(highest_hz, numbers.Real) and highest_hz > 0):
+        raise InputError(f"highest_hz={highest_hz!r:.40} must be a positive number in Hz")
     signal = as_signal(as_record(record), least=16)
     values, step = _thinned(signal.values, signal.step, highest_hz)
     vectors, channels = _subspace(values), len(values)
@@ -143,7 +147,7 @@ def _subspace(values: RealArray) -> RealArray:
 def _poles(vectors: RealArray, channels: int, step: float) -> ComplexArray:
     """Return the decaying oscillating poles of a subspace [rad/s], by natural frequency."""
     shift = np.linalg.lstsq(vectors[:-channels], vectors[channels:], rcond=None)[0]
-    roots = np.linalg.eigvals(shift)
+    roots = np.asarray(np.linalg.eigvals(shift), complex)
     poles = np.log(roots[np.abs(roots) > 0]) / step
     kept = poles[(poles.imag > 0) & (poles.real < 0) & (poles.imag < 0.999 * np.pi / step)]
     return np.asarray(kept[np.argsort(np.abs(kept))])
