@@ -70,10 +70,19 @@ class TestPicture:
 )
 def test_settings_that_are_no_such_numbers_are_refused(setting: dict[str, Any]) -> None:
     with pytest.raises(InputError, match=next(iter(setting))):
-        stabilization(as_response(np.arange(100) / 100, np.cos(np.arange(100.0))[None], ["seat"]), **setting)
+        stabilization(
+            as_response(
+                np.asarray(np.arange(100) / 100, float), np.asarray([np.cos(np.arange(100.0))], float), ["seat"]
+            ),
+            **setting,
+        )
 
 
 @pytest.mark.filterwarnings("error")
 def test_real_roots_are_no_poles() -> None:
-    found = stabilization(as_response(np.arange(100) / 100, (-1.0) ** np.arange(100)[None], ["seat"]))
+    found = stabilization(
+        as_response(
+            np.asarray(np.arange(100) / 100, float), np.asarray([[(-1.0) ** k for k in range(100)]], float), ["seat"]
+        )
+    )
     assert not any(len(poles) for poles in found.poles)

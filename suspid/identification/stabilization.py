@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import numbers
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -102,7 +101,7 @@ def stabilization(record: RecordLike, *, most: int = 40, highest_hz: Hertz | Non
     """
     if not is_count(most):
         raise InputError(f"most={most!r:.40} must be a whole number")
-    if highest_hz is not None and not (isinstance(highest_hz, numbers.Real) and highest_hz > 0):
+    if highest_hz is not None and not (isinstance(highest_hz, int | float | np.number) and highest_hz > 0):
         raise InputError(f"highest_hz={highest_hz!r:.40} must be a positive number in Hz")
     signal = as_signal(as_record(record), least=16)
     values, step = _thinned(signal.values, signal.step, highest_hz)
