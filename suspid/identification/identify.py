@@ -157,12 +157,12 @@ def _by_likelihood(
     bent = None
     if band is None and _fades(centred) and unlike_linear(selection):
         bent = find_forces(centred, noise=noise, selection=selection, modes=steps.count)
-        if bent is not None and len(bent.fit.drive.theta) < (steps.count or 0) <= len(selection.modes):
+        if bent is not None and bent.count < (steps.count or 0) <= len(selection.modes):
             bent = None
     if bent is not None:
         modes, loudness, dependence = modes_of_bent(bent, timepts=signal.timepts, channels=signal.channels)
         _check_count(modes, steps.count)
-        left, freedom, forces = bent.fit.residual, bent.fit.freedom, bent.forces
+        left, freedom, forces = bent.residual, bent.freedom, bent.forces
         considered = beside_bent(selection, modes, signal.step)
     else:
         if steps.count is None:

@@ -9,7 +9,8 @@ from suspid.identification.nonlinear.amplitude import AmplitudeDependence
 from suspid.identification.nonlinear.estimates import modes_of_bent
 from suspid.identification.nonlinear.feedback import Bent
 from suspid.identification.nonlinear.forces import Force, ForceKind
-from suspid.identification.nonlinear.search import MULTIPLE, find_forces, unlike_linear
+from suspid.identification.nonlinear.own import MULTIPLE
+from suspid.identification.nonlinear.search import find_forces, unlike_linear
 
 __all__ = [
     "MULTIPLE",

@@ -100,13 +100,13 @@ class Swings:
         cycles = [self.pole(first, first + 2) for first in range(count - 2)] or [self.pole()]
         exponents, slopes = np.array([theta for theta, _ in cycles]), np.array([by for _, by in cycles])
         wn, zeta = float(np.mean(np.abs(exponents))), float(np.mean(-exponents.real / np.abs(exponents)))
-        by_wn, by_zeta = np.einsum("pci,cij->pj", _by_pole(exponents), slopes) / len(cycles)
+        by_wn, by_zeta = np.einsum("pci,cij->pj", by_pole(exponents), slopes) / len(cycles)
         turned = np.sqrt(1 - zeta**2)
         change = (-zeta + 1j * turned) * by_wn - wn * (1 + 1j * zeta / turned) * by_zeta
         return wn * (-zeta + 1j * turned), np.array([change.real, change.imag])
 
 
-def _by_pole(theta: ComplexArray) -> RealArray:
+def by_pole(theta: ComplexArray) -> RealArray:
     """Return the derivatives of natural frequency and damping ratio by Re and Im of a pole, (2, …, 2)."""
     size = np.abs(theta)
     of_wn = np.stack([theta.real, theta.imag], axis=-1) / size[..., None]
@@ -259,7 +259,7 @@ def dependence(
     parts, amplitude = _parts(fit, pole, size=float(np.abs(fit.amplitudes[pole, strongest])))
     poles, stds = np.empty(len(parts), complex), np.empty((len(parts), 2))
     for i, (theta, slopes, _) in enumerate(parts):
-        by_parameter = _by_pole(np.asarray(theta)) @ slopes
+        by_parameter = by_pole(np.asarray(theta)) @ slopes
         poles[i], stds[i] = theta, np.sqrt(np.diag(by_parameter @ covariance @ by_parameter.T))
     return AmplitudeDependence(
         spans=tuple((float(timepts[0] + step * a), float(timepts[0] + step * b)) for _, _, (a, b) in parts),
@@ -269,7 +269,7 @@ def dependence(
         zeta=frozen_real(-poles.real / np.abs(poles)),
         wn_std=frozen_real(stds[:, 0] / step),
         zeta_std=frozen_real(stds[:, 1]),
-        holds_at=_where(holds, poles, amplitude),
+        holds_at=where_holds(holds, poles, amplitude),
     )
 
 
@@ -279,19 +279,19 @@ def _parts(
     """Return exponent, derivatives and span in samples of each part of a decay, and the amplitude in each, (part,)."""
     swings = swings_of(fit, pole) if len(fit.drive.theta) == 1 else None
     if swings is not None:
-        cuts = _cuts(np.log(swings.size), least=2)
+        cuts = cuts_of(np.log(swings.size), least=2)
         pairs = list(pairwise(cuts))
         between = np.sqrt(swings.size[cuts[:-1]] * swings.size[cuts[1:]])
         return [(*swings.pole(a, b), (float(swings.time[a]), float(swings.time[b]))) for a, b in pairs], between
     envelope = np.log(size * np.abs(fit.states[pole]))
     cycle = int(np.ceil(2 * np.pi / float(np.min(np.abs(fit.drive.theta.imag)))))
-    cuts = _cuts(envelope, least=max(8, cycle))
+    cuts = cuts_of(envelope, least=max(8, cycle))
     pairs = list(pairwise(cuts))
     inside = np.array([np.exp(np.mean(envelope[a : b + 1])) for a, b in pairs])
     return [(*mean_pole(fit, pole, slice(a, b + 1)), (float(a), float(b))) for a, b in pairs], inside
 
 
-def _where(holds: complex, poles: ComplexArray, amplitude: RealArray) -> float:
+def where_holds(holds: complex, poles: ComplexArray, amplitude: RealArray) -> float:
     """Return the amplitude at which the line through given poles is nearest to a pole."""
     order = np.argsort(amplitude)
     poles, logs = poles[order], np.log(amplitude[order])
@@ -303,7 +303,7 @@ def _where(holds: complex, poles: ComplexArray, amplitude: RealArray) -> float:
     return float(np.exp(logs[nearest] + shares[nearest] * (logs[nearest + 1] - logs[nearest])))
 
 
-def _cuts(envelope: RealArray, *, least: int) -> list[int]:
+def cuts_of(envelope: RealArray, *, least: int) -> list[int]:
     """Return points between which the envelope, a logarithm, falls by about equal parts, the first and last included.
 
     No two are nearer to each other than ``least``.

@@ -17,6 +17,7 @@ from suspid.identification.nonlinear.amplitude import (
 )
 from suspid.identification.nonlinear.driven import DrivenFit
 from suspid.identification.nonlinear.feedback import Bent
+from suspid.identification.nonlinear.linearised import modes_of_structure
 from suspid.model import ModalSet
 from suspid.units import ComplexArray, RealArray, Second
 from suspid.values import frozen_real
@@ -30,6 +31,8 @@ def modes_of_bent(
     Each pole is the mean over the cycles of the record. Their variances are widened by the loudness, by noise that the
     channels share, and by what the choice of the stretch does.
     """
+    if bent.structure is not None:
+        return modes_of_structure(bent.structure, timepts=timepts, channels=channels)
     fit, step = bent.fit, float(timepts[-1] - timepts[0]) / (len(timepts) - 1)
     means = [mean_pole(fit, k) for k in range(len(fit.drive.theta))]
     exponents = np.array([theta for theta, _ in means])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -10,6 +11,9 @@ from suspid.identification.noise import WhiteNoise
 from suspid.identification.nonlinear.driven import Drive, DrivenFit, evaluate, maximize
 from suspid.identification.nonlinear.forces import Force, ForceKind, forces_of, means
 from suspid.units import ComplexArray, RealArray
+
+if TYPE_CHECKING:
+    from suspid.identification.nonlinear.structure import StructureFit
 
 # A force of which less than this share is left beside the others adds nothing that can be told from them.
 LEAST_OWN = 0.1
@@ -31,6 +35,27 @@ class Bent:
     fit: DrivenFit
     forces: tuple[Force, ...]
     order: int  # the channels are displacements (0), speeds (1) or accelerations (2)
+    structure: StructureFit | None = None  # where it explains more than the fit with the forces as they were measured
+
+    @property
+    def count(self) -> int:
+        """Number of modes."""
+        return len(self.fit.drive.theta if self.structure is None else self.structure.theta)
+
+    @property
+    def bic(self) -> float:
+        """Loss and ``log(samples)`` for each parameter."""
+        return (self.structure or self.fit).bic
+
+    @property
+    def residual(self) -> RealArray:
+        """The record less the fitted motion, (channel, sample)."""
+        return (self.structure or self.fit).residual
+
+    @property
+    def freedom(self) -> float:
+        """Degrees of freedom of the residual of one channel."""
+        return (self.structure or self.fit).freedom
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -80,7 +105,7 @@ def with_forces(record: Record, plain: DrivenFit, *, least_fall: float = LEAST_F
     """
     best = Bent(fit=plain, forces=(), order=0)
     motions = record.motions(0)
-    first = [trial for kind in ForceKind if (trial := _added(record, best, kind, motions)) is not None]
+    first = [trial for kind in ForceKind if (trial := added(record, best, kind, motions)) is not None]
     fall = plain.residual.size * np.log(least_fall)
     if not any(trial.fit.promised < plain.bic - fall for trial in first):
         return best
@@ -89,13 +114,13 @@ def with_forces(record: Record, plain: DrivenFit, *, least_fall: float = LEAST_F
         for order in (1, 2)
         for motions in [record.motions(order)]
         for kind in ForceKind
-        for trial in [_added(record, replace(best, order=order), kind, motions)]
+        for trial in [added(record, replace(best, order=order), kind, motions)]
         if trial is not None
     ]
     best = _best(record, best, trials)
     if best.forces:
         motions, present = motions_of(best), {force.kind for force in best.forces}
-        more = [_added(record, best, kind, motions) for kind in ForceKind if kind not in present]
+        more = [added(record, best, kind, motions) for kind in ForceKind if kind not in present]
         best = _best(record, best, [trial for trial in more if trial is not None])
     return best
 
@@ -111,7 +136,7 @@ def _best(record: Record, before: Bent, trials: list[Bent]) -> Bent:
     return best
 
 
-def _added(record: Record, bent: Bent, kind: ForceKind, motions: tuple[RealArray, RealArray]) -> Bent | None:
+def added(record: Record, bent: Bent, kind: ForceKind, motions: tuple[RealArray, RealArray]) -> Bent | None:
     """Return a fit to start from with forces of one more kind, less those that cannot be told from others."""
     forces, samples = list(bent.forces), list(bent.fit.drive.forces)
     # Forces that are fitted together. More cost time; with 4 channels these are all pairs.

@@ -45,18 +45,7 @@ class Force:
         The displacements and speeds of the channels are (channel, sample).
         """
         d, v = self._between(motion), self._between(speed)
-        if self.kind is ForceKind.FRICTION:
-            force = _mean_sign(v)
-        elif self.kind is ForceKind.DRAG:
-            force = means(np.abs(v) * v)
-        elif self.kind is ForceKind.BENT_DAMPER:
-            force = means(np.abs(v))
-        elif self.kind is ForceKind.CUBIC:
-            force = means(d**3)
-        elif self.kind is ForceKind.SQUARE:
-            force = means(d**2)
-        else:
-            force = means(np.abs(d))
+        force = _mean_sign(v) if self.kind is ForceKind.FRICTION else means(size_of(self.kind, d, v))
         return np.asarray(force / (np.sqrt(np.mean(force**2)) + 1e-300))
 
     def _between(self, each: RealArray) -> RealArray:
@@ -69,6 +58,19 @@ def forces_of(kind: ForceKind, channels: int, *, most: int) -> tuple[Force, ...]
     single = [Force(kind=kind, channel=c, other=None) for c in range(channels)]
     between = [Force(kind=kind, channel=c, other=other) for c in range(channels) for other in range(c)]
     return tuple(single + between if len(single) + len(between) <= most else single[:most])
+
+
+def size_of(kind: ForceKind, d: RealArray, v: RealArray) -> RealArray:
+    """Return a force by displacement and speed, each over that at which the force is 1."""
+    if kind is ForceKind.FRICTION:
+        return np.asarray(np.sign(v))
+    if kind is ForceKind.DRAG:
+        return np.asarray(np.abs(v) * v)
+    if kind is ForceKind.BENT_DAMPER:
+        return np.asarray(np.abs(v))
+    if kind is ForceKind.CUBIC:
+        return np.asarray(d**3)
+    return np.asarray(d**2 if kind is ForceKind.SQUARE else np.abs(d))
 
 
 def means(values: RealArray) -> RealArray:

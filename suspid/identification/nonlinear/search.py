@@ -7,14 +7,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from suspid.identification.candidates import ranked, searched
 from suspid.identification.classification import LEAST_EXPLAINED, is_tone
-from suspid.identification.exponentials import blocks_of
-from suspid.identification.fitting import OTHER_FREQUENCY
 from suspid.identification.likelihood import DecayFit, bic_penalty
-from suspid.identification.likelihood import evaluate as evaluate_decay
 from suspid.identification.noise import LOUD, WhiteNoise, over_channels, power_beside
 from suspid.identification.nonlinear.amplitude import covariance_of, mean_pole, swings_of, window_changes
+from suspid.identification.nonlinear.choice import REDUCTION, chosen
 from suspid.identification.nonlinear.driven import DrivenFit, evaluate, maximize
 from suspid.identification.nonlinear.feedback import (
     LEAST_FALL,
@@ -27,26 +24,19 @@ from suspid.identification.nonlinear.feedback import (
     with_forces,
     without_forces,
 )
-from suspid.identification.poles import Poles
+from suspid.identification.nonlinear.own import HARMONIC, next_poles, repeated
 from suspid.identification.refinement import WORTHWHILE
 from suspid.identification.selection import Selection
-from suspid.units import ComplexArray, RealArray
+from suspid.units import RealArray
 from suspid.words import Reason
 
-# One more mode beside forces must lower the residual of a channel by this factor: a force that is not quite the true
-# one leaves a residual that further poles follow. Lower: distortions become modes. Higher: weak modes are lost.
-REDUCTION = 2.5
 # A mode whose pole has a standard deviation above this share of its modulus, or changes by more with the stretch, is
 # none.
 UNKNOWN = 0.1
 # Forces that explain this share of what a multiple of a mode does are preferred to it: a mode there would be chance.
 NEARLY = 0.9
-# Poles tried as the next one, and modes at most where their number is not given.
-NEXT, MOST_MODES = 2, 6
-# A pole near another in frequency is part of it if their shapes agree: modal assurance criterion above this.
-ALIKE_MAC = 0.9
-# A pole is a harmonic of another mode if its frequency is that near to a multiple and its amplitude below this share.
-MULTIPLE, HARMONIC = 0.03, 0.2
+# Modes at most where their number is not given.
+MOST_MODES = 6
 # A linear fit with none of these multiples of a mode has no higher ones from forces either: those are weaker. A pole at
 # four times another is a mode.
 FIRST_MULTIPLES = 3
@@ -71,7 +61,7 @@ def _distorted(selection: Selection) -> bool:
         return True
     amplitudes = fit.amplitudes[: len(pairs)] / np.sqrt(fit.squares + 1e-300)
     return any(
-        _repeated(
+        repeated(
             complex(pairs[k]),
             amplitudes[k],
             np.delete(pairs, k),
@@ -89,24 +79,35 @@ def find_forces(values: RealArray, *, noise: WhiteNoise, selection: Selection, m
     """
     linear = selection.fit
     found = _searched(values, noise, linear, modes)
-    if found is None or modes is not None or _distorted(selection):
-        return found
     unknowns = linear.poles.free + len(values) * len(linear.poles)
     bic = noise.loss(np.sum(selection.residual**2, axis=1), values.shape[1]) + unknowns * np.log(values.size)
+    highest = bic if found is None else min(bic, found.bic)
+    bent = _structure(values, noise, linear, found, modes=modes or MOST_MODES, highest=highest)
+    if bent is not None:
+        return bent
+    if found is None or modes is not None or _distorted(selection):
+        return found
     return found if found.fit.bic < bic else None
+
+
+def _structure(
+    values: RealArray, noise: WhiteNoise, linear: DecayFit, found: Bent | None, *, modes: int, highest: float
+) -> Bent | None:
+    """Return the structure of several modes that explains a record best, if there is one."""
+    record = _record(values, noise, linear)
+    plain, _ = _linear_modes(record, modes)
+    if plain is None or np.max(1 - plain.squares / np.sum(values**2, axis=1)) < LEAST_EXPLAINED:
+        return None
+    structure = chosen(record, plain, found, most=modes, highest=highest)
+    # The swings of a single mode are described by the forces as they were measured.
+    if structure is None or len(structure.theta) < 2:
+        return None
+    return Bent(fit=plain, forces=structure.forces, order=structure.order, structure=structure)
 
 
 def _searched(values: RealArray, noise: WhiteNoise, linear: DecayFit, modes: int | None) -> Bent | None:
     """Return modes and forces; long records are searched by their beginning, thinned where modes are slow."""
-    poles = linear.poles
-    twice = np.where(np.arange(len(poles.every)) < len(poles.pairs), 2.0, 1.0)
-    record = Record(
-        values=values,
-        noise=noise,
-        theta=poles.every.astype(complex),
-        amplitudes=twice[:, None] * linear.amplitudes[poles.rows],
-        nuisances=poles.nuisances,
-    )
+    poles, record = linear.poles, _record(values, noise, linear)
     most = int(MOST_ENTRIES / (2 * (1 + len(values)) * len(values)))
     begun = record if values.shape[1] <= most else record.thinned(1, most)
     plain, more = _linear_modes(begun, modes or MOST_MODES)
@@ -131,6 +132,19 @@ def _searched(values: RealArray, noise: WhiteNoise, linear: DecayFit, modes: int
     beside = None if again is None else _with_pole(short, again)
     found = None if again is None else _grown(short, again, beside, modes)
     return None if found is None else _significant(_at_full_length(record, found, factor))
+
+
+def _record(values: RealArray, noise: WhiteNoise, linear: DecayFit) -> Record:
+    """Return a record with its motion as a linear fit follows it."""
+    poles = linear.poles
+    twice = np.where(np.arange(len(poles.every)) < len(poles.pairs), 2.0, 1.0)
+    return Record(
+        values=values,
+        noise=noise,
+        theta=poles.every.astype(complex),
+        amplitudes=twice[:, None] * linear.amplitudes[poles.rows],
+        nuisances=poles.nuisances,
+    )
 
 
 def _significant(bent: Bent | None) -> Bent | None:
@@ -249,7 +263,7 @@ def _with_pole(record: Record, before: DrivenFit) -> DrivenFit | None:
     """Return the fit with one more pole, rather with one that is a mode of its own; None if there is none."""
     fits = [
         maximize(record.values, before.drive.with_pole(theta), record.noise, steps=ROUGH_STEPS)
-        for theta in _candidates(before, record.noise)
+        for theta in next_poles(before.residual, before.variance, record.noise)
     ]
     better = [fit for fit in fits if fit is not None and fit.bic < before.bic]
     own = [fit for fit in better if _own(fit)]
@@ -261,50 +275,4 @@ def _own(fit: DrivenFit) -> bool:
     theta, amplitudes = fit.drive.theta, fit.amplitudes / np.sqrt(fit.variance)
     # The forces have the harmonics.
     weak = 0.0 if len(fit.drive.forces) else HARMONIC
-    return theta[-1].real <= 0 and not _repeated(theta[-1], amplitudes[-1], theta[:-1], amplitudes[:-1], weak=weak)
-
-
-def _repeated(
-    theta: complex,
-    amplitude: ComplexArray,
-    others: ComplexArray,
-    amplitudes: ComplexArray,
-    *,
-    weak: float = HARMONIC,
-    most: float = np.inf,
-) -> bool:
-    """Return whether a pole is part of another of the same shape, or a multiple of it below a share of its amplitude.
-
-    So is one at the sum or difference of two that are larger. Multiples count up to ``most``. The amplitudes, over the
-    noise, are (channel,) and (other, channel).
-    """
-    ratio = np.abs(theta) / np.abs(others)
-    size, sizes = float(np.sum(np.abs(amplitude) ** 2)), np.sum(np.abs(amplitudes) ** 2, axis=1)
-    alike = np.abs(amplitudes.conj() @ amplitude) ** 2 > ALIKE_MAC * sizes * size
-    near = alike & (np.maximum(ratio, 1 / ratio) < OTHER_FREQUENCY)
-    if _combined(abs(theta), np.abs(others[sizes > size])):
-        return True
-    multiple = (
-        (np.round(ratio) > 1)
-        & (np.round(ratio) <= most)
-        & (np.abs(ratio / np.maximum(np.round(ratio), 1.0) - 1) < MULTIPLE)
-    )
-    return bool(np.any(near | multiple & (size < weak**2 * sizes)))
-
-
-def _combined(frequency: float, others: RealArray) -> bool:
-    """Return whether a frequency is the sum or difference of two others, as where two modes bend the same spring."""
-    first, second = np.triu_indices(len(others), 1)
-    both = np.concatenate([others[first] + others[second], np.abs(others[first] - others[second])])
-    return bool(np.any(np.abs(frequency / both - 1) < MULTIPLE))
-
-
-def _candidates(fit: DrivenFit, noise: WhiteNoise) -> list[complex]:
-    """Return the exponents at which the residual is largest, of at least one cycle."""
-    none = Poles(pairs=np.zeros(0, complex), reals=np.zeros(0), nuisances=np.zeros(1))
-    count = fit.residual.shape[1]
-    alone = evaluate_decay(blocks_of(fit.residual), none, noise)
-    if alone is None:
-        return []
-    found = ranked(alone, fit.variance, searched(alone, fit.residual, fit.variance))
-    return [c.theta for c in found if not c.real and c.theta.imag * count > 2 * np.pi][:NEXT]
+    return theta[-1].real <= 0 and not repeated(theta[-1], amplitudes[-1], theta[:-1], amplitudes[:-1], weak=weak)

@@ -1,0 +1,239 @@
+"""Choose the structure that explains a record: which forces follow its motion, and how many modes it has."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from suspid.identification.classification import is_tone
+from suspid.identification.likelihood import bic_penalty
+from suspid.identification.noise import LOUD, over_channels, power_beside
+from suspid.identification.nonlinear.driven import Drive, DrivenFit, maximize
+from suspid.identification.nonlinear.feedback import ROUGH_STEPS, Bent, Record, added, without_forces
+from suspid.identification.nonlinear.forces import ForceKind, forces_of
+from suspid.identification.nonlinear.linearised import slopes_of
+from suspid.identification.nonlinear.motion import Structures, steps_of
+from suspid.identification.nonlinear.own import next_poles, repeated
+from suspid.identification.nonlinear.structure import StructureFit, fitted, structure_of
+from suspid.identification.refinement import WORTHWHILE
+from suspid.units import RealArray
+
+# One more mode beside forces must lower the residual of a channel by this factor: a force that is not quite the true
+# one leaves a residual that further poles follow. Lower: distortions become modes. Higher: weak modes are lost.
+REDUCTION = 2.5
+# Kinds of force that are tried. More cost time.
+KINDS = 2
+# Steps of the motion up to which structures are fitted where forces were found, and where not, and channels: more take
+# too long.
+MOST_STEPS, MOST_BLIND, MOST_CHANNELS = 1500, 500, 3
+# Loss per sample by which a structure may still be above what it must reach, after the first steps.
+NEAR = 0.5
+# Steps after which the kinds are compared.
+FIRST = 6
+# Share of a record to which a structure is fitted first where the fit to the whole misses something.
+BEGINNING = 0.4
+# A mode whose pole has a standard deviation above this share of its modulus is none.
+UNKNOWN = 0.1
+
+
+def chosen(record: Record, plain: DrivenFit, bent: Bent | None, *, most: int, highest: float) -> StructureFit | None:
+    """Return the structure of least BIC near a linear fit or one with forces.
+
+    None if its BIC is not below the highest, or if a mode of it does not stand.
+
+    Forces of one kind act at every channel and between every two; those that are not worth their gains are left out.
+    Modes are added, up to ``most``, as long as each explains most of what is left.
+    """
+    if len(record.values) > MOST_CHANNELS:
+        return None
+    best: StructureFit | None = None
+    for start in _starts(record, plain, bent):
+        for order, kind in _kinds(record, start, bent):
+            if best is None or best.bic >= highest or _misses(best):
+                fit = _begun(record, start, kind, order)
+                best = fit if best is None or fit.bic < best.bic else best
+    # Where no force was found before, more than a few steps must not be needed.
+    if best is None or (bent is None and best.bic > highest + NEAR * best.residual.size):
+        return None
+    best = _needed(fitted(best))
+    while _misses(best) and len(best.theta) < most:
+        more = _with_mode(best)
+        if more is None:
+            break
+        best = _needed(more)
+    return best if best.forces and best.bic < highest and np.all(stands(best)) else None
+
+
+def _starts(record: Record, plain: DrivenFit, bent: Bent | None) -> list[DrivenFit]:
+    """Return the fits to start from: that with more modes, and the linear one without its weakest where it has many."""
+    if bent is not None:
+        starts = [bent.fit if bent.count > len(plain.drive.theta) else plain]
+    else:
+        starts = [_strongest(record, plain)]
+    count, most = record.values.shape[1], MOST_STEPS if bent is not None else MOST_BLIND
+    return [
+        start for start in starts if np.all(start.drive.theta.real < 0) and count * steps_of(start.drive.theta) <= most
+    ]
+
+
+def _strongest(record: Record, plain: DrivenFit) -> DrivenFit:
+    """Return a linear fit, or that with its two strongest poles where it has more: others may be distortion."""
+    energy = np.sum(np.abs(plain.amplitudes) ** 2 / plain.variance, axis=1) * np.sum(np.abs(plain.states) ** 2, axis=1)
+    fewer = plain.drive
+    for index in sorted(np.argsort(energy)[:-2].tolist(), reverse=True):
+        fewer = fewer.without_pole(index)
+    less = None if fewer is plain.drive else maximize(record.values, fewer, record.noise, steps=ROUGH_STEPS)
+    return plain if less is None else less
+
+
+def _with_mode(fit: StructureFit) -> StructureFit | None:
+    """Return the fit with one more mode that explains most of what is left; None if there is none."""
+    record = fit.record
+    best: StructureFit | None = None
+    for theta in next_poles(fit.residual, fit.variance, record.noise):
+        trial = fitted(_joined(fit, theta))
+        weights = trial.amplitudes / np.sqrt(trial.variance)
+        if trial.bic < (fit if best is None else best).bic and not repeated(
+            complex(trial.theta[-1]), weights[-1], trial.theta[:-1], weights[:-1], weak=0.0
+        ):
+            best = trial
+    if best is None or not np.max(np.sqrt(fit.variance / best.variance)) > REDUCTION:
+        return None
+    return best
+
+
+def _joined(fit: StructureFit, theta: complex) -> StructureFit:
+    """Return a start with one more mode, on which no force acts yet."""
+    powers, of = np.exp(theta * np.arange(fit.residual.shape[1])), fit.structures
+    columns = np.column_stack([powers.real, -powers.imag])
+    parts = np.linalg.lstsq(columns, fit.residual.T, rcond=None)[0]
+    shape = (parts[0] + 1j * parts[1]) * theta**-fit.order
+    gains = np.zeros((1, 1, len(fit.forces)), complex)
+    return fit.with_structures(
+        replace(
+            of,
+            theta=np.append(of.theta, [[theta]], axis=1),
+            shapes=np.append(of.shapes, shape[None, None], axis=1),
+            gains=np.append(of.gains, gains, axis=1),
+        )
+    )
+
+
+def _kinds(record: Record, plain: DrivenFit, bent: Bent | None) -> list[tuple[int, ForceKind]]:
+    """Return the orders of the channels and kinds of force worth trying: those found, or those that promise most."""
+    if bent is not None:
+        worths = dict.fromkeys((force.kind for force in bent.forces), 0.0)
+        for force, worth in zip(bent.forces, bent.fit.worths, strict=True):
+            worths[force.kind] += float(worth)
+        kinds = sorted(worths, key=lambda kind: -worths[kind])[:KINDS]
+        # Where the forces are not quite the true ones, a wrong order may have explained more.
+        return [(order, kind) for order in sorted({0, bent.order}) for kind in kinds]
+    if not len(record.theta):
+        record = replace(record, theta=plain.drive.theta, amplitudes=plain.amplitudes)
+    none = Bent(fit=plain, forces=(), order=0)
+    trials = [
+        (trial.fit.promised, order, kind)
+        for order in (0, 1, 2)
+        for kind in ForceKind
+        if (trial := added(record, replace(none, order=order), kind, record.motions(order))) is not None
+    ]
+    ordered = sorted((trial for trial in trials if trial[0] < plain.bic), key=lambda trial: trial[0])
+    kinds = list(dict.fromkeys(kind for _, _, kind in ordered))
+    if not kinds:
+        return []
+    # What one step promises is rough: the commonest forces of a rig are tried in any case.
+    common = [ForceKind.FRICTION, ForceKind.BENT_DAMPER, ForceKind.CUBIC]
+    return list(dict.fromkeys([*((0, kind) for kind in common), (ordered[0][1], kinds[0])]))
+
+
+def _needed(fit: StructureFit) -> StructureFit:
+    """Return the fit without forces that are not worth their gains."""
+    while len(fit.forces) > 1:
+        fewer = fitted(_without(fit, int(np.argmin(worths_of(fit)))))
+        if fewer.bic > fit.bic:
+            break
+        fit = fewer
+    return fit
+
+
+def _begun(record: Record, start: DrivenFit, kind: ForceKind, order: int) -> StructureFit:
+    """Return a structure with forces of a kind after some steps.
+
+    Where those leave more than noise beside the modes, the better of that and of one that begins with a fit to the
+    beginning of the record.
+    """
+    forces = forces_of(kind, len(record.values), most=len(record.values) * (len(record.values) + 1) // 2)
+    whole = fitted(structure_of(record, start.drive.theta, start.amplitudes, forces, order), steps=FIRST)
+    if not _misses(whole):
+        return whole
+    count = int(BEGINNING * record.values.shape[1])
+    begun = replace(record, values=record.values[:, :count])
+    linear = maximize(begun.values, _cut(without_forces(start.drive), count), record.noise, steps=ROUGH_STEPS)
+    if linear is None:
+        return whole
+    first = fitted(structure_of(begun, linear.drive.theta, linear.amplitudes, forces, order), steps=FIRST)
+    again = fitted(first.with_record(record), steps=FIRST)
+    return again if again.bic < whole.bic else whole
+
+
+def _cut(drive: Drive, count: int) -> Drive:
+    return replace(drive, forces=drive.forces[:, :count])
+
+
+def _without(fit: StructureFit, index: int) -> StructureFit:
+    """Return a start without one of the forces."""
+    of = fit.structures
+    fewer = Structures(
+        theta=of.theta,
+        shapes=of.shapes,
+        gains=np.delete(of.gains, index, axis=2),
+        forces=of.forces[:index] + of.forces[index + 1 :],
+        scales=np.delete(of.scales, index, axis=1),
+    )
+    return fit.with_structures(fewer)
+
+
+def worths_of(fit: StructureFit) -> RealArray:
+    """Return what each force is worth in twice the log likelihood, from its gains and their covariance, (force,)."""
+    covariance, gains = fit.covariance, fit.structures.gains[0]
+    first = 2 * (fit.structures.theta.size + fit.structures.shapes.size)
+    out = np.empty(len(fit.forces))
+    for j in range(len(out)):
+        places = first + 2 * (np.arange(len(gains)) * len(out) + j)
+        at = np.ravel(np.column_stack([places, places + 1]))
+        parts = np.column_stack([gains[:, j].real, gains[:, j].imag]).ravel()
+        scale = 1 / np.sqrt(np.maximum(covariance.diagonal()[at], 1e-300))
+        unit = covariance[np.ix_(at, at)] * np.outer(scale, scale)
+        out[j] = (parts * scale) @ np.linalg.lstsq(unit, parts * scale, rcond=1e-6)[0]
+    return out
+
+
+def _misses(fit: StructureFit) -> bool:
+    """Return whether more than noise is left beside a mode."""
+    return bool(np.any(_beside(fit) > LOUD))
+
+
+def _beside(fit: StructureFit) -> RealArray:
+    """Return the power of the residual beside each pole over that of white noise, (pole,)."""
+    weights = np.abs(fit.amplitudes).T ** 2 / fit.variance[:, None]
+    return over_channels(power_beside(fit.residual, fit.variance, fit.theta), weights)
+
+
+def stands(fit: StructureFit) -> NDArray[np.bool_]:
+    """Return whether each pole decays, makes a cycle, stands out of the residual near it and is known, (pole,)."""
+    theta, slopes = slopes_of(fit)
+    covariance = fit.covariance
+    if not np.all(np.isfinite(theta)):
+        return np.isfinite(theta)
+    energy = np.sum(np.abs(fit.amplitudes).T ** 2 / fit.variance[:, None], axis=0)
+    energy = energy * np.sum(np.abs(fit.motion.states[0]) ** 2, axis=1) / 2
+    beside = _beside(fit)
+    beside = np.where(beside > LOUD, beside, 1.0)
+    needed = WORTHWHILE * bic_penalty(len(fit.residual), fit.residual.size) * beside
+    variances = np.diag(slopes @ covariance @ slopes.T).reshape(-1, 2) * beside[:, None]
+    count = fit.residual.shape[1]
+    tones = [is_tone(-each.real, float(np.sqrt(v[0])), count) for each, v in zip(theta, variances, strict=True)]
+    known = np.sqrt(np.sum(variances, axis=1)) < UNKNOWN * np.abs(theta)
+    return np.asarray((energy > needed) & ~np.array(tones) & known & (theta.imag * count > 2 * np.pi))

@@ -1,0 +1,176 @@
+"""Equivalent linear system of a structure: its poles over a stretch, and their uncertainty."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from suspid.identification.covariance import estimate_of
+from suspid.identification.noise import loudness, power_beside, shared_noise
+from suspid.identification.nonlinear.amplitude import VISIBLE, AmplitudeDependence, by_pole, cuts_of, where_holds
+from suspid.identification.nonlinear.forces import ForceKind, means
+from suspid.identification.nonlinear.motion import Motion, Structures
+from suspid.identification.nonlinear.structure import StructureFit
+from suspid.model import ModalSet
+from suspid.units import ComplexArray, RealArray, Second
+from suspid.values import frozen_real
+
+# Forces that follow a speed; the others follow a displacement.
+OF_SPEED = (ForceKind.FRICTION, ForceKind.DRAG, ForceKind.BENT_DAMPER)
+
+
+def poles_within(structures: Structures, motion: Motion, window: slice) -> ComplexArray:
+    """Return the poles of the equivalent linear systems within a window, (structure, pole).
+
+    Each force is replaced by a damper or a spring for each mode, those nearest to it within the window.
+    """
+    states = motion.states[:, :, window]
+    theta, places, count = structures.theta, structures.places, structures.theta.shape[1]
+    own = theta[:, :, None] * np.eye(count)
+    twin = np.zeros_like(own)
+    for j, force in enumerate(structures.forces):
+        by = places[:, :, j] * (theta if force.kind in OF_SPEED else 1.0)
+        parts = means((by[:, :, None] * states).real)[:, :, :-1]
+        acting = motion.acting[:, j, window][:, :-1]
+        square = np.matmul(parts, np.swapaxes(parts, 1, 2))
+        scale = 1 / np.sqrt(np.einsum("pkk->pk", square) + 1e-300)
+        unit = square * scale[:, :, None] * scale[:, None, :] + 1e-9 * np.eye(count)
+        nearest = np.linalg.solve(unit, (np.matmul(parts, acting[:, :, None])[:, :, 0] * scale)[:, :, None])[:, :, 0]
+        share = 0.5 * structures.gains[:, :, None, j] * (nearest * scale)[:, None, :]
+        own = own + share * by[:, None, :]
+        twin = twin + share * by.conj()[:, None, :]
+    whole = np.concatenate(
+        [np.concatenate([own, twin], axis=2), np.concatenate([twin.conj(), own.conj()], axis=2)], axis=1
+    )
+    values = np.linalg.eigvals(whole)
+    out = np.einsum("pkk->pk", own).copy()
+    for one, found in enumerate(values):
+        upper = list(found[found.imag > 0])
+        if len(upper) == count:
+            for k in range(count):
+                out[one, k] = upper.pop(int(np.argmin(np.abs(np.array(upper) - out[one, k]))))
+    return np.asarray(out)
+
+
+def mean_poles(fit: StructureFit, structures: Structures, motion: Motion, window: slice = slice(None)) -> ComplexArray:
+    """Return the poles of the equivalent linear systems over a window, (structure, pole).
+
+    The damping ratio is the mean over the cycles of the slowest mode, of those in which a mode is seen above the noise
+    of the fit.
+    """
+    first, last, _ = window.indices(motion.states.shape[-1])
+    cycle = max(4, round(2 * np.pi / float(np.min(fit.theta.imag))))
+    edges = np.linspace(first, last, max(1, (last - first) // cycle) + 1).astype(int)
+    seen = np.array([_seen(fit, slice(a, b)) for a, b in pairwise(edges)])
+    poles = np.array([poles_within(structures, motion, slice(a, b + 1)) for a, b in pairwise(edges)])
+    weights = (seen | ~np.any(seen, axis=0))[:, None, :].astype(float)
+    zeta = np.sum(weights * (-poles.real / np.abs(poles)), axis=0) / np.sum(weights, axis=0)
+    wn = np.abs(poles_within(structures, motion, slice(first, last)))
+    return np.asarray(wn * (-zeta + 1j * np.sqrt(np.maximum(1 - zeta**2, 0.0))))
+
+
+def _seen(fit: StructureFit, window: slice) -> NDArray[np.bool_]:
+    """Return whether each mode is larger than the noise within a window in its strongest channel, (pole,)."""
+    sizes = np.mean(np.abs(fit.motion.states[0][:, window]), axis=1)
+    over = np.max(np.abs(fit.amplitudes) / np.sqrt(fit.variance), axis=1)
+    return np.asarray(sizes * over > VISIBLE)
+
+
+def slopes_of(fit: StructureFit, window: slice = slice(None)) -> tuple[ComplexArray, RealArray]:
+    """Return the mean poles (pole,) and their derivatives by the parameters, (Re and Im of each pole, parameter)."""
+    near = fit.nearby
+    own = mean_poles(fit, fit.structures, fit.motion, window)[0]
+    apart = (mean_poles(fit, near.structures, near.motion, window) - own) / near.steps[:, None]
+    return own, np.stack([apart.real, apart.imag], axis=2).reshape(len(near.steps), -1).T
+
+
+def modes_of_structure(
+    fit: StructureFit, *, timepts: RealArray, channels: tuple[str, ...]
+) -> tuple[ModalSet, RealArray, tuple[AmplitudeDependence, ...]]:
+    """Return the modes, how loud the residual is near each, (mode,), and how each depends on its amplitude."""
+    step, poles, count = float(timepts[-1] - timepts[0]) / (len(timepts) - 1), len(fit.theta), len(timepts)
+    exponents, slopes = slopes_of(fit)
+    order = np.argsort(np.abs(exponents), kind="stable")
+    rows = np.ravel([[2 * k, 2 * k + 1] for k in order])
+    weights = np.abs(fit.amplitudes[order]).T ** 2 / fit.variance[:, None]
+    beside = power_beside(fit.residual, fit.variance, exponents[order])
+    loud = loudness(fit.residual, fit.variance, exponents[order], beside=beside, weights=weights)
+    covariance = fit.covariance
+    size = 2 * poles * len(fit.residual)
+    # Shapes of one structure follow its exponents among the parameters.
+    dragged = np.zeros((size, slopes.shape[1]))
+    for mode, k in enumerate(order):
+        for c in range(len(fit.residual)):
+            at, own = 2 * (c * poles + mode), 2 * (poles + k * len(fit.residual) + c)
+            dragged[[at, at + 1], [own, own + 1]] = 1.0
+    joint = estimate_of(
+        exponents[order],
+        fit.structures.shapes[0][order].T,
+        chosen=slopes[rows],
+        of_parameters=covariance,
+        dragged=dragged,
+        noise=np.zeros((size, size)),
+        inflation=loud * shared_noise(fit.residual),
+    )
+    found = joint.modes(step=step, channels=channels)
+    found = _with_windows(found, fit, order, exponents, count, step)
+    widening = loud * shared_noise(fit.residual)
+    depends = tuple(
+        _dependence(fit, int(k), complex(exponents[k]), covariance * wide, timepts, channels)
+        for k, wide in zip(order, widening, strict=True)
+    )
+    return found, frozen_real(loud), depends
+
+
+def _with_windows(
+    modes: ModalSet, fit: StructureFit, order: NDArray[np.intp], exponents: ComplexArray, count: int, step: Second
+) -> ModalSet:
+    """Return the modes with what the choice of the stretch does to each pole in its covariance.
+
+    The stretch starts half a period of the slowest mode later, or ends a fifth earlier.
+    """
+    assert modes.covariance is not None
+    covariance = modes.covariance.copy()
+    half = min(int(np.pi / float(np.min(fit.theta.imag))), count // 2)
+    for window in (slice(half, count), slice(0, count - count // 5)):
+        changes = (mean_poles(fit, fit.structures, fit.motion, window)[0] - exponents)[order] / step
+        for mode, change in enumerate(changes):
+            at, parts = slice(2 * mode, 2 * mode + 2), np.array([change.real, change.imag])
+            covariance[at, at] += np.outer(parts, parts)
+    return replace(modes, covariance=covariance)
+
+
+def _dependence(
+    fit: StructureFit,
+    pole: int,
+    holds: complex,
+    covariance: RealArray,
+    timepts: RealArray,
+    channels: tuple[str, ...],
+) -> AmplitudeDependence:
+    """Return how a mode depends on its amplitude, over parts of the decay."""
+    strongest, step = int(np.argmax(np.abs(fit.amplitudes[pole]))), float(timepts[-1] - timepts[0]) / (len(timepts) - 1)
+    envelope = np.log(np.abs(fit.amplitudes[pole, strongest] * fit.motion.states[0, pole]) + 1e-300)
+    cycle = int(np.ceil(2 * np.pi / float(np.min(fit.theta.imag))))
+    spans = list(pairwise(cuts_of(envelope, least=max(8, cycle))))
+    near, poles, stds = fit.nearby, np.empty(len(spans), complex), np.empty((len(spans), 2))
+    for i, (a, b) in enumerate(spans):
+        window = slice(a, b + 1)
+        poles[i] = poles_within(fit.structures, fit.motion, window)[0, pole]
+        apart = (poles_within(near.structures, near.motion, window)[:, pole] - poles[i]) / near.steps
+        slopes = by_pole(poles[i]) @ np.array([apart.real, apart.imag])
+        stds[i] = np.sqrt(np.diag(slopes @ covariance @ slopes.T))
+    amplitude = np.array([np.exp(np.mean(envelope[a : b + 1])) for a, b in spans])
+    return AmplitudeDependence(
+        spans=tuple((float(timepts[0] + step * a), float(timepts[0] + step * b)) for a, b in spans),
+        channel=channels[strongest],
+        amplitude=frozen_real(amplitude),
+        wn=frozen_real(np.abs(poles) / step),
+        zeta=frozen_real(-poles.real / np.abs(poles)),
+        wn_std=frozen_real(stds[:, 0] / step),
+        zeta_std=frozen_real(stds[:, 1]),
+        holds_at=where_holds(holds, poles, amplitude),
+    )

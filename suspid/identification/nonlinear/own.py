@@ -1,0 +1,66 @@
+"""Poles that a residual shows, and whether one is a mode of its own or a part or multiple of another."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from suspid.identification.candidates import ranked, searched
+from suspid.identification.exponentials import blocks_of
+from suspid.identification.fitting import OTHER_FREQUENCY
+from suspid.identification.likelihood import evaluate as evaluate_decay
+from suspid.identification.noise import WhiteNoise
+from suspid.identification.poles import Poles
+from suspid.units import ComplexArray, RealArray
+
+# Poles tried as the next one.
+NEXT = 2
+# A pole near another in frequency is part of it if their shapes agree: modal assurance criterion above this.
+ALIKE_MAC = 0.9
+# A pole is a harmonic of another mode if its frequency is that near to a multiple and its amplitude below this share.
+MULTIPLE, HARMONIC = 0.03, 0.2
+
+
+def repeated(
+    theta: complex,
+    amplitude: ComplexArray,
+    others: ComplexArray,
+    amplitudes: ComplexArray,
+    *,
+    weak: float = HARMONIC,
+    most: float = np.inf,
+) -> bool:
+    """Return whether a pole is part of another of the same shape, or a multiple of it below a share of its amplitude.
+
+    So is one at the sum or difference of two that are larger. Multiples count up to ``most``. The amplitudes, over the
+    noise, are (channel,) and (other, channel).
+    """
+    ratio = np.abs(theta) / np.abs(others)
+    size, sizes = float(np.sum(np.abs(amplitude) ** 2)), np.sum(np.abs(amplitudes) ** 2, axis=1)
+    alike = np.abs(amplitudes.conj() @ amplitude) ** 2 > ALIKE_MAC * sizes * size
+    near = alike & (np.maximum(ratio, 1 / ratio) < OTHER_FREQUENCY)
+    if _combined(abs(theta), np.abs(others[sizes > size])):
+        return True
+    multiple = (
+        (np.round(ratio) > 1)
+        & (np.round(ratio) <= most)
+        & (np.abs(ratio / np.maximum(np.round(ratio), 1.0) - 1) < MULTIPLE)
+    )
+    return bool(np.any(near | multiple & (size < weak**2 * sizes)))
+
+
+def _combined(frequency: float, others: RealArray) -> bool:
+    """Return whether a frequency is the sum or difference of two others, as where two modes bend the same spring."""
+    first, second = np.triu_indices(len(others), 1)
+    both = np.concatenate([others[first] + others[second], np.abs(others[first] - others[second])])
+    return bool(np.any(np.abs(frequency / both - 1) < MULTIPLE))
+
+
+def next_poles(residual: RealArray, variance: RealArray, noise: WhiteNoise) -> list[complex]:
+    """Return the exponents at which a residual is largest, of at least one cycle."""
+    none = Poles(pairs=np.zeros(0, complex), reals=np.zeros(0), nuisances=np.zeros(1))
+    count = residual.shape[1]
+    alone = evaluate_decay(blocks_of(residual), none, noise)
+    if alone is None:
+        return []
+    found = ranked(alone, variance, searched(alone, residual, variance))
+    return [c.theta for c in found if not c.real and c.theta.imag * count > 2 * np.pi][:NEXT]

@@ -1,0 +1,258 @@
+"""Fit structures to a record: modes and the forces that follow their motion, all together.
+
+Feedback of the measured motion takes the forces as known. Here they follow the motion of the model itself, so that a
+mass may be held by friction, and a force changes speeds, not positions: that leaves it half as many free gains.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from suspid.identification.noise import degrees_of_freedom
+from suspid.identification.nonlinear.feedback import Record
+from suspid.identification.nonlinear.forces import Force
+from suspid.identification.nonlinear.motion import Motion, Structures, motion_of
+from suspid.units import ComplexArray, RealArray
+
+# Share of the largest speeds by which a unit of force within a radian of the fastest mode may change positions, in
+# standard deviations of 1. A smaller share slows the fit down, a larger one frees the gains.
+JUMP = 3e-5
+# Relative change of each parameter for derivatives, and fall of the loss at which a fit ends.
+CHANGE, SETTLED = 1e-6, 0.1
+# Steps at most, and tries of each: a start without forces takes 4 to 8 steps.
+STEPS, TRIES = 15, 4
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Nearby:
+    """Structures with one parameter changed each, for derivatives."""
+
+    structures: Structures
+    motion: Motion
+    steps: RealArray  # (parameter,)
+    apart: RealArray  # (parameter, channel, sample): what that changes
+
+    def slopes(self, of: StructureFit) -> RealArray:
+        """Return derivatives over standard deviations, (parameter, sample of any channel, then jump)."""
+        count, steps = len(self.steps), self.steps[:, None, None]
+        weighted = self.apart / np.sqrt(of.variance)[:, None] / steps
+        jumps = (_jumps(self.structures) - _jumps(of.structures)) / _least_jumps(of.structures) / steps
+        return np.concatenate([weighted.reshape(count, -1), jumps.reshape(count, -1)], axis=1)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class StructureFit:
+    """A structure and how it fits a record."""
+
+    record: Record
+    order: int  # the channels are displacements (0), speeds (1) or accelerations (2)
+    structures: Structures  # one
+    motion: Motion
+    residual: RealArray  # (channel, sample)
+    nearby: Nearby
+
+    @property
+    def theta(self) -> ComplexArray:
+        """Exponents per sample, of the motion without the forces, (pole,)."""
+        return np.asarray(self.structures.theta[0])
+
+    @property
+    def forces(self) -> tuple[Force, ...]:
+        """The forces."""
+        return self.structures.forces
+
+    @property
+    def amplitudes(self) -> ComplexArray:
+        """Complex amplitudes of the states, (pole, channel)."""
+        return np.asarray(self.structures.shapes[0] * self.theta[:, None] ** self.order)
+
+    @property
+    def free(self) -> int:
+        """Number of real parameters of poles and forces."""
+        poles, channels = self.amplitudes.shape
+        return int(2 * poles + len(self.forces) * (2 * poles - min(poles, channels)))
+
+    @cached_property
+    def squares(self) -> RealArray:
+        """Residual sum of squares, (channel,)."""
+        return np.asarray(np.sum(self.residual**2, axis=1))
+
+    @property
+    def variance(self) -> RealArray:
+        """Variance of the residual, at least the least of the noise, (channel,)."""
+        return self.record.noise.variance(self.squares, self.residual.shape[1])
+
+    @property
+    def loss(self) -> float:
+        """Minus twice the log likelihood less a constant."""
+        return self.record.noise.loss(self.squares, self.residual.shape[1])
+
+    @property
+    def bic(self) -> float:
+        """Loss and ``log(samples)`` for each parameter."""
+        poles, channels = self.amplitudes.shape
+        linear = channels * (2 * poles + len(self.record.nuisances))
+        return float(self.loss + (self.free + linear) * np.log(self.residual.size))
+
+    @property
+    def freedom(self) -> float:
+        """Degrees of freedom of the residual of one channel."""
+        (poles, channels), count = self.amplitudes.shape, self.residual.shape[1]
+        amplitudes = 2 * poles + len(self.record.nuisances)
+        return degrees_of_freedom(count, amplitudes=amplitudes, poles=self.free, channels=channels)
+
+    def with_record(self, record: Record) -> StructureFit:
+        """Return the same structure beside another record."""
+        return _evaluated(record, self.structures, self.order)
+
+    def with_structures(self, structures: Structures) -> StructureFit:
+        """Return another structure beside the same record."""
+        return _evaluated(self.record, structures, self.order)
+
+    @cached_property
+    def covariance(self) -> RealArray:
+        """Covariance of the parameters, (parameter, parameter)."""
+        slopes = self.nearby.slopes(self)
+        scale = 1 / np.maximum(np.linalg.norm(slopes, axis=1), 1e-300)
+        unit = slopes * scale[:, None]
+        inverse = np.linalg.pinv(unit @ unit.T, rcond=1e-12, hermitian=True)
+        return np.asarray(inverse * np.outer(scale, scale) * (self.residual.shape[1] / self.freedom))
+
+
+def structure_of(
+    record: Record, theta: ComplexArray, amplitudes: ComplexArray, forces: tuple[Force, ...], order: int
+) -> StructureFit:
+    """Return the structure with given poles and amplitudes (pole, channel) on which no force acts yet."""
+    shapes = amplitudes * theta[:, None] ** -order
+    plain = Structures(
+        theta=theta[None],
+        shapes=shapes[None],
+        gains=np.zeros((1, len(theta), len(forces)), complex),
+        forces=forces,
+        scales=np.ones((2, len(forces))),
+    )
+    powers = np.exp(np.outer(theta, np.arange(record.values.shape[1])))
+    travel = np.einsum("kj,kn->jn", plain.places[0], powers).real
+    speed = np.einsum("kj,kn->jn", plain.places[0] * theta[:, None], powers).real
+    scales = np.array([np.max(np.abs(travel), axis=1), np.max(np.abs(speed), axis=1)]) + 1e-300
+    return _evaluated(record, replace(plain, scales=scales), order)
+
+
+def fitted(start: StructureFit, *, steps: int = STEPS) -> StructureFit:
+    """Return the fit of greatest likelihood near a start, by damped Gauss-Newton steps."""
+    fit, damping = start, 1e-3
+    for _ in range(steps):
+        slopes = fit.nearby.slopes(fit)
+        scale = 1 / np.maximum(np.linalg.norm(slopes, axis=1), 1e-300)
+        unit = slopes * scale[:, None]
+        left = np.concatenate(
+            [
+                (fit.residual / np.sqrt(fit.variance)[:, None]).ravel(),
+                -(_jumps(fit.structures) / _least_jumps(fit.structures)).ravel(),
+            ]
+        )
+        information, gradient = unit @ unit.T, unit @ left
+        if not (np.all(np.isfinite(information)) and np.all(np.isfinite(gradient))):
+            return fit
+        better, before = None, _cost(fit)
+        for _ in range(TRIES):
+            step = np.linalg.lstsq(information + damping * np.eye(len(information)), gradient, rcond=None)[0] * scale
+            structures = _with_parameters(fit.structures, (_parameters(fit.structures) + step)[None])
+            trial = _evaluated(fit.record, structures, fit.order) if _possible(structures, fit) else None
+            if trial is not None and _cost(trial) < before:
+                better = trial
+                break
+            damping = max(30 * damping, 1e-3)
+        if better is None:
+            return fit
+        fit, damping = better, damping / 10
+        if before - _cost(fit) < SETTLED:
+            return fit
+    return fit
+
+
+def _possible(structures: Structures, before: StructureFit) -> bool:
+    """Return whether poles turn, and not more than twice as fast as before the step."""
+    theta = structures.theta[0]
+    return bool(np.all(theta.imag > 0) and np.max(np.abs(theta)) < 2 * np.max(np.abs(before.theta)))
+
+
+def _cost(fit: StructureFit) -> float:
+    cost = fit.loss + float(np.sum((_jumps(fit.structures) / _least_jumps(fit.structures)) ** 2))
+    return cost if np.isfinite(cost) else np.inf
+
+
+def _with_parameters(of: Structures, parameters: RealArray) -> Structures:
+    """Return structures with other parameters, (structure, parameter)."""
+    every = parameters[:, ::2] + 1j * parameters[:, 1::2]
+    poles, shapes = of.theta.shape[1], of.shapes[0].size
+    return replace(
+        of,
+        theta=every[:, :poles],
+        shapes=every[:, poles : poles + shapes].reshape(-1, *of.shapes.shape[1:]),
+        gains=every[:, poles + shapes :].reshape(-1, *of.gains.shape[1:]),
+    )
+
+
+def _evaluated(record: Record, structures: Structures, order: int) -> StructureFit:
+    """Return the structure with its motion and what that leaves of a record."""
+    at, count = _parameters(structures), record.values.shape[1]
+    steps = np.maximum(CHANGE * np.repeat(np.abs(at[::2] + 1j * at[1::2]), 2), CHANGE**1.5)
+    # A step costs about as much for all of them as for one.
+    every = _with_parameters(structures, at + np.vstack([np.zeros(len(at)), np.diag(steps)]))
+    with np.errstate(over="ignore", invalid="ignore"):
+        motion = motion_of(every, count)
+        observed = _observed(record, every, motion, order)
+        left = _less_nuisances(record, record.values) - observed[0]
+        apart = observed[1:] - observed[0]
+    return StructureFit(
+        record=record,
+        order=order,
+        structures=structures,
+        motion=Motion(states=motion.states[:1], acting=motion.acting[:1]),
+        residual=np.asarray(left),
+        nearby=Nearby(
+            structures=replace(every, theta=every.theta[1:], shapes=every.shapes[1:], gains=every.gains[1:]),
+            motion=Motion(states=motion.states[1:], acting=motion.acting[1:]),
+            steps=steps,
+            apart=apart,
+        ),
+    )
+
+
+def _parameters(of: Structures) -> RealArray:
+    """Return real and imaginary parts of the exponents, shapes and gains of one structure."""
+    every = np.concatenate([of.theta.ravel(), of.shapes.ravel(), of.gains.ravel()])
+    return np.column_stack([every.real, every.imag]).ravel()
+
+
+def _observed(record: Record, structures: Structures, motion: Motion, order: int) -> RealArray:
+    """Return the channels less offset and drift, (structure, channel, sample)."""
+    amplitudes = structures.shapes * structures.theta[:, :, None] ** order
+    out = np.matmul(np.swapaxes(amplitudes, 1, 2), motion.states).real
+    if order == 2:
+        # A force shows in the accelerations at once.
+        at_once = np.einsum("pkc,pkj->pcj", structures.shapes * structures.theta[:, :, None], structures.gains).real
+        out = out + np.matmul(at_once, motion.acting)
+    return _less_nuisances(record, np.asarray(out))
+
+
+def _less_nuisances(record: Record, values: RealArray) -> RealArray:
+    """Return values (…, sample) less the offset and drift nearest to them."""
+    columns = np.exp(np.outer(np.arange(values.shape[-1]), record.nuisances))
+    basis = np.linalg.qr(columns)[0]
+    return np.asarray(values - (values @ basis) @ basis.T)
+
+
+def _jumps(structures: Structures) -> RealArray:
+    """Return the change of each displacement by each force at once: no force moves a mass at once."""
+    return np.asarray(np.einsum("pkc,pkj->pcj", structures.shapes, structures.gains).real)
+
+
+def _least_jumps(structures: Structures) -> RealArray:
+    """Return the standard deviations of the jumps, (channel, 1)."""
+    speeds = np.abs(structures.shapes[0] * structures.theta[0, :, None])
+    return np.asarray(JUMP * np.sum(speeds, axis=0)[:, None])
