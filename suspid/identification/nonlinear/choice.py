@@ -28,6 +28,8 @@ KINDS = 2
 # Steps of the motion up to which structures are fitted where forces were found, and where not, and channels: more take
 # too long.
 MOST_STEPS, MOST_BLIND, MOST_CHANNELS = 1500, 500, 3
+# Ratio of natural frequencies below which two poles of a linear fit may be parts of one mode.
+APART = 1.5
 # Loss per sample by which a structure may still be above what it must reach, after the first steps.
 NEAR = 0.5
 # Steps after which the kinds are compared.
@@ -67,11 +69,9 @@ def chosen(record: Record, plain: DrivenFit, bent: Bent | None, *, most: int, hi
 
 
 def _starts(record: Record, plain: DrivenFit, bent: Bent | None) -> list[DrivenFit]:
-    """Return the fits to start from: that with more modes, and the linear one without its weakest where it has many."""
-    if bent is not None:
-        starts = [bent.fit if bent.count > len(plain.drive.theta) else plain]
-    else:
-        starts = [_strongest(record, plain)]
+    """Return the fits to start from: that of several modes with forces, and the linear one."""
+    starts = [bent.fit] if bent is not None and bent.count > 1 else []
+    starts = [*starts, _strongest(record, plain)]
     count, most = record.values.shape[1], MOST_STEPS if bent is not None else MOST_BLIND
     return [
         start for start in starts if np.all(start.drive.theta.real < 0) and count * steps_of(start.drive.theta) <= most
@@ -79,11 +79,16 @@ def _starts(record: Record, plain: DrivenFit, bent: Bent | None) -> list[DrivenF
 
 
 def _strongest(record: Record, plain: DrivenFit) -> DrivenFit:
-    """Return a linear fit, or that with its two strongest poles where it has more: others may be distortion."""
+    """Return a linear fit, or that with its two strongest poles apart where it has more: others may be distortion."""
     energy = np.sum(np.abs(plain.amplitudes) ** 2 / plain.variance, axis=1) * np.sum(np.abs(plain.states) ** 2, axis=1)
+    size = np.log(np.abs(plain.drive.theta))
+    kept = list[int]()
+    for index in np.argsort(-energy).tolist():
+        if len(kept) < 2 and np.all(np.abs(size[index] - size[kept]) > np.log(APART)):
+            kept.append(index)
     fewer = plain.drive
-    for index in sorted(np.argsort(energy)[:-2].tolist(), reverse=True):
-        fewer = fewer.without_pole(index)
+    for index in reversed(range(len(size))):
+        fewer = fewer if index in kept else fewer.without_pole(index)
     less = None if fewer is plain.drive else maximize(record.values, fewer, record.noise, steps=ROUGH_STEPS)
     return plain if less is None else less
 
@@ -128,8 +133,9 @@ def _kinds(record: Record, plain: DrivenFit, bent: Bent | None) -> list[tuple[in
         for force, worth in zip(bent.forces, bent.fit.worths, strict=True):
             worths[force.kind] += float(worth)
         kinds = sorted(worths, key=lambda kind: -worths[kind])[:KINDS]
-        # Where the forces are not quite the true ones, a wrong order may have explained more.
-        return [(order, kind) for order in sorted({0, bent.order}) for kind in kinds]
+        # Where the forces are not quite the true ones, a wrong order or kind may have explained more.
+        tried = [*((0, kind) for kind in [*kinds, ForceKind.FRICTION]), *((bent.order, kind) for kind in kinds)]
+        return list(dict.fromkeys(tried))
     if not len(record.theta):
         record = replace(record, theta=plain.drive.theta, amplitudes=plain.amplitudes)
     none = Bent(fit=plain, forces=(), order=0)

@@ -22,16 +22,19 @@ from suspid.values import frozen_real
 OF_SPEED = (ForceKind.FRICTION, ForceKind.DRAG, ForceKind.BENT_DAMPER)
 
 
-def poles_within(structures: Structures, motion: Motion, window: slice) -> ComplexArray:
+def poles_within(structures: Structures, motion: Motion, window: slice, *, springs_only: bool = False) -> ComplexArray:
     """Return the poles of the equivalent linear systems within a window, (structure, pole).
 
-    Each force is replaced by a damper or a spring for each mode, those nearest to it within the window.
+    Each force is replaced by a damper or a spring for each mode, those nearest to it within the window; with
+    ``springs_only`` forces that follow a speed are left out.
     """
     states = motion.states[:, :, window]
     theta, places, count = structures.theta, structures.places, structures.theta.shape[1]
     own = theta[:, :, None] * np.eye(count)
     twin = np.zeros_like(own)
     for j, force in enumerate(structures.forces):
+        if springs_only and force.kind in OF_SPEED:
+            continue
         by = places[:, :, j] * (theta if force.kind in OF_SPEED else 1.0)
         parts = means((by[:, :, None] * states).real)[:, :, :-1]
         acting = motion.acting[:, j, window][:, :-1]
@@ -58,8 +61,8 @@ def poles_within(structures: Structures, motion: Motion, window: slice) -> Compl
 def mean_poles(fit: StructureFit, structures: Structures, motion: Motion, window: slice = slice(None)) -> ComplexArray:
     """Return the poles of the equivalent linear systems over a window, (structure, pole).
 
-    The damping ratio is the mean over the cycles of the slowest mode, of those in which a mode is seen above the noise
-    of the fit.
+    Friction and dampers change no natural frequency. The damping ratio is the mean over the cycles of the slowest mode,
+    of those in which a mode is seen above the noise of the fit.
     """
     first, last, _ = window.indices(motion.states.shape[-1])
     cycle = max(4, round(2 * np.pi / float(np.min(fit.theta.imag))))
@@ -68,7 +71,7 @@ def mean_poles(fit: StructureFit, structures: Structures, motion: Motion, window
     poles = np.array([poles_within(structures, motion, slice(a, b + 1)) for a, b in pairwise(edges)])
     weights = (seen | ~np.any(seen, axis=0))[:, None, :].astype(float)
     zeta = np.sum(weights * (-poles.real / np.abs(poles)), axis=0) / np.sum(weights, axis=0)
-    wn = np.abs(poles_within(structures, motion, slice(first, last)))
+    wn = np.abs(poles_within(structures, motion, slice(first, last), springs_only=True))
     return np.asarray(wn * (-zeta + 1j * np.sqrt(np.maximum(1 - zeta**2, 0.0))))
 
 

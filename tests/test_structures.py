@@ -1,0 +1,86 @@
+"""Structures under forces that follow their motion, beside exact motions of rigs with friction."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from suspid import identify
+from suspid.identification import ForceKind, Identification
+from suspid.identification.nonlinear.forces import Force
+from suspid.identification.nonlinear.motion import Structures, motion_of
+from suspid.signals import as_response
+from validation.friction import Rig, released
+
+Real = NDArray[np.float64]
+
+RIG = Rig(mass=(1.0, 2.0), stiffness=(4000.0, 3000.0), damping=(2.0, 1.5), friction=(8.0, 6.0))
+LIGHT = replace(RIG, friction=(3.0, 2.0))
+STEP = 1e-5
+HELD = np.array([0.02, 0.05])
+TIME = np.asarray(np.arange(260) / 250, float)
+
+
+def structure(rig: Rig, held: Real, step: float) -> Structures:
+    """Return the modes of a rig released from rest, per sample."""
+    stiff, damp, friction = rig.accelerations()
+    count = len(friction)
+    system = np.block([[np.zeros((count, count)), np.eye(count)], [-stiff, -damp]])
+    poles, vectors = np.linalg.eig(system)
+    left = np.linalg.inv(vectors)
+    upper = np.flatnonzero(poles.imag > 0)
+    start = (left @ np.concatenate([held, np.zeros(count)]))[upper]
+    push = (left @ np.vstack([np.zeros((count, count)), -np.diag(friction)]))[upper]
+    return Structures(
+        theta=np.asarray(poles[None, upper] * step, complex),
+        shapes=(2 * vectors[:count, upper] * start).T[None],
+        gains=(push / start[:, None])[None] * step,
+        forces=tuple(Force(kind=ForceKind.FRICTION, channel=c, other=None) for c in range(count)),
+        scales=np.ones((2, count)),
+    )
+
+
+class TestMotion:
+    def test_is_that_of_the_rig_with_masses_that_stop_and_break_loose(self) -> None:
+        exact, stop = released(RIG, HELD, TIME)
+        modes = structure(RIG, HELD, float(TIME[1]))
+        motion = motion_of(modes, len(TIME))
+        found = np.einsum("kc,kn->cn", modes.shapes[0], motion.states[0]).real
+        assert stop < TIME[-1]
+        # Events are placed to the square of a step: 3e-4 of the swing.
+        assert np.max(np.abs(found - exact)) < 5e-4 * np.max(np.abs(exact))
+
+    def test_friction_is_less_than_its_limit_where_a_mass_is_held(self) -> None:
+        modes = structure(RIG, HELD, float(TIME[1]))
+        acting = motion_of(modes, len(TIME)).acting[0]
+        assert np.max(np.abs(acting)) <= 1.0
+        assert np.all(np.ptp(acting[:, -20:], axis=1) < 1e-6)
+        assert np.max(np.abs(acting[:, -20:])) < 1.0
+
+
+class TestTwoMassesWithFriction:
+    """Friction alone changes no frequency: those without it are the truth."""
+
+    @pytest.fixture(scope="class")
+    @classmethod
+    def found(cls) -> Identification:
+        exact, _ = released(LIGHT, HELD, TIME)
+        return identify(as_response(TIME, STEP * np.round(exact / STEP), ("x1", "x2")))
+
+    def test_has_both_modes(self, found: Identification) -> None:
+        assert found.modes.wn == pytest.approx(RIG.wn, rel=2e-3)
+
+    def test_names_friction_at_both_masses(self, found: Identification) -> None:
+        assert {(force.kind, force.channel, force.other) for force in found.forces} == {
+            (ForceKind.FRICTION, 0, None),
+            (ForceKind.FRICTION, 1, None),
+        }
+
+    def test_intervals_hold_the_truth(self, found: Identification) -> None:
+        assert found.modes.wn_std is not None
+        assert np.all(np.abs(found.modes.wn - RIG.wn) < 3 * found.modes.wn_std)
+
+    def test_damping_rises_as_the_amplitude_falls(self, found: Identification) -> None:
+        (_, large), (_, small) = found.amplitude_dependence[0].ends
+        assert small > 1.5 * large
