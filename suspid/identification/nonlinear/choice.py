@@ -48,8 +48,6 @@ def chosen(record: Record, plain: DrivenFit, bent: Bent | None, *, most: int, hi
     Forces of one kind act at every channel and between every two; those that are not worth their gains are left out.
     Modes are added, up to ``most``, as long as each explains most of what is left.
     """
-    if len(record.values) > MOST_CHANNELS:
-        return None
     best: StructureFit | None = None
     for start in _starts(record, plain, bent):
         for order, kind in _kinds(record, start, bent):

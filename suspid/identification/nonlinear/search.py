@@ -11,7 +11,7 @@ from suspid.identification.classification import LEAST_EXPLAINED, is_tone
 from suspid.identification.likelihood import DecayFit, bic_penalty
 from suspid.identification.noise import LOUD, WhiteNoise, over_channels, power_beside
 from suspid.identification.nonlinear.amplitude import covariance_of, mean_pole, swings_of, window_changes
-from suspid.identification.nonlinear.choice import REDUCTION, chosen
+from suspid.identification.nonlinear.choice import MOST_CHANNELS, REDUCTION, chosen
 from suspid.identification.nonlinear.driven import DrivenFit, evaluate, maximize
 from suspid.identification.nonlinear.feedback import (
     LEAST_FALL,
@@ -94,6 +94,9 @@ def _structure(
     values: RealArray, noise: WhiteNoise, linear: DecayFit, found: Bent | None, *, modes: int, highest: float
 ) -> Bent | None:
     """Return the structure of several modes that explains a record best, if there is one."""
+    # Forces act where a motion is measured: at one point of several masses they are not seen.
+    if not 1 < len(values) <= MOST_CHANNELS:
+        return None
     record = _record(values, noise, linear)
     plain, _ = _linear_modes(record, modes)
     if plain is None or np.max(1 - plain.squares / np.sum(values**2, axis=1)) < LEAST_EXPLAINED:
