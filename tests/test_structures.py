@@ -37,7 +37,7 @@ def structure(rig: Rig, held: Real, step: float) -> Structures:
         shapes=(2 * vectors[:count, upper] * start).T[None],
         gains=(push / start[:, None])[None] * step,
         forces=tuple(Force(kind=ForceKind.FRICTION, channel=c, other=None) for c in range(count)),
-        scales=np.ones((2, count)),
+        scales=np.ones(count),
     )
 
 

@@ -1,4 +1,8 @@
-"""Choose the structure that explains a record: which forces follow its motion, and how many modes it has."""
+"""Choose the structure that explains a record: which friction acts in it, and how many modes it has.
+
+Other forces than friction are functions of the motion as it was measured. What holds a mass at rest is not: it is as
+large as the other forces there.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +19,7 @@ from suspid.identification.nonlinear.feedback import ROUGH_STEPS, Bent, Record, 
 from suspid.identification.nonlinear.forces import ForceKind, forces_of
 from suspid.identification.nonlinear.linearised import slopes_of
 from suspid.identification.nonlinear.motion import Structures, steps_of
-from suspid.identification.nonlinear.own import next_poles, repeated
+from suspid.identification.nonlinear.own import UNKNOWN, next_poles, repeated
 from suspid.identification.nonlinear.structure import StructureFit, fitted, structure_of
 from suspid.identification.refinement import WORTHWHILE
 from suspid.units import RealArray
@@ -23,21 +27,17 @@ from suspid.units import RealArray
 # One more mode beside forces must lower the residual of a channel by this factor: a force that is not quite the true
 # one leaves a residual that further poles follow. Lower: distortions become modes. Higher: weak modes are lost.
 REDUCTION = 2.5
-# Kinds of force that are tried. More cost time.
-KINDS = 2
 # Steps of the motion up to which structures are fitted where forces were found, and where not, and channels: more take
 # too long.
-MOST_STEPS, MOST_BLIND, MOST_CHANNELS = 1500, 500, 3
+LONGEST, LONGEST_BLIND, MOST_MASSES = 1500, 500, 3
 # Ratio of natural frequencies below which two poles of a linear fit may be parts of one mode.
 APART = 1.5
 # Loss per sample by which a structure may still be above what it must reach, after the first steps.
-NEAR = 0.5
-# Steps after which the kinds are compared.
+WITHIN_REACH = 0.5
+# Steps after which starts are compared.
 FIRST = 6
 # Share of a record to which a structure is fitted first where the fit to the whole misses something.
 BEGINNING = 0.4
-# A mode whose pole has a standard deviation above this share of its modulus is none.
-UNKNOWN = 0.1
 
 
 def chosen(record: Record, plain: DrivenFit, bent: Bent | None, *, most: int, highest: float) -> StructureFit | None:
@@ -45,17 +45,17 @@ def chosen(record: Record, plain: DrivenFit, bent: Bent | None, *, most: int, hi
 
     None if its BIC is not below the highest, or if a mode of it does not stand.
 
-    Forces of one kind act at every channel and between every two; those that are not worth their gains are left out.
+    Friction acts at every channel and between every two; that which is not worth its gains is left out.
     Modes are added, up to ``most``, as long as each explains most of what is left.
     """
     best: StructureFit | None = None
     for start in _starts(record, plain, bent):
-        for order, kind in _kinds(record, start, bent):
+        for order in _orders(record, start, bent):
             if best is None or best.bic >= highest or _misses(best):
-                fit = _begun(record, start, kind, order)
+                fit = _begun(record, start, order)
                 best = fit if best is None or fit.bic < best.bic else best
     # Where no force was found before, more than a few steps must not be needed.
-    if best is None or (bent is None and best.bic > highest + NEAR * best.residual.size):
+    if best is None or (bent is None and best.bic > highest + WITHIN_REACH * best.residual.size):
         return None
     best = _needed(fitted(best))
     while _misses(best) and len(best.theta) < most:
@@ -70,7 +70,7 @@ def _starts(record: Record, plain: DrivenFit, bent: Bent | None) -> list[DrivenF
     """Return the fits to start from: that of several modes with forces, and the linear one."""
     starts = [bent.fit] if bent is not None and bent.count > 1 else []
     starts = [*starts, _strongest(record, plain)]
-    count, most = record.values.shape[1], MOST_STEPS if bent is not None else MOST_BLIND
+    count, most = record.values.shape[1], LONGEST if bent is not None else LONGEST_BLIND
     return [
         start for start in starts if np.all(start.drive.theta.real < 0) and count * steps_of(start.drive.theta) <= most
     ]
@@ -124,32 +124,21 @@ def _joined(fit: StructureFit, theta: complex) -> StructureFit:
     )
 
 
-def _kinds(record: Record, plain: DrivenFit, bent: Bent | None) -> list[tuple[int, ForceKind]]:
-    """Return the orders of the channels and kinds of force worth trying: those found, or those that promise most."""
+def _orders(record: Record, plain: DrivenFit, bent: Bent | None) -> list[int]:
+    """Return the orders of the channels worth trying: displacements, and what explained or promises most."""
     if bent is not None:
-        worths = dict.fromkeys((force.kind for force in bent.forces), 0.0)
-        for force, worth in zip(bent.forces, bent.fit.worths, strict=True):
-            worths[force.kind] += float(worth)
-        kinds = sorted(worths, key=lambda kind: -worths[kind])[:KINDS]
-        # Where the forces are not quite the true ones, a wrong order or kind may have explained more.
-        tried = [*((0, kind) for kind in [*kinds, ForceKind.FRICTION]), *((bent.order, kind) for kind in kinds)]
-        return list(dict.fromkeys(tried))
+        # Where the forces are not quite the true ones, a wrong order may have explained more.
+        return sorted({0, bent.order})
     if not len(record.theta):
         record = replace(record, theta=plain.drive.theta, amplitudes=plain.amplitudes)
     none = Bent(fit=plain, forces=(), order=0)
     trials = [
-        (trial.fit.promised, order, kind)
-        for order in (0, 1, 2)
-        for kind in ForceKind
-        if (trial := added(record, replace(none, order=order), kind, record.motions(order))) is not None
+        trial
+        for order in range(3)
+        if (trial := added(record, replace(none, order=order), ForceKind.FRICTION, record.motions(order))) is not None
     ]
-    ordered = sorted((trial for trial in trials if trial[0] < plain.bic), key=lambda trial: trial[0])
-    kinds = list(dict.fromkeys(kind for _, _, kind in ordered))
-    if not kinds:
-        return []
-    # What one step promises is rough: the commonest forces of a rig are tried in any case.
-    common = [ForceKind.FRICTION, ForceKind.BENT_DAMPER, ForceKind.CUBIC]
-    return list(dict.fromkeys([*((0, kind) for kind in common), (ordered[0][1], kinds[0])]))
+    best = min(trials, key=lambda trial: trial.fit.promised, default=none)
+    return sorted({0, best.order}) if best.forces and best.fit.promised < plain.bic else []
 
 
 def _needed(fit: StructureFit) -> StructureFit:
@@ -162,13 +151,13 @@ def _needed(fit: StructureFit) -> StructureFit:
     return fit
 
 
-def _begun(record: Record, start: DrivenFit, kind: ForceKind, order: int) -> StructureFit:
-    """Return a structure with forces of a kind after some steps.
+def _begun(record: Record, start: DrivenFit, order: int) -> StructureFit:
+    """Return a structure with friction after some steps.
 
     Where those leave more than noise beside the modes, the better of that and of one that begins with a fit to the
     beginning of the record.
     """
-    forces = forces_of(kind, len(record.values), most=len(record.values) * (len(record.values) + 1) // 2)
+    forces = forces_of(ForceKind.FRICTION, len(record.values), most=6)
     whole = fitted(structure_of(record, start.drive.theta, start.amplitudes, forces, order), steps=FIRST)
     if not _misses(whole):
         return whole
@@ -194,7 +183,7 @@ def _without(fit: StructureFit, index: int) -> StructureFit:
         shapes=of.shapes,
         gains=np.delete(of.gains, index, axis=2),
         forces=of.forces[:index] + of.forces[index + 1 :],
-        scales=np.delete(of.scales, index, axis=1),
+        scales=np.delete(of.scales, index),
     )
     return fit.with_structures(fewer)
 

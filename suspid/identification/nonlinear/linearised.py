@@ -11,31 +11,25 @@ from numpy.typing import NDArray
 from suspid.identification.covariance import estimate_of
 from suspid.identification.noise import loudness, power_beside, shared_noise
 from suspid.identification.nonlinear.amplitude import VISIBLE, AmplitudeDependence, by_pole, cuts_of, where_holds
-from suspid.identification.nonlinear.forces import ForceKind, means
+from suspid.identification.nonlinear.forces import means
 from suspid.identification.nonlinear.motion import Motion, Structures
 from suspid.identification.nonlinear.structure import StructureFit
 from suspid.model import ModalSet
 from suspid.units import ComplexArray, RealArray, Second
 from suspid.values import frozen_real
 
-# Forces that follow a speed; the others follow a displacement.
-OF_SPEED = (ForceKind.FRICTION, ForceKind.DRAG, ForceKind.BENT_DAMPER)
 
-
-def poles_within(structures: Structures, motion: Motion, window: slice, *, springs_only: bool = False) -> ComplexArray:
+def poles_within(structures: Structures, motion: Motion, window: slice) -> ComplexArray:
     """Return the poles of the equivalent linear systems within a window, (structure, pole).
 
-    Each force is replaced by a damper or a spring for each mode, those nearest to it within the window; with
-    ``springs_only`` forces that follow a speed are left out.
+    Friction is replaced by a damper for each mode, those nearest to it within the window.
     """
     states = motion.states[:, :, window]
     theta, places, count = structures.theta, structures.places, structures.theta.shape[1]
     own = theta[:, :, None] * np.eye(count)
     twin = np.zeros_like(own)
-    for j, force in enumerate(structures.forces):
-        if springs_only and force.kind in OF_SPEED:
-            continue
-        by = places[:, :, j] * (theta if force.kind in OF_SPEED else 1.0)
+    for j in range(len(structures.forces)):
+        by = places[:, :, j] * theta
         parts = means((by[:, :, None] * states).real)[:, :, :-1]
         acting = motion.acting[:, j, window][:, :-1]
         square = np.matmul(parts, np.swapaxes(parts, 1, 2))
@@ -61,7 +55,7 @@ def poles_within(structures: Structures, motion: Motion, window: slice, *, sprin
 def mean_poles(fit: StructureFit, structures: Structures, motion: Motion, window: slice = slice(None)) -> ComplexArray:
     """Return the poles of the equivalent linear systems over a window, (structure, pole).
 
-    Friction and dampers change no natural frequency. The damping ratio is the mean over the cycles of the slowest mode,
+    Friction changes no natural frequency. The damping ratio is the mean over the cycles of the slowest mode,
     of those in which a mode is seen above the noise of the fit.
     """
     first, last, _ = window.indices(motion.states.shape[-1])
@@ -71,8 +65,7 @@ def mean_poles(fit: StructureFit, structures: Structures, motion: Motion, window
     poles = np.array([poles_within(structures, motion, slice(a, b + 1)) for a, b in pairwise(edges)])
     weights = (seen | ~np.any(seen, axis=0))[:, None, :].astype(float)
     zeta = np.sum(weights * (-poles.real / np.abs(poles)), axis=0) / np.sum(weights, axis=0)
-    wn = np.abs(poles_within(structures, motion, slice(first, last), springs_only=True))
-    return np.asarray(wn * (-zeta + 1j * np.sqrt(np.maximum(1 - zeta**2, 0.0))))
+    return np.asarray(np.abs(structures.theta) * (-zeta + 1j * np.sqrt(np.maximum(1 - zeta**2, 0.0))))
 
 
 def _seen(fit: StructureFit, window: slice) -> NDArray[np.bool_]:

@@ -1,4 +1,4 @@
-"""Motion of modes under forces that follow it, step by step; friction may hold a mass."""
+"""Motion of modes under friction that follows it and may hold a mass, in steps; between events in closed form."""
 
 from __future__ import annotations
 
@@ -6,13 +6,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from suspid.identification.nonlinear.forces import Force, ForceKind, size_of
+from suspid.identification.nonlinear.forces import Force
 from suspid.units import ComplexArray, RealArray
 
 # Angle by which the fastest mode turns in a step, at most [rad]. Forces run straight within a step.
 TURN = 0.25
-# Speeds below this share of the scale of a force are rest.
-STILL = 1e-9
+# Speeds below this share of the largest are rest.
+AT_REST = 1e-9
+# Steps that are taken at once where no mass stops: more are thrown away at the next event, fewer cost more calls.
+AHEAD = 12
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -26,7 +28,7 @@ class Structures:
     shapes: ComplexArray  # (structure, pole, channel): displacements
     gains: ComplexArray  # (structure, pole, force)
     forces: tuple[Force, ...]
-    scales: RealArray  # (2, force): displacement and speed at which a force is 1
+    scales: RealArray  # (force,): largest speeds that the forces follow
 
     @property
     def places(self) -> ComplexArray:
@@ -54,90 +56,78 @@ def steps_of(theta: ComplexArray) -> int:
 def motion_of(of: Structures, count: int) -> Motion:
     """Return the motion of structures over a number of samples."""
     steps = steps_of(of.theta)
-    stepper = _stepper(of, steps)
+    total, stepper = (count - 1) * steps, _stepper(of, steps)
     z = np.ones(of.theta.shape, complex)
-    states, acting = np.empty((*z.shape, count), complex), np.zeros((len(z), len(of.forces), count))
-    states[:, :, 0] = z
-    forces = np.zeros((len(z), len(of.forces)))
-    for sample in range(1, count):
-        for _ in range(steps):
-            z, forces = stepper.after(z, forces)
-            acting[:, :, sample - 1] += forces
-        states[:, :, sample] = z
-    acting[:, :, -1] = forces * steps
-    return Motion(states=states, acting=acting / steps)
+    states = np.empty((*z.shape, total + 1), complex)
+    acting = np.zeros((len(z), len(of.forces), total + 1))
+    states[:, :, 0], done = z, 0
+    while done < total:
+        ahead, signs, taken = stepper.sliding(z)
+        taken = min(taken, total - done)
+        if taken:
+            states[:, :, done + 1 : done + taken + 1] = ahead[:, :, :taken]
+            acting[:, :, done : done + taken] = signs[:, :, None]
+            z, done = ahead[:, :, taken - 1], done + taken
+        # Then a mass stops, is held or breaks loose.
+        if done < total:
+            z, acting[:, :, done] = stepper.after(z, acting[:, :, max(done - 1, 0)])
+            done += 1
+            states[:, :, done] = z
+    acting[:, :, -1] = acting[:, :, max(total - 1, 0)]
+    means = acting[:, :, :-1].reshape(*acting.shape[:2], count - 1, steps).mean(axis=3)
+    return Motion(states=states[:, :, ::steps], acting=np.concatenate([means, acting[:, :, -1:]], axis=2))
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class _Stepper:
     """What a step of the motion needs; matrices take states (structure, 1, pole) or forces (structure, 1, force)."""
 
-    kinds: tuple[ForceKind, ...]
-    scales: RealArray  # (2, force)
-    powers: ComplexArray  # (structure, pole)
+    powers: ComplexArray  # (structure, pole, step): of one step, two and so on
+    still: RealArray  # (force,): speeds below these are rest
     held: ComplexArray  # (structure, force, pole): answer of the states to a force over a step
     answers: RealArray  # (structure, force, force): and of each speed that a force follows, the last index
-    place: ComplexArray  # (structure, pole, force)
     slope: ComplexArray  # (structure, pole, force)
-    frictions: tuple[int, ...]
-    smooth: tuple[int, ...]
+    across: ComplexArray  # (structure, force, pole): the same
+
+    def sliding(self, z: ComplexArray) -> tuple[ComplexArray, RealArray, int]:
+        """Return the states after steps (structure, pole, step), the signs, and in how many steps every mass slides."""
+        signs = np.sign((z[:, None] @ self.slope)[:, 0].real)
+        centre = (signs[:, None] @ self.held)[:, 0] / (1 - self.powers[:, :, 0])
+        ahead = centre[:, :, None] + self.powers * (z - centre)[:, :, None]
+        ends = (self.across @ ahead).real * signs[:, :, None]
+        slides = np.all(ends > self.still[:, None], axis=(0, 1))
+        return ahead, signs, len(slides) if slides.all() else int(np.argmin(slides))
 
     def after(self, z: ComplexArray, before: RealArray) -> tuple[ComplexArray, RealArray]:
         """Return the states after a step, and the mean of the forces over it, from those of the step before."""
-        free, acting = self.powers * z, before.copy()
-        begun = self._smooth(z)
-        for j in self.smooth:
-            acting[:, j] = begun[j]
-        if self.frictions:
-            self._rub(z, free, acting)
-        if self.smooth:
-            ended = self._smooth(free + (acting[:, None] @ self.held)[:, 0])
-            for j in self.smooth:
-                acting[:, j] = 0.5 * (begun[j] + ended[j])
+        free, acting = self.powers[:, :, 0] * z, before.copy()
+        self._rub(z, free, acting)
         return free + (acting[:, None] @ self.held)[:, 0], acting
 
     def _rub(self, z: ComplexArray, free: ComplexArray, acting: RealArray) -> None:
         """Set the friction of a step, given what it was before."""
         speed = (z[:, None] @ self.slope)[:, 0].real
         plain = (free[:, None] @ self.slope)[:, 0].real
-        rubbed = list(self.frictions)
-        signs = np.sign(speed[:, rubbed])
-        acting[:, rubbed] = signs
-        ends = plain[:, rubbed] + (acting[:, None] @ self.answers)[:, 0][:, rubbed]
-        if np.all(ends * signs > STILL * self.scales[1, rubbed]):
-            return
+        acting[:] = np.sign(speed)
         # The second sweep has the friction of this step at the other places.
-        for _ in range(min(2, len(rubbed))):
-            for j in rubbed:
+        for _ in range(min(2, acting.shape[1])):
+            for j in range(acting.shape[1]):
                 own = self.answers[:, j, j]
                 rest = plain[:, j] + np.sum(self.answers[:, :, j] * acting, axis=1) - own * acting[:, j]
-                acting[:, j] = friction(speed[:, j], rest, own, still=STILL * float(self.scales[1, j]))
-
-    def _smooth(self, z: ComplexArray) -> dict[int, RealArray]:
-        """Return the forces other than friction."""
-        out = dict[int, RealArray]()
-        for j in self.smooth:
-            d, v = ((z * each[:, :, j]).sum(axis=1).real / scale[j] for each, scale in zip(
-                (self.place, self.slope), self.scales, strict=True
-            ))  # fmt: skip
-            out[j] = size_of(self.kinds[j], d, v)
-        return out
+                acting[:, j] = friction(speed[:, j], rest, own, still=float(self.still[j]))
 
 
 def _stepper(of: Structures, steps: int) -> _Stepper:
     turn, place = of.theta / steps, of.places
     held = (np.expm1(turn) / of.theta)[:, :, None] * of.gains
-    slope, kinds = place * of.theta[:, :, None], tuple(force.kind for force in of.forces)
+    slope = place * of.theta[:, :, None]
     return _Stepper(
-        kinds=kinds,
-        scales=of.scales,
-        powers=np.exp(turn),
+        powers=np.exp(turn[:, :, None] * np.arange(1, AHEAD + 1)),
+        still=AT_REST * of.scales,
         held=np.ascontiguousarray(np.swapaxes(held, 1, 2)),
         answers=np.einsum("pkj,pki->pij", slope, held).real.copy(),
-        place=place,
         slope=slope,
-        frictions=tuple(j for j, kind in enumerate(kinds) if kind is ForceKind.FRICTION),
-        smooth=tuple(j for j, kind in enumerate(kinds) if kind is not ForceKind.FRICTION),
+        across=np.ascontiguousarray(np.swapaxes(slope, 1, 2)),
     )
 
 

@@ -12,6 +12,9 @@ from suspid.identification.noise import WhiteNoise
 from suspid.identification.poles import Poles
 from suspid.units import ComplexArray, RealArray
 
+# A mode whose pole has a standard deviation above this share of its modulus, or changes by more with the stretch, is
+# none.
+UNKNOWN = 0.1
 # Poles tried as the next one.
 NEXT = 2
 # A pole near another in frequency is part of it if their shapes agree: modal assurance criterion above this.

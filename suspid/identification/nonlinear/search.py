@@ -11,7 +11,7 @@ from suspid.identification.classification import LEAST_EXPLAINED, is_tone
 from suspid.identification.likelihood import DecayFit, bic_penalty
 from suspid.identification.noise import LOUD, WhiteNoise, over_channels, power_beside
 from suspid.identification.nonlinear.amplitude import covariance_of, mean_pole, swings_of, window_changes
-from suspid.identification.nonlinear.choice import MOST_CHANNELS, REDUCTION, chosen
+from suspid.identification.nonlinear.choice import MOST_MASSES, REDUCTION, chosen
 from suspid.identification.nonlinear.driven import DrivenFit, evaluate, maximize
 from suspid.identification.nonlinear.feedback import (
     LEAST_FALL,
@@ -24,15 +24,12 @@ from suspid.identification.nonlinear.feedback import (
     with_forces,
     without_forces,
 )
-from suspid.identification.nonlinear.own import HARMONIC, next_poles, repeated
+from suspid.identification.nonlinear.own import HARMONIC, UNKNOWN, next_poles, repeated
 from suspid.identification.refinement import WORTHWHILE
 from suspid.identification.selection import Selection
 from suspid.units import RealArray
 from suspid.words import Reason
 
-# A mode whose pole has a standard deviation above this share of its modulus, or changes by more with the stretch, is
-# none.
-UNKNOWN = 0.1
 # Forces that explain this share of what a multiple of a mode does are preferred to it: a mode there would be chance.
 NEARLY = 0.9
 # Modes at most where their number is not given.
@@ -95,7 +92,7 @@ def _structure(
 ) -> Bent | None:
     """Return the structure of several modes that explains a record best, if there is one."""
     # Forces act where a motion is measured: at one point of several masses they are not seen.
-    if not 1 < len(values) <= MOST_CHANNELS:
+    if not 1 < len(values) <= MOST_MASSES:
         return None
     record = _record(values, noise, linear)
     plain, _ = _linear_modes(record, modes)

@@ -23,7 +23,7 @@ JUMP = 3e-5
 # Relative change of each parameter for derivatives, and fall of the loss at which a fit ends.
 CHANGE, SETTLED = 1e-6, 0.1
 # Steps at most, and tries of each: a start without forces takes 4 to 8 steps.
-STEPS, TRIES = 15, 4
+MOST_REFINED, TRIES = 15, 4
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -132,16 +132,15 @@ def structure_of(
         shapes=shapes[None],
         gains=np.zeros((1, len(theta), len(forces)), complex),
         forces=forces,
-        scales=np.ones((2, len(forces))),
+        scales=np.ones(len(forces)),
     )
     powers = np.exp(np.outer(theta, np.arange(record.values.shape[1])))
-    travel = np.einsum("kj,kn->jn", plain.places[0], powers).real
     speed = np.einsum("kj,kn->jn", plain.places[0] * theta[:, None], powers).real
-    scales = np.array([np.max(np.abs(travel), axis=1), np.max(np.abs(speed), axis=1)]) + 1e-300
+    scales = np.max(np.abs(speed), axis=1) + 1e-300
     return _evaluated(record, replace(plain, scales=scales), order)
 
 
-def fitted(start: StructureFit, *, steps: int = STEPS) -> StructureFit:
+def fitted(start: StructureFit, *, steps: int = MOST_REFINED) -> StructureFit:
     """Return the fit of greatest likelihood near a start, by damped Gauss-Newton steps."""
     fit, damping = start, 1e-3
     for _ in range(steps):
