@@ -48,6 +48,8 @@ def chosen(record: Record, plain: DrivenFit, bent: Bent | None, *, most: int, hi
     Friction acts at every channel and between every two; that which is not worth its gains is left out.
     Modes are added, up to ``most``, as long as each explains most of what is left.
     """
+    if bent is not None and not _sticks(bent):
+        return None
     best: StructureFit | None = None
     for start in _starts(record, plain, bent):
         for order in _orders(record, start, bent):
@@ -64,6 +66,14 @@ def chosen(record: Record, plain: DrivenFit, bent: Bent | None, *, most: int, hi
             break
         best = _needed(more)
     return best if best.forces and best.bic < highest and np.all(stands(best)) else None
+
+
+def _sticks(bent: Bent) -> bool:
+    """Return whether a fit with forces has friction among them, or leaves more than noise beside a mode."""
+    fit = bent.fit
+    weights = np.abs(fit.amplitudes).T ** 2 / fit.variance[:, None]
+    beside = over_channels(power_beside(fit.residual, fit.variance, fit.drive.theta), weights)
+    return any(force.kind is ForceKind.FRICTION for force in bent.forces) or bool(np.any(beside > LOUD))
 
 
 def _starts(record: Record, plain: DrivenFit, bent: Bent | None) -> list[DrivenFit]:
@@ -96,15 +106,14 @@ def _with_mode(fit: StructureFit) -> StructureFit | None:
     record = fit.record
     best: StructureFit | None = None
     for theta in next_poles(fit.residual, fit.variance, record.noise):
-        trial = fitted(_joined(fit, theta))
+        trial = fitted(_joined(fit, theta), steps=FIRST)
         weights = trial.amplitudes / np.sqrt(trial.variance)
         if trial.bic < (fit if best is None else best).bic and not repeated(
             complex(trial.theta[-1]), weights[-1], trial.theta[:-1], weights[:-1], weak=0.0
         ):
             best = trial
-    if best is None or not np.max(np.sqrt(fit.variance / best.variance)) > REDUCTION:
-        return None
-    return best
+    best = None if best is None else fitted(best)
+    return best if best is not None and np.max(np.sqrt(fit.variance / best.variance)) > REDUCTION else None
 
 
 def _joined(fit: StructureFit, theta: complex) -> StructureFit:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -74,6 +75,37 @@ def find_forces(values: RealArray, *, noise: WhiteNoise, selection: Selection, m
 
     A linear fit without distortion must have the larger BIC.
     """
+    return _found(_Sought(values=values, noise=noise, selection=selection, modes=modes))
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class _Sought:
+    """A decay whose forces are sought; one that equals another has the same samples."""
+
+    values: RealArray
+    noise: WhiteNoise  # it and the selection follow from the samples
+    selection: Selection
+    modes: int | None
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, _Sought):
+            return NotImplemented
+        return self._key == other._key
+
+    def __hash__(self) -> int:
+        return hash(self._key)
+
+    @property
+    def _key(self) -> tuple[object, ...]:
+        # To the ninth digit: means depend on how samples stand in memory.
+        largest = float(np.max(np.abs(self.values)))
+        return self.values.shape, f"{largest:.8e}", np.round(self.values / largest, 9).tobytes(), self.modes
+
+
+# A stretch that is verified as a decay is then identified.
+@lru_cache(maxsize=2)
+def _found(sought: _Sought) -> Bent | None:
+    values, noise, selection, modes = sought.values, sought.noise, sought.selection, sought.modes
     linear = selection.fit
     found = _searched(values, noise, linear, modes)
     unknowns = linear.poles.free + len(values) * len(linear.poles)
