@@ -282,7 +282,10 @@ def judged(record: Release, found: Analysis) -> Outcome:
     off = modes.wn - truth
     worst = int(np.argmax(np.abs(off / truth)))
     return Outcome(
-        right=right, wn=float(off[worst] / truth[worst]), sds=(float(np.max(np.abs(off) / modes.wn_std)), np.nan), level=level
+        right=right,
+        wn=float(off[worst] / truth[worst]),
+        sds=(float(np.max(np.abs(off) / modes.wn_std)), np.nan),
+        level=level,
     )
 
 

@@ -224,7 +224,10 @@ def _beside(fit: StructureFit) -> RealArray:
 
 
 def stands(fit: StructureFit) -> NDArray[np.bool_]:
-    """Return whether each pole decays, makes a cycle, stands out of the residual near it and is known, (pole,)."""
+    """Return whether each pole decays, makes a cycle, stands out of the residual near it and is known, (pole,).
+
+    It is below the Nyquist frequency.
+    """
     theta, slopes = slopes_of(fit)
     covariance = fit.covariance
     if not np.all(np.isfinite(theta)):
@@ -238,4 +241,5 @@ def stands(fit: StructureFit) -> NDArray[np.bool_]:
     count = fit.residual.shape[1]
     tones = [is_tone(-each.real, float(np.sqrt(v[0])), count) for each, v in zip(theta, variances, strict=True)]
     known = np.sqrt(np.sum(variances, axis=1)) < UNKNOWN * np.abs(theta)
-    return np.asarray((energy > needed) & ~np.array(tones) & known & (theta.imag * count > 2 * np.pi))
+    turns = (theta.imag * count > 2 * np.pi) & (np.abs(theta) < np.pi)
+    return np.asarray((energy > needed) & ~np.array(tones) & known & turns)

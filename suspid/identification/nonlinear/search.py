@@ -197,8 +197,10 @@ def _stands(fit: DrivenFit) -> NDArray[np.bool_]:
     means = [mean_pole(fit, k) for k in range(len(fit.drive.theta))]
     theta, covariance = np.array([each for each, _ in means]), covariance_of(fit)
     spread = np.sqrt([np.trace(slopes @ covariance @ slopes.T) for _, slopes in means] * beside)
-    if not np.all(theta.imag > 0):
-        return np.asarray(theta.imag > 0)
+    # Nothing can be known of what turns faster than the samples.
+    visible = (theta.imag > 0) & (np.abs(theta) < np.pi)
+    if not np.all(visible):
+        return np.asarray(visible)
     spread = np.maximum(spread, [np.max(np.abs(window_changes(fit, k, each))) for k, each in enumerate(theta)])
     turns = np.array([swings_of(fit, k) is not None for k in range(len(theta))])
     rates = np.sqrt([(slopes @ covariance @ slopes.T)[0, 0] for _, slopes in means] * beside)
