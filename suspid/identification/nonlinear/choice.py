@@ -29,7 +29,7 @@ from suspid.units import RealArray
 REDUCTION = 2.5
 # Steps of the motion up to which structures are fitted where forces were found, and where not, and channels: more take
 # too long.
-LONGEST, LONGEST_BLIND, MOST_MASSES = 1500, 500, 3
+LONGEST_FITTED, LONGEST_BLIND, MOST_MASSES = 1500, 500, 3
 # Ratio of natural frequencies below which two poles of a linear fit may be parts of one mode.
 APART = 1.5
 # Loss per sample by which a structure may still be above what it must reach, after the first steps.
@@ -80,7 +80,7 @@ def _starts(record: Record, plain: DrivenFit, bent: Bent | None) -> list[DrivenF
     """Return the fits to start from: that of several modes with forces, and the linear one."""
     starts = [bent.fit] if bent is not None and bent.count > 1 else []
     starts = [*starts, _strongest(record, plain)]
-    count, most = record.values.shape[1], LONGEST if bent is not None else LONGEST_BLIND
+    count, most = record.values.shape[1], LONGEST_FITTED if bent is not None else LONGEST_BLIND
     return [
         start for start in starts if np.all(start.drive.theta.real < 0) and count * steps_of(start.drive.theta) <= most
     ]
