@@ -140,18 +140,24 @@ class TestKilledOnThisMachine:
         assert (run.records, run.failed, run.kept) == (COUNT, 0, CHUNK * done)
         assert content(tmp_path) == expected
 
-    def test_stopped_by_hand(self, fleet: Path, expected: dict[str, bytes], tmp_path: Path) -> None:
+    @pytest.mark.parametrize(("number", "exit_code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+    def test_stopped_by_hand(
+        self, fleet: Path, expected: dict[str, bytes], tmp_path: Path, number: signal.Signals, exit_code: int
+    ) -> None:
         # A shell that starts these tests in the background makes their processes deaf to Ctrl-C; this one listens.
         listen = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
-        code = f"{listen}; from suspid.cli.fleet import fleet_command; fleet_command()"
-        command = [sys.executable, "-c", code, str(fleet)]
+        code = f"{listen}; from suspid.cli import main; main()"
+        command = [sys.executable, "-c", code, "fleet", str(fleet)]
         command += ["-o", str(tmp_path), "--car", str(fleet.parent / "car.toml"), "--chunk", str(CHUNK)]
         # Ctrl-C goes to everybody in the foreground: client and workers alike.
         process = subprocess.Popen(command, stderr=subprocess.PIPE, start_new_session=True)
         half_way(tmp_path)
-        os.killpg(process.pid, signal.SIGINT)
+        workers = psutil.Process(process.pid).children(recursive=True)
+        os.killpg(process.pid, number) if number == signal.SIGINT else os.kill(process.pid, number)
         _, said = process.communicate(timeout=LONG_ENOUGH)
-        assert process.returncode == 130
+        assert process.returncode == exit_code
+        assert workers
+        assert not any(worker.is_running() for worker in workers)
         assert said.decode().splitlines() == [
             "suspid: stopped; what is done is kept, and the same command continues from there"
         ]

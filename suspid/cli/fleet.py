@@ -17,7 +17,7 @@ from suspid.cli.drive import LIMITS, WAY, limits_of, road_of, way_of
 from suspid.cli.measured import sources_of, writer
 from suspid.cli.options import FILE, analysing, packed
 from suspid.cli.parameters import ROAD_MODEL, WHEEL_RADIUS, Wanted, wanting
-from suspid.cli.support import Positive, said_warnings, say
+from suspid.cli.support import Positive, said_warnings, say, stopped_code
 from suspid.files import printable, replacing
 from suspid.greybox import DriveLimits
 
@@ -87,7 +87,7 @@ def fleet_command(
     vehicle and drive. Without --table and --vehicle-from, the vehicle is the file's folder, and the date is looked for
     in the file's name.
 
-    The exit code is 1 if no record could be identified, and 130 after Ctrl-C.
+    The exit code is 1 if no record could be identified, 130 after Ctrl-C and 143 after SIGTERM.
     """
     from suspid.fleet import CHUNK, DRIVES_CHUNK, estimate_many, fleet_summary, identify_many
     from suspid.model import read_car, read_constraints
@@ -173,10 +173,9 @@ def goes_on() -> Iterator[None]:
     """Say, when the user stops the run, that its results are kept."""
     try:
         yield
-    except KeyboardInterrupt:
+    except KeyboardInterrupt as stop:
         click.echo("suspid: stopped; what is done is kept, and the same command continues from there", err=True)
-        # The exit code that shells give to a program ended by Ctrl-C.
-        click.get_current_context().exit(130)
+        click.get_current_context().exit(stopped_code(stop))
 
 
 @contextmanager

@@ -34,7 +34,7 @@ def main() -> None:
     """Find the modes of a suspension in its measured free decay, and its springs and dampers from its modes.
 
     Exit codes: 0 done, also where no mode was found; 1 refused, with one line that says why; 2 the command line is
-    wrong; 3 a car was found that does not explain the modes; 130 stopped by Ctrl-C.
+    wrong; 3 a car was found that does not explain the modes; 130 stopped by Ctrl-C, 143 by SIGTERM.
     """
 
 

@@ -7,7 +7,9 @@ import io
 import math
 import os
 import re
+import signal
 import sys
+import threading
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -53,6 +55,8 @@ ARGUMENTS_AS_OPTIONS = {
     "wheel_radius": "--wheel-radius",
     "without": "--without",
 }
+# How systems say that nothing more can be written.
+NO_SPACE = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 # Where the context keeps the arguments of the command.
 ARGUMENTS = "suspid.arguments"
 
@@ -118,6 +122,39 @@ def in_options(message: str, command: click.Command | None) -> str:
     return message
 
 
+class Terminated(KeyboardInterrupt):
+    """The program was told to end by SIGTERM: it leaves as after Ctrl-C, without half a file or a worker."""
+
+
+@contextmanager
+def ends_when_told() -> Iterator[None]:
+    """Raise `Terminated` on SIGTERM, unless whoever runs this listens already."""
+
+    def end(*_: object) -> None:
+        raise Terminated
+
+    mine = threading.current_thread() is threading.main_thread()
+    if not mine or signal.getsignal(signal.SIGTERM) is not signal.SIG_DFL:
+        yield
+        return
+    signal.signal(signal.SIGTERM, end)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
+
+
+def stopped_code(stop: KeyboardInterrupt) -> int:
+    """Return the exit code that shells give to a program that a signal ended.
+
+    Examples
+    --------
+    >>> stopped_code(KeyboardInterrupt()), stopped_code(Terminated())
+    (130, 143)
+    """
+    return 128 + (signal.SIGTERM if isinstance(stop, Terminated) else signal.SIGINT)
+
+
 class Commands(click.Group):
     """Commands whose `SuspidError` ends the program with one line instead of a traceback."""
 
@@ -126,6 +163,16 @@ class Commands(click.Group):
         ctx.meta[ARGUMENTS] = list(args)
         return super().parse_args(ctx, args)
 
+    def main(self, *args: Any, **kwargs: Any) -> Any:
+        """Run the program; where even its help cannot be written, say so in one line."""
+        try:
+            return super().main(*args, **kwargs)
+        except OSError as refusal:
+            if refusal.errno not in NO_SPACE:
+                raise
+            _unwritten(refusal).show()
+            sys.exit(1)
+
     def invoke(self, ctx: click.Context) -> object:
         """Run the command that was asked for."""
         for stream in (sys.stdout, sys.stderr):
@@ -133,8 +180,11 @@ class Commands(click.Group):
             if isinstance(stream, io.TextIOWrapper):
                 stream.reconfigure(errors="backslashreplace")
         try:
-            with within_numbers():
+            with ends_when_told(), within_numbers():
                 return super().invoke(ctx)
+        except KeyboardInterrupt as stop:
+            click.echo("suspid: stopped", err=True)
+            raise click.exceptions.Exit(stopped_code(stop)) from None
         except SuspidError as error:
             raise _Failure(in_options(str(error), self.commands.get(ctx.invoked_subcommand or ""))) from None
 
@@ -156,10 +206,14 @@ def say(text: str) -> None:
     except OSError as refusal:
         if refusal.errno == errno.EPIPE:
             raise
-        # What is still to be written would fail again at the end of the program.
-        with suppress(OSError, ValueError):
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        raise _Failure(f"the output cannot be written: {refusal.strerror or refusal}") from None
+        raise _unwritten(refusal) from None
+
+
+def _unwritten(refusal: OSError) -> _Failure:
+    # What is still to be written would fail again at the end of the program.
+    with suppress(OSError, ValueError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    return _Failure(f"the output cannot be written: {refusal.strerror or refusal}")
 
 
 @contextmanager
