@@ -155,23 +155,25 @@ def stopped_code(stop: KeyboardInterrupt) -> int:
     return 128 + (signal.SIGTERM if isinstance(stop, Terminated) else signal.SIGINT)
 
 
+@contextmanager
+def said_when_full() -> Iterator[None]:
+    """Say in one line that there is no room for output, such as the help that `click` writes."""
+    try:
+        yield
+    except OSError as refusal:
+        if refusal.errno not in NO_SPACE:
+            raise
+        raise _unwritten(refusal) from None
+
+
 class Commands(click.Group):
     """Commands whose `SuspidError` ends the program with one line instead of a traceback."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Keep the arguments, for reports that show the command they come from."""
         ctx.meta[ARGUMENTS] = list(args)
-        return super().parse_args(ctx, args)
-
-    def main(self, *args: Any, **kwargs: Any) -> Any:
-        """Run the program; where even its help cannot be written, say so in one line."""
-        try:
-            return super().main(*args, **kwargs)
-        except OSError as refusal:
-            if refusal.errno not in NO_SPACE:
-                raise
-            _unwritten(refusal).show()
-            sys.exit(1)
+        with said_when_full():
+            return super().parse_args(ctx, args)
 
     def invoke(self, ctx: click.Context) -> object:
         """Run the command that was asked for."""
@@ -180,7 +182,7 @@ class Commands(click.Group):
             if isinstance(stream, io.TextIOWrapper):
                 stream.reconfigure(errors="backslashreplace")
         try:
-            with ends_when_told(), within_numbers():
+            with ends_when_told(), within_numbers(), said_when_full():
                 return super().invoke(ctx)
         except KeyboardInterrupt as stop:
             click.echo("suspid: stopped", err=True)
