@@ -16,14 +16,16 @@ from suspid.words import Remark
 
 # How many of each unit of time make a second.
 PER_SECOND = {
-    **dict.fromkeys(("s", "sec", "secs", "second", "seconds"), 1.0),
-    **dict.fromkeys(("ms", "msec", "millis", "millisecond", "milliseconds"), 1e3),
+    **dict.fromkeys(("s", "sec", "secs", "second", "seconds", "sek", "sekunde", "sekunden"), 1.0),
+    **dict.fromkeys(("ms", "msec", "millis", "millisecond", "milliseconds", "millisekunden"), 1e3),
     **dict.fromkeys(("us", "usec", "µs", "μs", "micros", "microsecond", "microseconds"), 1e6),
     **dict.fromkeys(("ns", "nsec", "nanos", "nanosecond", "nanoseconds"), 1e9),
-    **dict.fromkeys(("min", "minute", "minutes"), 1 / 60),
+    **dict.fromkeys(("min", "minute", "minutes", "minuten"), 1 / 60),
     **dict.fromkeys(("h", "hr", "hrs", "hour", "hours"), 1 / 3600),
     **dict.fromkeys(("day", "days"), 1 / 86400),
 }
+# Of these, units that stand behind a name of time without a mark between, as in TimeMs. Others make other words.
+JOINED = re.compile(r"(t|time|timestamp|zeit)(ms|msec|us|usec)")
 # These units as a message lists them.
 KNOWN_UNITS = "s, ms, us, ns, min, h, days"
 # Columns of these names are not taken for the time: they are parts of a date.
@@ -160,11 +162,13 @@ def split_unit(name: str) -> tuple[str, str]:
     --------
     >>> split_unit("Time [ms]"), split_unit("t_s"), split_unit("Time_domain")
     (('time', 'ms'), ('t', 's'), ('timedomain', ''))
+    >>> split_unit("Zeit in ms"), split_unit("time.ms"), split_unit("TimeMs")
+    (('zeit', 'ms'), ('time', 'ms'), ('time', 'ms'))
     """
     # A number behind a name that occurs twice is none of its own.
     lowered = re.sub(r"\s+\(\d+\)$", "", plain(name)).lower()
     bracketed = re.fullmatch(r"(.*?)[\s_,/]*[\[(]\s*(?!\d+\s*[\])])(.*?)\s*[\])]", lowered)
-    suffixed = re.fullmatch(r"(.*?)[\s_,/]+([^\s_,/]+)", lowered)
+    suffixed = re.fullmatch(r"(.*?)[\s_,/.]+(?:in\s+)?([^\s_,/.]+)", lowered) or JOINED.fullmatch(lowered)
     stem, unit = lowered, ""
     if bracketed:
         stem, unit = bracketed[1], bracketed[2]

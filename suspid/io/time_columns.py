@@ -32,6 +32,9 @@ MOST_STEPS, JITTERY, FEW_STAMPS = 0.9, 0.25, 8
 MOST_LATE = 2.5
 # Least size of a stamp since 1970, by its unit: present ones are near 1.7e12 ms, 1.7e15 us and 1.7e18 ns.
 EPOCHS = (("ns", 1e17), ("us", 1e14), ("ms", 1e11))
+# Usual steps that are milliseconds where no unit is stated. As seconds the shortest is Nyquist's limit at 1 Hz, below
+# the modes of any suspension on its road wheels; as milliseconds the longest is 50 Hz.
+MILLISECONDS = (0.5, 20.0)
 # Days since 1900 of the years 1982 to 2064 as spreadsheets count them, and since the year 0 as MATLAB does. In seconds,
 # steps below the largest would be sampled faster than 5 kHz, hours after the start.
 DAYS, DAY_STEP = ((30_000.0, 60_000.0), (724_000.0, 754_000.0)), 2e-4
@@ -218,7 +221,14 @@ def seconds_in(name: str, stamps: RealArray) -> RealArray | None:
         raise RecordError(unknown_unit(name))
     if not is_time(name):
         return None
-    unit = split_unit(name)[1] or epoch_unit(stamps)
+    unit, said = split_unit(name)[1], unit_remark(stamps)
+    if not unit and said is not None and said.code is LeftOut.MILLISECONDS:
+        step = said.numbers["step"]
+        raise RecordError(
+            f"the unit of {name!r} is not stated, and steps of {step:.4g} s are too slow for a suspension; call it "
+            f"'{name} [ms]', or '{name} [s]' if they are meant"
+        )
+    unit = unit or epoch_unit(stamps)
     return np.asarray(stamps / PER_SECOND[unit])
 
 
@@ -245,3 +255,21 @@ def epoch_unit(stamps: RealArray) -> str:
     if any(low < size < high for low, high in DAYS) and np.ptp(sizes) < DAY_STEP * (sizes.size - 1):
         return "days"
     return next((name for name, least in EPOCHS if size > least), "s")
+
+
+def unit_remark(stamps: RealArray) -> Remark | None:
+    """Return why stamps without a unit are taken for one that is not seconds; None where they are seconds.
+
+    Examples
+    --------
+    >>> rows = np.arange(100.0)
+    >>> [str(unit_remark(step * rows))[:29] for step in (0.005, 2.5)]
+    ['None', 'is not stated; taken as ms, a']
+    """
+    unit = epoch_unit(stamps)
+    if unit != "s":
+        return Remark(LeftOut.DAYS if unit == "days" else LeftOut.EPOCH, {"unit": unit})
+    known = stamps[np.isfinite(stamps)]
+    with np.errstate(over="ignore"):
+        step = float(np.median(np.diff(known))) if known.size >= FEW_STAMPS else 0.0
+    return Remark(LeftOut.MILLISECONDS, {"step": step}) if MILLISECONDS[0] <= step <= MILLISECONDS[1] else None

@@ -11,16 +11,25 @@ import numpy as np
 from suspid.errors import RecordError
 from suspid.io.limits import metered
 from suspid.io.runs import runs_of
-from suspid.io.tables import Table, TimeBase, counts_rows, is_abscissa, is_count, is_time, is_time_in_unknown_unit
+from suspid.io.tables import (
+    PER_SECOND,
+    Table,
+    TimeBase,
+    counts_rows,
+    is_abscissa,
+    is_count,
+    is_time,
+    is_time_in_unknown_unit,
+)
 from suspid.io.time_columns import (
     FEW_STAMPS,
-    epoch_unit,
     in_seconds,
     increasing,
     is_unusually_slow,
     time_column,
     time_names,
     time_unit,
+    unit_remark,
     unknown_unit,
 )
 from suspid.recordings import RawChannel, Recording
@@ -92,9 +101,9 @@ def as_recording(
     stamps = np.empty(0)
     if times:
         stamps = in_seconds(table, times[0], columns[times[0]])
-        if not time_unit(table, times[0]) and (unit := epoch_unit(columns[times[0]])) != "s":
-            why = LeftOut.DAYS if unit == "days" else LeftOut.EPOCH
-            left_out[f"unit of {times[0]!r}"] = Remark(why, {"unit": unit})
+        if not time_unit(table, times[0]) and (said := unit_remark(columns[times[0]])):
+            left_out[f"unit of {times[0]!r}"] = said
+            stamps = stamps / PER_SECOND["ms"] if said.code is LeftOut.MILLISECONDS else stamps
         elif fs is None and is_unusually_slow(table, times[0], columns[times[0]]):
             pace = 1 / float(np.nanmedian(np.diff(stamps)))
             left_out[f"unit of {times[0]!r}"] = Remark(LeftOut.SECONDS, {"rate": pace})

@@ -1,0 +1,107 @@
+"""Columns of time in other units than seconds: by their name, by their step, as a clock, or asked for."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from suspid import RecordError, as_record, read_recording
+from suspid.words import LeftOut
+
+# 200 Hz for two seconds; where the unit is not right, the step is not this.
+STEP = 0.005
+TIMES = STEP * np.arange(400)
+SEAT = np.exp(-2 * TIMES) * np.cos(20 * TIMES)
+
+
+def write(path: Path, name: str, stamps: list[str]) -> Path:
+    path.write_text(f'"{name}",seat\n' + "".join(f"{t},{y:.6g}\n" for t, y in zip(stamps, SEAT, strict=True)))
+    return path
+
+
+def clock(seconds: float) -> str:
+    return f"{int(seconds // 3600) % 24:02d}:{int(seconds // 60) % 60:02d}:{seconds % 60:06.3f}"
+
+
+@pytest.mark.parametrize(
+    ("name", "per_second"),
+    [
+        ("t_ms", 1e3),
+        ("Time (ms)", 1e3),
+        ("Time, ms", 1e3),
+        ("time/ms", 1e3),
+        ("time.ms", 1e3),
+        ("TimeMs", 1e3),
+        ("tms", 1e3),
+        ("timestamp_ms", 1e3),
+        ("elapsed ms", 1e3),
+        ("Zeit in ms", 1e3),
+        ("Millisekunden", 1e3),
+        ("time_us", 1e6),
+        ("time [min]", 1 / 60),
+        ("t (min)", 1 / 60),
+        ("time_min", 1 / 60),
+        ("time [h]", 1 / 3600),
+    ],
+)
+def test_the_name_says_the_unit(tmp_path: Path, name: str, per_second: float) -> None:
+    recording = read_recording(write(tmp_path / "a.csv", name, [f"{t * per_second:.14g}" for t in TIMES]))
+    assert recording["seat"].timepts == pytest.approx(TIMES, abs=1e-9)
+    assert not recording.left_out
+
+
+@pytest.mark.parametrize("step", [0.5, 0.9765625, 1.0, 1.25, 2.5, 3.90625, 5.0, 20.0])
+def test_steps_that_can_only_be_milliseconds(tmp_path: Path, step: float) -> None:
+    """As seconds, such a step is slower than any suspension moves; the reader says what it took them for."""
+    recording = read_recording(write(tmp_path / "a.csv", "time", [f"{step * k:.10g}" for k in range(400)]))
+    assert recording["seat"].timepts == pytest.approx(1e-3 * step * np.arange(400))
+    ((name, why),) = recording.left_out
+    assert name == "unit of 'time'"
+    assert why.code is LeftOut.MILLISECONDS
+
+
+@pytest.mark.parametrize("step", [0.0005, 0.001, 0.01, 0.1, 0.4])
+def test_steps_that_seconds_explain_stay_seconds(tmp_path: Path, step: float) -> None:
+    recording = read_recording(write(tmp_path / "a.csv", "time", [f"{step * k:.10g}" for k in range(400)]))
+    assert recording["seat"].timepts == pytest.approx(step * np.arange(400))
+    assert not recording.left_out
+
+
+def test_a_stated_unit_is_believed_whatever_the_step(tmp_path: Path) -> None:
+    recording = read_recording(write(tmp_path / "a.csv", "time [s]", [f"{5.0 * k:g}" for k in range(400)]))
+    assert recording["seat"].timepts == pytest.approx(5.0 * np.arange(400))
+
+
+@pytest.mark.parametrize("name", ["time", "Uhrzeit", "stamp"])
+@pytest.mark.parametrize("start", [39599.5, 86399.0], ids=["over an hour", "over midnight"])
+@pytest.mark.parametrize("point", [".", ":"])
+def test_a_clock(tmp_path: Path, name: str, start: float, point: str) -> None:
+    stamps = [clock(start + t).replace(".", point) for t in TIMES]
+    recording = read_recording(write(tmp_path / "a.csv", name, stamps))
+    assert recording["seat"].timepts == pytest.approx(TIMES, abs=1e-9)
+
+
+@pytest.mark.parametrize("name", ["ms", "min"])
+def test_a_unit_alone_is_asked_for(tmp_path: Path, name: str) -> None:
+    """min may be a minimum, ms a channel: --time says that it is the time, and its name then the unit."""
+    per_second = {"ms": 1e3, "min": 1 / 60}[name]
+    path = write(tmp_path / "a.csv", name, [f"{t * per_second:.14g}" for t in TIMES])
+    with pytest.raises(RecordError, match=f"'{name}' increases as a time does"):
+        read_recording(path)
+    assert read_recording(path, time=name)["seat"].timepts == pytest.approx(TIMES, abs=1e-9)
+
+
+class TestTables:
+    def test_a_column_of_milliseconds(self) -> None:
+        record = as_record(pd.DataFrame({"t_ms": 1e3 * TIMES, "seat": SEAT}))
+        assert np.asarray(record.time) == pytest.approx(TIMES)
+
+    def test_a_step_that_can_only_be_milliseconds_is_asked_for(self) -> None:
+        """A table in memory has no place for a remark, so nothing is guessed."""
+        with pytest.raises(RecordError, match=r"call it 'time \[ms\]', or 'time \[s\]'"):
+            as_record(pd.DataFrame({"time": 1e3 * TIMES, "seat": SEAT}))
+        record = as_record(pd.DataFrame({"time [s]": 1e3 * TIMES, "seat": SEAT}))
+        assert np.asarray(record.time) == pytest.approx(1e3 * TIMES)
