@@ -33,7 +33,7 @@ from suspid.reconstruction import Reconstruction
 from suspid.recordings import Recording
 from suspid.results import Result
 from suspid.samples import held
-from suspid.signals import cut
+from suspid.signals import as_signal, cut
 from suspid.words import Check, Defect, Level, ModeCheck, Note, RecordCheck, Remark, Verdict
 
 if TYPE_CHECKING:
@@ -96,6 +96,13 @@ class Analysis(Result):
     def record(self) -> control.TimeResponseData:
         """The cleaned record, of which ``identification.response`` is the stretch that was used."""
         return self.cleaned.record
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """Unit of each channel of the record that was identified; empty where it is not known."""
+        names, whole = as_signal(held(self.identification, "response")).channels, self.cleaned
+        known = dict(zip(as_signal(held(whole, "record")).channels, whole.units, strict=True))
+        return tuple(known.get(name, "") for name in names)
 
     @property
     def modes(self) -> ModalSet:

@@ -105,9 +105,7 @@ class Content:
     @property
     def units(self) -> tuple[str, ...]:
         """The unit of each channel of the record; empty where it is not known."""
-        names, whole = as_signal(held(self.identification, "response")).channels, self.analysis.cleaned
-        known = dict(zip(as_signal(held(whole, "record")).channels, whole.units, strict=True))
-        return tuple(known.get(name, "") for name in names)
+        return self.analysis.units
 
     @property
     def remarks(self) -> tuple[str, ...]:

@@ -80,7 +80,7 @@ def pictures_of(
             fits=tuple(_fits(found, units)),
             stabilization=_stabilization(found),
             spectra=tuple(_spectra(found, units)),
-            shapes=tuple(shape_pictures(found.modes)),
+            shapes=tuple(shape_pictures(found.modes, units)),
             skeletons=tuple(_skeleton(ridge, k) for k, ridge in enumerate(found.ridges[:MOST_RIDGES], 1)),
             amplitudes=_amplitudes(found),
             overviews=tuple(_overviews(found, cleaned, decays, used)),
@@ -203,7 +203,7 @@ def _draw_spectra(found: Identification, name: str, unit: str, figure: Figure) -
     _plain(ax).set_title("spectrum", loc="left")
 
 
-def shape_pictures(modes: ModalSet) -> Iterator[Picture]:
+def shape_pictures(modes: ModalSet, units: Sequence[str] | None = None) -> Iterator[Picture]:
     """Draw the shapes of all modes, some abreast; nothing where there are none or one channel."""
     if modes.shapes is None or len(modes.channels) < 2:
         return
@@ -212,11 +212,15 @@ def shape_pictures(modes: ModalSet) -> Iterator[Picture]:
         some = ModalSet(poles=modes.poles[block], shapes=modes.shapes[:, block], channels=modes.channels)
         described = f"Shapes of modes {first + 1} to {first + len(some)}"
         height = 0.6 + 0.22 * len(modes.channels)
-        yield picture(partial(_draw_shapes, some), name=f"shapes-{first}", described=described, height=height)
+        yield picture(partial(_draw_shapes, some, units), name=f"shapes-{first}", described=described, height=height)
 
 
-def _draw_shapes(modes: ModalSet, figure: Figure) -> None:
-    _plain(plot_shapes(modes, ax=figure.subplots()))
+def _draw_shapes(modes: ModalSet, units: Sequence[str] | None, figure: Figure) -> None:
+    ax = plot_shapes(modes, ax=figure.subplots(), units=units)
+    said = ax.get_title(loc="left")
+    without_legend(ax)
+    # The page explains shapes of one quantity itself.
+    ax.set_title(said if " as " in said or " by unit" in said else "", loc="left")
 
 
 def _skeleton(ridge: Ridge, number: int) -> Picture:

@@ -38,7 +38,9 @@ MODES_ON_PAGE = 12
 PAGE = (8.27, 11.69)
 
 
-def plot_identification(identification: Identification, figure: Figure) -> Figure:
+def plot_identification(
+    identification: Identification, figure: Figure, *, units: Sequence[str] | None = None
+) -> Figure:
     """Draw a page: modes, scalogram with ridges, skeletons, record with fit, entropy and shapes.
 
     Parts without content (no ridges, no search for the bandwidth, shapes of one channel) are omitted.
@@ -49,6 +51,8 @@ def plot_identification(identification: Identification, figure: Figure) -> Figur
         What was found.
     figure : matplotlib.figure.Figure
         An empty figure; made for ``Figure(figsize=PAGE)``, that is A4 upright.
+    units : sequence of str, optional
+        Units of the channels, by which shapes of different quantities are compared.
 
     Returns
     -------
@@ -90,7 +94,7 @@ def plot_identification(identification: Identification, figure: Figure) -> Figur
     explained = [*explained[:1], _draw_fit(identification, names, onset, places["fit"])]
     _write_key(figure.add_subplot(places["key"]), explained)
     if last:
-        _draw_last(identification, last, places["last"], figure)
+        _draw_last(identification, last, places["last"], figure, units)
     for ax in figure.axes:
         _small_print(ax)
     return figure
@@ -176,13 +180,19 @@ def _draw_fit(identification: Identification, names: Sequence[str], onset: Secon
     return without_legend(grid[0, 0])
 
 
-def _draw_last(identification: Identification, parts: Sequence[str], place: SubplotSpec, figure: Figure) -> None:
+def _draw_last(
+    identification: Identification,
+    parts: Sequence[str],
+    place: SubplotSpec,
+    figure: Figure,
+    units: Sequence[str] | None,
+) -> None:
     columns = place.subgridspec(1, len(parts), width_ratios=[3 if part == "shapes" else 2 for part in parts])
     search = identification.bandwidth_search
     for i, part in enumerate(parts):
         ax = figure.add_subplot(columns[i])
         if part == "shapes":
-            plot_shapes(identification.modes, ax=ax)
+            plot_shapes(identification.modes, ax=ax, units=units)
         elif search is not None:
             plot_entropy(search, ax=ax)
 

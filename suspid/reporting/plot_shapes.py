@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from suspid.errors import InputError
-from suspid.model import scaled_shapes
 from suspid.reporting.axes import shown
 from suspid.reporting.colours import Colour
+from suspid.reporting.shape_groups import ShapeGroup, shape_groups
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -20,11 +21,15 @@ if TYPE_CHECKING:
 FULL_BAR = 0.42
 
 
-def plot_shapes(modes: ModalSet, *, ax: Axes) -> Axes:
+def plot_shapes(modes: ModalSet, *, ax: Axes, units: Sequence[str] | None = None) -> Axes:
     """Draw mode shapes: a column for each mode, with a bar for each channel.
 
     Bars to the right are in phase with the largest component, bars to the left in antiphase. The dark bar is the
     real part, the light bar the amplitude. A phase that is neither 0 nor 180° to within 1° is written beside it.
+
+    Where channels differ in what they measure, ``units`` says it. Displacements, velocities and accelerations are then
+    shown as displacements. Channels that cannot be compared, such as lengths and angles, stand in groups with their
+    unit, and 1 is the largest of each group.
 
     Parameters
     ----------
@@ -32,6 +37,8 @@ def plot_shapes(modes: ModalSet, *, ax: Axes) -> Axes:
         Modes with shapes.
     ax : matplotlib.axes.Axes
         Where to draw.
+    units : sequence of str, optional
+        Unit of each channel, such as "mm" or "m/s2". Default: all alike.
 
     Returns
     -------
@@ -41,7 +48,7 @@ def plot_shapes(modes: ModalSet, *, ax: Axes) -> Axes:
     Raises
     ------
     InputError
-        If the modes have no shapes.
+        If the modes have no shapes, or the number of units is not that of channels.
 
     Examples
     --------
@@ -55,7 +62,9 @@ def plot_shapes(modes: ModalSet, *, ax: Axes) -> Axes:
     """
     if modes.shapes is None:
         raise InputError("these modes have no shapes to draw: poles alone were given")
-    shapes = scaled_shapes(modes.shapes)
+    groups = shape_groups(modes, units)
+    order = [k for group in groups for k in group.channels]
+    shapes = np.concatenate([group.shapes for group in groups])
     rows = np.arange(len(shapes))
     # Among more bars phases could not be read.
     numbered = shapes.size <= 24
@@ -74,10 +83,23 @@ def plot_shapes(modes: ModalSet, *, ax: Axes) -> Axes:
         ax.axvline(k + 0.5, color=Colour.SHADE, linewidth=0.8)
     ax.set(xlim=(0.5, count + 0.5), ylim=(len(shapes) - 0.5, -0.5))
     ax.set_xticks(range(1, count + 1), [f"{wn / (2 * np.pi):.4g}" for wn in modes.wn])
-    ax.set_yticks(rows, [shown(name, most=16) for name in modes.channels])
+    names = [shown(modes.channels[k], most=16) for k in order]
+    if len(groups) > 1:
+        units_of = [shown(group.unit, most=8) or "?" for group in groups for _ in group.channels]
+        names = [f"{name} [{unit}]" for name, unit in zip(names, units_of, strict=True)]
+        for end in np.cumsum([len(group.channels) for group in groups[:-1]]):
+            ax.axhline(end - 0.5, color=Colour.GREY, linewidth=0.8)
+    ax.set_yticks(rows, names)
     ax.set_xlabel("natural frequency [Hz]")
-    ax.set_title("shapes [1 = largest]", loc="left")
+    ax.set_title(f"shapes{_as_what(groups)} [1 = largest{' by unit' if len(groups) > 1 else ''}]", loc="left")
     return ax
+
+
+def _as_what(groups: Sequence[ShapeGroup]) -> str:
+    """Return in words what channels are shown as, where some were measured as another quantity."""
+    names = {"m": "displacement", "rad": "angle"}
+    brought = [names[group.unit] for group in groups if group.brought]
+    return f" as {' and '.join(brought)}" if brought else ""
 
 
 def _write_phase(ax: Axes, column: int, row: int, component: complex) -> None:
