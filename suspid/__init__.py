@@ -118,6 +118,7 @@ from suspid.reporting import (
     content_of,
     damper_curve_to_dict,
     plot_amplitude,
+    plot_comparison,
     plot_damper_curve,
     plot_drive,
     plot_entropy,
@@ -196,6 +197,7 @@ __all__ = [  # noqa: RUF022 - grouped by step
     "plot_scalogram", "plot_skeletons", "plot_spectra", "plot_amplitude", "plot_entropy", "plot_fit", "plot_shapes",
     "plot_identification", "plot_stabilization",
     "plot_estimate", "plot_damper_curve", "plot_grip", "plot_ride", "plot_tuning", "plot_sensitivities", "plot_drive",
+    "plot_comparison",
     # what is said of a result
     "Verdict", "Level", "Check", "Remark", "Code", "DamperState",
     # what goes wrong

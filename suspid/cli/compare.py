@@ -5,7 +5,7 @@ from __future__ import annotations
 from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -16,7 +16,13 @@ from suspid.errors import InputError
 from suspid.files import parsed_json, read_text, replacing
 
 if TYPE_CHECKING:
-    from suspid.performance import WearRule
+    from matplotlib.figure import Figure
+
+    from suspid.greybox import Estimate
+    from suspid.performance import Grip, WearRule
+
+# Inches of a picture that needs no whole page.
+HALF_PAGE = (8.27, 5.8)
 
 
 @click.command("compare")
@@ -32,7 +38,7 @@ if TYPE_CHECKING:
     metavar="SHARE",
     help="Relative standard deviation of springs and dampers that were not estimated, such as those of tires.",
 )
-@click.option("--plot", type=FILE, metavar="FILE", help="Write a picture of the grip after (.png, .svg, .pdf).")
+@click.option("--plot", type=FILE, metavar="FILE", help="Write a picture of before and after (.png, .svg, .pdf).")
 @click.option("--json", "json_file", type=FILE, metavar="FILE", help="Write changes, grip and verdicts as JSON.")
 def compare_command(
     before: tuple[Path, ...],
@@ -48,7 +54,7 @@ def compare_command(
     Both are the JSON of `suspid estimate` or `suspid drive`: shows the change of every spring and damper, the grip
     before and after, and whether each damper is good, to be watched, or worn. Several BEFORE, in order of time, are a
     history: from six on their own scatter is used. Or both are the JSON of `suspid identify`: shows which modes differ
-    by more than their intervals.
+    by more than their intervals. --plot draws the intervals of both.
     """
     from suspid.identification import to_json
 
@@ -64,7 +70,7 @@ def compare_command(
                 raise InputError(f"{path} has {_kind(path)} and {after} has {kind}: compare results of one kind")
         if kind == "an estimate":
             from suspid.performance import wear
-            from suspid.reporting import plot_grip, read_curves, read_estimate, wear_to_dict
+            from suspid.reporting import read_curves, read_estimate, wear_to_dict
 
             rule = _rule(damper_std, load_std)
             earlier = [read_estimate(path) for path in before]
@@ -78,16 +84,38 @@ def compare_command(
             )
             text, content = str(found), wear_to_dict(found)
             if figure_draft:
-                if found.after is None:
-                    raise click.UsageError("--plot draws the grip of wheels, but the car has none on a road.")
-                save_picture(partial(plot_grip, found.after), figure_draft)
+                save_picture(partial(_draw_estimates, earlier[-1], read_estimate(after), found.after), figure_draft)
         else:
-            if figure_draft or len(before) > 1:
-                raise click.UsageError("Modes are compared two by two, and have no grip to draw with --plot.")
+            if len(before) > 1:
+                raise click.UsageError("Modes are compared two by two.")
             text, content = _modes(before[0], after)
+            if figure_draft:
+                save_picture(partial(_draw_modes, before[0], after), figure_draft, size=HALF_PAGE)
         if json_draft:
             json_draft.write_text(to_json(content), encoding="utf-8")
     say(text)
+
+
+def _draw_estimates(before: Estimate, after: Estimate, grip: Grip | None, figure: Figure) -> None:
+    """Draw springs and dampers before and after, and below them the grip after of a car with wheels."""
+    from suspid.reporting import plot_comparison, plot_grip
+
+    if grip is None:
+        plot_comparison(before, after, figure)
+        return
+    # Subfigures draw as figures do; matplotlib has no common type for them.
+    parts: Any = figure.subfigures(2, 1, height_ratios=[2, 3])
+    upper, lower = parts
+    plot_comparison(before, after, upper)
+    plot_grip(grip, lower)
+    lower.suptitle("grip after", x=0.02, ha="left", fontsize="medium")
+
+
+def _draw_modes(before: Path, after: Path, figure: Figure) -> None:
+    from suspid.identification import read_modes
+    from suspid.reporting import plot_comparison
+
+    plot_comparison(read_modes(before), read_modes(after), figure)
 
 
 def _kind(path: Path) -> str:

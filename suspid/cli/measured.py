@@ -101,7 +101,7 @@ def identify_command(files: tuple[Path, ...], settings: Settings, plot: Path | N
         if json_draft:
             json_draft.write_text(to_json(_json_of(found, files, said)), encoding="utf-8")
         if figure_draft:
-            save_picture(partial(plot_identification, found.identification), figure_draft)
+            save_picture(partial(plot_identification, found.identification, units=found.units), figure_draft)
         said += said_of(found, most_left_out=MOST_LEFT_OUT, most_findings=MOST_FINDINGS)
     say(_in_words(files, found))
     for file, other in others:
@@ -220,12 +220,12 @@ def checked_picture(path: Path) -> Path:
     return path
 
 
-def save_picture(draw: Callable[[Figure], object], draft: Path) -> None:
+def save_picture(draw: Callable[[Figure], object], draft: Path, *, size: tuple[float, float] | None = None) -> None:
     """Write a page that a function draws, of the kind that the name says."""
     from matplotlib.figure import Figure
 
     from suspid.reporting import PAGE
 
-    figure = Figure(figsize=PAGE, layout="constrained")
+    figure = Figure(figsize=size or PAGE, layout="constrained")
     draw(figure)
     figure.savefig(draft, format=draft.suffix[1:].lower(), dpi=120)

@@ -19,6 +19,7 @@ from suspid.reporting.fleet_page import FleetContent
 from suspid.reporting.json_schema import json_schema
 from suspid.reporting.pdf import browser, write_pdf
 from suspid.reporting.plot_amplitude import plot_amplitude
+from suspid.reporting.plot_comparison import plot_comparison
 from suspid.reporting.plot_damper_curve import plot_damper_curve
 from suspid.reporting.plot_drive import plot_drive
 from suspid.reporting.plot_entropy import plot_entropy
@@ -57,6 +58,7 @@ __all__ = [
     "estimate_to_dict",
     "json_schema",
     "plot_amplitude",
+    "plot_comparison",
     "plot_damper_curve",
     "plot_drive",
     "plot_entropy",

@@ -1,0 +1,142 @@
+"""Before against after: springs and dampers, or modes, of two results with the intervals of both."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from suspid.errors import InputError
+from suspid.greybox import Estimate
+from suspid.levels import LEVEL, check_level
+from suspid.model import ModalSet, compare
+from suspid.reporting.axes import keep_apart, key_above, shown
+from suspid.reporting.colours import Colour
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from suspid.units import Ratio
+
+# What the two results of a line are called and drawn in, and how far each stands from the line's middle [lines].
+DRAWN = (("before", Colour.GREY, -0.16), ("after", Colour.BLUE, 0.16))
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Compared:
+    """One quantity in two results: lower end, value and upper end of each."""
+
+    name: str
+    before: tuple[float, float, float]
+    after: tuple[float, float, float]
+
+
+def plot_comparison(
+    before: Estimate | ModalSet,
+    after: Estimate | ModalSet,
+    figure: Figure,
+    *,
+    level: Ratio = LEVEL,
+) -> Figure:
+    """Draw springs and dampers, or modes, of two results with the intervals of both.
+
+    Every line is one quantity in percent of its value before. Intervals that are apart show a change that the errors
+    of the two results do not explain; `wear` and `compare` judge it.
+
+    Parameters
+    ----------
+    before, after : Estimate or ModalSet
+        Two results of one kind. Parameters that only one of them has, and modes without a partner, are left out.
+    figure : matplotlib.figure.Figure
+        An empty figure.
+    level : float
+        Probability of the intervals [1]. Exact modes are drawn as points.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        ``figure``.
+
+    Raises
+    ------
+    InputError
+        If the results are of two kinds, or have nothing in common.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> old = ModalSet.from_wn_zeta([10.0], [0.3], wn_std=[0.1], zeta_std=[0.01])
+    >>> new = ModalSet.from_wn_zeta([10.1], [0.2], wn_std=[0.1], zeta_std=[0.01])
+    >>> page = plot_comparison(old, new, Figure())
+    >>> [ax.get_title(loc="left") for ax in page.axes]
+    ['natural frequency', 'damping ratio']
+    """
+    check_level(level)
+    keep_apart(figure)
+    panels = _panels(before, after, level)
+    if not any(panels.values()):
+        raise InputError("the two results have no quantity in common to draw")
+    heights = [1.0 + len(rows) for rows in panels.values()]
+    grid = np.atleast_1d(figure.subplots(len(panels), 1, height_ratios=heights))
+    for ax, (title, rows) in zip(grid, panels.items(), strict=True):
+        _draw(ax, rows)
+        ax.set_title(title, loc="left")
+    key_above(grid[0])
+    grid[-1].set_xlabel(f"change from before, with {100 * level:g} % intervals [%]")
+    return figure
+
+
+def _panels(before: object, after: object, level: Ratio) -> Mapping[str, Sequence[Compared]]:
+    if isinstance(before, Estimate) and isinstance(after, Estimate):
+        return {"springs and dampers": _parameters(before, after, level)}
+    if isinstance(before, ModalSet) and isinstance(after, ModalSet):
+        names = {"wn": "natural frequency", "zeta": "damping ratio"}
+        return {title: _modes(before, after, quantity, level) for quantity, title in names.items()}
+    raise InputError(f"two estimates or two sets of modes, not {type(before).__name__} and {type(after).__name__}")
+
+
+def _parameters(before: Estimate, after: Estimate, level: Ratio) -> list[Compared]:
+    def ends(found: Estimate) -> dict[str, tuple[float, float, float]]:
+        reach = found.interval(level)
+        values = zip(found.parameters, found.values.tolist(), strict=True)
+        return {name: (reach[name][0], value, reach[name][1]) for name, value in values}
+
+    old, new = ends(before), ends(after)
+    return [Compared(name=name, before=old[name], after=new[name]) for name in new if old.get(name, (0.0, 0.0))[1]]
+
+
+def _modes(before: ModalSet, after: ModalSet, quantity: str, level: Ratio) -> list[Compared]:
+    """Return one quantity of every mode that both sets have."""
+    old, new = _ends(before, quantity, level), _ends(after, quantity, level)
+    rows = [row for row in compare(after, before).table if row.quantity == quantity]
+    return [
+        Compared(name=row.item, before=old(row.expected), after=new(row.found))
+        for row in rows
+        if row.expected and row.found is not None
+    ]
+
+
+def _ends(modes: ModalSet, quantity: str, level: Ratio) -> Callable[[float], tuple[float, float, float]]:
+    """Return what gives the ends of the interval of a value of the modes; the value itself where they are exact."""
+    values = getattr(modes, quantity)
+    known = None if modes.wn_std is None else getattr(modes.interval(level), quantity)
+
+    def ends(value: float) -> tuple[float, float, float]:
+        k = int(np.argmin(np.abs(values - value)))
+        return (value, value, value) if known is None else (float(known[k, 0]), value, float(known[k, 1]))
+
+    return ends
+
+
+def _draw(ax: Axes, rows: Sequence[Compared]) -> None:
+    for which, colour, offset in DRAWN:
+        for at, row in enumerate(rows):
+            low, here, high = (100 * (end / row.before[1] - 1) for end in getattr(row, which))
+            ax.plot([low, high], [at + offset] * 2, color=colour, linewidth=2.0)
+            ax.plot([here], [at + offset], "o", color=colour, markersize=4, label=None if at else which)
+    ax.axvline(0.0, color=Colour.PALE, linewidth=0.8, zorder=0)
+    ax.set_yticks(range(len(rows)), [shown(row.name) for row in rows])
+    ax.set_ylim(len(rows) - 0.5, -0.5)
