@@ -370,3 +370,10 @@ def test_files_with_other_sensors_are_named(folder: Path, turned: bool) -> None:
     done = run("drive", *([body, both] if turned else [both, body]), "--car", folder / "car.toml")
     assert done.exit_code == 1
     assert "body lacks a channel of the motion of 'tire', which both has" in done.output
+
+
+def test_a_drive_may_come_from_the_standard_input() -> None:
+    """An empty pipe is said as such, and no file of the name - is looked for."""
+    result = CliRunner().invoke(main, ["drive", "-"], input=b"")
+    assert result.exit_code == 2
+    assert "- is the standard input, and it is empty" in result.stderr

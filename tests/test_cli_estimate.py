@@ -223,3 +223,16 @@ def test_a_channel_in_another_unit_is_named(tmp_path: Path) -> None:
     done = run("estimate", tmp_path / "drive.csv", *options, "--scale", "tire_acceleration=0.2")
     assert "The gain is far from 1 of tire_acceleration.gain = 0." in done.output
     assert "The gain is far" not in run("estimate", tmp_path / "drive.csv", *options).output
+
+
+def test_limits_are_judged_and_stand_on_the_page(files: Path) -> None:
+    """The truth is 22 N/mm and 1300 N s/m: one limit holds it, the other does not."""
+    (files / "limits.toml").write_text(
+        '[struts.chassis]\nstiffness = { min = 20, max = 24, unit = "N/mm" }\ndamping = { min = 1400 }\n'
+    )
+    page = files / "page.html"
+    result = run("estimate", files / "decay.csv", "--car", files / "car.toml", "--limits", files / "limits.toml",
+                 "--page", page)  # fmt: skip
+    assert result.exit_code == 0, result.stderr
+    assert "1 of 2 limits met, 1 not met" in result.stdout
+    assert "1 of 2 limits met, 1 not met" in page.read_text(encoding="utf-8")

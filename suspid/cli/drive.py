@@ -11,7 +11,7 @@ import click
 
 from suspid.analysis import Settings
 from suspid.cli.measured import checked_page, checked_picture, save_picture, sources_of
-from suspid.cli.options import FILE, packed, progress, reading
+from suspid.cli.options import FILE, RECORD, packed, progress, reading
 from suspid.cli.parameters import ROAD_MODEL, WHEEL_RADIUS, Outputs, Wanted, conclude, wanting, writing
 from suspid.cli.support import Positive, check_apart, said_warnings
 from suspid.errors import InputError
@@ -59,7 +59,7 @@ def road_of(road: str | None, wheel_radius: float | None) -> dict[str, Any]:
 
 
 @click.command("drive")
-@click.argument("files", type=FILE, nargs=-1, required=True, metavar="FILE...")
+@click.argument("files", type=RECORD, nargs=-1, required=True, metavar="FILE...")
 @click.option("--car", type=FILE, metavar="CAR", help="Masses and nominal struts (.toml). [frequencies alone]")
 @reading
 @packed(way_of, WAY, "way")

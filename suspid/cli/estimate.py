@@ -9,7 +9,7 @@ from typing import Any
 
 import click
 
-from suspid.analysis import Settings
+from suspid.analysis import Settings, check_limits, read_limits
 from suspid.cli.fitting import GIVEN, fitted, sensing, tests_of
 from suspid.cli.measured import checked_page, checked_picture, save_picture, sources_of
 from suspid.cli.options import FILE, RECORD, packed, progress, reading
@@ -41,6 +41,7 @@ ROAD = (
 @packed(road_of, ROAD, "road")
 @sensing
 @wanting
+@click.option("--limits", type=FILE, metavar="FILE", help="Bounds of modes, springs and dampers to judge by (.toml).")
 @click.option("--plot", type=FILE, metavar="FILE", help="Write pictures of the estimate (.png, .svg, .pdf).")
 @click.option("--page", type=FILE, metavar="FILE", help="Write a page to print or to send (.html).")
 @writing
@@ -52,6 +53,7 @@ def estimate_command(
     road: dict[str, Any],
     sensing: dict[str, Any],
     wanted: Wanted,
+    limits: Path | None,
     plot: Path | None,
     page: Path | None,
     outputs: Outputs,
@@ -74,7 +76,8 @@ def estimate_command(
 
     if len({path.resolve() for path in files}) < len(files):
         raise click.UsageError("One of the FILES is named twice: name each once, every test counts once.")
-    check_apart([*files, car], [plot, page, outputs.output, outputs.json_file])
+    check_apart([*files, car, *filter(None, (limits,))], [plot, page, outputs.output, outputs.json_file])
+    asked = () if limits is None else read_limits(limits)
     masses, unknowns = wanted.added_masses(files), wanted.unknowns()
     with (
         replacing(checked_picture(plot)) if plot else nullcontext() as figure_draft,
@@ -88,7 +91,8 @@ def estimate_command(
         tests = tests_of(files, settings, masses, said)
         step("estimating")
         found = fitted(tests, suspension, given, said, {**road, **sensing, **unknowns})
-        text = outputs.words(found)
+        judged = [check_limits(found, asked, level=outputs.probability)] if asked else []
+        text = "\n\n".join([outputs.words(found), *map(str, judged)])
         step("drawing")
         if not found.explains:
             said.append("the car that was found does not explain these records")
@@ -99,7 +103,7 @@ def estimate_command(
             json_draft.write_text(to_json(plain), encoding="utf-8")
         if page_draft:
             sources = sources_of(files)
-            content = content_of(found, source=sources, level=outputs.probability, warnings=said)
+            content = content_of(found, source=sources, level=outputs.probability, warnings=said, limits=asked)
             page_draft.write_text(report(content), encoding="utf-8")
         if figure_draft:
             save_picture(partial(plot_estimate, found, level=outputs.probability), figure_draft)
