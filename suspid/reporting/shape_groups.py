@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from suspid.model import ModalSet
 
 # How often a displacement, and an angle, is differentiated, by the SI unit of the result.
-DERIVATIVES = {"m": ("m", 0), "m/s": ("m", 1), "m/s2": ("m", 2), "rad": ("rad", 0), "rad/s": ("rad", 1)}
+MOTION_OF_UNIT = {"m": ("m", 0), "m/s": ("m", 1), "m/s2": ("m", 2), "rad": ("rad", 0), "rad/s": ("rad", 1)}
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -74,7 +74,7 @@ def shape_groups(modes: ModalSet, units: Sequence[str] | None) -> tuple[ShapeGro
     orders, converted = np.zeros(len(shapes), int), shapes.astype(complex)
     for k, unit in enumerate(known):
         factor, si = _in_si(unit)
-        motion, orders[k] = DERIVATIVES.get(si, (si, 0)) if allowed else (si, 0)
+        motion, orders[k] = MOTION_OF_UNIT.get(si, (si, 0)) if allowed else (si, 0)
         converted[k] *= factor / modes.poles ** orders[k]
         members.setdefault(motion, []).append(k)
     first = next(iter(members.values()))
