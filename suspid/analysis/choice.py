@@ -22,6 +22,7 @@ STRUCTURE = frozenset(
     {
         ModeCheck.RESIDUAL_LOUD,
         ModeCheck.RESIDUAL_COLOURED,
+        ModeCheck.FOLLOWED,
         ModeCheck.HALVES_DISAGREE,
         ModeCheck.GROWING,
         ModeCheck.LATE_MOTION,

@@ -19,6 +19,8 @@ from suspid.words import Note, Number, Remark
 if TYPE_CHECKING:
     import control
 
+# Shares of the best decay after which it is tried again where no mode is found in it, and decays tried after it.
+LATER_SHARES, NEXT_DECAYS = (0.05, 0.1, 0.2, 0.4), 2
 # Remarks on stretches that are no decay which are repeated where no decay is used; `Decays.remarks` has all of them.
 MOST_REMARKS = 2
 
@@ -59,7 +61,10 @@ def _stretch_of(record: control.TimeResponseData, settings: Settings) -> Used:
 
 
 def _best(record: control.TimeResponseData, settings: Settings) -> Used:
-    """Return the best decay; the whole record where it is one, explains it as well, or where there is none."""
+    """Return the best decay; the whole record where it is one, explains it as well, or where there is none.
+
+    Where neither has a mode, the best decay is tried from later on, and then the next ones.
+    """
     late = late_start(as_signal(record)) is not None
     whole = None if late else tried(record, settings)
     if whole is not None and settled(whole):
@@ -74,6 +79,10 @@ def _best(record: control.TimeResponseData, settings: Settings) -> Used:
         whole = tried(record, settings) if late else whole
         if part is not None and (whole is None or not explains(whole, part)):
             return replace(best, identification=part)
+        if whole is None or not len(whole.modes):
+            again = _again(record, decays, settings)
+            if again is not None:
+                return again
     said: dict[str, Number] = {
         "found": len(decays),
         "best": str(decays[0]) if decays else "",
@@ -81,6 +90,18 @@ def _best(record: control.TimeResponseData, settings: Settings) -> Used:
     }
     note = Remark(Note.WHOLE_RECORD, said)
     return Used(record=record, decays=decays, used=(), notes=(note,), identification=whole)
+
+
+def _again(record: control.TimeResponseData, decays: Decays, settings: Settings) -> Used | None:
+    """Return the best decay from a later start on, or one of the next decays, in which modes are found."""
+    best = decays[0]
+    later = [replace(best, start=best.start + share * (best.stop - best.start)) for share in LATER_SHARES]
+    for decay in (*later, *decays[1 : 1 + NEXT_DECAYS]):
+        used = _of(record, decays, decay)
+        found = tried(used.record, settings)
+        if found is not None and len(found.modes):
+            return replace(used, identification=found)
+    return None
 
 
 def _all(record: control.TimeResponseData, decays: Decays) -> Used:
@@ -96,7 +117,10 @@ def _all(record: control.TimeResponseData, decays: Decays) -> Used:
 def _one(record: control.TimeResponseData, decays: Decays, rank: int) -> Used:
     if rank > len(decays):
         raise RecordError(f"there is no decay of rank {rank}; found: {'; '.join(map(str, decays))}")
-    best = decays[rank - 1]
+    return _of(record, decays, decays[rank - 1])
+
+
+def _of(record: control.TimeResponseData, decays: Decays, best: Decay) -> Used:
     used = Remark(Note.DECAY_USED, {"start": best.start, "stop": best.stop, "others": len(decays) - 1})
     doubts = [Remark(Note.DECAY_DOUBT, {"doubt": str(doubt)}) for doubt in best.doubts]
     part, still = _moving(cut(record, start=best.start, stop=best.stop))

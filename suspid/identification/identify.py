@@ -12,6 +12,7 @@ from suspid.cleaning import RecordLike, as_record, clipped_run
 from suspid.errors import IdentificationError, InputError, RecordError
 from suspid.identification.considered import beside_bent, considered_of
 from suspid.identification.covariance import joint_covariance, spread_of
+from suspid.identification.dominant import dominant
 from suspid.identification.halves import FEWEST_SAMPLES, disagreement
 from suspid.identification.harmonics import without_harmonics
 from suspid.identification.identification import Identification, Method
@@ -153,7 +154,8 @@ def _by_likelihood(
 ) -> Identification:
     low, high = band or (0.0, np.pi / signal.step)
     noise = noise_of(signal.values)
-    selection = select(centred, noise=noise, modes=steps.count, band=(low * signal.step, high * signal.step))
+    limits = (low * signal.step, high * signal.step)
+    selection = select(centred, noise=noise, modes=steps.count, band=limits)
     bent = None
     if band is None and _fades(centred) and unlike_linear(selection):
         bent = find_forces(centred, noise=noise, selection=selection, modes=steps.count)
@@ -167,6 +169,8 @@ def _by_likelihood(
     else:
         if steps.count is None:
             selection = without_pulse(without_lines(selection), centred)
+            if not len(selection.modes):
+                selection = dominant(centred, noise=noise, band=limits, selection=selection) or selection
         modes, loudness = _modes_of(selection, centred, step=signal.step, channels=signal.channels)
         if steps.count is None:
             selection = without_harmonics(selection, modes)

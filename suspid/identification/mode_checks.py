@@ -75,6 +75,14 @@ def check_resolution(found: Identification) -> Iterator[Check]:
         yield check_of(ModeCheck.UNRESOLVED, Level.CARE, {"modes": tuple(modes)})
 
 
+def check_followed(found: Identification) -> Iterator[Check]:
+    """Check that the modes stand out of the residual near them."""
+    kept = [c.pole for c in found.considered if c.remark.code is Reason.FOLLOWED]
+    modes = sorted({int(np.argmin(np.abs(found.modes.poles - pole))) + 1 for pole in kept})
+    if modes:
+        yield check_of(ModeCheck.FOLLOWED, Level.DOUBTFUL, {"modes": tuple(modes)})
+
+
 def check_phases(found: Identification) -> Iterator[Check]:
     """Check whether all channels of each mode move in phase or antiphase."""
     modes = numbers_of((np.array(found.modes.kinds) == "pair") & (found.collinearity < OUT_OF_PHASE))

@@ -13,6 +13,7 @@ from suspid.identification.lines import clear_line
 from suspid.identification.mode_checks import (
     check_amplitudes,
     check_cycles,
+    check_followed,
     check_halves,
     check_of,
     check_phases,
@@ -71,6 +72,7 @@ def _checks(found: Identification, level: Ratio) -> Iterator[Check]:
     yield from rough
     yield from check_cycles(found)
     yield from check_resolution(found)
+    yield from check_followed(found)
     few = list(_few_samples(found))
     yield from few
     blind = () if found.forces else numbers_of(~np.isfinite(found.halves) & (np.array(found.modes.kinds) == "pair"))

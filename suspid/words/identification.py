@@ -52,6 +52,11 @@ class Reason(Code):
         "not significant",
         "not significant: gain {times:.2g} × the BIC penalty, {needed:g} × required near this residual",
     )
+    FOLLOWED = (
+        "followed",
+        "kept as a mode, since most of the motion follows it: gain {times:.2g} × the BIC penalty, {needed:g} × "
+        "required near this residual",
+    )
     NOT_NEEDED = "not needed", "not needed beside the others"
     BENT = "bent", "drift: removed with the offset, as a parabola"
     SAME_MODE = "same mode", "part of mode {mode}, whose frequency and damping depend on its amplitude"
@@ -166,6 +171,13 @@ class ModeCheck(Code):
         lambda n: (
             f"The residual near mode {_names(n['modes'])} exceeds white noise: the noise is coloured, the decay is "
             f"not quite linear, or something else moves. The intervals are widened."
+        ),
+    )
+    FOLLOWED = (
+        "followed",
+        lambda n: (
+            f"Most of the motion follows mode {_names(n['modes'])}, but what is left near it is not noise: the decay "
+            f"is nonlinear, or other motion goes with it. The values are means over the decay."
         ),
     )
     SHARED_NOISE = (
