@@ -60,6 +60,27 @@ class TestFront:
         least = [min(f[1] for f in grid if f[0] <= top) for top in found.values[1:, 0]]
         assert np.all(found.values[1:, 1] <= np.array(least) * (1 + 1e-3))
 
+    @pytest.mark.parametrize(("start", "tire_damping"), [(1300.0, 60.0), (20e3, 0.0)])
+    def test_the_best_car_is_found_where_hardly_anything_damps(self, start: float, tire_damping: float) -> None:
+        """Its resonance is sharper than that of the car the search begins at; beside exact spectra of each car."""
+        car = CAR.with_parameters(stiffness={"chassis": 5e3}, damping={"chassis": start, "tire": tire_damping})
+
+        def weighted_at(log_damping: float) -> float:
+            other = car.with_parameters(damping={"chassis": float(np.exp(log_damping))})
+            return ride(other, road="C", speed=20.0)["chassis_acceleration.Wk"]
+
+        best = minimize_scalar(weighted_at, bounds=np.log([50, 500]), method="bounded", options={"xatol": 1e-4})
+        found = tune(
+            car,
+            parameters=["chassis.damping"],
+            objective="chassis_acceleration.Wk",
+            road="C",
+            speed=20.0,
+            bounds={"chassis.damping": (20.0, 25e3)},
+        )
+        assert found.values[0, 0] == pytest.approx(best.fun, rel=1e-5)
+        assert found.choices[0, 0] == pytest.approx(np.exp(best.x), rel=0.01)
+
     def test_figures_are_those_of_the_cars(self) -> None:
         found = tune(CAR, parameters=STRUT, objective=BOTH, road="C", speed=20.0, points=3)
         for car, values in zip(found.cars, found.values, strict=True):

@@ -17,7 +17,7 @@ from suspid.model import OutputRows, Suspension
 from suspid.performance.strut_slopes import strut_slopes
 from suspid.performance.weightings import weighting
 from suspid.simulation import Road
-from suspid.units import ComplexArray, RealArray, Second
+from suspid.units import ComplexArray, Ratio, RealArray, Second
 
 # Gauss points of each panel, panels to begin with, and at most: a mode with a damping ratio of 1e-4 needs some 4000.
 GAUSS_POINTS, PANELS, MOST_PANELS = 8, 32, 8192
@@ -53,13 +53,13 @@ def nodes(road: Road, panels: int) -> tuple[RealArray, RealArray]:
     return f, f * np.tile(w * width / 2, panels)
 
 
-def enough_panels(variances: Callable[[int], RealArray]) -> int:
-    """Return a number of panels at which variances no longer change by `EXACT_VARIANCE`."""
+def enough_panels(variances: Callable[[int], RealArray], change: Ratio = EXACT_VARIANCE) -> int:
+    """Return a number of panels at which variances no longer change by a share."""
     panels, before = PANELS, variances(PANELS)
     while panels < MOST_PANELS:
         panels *= 2
         now = variances(panels)
-        if np.all(np.abs(now - before) <= EXACT_VARIANCE * np.abs(now)):
+        if np.all(np.abs(now - before) <= change * np.abs(now)):
             return panels // 2
         before = now
     return panels
@@ -138,14 +138,14 @@ def grid_of(wanted: Signals, road: Road, panels: int) -> Grid:
     return Grid(hertz=f, level=np.stack([level, level * (2 * np.pi * f) ** 2]), shares=road.shares(f))
 
 
-def exact_grid(car: Suspension, wanted: Signals, road: Road) -> Grid:
-    """Return a grid that is fine enough for a car."""
+def exact_grid(car: Suspension, wanted: Signals, road: Road, change: Ratio = EXACT_VARIANCE) -> Grid:
+    """Return a grid that is fine enough for a car: variances on twice as many panels differ by less than a share."""
 
     def variances(panels: int) -> RealArray:
         grid = grid_of(wanted, road, panels)
         return moments(car, wanted, grid).variance
 
-    return grid_of(wanted, road, enough_panels(variances))
+    return grid_of(wanted, road, enough_panels(variances, change))
 
 
 def moments(

@@ -24,6 +24,8 @@ from suspid.words.ride import RideCheck, TuningCheck, TuningHeadline
 NO_FIGURE = 1e-300
 # A factor nearer to its bound than this is at it.
 AT_BOUND = 1e-3
+# Relative error of variances during a search, at most: half of it in figures. Those of the cars found are exact.
+SEARCH_VARIANCE = 1e-4
 
 
 def tune(
@@ -106,7 +108,7 @@ def tune(
     plan = plan_of(about.car, driven, duration=duration, weightings=weightings, clearance=clearance).only(figures)
     choice = choice_of(about, parameters, robust)
     low, high = box_of(choice, bounds or {})
-    grid = exact_grid(about.car, plan.signals, driven)
+    grid = _grid_of_box(plan, choice, low, high)
     start = np.clip(np.zeros(len(low)), low, high)
     # An objective that is limited too stands once more, as a figure of its own.
     order = [*range(len(wanted)), *(figures.index(name) for name in limits)]
@@ -144,6 +146,18 @@ def tune(
         cars=cars,
         verdict=_judged(front, choice, search, robust, about),
     )
+
+
+def _grid_of_box(plan: Plan, choice: Choice, low: RealArray, high: RealArray) -> Grid:
+    """Return a grid that is fine enough for all cars of the box.
+
+    The sharpest resonances are those of the stiffest springs, with the weakest dampers or with dampers so strong that
+    the body moves on its tires alone.
+    """
+    springs = np.array([all(name.endswith(".stiffness") for name in group) for group in choice.groups])
+    corners = (np.zeros(len(low)), np.where(springs, high, low), high)
+    grids = [exact_grid(choice.car(x, {}), plan.signals, plan.road, SEARCH_VARIANCE) for x in corners]
+    return max(grids, key=lambda grid: len(grid.hertz))
 
 
 def _figures(plan: Plan, choice: Choice, grid: Grid, x: RealArray, robust: Ratio) -> tuple[RealArray, RealArray]:
