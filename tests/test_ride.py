@@ -219,6 +219,16 @@ class TestDerivatives:
             scale = np.abs(plan.values(car, grid=grid)[0] / value)
             np.testing.assert_allclose(jacobian[:, p] / scale, expected / scale, atol=2e-6, rtol=2e-6)
 
+    @pytest.mark.parametrize("duration", [0.02, 0.3, 5.0])
+    def test_peaks_of_a_short_time(self, duration: float) -> None:
+        """Fewer peaks than Davenport's law has a value for count as e of them, whatever the car."""
+        plan = plan_of(CAR, driven_road(CAR, "C", 20.0), duration=duration)
+        plan = plan.only(["chassis_acceleration.crest", "chassis.peak_travel"])
+        grid = grid_of(plan.signals, plan.road, 64)
+        _, jacobian = plan.values(CAR, parameters=["chassis.stiffness"], grid=grid)
+        ends = [plan.values(changed(CAR, "chassis.stiffness", 22e3 + h), grid=grid)[0] for h in (-0.2, 0.2)]
+        np.testing.assert_allclose(jacobian[:, 0], (ends[1] - ends[0]) / 0.4, rtol=1e-5, atol=1e-12)
+
     def test_intervals_of_an_estimate(self) -> None:
         nominal = CAR.with_parameters(stiffness={"chassis": 18e3}, damping={"chassis": 1600})
         rng, held = np.random.default_rng(3), []
@@ -265,6 +275,32 @@ class TestVerdict:
         found = ride(as_response(t, samples[None], ["seat_acceleration"]))
         assert {RideCheck.CREST, RideCheck.SHOCKS} <= set(self.codes(found))
         assert found["seat_acceleration.crest"] > 9
+
+    def test_the_order_of_weightings_does_not_matter(self) -> None:
+        t = np.arange(0, 60, 0.002)
+        record = as_response(t, np.random.default_rng(2).standard_normal((1, len(t))), ["chassis_acceleration"])
+        kinds = {"chassis_acceleration": ("Wk", "Wf")}, {"chassis_acceleration": ("Wf", "Wk")}
+        for one, two in (
+            [ride(record, weightings=each) for each in kinds],
+            [ride(CAR, road="B", speed=20.0, weightings=each) for each in kinds],
+        ):
+            assert sorted(zip(one.figures, one.values, strict=True)) == sorted(
+                zip(two.figures, two.values, strict=True)
+            )
+            assert self.codes(one) == self.codes(two)
+            assert RideCheck.COMFORT in self.codes(two)
+
+    def test_rare_lifts_are_those_of_rice(self) -> None:
+        """How often and how long the load of a simulated drive is beyond the static one."""
+        rng, made = np.random.default_rng(5), road("D", speed=20.0, under=CAR, wavelengths=(0.5, 100.0))
+        t = np.arange(0, 300, 0.002)
+        outputs = ["chassis_acceleration", "tire_acceleration"]
+        record = simulate(CAR, t, made.heights(t, rng=rng), outputs=outputs, interpolation="cubic")
+        load = np.array([350.0, 50.0]) @ np.asarray(record.y).reshape(2, -1)[:, 1000:]
+        lifted = np.diff((load < -400 * 9.80665).astype(int)) == 1
+        found = ride(CAR, road=made)
+        assert found["tire.lift_rate"] == pytest.approx(np.sum(lifted) / (len(load) * 0.002), rel=0.15)
+        assert found["tire.lifts"] == pytest.approx(np.mean(load < -400 * 9.80665), rel=0.15)
 
     def test_a_slow_record(self) -> None:
         t = np.arange(0, 20, 0.01)

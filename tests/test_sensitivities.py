@@ -57,6 +57,12 @@ def test_time_scales() -> None:
     np.testing.assert_allclose(together[1::2], 0.0, atol=1e-12)
 
 
+def test_a_car_without_dampers_has_no_relative_change_of_damping() -> None:
+    found = sensitivities(CAR.with_parameters(damping={"chassis": 0.0, "tire": 0.0}))
+    assert np.all(np.isnan(found.elasticity[1::2]))
+    np.testing.assert_allclose(found.elasticity[0::2].sum(axis=1), 0.5)
+
+
 def test_table() -> None:
     found = sensitivities(CAR, parameters=["chassis.damping"], road="C", speed=20.0)
     assert found.to_pandas().set_index("name").loc["mode 1.zeta", "chassis.damping"] == pytest.approx(1.0, abs=0.05)

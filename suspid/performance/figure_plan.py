@@ -136,7 +136,7 @@ def plan_of(
         formulas[f"{channel}.rms"] = f"{turn}/s2", len(names), rms
         names.append(channel)
         filters.append(None)
-        comfort = next((kind for kind in kinds if kind != SICKNESS), None)
+        comfort = comfort_of(kinds)
         for kind in kinds:
             for figure, unit, formula in _of_acceleration(kind, turn, first=kind == comfort):
                 formulas[f"{channel}.{figure}"] = unit, len(names), formula
@@ -189,6 +189,11 @@ def default_weightings(car: Suspension, wheels: Sequence[str]) -> dict[str, tupl
     ]
     channels = [*(f"{c}{ACCELERATION}" for c in felt), *sensors]
     return {c: ROTATION if c.removesuffix(ACCELERATION) in ANGLES else VERTICAL for c in channels}
+
+
+def comfort_of(kinds: Sequence[str]) -> str | None:
+    """Return the first weighting that is one of comfort, on which dose, crest and reaction rest."""
+    return next((kind for kind in kinds if kind != SICKNESS), None)
 
 
 def checked_weightings(given: Mapping[str, str | Sequence[str]]) -> dict[str, tuple[str, ...]]:

@@ -62,8 +62,9 @@ def sickness(m: Moment, seconds: Second, _: Static) -> tuple[float, RealArray]:
 
 def crest(m: Moment, seconds: Second, _: Static) -> tuple[float, RealArray]:
     """Return the expected largest peak over rms, ``u + 0.5772 / u`` with ``u = (2 ln 2 nu T)^(1/2)``, Davenport."""
-    u = float(np.sqrt(2 * np.log(max(2 * m.rises * seconds, math.e))))
-    return u + EULER / u, (1 / u - EULER / u**3) * m.rises_slopes
+    count = 2 * m.rises * seconds
+    u = float(np.sqrt(2 * np.log(max(count, math.e))))
+    return u + EULER / u, (1 / u - EULER / u**3) * (count > math.e) * m.rises_slopes
 
 
 def peak(m: Moment, seconds: Second, _: Static) -> tuple[float, RealArray]:

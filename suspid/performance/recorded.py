@@ -17,6 +17,7 @@ from suspid.performance.figure_plan import (
     TRAVEL,
     VERTICAL,
     checked_weightings,
+    comfort_of,
 )
 from suspid.performance.reactions import reaction
 from suspid.performance.rides import Ride
@@ -63,9 +64,10 @@ def recorded(
     for channel, kinds in chosen.items():
         plain, scatter = _power_mean(about[channel], 2)
         found.append(Measured(name=f"{channel}.rms", value=plain, unit=f"{_turn(channel)}/s2", scatter=scatter))
+        comfort = comfort_of(kinds)
         for kind in kinds:
             felt = weighted(about[channel], signal.step, kind)
-            figures = list(_of_weighted(channel, kind, felt, seconds, first=kind == kinds[0]))
+            figures = list(_of_weighted(channel, kind, felt, seconds, first=kind == comfort))
             found += figures
             checks += _doubts(channel, kind, {one.name: one.value for one in figures}, seconds)
     for channel in signal.channels:

@@ -9,7 +9,7 @@ import numpy as np
 from suspid.cleaning import RecordLike
 from suspid.errors import InputError
 from suspid.model import Suspension, output_rows
-from suspid.performance.figure_plan import ROTATION, SICKNESS, Plan, plan_of
+from suspid.performance.figure_plan import ROTATION, SICKNESS, Plan, comfort_of, plan_of
 from suspid.performance.reactions import reaction
 from suspid.performance.recorded import recorded
 from suspid.performance.rides import Ride
@@ -177,8 +177,9 @@ def _judged(plan: Plan, values: Mapping[str, float], about: Uncertain) -> Verdic
 def _comforts(plan: Plan, values: Mapping[str, float]) -> Iterator[Check]:
     """Yield what people say of each vertical or horizontal acceleration."""
     for channel, kinds in plan.weightings.items():
-        if kinds[0] not in (SICKNESS, *ROTATION):
-            yield reaction(channel, values[f"{channel}.{kinds[0]}"])
+        kind = comfort_of(kinds)
+        if kind is not None and kind not in ROTATION:
+            yield reaction(channel, values[f"{channel}.{kind}"])
 
 
 def _limits_met(plan: Plan, values: Mapping[str, float]) -> Iterator[Check]:

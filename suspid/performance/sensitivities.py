@@ -18,6 +18,9 @@ from suspid.simulation import Road
 from suspid.units import ComplexArray, Metre, RealArray, Second
 from suspid.values import frozen_real, nearest_names, text_table
 
+# Damping ratios below this are zero to the rounding of poles.
+UNDAMPED = 1e-12
+
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Sensitivities(Result):
@@ -117,7 +120,7 @@ def sensitivities(
         names += [f"mode {mode}.wn", f"mode {mode}.zeta"]
         values += [wn, -pole.real / wn]
         with np.errstate(divide="ignore", invalid="ignore"):
-            by_zeta = np.where(pole.real, np.real(slope) / pole.real * at - by_wn, np.nan)
+            by_zeta = np.where(abs(pole.real) > UNDAMPED * wn, np.real(slope) / pole.real * at - by_wn, np.nan)
         rows += [by_wn, by_zeta]
     if road is not None:
         plan = plan_of(
