@@ -20,12 +20,14 @@ from suspid import (
     half_car,
     quarter_car,
     reconstruct,
+    ride,
     statespace,
 )  # fmt: skip
 from suspid.performance.contact import contact, static_loads, wheels_of
 from suspid.units import STANDARD_GRAVITY as GRAVITY
-from suspid.words import Level
+from suspid.words import Check, Level, Remark, Verdict
 from suspid.words.grip import GripCheck
+from suspid.words.ride import RideCheck
 from validation.greybox_rows import FULL
 from validation.motion import STEP, integrated
 
@@ -71,6 +73,20 @@ class TestFigures:
         assert lifted.least[0] < 0 == lifted.adhesion[0]
         assert GripCheck.LIFTS in [check.remark.code for check in lifted.verdict.checks]
         assert lifted.classes == ("poor",)
+
+    def test_classes_and_the_top_of_the_sweep(self) -> None:
+        """60, 40 and 20 %, of a sweep from 25 Hz: the swing is that of the car, the share that of the weighed load."""
+        one = grip(quarter(1300))
+        assert one.hertz[-1] == pytest.approx(25.0)
+        swing = float((1 - one.least[0]) * one.load[0])
+        for percent, name in ((61, "excellent"), (59, "good"), (41, "good"), (39, "fair"), (21, "fair"), (19, "poor")):
+            assert grip(quarter(1300), loads={"tire": swing / (1 - percent / 100)}).classes == (name,)
+
+    @pytest.mark.parametrize(("damping", "code"), [(640, GripCheck.PASSES), (625, GripCheck.FAILS)])
+    def test_the_limit_of_the_phase_is_35_degrees(self, damping: float, code: GripCheck) -> None:
+        found = grip(quarter(damping))
+        assert abs(np.degrees(found.phase[0]) - 35) < 0.6
+        assert code in [check.remark.code for check in found.verdict.checks]
 
 
 class TestContact:
@@ -147,6 +163,14 @@ class TestLoads:
 
 
 class TestUncertainty:
+    def test_an_estimate_in_doubt_leaves_doubt(self, found: Estimate) -> None:
+        doubtful = Verdict(found.verdict.headline, (Check(Remark(GripCheck.NO_LEAST, {"wheel": "tire"}), Level.CARE),))
+        for figures, code in ((grip, GripCheck.UNTRUSTED), (ride, RideCheck.UNTRUSTED)):
+            request = {"road": "C", "speed": 20.0} if figures is ride else {}
+            for one, said in ((found, False), (replace(found, verdict=doubtful), True)):
+                checks = figures(one, **request).verdict.checks  # type: ignore[operator]
+                assert (code in [check.remark.code for check in checks]) is said
+
     @pytest.mark.parametrize("car", [quarter(900), MOUNTED])
     def test_derivatives_are_differences(self, car: Suspension) -> None:
         known = {f"{s.name}.{q}": 0.1 for s in car.struts for q in ("stiffness", "damping") if getattr(s, q)}

@@ -7,8 +7,10 @@ import pytest
 
 from suspid import InputError, add_noise, classify_road, quarter_car, road, simulate
 from suspid.performance import ROAD_LIMITS
+from suspid.signals import as_response
 from suspid.simulation import ROUGHNESS, Road, track_coherence
 from suspid.words import Level
+from suspid.words.ride import RoadCheck
 from validation.cars import FOUR_WHEELS, TWO_AXLES
 
 
@@ -159,6 +161,18 @@ class TestClass:
             )
         # 120 of which 114 are expected: six is 2.4 standard deviations.
         assert np.sum(held) >= 108
+
+    def test_a_bent_spectrum_is_known_less_well(self) -> None:
+        """Waves of one length on a road: the line does not hold, which is said, and its errors grow with the misfit."""
+        t = np.arange(0, 60, 0.005)
+        heights = road("B", speed=20.0).heights(t, rng=np.random.default_rng(4))["road"]
+        waves = 0.02 * np.sin(2 * np.pi * 20 * t / 3.0)
+        plain, bent = (
+            classify_road(as_response(t, one[None], ["road"]), speed=20.0) for one in (heights, heights + waves)
+        )
+        assert RoadCheck.BENT not in [check.remark.code for check in plain.verdict.checks]
+        assert RoadCheck.BENT in [check.remark.code for check in bent.verdict.checks]
+        assert bent.covariance[0, 0] > 10 * plain.covariance[0, 0]
 
     def test_near_a_limit_it_says_so(self) -> None:
         t = np.arange(0, 10, 0.005)

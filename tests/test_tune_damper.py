@@ -42,6 +42,11 @@ def test_figures_are_those_of_these_rates(found: DamperTuning) -> None:
         np.testing.assert_allclose(row, [again[name] for name in found.figures], rtol=1e-5)
 
 
+def test_neighbouring_slopes_differ_by_no_more_than_a_factor_of_two(found: DamperTuning) -> None:
+    slopes = np.divide(*np.diff(np.array(found.strut.curve), axis=0).T[::-1])
+    assert np.exp(np.max(np.abs(np.diff(np.log(slopes))))) == pytest.approx(2.0, rel=1e-3)
+
+
 def test_limits_hold_and_no_single_rate_is_as_good(found: DamperTuning) -> None:
     assert np.all(found.values[:, 1] <= 0.018 * 1.001)
     assert found.verdict.level is Level.SOUND
