@@ -69,7 +69,9 @@ class TestFront:
             other = car.with_parameters(damping={"chassis": float(np.exp(log_damping))})
             return ride(other, road="C", speed=20.0)["chassis_acceleration.Wk"]
 
-        best = minimize_scalar(weighted_at, bounds=np.log([50, 500]), method="bounded", options={"xatol": 1e-4})
+        best = minimize_scalar(
+            weighted_at, bounds=(np.log(50.0), np.log(500.0)), method="bounded", options={"xatol": 1e-4}
+        )
         found = tune(
             car,
             parameters=["chassis.damping"],
