@@ -202,7 +202,7 @@ class TestSpringsFromTheRecord:
         assert found.verdict.level is Level.SOUND
         assert "beyond chance" in str(found)
         page, content = report(found), report_to_dict(found)
-        assert page.index('id="estimate"') < page.index('id="modes"')
+        assert page.index('id="springs"') < page.index('id="modes"')
         assert "They rest on these masses" in page
         jsonschema.validate(content, json_schema("report"))
         estimated = content["estimate"]

@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from suspid import add_noise, quarter_car, road, simulate
 from suspid.cleaning.clipping import clipped_run
+from suspid.cleaning.faults import on_rail
 from suspid.cleaning.inspection import inspect
 from suspid.cleaning.ordering import ordered, stamped, unrepeated
 from suspid.cleaning.placing import interpolate
@@ -136,3 +138,19 @@ class TestChannels:
         more = np.insert(times, 16, 16 - ahead)
         other = interpolate(wanted, more, np.sin(more) + 0.1 * (more % 1 > 0), widest=3.0)
         assert (abs(float(other[0] - plain[0])) > 0.01) == used
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_noisy_drive_is_not_clipped_and_its_clipped_copy_is(seed: int) -> None:
+    """Crests of a rough motion under noise have three samples in the zone of a rail now and then."""
+    car = quarter_car(
+        chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3, chassis_damping=1300
+    )
+    times = np.arange(0, 60, 0.005)
+    heights = road("B", speed=20.0, under=car).heights(times, rng=np.random.default_rng(seed))
+    shown = ["chassis_acceleration", "tire_acceleration", "chassis"]
+    driven = add_noise(simulate(car, times, heights, outputs=shown), snr_db=30.0, rng=np.random.default_rng(50 + seed))
+    for row in np.asarray(driven.outputs, float):
+        assert not np.any(on_rail(row))
+        limit = float(np.quantile(np.abs(row), 0.995))
+        assert np.sum(on_rail(np.clip(row, -limit, limit))) >= np.sum(np.abs(row) >= limit) - 4

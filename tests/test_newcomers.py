@@ -68,7 +68,7 @@ COMMANDS = [
     f"simulate {CAR} -o d.csv --fs 100 --duration 2 --initial v_wheel=1",
     f"simulate {CAR} -o d.csv --fs 100 --duration 2 --initial v_tire",
     f"estimate {RECORD}",
-    f"estimate {RECORD} --car {CAR} --given wheel",
+    f"estimate {RECORD} --car {CAR} --given rode",
     f"estimate {RECORD} --car {CAR} --fixed spring",
     "compare before.json",
     "channels nothing.mat",

@@ -17,6 +17,9 @@ RAIL = 0.01
 # A crest that is smooth to its top enters the rail by steps that follow from how long it stays there; a clipped one
 # enters by larger ones. Twice as large: a crest of which only the third derivative matters comes to 1.5.
 STEEPER = 2.0
+# Steps of noise that occur once in ten thousand, over its standard deviation (root two times 3.9), and the spread over
+# the converter's step up to which samples are alike.
+THROWN, FLAT = 5.5, 3.0
 # Median step beside a run, in those of the converter, below which repeats say nothing.
 COARSE = 2.0
 
@@ -91,7 +94,7 @@ def on_rail(values: RealArray) -> Flags:
 
     A parabola whose depth changes by w over the n samples next to its top is entered by steps of up to
     ``4 w / n (1 + 1 / n)``. A rail is a zone at the end of the range that is entered or left by larger steps, in at
-    least one run of three samples or more. The step of the converter is allowed for.
+    least one run of three samples or more. The step of the converter and noise are allowed for.
 
     Parameters
     ----------
@@ -112,6 +115,7 @@ def on_rail(values: RealArray) -> Flags:
         return found
     steps = np.abs(np.diff(finite))
     quantum = float(np.min(steps[steps > 0]))
+    noise = THROWN * _roughness(finite)
     for depth in (float(np.max(finite)) - values, values - float(np.min(finite))):
         near: NDArray[np.bool_] = depth <= RAIL * reach  # False where missing
         first, after = runs(near)
@@ -120,7 +124,17 @@ def on_rail(values: RealArray) -> Flags:
         count = after - first
         width = np.array([np.ptp(depth[a:b]) for a, b in zip(first, after, strict=True)]) + quantum
         smooth = STEEPER * 4 * width / count * (1 + 1 / count) + quantum
+        # Noise throws the samples of a crest in and out of the zone; samples that are alike are held by a rail.
+        held = np.array([np.sum(depth[a:b] <= FLAT * quantum) for a, b in zip(first, after, strict=True)])
+        smooth += np.where(held < CLIPPED, noise, 0.0)
         jumps = np.fmax(depth[first - 1] - depth[first], depth[after % values.size] - depth[after - 1])
         if np.any(jumps > np.maximum(smooth, RAIL * reach)):
             found |= near
     return found
+
+
+def _roughness(values: RealArray) -> float:
+    """Return the standard deviation of what changes from sample to sample, by the median of second differences."""
+    from scipy.stats import median_abs_deviation
+
+    return float(median_abs_deviation(np.diff(values, 2), scale="normal")) / 6**0.5 if values.size > CLIPPED else 0.0
