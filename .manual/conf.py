@@ -114,7 +114,6 @@ def _make_pages(source: Path) -> None:
     """Write the pages that are made from the README, the reports and the names, beside the others."""
     (source / "names.rst").write_text(_public_names(), encoding="utf-8")
     for name, title, heading in (
-        ("recordings", "Recordings", "What can be done"),
         ("conventions", "Conventions", "Conventions"),
         ("measured", "Measured", "How the figures were measured"),
         ("matlab", "Coming from MATLAB", "Coming from MATLAB"),

@@ -117,7 +117,7 @@ class Result:
 
     def _repr_html_(self) -> str:
         """Return the text and the main picture for a notebook; whatever a name holds stays text."""
-        text = f'<pre style="white-space: pre-wrap">{html.escape(str(self))}</pre>'
+        text = f'<pre style="white-space: pre; overflow-x: auto">{html.escape(str(self))}</pre>'
         drawing = drawing_of(self)
         if drawing is None:
             return text

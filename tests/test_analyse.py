@@ -240,4 +240,7 @@ class TestCommandsAreNoMotion:
         np.savetxt(file, table, delimiter=",", header="time,position,effort", comments="", fmt="%.6g")
         found = analyse(file)
         assert any(note.code is Note.HELD_CHANNEL for note in found.notes)
-        assert found.identification.modes.poles == pytest.approx([-1.2 + 15.0j], rel=1e-3)
+        # The start of a step may leave a pole that dies within two samples; it is never called sound.
+        first, *others = found.identification.modes.poles
+        assert first == pytest.approx(-1.2 + 15.0j, rel=1e-3)
+        assert not others or found.verdict.level < Level.SOUND

@@ -33,7 +33,7 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder, rng = tmp_path_factory.mktemp("fleet"), np.random.default_rng(1)
     for table in TABLE_COLUMNS:
         (folder / table).mkdir()
-    manifest = {"format": FLEET_FORMAT, "environment": environment(), "car": car_to_toml(CAR), "complete": {}}
+    manifest = {"format": FLEET_FORMAT, "environment": environment(), "car": car_to_toml(CAR), "complete": {"parts": 1}}
     (folder / "manifest.json").write_text(json.dumps(manifest))
     modes, springs = [], []
     for (vehicle, loss), k in itertools.product((("sound", 0.0), ("worn", 0.4)), range(4)):

@@ -107,5 +107,5 @@ def test_what_cannot_be_computed_is_refused(more: dict[str, Any]) -> None:
     car = quarter_car(
         chassis_mass=400, tire_mass=40, chassis_stiffness=20e3, tire_stiffness=200e3, chassis_damping=1500
     )
-    with pytest.raises(InputError, match="far too stiff for the masses"):
+    with pytest.raises(InputError, match="far too stiff for the masses|beyond 1e"):
         free_decay(car.with_parameters(**more), np.arange(0, 1, 0.005), initial_state={"v_tire": 1.0})

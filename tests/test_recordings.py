@@ -148,14 +148,14 @@ class TestUnitsOfTime:
         stamps[50] = wrong
         assert np.delete(self.read("time", stamps)["seat"].timepts, 50).tolist() == np.delete(stamps, 50).tolist()
 
-    def test_whole_numbers_without_a_unit_are_said_to_be_taken_as_seconds(self) -> None:
+    def test_whole_numbers_without_a_unit_are_said_to_be_taken_as_milliseconds(self) -> None:
         for name, stamps, said in (
             ("time", np.arange(20.0), True), ("timestamp", 5 * np.arange(20.0), True),
             ("time [s]", np.arange(20.0), False), ("time", np.arange(20) / 10, False),
             ("time", np.floor(np.arange(200) / 10), False), ("time", 1.7e12 + 5 * np.arange(20), False),
         ):  # fmt: skip
             codes = [remark.code for _, remark in self.read(name, stamps).left_out]
-            assert (LeftOut.SECONDS in codes) == said
+            assert (LeftOut.MILLISECONDS in codes) == said
 
 
 class TestNothingIsChanged:

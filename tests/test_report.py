@@ -198,7 +198,9 @@ def finding(*, channel: str = "seat", kind: Defect = Defect.SLOWER_CLOCK, repair
 
 
 def drawn(found: Identification) -> Pictures:
-    return pictures_of(found, cleaned=None, decays=(), units=("m",) * 30, used=None)
+    return pictures_of(
+        found, cleaned=None, decays=(), units=("m",) * len(as_signal(found.response).channels), used=None
+    )
 
 
 def every(pictures: Pictures) -> list[str]:

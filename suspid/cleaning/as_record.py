@@ -11,6 +11,7 @@ from suspid.cleaning.conversions import to_si
 from suspid.errors import RecordError
 from suspid.files import printable
 from suspid.io import seconds_in
+from suspid.recordings import Recording
 from suspid.signals import as_response, real_numbers, uniform_step
 from suspid.units import Hertz, RealArray
 
@@ -121,6 +122,8 @@ def _parts(data: RecordLike) -> tuple[RealArray, RealArray | None, list[str]]:
         return values, _real(data[0], "time"), _numbered(values)
     if isinstance(data, str) or hasattr(data, "__fspath__"):
         raise RecordError(f"{printable(str(data))!r:.80} is a path: read it with read_record, or pass it to analyse")
+    if isinstance(data, Recording):
+        raise RecordError("this is a recording as it was read: clean(recording).record is a record, analyse takes both")
     values = _matrix(data)
     return values, None, _numbered(values)
 

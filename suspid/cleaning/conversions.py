@@ -100,6 +100,7 @@ def scaled(response: control.TimeResponseData, factors: Mapping[str, float]) -> 
 
     Examples
     --------
+    >>> from suspid.signals import as_response
     >>> record = as_response(np.arange(3) / 10, np.array([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]), ["seat", "tire"])
     >>> scaled(record, {"tire": -0.5}).y
     array([[ 1. ,  2. ,  3. ],

@@ -145,6 +145,7 @@ def vertical(
     >>> bounce = np.exp(-t) * np.sin(10 * t)
     >>> tilt = np.radians(20)
     >>> three = np.array([0 * t, np.sin(tilt) * (9.81 + bounce), np.cos(tilt) * (9.81 + bounce)])
+    >>> from suspid.signals import as_response
     >>> up, found = vertical(as_response(t, three, ["x", "y", "z"]))
     >>> round(found.tilt_deg, 2), found.nearest_axis, found.gravity_unit, found.agree
     (20.0, 'z', 'm/s2', True)

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from contextlib import nullcontext
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import click
 
-from suspid.analysis import Settings
+from suspid.analysis import DriveAnalysis, Settings
 from suspid.cli.measured import checked_page, checked_picture, save_picture, sources_of
 from suspid.cli.options import FILE, RECORD, packed, progress, reading
 from suspid.cli.parameters import ROAD_MODEL, WHEEL_RADIUS, Outputs, Wanted, conclude, wanting, writing
 from suspid.cli.support import Positive, check_apart, said_warnings
-from suspid.errors import InputError
 from suspid.files import printable, replacing
 from suspid.greybox import DriveLimits, Drives
 
@@ -100,7 +101,7 @@ def drive_command(
     from suspid.analysis import analyse_drive
     from suspid.identification import to_json
     from suspid.model import car_to_toml, read_car
-    from suspid.reporting import content_of, drive_to_dict, plot_drive, read_curves, read_estimate, report
+    from suspid.reporting import drive_to_dict, plot_drive, read_curves, read_estimate
 
     if len({path.resolve() for path in files}) < len(files):
         raise click.UsageError("One of the FILES is named twice: every drive counts once.")
@@ -137,21 +138,26 @@ def drive_command(
             _write(car_to_toml(found.estimate.suspension) if found.estimate else None, draft, outputs, said)
         if json_draft:
             json_draft.write_text(to_json(drive_to_dict(found, level=outputs.probability)), encoding="utf-8")
-        if page_draft:
-            if found.estimate is None:
-                raise InputError("--page shows springs and dampers, and none were found: leave it out, or use --plot")
-            content = content_of(
-                found.estimate,
-                source=sources_of(files),
-                level=outputs.probability,
-                warnings=[*said, *dict.fromkeys(map(str, found.remarks))],
-                curves=found.curves,
-                wear=found.wear,
-            )
-            page_draft.write_text(report(content), encoding="utf-8")
+        if page_draft and page:
+            _write_page(found, page_draft, page, files, outputs.probability, said)
         if figure_draft:
             save_picture(partial(plot_drive, found), figure_draft)
     conclude("\n\n".join([*map(listed, found.drives), text]), explains=found.explains)
+
+
+def _write_page(
+    found: DriveAnalysis, draft: Path, page: Path, files: Sequence[Path], level: float, said: list[str]
+) -> None:
+    """Write the page; where there are no springs and dampers, leave the file as it is, and say so."""
+    from suspid.reporting import content_of, report
+
+    if found.estimate is None:
+        _left(draft, page, said)
+        return
+    content = content_of(
+        found.estimate, source=sources_of(files), level=level, warnings=said, curves=found.curves, wear=found.wear
+    )
+    draft.write_text(report(replace(content, judged=found.verdict)), encoding="utf-8")
 
 
 def _write(car: str | None, draft: Path, outputs: Outputs, said: list[str]) -> None:
@@ -159,9 +165,14 @@ def _write(car: str | None, draft: Path, outputs: Outputs, said: list[str]) -> N
     if car is not None:
         draft.write_text(car, encoding="utf-8")
         return
+    _left(draft, outputs.output, said)
+
+
+def _left(draft: Path, name: Path | None, said: list[str]) -> None:
+    """Leave a file of springs and dampers as it is, because none were found."""
     if draft.is_file():
         draft.unlink()
-    said.append(f"{outputs.output}: not written, because no springs and dampers were found")
+    said.append(f"{name}: not written, because no springs and dampers were found")
 
 
 def listed(drives: Drives) -> str:

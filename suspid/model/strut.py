@@ -78,7 +78,7 @@ class Strut:
                 raise InputError(f"strut {self.name!r}: {quantity} = {value:g} {unit} is negative; it must be >= 0")
             object.__setattr__(self, quantity, value)
         if self.mount_stiffness is not None:
-            what = f"strut {self.name!r}: mount_stiffness, which a damper without a mount lacks,"
+            what = f"strut {self.name!r}: mount_stiffness"
             mount = positive_number(what, self.mount_stiffness, "N/m")
             object.__setattr__(self, "mount_stiffness", mount)
         if self.curve is not None:

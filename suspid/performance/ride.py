@@ -13,6 +13,7 @@ from suspid.performance.figure_plan import ROTATION, SICKNESS, Plan, comfort_of,
 from suspid.performance.reactions import reaction
 from suspid.performance.recorded import recorded
 from suspid.performance.rides import Ride
+from suspid.performance.road_classes import class_of
 from suspid.performance.road_response import Signals, densities
 from suspid.performance.uncertain import Car, Uncertain, uncertain
 from suspid.performance.weightings import weighting_named
@@ -170,7 +171,9 @@ def _judged(plan: Plan, values: Mapping[str, float], about: Uncertain) -> Verdic
         checks.append(Check(Remark(RideCheck.UNTRUSTED, {"level": about.doubt.label}), about.doubt))
     if about.known:
         checks.append(Check(Remark(RideCheck.KNOWN, {"names": about.known}), Level.NOTE))
-    headline = Remark(RideHeadline.DRIVEN, {"speed": driven.speed, "roughness": driven.roughness})
+    headline = Remark(
+        RideHeadline.DRIVEN, {"speed": driven.speed, "roughness": driven.roughness, "class": class_of(driven.roughness)}
+    )
     return Verdict(headline, tuple(checks))
 
 

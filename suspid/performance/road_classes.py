@@ -166,6 +166,11 @@ def classify_road(
     )
 
 
+def class_of(roughness: float) -> str:
+    """Return the class of ISO 8608 of G_d(0.1 cycle/m) [m3]."""
+    return next(name for name, top in ROAD_LIMITS.items() if roughness <= top)
+
+
 def class_shares(roughness: float, std: float) -> dict[str, float]:
     """Return the probability of each class where the logarithm of the roughness has a standard deviation."""
     from scipy.special import ndtr

@@ -21,7 +21,7 @@ from suspid.reporting.spring_rows import masses_of, spring_rows
 from suspid.reporting.svg import page_style
 from suspid.reporting.wear_part import wear_fields
 from suspid.signals import as_signal
-from suspid.words import count, next_steps
+from suspid.words import Verdict, count, next_steps
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -60,6 +60,8 @@ class EstimateContent:
         Wear of the dampers.
     limits : CheckedLimits or None
         The limits that were given, judged.
+    judged : Verdict or None
+        The verdict of the whole analysis, such as that of drives.
     """
 
     found: Estimate
@@ -71,6 +73,12 @@ class EstimateContent:
     car: Source | None = None
     wear: Wear | None = None
     limits: CheckedLimits | None = None
+    judged: Verdict | None = None
+
+    @property
+    def verdict(self) -> Verdict:
+        """The verdict of the page: of the whole analysis if it is given, else of the estimate."""
+        return self.judged or self.found.verdict
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -96,7 +104,7 @@ def page_fields(content: EstimateContent) -> dict[str, object]:
             "limits": limit_rows(content.limits),
             "springs": spring_rows(found, level),
             "found_others": len(found.alternatives),
-            "steps": [str(step) for step in next_steps(found.verdict, car=True)],
+            "steps": [str(step) for step in next_steps(content.verdict, car=True)],
             "masses": masses_of(found),
             "chi_square": tested if found.freedom else "was not tested: the residual is rounding",
             "changed": _changes(found, level),

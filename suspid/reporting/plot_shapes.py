@@ -83,9 +83,9 @@ def plot_shapes(modes: ModalSet, *, ax: Axes, units: Sequence[str] | None = None
         ax.axvline(k + 0.5, color=Colour.SHADE, linewidth=0.8)
     ax.set(xlim=(0.5, count + 0.5), ylim=(len(shapes) - 0.5, -0.5))
     ax.set_xticks(range(1, count + 1), [f"{wn / (2 * np.pi):.4g}" for wn in modes.wn])
-    names = [shown(modes.channels[k], most=16) for k in order]
+    names = [shown(modes.channels[k], most=16 if len(groups) < 2 else 8) for k in order]
     if len(groups) > 1:
-        units_of = [shown(group.unit, most=8) or "?" for group in groups for _ in group.channels]
+        units_of = [shown(group.unit, most=5) or "?" for group in groups for _ in group.channels]
         names = [f"{name} [{unit}]" for name, unit in zip(names, units_of, strict=True)]
         for end in np.cumsum([len(group.channels) for group in groups[:-1]]):
             ax.axhline(end - 0.5, color=Colour.GREY, linewidth=0.8)

@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 # Stretches that are averaged at least, and the share of the largest density below which nothing is shown [1].
 STRETCHES, SHOWN = 8, 1e-9
 
+# Letters of a unit up to which a label has room for it.
+SHORT_UNIT = 10
+
 
 def plot_spectra(
     found: Estimate | Identification,
@@ -77,7 +80,13 @@ def plot_spectra(
         k = position(name, left.channels)
         fit, residual = fitted.values[k], left.values[k]
         draw_spectra(ax, fit + residual, fit, residual, 1 / left.step, decay=decay)
-        ax.set_ylabel(f"PSD [({shown(unit)})²/Hz]" if unit else "PSD [unit²/Hz]" if decay else "PSD [SI²/Hz]")
+        ax.set_ylabel(
+            f"PSD [({shown(unit)})²/Hz]"
+            if 0 < len(unit) <= SHORT_UNIT
+            else "PSD [unit²/Hz]"
+            if decay
+            else "PSD [SI²/Hz]"
+        )
         ax.set_title(shown(name), loc="left")
     drawn[-1].set_xlabel("frequency [Hz]")
     key_above(drawn[0])

@@ -93,7 +93,7 @@ def _draw_spectrum(ax: Axes, record: control.TimeResponseData, highest: float) -
     shown = (frequency > 0) & (frequency <= highest)
     decibel = 10 * np.log10(np.maximum(spectrum[shown], 1e-300) / max(float(spectrum[shown].max(initial=0.0)), 1e-300))
     behind = ax.twinx()
-    behind.plot(frequency[shown], decibel, color=Colour.PALE_BLUE, linewidth=0.8)
+    behind.plot(frequency[shown], decibel, color=Colour.GREY, linewidth=0.5)
     behind.set(ylabel="spectrum [dB of its peak]", ylim=(-80.0, 3.0))
     ax.set_zorder(behind.get_zorder() + 1)
     ax.patch.set_visible(False)

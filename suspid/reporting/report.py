@@ -77,7 +77,7 @@ def report(
         fields, template = fleet_fields(content), "fleet.html.j2"
     elif isinstance(content, EstimateContent):
         file = content.sources[0].file if len(content.sources) == 1 else ""
-        verdict, limits = content.found.verdict, content.limits
+        verdict, limits = content.verdict, content.limits
         fields, template = page_fields(content), "estimate.html.j2"
     else:
         recorded = str(held(content.identification, "response").title or "")

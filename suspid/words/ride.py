@@ -16,7 +16,8 @@ def _listed(text: str) -> Callable[[Numbers], str]:
 
 
 def _driven(numbers: Numbers) -> str:
-    return f"ride at {numbers['speed']:.3g} m/s on a road of {amount(1e6 * numbers['roughness'])}e-6 m3"
+    road = f"class {numbers['class']} ({amount(1e6 * numbers['roughness'])}e-6 m3)"
+    return f"ride at {numbers['speed']:.3g} m/s on a road of {road}"
 
 
 def _comfort(numbers: Numbers) -> str:

@@ -38,6 +38,8 @@ MOST_MODES = 6
 # A linear fit with none of these multiples of a mode has no higher ones from forces either: those are weaker. A pole at
 # four times another is a mode.
 FIRST_MULTIPLES = 3
+# Unless its damping ratio is above this: what dies within a cycle belongs to the start of the motion.
+RINGS = 0.5
 # Largest number of entries of the derivatives in the search; longer records are thinned to this many samples per cycle
 # of the fastest mode, and cut.
 MOST_ENTRIES, PER_CYCLE = 4e4, 10.0
@@ -64,7 +66,7 @@ def _distorted(selection: Selection) -> bool:
             amplitudes[k],
             np.delete(pairs, k),
             np.delete(amplitudes, k, axis=0),
-            most=FIRST_MULTIPLES,
+            most=FIRST_MULTIPLES if -pairs[k].real < RINGS * abs(pairs[k]) else np.inf,
         )
         for k in range(len(pairs))
     )
