@@ -148,3 +148,10 @@ def test_a_cut_number_is_left_out_and_warned_of(tmp_path: Path) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert len(read_record(tmp_path / "r.csv").time) == 200
+
+
+@pytest.mark.parametrize("missing", ["---", "-nan", "-1.#IND", "--"])
+def test_a_word_for_what_is_missing_is_no_cut_number(tmp_path: Path, missing: str) -> None:
+    rows = [f"{t:.2f},{x:.6f}" for t, x in zip(TIME, MOTION, strict=True)]
+    (tmp_path / "r.csv").write_text("\n".join(["t,seat", *rows[:-1], f"{rows[-1].split(',')[0]},{missing}"]))
+    assert len(read_recording(tmp_path / "r.csv")["seat"].values) == 200

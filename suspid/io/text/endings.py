@@ -39,8 +39,12 @@ def cut_number(above: Sequence[str], last: str, layout: Layout) -> Remark | None
     kind = kind_of(cell, comma=layout.dialect.comma)
     if kind != "number":
         # Words and dates end where they end; the beginning of a number is none.
-        begun = cell[:1] in ("+", "-", ".", ",") or cell[:1].isdecimal()
-        return Remark(LeftOut.CUT_CELL, {"cell": cell}) if kind in ("missing", "text") and begun else None
+        # A word for what is missing ("---", "-nan", "-1.#IND") begins like one as well, but is whole.
+        begun = {
+            "missing": cell in ("+", "-", ".", ",", "+.", "-.", "+,", "-,"),
+            "text": cell[:1] in ("+", "-", ".", ",") or cell[:1].isdecimal(),
+        }
+        return Remark(LeftOut.CUT_CELL, {"cell": cell}) if begun.get(kind, False) else None
     lengths = {
         length
         for row in above[-ROWS_ABOVE:]
