@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from suspid.analysis import Settings, read
-from suspid.cli.options import packed
+from suspid.cli.options import Decorator, packed
 from suspid.cli.support import named
 from suspid.errors import EstimationError, RecordError
 
@@ -40,7 +40,7 @@ def _unknown(option: str, argument: str, metavar: str, what: str) -> Any:
     )
 
 
-sensing = packed(
+sensing: Decorator = packed(
     sensing_of,
     (
         _unknown("--gain", "gains", "CHANNEL", "Channel whose gain"),

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from functools import partial, wraps
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, Literal, TypeVar, cast, get_args
+from typing import Any, Literal, TypeAlias, TypeVar, cast, get_args
 
 import click
 
@@ -63,7 +63,8 @@ DBC_OPTION = click.option(
     "--dbc", type=FILE, metavar="FILE", help="Database that decodes the CAN frames of an MDF file."
 )
 
-Command = TypeVar("Command", bound=Callable[..., Any])
+# What gives a command options.
+Decorator: TypeAlias = Callable[[Callable[..., Any]], Callable[..., Any]]
 
 
 class Which(click.ParamType[str]):
@@ -195,29 +196,27 @@ def _listed(given: Sequence[str]) -> tuple[str, ...]:
     return tuple(name.strip() for row in csv.reader(given, skipinitialspace=True) for name in row if name.strip())
 
 
-def packed(
-    make: Callable[..., object], options: Sequence[Callable[[Any], Any]], argument: str
-) -> Callable[[Command], Command]:
+def packed(make: Callable[..., object], options: Sequence[Callable[[Any], Any]], argument: str) -> Decorator:
     """Return a decorator that gives a command options, and what a function makes of them as one argument."""
     names = [name for name, p in inspect.signature(make).parameters.items() if p.default is p.empty]
 
-    def give(command: Command) -> Command:
+    def give(command: Callable[..., Any]) -> Callable[..., Any]:
         @wraps(command)
         def unpacked(**values: Any) -> Any:
             made = make(**{name: values.pop(name) for name in names})
             return command(**{argument: made}, **values)
 
-        whole: Any = unpacked
+        whole: Callable[..., Any] = unpacked
         for option in reversed(options):
             whole = option(whole)
-        return cast("Command", whole)
+        return whole
 
     return give
 
 
 # A command with all options of an analysis, or with those of reading a whole record, as its argument ``settings``.
-analysing = packed(settings_of, (*READING, *STRETCH, *SETTINGS), "settings")
-reading = packed(
+analysing: Decorator = packed(settings_of, (*READING, *STRETCH, *SETTINGS), "settings")
+reading: Decorator = packed(
     partial(settings_of, which="whole", modes=None, method=METHOD, band=None), (*READING, *STRETCH[:2]), "settings"
 )
 

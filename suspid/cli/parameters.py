@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from suspid.cli.options import FILE, packed
+from suspid.cli.options import FILE, Decorator, packed
 from suspid.cli.support import Positive, in_options, say
 from suspid.files import replacing
 from suspid.levels import LEVEL
@@ -66,7 +66,7 @@ class Wanted:
         return tests
 
 
-wanting = packed(
+wanting: Decorator = packed(
     Wanted,
     (
         click.option(
@@ -139,7 +139,7 @@ def conclude(text: str, *, explains: bool) -> None:
         click.get_current_context().exit(EXIT_UNEXPLAINED)
 
 
-writing = packed(
+writing: Decorator = packed(
     Outputs,
     (
         click.option(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from suspid.words.remarks import Code, Number, count
+from suspid.words.remarks import Code, Number, count, sentence
 
 # Tests of a file that are named.
 MOST_TESTS = 6
@@ -32,20 +32,29 @@ class Note(Code):
     WHOLE_RECORD = "whole record", _stands_out
     DECAY_USED = (
         "decay used",
-        lambda n: (
-            f"the decay from {n['start']:.6g} to {n['stop']:.6g} s is used"
-            + (f"; {n['others']} more were found: see --decay" if n["others"] else "")
+        sentence(
+            lambda n: (
+                f"the decay from {n['start']:.6g} to {n['stop']:.6g} s is used"
+                + (f"; {n['others']} more were found: see --decay" if n["others"] else "")
+            )
         ),
     )
     DECAYS_USED = (
         "decays used",
-        lambda n: (
-            f"{count(int(str(n['number'])), 'decay')} {'is' if n['number'] == 1 else 'are'} used, from {n['starts']} s"
+        sentence(
+            lambda n: (
+                f"{count(int(str(n['number'])), 'decay')} {'is' if n['number'] == 1 else 'are'} used, "
+                f"from {n['starts']} s"
+            )
         ),
     )
     DECAYS_LEFT_OUT = (
         "decays left out",
-        lambda n: f"{count(int(str(n['number'])), 'decay')} with doubts {'is' if n['number'] == 1 else 'are'} left out",
+        sentence(
+            lambda n: (
+                f"{count(int(str(n['number'])), 'decay')} with doubts {'is' if n['number'] == 1 else 'are'} left out"
+            )
+        ),
     )
     DECAY_DOUBT = "decay doubt", "this decay: {doubt}"
     HELD_CHANNEL = (
@@ -56,7 +65,7 @@ class Note(Code):
     STILL_CHANNEL = "still channel", "channel {channel!r} is constant in this decay; left out"
     ONE_OF_TESTS = (
         "one of tests",
-        lambda n: f"the {_tests(n)}; {n['used']!r} is used: choose with --test, or join them with --test all",
+        sentence(lambda n: f"the {_tests(n)}; {n['used']!r} is used: choose with --test, or join them with --test all"),
     )
     RESAMPLED = (
         "resampled",
@@ -72,7 +81,7 @@ class RecordCheck(Code):
     """Checks of the recording that the identification cannot see."""
 
     DECAY = "decay", "{doubt}"
-    ONE_OF_TESTS = "one of tests", lambda n: f"The {_tests(n)}; this is {n['used']!r} alone."
+    ONE_OF_TESTS = "one of tests", sentence(lambda n: f"The {_tests(n)}; this is {n['used']!r} alone.")
     NO_SHARED_MODE = "no shared mode", "{tests} share no mode: they do not seem to be tests of one structure."
     SHARES_NO_MODE = (
         "shares no mode",
@@ -88,8 +97,10 @@ class RecordCheck(Code):
     IN_TEST = "in test", "{test}: {what}"
     DEFECTS = (
         "defects",
-        lambda n: (
-            f"{count(int(str(n['number'])), 'defect')} of the recording "
-            f"{'was' if n['number'] == 1 else 'were'} found and not repaired; see the cleaning table."
+        sentence(
+            lambda n: (
+                f"{count(int(str(n['number'])), 'defect')} of the recording "
+                f"{'was' if n['number'] == 1 else 'were'} found and not repaired; see the cleaning table."
+            )
         ),
     )

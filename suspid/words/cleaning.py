@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TypeAlias, cast
 
-from suspid.words.remarks import Code, Number, Words, count, in_a_row
+from suspid.words.remarks import Code, Number, Words, count, in_a_row, sentence
 
 Numbers: TypeAlias = Mapping[str, Number]
 
@@ -225,19 +225,25 @@ class Defect(Code):
     )
     MISSING_ROWS = (
         "missing rows",
-        lambda n: f"{n['samples']} of {n['rows']} rows missing, in {_count(n, 'place', 'places')}",
+        sentence(lambda n: f"{n['samples']} of {n['rows']} rows missing, in {_count(n, 'place', 'places')}"),
     )
-    NO_STAMP = "no stamp", lambda n: f"{_count(n, 'row')} without a time stamp dropped"
+    NO_STAMP = "no stamp", sentence(lambda n: f"{_count(n, 'row')} without a time stamp dropped")
     REPEATED_ROWS = (
         "repeated rows",
-        lambda n: f"{_count(n, 'row')} repeat time stamp and samples of the row before; dropped",
+        sentence(lambda n: f"{_count(n, 'row')} repeat time stamp and samples of the row before; dropped"),
     )
-    SWAPPED_ROWS = "swapped rows", lambda n: f"{_count(n, 'row')} out of time order; sorted by time stamp"
+    SWAPPED_ROWS = "swapped rows", sentence(lambda n: f"{_count(n, 'row')} out of time order; sorted by time stamp")
     WRONG_STAMPS = (
         "wrong stamps",
-        lambda n: (
-            f"{_count(n, 'time stamp')} out of line with all others, the first {n['first']:g} s; "
-            + ("rows left out" if n.get("left_out") else "replaced by the time that follows from the order of the rows")
+        sentence(
+            lambda n: (
+                f"{_count(n, 'time stamp')} out of line with all others, the first {n['first']:g} s; "
+                + (
+                    "rows left out"
+                    if n.get("left_out")
+                    else "replaced by the time that follows from the order of the rows"
+                )
+            )
         ),
     )
     SENTINEL = "sentinel", _sentinel
@@ -262,5 +268,5 @@ class Cleaning(Code):
     UNCHANGED = "unchanged", "no defect found, record unchanged"
     REPAIRED = (
         "repaired",
-        lambda n: f"{_count(n, 'defect', 'repaired')} repaired, {n['left']} left as found",
+        sentence(lambda n: f"{_count(n, 'defect', 'repaired')} repaired, {n['left']} left as found"),
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from enum import StrEnum
 
-from suspid.words.remarks import Code, Number, count
+from suspid.words.remarks import Code, Number, count, sentence
 
 
 def _percent(share: Number) -> str:
@@ -42,31 +42,39 @@ class DecayDoubt(Code):
     TOO_SHORT = "too short", "too short for the mode at {hertz:.3g} Hz: {cycles:.1f} cycles of it"
     FEW_SAMPLES = (
         "few samples",
-        lambda n: f"too few samples ({n['samples']} after averaging) for {count(int(str(n['modes'])), 'mode')}",
+        sentence(
+            lambda n: f"too few samples ({n['samples']} after averaging) for {count(int(str(n['modes'])), 'mode')}"
+        ),
     )
     FORCED = (
         "forced",
-        lambda n: (
-            f"the first part deviates from a free decay by {_percent(n['share'])} of the motion: the excitation "
-            f"still acts, or the motion is nonlinear"
+        sentence(
+            lambda n: (
+                f"the first part deviates from a free decay by {_percent(n['share'])} of the motion: the excitation "
+                f"still acts, or the motion is nonlinear"
+            )
         ),
     )
     DRIVEN = (
         "driven",
-        lambda n: (
-            f"{_percent(n['share'])} of the motion of {n['channel']!r} remains as a coloured residual: still "
-            f"driven, or nonlinear"
+        sentence(
+            lambda n: (
+                f"{_percent(n['share'])} of the motion of {n['channel']!r} remains as a coloured residual: still "
+                f"driven, or nonlinear"
+            )
         ),
     )
     NONLINEAR = (
         "nonlinear",
-        lambda n: (
-            f"damped exponentials leave {_percent(n['share'])} of the motion: friction, clearance or another "
-            f"nonlinearity, or a force that still acts"
+        sentence(
+            lambda n: (
+                f"damped exponentials leave {_percent(n['share'])} of the motion: friction, clearance or another "
+                f"nonlinearity, or a force that still acts"
+            )
         ),
     )
     GROWING = "growing", "part of the motion grows: still driven"
-    CLIPPED = "clipped", lambda n: f"{count(int(str(n['samples'])), 'sample')} clipped"
+    CLIPPED = "clipped", sentence(lambda n: f"{count(int(str(n['samples'])), 'sample')} clipped")
     AT_START = "at start", "the decay starts at the first sample, so the excitation may still be acting"
     CUT_OFF = "cut off", "the next event begins before the decay has reached the background"
     COMPANY = (
@@ -82,7 +90,7 @@ class DecayDoubt(Code):
     NOT_IDENTIFIED = "not identified", "identify fails on this stretch: {error}"
     MODES_MISSING = (
         "modes missing",
-        lambda n: f"identify finds no mode at {_names(n['hertz'], '.3g')} Hz in this stretch",
+        sentence(lambda n: f"identify finds no mode at {_names(n['hertz'], '.3g')} Hz in this stretch"),
     )
     HIGH_RESIDUAL = (
         "high residual",
@@ -93,7 +101,7 @@ class DecayDoubt(Code):
 class DecayRemark(Code):
     """What was found in a recording, and why an event is no free decay."""
 
-    FOUND = "found", lambda n: f"{count(int(str(n['decays'])), 'free decay')} found"
+    FOUND = "found", sentence(lambda n: f"{count(int(str(n['decays'])), 'free decay')} found")
     NONE = "none", "no free decay found"
     NO_EVENT = (
         "no event",
@@ -105,29 +113,46 @@ class DecayRemark(Code):
         "{found} events found; the {examined} strongest were examined. Cut the recording, or give the stretches, to "
         "examine the others.",
     )
-    DRIVEN = "driven", lambda n: f"{_event(n)}driven motion; no sum of damped exponentials follows it."
-    TOO_SHORT = "too short", lambda n: f"{_event(n)}too short for a decay."
+    DRIVEN = "driven", sentence(lambda n: f"{_event(n)}driven motion; no sum of damped exponentials follows it.")
+    TOO_SHORT = "too short", sentence(lambda n: f"{_event(n)}too short for a decay.")
     NO_MODE = (
         "no mode",
-        lambda n: f"{_event(n)}no decaying mode" + (f" ({_names(n['others'])})" if n["others"] else "") + ".",
+        sentence(lambda n: f"{_event(n)}no decaying mode" + (f" ({_names(n['others'])})" if n["others"] else "") + "."),
     )
     MANY_POLES = (
         "many poles",
-        lambda n: f"{_event(n)}{n['poles']} poles needed, more than the {n['most']} of a decay of a few modes.",
+        sentence(
+            lambda n: f"{_event(n)}{n['poles']} poles needed, more than the {n['most']} of a decay of a few modes."
+        ),
     )
     WEAK = (
         "weak",
-        lambda n: (
-            f"{_event(n)}too weak against the noise; the decay rate would be known to {_percent(n['share'])} at best."
+        sentence(
+            lambda n: (
+                f"{_event(n)}too weak against the noise; the decay rate would be known to "
+                f"{_percent(n['share'])} at best."
+            )
         ),
     )
-    GROWING = "growing", lambda n: f"{_event(n)}driven; growing motion holds {_percent(n['share'])} of the energy."
-    LEFT_OVER = "left over", lambda n: f"{_event(n)}driven; decaying modes leave {_percent(n['share'])} of the motion."
+    GROWING = (
+        "growing",
+        sentence(lambda n: f"{_event(n)}driven; growing motion holds {_percent(n['share'])} of the energy."),
+    )
+    LEFT_OVER = (
+        "left over",
+        sentence(lambda n: f"{_event(n)}driven; decaying modes leave {_percent(n['share'])} of the motion."),
+    )
     UNEXPLAINED = (
         "unexplained",
-        lambda n: f"{_event(n)}driven, or noise; decaying modes explain at most {_percent(n['share'])} of the motion.",
+        sentence(
+            lambda n: (
+                f"{_event(n)}driven, or noise; decaying modes explain at most {_percent(n['share'])} of the motion."
+            )
+        ),
     )
     DROWNED = (
         "drowned",
-        lambda n: f"{_event(n)}no mode rises more than {n['most']:.0f} dB above the background of its own band.",
+        sentence(
+            lambda n: f"{_event(n)}no mode rises more than {n['most']:.0f} dB above the background of its own band."
+        ),
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from suspid.words.remarks import Code, Number, count, in_a_row
+from suspid.words.remarks import Code, Number, count, in_a_row, sentence
 
 MOST_NAMED = 3  # channels in a sentence, so that a table of stretches fits a screen; the codes have all of them
 
@@ -36,9 +36,9 @@ class DriveReason(Code):
 
     MOVING = "moving", "moving at {low:.3g} to {high:.3g} m/s"
     VIBRATING = "vibrating", "moving, by its vibration of {level:.2g} m/s2"
-    MISSING = "missing", lambda n: f"samples missing in {_channels(n)}"
-    CLIPPED = "clipped", lambda n: f"{_channels(n)} clipped"
-    STUCK = "stuck", lambda n: f"{_channels(n)} stuck at one value"
+    MISSING = "missing", sentence(lambda n: f"samples missing in {_channels(n)}")
+    CLIPPED = "clipped", sentence(lambda n: f"{_channels(n)} clipped")
+    STUCK = "stuck", sentence(lambda n: f"{_channels(n)} stuck at one value")
     SLOW = "slow", "slower than {limit:g} m/s (down to {low:.2g} m/s)"
     STANDING = "standing", "standing, by a vibration of only {level:.2g} m/s2 (limit {limit:g} m/s2)"
     BRAKING = "braking", "braking or accelerating with up to {most:.2g} m/s2 (limit {limit:g} m/s2)"
@@ -63,12 +63,14 @@ class DriveRemark(Code):
         "Neither lateral acceleration nor yaw rate and speed were measured: cornering was not judged, and its forces "
         "may be in the records.",
     )
-    NO_UNIT = "no unit", lambda n: f"No unit is stated for {_channels(n)}: taken as SI."
+    NO_UNIT = "no unit", sentence(lambda n: f"No unit is stated for {_channels(n)}: taken as SI.")
     NO_WHEELS = (
         "no wheels",
-        lambda n: (
-            f"No channel shows the motion of {_listed(n)} alone: springs and dampers cannot be told from the road. "
-            "Frequencies of the body are all that is found."
+        sentence(
+            lambda n: (
+                f"No channel shows the motion of {_listed(n)} alone: springs and dampers cannot be told from the road. "
+                "Frequencies of the body are all that is found."
+            )
         ),
     )
     CURVES_FROM = (
@@ -77,27 +79,34 @@ class DriveRemark(Code):
     )
     SENSORS = (
         "sensors",
-        lambda n: (
-            f"The curve of {_listed(n)} was found with corrected sensors ({n['corrections']}, by viscous dampers "
-            "without mounts): with the sensors as they are, more than noise is left. The curve's intervals take the "
-            "correction as exact."
+        sentence(
+            lambda n: (
+                f"The curve of {_listed(n)} was found with corrected sensors ({n['corrections']}, by viscous dampers "
+                "without mounts): with the sensors as they are, more than noise is left. The curve's intervals take "
+                "the correction as exact."
+            )
         ),
     )
     MISFIT = (
         "misfit",
-        lambda n: (
-            f"The curve of {_listed(n)} leaves more than noise of the sensors: a mount of the damper, gain or delay of "
-            "a sensor, or another axle may be missing. Do not use it."
+        sentence(
+            lambda n: (
+                f"The curve of {_listed(n)} leaves more than noise of the sensors: a mount of the damper, gain or "
+                "delay of a sensor, or another axle may be missing. Do not use it."
+            )
         ),
     )
     BENT = (
         "bent",
-        lambda n: (
-            f"The damper of {_listed(n)} is not viscous: its c stands for it at the amplitude of this drive alone, and "
-            "a car of viscous dampers may not explain the drive. Use the curve and the stiffness found with it."
+        sentence(
+            lambda n: (
+                f"The damper of {_listed(n)} is not viscous: its c stands for it at the amplitude of this drive "
+                "alone, and a car of viscous dampers may not explain the drive. Use the curve and "
+                "the stiffness found with it."
+            )
         ),
     )
-    NO_CURVE = "no curve", lambda n: f"The curve of the damper of {_listed(n)} was not found: {n['why']}."
+    NO_CURVE = "no curve", sentence(lambda n: f"The curve of the damper of {_listed(n)} was not found: {n['why']}.")
     NO_WEAR = "no wear", "The wear of the dampers was not judged: {why}."
     UNREADABLE = "unreadable", "The part from {start:.6g} to {stop:.6g} s was left out: {why}."
 
@@ -112,7 +121,10 @@ class DriveHeadline(Code):
 class BodyCheck(Code):
     """What is said of a body that was measured alone."""
 
-    FOUND = "found", lambda n: f"the body's frequency in {n['channels']} of the channels, from {n['seconds']:.4g} s"
+    FOUND = (
+        "found",
+        sentence(lambda n: f"the body's frequency in {n['channels']} of the channels, from {n['seconds']:.4g} s"),
+    )
     NO_RESONANCE = "no resonance", "The spectrum of {channel!r} has no resonance that a smooth one would not explain."
     NOT_DETERMINED = "not determined", "The records do not determine the resonance of {channel!r}."
     NO_DAMPING = (

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from suspid.words.remarks import Code, count
+from suspid.words.remarks import Code, count, sentence
 
 
 class Step(Code):
@@ -68,11 +68,17 @@ class FleetCheck(Code):
 
     NOTHING = "no result", "No record gave a result."
     NOT_ENDED = "not ended", "The run has not ended: these are the records done so far."
-    FAILED = "failed", lambda n: f"{count(n['failed'], 'record')} failed."
+    FAILED = "failed", sentence(lambda n: f"{count(n['failed'], 'record')} failed.")
     NO_FAILURE = "no failure", "No record failed."
-    DOUBTFUL = "doubtful", lambda n: f"{_doubtful(n)}."
-    UNPLACED = "unplaced", lambda n: f"{count(n['unplaced'], 'record')} without vehicle and date: in no trend."
-    UNTRUSTED = "untrusted", lambda n: f"{count(n['untrusted'], 'drive')} with doubtful dampers: in no trend of them."
+    DOUBTFUL = "doubtful", sentence(lambda n: f"{_doubtful(n)}.")
+    UNPLACED = (
+        "unplaced",
+        sentence(lambda n: f"{count(n['unplaced'], 'record')} without vehicle and date: in no trend."),
+    )
+    UNTRUSTED = (
+        "untrusted",
+        sentence(lambda n: f"{count(n['untrusted'], 'drive')} with doubtful dampers: in no trend of them."),
+    )
     CHANGES = "changes", _changes
-    DAMPERS = "dampers", lambda n: f"{count(n['worn'], 'worn damper')} of {n['dampers']} followed over time."
-    OUTLIERS = "outliers", lambda n: f"{count(n['outliers'], 'value')} far from the median of the fleet."
+    DAMPERS = "dampers", sentence(lambda n: f"{count(n['worn'], 'worn damper')} of {n['dampers']} followed over time.")
+    OUTLIERS = "outliers", sentence(lambda n: f"{count(n['outliers'], 'value')} far from the median of the fleet.")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from suspid.words.remarks import Code, Number, amount, count, in_a_row
+from suspid.words.remarks import Code, Number, amount, count, in_a_row, sentence
 
 
 def _percent(number: Number, digits: int = 4) -> str:
@@ -41,7 +41,9 @@ class Reason(Code):
     REAL_OR_PAIR = "real or pair", "one real pole or a heavily damped pair: the record cannot tell"
     SPLIT = (
         "split",
-        lambda n: "part of another mode" + (f", {n['linewidths']:.2g} linewidths away" if "linewidths" in n else ""),
+        sentence(
+            lambda n: "part of another mode" + (f", {n['linewidths']:.2g} linewidths away" if "linewidths" in n else "")
+        ),
     )
     UNRESOLVED = (
         "unresolved",
@@ -62,10 +64,12 @@ class Reason(Code):
     SAME_MODE = "same mode", "part of mode {mode}, whose frequency and damping depend on its amplitude"
     HARMONIC = (
         "harmonic",
-        lambda n: (
-            f"{n['multiple']} times mode {n['mode']}: a harmonic of its nonlinear motion"
-            if n["multiple"]
-            else f"the middle of mode {n['mode']}, which moves with its size: its motion is nonlinear"
+        sentence(
+            lambda n: (
+                f"{n['multiple']} times mode {n['mode']}: a harmonic of its nonlinear motion"
+                if n["multiple"]
+                else f"the middle of mode {n['mode']}, which moves with its size: its motion is nonlinear"
+            )
         ),
     )
     DISTORTION = "distortion", "no stronger than what the nonlinear forces leave"
@@ -76,13 +80,17 @@ class ModeCheck(Code):
 
     NOT_IN_BAND = (
         "not in band",
-        lambda n: f"No mode lies in the given band; {count(int(str(n['poles'])), 'pole')} outside it stood out.",
+        sentence(
+            lambda n: f"No mode lies in the given band; {count(int(str(n['poles'])), 'pole')} outside it stood out."
+        ),
     )
     NO_FREE_DECAY = (
         "no free decay",
-        lambda n: (
-            f"The motion ({_percent(n['explained'])} of the best channel is explained) is not a free decay of modes: "
-            f"see the rejected poles."
+        sentence(
+            lambda n: (
+                f"The motion ({_percent(n['explained'])} of the best channel is explained) is not a free decay of "
+                f"modes: see the rejected poles."
+            )
         ),
     )
     NOTHING_DECAYS = "nothing decays", "No sum of decaying modes describes the record better than noise does."
@@ -97,55 +105,68 @@ class ModeCheck(Code):
     )
     EXPLAINED = (
         "explained",
-        lambda n: (
-            f"The fit explains {_percent(n['least'])} to {_percent(n['most'])} of the energy of the channels."
-            if _percent(n["least"]) != _percent(n["most"])
-            else f"The fit explains {_percent(n['most'])} of the energy of "
-            f"{'every channel' if int(str(n['channels'])) > 1 else 'the channel'}."
+        sentence(
+            lambda n: (
+                f"The fit explains {_percent(n['least'])} to {_percent(n['most'])} of the energy of the channels."
+                if _percent(n["least"]) != _percent(n["most"])
+                else f"The fit explains {_percent(n['most'])} of the energy of "
+                f"{'every channel' if int(str(n['channels'])) > 1 else 'the channel'}."
+            )
         ),
     )
     BEST_EXPLAINED = (
         "best channel explained",
-        lambda n: f"The fit explains {_percent(n['most'])} of the energy of the best channel.",
+        sentence(lambda n: f"The fit explains {_percent(n['most'])} of the energy of the best channel."),
     )
     HARDLY_EXPLAINED = (
         "hardly explained",
-        lambda n: (
-            f"The fit explains only {_percent(n['most'])} of the best channel: most of its motion is not a free "
-            f"decay of these modes."
+        sentence(
+            lambda n: (
+                f"The fit explains only {_percent(n['most'])} of the best channel: most of its motion is not a free "
+                f"decay of these modes."
+            )
         ),
     )
     CHANNELS_UNEXPLAINED = (
         "channels unexplained",
-        lambda n: f"Little of some channels is explained: {n['channels']}. They carry noise or other motion.",
+        sentence(lambda n: f"Little of some channels is explained: {n['channels']}. They carry noise or other motion."),
     )
-    GROWING = "growing modes", lambda n: f"Mode {_names(n['modes'])} grows: this is not a free decay."
+    GROWING = "growing modes", sentence(lambda n: f"Mode {_names(n['modes'])} grows: this is not a free decay.")
     HALVES_AGREE = (
         "halves agree",
-        lambda n: (
-            f"The first and second half of the decay agree on {n['which']} within {n['most']:.1f} standard deviations."
+        sentence(
+            lambda n: (
+                f"The first and second half of the decay agree on {n['which']} within {n['most']:.1f} "
+                "standard deviations."
+            )
         ),
     )
     HALVES_DISAGREE = (
         "halves disagree",
-        lambda n: (
-            f"The first and second half of the decay disagree on mode {n['mode']} by "
-            f"{amount(float(str(n['apart'])))} standard deviations: friction, a nonlinear spring, or an excitation "
-            f"that still acts."
+        sentence(
+            lambda n: (
+                f"The first and second half of the decay disagree on mode {n['mode']} by "
+                f"{amount(float(str(n['apart'])))} standard deviations: friction, a nonlinear spring, or an excitation "
+                f"that still acts."
+            )
         ),
     )
     NOT_CROSS_CHECKED = (
         "not cross-checked",
-        lambda n: (
-            f"Mode {_names(n['modes'])} could not be checked against the halves of the decay: one half alone does not "
-            f"determine {'them' if _several(n['modes']) else 'it'}."
+        sentence(
+            lambda n: (
+                f"Mode {_names(n['modes'])} could not be checked against the halves of the decay: one half alone does "
+                f"not determine {'them' if _several(n['modes']) else 'it'}."
+            )
         ),
     )
     UNRESOLVED = (
         "unresolved",
-        lambda n: (
-            f"Mode {_names(n['modes'])} may be two modes close together, or one that is not quite linear: the record "
-            f"leaves it open. The intervals cover both."
+        sentence(
+            lambda n: (
+                f"Mode {_names(n['modes'])} may be two modes close together, or one that is not quite linear: the "
+                f"record leaves it open. The intervals cover both."
+            )
         ),
     )
     HARMONICS = (
@@ -160,24 +181,30 @@ class ModeCheck(Code):
     FEW_SAMPLES = "few samples", "Too few samples ({samples}) for {unknowns} amplitudes in each channel."
     OUT_OF_PHASE = (
         "out of phase",
-        lambda n: (
-            f"The channels of mode {_names(n['modes'])} are neither in phase nor in antiphase: sensors of different "
-            f"kinds (acceleration beside rate), or not a mode of a structure."
+        sentence(
+            lambda n: (
+                f"The channels of mode {_names(n['modes'])} are neither in phase nor in antiphase: sensors of "
+                f"different kinds (acceleration beside rate), or not a mode of a structure."
+            )
         ),
     )
     RESIDUAL_WHITE = "residual white", "The residual near the modes is no larger than white noise."
     RESIDUAL_LOUD = (
         "residual loud",
-        lambda n: (
-            f"The residual near mode {_names(n['modes'])} exceeds white noise: the noise is coloured, the decay is "
-            f"not quite linear, or something else moves. The intervals are widened."
+        sentence(
+            lambda n: (
+                f"The residual near mode {_names(n['modes'])} exceeds white noise: the noise is coloured, the decay is "
+                f"not quite linear, or something else moves. The intervals are widened."
+            )
         ),
     )
     FOLLOWED = (
         "followed",
-        lambda n: (
-            f"Most of the motion follows mode {_names(n['modes'])}, but what is left near it is not noise: the decay "
-            f"is nonlinear, or other motion goes with it. The values are means over the decay."
+        sentence(
+            lambda n: (
+                f"Most of the motion follows mode {_names(n['modes'])}, but what is left near it is not noise: the "
+                f"decay is nonlinear, or other motion goes with it. The values are means over the decay."
+            )
         ),
     )
     SHARED_NOISE = (
@@ -196,9 +223,11 @@ class ModeCheck(Code):
     )
     LITTLE_EXPLAINED = (
         "little explained",
-        lambda n: (
-            f"Only {_percent(n['most'])} of the energy of the best channel is explained; the rest is noise or other "
-            f"motion."
+        sentence(
+            lambda n: (
+                f"Only {_percent(n['most'])} of the energy of the best channel is explained; the rest is noise or "
+                f"other motion."
+            )
         ),
     )
     FEW_CYCLES = (
@@ -211,49 +240,60 @@ class ModeCheck(Code):
     )
     KNOWN = (
         "precision",
-        lambda n: (
-            f"Frequencies are known to {_percent(n['wn'], 2)} or better, damping ratios to {_percent(n['zeta'], 2)} of "
-            f"their value ({100 * float(str(n['level'])):g} % intervals)."
+        sentence(
+            lambda n: (
+                f"Frequencies are known to {_percent(n['wn'], 2)} or better, damping ratios to "
+                f"{_percent(n['zeta'], 2)} of their value ({100 * float(str(n['level'])):g} % intervals)."
+            )
         ),
     )
     DAMPING_UNKNOWN = (
         "damping unknown",
-        lambda n: f"The damping of mode {_names(n['modes'])} is not known: its interval reaches zero.",
+        sentence(lambda n: f"The damping of mode {_names(n['modes'])} is not known: its interval reaches zero."),
     )
     KNOWN_ROUGHLY = (
         "known roughly",
-        lambda n: f"Mode {n['mode']}: {in_a_row(_rough(n))} of its value.",
+        sentence(lambda n: f"Mode {n['mode']}: {in_a_row(_rough(n))} of its value."),
     )
     DROPPED = (
         "dropped",
-        lambda n: (
-            f"{count(int(str(n['number'])), 'significant pole')} beyond the modes asked for, not in the table: at "
-            f"{n['hertz']} Hz."
+        sentence(
+            lambda n: (
+                f"{count(int(str(n['number'])), 'significant pole')} beyond the modes asked for, not in the table: at "
+                f"{n['hertz']} Hz."
+            )
         ),
     )
     STEADY_TONES = (
         "steady tones",
-        lambda n: (
-            f"{count(int(str(n['number'])), 'steady tone')} ({n['hertz']} Hz) "
-            f"{'was' if n['number'] == 1 else 'were'} removed with the fit; the explained share contains "
-            f"{'it' if n['number'] == 1 else 'them'}."
+        sentence(
+            lambda n: (
+                f"{count(int(str(n['number'])), 'steady tone')} ({n['hertz']} Hz) "
+                f"{'was' if n['number'] == 1 else 'were'} removed with the fit; the explained share contains "
+                f"{'it' if n['number'] == 1 else 'them'}."
+            )
         ),
     )
     AMPLITUDE = (
         "amplitude",
-        lambda n: (
-            f"Mode {n['mode']} depends on its amplitude: {n['high_hz']:.4g} Hz and zeta {n['high_zeta']:.2g} at "
-            f"{n['high']:.3g}, {n['low_hz']:.4g} Hz and zeta {n['low_zeta']:.2g} at {n['low']:.3g} (in the unit of "
-            f"channel {n['channel']!r}). The table holds at {n['holds']:.3g}."
+        sentence(
+            lambda n: (
+                f"Mode {n['mode']} depends on its amplitude: {n['high_hz']:.4g} Hz and zeta {n['high_zeta']:.2g} at "
+                f"{n['high']:.3g}, {n['low_hz']:.4g} Hz and zeta {n['low_zeta']:.2g} at {n['low']:.3g} (in the unit of "
+                f"channel {n['channel']!r}). The table holds at {n['holds']:.3g}."
+            )
         ),
     )
-    NONLINEAR = "nonlinear", lambda n: f"The decay is not linear: it follows with {_names(n['forces'])}."
+    NONLINEAR = "nonlinear", sentence(lambda n: f"The decay is not linear: it follows with {_names(n['forces'])}.")
     REPEATS_AGREE = "repeats agree", "{decays} decays agree on the modes within their noise."
     REPEATS_DISAGREE = (
         "repeats disagree",
-        lambda n: (
-            f"The {n['decays']} decays disagree on joint mode {_names(n['modes'])} by more than their noise: frequency "
-            f"or damping depends on amplitude, or something changed between them. The intervals are widened."
+        sentence(
+            lambda n: (
+                f"The {n['decays']} decays disagree on joint mode {_names(n['modes'])} by more than their noise: "
+                f"frequency or damping depends on amplitude, or something changed between them. The intervals "
+                "are widened."
+            )
         ),
     )
     NO_COMMON_MODE = "no common mode", "No mode decays in all of the {decays} decays."
@@ -262,5 +302,5 @@ class ModeCheck(Code):
 class Headline(Code):
     """What was found, in a few words."""
 
-    MODES = "modes", lambda n: f"{count(int(str(n['modes'])), 'mode')} found"
+    MODES = "modes", sentence(lambda n: f"{count(int(str(n['modes'])), 'mode')} found")
     NO_MODE = "no mode", "no mode found"

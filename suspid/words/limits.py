@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from suspid.words.remarks import Code, count
+from suspid.words.remarks import Code, count, sentence
 
 
 def _judged(numbers: Mapping[str, Any]) -> str:
@@ -44,7 +44,7 @@ class LimitReason(Code):
     NO_INTERVAL = "no interval", "the value has no interval"
     HELD = "held", "held at its nominal value, not found"
     NO_SPRINGS = "no springs", "no springs and dampers were found"
-    NO_MODE = "no mode", lambda n: f"there is no mode {n['which']} among the {n['found']} found"
+    NO_MODE = "no mode", sentence(lambda n: f"there is no mode {n['which']} among the {n['found']} found")
     DOUBTFUL = "doubtful", "the result is doubtful"
     UNEXPLAINED = "unexplained", "the car does not explain what it was found from"
     ALTERNATIVE = "alternative", "other springs and dampers that explain the data as well lie on the other side"

@@ -8,17 +8,22 @@ from suspid.words.analysis import Note, RecordCheck
 from suspid.words.greybox import EstimateCheck
 from suspid.words.identification import ModeCheck
 from suspid.words.reconstruction import ReconstructionCheck
-from suspid.words.remarks import Code, Remark
+from suspid.words.remarks import Code, Remark, sentence
 from suspid.words.verdicts import Verdict
 
 
 class NextStep(Code):
     """What to do next."""
 
-    LIMITS_MISSED = "limits missed", lambda n: f"Outside the limits, so to be changed: {', '.join(n['names'])}."
+    LIMITS_MISSED = (
+        "limits missed",
+        sentence(lambda n: f"Outside the limits, so to be changed: {', '.join(n['names'])}."),
+    )
     LIMITS_OPEN = (
         "limits open",
-        lambda n: f"Not known to be within the limits: {', '.join(n['names'])}; the table of limits says why.",
+        sentence(
+            lambda n: f"Not known to be within the limits: {', '.join(n['names'])}; the table of limits says why."
+        ),
     )
     USE = "use", "Nothing speaks against these values: use them with their intervals."
     RECORD_A_DECAY = (

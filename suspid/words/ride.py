@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, TypeAlias
 
-from suspid.words.remarks import Code, amount, count, in_a_row
+from suspid.words.remarks import Code, amount, count, in_a_row, sentence
 
 Numbers: TypeAlias = Mapping[str, Any]
 
@@ -119,7 +119,7 @@ class TuningCheck(Code):
 class DamperTuningHeadline(Code):
     """What was found."""
 
-    CURVE = "curve", lambda n: f"curve of {n['strut']} for {count(n['roads'], 'road')}"
+    CURVE = "curve", sentence(lambda n: f"curve of {n['strut']} for {count(n['roads'], 'road')}")
 
 
 class DamperTuningCheck(Code):

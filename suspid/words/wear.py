@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, TypeAlias
 
-from suspid.words.remarks import Code, in_a_row
+from suspid.words.remarks import Code, in_a_row, sentence
 
 Numbers: TypeAlias = Mapping[str, Any]
 
@@ -39,7 +39,7 @@ class DamperState(Code):
 class WearHeadline(Code):
     """What was found of all dampers."""
 
-    DAMPERS = "dampers", lambda numbers: in_a_row(numbers["texts"])
+    DAMPERS = "dampers", sentence(lambda numbers: in_a_row(numbers["texts"]))
 
 
 class WearCheck(Code):

@@ -28,7 +28,7 @@ LINKS = {b"##HD": (6, 6), b"##DG": (4, 4), b"##CG": (6, 7), b"##CN": (8, 99), b"
 LINKS |= {b"##FH": (2, 2), b"##AT": (4, 4), b"##EV": (5, 1 << 32), **dict.fromkeys((b"##CA", *LISTS), (1, 1 << 32))}
 LEAST_BODY = {b"##CG": 32, b"##CN": 24, b"##DG": 1, ZIPPED: 24}
 # The same links may lead to other kinds, such as a group or an attachment, which are not followed.
-ONLY_TO = {
+ONLY_TO: dict[tuple[bytes, int], tuple[bytes, ...]] = {
     (b"##CN", 1): (b"##CN", b"##CA"),
     (b"##CA", 0): (b"##CN", b"##CA"),
     (b"##CN", 5): (*DATA, *LISTS, ZIPPED, b"##HL"),

@@ -22,8 +22,8 @@ ID_BITS = 29
 VARIABLE, LONGEST_FRAME = 1, 2048
 BY_TIME, SYNCHRONOUS = 1, ("", "time", "angle", "distance", "index")
 # By generation of the format: types of data that are numbers, conversions to words, and by formulas.
-NUMBERS = {True: range(6), False: (0, 1, 2, 3, 9, 10, 11, 12, 13, 14, 15, 16)}
-TO_WORDS = {True: (7, 8, 9, 10, 11), False: (11, 12)}
+NUMBERS: dict[bool, Sequence[int]] = {True: range(6), False: (0, 1, 2, 3, 9, 10, 11, 12, 13, 14, 15, 16)}
+TO_WORDS: dict[bool, tuple[int, ...]] = {True: (7, 8, 9, 10, 11), False: (11, 12)}
 BY_FORMULA = {True: 3, False: 10}
 
 
