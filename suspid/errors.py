@@ -2,14 +2,43 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import copy
+from typing import TYPE_CHECKING, Self
 
 if TYPE_CHECKING:
     from suspid.model import ModalSet, Suspension
 
 
 class SuspidError(Exception):
-    """Base of all errors that suspid raises."""
+    """Base of all errors that suspid raises.
+
+    Attributes
+    ----------
+    source : str
+        The file or record that it is about, with which the message begins; empty where there is none.
+    """
+
+    source: str = ""
+
+    @property
+    def message(self) -> str:
+        """What is wrong, without the name of the source."""
+        return super().__str__()
+
+    def __str__(self) -> str:
+        return f"{self.source}: {self.message}" if self.source else self.message
+
+    def about(self, source: str) -> Self:
+        """Return this error with the name of its source, unless it has one.
+
+        Examples
+        --------
+        >>> print(RecordError("is empty").about("bump.csv").about("test 1"))
+        bump.csv: is empty
+        """
+        named = copy.copy(self)
+        named.source = self.source or source
+        return named
 
 
 class InputError(SuspidError, ValueError):

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from suspid.errors import InputError
+from suspid.errors import InputError, SuspidError
 
 # Files of a folder that are looked at for a name near one that is not there.
 MOST_BESIDE = 1000
@@ -28,23 +28,32 @@ def printable(text: str) -> str:
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in text)
 
 
+@contextmanager
+def naming(source: str | os.PathLike[str]) -> Iterator[None]:
+    """Put the name of a file or record in front of errors about it that have no name; what they carry stays."""
+    try:
+        yield
+    except SuspidError as error:
+        raise error.about(printable(os.fspath(source))) from error.__cause__
+
+
 def read_bytes(path: Path, *, error: type[InputError] = InputError) -> bytes:
     """Return the content of a file; raise ``error`` with the reason if it cannot be read."""
-    name = printable(str(path))
-    try:
-        if path.is_dir():
-            raise error(f"{name}: is a folder; give a file in it")
-        if not path.exists():
-            raise error(f"{name}: there is no such file{_beside(path)}")
-        if not path.is_file():
-            raise error(f"{name}: is not a regular file")
-        content = path.read_bytes()
-    except (OSError, ValueError) as refusal:
-        if isinstance(refusal, InputError):
-            raise
-        raise error(f"{name}: cannot be read: {_reason(refusal)}") from None
-    if not content:
-        raise error(f"{name}: is empty")
+    with naming(path):
+        try:
+            if path.is_dir():
+                raise error("is a folder; give a file in it")
+            if not path.exists():
+                raise error(f"there is no such file{_beside(path)}")
+            if not path.is_file():
+                raise error("is not a regular file")
+            content = path.read_bytes()
+        except (OSError, ValueError) as refusal:
+            if isinstance(refusal, InputError):
+                raise
+            raise error(f"cannot be read: {_reason(refusal)}") from None
+        if not content:
+            raise error("is empty")
     return content
 
 
@@ -55,12 +64,10 @@ def read_text(path: Path) -> str:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError as refusal:
         line = content.count(b"\n", 0, refusal.start) + 1
-        raise InputError(
-            f"{printable(str(path))}: is not UTF-8 text: byte 0x{content[refusal.start]:02x} on line {line}; "
-            f"save it as UTF-8"
-        ) from None
+        damage = InputError(f"is not UTF-8 text: byte 0x{content[refusal.start]:02x} on line {line}; save it as UTF-8")
+        raise damage.about(printable(str(path))) from None
     if "\0" in text:
-        raise InputError(f"{printable(str(path))}: is not text: it contains zero bytes")
+        raise InputError("is not text: it contains zero bytes").about(printable(str(path)))
     return text.replace("\r\n", "\n").replace("\r", "\n")
 
 
@@ -96,12 +103,13 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     target, name = Path(path), printable(str(path))
     try:
         target = target.resolve()
-        if target.is_dir():
-            raise InputError(f"{name}: is a folder; give the name of a file to write")
-        if not target.parent.is_dir():
-            raise InputError(f"{name}: cannot be written: there is no folder {printable(str(target.parent))}")
-        if target.exists() and not os.access(target, os.W_OK):
-            raise InputError(f"{name}: cannot be written: the file is write-protected")
+        with naming(path):
+            if target.is_dir():
+                raise InputError("is a folder; give the name of a file to write")
+            if not target.parent.is_dir():
+                raise InputError(f"cannot be written: there is no folder {printable(str(target.parent))}")
+            if target.exists() and not os.access(target, os.W_OK):
+                raise InputError("cannot be written: the file is write-protected")
         beside = target.exists() and not target.is_file()
         draft = target if beside else target.with_name(f".{secrets.token_hex(4)}{target.suffix}")
         if not beside:
@@ -109,13 +117,13 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     except (OSError, ValueError) as refusal:
         if isinstance(refusal, InputError):
             raise
-        raise InputError(f"{name}: cannot be written: {_reason(refusal)}") from None
+        raise InputError(f"cannot be written: {_reason(refusal)}").about(name) from None
     try:
         yield draft
         if draft != target and draft.exists():
             draft.replace(target)
     except OSError as refusal:
-        raise InputError(f"{name}: cannot be written: {_reason(refusal)}") from None
+        raise InputError(f"cannot be written: {_reason(refusal)}").about(name) from None
     finally:
         if draft != target:
             draft.unlink(missing_ok=True)

@@ -111,6 +111,11 @@ class TestDamage:
         with pytest.raises(SuspidError):
             read_wav(put(scratch, b"RIFF" + content))
 
+    def test_a_head_that_states_more_than_there_is(self, tmp_path: Path) -> None:
+        whole = wav(np.arange(20, dtype=np.int16))
+        with pytest.raises(RecordError, match=f"states {len(whole) + 2} bytes, there are {len(whole)}"):
+            read_wav(put(tmp_path, b"RIFF" + struct.pack("<I", len(whole) - 6) + whole[8:]))
+
     def test_no_sample(self, tmp_path: Path) -> None:
         with pytest.raises(RecordError, match="holds no sample"):
             read_wav(put(tmp_path, wav(np.zeros(0, np.int16))))

@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, TypeAlias
 
 from suspid.analysis.choice import doubts_of, identified
-from suspid.analysis.reading import Read, naming, read, tests_of
+from suspid.analysis.reading import Read, read, tests_of
 from suspid.analysis.settings import Settings
 from suspid.analysis.several import Part, alike, belonging, check_each_once, source_names
 from suspid.analysis.springs import Springs, check_springs, springs_of
@@ -17,7 +17,7 @@ from suspid.analysis.stretch import Used, stretch_of
 from suspid.cleaning import RecordLike
 from suspid.decays import Decay, Decays
 from suspid.errors import InputError
-from suspid.files import printable
+from suspid.files import naming
 from suspid.greybox import Estimate, parameter_table
 from suspid.identification import (
     Identification,
@@ -216,7 +216,7 @@ def analyse(
         if len(tests) > 1:
             return _of_several(tests, car, replace(settings, test=None), begin)
         source, settings = tests[0], replace(settings, test=None)
-    with naming(printable(os.fspath(source)) if isinstance(source, str | os.PathLike) else ""):
+    with naming(source if isinstance(source, str | os.PathLike) else ""):
         begin(STEPS[0])
         opened = read(source, settings)
         begin(STEPS[1])

@@ -12,10 +12,9 @@ import numpy as np
 from suspid.analysis.damper_table import damper_table
 from suspid.analysis.drive_dampers import curves_of, wear_of
 from suspid.analysis.drive_reading import read_drive
-from suspid.analysis.reading import naming
 from suspid.analysis.settings import Settings
 from suspid.errors import InputError
-from suspid.files import printable
+from suspid.files import naming, printable
 from suspid.greybox import (
     BodyModes,
     DamperCurve,
@@ -201,7 +200,7 @@ def analyse_drive(
     for source in every:
         step("reading")
         name = source.title if isinstance(source, Recording) else os.fspath(source)
-        with naming(printable(name)):
+        with naming(name):
             recording = read_drive(source, settings)
             step("finding stretches")
             renamed = dict(settings.rename)

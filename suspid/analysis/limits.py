@@ -25,7 +25,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from suspid.errors import InputError
-from suspid.files import printable, read_text
+from suspid.files import naming, read_text
 from suspid.toml import as_number, as_table, check_keys, parsed_toml
 from suspid.units import Hertz
 from suspid.values import is_count
@@ -122,11 +122,8 @@ def read_limits(path: str | os.PathLike[str]) -> tuple[Limit, ...]:
     >>> [limit.name for limit in read_limits("examples/limits.toml")]
     ['mode 1.wn', 'mode 1.zeta', 'chassis.stiffness', 'chassis.damping']
     """
-    text = read_text(Path(path))
-    try:
-        return limits_from_toml(text)
-    except InputError as error:
-        raise InputError(f"{printable(str(path))}: {error}") from None
+    with naming(path):
+        return limits_from_toml(read_text(Path(path)))
 
 
 def limits_from_toml(text: str) -> tuple[Limit, ...]:

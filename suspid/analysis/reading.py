@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import copy
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, TypeVar
 
@@ -13,8 +11,8 @@ import numpy as np
 
 from suspid.analysis.settings import Settings
 from suspid.cleaning import Cleaned, RecordLike, as_record, clean, scaled, to_si, vertical
-from suspid.errors import InputError, RecordError, SuspidError
-from suspid.files import printable
+from suspid.errors import InputError, RecordError
+from suspid.files import naming
 from suspid.io import bare_name, read_recording
 from suspid.recordings import Recording
 from suspid.samples import held
@@ -37,33 +35,19 @@ class Read:
     notes: tuple[Remark, ...]
 
 
-@contextmanager
-def naming(name: str) -> Iterator[None]:
-    """Put the name of a source in front of errors about it that do not have it; what they carry stays."""
-    try:
-        yield
-    except SuspidError as error:
-        if not name or name in str(error):
-            raise
-        named = copy.copy(error)
-        named.args = (f"{name}: {error}", *error.args[1:])
-        raise named from error
-
-
 def read(source: str | os.PathLike[str] | Recording | RecordLike, settings: Settings) -> Read:
     """Return a source as a cleaned record; a response is on a uniform clock already."""
     if isinstance(source, str | os.PathLike):
-        recording = _opened(source, settings)
-        name = f"{printable(os.fspath(source))}: "
+        recording, name = _opened(source, settings), os.fspath(source)
     elif isinstance(source, Recording):
-        recording, name = source, f"{printable(source.title)}: " if source.title else ""
+        recording, name = source, source.title
     else:
         source = as_record(source)
         _refuse_clock(settings)
         cleaned, done = _as_wanted(_chosen(source, settings), settings)
         return Read(recording=None, cleaned=cleaned, notes=done)
     notes: tuple[Remark, ...] = ()
-    try:
+    with naming(name):
         if settings.test is not None:
             recording = recording.of_test(settings.test)
         elif settings.channels is None and len(recording.tests) > 1:
@@ -74,8 +58,6 @@ def read(source: str | os.PathLike[str] | Recording | RecordLike, settings: Sett
         if wanted is None:
             recording = replace(recording, channels=tuple(c for c in recording.channels if c.name in kept))
         cleaned = clean(recording, channels=wanted, fs=settings.fs, start=settings.start, stop=settings.stop)
-    except RecordError as error:
-        raise RecordError(f"{name}{error}") from None
     cleaned, done = _as_wanted(cleaned, settings)
     return Read(recording=recording, cleaned=cleaned, notes=(*notes, *done))
 
@@ -184,7 +166,7 @@ def _in_si(cleaned: Cleaned) -> tuple[Cleaned, tuple[Remark, ...]]:
         try:
             factor, si = to_si(1.0, unit)
         except InputError as error:
-            why = str(error) if unit else "the file states no unit"
+            why = error.message if unit else "the file states no unit"
             notes.append(Remark(Note.NOT_CONVERTED, {"channel": name, "why": why}))
             units.append(unit)
             continue

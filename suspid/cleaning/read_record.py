@@ -8,8 +8,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from suspid.cleaning.clean import clean
-from suspid.errors import RecordError, RecordWarning
-from suspid.files import printable
+from suspid.errors import RecordWarning
+from suspid.files import naming, printable
 from suspid.io import read_recording
 from suspid.units import Hertz
 from suspid.words import DAMAGE
@@ -86,10 +86,8 @@ def read_record(
     (['chassis'], array([[1. , 0.8, 0.6]]))
     """
     recording = read_recording(path, channels=channels, time=time, fs=fs, dbc=dbc)
-    try:
+    with naming(path):
         cleaned = clean(recording, channels=None if channels is None else recording.names, fs=fs)
-    except RecordError as error:
-        raise RecordError(f"{printable(str(path))}: {error}") from None
     damaged = [f"{what} {why}" for what, why in recording.left_out if why.code in DAMAGE]
     found = [f"{finding.channel or 'time'}: {finding.kind}: {finding.text}" for finding in cleaned.findings]
     for text in (*damaged, *found):

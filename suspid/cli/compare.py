@@ -11,9 +11,9 @@ import click
 
 from suspid.cli.measured import checked_picture, save_picture
 from suspid.cli.options import FILE
-from suspid.cli.support import Positive, check_apart, named, said_warnings, say
+from suspid.cli.support import Positive, check_apart, said_warnings, say
 from suspid.errors import InputError
-from suspid.files import parsed_json, read_text, replacing
+from suspid.files import naming, parsed_json, read_text, replacing
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -122,7 +122,7 @@ def _kind(path: Path) -> str:
     """Return what a file has, by its format; the files themselves are checked by their readers."""
     if path.suffix.lower() == ".toml":
         return "modes"
-    with named(path):
+    with naming(path):
         form = parsed_json(read_text(path)).get("format")
     return "an estimate" if str(form).startswith(("suspid estimate", "suspid drive")) else "modes"
 

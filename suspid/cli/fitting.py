@@ -10,8 +10,8 @@ import click
 
 from suspid.analysis import Settings, read
 from suspid.cli.options import Decorator, packed
-from suspid.cli.support import named
 from suspid.errors import EstimationError, RecordError
+from suspid.files import naming
 
 if TYPE_CHECKING:
     from suspid.greybox import Estimate, RecordTest
@@ -60,7 +60,7 @@ def tests_of(
 
     tests = []
     for file, kg in zip(files, masses, strict=True):
-        with named(file):
+        with naming(file):
             opened = read(file, settings)
             said += [f"{file}: {finding}" for finding in opened.cleaned.findings]
             said += [f"{file}: {note}" for note in opened.notes]

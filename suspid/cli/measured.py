@@ -23,9 +23,9 @@ from suspid.cli.options import (
     analysing,
     progress,
 )
-from suspid.cli.support import ARGUMENTS, check_apart, named, said_warnings, say
+from suspid.cli.support import ARGUMENTS, check_apart, said_warnings, say
 from suspid.errors import InputError
-from suspid.files import printable, replacing
+from suspid.files import naming, printable, replacing
 from suspid.samples import held
 from suspid.signals import as_signal
 from suspid.values import samples_in_words
@@ -87,14 +87,14 @@ def identify_command(files: tuple[Path, ...], settings: Settings, plot: Path | N
         if len(files) > 1:
             found = analyse(list(files), settings=settings, progress=step)
         else:
-            with named(files[0]):
+            with naming(files[0]):
                 found = analyse(files[0], settings=settings, progress=step)
         tests = _other_tests(found)
         if tests and (plot or json_file):
             raise InputError(
-                f"{printable(str(files[0]))} holds {len(tests) + 1} tests: choose one with --test, such as --test "
-                f"{shlex.quote(tests[0])}, or join them with --test all"
-            )
+                f"holds {len(tests) + 1} tests: choose one with --test, such as --test {shlex.quote(tests[0])}, or "
+                f"join them with --test all"
+            ).about(printable(str(files[0])))
         if tests:
             found = replace(found, notes=tuple(note for note in found.notes if note.code is not Note.ONE_OF_TESTS))
         others = [(files[0], analyse(files[0], settings=replace(settings, test=test))) for test in tests]
@@ -177,7 +177,7 @@ def record_in_words(record: control.TimeResponseData) -> str:
 def checked_page(path: Path) -> Path:
     """Return the path, if it is one of an HTML file."""
     if path.suffix.lower() not in (".html", ".htm"):
-        raise InputError(f"{printable(str(path))}: pages are written as .html or .pdf; choose such a name")
+        raise InputError("pages are written as .html or .pdf; choose such a name").about(printable(str(path)))
     return path
 
 
@@ -190,7 +190,8 @@ def writer(path: Path, kind: str | None) -> Callable[[str, Path], None]:
         browser()
         return write_pdf
     if suffix == ".pdf" or kind == "pdf":
-        raise InputError(f"{printable(str(path))}: --format {kind} and this name do not agree; name it .{kind}")
+        error = InputError(f"--format {kind} and this name do not agree; name it .{kind}")
+        raise error.about(printable(str(path)))
     checked_page(path)
     return _write_text
 
@@ -214,9 +215,8 @@ def checked_picture(path: Path) -> Path:
 
     known = sorted(FigureCanvasAgg.filetypes)
     if path.suffix[1:].lower() not in known:
-        raise InputError(
-            f"{printable(str(path))}: pictures of type {path.suffix!r} are not known; known: {', '.join(known)}"
-        )
+        error = InputError(f"pictures of type {path.suffix!r} are not known; known: {', '.join(known)}")
+        raise error.about(printable(str(path)))
     return path
 
 

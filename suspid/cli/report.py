@@ -14,9 +14,9 @@ from suspid.analysis import STEPS, Analysis, Settings, analyse, check_springs, r
 from suspid.cli.fitting import GIVEN, fitted, tests_of
 from suspid.cli.measured import MOST_FINDINGS, MOST_LEFT_OUT, said_of, sources_of, writer
 from suspid.cli.options import AT_SPEED, FILE, ON_ROAD, RECORD, analysing, progress, road_named
-from suspid.cli.support import check_apart, named, said_warnings, say
+from suspid.cli.support import check_apart, said_warnings, say
 from suspid.errors import EstimationError
-from suspid.files import printable, replacing
+from suspid.files import naming, printable, replacing
 from suspid.levels import LEVEL
 from suspid.words import count
 
@@ -139,7 +139,7 @@ def _analysed(
 ) -> Analysis:
     if len(files) > 1:
         return analyse(list(files), car=suspension, settings=settings, progress=step)
-    with named(files[0]):
+    with naming(files[0]):
         return analyse(files[0], car=suspension, settings=settings, progress=step)
 
 

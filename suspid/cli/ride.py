@@ -13,8 +13,8 @@ import click
 from suspid.analysis import Settings, read
 from suspid.cli.measured import checked_picture, save_picture
 from suspid.cli.options import AT_SPEED, FILE, ON_ROAD, pairs, reading, road_named
-from suspid.cli.support import Positive, check_apart, named, said_warnings, say
-from suspid.files import replacing
+from suspid.cli.support import Positive, check_apart, said_warnings, say
+from suspid.files import naming, replacing
 from suspid.signals import cut
 from suspid.values import text_table
 
@@ -95,7 +95,7 @@ def ride_command(
         drawing(plot) as draw,
         replacing(json_file) if json_file else nullcontext() as json_draft,
         said_warnings() as said,
-        named(source),
+        naming(source),
     ):
         what = car_of(source) if of_car else _record_of(source, settings, said)
         about: dict[str, Any] = {"road": road_named(road), "speed": speed, "clearance": gaps} if of_car else {}

@@ -188,7 +188,8 @@ class Commands(click.Group):
             click.echo("suspid: stopped", err=True)
             raise click.exceptions.Exit(stopped_code(stop)) from None
         except SuspidError as error:
-            raise _Failure(in_options(str(error), self.commands.get(ctx.invoked_subcommand or ""))) from None
+            said = in_options(error.message, self.commands.get(ctx.invoked_subcommand or ""))
+            raise _Failure(f"{error.source}: {said}" if error.source else said) from None
 
 
 def check_apart(inputs: list[Path], outputs: list[Path | None]) -> None:
@@ -216,18 +217,6 @@ def _unwritten(refusal: OSError) -> _Failure:
     with suppress(OSError, ValueError):
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     return _Failure(f"the output cannot be written: {refusal.strerror or refusal}")
-
-
-@contextmanager
-def named(file: Path) -> Iterator[None]:
-    """Put the name of a file in front of errors about it that do not have it."""
-    name = printable(str(file))
-    try:
-        yield
-    except SuspidError as error:
-        message = str(error)
-        message = in_options(message, click.get_current_context().command)
-        raise _Failure(message if name in message else f"{name}: {message}") from None
 
 
 @contextmanager

@@ -11,8 +11,8 @@ import click
 
 from suspid.cli.options import AT_SPEED, FILE, ON_ROAD, pairs, road_named
 from suspid.cli.ride import GIVEN_STOPS, PICTURE_OF_RIDE, STATED_STD, car_of, drawing
-from suspid.cli.support import Positive, check_apart, named, said_warnings, say
-from suspid.files import replacing
+from suspid.cli.support import Positive, check_apart, said_warnings, say
+from suspid.files import naming, replacing
 from suspid.reconstruction import QUANTITIES
 
 if TYPE_CHECKING:
@@ -76,7 +76,7 @@ def tune_command(
         replacing(json_file) if json_file else nullcontext() as json_draft,
         replacing(output) if output else nullcontext() as car_draft,
         said_warnings(),
-        named(source),
+        naming(source),
     ):
         what = car_of(source)
         car = what if isinstance(what, Suspension) else what.suspension

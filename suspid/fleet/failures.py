@@ -40,7 +40,7 @@ def why_of(error: Exception, place: str) -> Remark:
         return error.remark
     if isinstance(error, MemoryError):
         return Remark(Failure.MEMORY)
-    text = without(str(error), place)
+    text = without(error.message if isinstance(error, SuspidError) else str(error), place)
     if isinstance(error, RecordError):
         return Remark(Failure.UNUSABLE, {"why": text})
     if isinstance(error, IdentificationError):
@@ -53,5 +53,5 @@ def why_of(error: Exception, place: str) -> Remark:
 
 
 def without(text: str, place: str) -> str:
-    """Return a message without the name of the file that it begins with: the row has it, and a copy has another."""
-    return text.removeprefix(f"{printable(place)}: ").replace(place, "the file") if place else text
+    """Return a message without the path of the file: the row has its name, and a copy has another path."""
+    return text.replace(place, "the file") if place else text

@@ -35,7 +35,7 @@ from pathlib import Path
 import numpy as np
 
 from suspid.errors import InputError
-from suspid.files import parsed_json, printable, read_text, replacing
+from suspid.files import naming, parsed_json, printable, read_text, replacing
 from suspid.identification.identification import Identification
 from suspid.model import ModalSet, check_definite
 from suspid.samples import held
@@ -209,12 +209,10 @@ def read_modes(path: str | os.PathLike[str]) -> ModalSet:
     array([0.3])
     """
     file = Path(path)
-    text = read_text(file)
-    try:
+    with naming(file):
+        text = read_text(file)
         content = parsed_toml(text) if file.suffix.lower() == ".toml" else parsed_json(text)
         return modes_from_dict(content)
-    except InputError as error:
-        raise InputError(f"{printable(str(path))}: {error}") from None
 
 
 def write_modes(modes: ModalSet, path: str | os.PathLike[str]) -> None:
@@ -243,7 +241,7 @@ def write_modes(modes: ModalSet, path: str | os.PathLike[str]) -> None:
     array([-6.+8.j])
     """
     if Path(path).suffix.lower() == ".toml":
-        raise InputError(f"{printable(str(path))}: modes are written as JSON; name the file .json")
+        raise InputError("modes are written as JSON; name the file .json").about(printable(str(path)))
     with replacing(path) as draft:
         draft.write_text(to_json(modes_to_dict(modes)), encoding="utf-8")
 

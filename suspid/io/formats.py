@@ -115,7 +115,8 @@ def marked_format(path: Path) -> Format | None:
 
 def is_guess(path: Path) -> bool:
     """Return whether neither the suffix nor the first bytes of a file say what it is, so that it is read as text."""
-    return path.suffix.lower() not in BY_SUFFIX and bool(_head(path)) and marked_format(path) is None
+    known = path.suffix.lower() in BY_SUFFIX or marked_format(path) is not None
+    return not known and bool(_head(path)) and appearance(path) is None
 
 
 def appearance(path: Path) -> str | None:

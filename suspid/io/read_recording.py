@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from suspid.errors import RecordError
-from suspid.files import printable
+from suspid.files import naming
 from suspid.io.formats import format_of, is_guess, marked_format, reader_of
 from suspid.io.timing import as_recording
 from suspid.recordings import Recording
@@ -57,16 +57,18 @@ def read_recording(
     ('mm', array([0.   , 0.002, 0.005]), array([0. , nan, 0.4]))
     """
     path = Path(path)
-    try:
-        table = reader_of(path, dbc)(path)
-        wanted = [channels] if isinstance(channels, str) else channels
-        return as_recording(table, channels=wanted, time=time, fs=fs, title=path.stem, size=path.stat().st_size)
-    except RecordError as error:
-        name = printable(str(path))
-        message = f"{name}: {str(error).removeprefix(f'{name}: ')}"
-        marked = marked_format(path)
-        if marked is not None and format_of(path) is not marked:
-            message += f"; it looks like {marked.name}: name it {marked.suffixes[0]}"
-        elif is_guess(path) and "are not known" not in message:
-            message += f"; it was read as text, since records of type {path.suffix!r} are not known"
-        raise RecordError(message) from None
+    with naming(path):
+        try:
+            table = reader_of(path, dbc)(path)
+            wanted = [channels] if isinstance(channels, str) else channels
+            return as_recording(table, channels=wanted, time=time, fs=fs, title=path.stem, size=path.stat().st_size)
+        except RecordError as error:
+            raise RecordError(f"{error.message}{_hint(path)}") from None
+
+
+def _hint(path: Path) -> str:
+    """Return what a file that could not be read may be, where its name does not say it."""
+    marked = marked_format(path)
+    if marked is not None and format_of(path) is not marked:
+        return f"; it looks like {marked.name}: name it {marked.suffixes[0]}"
+    return f"; it was read as text, since records of type {path.suffix!r} are not known" if is_guess(path) else ""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import struct
-import warnings
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -53,8 +52,6 @@ def _read(content: bytes) -> tuple[int, np.ndarray[Any, Any]]:
     """Return the rate [Hz] and the samples (sample, channel) as integers or floating point."""
     from scipy.io import wavfile
 
-    # Other warnings concern chunks without samples.
-    warnings.filterwarnings("error", message="Reached EOF|Incomplete")
     rate, samples = wavfile.read(io.BytesIO(content))
     return rate, samples if samples.ndim == 2 else samples[:, None]
 
@@ -73,9 +70,9 @@ def _check_chunks(content: bytes) -> None:
     if content[:4] not in (b"RIFF", b"RIFX", b"RF64") or content[8:12] != b"WAVE":
         raise RecordError(f"is not a WAV file: it begins with {content[:12]!r}")
     if content[:4] == b"RF64" and content[12:16] == b"ds64" and len(content) >= 36:
-        long_size = struct.unpack_from("<Q", content, 28)[0]
+        whole, long_size = struct.unpack_from("<QQ", content, 20)
     else:
-        long_size = UNKNOWN_SIZE
+        whole, long_size = struct.unpack_from(f"{order}I", content, 4)[0], UNKNOWN_SIZE
     position, seen = 12, list[bytes]()
     # Chunks are padded to an even size, but some writers do not pad the last one.
     while position + 8 <= len(content):
@@ -94,6 +91,8 @@ def _check_chunks(content: bytes) -> None:
         position += 8 + size + size % 2
     if position < len(content):
         raise RecordError(f"is damaged: {len(content) - position} bytes follow its last chunk")
+    if 8 + whole > len(content):
+        raise RecordError(f"is cut off: it states {8 + whole} bytes, there are {len(content)}")
     for name in (b"fmt ", b"data"):
         if seen.count(name) != 1:
             raise RecordError(

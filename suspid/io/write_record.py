@@ -101,4 +101,5 @@ def write_record(
 def check_record_name(path: str | os.PathLike[str]) -> None:
     """Refuse a name under which `write_record` does not write."""
     if Path(path).suffix.lower() not in WRITTEN:
-        raise RecordError(f"{printable(str(path))}: records are written as {', '.join(WRITTEN)}; choose such a name")
+        error = RecordError(f"records are written as {', '.join(WRITTEN)}; choose such a name")
+        raise error.about(printable(str(path)))

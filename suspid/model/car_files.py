@@ -50,7 +50,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from suspid.errors import InputError
-from suspid.files import printable, read_text, replacing
+from suspid.files import naming, read_text, replacing
 from suspid.model.car_parts import body_arms
 from suspid.model.car_text import car_to_toml
 from suspid.model.full_car import full_car
@@ -85,11 +85,8 @@ def read_car(path: str | os.PathLike[str]) -> Suspension:
     >>> read_car("examples/car.toml").coordinates
     ('seat', 'chassis', 'tire')
     """
-    text = read_text(Path(path))
-    try:
-        return car_from_toml(text)
-    except InputError as error:
-        raise InputError(f"{printable(str(path))}: {error}") from None
+    with naming(path):
+        return car_from_toml(read_text(Path(path)))
 
 
 def write_car(suspension: Suspension, path: str | os.PathLike[str]) -> None:
@@ -186,15 +183,13 @@ def read_constraints(path: str | os.PathLike[str]) -> tuple[str, ...]:
     >>> read_constraints("examples/car.toml")
     ()
     """
-    try:
+    with naming(path):
         found = parsed_toml(read_text(Path(path))).get("constraints", [])
         if not isinstance(found, list) or not all(isinstance(one, str) for one in found):
             raise InputError(
                 f"constraints = {reprlib.repr(found)} must be a list of texts, such as "
                 f'["tire.stiffness >= 8 * chassis.stiffness"]'
             )
-    except InputError as error:
-        raise InputError(f"{printable(str(path))}: {error}") from None
     return tuple(found)
 
 

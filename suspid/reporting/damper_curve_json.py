@@ -93,9 +93,8 @@ def read_curves(path: str | os.PathLike[str]) -> tuple[DamperCurve, ...]:
         return tuple(_curve(one, car) for one in curves) if isinstance(curves, list) else ()
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise InputError(
-            f"{printable(str(path))}: has no complete curve of a damper ({printable(str(error))}); write it anew with "
-            f"suspid drive --json"
-        ) from None
+            f"has no complete curve of a damper ({printable(str(error))}); write it anew with suspid drive --json"
+        ).about(printable(str(path))) from None
 
 
 def _curve(content: Mapping[str, Any], car: Suspension) -> DamperCurve:

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from suspid.errors import InputError
-from suspid.files import parsed_json, printable, read_text
+from suspid.files import naming, parsed_json, printable, read_text
 from suspid.greybox import Estimate, nominal_value, parameter_unit
 from suspid.identification import modes_from_dict, modes_to_dict, to_json
 from suspid.levels import LEVEL
@@ -138,11 +138,8 @@ def read_estimate(path: str | os.PathLike[str]) -> Estimate:
     ...     read_estimate(path).suspension == found.suspension
     True
     """
-    try:
+    with naming(path):
         return estimate_from_dict(parsed_json(read_text(Path(path))))
-    except InputError as error:
-        name = printable(str(path))
-        raise InputError(str(error) if str(error).startswith(name) else f"{name}: {error}") from None
 
 
 def _estimate(content: Mapping[str, Any]) -> Estimate:

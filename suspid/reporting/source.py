@@ -67,7 +67,7 @@ def source_of(path: str | os.PathLike[str], *, command: str = "", created: str =
             digest = hashlib.file_digest(stream, "sha256").hexdigest()
             size = stream.tell()
     except (OSError, ValueError) as refusal:
-        raise InputError(f"{printable(str(path))}: cannot be read: {printable(str(refusal))}") from None
+        raise InputError(f"cannot be read: {printable(str(refusal))}").about(printable(str(path))) from None
     whole = read_text(file) if text else ""
     return Source(file=file.name, sha256=digest, size=size, command=command, created=created, text=whole)
 
