@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Collection
+
 from suspid.errors import InputError
 from suspid.units import Ratio
 
@@ -47,3 +49,33 @@ def normal_reach(level: Ratio) -> float:
     from scipy.special import ndtri
 
     return float(ndtri((1 + level) / 2))
+
+
+def beyond_chance(outside: Callable[[Ratio], Collection[str]], count: int, level: Ratio = LEVEL) -> frozenset[str]:
+    """Return which of several parameters are apart from what is expected, by the procedure of Holm.
+
+    Were all of ``count`` as expected, one of them would be named with a probability of ``1 - level`` at most, however
+    many there are (S. Holm, Scand. J. Statist. 6 (1979) 65-70).
+
+    Parameters
+    ----------
+    outside : callable
+        Returns the names of those whose intervals of a probability leave out what is expected.
+    count : int
+        How many are tested.
+    level : float
+        Probability that none is named where all are as expected [1].
+
+    Examples
+    --------
+    >>> apart = {"a": 3.0, "b": 2.3, "c": 2.0, "d": 0.1}  # standard deviations
+    >>> sorted(beyond_chance(lambda p: [name for name, z in apart.items() if z > normal_reach(p)], 4))
+    ['a']
+    """
+    named: frozenset[str] = frozenset()
+    while len(named) < count:
+        more = frozenset(outside(1 - (1 - level) / (count - len(named))))
+        if more == named:
+            break
+        named = more
+    return named

@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.special import chdtri
+from scipy.special import chdtri, ndtr
 
 from suspid import ModalSet, Strut, Suspension, eigenmodes
-from suspid.levels import UNLIKELY
+from suspid.levels import UNLIKELY, beyond_chance, normal_reach
 from suspid.reconstruction.reconstruct import Reconstruction, reconstruct
 from suspid.words import Level, ReconstructionCheck, ReconstructionNote, Remark, Suspect
 from validation.cars import HATCHBACK, PAPER, SALOON
@@ -192,3 +192,32 @@ class TestVerdict:
         found = reconstruct(plain(6), nominal(PAPER))
         assert found.status == "; ".join(str(r) for r in found.remarks)
         assert remark(found, ReconstructionNote.CHI_SQUARE).numbers["freedom"] == found.freedom
+
+
+class TestManyParametersTogether:
+    """Holm's procedure: with many parameters one is apart from nominal by chance no more often than with one."""
+
+    @staticmethod
+    def named(z: np.ndarray) -> frozenset[str]:
+        def outside(level: float) -> list[str]:
+            return [str(i) for i, one in enumerate(z) if abs(one) > normal_reach(level)]
+
+        return beyond_chance(outside, len(z))
+
+    def test_as_holm_wrote_it(self) -> None:
+        rng = np.random.default_rng(5)
+        for _ in range(200):
+            z = rng.standard_normal(6) * 2.5
+            p = 2 * ndtr(-np.abs(z))
+            expected = set[str]()
+            for rank, i in enumerate(np.argsort(p)):
+                if p[i] > 0.05 / (6 - rank):
+                    break
+                expected.add(str(i))
+            assert self.named(z) == expected
+
+    def test_one_of_twelve_by_chance(self) -> None:
+        rng = np.random.default_rng(6)
+        false = np.mean([bool(self.named(rng.standard_normal(12))) for _ in range(2000)])
+        # Binomial: 5 % of 2000 within four standard deviations; each by itself would be 46 %.
+        assert 0.03 < false < 0.07

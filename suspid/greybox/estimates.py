@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.greybox.roads import RoadEstimate
-from suspid.levels import LEVEL, check_level, normal_reach
+from suspid.levels import LEVEL, beyond_chance, check_level, normal_reach
 from suspid.model import ModalSet, Suspension
 from suspid.results import Result
 from suspid.signals import as_signal
@@ -113,6 +113,17 @@ class Estimate(Result):
         low, high = (np.clip(end, self.ranges[:, 0], self.ranges[:, 1]) for end in (low, high))
         return {name: (float(a), float(b)) for name, a, b in zip(self.parameters, low, high, strict=True)}
 
+    def beyond_chance(self, level: Ratio = LEVEL) -> frozenset[str]:
+        """Return which parameters differ from nominal: none of them by chance, with probability ``level``."""
+        every = {name: nominal_value(self.nominal, name) for name in self.parameters}
+        old = {name: value for name, value in every.items() if value is not None}
+
+        def outside(level: Ratio) -> list[str]:
+            ends = self.interval(level)
+            return [name for name, value in old.items() if not ends[name][0] <= value <= ends[name][1]]
+
+        return beyond_chance(outside, len(old), level)
+
     def _table(self) -> Mapping[str, Sequence[object]]:
         ends = self.interval()
         return {
@@ -158,7 +169,7 @@ def nominal_value(car: Suspension, name: str) -> float | None:
 def parameter_table(found: Estimate) -> str:
     """Return the table of all parameters, beside nominal."""
     nominal = [nominal_value(found.nominal, name) for name in found.parameters]
-    ends = found.interval(LEVEL)
+    apart = found.beyond_chance()
     rows: dict[str, list[str]] = {
         "parameter": list(found.parameters),
         "unit": [parameter_unit(name) for name in found.parameters],
@@ -169,7 +180,7 @@ def parameter_table(found: Estimate) -> str:
             "" if not old else f"{100 * (new / old - 1):+.1f} %" for new, old in zip(found.values, nominal, strict=True)
         ],
         "beyond chance": [
-            "" if old is None else "no" if ends[name][0] <= old <= ends[name][1] else "yes"
+            "" if old is None else "yes" if name in apart else "no"
             for name, old in zip(found.parameters, nominal, strict=True)
         ],
     }

@@ -8,7 +8,7 @@ import numpy as np
 
 from suspid.errors import InputError
 from suspid.greybox import DamperCurve, Estimate, nominal_value, parameter_unit
-from suspid.levels import NORMAL_95
+from suspid.levels import NORMAL_95, beyond_chance, normal_reach
 from suspid.model import Suspension
 from suspid.performance.curve_wear import bent, curve_named, said_of_bent, wear_by_curve
 from suspid.performance.damper_rates import dampers_of, nominal_rates, rates_of
@@ -163,6 +163,7 @@ def _shape(car: Suspension) -> tuple[object, ...]:
 def _changes(now: Estimate, earlier: Sequence[Estimate]) -> Iterator[ParameterChange]:
     """Yield the parameters of the car in the new estimate and in the last one before, or at their nominal values."""
     old = earlier[-1] if earlier else None
+    rows = []
     for name, after, std in zip(now.parameters, now.values.tolist(), now.std.tolist(), strict=True):
         if nominal_value(now.nominal, name) is None or (old is not None and name not in old.parameters):
             continue
@@ -175,12 +176,21 @@ def _changes(now: Estimate, earlier: Sequence[Estimate]) -> Iterator[ParameterCh
         if before <= 0:
             continue
         ratio = after / before
-        reach = NORMAL_95 * float(np.hypot(std, ratio * spread)) / before
+        rows.append((name, before, after, float(np.hypot(std, ratio * spread)) / before))
+
+    def outside(level: Ratio) -> list[str]:
+        reach = normal_reach(level)
+        return [name for name, before, after, std in rows if abs(after / before - 1) > reach * std]
+
+    apart = beyond_chance(outside, len(rows))
+    for name, before, after, std in rows:
+        change = after / before - 1
         yield ParameterChange(
             name=name,
             unit=parameter_unit(name),
             before=before,
             after=after,
-            low=ratio - 1 - reach,
-            high=ratio - 1 + reach,
+            low=change - NORMAL_95 * std,
+            high=change + NORMAL_95 * std,
+            significant=name in apart,
         )

@@ -57,6 +57,9 @@ class ParameterChange:
         Its values; ``before`` is the nominal one where nothing was estimated before.
     low, high : float
         Ends of the 95 % interval of ``after / before - 1`` [1], by the errors of the estimates alone.
+    significant : bool
+        Whether the drives differ by more than the errors of the estimates explain in 95 % of comparisons, for all
+        parameters together.
     """
 
     name: str
@@ -65,6 +68,7 @@ class ParameterChange:
     after: float
     low: Ratio
     high: Ratio
+    significant: bool
 
     @property
     def change(self) -> Ratio:
@@ -75,11 +79,6 @@ class ParameterChange:
     def in_percent(self) -> bool:
         """Whether a share says anything: the interval stays above -100 %, which nothing positive falls below."""
         return bool(self.low > -1 or not np.isfinite(self.low))
-
-    @property
-    def significant(self) -> bool:
-        """Whether the interval leaves 0 out: the drives differ by more than the errors of the estimates."""
-        return not self.low <= 0 <= self.high
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)

@@ -43,9 +43,10 @@ def reconstruction_to_dict(found: Reconstruction, *, level: Ratio = LEVEL) -> di
     nominal = {} if found.nominal is None else parameter_values(found.nominal)
     stds: list[float | None] = [None] * len(found.parameters)
     ends: dict[str, tuple[float, float]] = {}
+    apart: frozenset[str] = frozenset()
     if found.covariance is not None:
         stds = [float(variance) ** 0.5 for variance in found.covariance.diagonal()]
-        ends = found.interval(level)
+        ends, apart = found.interval(level), found.beyond_chance(level)
     return {
         "format": "suspid car 1",
         "parameters": [
@@ -58,9 +59,7 @@ def reconstruction_to_dict(found: Reconstruction, *, level: Ratio = LEVEL) -> di
                 "upper": ends[name][1] if name in ends else None,
                 "nominal": nominal.get(name),
                 "change": values[name] / nominal[name] - 1 if nominal.get(name) else None,
-                "significant": not ends[name][0] <= nominal[name] <= ends[name][1]
-                if name in ends and name in nominal
-                else None,
+                "significant": name in apart if name in ends and name in nominal else None,
             }
             for name, std in zip(found.parameters, stds, strict=True)
         ],

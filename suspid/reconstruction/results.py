@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from suspid.errors import InputError
-from suspid.levels import LEVEL, NORMAL_95, check_level, normal_reach
+from suspid.levels import LEVEL, NORMAL_95, beyond_chance, check_level, normal_reach
 from suspid.model import Suspension
 from suspid.reconstruction.unknowns import QUANTITIES, parameter_values, unit_of
 from suspid.results import Result
@@ -132,6 +132,23 @@ class Reconstruction(Result):
         ends = np.clip(values[:, None] + reach[:, None] * [-1, 1], self.ranges[:, :1], self.ranges[:, 1:])
         return {name: (float(low), float(high)) for name, (low, high) in zip(self.parameters, ends, strict=True)}
 
+    def beyond_chance(self, level: Ratio = LEVEL) -> frozenset[str]:
+        """Return which parameters differ from nominal: none of them by chance, with probability ``level``.
+
+        Raises
+        ------
+        InputError
+            If the modes carried no covariance, or the level is not between 0 and 1.
+        """
+        if self.nominal is None:
+            return frozenset()
+        old = parameter_values(self.nominal)
+
+        def outside(level: Ratio) -> list[str]:
+            return [name for name, (low, high) in self.interval(level).items() if not low <= old[name] <= high]
+
+        return beyond_chance(outside, len(self.parameters), level)
+
     def _table(self) -> Mapping[str, Sequence[object]]:
         values = parameter_values(self.suspension)
         columns: dict[str, Sequence[object]] = {
@@ -245,10 +262,10 @@ def _vague(found: Reconstruction) -> Iterator[Check]:
 
 
 def _changed(found: Reconstruction) -> Iterator[Check]:
-    """Yield which parameters differ from nominal by more than their 95 % interval."""
+    """Yield which parameters differ from nominal beyond chance."""
     if found.covariance is None or found.nominal is None or not found.parameters:
         return
-    nominal, ends = parameter_values(found.nominal), found.interval(LEVEL)
-    names = tuple(name for name, (low, high) in ends.items() if not low <= nominal[name] <= high)
+    apart = found.beyond_chance()
+    names = tuple(name for name in found.parameters if name in apart)
     code = ReconstructionCheck.CHANGED if names else ReconstructionCheck.UNCHANGED
     yield Check(Remark(code, {"names": names} if names else {}), Level.NOTE)

@@ -201,7 +201,7 @@ def _digest(text: str) -> str:
 
 
 def _parameters(found: Estimate, level: Ratio) -> list[dict[str, object]]:
-    ends, rows = found.interval(level), []
+    ends, apart, rows = found.interval(level), found.beyond_chance(level), list[dict[str, object]]()
     for name, value, std, (least, most) in zip(
         found.parameters, found.values.tolist(), found.std.tolist(), found.ranges.tolist(), strict=True
     ):
@@ -219,7 +219,7 @@ def _parameters(found: Estimate, level: Ratio) -> list[dict[str, object]]:
                 "most": most,
                 "nominal": nominal,
                 "change": value / nominal - 1 if nominal else None,
-                "significant": None if nominal is None else not low <= nominal <= high,
+                "significant": None if nominal is None else name in apart,
             }
         )
     return rows

@@ -80,13 +80,13 @@ def lively(found: Estimate, record: int) -> NDArray[np.bool_]:
 
 def draw_changes(found: Estimate, ax: Axes, level: Ratio = LEVEL) -> None:
     """Draw found over nominal with intervals, one line for each parameter that has a nominal value."""
-    ends, names = found.interval(level), list[str]()
+    ends, apart, names = found.interval(level), found.beyond_chance(level), list[str]()
     for name, value in zip(found.parameters, found.values.tolist(), strict=True):
         nominal = nominal_value(found.nominal, name)
         if not nominal:
             continue
         low, here, high = (100 * (end / nominal - 1) for end in (ends[name][0], value, ends[name][1]))
-        colour = Colour.GREY if low <= 0 <= high else Colour.BLUE
+        colour = Colour.BLUE if name in apart else Colour.GREY
         ax.plot([low, high], [len(names)] * 2, color=colour, linewidth=2.0)
         ax.plot([here], [len(names)], "o", color=colour, markersize=4)
         names.append(shown(name))

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class SpringRow:
-    """A parameter beside its nominal value: the change [%], and whether the interval leaves the nominal value out.
+    """A parameter beside its nominal value: the change [%], and whether it is beyond chance, of all together.
 
     ``apart`` is the distance from nominal in standard deviations; ``others`` are its values in every alternative.
     """
@@ -39,12 +39,11 @@ def spring_rows(found: Estimate | Reconstruction, level: Ratio) -> list[SpringRo
     """Return a row for each parameter that was found, those held last."""
     reach, others = normal_reach(level), [parameter_values(car) for car in found.alternatives]
     values = _values(found)
-    ends = {} if found.covariance is None else found.interval(level)
+    apart = frozenset[str]() if found.covariance is None else found.beyond_chance(level)
     stds = [None] * len(values) if found.covariance is None else np.sqrt(np.diag(found.covariance)).tolist()
     rows = []
     for (name, value), std in zip(values.items(), stds, strict=True):
         nominal = None if found.nominal is None else nominal_value(found.nominal, name)
-        low, high = ends.get(name, (np.nan, np.nan))
         rows.append(
             SpringRow(
                 name=printable(name),
@@ -53,7 +52,7 @@ def spring_rows(found: Estimate | Reconstruction, level: Ratio) -> list[SpringRo
                 # From the standard deviation: an end that lies on a bound must not sharpen the value.
                 value=quantity(value, None if std is None else reach * std),
                 change=signed(f"{100 * (value / nominal - 1):+.1f} %") if nominal else NOTHING,
-                significant=NOTHING if nominal is None or std is None else "no" if low <= nominal <= high else "yes",
+                significant=NOTHING if nominal is None or std is None else "yes" if name in apart else "no",
                 apart=NOTHING if nominal is None or not std else f"{digits(abs(value - nominal) / std, 2)} sd",
                 others=tuple(plain(float(f"{car[name]:.5g}")) if name in car else NOTHING for car in others),
             )

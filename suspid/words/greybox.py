@@ -137,6 +137,6 @@ class EstimateCheck(Code):
         "unused",
         _listed("Channels that measure nothing of the car, or a road that is not given, were not used: {names}."),
     )
-    CHANGED = "changed", _listed("Differs from nominal by more than its 95 % interval: {names}.")
+    CHANGED = "changed", _listed("Differs from nominal beyond chance (5 % for all parameters together): {names}.")
     SAID = "said", "{text}"
-    UNCHANGED = "unchanged", "No parameter differs from nominal by more than its 95 % interval."
+    UNCHANGED = "unchanged", "No parameter differs from nominal beyond chance (5 % for all together)."

@@ -159,6 +159,6 @@ class ReconstructionCheck(Code):
     PENALTY = "penalty", "A penalty pulls the parameters; the intervals leave that out."
     BY_NOMINAL = "by nominal", _listed("Known from the nominal values alone: {names}.")
     NOT_SHARP = "not sharp", "The optimum is not sharp: a further step would still reduce the squared residual."
-    CHANGED = "changed", _listed("Differs from nominal by more than its 95 % interval: {names}.")
-    UNCHANGED = "unchanged", "No parameter differs from nominal by more than its 95 % interval."
+    CHANGED = "changed", _listed("Differs from nominal beyond chance (5 % for all parameters together): {names}.")
+    UNCHANGED = "unchanged", "No parameter differs from nominal beyond chance (5 % for all together)."
     VAGUE = "vague", _listed("Hardly known, with a 95 % interval wider than the value: {names}.")
