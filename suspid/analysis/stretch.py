@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -10,17 +11,19 @@ import numpy as np
 from suspid.analysis.choice import explains, settled, tried
 from suspid.analysis.held import without_held
 from suspid.analysis.settings import Settings
-from suspid.decays import Decay, Decays, find_decays
+from suspid.decays import GRAVE, Decay, Decays, find_decays
 from suspid.errors import RecordError
 from suspid.identification import Identification
 from suspid.signals import as_signal, cut, late_start, like
-from suspid.words import Note, Number, Remark
+from suspid.words import DecayDoubt, Note, Number, Remark
 
 if TYPE_CHECKING:
     import control
 
 # Shares of the best decay after which it is tried again where no mode is found in it, and decays tried after it.
 LATER_SHARES, NEXT_DECAYS = (0.05, 0.1, 0.2, 0.4), 2
+# Doubts that a stretch is long enough for its modes.
+LITTLE = frozenset({DecayDoubt.FEW_CYCLES, DecayDoubt.TOO_SHORT, DecayDoubt.FEW_SAMPLES})
 # Remarks on stretches that are no decay which are repeated where no decay is used; `Decays.remarks` has all of them.
 MOST_REMARKS = 2
 
@@ -61,7 +64,7 @@ def _stretch_of(record: control.TimeResponseData, settings: Settings) -> Used:
 
 
 def _best(record: control.TimeResponseData, settings: Settings) -> Used:
-    """Return the best decay; the whole record where it is one, explains it as well, or where there is none.
+    """Return the best clear decay; the whole record where it is one, explains it as well, or where there is none.
 
     Where neither has a mode, the best decay is tried from later on, and then the next ones.
     """
@@ -70,38 +73,51 @@ def _best(record: control.TimeResponseData, settings: Settings) -> Used:
     if whole is not None and settled(whole):
         return Used(record=record, decays=(), used=(), notes=(), identification=whole)
     decays = find_decays(record)
-    part = None
-    if decays:
-        best = _one(record, decays, 1)
-        if late and not best.used[0].doubts:
+    clear = [decay for decay in decays if not _chance(decay)]
+    if clear:
+        best = _of(record, decays, clear[0])
+        if late and not clear[0].doubts:
             return best
         part = tried(best.record, settings)
         whole = tried(record, settings) if late else whole
         if part is not None and (whole is None or not explains(whole, part)):
             return replace(best, identification=part)
-        if whole is None or not len(whole.modes):
-            again = _again(record, decays, settings)
-            if again is not None:
-                return again
+        again = None if whole is not None and len(whole.modes) else _again(record, decays, clear, settings)
+        if again is not None:
+            return again
+    whole = tried(record, settings) if late and whole is None else whole
     said: dict[str, Number] = {
         "found": len(decays),
-        "best": str(decays[0]) if decays else "",
+        "clear": len(clear),
+        "modes": 0 if whole is None else len(whole.modes),
+        "best": str((clear or decays)[0]) if decays else "",
         "remarks": _remarks(decays),
     }
     note = Remark(Note.WHOLE_RECORD, said)
     return Used(record=record, decays=decays, used=(), notes=(note,), identification=whole)
 
 
-def _again(record: control.TimeResponseData, decays: Decays, settings: Settings) -> Used | None:
-    """Return the best decay from a later start on, or one of the next decays, in which modes are found."""
-    best = decays[0]
+def _again(record: control.TimeResponseData, decays: Decays, clear: Sequence[Decay], settings: Settings) -> Used | None:
+    """Return the best clear decay from a later start on, or one of the next, in which modes are found.
+
+    Where most events are no decays, a mode that is found in one try of several is no finding.
+    """
+    best = clear[0]
+    if any(doubt.code is DecayDoubt.COMPANY for doubt in best.doubts):
+        return None
     later = [replace(best, start=best.start + share * (best.stop - best.start)) for share in LATER_SHARES]
-    for decay in (*later, *decays[1 : 1 + NEXT_DECAYS]):
+    for decay in (*later, *clear[1 : 1 + NEXT_DECAYS]):
         used = _of(record, decays, decay)
         found = tried(used.record, settings)
         if found is not None and len(found.modes):
             return replace(used, identification=found)
     return None
+
+
+def _chance(decay: Decay) -> bool:
+    """Return whether a stretch looks like a decay by chance: most events are none, and it says little of its modes."""
+    codes = {doubt.code for doubt in decay.doubts}
+    return DecayDoubt.COMPANY in codes and bool(codes & (GRAVE - {DecayDoubt.COMPANY} | LITTLE))
 
 
 def _all(record: control.TimeResponseData, decays: Decays) -> Used:

@@ -11,6 +11,10 @@ MOST_TESTS = 6
 
 
 def _stands_out(n: Mapping[str, Number]) -> str:
+    if n["found"] and not n["clear"]:
+        return f"no clear decay was found, the best is {n['best']}; the whole record is used"
+    if n["found"] and not n["modes"]:
+        return f"no mode stands out, neither in the best decay ({n['best']}) nor in the whole record"
     if n["found"]:
         return f"the whole record is used: it is explained as well as the best decay in it ({n['best']})"
     return f"no free decay was found; the whole record is used. {n['remarks']}".rstrip()
