@@ -124,6 +124,7 @@ from suspid.reporting import (
     plot_entropy,
     plot_estimate,
     plot_fit,
+    plot_frf,
     plot_grip,
     plot_identification,
     plot_ride,
@@ -194,8 +195,8 @@ __all__ = [  # noqa: RUF022 - grouped by step
     "report", "report_to_dict", "content_of", "Source", "source_of",
     "identify_many", "estimate_many", "FleetRun", "fleet_summary", "FleetSummary", "damper_trends", "DamperTrends",
     # pictures of each step
-    "plot_scalogram", "plot_skeletons", "plot_spectra", "plot_amplitude", "plot_entropy", "plot_fit", "plot_shapes",
-    "plot_identification", "plot_stabilization",
+    "plot_scalogram", "plot_skeletons", "plot_spectra", "plot_frf", "plot_amplitude", "plot_entropy", "plot_fit",
+    "plot_shapes", "plot_identification", "plot_stabilization",
     "plot_estimate", "plot_damper_curve", "plot_grip", "plot_ride", "plot_tuning", "plot_sensitivities", "plot_drive",
     "plot_comparison",
     # what is said of a result

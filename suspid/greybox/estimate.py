@@ -217,7 +217,10 @@ def estimate(
         ),
         held=tuple(n for n in parameter_names(suspension) if n not in u.names and not n.endswith(".mass")),
         modes=modes_with(car, u, parameters, covariance, still),
-        fitted=tuple(as_response(s.timepts, s.values, s.channels) for s in fit.fitted),
+        fitted=tuple(
+            as_response(s.timepts, s.values, s.channels, inputs=trial.known)
+            for s, trial in zip(fit.fitted, trials, strict=True)
+        ),
         residual=tuple(as_response(s.timepts, s.values, s.channels) for s in fit.residual),
         noise_std=tuple(frozen_real(std) for std in fit.noise),
         chi_square=fit.chi_square,
@@ -226,6 +229,8 @@ def estimate(
         alternatives=fit.alternatives,
         verdict=Verdict(headline, tuple(checks)),
         road=fit.roads,
+        causes=tuple(trial.causes for trial in trials),
+        band_hz=fit.band,
     )
 
 

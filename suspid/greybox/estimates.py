@@ -13,7 +13,7 @@ from suspid.levels import LEVEL, beyond_chance, check_level, normal_reach
 from suspid.model import ModalSet, Suspension
 from suspid.results import Result
 from suspid.signals import as_signal
-from suspid.units import UNITS, Ratio, RealArray
+from suspid.units import UNITS, Hertz, Ratio, RealArray
 from suspid.values import rounded, spread, text_table
 from suspid.words import Verdict
 
@@ -48,7 +48,7 @@ class Estimate(Result):
         Modes of `suspension` with the covariance of the parameters carried through; where the motion of wheels was
         given, those with these wheels held still, unless a model of the road was asked for.
     fitted : tuple of control.TimeResponseData
-        Motion of each record as the suspension explains it.
+        Motion of each record as the suspension explains it, with known roads and forces as inputs.
     residual : tuple of control.TimeResponseData
         Each record less `fitted`.
     noise_std : tuple of ndarray (channel,)
@@ -65,6 +65,11 @@ class Estimate(Result):
         How far the result can be trusted, and why.
     road : tuple of RoadEstimate
         The road under each wheel, by logger, where a model of it was asked for.
+    causes : tuple of tuple of str
+        What moved the car in each record: inputs of `fitted`, or its channels that show given motion alone; empty for
+        a free decay.
+    band_hz : tuple of float or None
+        Frequencies that `fitted` and `residual` hold, where motion was given [Hz]; None: all.
     """
 
     suspension: Suspension
@@ -84,6 +89,8 @@ class Estimate(Result):
     alternatives: tuple[Suspension, ...]
     verdict: Verdict
     road: tuple[RoadEstimate, ...] = ()
+    causes: tuple[tuple[str, ...], ...] = ()
+    band_hz: tuple[Hertz, Hertz] | None = None
 
     @property
     def std(self) -> RealArray:

@@ -10,7 +10,7 @@ from suspid.greybox.noise_levels import Levels
 from suspid.greybox.roads import RoadEstimate
 from suspid.model import Suspension
 from suspid.signals import Signal
-from suspid.units import RealArray
+from suspid.units import Hertz, RealArray
 from suspid.words import Check
 
 
@@ -35,3 +35,4 @@ class Fit:
     extra_scale: RealArray = field(default_factory=lambda: np.zeros(0))
     levels: tuple[Levels, ...] = ()  # by test, where motion is given
     roads: tuple[RoadEstimate, ...] = ()
+    band: tuple[Hertz, Hertz] | None = None  # where motion is given

@@ -73,6 +73,10 @@ def fit_in_frequency(problem: WheelProblem) -> Fit:
         explains=judged.likely,
         alternatives=(),
         checks=tuple(checks),
+        band=(
+            min(float(s.spectra.hertz[0]) for s in problem.sources),
+            max(float(s.spectra.hertz[-1]) for s in problem.sources),
+        ),
         extras=extras.names,
         levels=tuple(levels),
         extra_scale=extras.scale,

@@ -76,6 +76,12 @@ class Trial:
     least: RealArray  # (channel,): least variance
     unused: tuple[str, ...]  # channels that measure nothing of the suspension
     logger: str | None = None
+    causes: tuple[str, ...] = ()  # names of the inputs, or of the channels that show given motion alone
+
+    @property
+    def known(self) -> dict[str, RealArray]:
+        """The inputs by name."""
+        return dict(zip(self.causes, self.inputs, strict=False))
 
     @property
     def count(self) -> int:
@@ -118,8 +124,8 @@ def _trial(one: object, car: Suspension, given: Sequence[str]) -> Trial:
         if name not in car.coordinates:
             raise InputError(f"added_masses: there is no mass {name!r}.{nearest_names(name, car.masses)}")
     roads = [name for name in car.roads if name in names]
-    wheels = [name for name in car.coordinates if name in names]
-    forces = [name for name in names if name not in roads and name not in wheels]
+    wheels = [i for i, name in enumerate(car.coordinates) if name in names]
+    forces = [name for name in names if name not in {*roads, *car.coordinates}]
     pushes = [_force(car, name) for name in forces]
     known = {**causes, **dict(zip(signal.channels, signal.values, strict=True))}
     for name in (*roads, *forces):
@@ -147,6 +153,8 @@ def _trial(one: object, car: Suspension, given: Sequence[str]) -> Trial:
         )
     unused += [row[0] for row in rows if wheels and np.any(row[3][still])]
     channels = tuple(row[0] for row in use)
+    free = [i for i in range(len(car.coordinates)) if i not in wheels]
+    caused = tuple(row[0] for row in use if wheels and not np.any(row[2][free]))
     values = np.array([known[name] for name in channels])
     return Trial(
         start=signal.start,
@@ -159,11 +167,12 @@ def _trial(one: object, car: Suspension, given: Sequence[str]) -> Trial:
         added=frozen_real([test.added_masses.get(c, 0.0) for c in car.coordinates]),
         roads=tuple(car.roads.index(road) for road in roads),
         forces=frozen_real(np.array(pushes).reshape(len(pushes), len(car.coordinates))),
-        wheels=tuple(car.coordinates.index(name) for name in wheels),
+        wheels=tuple(wheels),
         inputs=frozen_real(np.array([known[name] for name in (*roads, *forces)]).reshape(-1, values.shape[1])),
         least=frozen_real(np.maximum(resolution(values) ** 2, 1e-300)),
         unused=tuple(unused),
         logger=test.logger,
+        causes=(*roads, *forces, *caused),
     )
 
 

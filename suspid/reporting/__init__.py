@@ -25,6 +25,7 @@ from suspid.reporting.plot_drive import plot_drive
 from suspid.reporting.plot_entropy import plot_entropy
 from suspid.reporting.plot_estimate import plot_estimate
 from suspid.reporting.plot_fit import plot_fit
+from suspid.reporting.plot_frf import plot_frf
 from suspid.reporting.plot_grip import plot_grip
 from suspid.reporting.plot_identification import PAGE, plot_identification
 from suspid.reporting.plot_recording import plot_recording
@@ -64,6 +65,7 @@ __all__ = [
     "plot_entropy",
     "plot_estimate",
     "plot_fit",
+    "plot_frf",
     "plot_grip",
     "plot_identification",
     "plot_recording",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING
@@ -10,11 +10,13 @@ from typing import TYPE_CHECKING
 from suspid.files import printable
 from suspid.performance import Ride, grip_if_any
 from suspid.reporting.axes import plot_residual, unit_ticks
+from suspid.reporting.frf import Frf, responses
 from suspid.reporting.limit_rows import limit_rows
 from suspid.reporting.performance_part import performance_fields
 from suspid.reporting.pictures import Picture, picture, shape_pictures
 from suspid.reporting.plot_damper_curve import plot_damper_curve
 from suspid.reporting.plot_estimate import draw_changes, lively
+from suspid.reporting.plot_frf import draw_gain, draw_phase
 from suspid.reporting.plot_spectra import draw_spectra
 from suspid.reporting.rows import mode_quantities, signed
 from suspid.reporting.spring_rows import masses_of, spring_rows
@@ -24,6 +26,7 @@ from suspid.signals import as_signal
 from suspid.words import Verdict, count, next_steps
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from suspid.analysis import CheckedLimits
@@ -161,8 +164,10 @@ def _part(content: EstimateContent, which: int) -> RecordPart:
 
 def _pictures(found: Estimate, which: int) -> Iterator[tuple[str, tuple[Picture, ...]]]:
     residual = as_signal(found.residual[which])
+    causes = found.causes[which]
     for k, name in enumerate(residual.channels[:MOST_DRAWN]):
         described = f"channel {k + 1} of record {which + 1} with fit and residual"
+        frf = () if not causes or name in causes else _responses(found, which, k)
         yield (
             printable(name),
             (
@@ -170,8 +175,26 @@ def _pictures(found: Estimate, which: int) -> Iterator[tuple[str, tuple[Picture,
                         described=f"Motion of {described}"),
                 picture(partial(_draw_spectra, found, which, k), name=f"spectrum-{which}-{k}", height=1.75,
                         described=f"Power spectra of {described}"),
+                *frf,
             ),
         )  # fmt: skip
+
+
+def _responses(found: Estimate, which: int, channel: int) -> tuple[Picture, ...]:
+    name = as_signal(found.fitted[which]).channels[channel]
+    described = f"frequency response of channel {channel + 1} of record {which + 1} and of its fit"
+    return (
+        picture(partial(_draw_frf, found, which, name, draw_gain), name=f"gain-{which}-{channel}", height=1.75,
+                described=f"Gain of the {described}"),
+        picture(partial(_draw_frf, found, which, name, draw_phase), name=f"phase-{which}-{channel}", height=1.75,
+                described=f"Phase of the {described}"),
+    )  # fmt: skip
+
+
+def _draw_frf(found: Estimate, which: int, name: str, draw: Callable[[Axes, Frf], None], figure: Figure) -> None:
+    ax = figure.subplots()
+    draw(ax, responses(found, record=which, channels=[name])[name])
+    ax.set_xlabel("frequency [Hz]")
 
 
 def _draw_time(found: Estimate, which: int, channel: int, figure: Figure) -> None:

@@ -51,22 +51,22 @@ def plot_estimate(found: Estimate, figure: Figure, *, level: Ratio = LEVEL) -> F
     'change from nominal [%]'
     """
     keep_apart(figure)
-    residual = as_signal(found.residual[0])
-    # Channels on one page; the others are in the JSON by their noise.
-    channels = residual.channels[:6]
+    # Channels on one page; the others are in the JSON by their noise. An estimate that was read has no records.
+    channels = as_signal(found.residual[0]).channels[:6] if found.residual else ()
     # Heights of a line of the upper picture, and of a channel [inch].
     heights = [0.28 * (2 + len(found.parameters)), *([2.0] * len(channels))]
     axes = np.atleast_1d(figure.subplots(len(heights), 1, height_ratios=heights))
     draw_changes(found, axes[0], level)
-    fitted, kept = as_signal(found.fitted[0]), lively(found, 0)
+    if not channels:
+        return figure
+    fitted, residual, kept = as_signal(found.fitted[0]), as_signal(found.residual[0]), lively(found, 0)
     for at, (ax, name) in enumerate(zip(axes[1:], channels, strict=True)):
         fit, left = fitted.values[at, kept], residual.values[at, kept]
         plot_residual(ax, residual.timepts[kept], fit + left, fit, left)
         ax.set_title(shown(name), loc="left")
         unit_ticks(ax, "SI")
-    if len(axes) > 1:
-        axes[-1].set_xlabel("time [s]")
-        key_above(axes[1])
+    axes[-1].set_xlabel("time [s]")
+    key_above(axes[1])
     return figure
 
 

@@ -6,11 +6,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from suspid.errors import InputError
 from suspid.identification import Identification
 from suspid.reporting.axes import checked_grid, key_above, position, shown, thinned
 from suspid.reporting.colours import Colour
 from suspid.signals import as_signal
 from suspid.units import RealArray
+from suspid.words import count
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -56,7 +58,7 @@ def plot_spectra(
     Raises
     ------
     InputError
-        If the numbers of Axes and channels differ, or there is no such channel.
+        If the numbers of Axes and channels differ, or there is no such channel or record.
 
     Examples
     --------
@@ -72,6 +74,8 @@ def plot_spectra(
     'frequency [Hz]'
     """
     decay = isinstance(found, Identification)
+    if not isinstance(found, Identification) and not 0 <= record < len(found.residual):
+        raise InputError(f"{record=}: {no_such_record(found)}")
     left = as_signal(found.residual if isinstance(found, Identification) else found.residual[record])
     fitted = as_signal(found.fitted if isinstance(found, Identification) else found.fitted[record])
     names = left.channels if channels is None else channels
@@ -90,6 +94,11 @@ def plot_spectra(
         ax.set_title(shown(name), loc="left")
     drawn[-1].set_xlabel("frequency [Hz]")
     key_above(drawn[0])
+
+
+def no_such_record(found: Estimate) -> str:
+    """Return how many records an estimate holds, and why it may hold none."""
+    return f"the estimate holds {count(len(found.residual), 'record')}; one that was read from JSON holds none"
 
 
 def draw_spectra(

@@ -1,0 +1,111 @@
+"""Frequency responses of a record beside those of the fit."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+from suspid import (
+    Estimate,
+    InputError,
+    add_noise,
+    estimate,
+    free_decay,
+    plot_estimate,
+    plot_frf,
+    plot_spectra,
+    quarter_car,
+    read_estimate,
+    report,
+    road_profile,
+    simulate,
+    statespace,
+)
+from suspid.reporting import estimate_to_dict
+from suspid.reporting.frf import responses
+
+CAR = quarter_car(
+    chassis_mass=400, tire_mass=40, chassis_stiffness=20e3, tire_stiffness=200e3, chassis_damping=1500, tire_damping=50
+)
+OUTPUTS = ["tire_acceleration", "chassis_acceleration"]
+
+
+def driven(given: str, *, noise_db: float, seconds: float) -> Estimate:
+    rng, time = np.random.default_rng(3), np.arange(0, seconds, 0.005)
+    heights = road_profile(20 * time, roughness="C", rng=rng)
+    record = simulate(CAR, time, {"road": heights}, outputs=OUTPUTS, interpolation="cubic")
+    return estimate(add_noise(record, snr_db=noise_db, rng=rng), CAR, given=[given], fixed=["tire.damping"])
+
+
+@pytest.fixture(scope="module")
+def rig() -> Estimate:
+    return driven("road", noise_db=60.0, seconds=30)
+
+
+@pytest.fixture(scope="module")
+def drive() -> Estimate:
+    return driven("wheels", noise_db=15.0, seconds=120)
+
+
+class TestTransferFunction:
+    def test_record_and_fit_follow_the_transfer_function_from_the_road(self, rig: Estimate) -> None:
+        system = statespace(CAR, outputs=OUTPUTS)
+        for name, frf in responses(rig).items():
+            kept = (frf.hertz > 3) & (frf.hertz < 15)
+            s = 2j * np.pi * frf.hertz[kept]
+            # The inputs are the road and its rate.
+            exact = np.array([system(one)[OUTPUTS.index(name)] @ [1, one] for one in s])
+            for got in (frf.record[kept], frf.fit[kept]):
+                # The window blurs 0.4 Hz.
+                np.testing.assert_allclose(got, exact, rtol=0.05)
+
+    def test_noise_of_the_wheel_does_not_lower_the_gain_of_the_record(self, drive: Estimate) -> None:
+        frf = responses(drive)["chassis_acceleration"]
+        near = (frf.hertz > 0.8) & (frf.hertz < 5)
+        s = 2j * np.pi * frf.hertz[near]
+        exact = (20e3 + 1500 * s) / (400 * s**2 + 1500 * s + 20e3)
+        weight = frf.std[near] ** -2
+        off = np.average(np.log(np.abs(frf.record[near] / exact)), weights=weight)
+        # The noise alone would lower it by 0.1.
+        assert off == pytest.approx(0.0, abs=0.03)
+
+    def test_it_stays_in_the_band_that_was_used(self, drive: Estimate) -> None:
+        assert drive.band_hz is not None
+        hertz = responses(drive)["chassis_acceleration"].hertz
+        assert drive.band_hz[0] <= hertz[0] < hertz[-1] <= drive.band_hz[1]
+
+
+class TestCauses:
+    def test_they_are_roads_or_the_channels_of_the_wheels(self, rig: Estimate, drive: Estimate) -> None:
+        assert rig.causes == (("road",),)
+        assert drive.causes == (("tire_acceleration",),)
+        assert rig.fitted[0].input_labels == ["road"]
+
+    def test_a_free_decay_has_none(self) -> None:
+        decay = free_decay(CAR, np.arange(0, 2, 0.005), initial_state={"v_tire": 1.0})
+        with pytest.raises(InputError, match=r"record 0 is a free decay.*plot_spectra"):
+            plot_frf(estimate(decay, CAR), axes=Figure().subplots(2, 2))
+
+    def test_what_is_not_there_is_named(self, rig: Estimate) -> None:
+        axes = Figure().subplots(2, 2)
+        with pytest.raises(InputError, match="there is no channel 'raod'"):
+            plot_frf(rig, axes=axes, cause="raod")
+        with pytest.raises(InputError, match="holds 1 record;"):
+            plot_frf(rig, axes=axes, record=3)
+
+    def test_an_estimate_that_was_read_has_no_record_to_draw(self, rig: Estimate, tmp_path: Path) -> None:
+        path = tmp_path / "found.json"
+        path.write_text(json.dumps(estimate_to_dict(rig)), encoding="utf-8")
+        with pytest.raises(InputError, match="read from JSON holds none"):
+            plot_frf(read_estimate(path), axes=Figure().subplots(2, 2))
+        with pytest.raises(InputError, match="read from JSON holds none"):
+            plot_spectra(read_estimate(path), axes=Figure().subplots(2))
+        assert len(plot_estimate(read_estimate(path), Figure()).axes) == 1
+
+
+def test_the_page_draws_gain_and_phase_of_every_channel_that_is_moved(drive: Estimate) -> None:
+    assert report(drive).count("Phase of the frequency response") == 1
