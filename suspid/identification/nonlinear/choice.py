@@ -1,8 +1,4 @@
-"""Choose the structure that explains a record: which friction acts in it, and how many modes it has.
-
-Other forces than friction are functions of the motion as it was measured. What holds a mass at rest is not: it is as
-large as the other forces there.
-"""
+"""Choose the structure that explains a record: which forces follow its motion, and how many modes it has."""
 
 from __future__ import annotations
 
@@ -34,6 +30,8 @@ LONGEST_FITTED, LONGEST_BLIND, MOST_MASSES = 1500, 500, 3
 APART = 1.5
 # Loss per sample by which a structure may still be above what it must reach, after the first steps.
 WITHIN_REACH = 0.5
+# Kinds of force among those found that are tried, and those that are tried in any case. More cost time.
+KINDS, COMMON = 2, (ForceKind.FRICTION, ForceKind.BENT_DAMPER, ForceKind.CUBIC)
 # Steps after which starts are compared.
 FIRST = 6
 # Share of a record to which a structure is fitted first where the fit to the whole misses something.
@@ -45,16 +43,17 @@ def chosen(record: Record, plain: DrivenFit, bent: Bent | None, *, most: int, hi
 
     None if its BIC is not below the highest, or if a mode of it does not stand.
 
-    Friction acts at every channel and between every two; that which is not worth its gains is left out.
+    Forces of one kind act at every channel and between every two; those that are not worth their gains are left out.
     Modes are added, up to ``most``, as long as each explains most of what is left.
     """
-    if bent is not None and not _sticks(bent):
+    # Of a single mode, other forces than friction are functions of its motion as it was measured.
+    if bent is not None and bent.count == 1 and not _sticks(bent):
         return None
     best: StructureFit | None = None
     for start in _starts(record, plain, bent):
-        for order in _orders(record, start, bent):
+        for order, kind in _kinds(record, start, bent):
             if best is None or best.bic >= highest or _misses(best):
-                fit = _begun(record, start, order)
+                fit = _begun(record, start, order, kind)
                 best = fit if best is None or fit.bic < best.bic else best
     # Where no force was found before, more than a few steps must not be needed.
     if best is None or (bent is None and best.bic > highest + WITHIN_REACH * best.residual.size):
@@ -133,21 +132,29 @@ def _joined(fit: StructureFit, theta: complex) -> StructureFit:
     )
 
 
-def _orders(record: Record, plain: DrivenFit, bent: Bent | None) -> list[int]:
-    """Return the orders of the channels worth trying: displacements, and what explained or promises most."""
+def _kinds(record: Record, plain: DrivenFit, bent: Bent | None) -> list[tuple[int, ForceKind]]:
+    """Return the orders of the channels and kinds of force worth trying: those found, or those that promise most."""
     if bent is not None:
-        # Where the forces are not quite the true ones, a wrong order may have explained more.
-        return sorted({0, bent.order})
+        worths = dict.fromkeys((force.kind for force in bent.forces), 0.0)
+        for force, worth in zip(bent.forces, bent.fit.worths, strict=True):
+            worths[force.kind] += float(worth)
+        found = sorted(worths, key=lambda kind: -worths[kind])[:KINDS]
+        # Where the forces are not quite the true ones, a wrong order or kind may have explained more.
+        tried = [(order, kind) for kind in found for order in sorted({0, bent.order})]
+        return list(dict.fromkeys([*tried, *((0, kind) for kind in COMMON)]))
     if not len(record.theta):
         record = replace(record, theta=plain.drive.theta, amplitudes=plain.amplitudes)
     none = Bent(fit=plain, forces=(), order=0)
     trials = [
         trial
         for order in range(3)
-        if (trial := added(record, replace(none, order=order), ForceKind.FRICTION, record.motions(order))) is not None
+        for motions in [record.motions(order)]
+        for kind in COMMON
+        if (trial := added(record, replace(none, order=order), kind, motions)) is not None
     ]
-    best = min(trials, key=lambda trial: trial.fit.promised, default=none)
-    return sorted({0, best.order}) if best.forces and best.fit.promised < plain.bic else []
+    best = sorted((trial for trial in trials if trial.fit.promised < plain.bic), key=lambda trial: trial.fit.promised)
+    kinds = list(dict.fromkeys(trial.forces[0].kind for trial in best))[:KINDS]
+    return [(order, kind) for kind in kinds for order in sorted({0, best[0].order})]
 
 
 def _needed(fit: StructureFit) -> StructureFit:
@@ -160,13 +167,13 @@ def _needed(fit: StructureFit) -> StructureFit:
     return fit
 
 
-def _begun(record: Record, start: DrivenFit, order: int) -> StructureFit:
-    """Return a structure with friction after some steps.
+def _begun(record: Record, start: DrivenFit, order: int, kind: ForceKind) -> StructureFit:
+    """Return a structure with forces of a kind after some steps.
 
     Where those leave more than noise beside the modes, the better of that and of one that begins with a fit to the
     beginning of the record.
     """
-    forces = forces_of(ForceKind.FRICTION, len(record.values), most=6)
+    forces = forces_of(kind, len(record.values), most=6)
     whole = fitted(structure_of(record, start.drive.theta, start.amplitudes, forces, order), steps=FIRST)
     if not _misses(whole):
         return whole

@@ -21,6 +21,12 @@ class ForceKind(Enum):
     BENT_SPRING = "bilinear stiffness"  # |d|
 
 
+# Kinds that follow a speed; the others follow a displacement.
+OF_SPEED = (ForceKind.FRICTION, ForceKind.DRAG, ForceKind.BENT_DAMPER)
+# Kinds that are the same for a motion and for its opposite: over a cycle they do no work, and are no spring.
+EVEN = (ForceKind.BENT_DAMPER, ForceKind.SQUARE, ForceKind.BENT_SPRING)
+
+
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Force:
     """A force between two measured points, or between one and the ground.

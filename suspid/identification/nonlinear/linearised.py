@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from suspid.identification.covariance import estimate_of
 from suspid.identification.noise import loudness, power_beside, shared_noise
 from suspid.identification.nonlinear.amplitude import VISIBLE, AmplitudeDependence, by_pole, cuts_of, where_holds
-from suspid.identification.nonlinear.forces import means
+from suspid.identification.nonlinear.forces import EVEN, OF_SPEED, means
 from suspid.identification.nonlinear.motion import Motion, Structures
 from suspid.identification.nonlinear.structure import StructureFit
 from suspid.model import ModalSet
@@ -22,14 +22,17 @@ from suspid.values import frozen_real
 def poles_within(structures: Structures, motion: Motion, window: slice) -> ComplexArray:
     """Return the poles of the equivalent linear systems within a window, (structure, pole).
 
-    Friction is replaced by a damper for each mode, those nearest to it within the window.
+    A force is replaced by a damper or a spring for each mode, those nearest to it within the window. Forces that are
+    even need none.
     """
+    if structures.kind in EVEN:
+        return structures.theta
     states = motion.states[:, :, window]
     theta, places, count = structures.theta, structures.places, structures.theta.shape[1]
     own = theta[:, :, None] * np.eye(count)
     twin = np.zeros_like(own)
     for j in range(len(structures.forces)):
-        by = places[:, :, j] * theta
+        by = places[:, :, j] * (theta if structures.kind in OF_SPEED else 1.0)
         parts = means((by[:, :, None] * states).real)[:, :, :-1]
         acting = motion.acting[:, j, window][:, :-1]
         square = np.matmul(parts, np.swapaxes(parts, 1, 2))
@@ -55,8 +58,8 @@ def poles_within(structures: Structures, motion: Motion, window: slice) -> Compl
 def mean_poles(fit: StructureFit, structures: Structures, motion: Motion, window: slice = slice(None)) -> ComplexArray:
     """Return the poles of the equivalent linear systems over a window, (structure, pole).
 
-    Friction changes no natural frequency. The damping ratio is the mean over the cycles of the slowest mode,
-    of those in which a mode is seen above the noise of the fit.
+    Forces that follow a speed change no natural frequency. Natural frequency and damping ratio are the means over the
+    cycles of the slowest mode, of those in which a mode is seen above the noise of the fit.
     """
     first, last, _ = window.indices(motion.states.shape[-1])
     cycle = max(4, round(2 * np.pi / float(np.min(fit.theta.imag))))
@@ -65,7 +68,10 @@ def mean_poles(fit: StructureFit, structures: Structures, motion: Motion, window
     poles = np.array([poles_within(structures, motion, slice(a, b + 1)) for a, b in pairwise(edges)])
     weights = (seen | ~np.any(seen, axis=0))[:, None, :].astype(float)
     zeta = np.sum(weights * (-poles.real / np.abs(poles)), axis=0) / np.sum(weights, axis=0)
-    return np.asarray(np.abs(structures.theta) * (-zeta + 1j * np.sqrt(np.maximum(1 - zeta**2, 0.0))))
+    wn = np.abs(structures.theta)
+    if structures.kind not in OF_SPEED:
+        wn = np.sum(weights * np.abs(poles), axis=0) / np.sum(weights, axis=0)
+    return np.asarray(wn * (-zeta + 1j * np.sqrt(np.maximum(1 - zeta**2, 0.0))))
 
 
 def _seen(fit: StructureFit, window: slice) -> NDArray[np.bool_]:

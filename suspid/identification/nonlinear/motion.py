@@ -1,4 +1,7 @@
-"""Motion of modes under friction that follows it and may hold a mass, in steps; between events in closed form."""
+"""Motion of modes under forces that follow it, in steps.
+
+Friction may hold a mass; between its events the motion is in closed form.
+"""
 
 from __future__ import annotations
 
@@ -6,10 +9,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from suspid.identification.nonlinear.forces import Force
+from suspid.identification.nonlinear.forces import OF_SPEED, Force, ForceKind, size_of
 from suspid.units import ComplexArray, RealArray
 
-# Angle by which the fastest mode turns in a step, at most [rad]. Forces run straight within a step.
+# Angle by which the fastest mode turns in a step, at most [rad]. Forces have their mean within a step.
 TURN = 0.25
 # Speeds below this share of the largest are rest.
 AT_REST = 1e-9
@@ -28,7 +31,12 @@ class Structures:
     shapes: ComplexArray  # (structure, pole, channel): displacements
     gains: ComplexArray  # (structure, pole, force)
     forces: tuple[Force, ...]
-    scales: RealArray  # (force,): largest speeds that the forces follow
+    scales: RealArray  # (force,): largest speeds or displacements that the forces follow; all forces are of one kind
+
+    @property
+    def kind(self) -> ForceKind:
+        """Kind of the forces."""
+        return self.forces[0].kind
 
     @property
     def places(self) -> ComplexArray:
@@ -56,7 +64,14 @@ def steps_of(theta: ComplexArray) -> int:
 def motion_of(of: Structures, count: int) -> Motion:
     """Return the motion of structures over a number of samples."""
     steps = steps_of(of.theta)
-    total, stepper = (count - 1) * steps, _stepper(of, steps)
+    states, acting = (_rubbed if of.kind is ForceKind.FRICTION else _bent)(of, (count - 1) * steps, steps)
+    means = acting[:, :, :-1].reshape(*acting.shape[:2], count - 1, steps).mean(axis=3)
+    return Motion(states=states[:, :, ::steps], acting=np.concatenate([means, acting[:, :, -1:]], axis=2))
+
+
+def _rubbed(of: Structures, total: int, steps: int) -> tuple[ComplexArray, RealArray]:
+    """Return the states at a number of steps, and friction between them (structure, force, step)."""
+    stepper = _stepper(of, steps)
     z = np.ones(of.theta.shape, complex)
     states = np.empty((*z.shape, total + 1), complex)
     acting = np.zeros((len(z), len(of.forces), total + 1))
@@ -74,8 +89,39 @@ def motion_of(of: Structures, count: int) -> Motion:
             done += 1
             states[:, :, done] = z
     acting[:, :, -1] = acting[:, :, max(total - 1, 0)]
-    means = acting[:, :, :-1].reshape(*acting.shape[:2], count - 1, steps).mean(axis=3)
-    return Motion(states=states[:, :, ::steps], acting=np.concatenate([means, acting[:, :, -1:]], axis=2))
+    return states, acting
+
+
+def _bent(of: Structures, total: int, steps: int) -> tuple[ComplexArray, RealArray]:
+    """Return the states at a number of steps, and other forces than friction between them (structure, force, step).
+
+    Each has the mean of those at the start of a step and at its end, where the force at the start would bring it.
+    """
+    place = of.places * (of.theta[:, :, None] if of.kind in OF_SPEED else 1.0) / of.scales
+    # Real and imaginary parts side by side: products of real matrices take a fraction of the time.
+    seen = np.concatenate([place.real, -place.imag], axis=1)
+    turn = of.theta / steps
+    held = np.swapaxes((np.expm1(turn) / of.theta)[:, :, None] * of.gains, 1, 2)
+    answer = np.ascontiguousarray(np.concatenate([held.real, held.imag], axis=2))
+    powers, poles, kind = np.exp(turn), of.theta.shape[1], of.kind
+    out = np.empty((total + 1, len(powers), 1, 2 * poles))
+    acting = np.empty((total + 1, len(powers), 1, len(of.forces)))
+    out[0] = np.repeat([1.0, 0.0], poles)
+    force = size_of(kind, *[out[0] @ seen] * 2)
+    rotation = np.zeros((len(powers), 2 * poles, 2 * poles))
+    each = np.arange(poles)
+    rotation[:, each, each] = rotation[:, poles + each, poles + each] = powers.real
+    rotation[:, each, poles + each], rotation[:, poles + each, each] = powers.imag, -powers.imag
+    for step in range(total):
+        free = out[step] @ rotation
+        ahead = (free + force @ answer) @ seen
+        acting[step] = 0.5 * (force + size_of(kind, ahead, ahead))
+        out[step + 1] = free + acting[step] @ answer
+        again = out[step + 1] @ seen
+        force = size_of(kind, again, again)
+    acting[total] = force
+    states = np.moveaxis(out[:, :, 0, :poles] + 1j * out[:, :, 0, poles:], 0, -1)
+    return np.asarray(states), np.moveaxis(acting[:, :, 0], 0, -1)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)

@@ -13,7 +13,7 @@ import numpy as np
 
 from suspid.identification.noise import degrees_of_freedom
 from suspid.identification.nonlinear.feedback import Record
-from suspid.identification.nonlinear.forces import Force
+from suspid.identification.nonlinear.forces import OF_SPEED, Force
 from suspid.identification.nonlinear.motion import Motion, Structures, motion_of
 from suspid.units import ComplexArray, RealArray
 
@@ -135,8 +135,8 @@ def structure_of(
         scales=np.ones(len(forces)),
     )
     powers = np.exp(np.outer(theta, np.arange(record.values.shape[1])))
-    speed = np.einsum("kj,kn->jn", plain.places[0] * theta[:, None], powers).real
-    scales = np.max(np.abs(speed), axis=1) + 1e-300
+    follows = plain.places[0] * (theta[:, None] if plain.kind in OF_SPEED else 1.0)
+    scales = np.max(np.abs(np.einsum("kj,kn->jn", follows, powers).real), axis=1) + 1e-300
     return _evaluated(record, replace(plain, scales=scales), order)
 
 
