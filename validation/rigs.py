@@ -265,36 +265,46 @@ def equivalent_modes(
 ) -> tuple[RealArray, RealArray]:
     """Return natural frequencies [rad/s] and damping ratios of several masses: means over cycles of the slowest mode.
 
-    In each cycle friction is replaced by dampers, and what is cubic in springs by springs, those between the modes that
-    are nearest to it; what a bilinear damper has beyond its mean does no work over a cycle. Friction changes no natural
-    frequency. A mode counts where it moves a mass by more than ``seen`` [m].
+    In each cycle friction is replaced by dampers, and what is cubic in springs by springs, as it is for two tones that
+    keep no phase with each other (describing functions); what a bilinear damper has beyond its mean does no work over a
+    cycle. Friction changes no natural frequency. A mode counts where it moves a mass by more than ``seen`` [m].
     """
     mass, count = np.diag(rig.mass), len(rig.mass)
     stiff = rig.links.T @ np.diag(rig.stiffness) @ rig.links
     damp = rig.links.T @ np.diag(rig.damping) @ rig.links
     values, shapes = np.linalg.eig(np.linalg.solve(mass, stiff))
-    shapes = shapes[:, np.argsort(values)]
+    order = np.argsort(values)
+    wn, shapes = np.sqrt(values[order].real), shapes[:, order]
     shapes = shapes / np.sqrt(np.sum(shapes * (mass @ shapes), axis=0))
+    stiffness, damping = shapes.T @ stiff @ shapes, shapes.T @ damp @ shapes
     q, p = shapes.T @ mass @ moved.position, shapes.T @ mass @ moved.velocity
-    travel = rig.links @ moved.position
-    bent = shapes.T @ rig.links.T @ ((rig.stiffness * rig.cubic)[:, None] * travel**3)
-    rubbed = shapes.T @ (rig.friction[:, None] * np.sign(moved.velocity))
+    sizes = np.sqrt(q**2 + (p / wn[:, None]) ** 2)
     inside = np.flatnonzero((moved.time >= start - LATE) & (moved.time <= stop + LATE))
     cycles = max(1, round((moved.time[inside[-1]] - moved.time[inside[0]]) * float(rig.wn[0]) / (2 * np.pi)))
-    stiffness, damping = shapes.T @ stiff @ shapes, shapes.T @ damp @ shapes
     found, weights = [], []
     for part in np.array_split(inside, cycles):
-        springs = stiffness + bent[:, part] @ np.linalg.pinv(q[:, part])
-        rubbing = damping + rubbed[:, part] @ np.linalg.pinv(p[:, part])
-        poles, without = _poles(springs, rubbing), _poles(springs, damping)
+        size = np.sqrt(np.mean(sizes[:, part] ** 2, axis=1))
+        travel, speed = np.abs(rig.links @ shapes) * size, np.abs(shapes) * size * wn
+        springs = np.array([1.5 * np.sum(travel**2, axis=1) - 0.75 * travel[:, k] ** 2 for k in range(count)]).T
+        springs = rig.links.T @ ((rig.stiffness * rig.cubic)[:, None] * springs * (rig.links @ shapes))
+        others = np.sqrt(np.maximum(np.sum(speed**2, axis=1, keepdims=True) - speed**2, 0.0))
+        dampers = rig.friction[:, None] * _friction_of_tone(speed, others) * shapes
+        without = _poles(stiffness + shapes.T @ springs, damping)
+        poles = _poles(stiffness + shapes.T @ springs, damping + shapes.T @ dampers)
         if len(poles) == count:
             found.append([np.abs(without), -poles.real / np.abs(poles)])
-            sizes = np.sqrt(2 * np.mean(q[:, part] ** 2, axis=1)) * np.max(np.abs(shapes), axis=0)
-            weights.append(sizes > seen)
+            weights.append(size * np.max(np.abs(shapes), axis=0) > seen)
     weight = np.array(weights, float)
     weight[:, ~np.any(weight, axis=0)] = 1.0
-    wn, zeta = np.sum(weight[:, None] * np.array(found), axis=0) / np.sum(weight, axis=0)
-    return wn, zeta
+    mean_wn, zeta = np.sum(weight[:, None] * np.array(found), axis=0) / np.sum(weight, axis=0)
+    return mean_wn, zeta
+
+
+def _friction_of_tone(speed: RealArray, others: RealArray) -> RealArray:
+    """Return the damper that a friction of 1 is to a tone of a speed, beside another: a mean over the other's phase."""
+    phase = np.cos(np.pi * (np.arange(4000) + 0.5) / 4000)
+    width = np.sqrt(np.clip(1 - (others[..., None] * phase / speed[..., None]) ** 2, 0.0, None))
+    return np.asarray(4 / np.pi / speed * np.mean(width, axis=-1))
 
 
 def _poles(stiffness: RealArray, damping: RealArray) -> NDArray[np.complex128]:

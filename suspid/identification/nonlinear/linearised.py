@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from suspid.identification.covariance import estimate_of
 from suspid.identification.noise import loudness, power_beside, shared_noise
 from suspid.identification.nonlinear.amplitude import VISIBLE, AmplitudeDependence, by_pole, cuts_of, where_holds
-from suspid.identification.nonlinear.forces import EVEN, OF_SPEED, means
+from suspid.identification.nonlinear.describing import describing
+from suspid.identification.nonlinear.forces import OF_SPEED
 from suspid.identification.nonlinear.motion import Motion, Structures
 from suspid.identification.nonlinear.structure import StructureFit
 from suspid.model import ModalSet
@@ -22,26 +23,16 @@ from suspid.values import frozen_real
 def poles_within(structures: Structures, motion: Motion, window: slice) -> ComplexArray:
     """Return the poles of the equivalent linear systems within a window, (structure, pole).
 
-    A force is replaced by a damper or a spring for each mode, those nearest to it within the window. Forces that are
-    even need none.
+    A force is replaced by a damper or a spring for each mode, by its describing functions.
     """
-    if structures.kind in EVEN:
-        return structures.theta
-    states = motion.states[:, :, window]
     theta, places, count = structures.theta, structures.places, structures.theta.shape[1]
-    own = theta[:, :, None] * np.eye(count)
-    twin = np.zeros_like(own)
-    for j in range(len(structures.forces)):
-        by = places[:, :, j] * (theta if structures.kind in OF_SPEED else 1.0)
-        parts = means((by[:, :, None] * states).real)[:, :, :-1]
-        acting = motion.acting[:, j, window][:, :-1]
-        square = np.matmul(parts, np.swapaxes(parts, 1, 2))
-        scale = 1 / np.sqrt(np.einsum("pkk->pk", square) + 1e-300)
-        unit = square * scale[:, :, None] * scale[:, None, :] + 1e-9 * np.eye(count)
-        nearest = np.linalg.solve(unit, (np.matmul(parts, acting[:, :, None])[:, :, 0] * scale)[:, :, None])[:, :, 0]
-        share = 0.5 * structures.gains[:, :, None, j] * (nearest * scale)[:, None, :]
-        own = own + share * by[:, None, :]
-        twin = twin + share * by.conj()[:, None, :]
+    by = places * (theta[:, :, None] if structures.kind in OF_SPEED else 1.0)
+    sizes = np.sqrt(np.mean(np.abs(motion.states[:, :, window]) ** 2, axis=2))[:, :, None] * np.abs(by)
+    others = np.sqrt(np.maximum(np.sum(sizes**2, axis=1, keepdims=True) - sizes**2, 0.0))
+    nearest = describing(structures.kind, sizes / structures.scales, others / structures.scales) / structures.scales
+    shares = 0.5 * nearest * by
+    own = theta[:, :, None] * np.eye(count) + np.einsum("skj,slj->skl", structures.gains, shares)
+    twin = np.einsum("skj,slj->skl", structures.gains, shares.conj())
     whole = np.concatenate(
         [np.concatenate([own, twin], axis=2), np.concatenate([twin.conj(), own.conj()], axis=2)], axis=1
     )
@@ -63,7 +54,7 @@ def mean_poles(fit: StructureFit, structures: Structures, motion: Motion, window
     """
     first, last, _ = window.indices(motion.states.shape[-1])
     cycle = max(4, round(2 * np.pi / float(np.min(fit.theta.imag))))
-    edges = np.linspace(first, last, max(1, (last - first) // cycle) + 1).astype(int)
+    edges = np.linspace(first, last, max(1, round((last - first) / cycle)) + 1).astype(int)
     seen = np.array([_seen(fit, slice(a, b)) for a, b in pairwise(edges)])
     poles = np.array([poles_within(structures, motion, slice(a, b + 1)) for a, b in pairwise(edges)])
     weights = (seen | ~np.any(seen, axis=0))[:, None, :].astype(float)
