@@ -1,6 +1,7 @@
-"""Structures under forces that follow their motion, beside exact motions of rigs with friction."""
+"""Structures under forces that follow their motion, beside exact motions of rigs."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from suspid.identification import ForceKind, Identification
 from suspid.identification.nonlinear.forces import Force
 from suspid.identification.nonlinear.motion import Structures, motion_of
 from suspid.signals import as_response
+from validation import rigs
 from validation.friction import Rig, released
 
 Real = NDArray[np.float64]
@@ -57,6 +59,77 @@ class TestMotion:
         assert np.max(np.abs(acting)) <= 1.0
         assert np.all(np.ptp(acting[:, -20:], axis=1) < 1e-6)
         assert np.max(np.abs(acting[:, -20:])) < 1.0
+
+
+class TestMotionOfSmoothForces:
+    """Beside the simulator of `validation.rigs`, which knows nothing of modes."""
+
+    RIG = rigs.Rig(
+        mass=np.array([1.0, 2.0]),
+        stiffness=np.array([4000.0, 3000.0]),
+        damping=np.array([4.0, 6.0]),
+        friction=np.zeros(2),
+        cubic=np.zeros(2),
+    )
+
+    @pytest.mark.parametrize(
+        ("kind", "changed"),
+        [(ForceKind.BENT_DAMPER, {"rebound": 3.0}), (ForceKind.CUBIC, {"cubic": np.array([300.0, 150.0])})],
+    )
+    # Ten and four samples in a period of the second mode: steps within samples, and samples within steps.
+    @pytest.mark.parametrize("step", [0.0008, 0.02])
+    def test_is_that_of_the_rig(self, kind: ForceKind, changed: dict[str, Any], step: float) -> None:
+        bent = replace(self.RIG, **changed)
+        time = np.asarray(np.arange(round(1.0 / step)) * step, float)
+        exact = rigs.released(bent, HELD, time).position
+        modes = self.structure(bent, kind, step)
+        motion = motion_of(modes, len(time))
+        found = np.einsum("kc,kn->cn", modes.shapes[0], motion.states[0]).real
+        linear = rigs.released(self.RIG, HELD, time).position
+        # The steps leave a hundredth of what the force does.
+        assert np.max(np.abs(found - exact)) < 0.02 * np.max(np.abs(linear - exact))
+
+    @staticmethod
+    def structure(rig: rigs.Rig, kind: ForceKind, step: float) -> Structures:
+        """Return the modes of a rig and the force of each spring or damper."""
+        count = len(rig.mass)
+        inverse = np.diag(1 / rig.mass)
+        stiff, damp = (inverse @ rig.links.T @ np.diag(each) @ rig.links for each in (rig.stiffness, rig.damping))
+        size = (
+            rig.stiffness * rig.cubic
+            if kind is ForceKind.CUBIC
+            else rig.damping * (rig.rebound - 1) / (rig.rebound + 1)
+        )
+        poles, vectors = np.linalg.eig(np.block([[np.zeros((count, count)), np.eye(count)], [-stiff, -damp]]))
+        left, upper = np.linalg.inv(vectors), np.flatnonzero(poles.imag > 0)
+        start = (left @ np.concatenate([HELD, np.zeros(count)]))[upper]
+        push = (left @ np.vstack([np.zeros((count, count)), -inverse @ rig.links.T @ np.diag(size)]))[upper]
+        return Structures(
+            theta=np.asarray(poles[None, upper] * step, complex),
+            # Speeds are per sample.
+            shapes=(2 * vectors[:count, upper] * start).T[None],
+            gains=(push / start[:, None])[None] * (step if kind is ForceKind.CUBIC else 1.0),
+            forces=(Force(kind=kind, channel=0, other=None), Force(kind=kind, channel=1, other=0)),
+            scales=np.ones(count),
+        )
+
+
+class TestTwoMassesWithCubicSprings:
+    """A tone alone raises its spring by 3/4 of the square of its amplitude; the truth is that of the simulator."""
+
+    def test_both_modes_within_their_intervals(self) -> None:
+        record = rigs.release("cubic", 2, seed=930_006)
+        stamps, used = record.stamps, record.stamps > record.start
+        found = identify(as_response(np.asarray(stamps[used]), record.position[:, used], ("x1", "x2")))
+        wn, zeta = rigs.equivalent_modes(
+            record.rig, record.motion, 0.0, float(stamps[-1]) - record.start, seen=record.step
+        )
+        modes = found.modes
+        assert {force.kind for force in found.forces} == {ForceKind.CUBIC}
+        assert modes.wn == pytest.approx(wn, rel=2e-3)
+        assert modes.zeta == pytest.approx(zeta, rel=0.03)
+        assert modes.wn_std is not None
+        assert np.all(np.abs(modes.wn - wn) < 3 * modes.wn_std)
 
 
 class TestTwoMassesWithFriction:

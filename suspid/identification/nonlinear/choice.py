@@ -18,16 +18,18 @@ from suspid.identification.nonlinear.motion import Structures, steps_of
 from suspid.identification.nonlinear.own import UNKNOWN, next_poles, repeated
 from suspid.identification.nonlinear.structure import StructureFit, fitted, structure_of
 from suspid.identification.refinement import WORTHWHILE
-from suspid.units import RealArray
+from suspid.units import ComplexArray, RealArray
 
 # One more mode beside forces must lower the residual of a channel by this factor: a force that is not quite the true
 # one leaves a residual that further poles follow. Lower: distortions become modes. Higher: weak modes are lost.
 REDUCTION = 2.5
 # Steps of the motion up to which structures are fitted where forces were found, and where not, and channels: more take
 # too long.
-LONGEST_FITTED, LONGEST_BLIND, MOST_MASSES = 1500, 500, 3
+LONGEST_FITTED, LONGEST_BLIND, MOST_MASSES = 3000, 500, 3
 # Ratio of natural frequencies below which two poles of a linear fit may be parts of one mode.
 APART = 1.5
+# Poles that differ by less than this share are the same start: steps of a fit go farther.
+ALIKE = 0.03
 # Loss per sample by which a structure may still be above what it must reach, after the first steps.
 WITHIN_REACH = 0.5
 # Kinds of force among those found that are tried, and those that are tried in any case. More cost time.
@@ -50,10 +52,14 @@ def chosen(record: Record, plain: DrivenFit, bent: Bent | None, *, most: int, hi
     if bent is not None and bent.count == 1 and not _sticks(bent):
         return None
     best: StructureFit | None = None
+    longest = LONGEST_FITTED if bent is not None else LONGEST_BLIND
     for start in _starts(record, plain, bent):
         for order, kind in _kinds(record, start, bent):
+            if steps_of(start.drive.theta, record.values.shape[1], kind) > longest:
+                continue
             if best is None or best.bic >= highest or _misses(best):
                 fit = _begun(record, start, order, kind)
+                fit = fitted(fit) if fit.bic < highest + WITHIN_REACH * fit.residual.size else fit
                 best = fit if best is None or fit.bic < best.bic else best
     # Where no force was found before, more than a few steps must not be needed.
     if best is None or (bent is None and best.bic > highest + WITHIN_REACH * best.residual.size):
@@ -78,11 +84,15 @@ def _sticks(bent: Bent) -> bool:
 def _starts(record: Record, plain: DrivenFit, bent: Bent | None) -> list[DrivenFit]:
     """Return the fits to start from: that of several modes with forces, and the linear one."""
     starts = [bent.fit] if bent is not None and bent.count > 1 else []
-    starts = [*starts, _strongest(record, plain)]
-    count, most = record.values.shape[1], LONGEST_FITTED if bent is not None else LONGEST_BLIND
-    return [
-        start for start in starts if np.all(start.drive.theta.real < 0) and count * steps_of(start.drive.theta) <= most
-    ]
+    strongest = _strongest(record, plain)
+    # From the same poles the same is found.
+    if not any(_alike(start.drive.theta, strongest.drive.theta) for start in starts):
+        starts = [*starts, strongest]
+    return [start for start in starts if np.all(start.drive.theta.real < 0)]
+
+
+def _alike(one: ComplexArray, other: ComplexArray) -> bool:
+    return len(one) == len(other) and bool(np.all(np.abs(one - other) < ALIKE * np.abs(other)))
 
 
 def _strongest(record: Record, plain: DrivenFit) -> DrivenFit:

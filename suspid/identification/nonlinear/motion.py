@@ -56,17 +56,45 @@ class Motion:
     acting: RealArray
 
 
-def steps_of(theta: ComplexArray) -> int:
-    """Return the steps that a sample takes."""
-    return max(1, int(np.ceil(np.max(np.abs(theta)) / TURN)))
+def steps_of(theta: ComplexArray, count: int, kind: ForceKind) -> int:
+    """Return the steps that a number of samples take."""
+    each, apart = _pace(theta, kind)
+    return -(-((count - 1) * each) // apart)
+
+
+def _pace(theta: ComplexArray, kind: ForceKind) -> tuple[int, int]:
+    """Return into how many steps a sample is divided, and how many samples a step takes: one of both is 1.
+
+    Friction changes at once, within any sample.
+    """
+    turn = float(np.max(np.abs(theta)))
+    return max(1, int(np.ceil(turn / TURN))), 1 if kind is ForceKind.FRICTION else max(1, int(TURN / turn))
 
 
 def motion_of(of: Structures, count: int) -> Motion:
     """Return the motion of structures over a number of samples."""
-    steps = steps_of(of.theta)
-    states, acting = (_rubbed if of.kind is ForceKind.FRICTION else _bent)(of, (count - 1) * steps, steps)
-    means = acting[:, :, :-1].reshape(*acting.shape[:2], count - 1, steps).mean(axis=3)
-    return Motion(states=states[:, :, ::steps], acting=np.concatenate([means, acting[:, :, -1:]], axis=2))
+    each, apart = _pace(of.theta, of.kind)
+    total = steps_of(of.theta, count, of.kind)
+    if of.kind is ForceKind.FRICTION:
+        states, acting = _rubbed(of, total, each)
+    else:
+        states, acting = _bent(of, total, each / apart)
+    if apart > 1:
+        return _between(of, states, acting, apart, count)
+    means = acting[:, :, :-1].reshape(*acting.shape[:2], count - 1, each).mean(axis=3)
+    return Motion(states=states[:, :, ::each], acting=np.concatenate([means, acting[:, :, -1:]], axis=2))
+
+
+def _between(of: Structures, states: ComplexArray, acting: RealArray, apart: int, count: int) -> Motion:
+    """Return the motion at every sample from that at each of so many."""
+    turns = of.theta[:, :, None] * np.arange(apart)
+    answers = (np.expm1(turns) / of.theta[:, :, None])[:, :, None]
+    pushes = of.gains @ acting
+    whole = np.exp(turns)[:, :, None] * states[..., None] + answers * pushes[..., None]
+    return Motion(
+        states=np.asarray(whole.reshape(*states.shape[:2], -1)[:, :, :count]),
+        acting=np.repeat(acting, apart, axis=2)[:, :, :count],
+    )
 
 
 def _rubbed(of: Structures, total: int, steps: int) -> tuple[ComplexArray, RealArray]:
@@ -92,8 +120,10 @@ def _rubbed(of: Structures, total: int, steps: int) -> tuple[ComplexArray, RealA
     return states, acting
 
 
-def _bent(of: Structures, total: int, steps: int) -> tuple[ComplexArray, RealArray]:
+def _bent(of: Structures, total: int, steps: float) -> tuple[ComplexArray, RealArray]:
     """Return the states at a number of steps, and other forces than friction between them (structure, force, step).
+
+    A sample has ``steps``.
 
     Each has the mean of those at the start of a step and at its end, where the force at the start would bring it.
     """
