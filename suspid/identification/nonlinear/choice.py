@@ -33,7 +33,7 @@ ALIKE = 0.03
 # Loss per sample by which a structure may still be above what it must reach, after the first steps.
 WITHIN_REACH = 0.5
 # Kinds of force among those found that are tried, and those that are tried in any case. More cost time.
-KINDS, COMMON = 2, (ForceKind.FRICTION, ForceKind.BENT_DAMPER, ForceKind.CUBIC)
+KINDS_TRIED, COMMON = 2, (ForceKind.FRICTION, ForceKind.BENT_DAMPER, ForceKind.CUBIC)
 # Steps after which starts are compared.
 FIRST = 6
 # Share of a record to which a structure is fitted first where the fit to the whole misses something.
@@ -148,7 +148,7 @@ def _kinds(record: Record, plain: DrivenFit, bent: Bent | None) -> list[tuple[in
         worths = dict.fromkeys((force.kind for force in bent.forces), 0.0)
         for force, worth in zip(bent.forces, bent.fit.worths, strict=True):
             worths[force.kind] += float(worth)
-        found = sorted(worths, key=lambda kind: -worths[kind])[:KINDS]
+        found = sorted(worths, key=lambda kind: -worths[kind])[:KINDS_TRIED]
         # Where the forces are not quite the true ones, a wrong order or kind may have explained more.
         tried = [(order, kind) for kind in found for order in sorted({0, bent.order})]
         return list(dict.fromkeys([*tried, *((0, kind) for kind in COMMON)]))
@@ -163,7 +163,7 @@ def _kinds(record: Record, plain: DrivenFit, bent: Bent | None) -> list[tuple[in
         if (trial := added(record, replace(none, order=order), kind, motions)) is not None
     ]
     best = sorted((trial for trial in trials if trial.fit.promised < plain.bic), key=lambda trial: trial.fit.promised)
-    kinds = list(dict.fromkeys(trial.forces[0].kind for trial in best))[:KINDS]
+    kinds = list(dict.fromkeys(trial.forces[0].kind for trial in best))[:KINDS_TRIED]
     return [(order, kind) for kind in kinds for order in sorted({0, best[0].order})]
 
 
