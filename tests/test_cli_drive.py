@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from types import SimpleNamespace
@@ -238,6 +239,12 @@ class TestDampers:
         assert np.mean(inside) > 0.9
         assert "not a line" in str(found)
         assert DriveRemark.BENT in {check.remark.code for check in found.notes}
+        # Where viscous dampers do not explain the drive, and the curve does, the curve is what holds.
+        assert found.estimate is not None
+        short = replace(found, estimate=replace(found.estimate, explains=False))
+        assert short.explains
+        assert DriveRemark.BY_CURVES in {check.remark.code for check in short.verdict.checks}
+        assert not replace(short, curves=()).explains
 
     def test_a_damper_without_the_motion_of_its_wheel_has_no_curve(self) -> None:
         found, notes = curves_of(

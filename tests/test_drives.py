@@ -141,6 +141,19 @@ class TestCornering:
         found = find_drives(ride(channel("az", body()), channel("ay", across, "g")), lateral="ay", channels=["az"])
         assert ends(found) == [(0.0, 50.0), (60.0, 120.0)]
 
+    @pytest.mark.parametrize(("up", "rates"), [("X", "XYZ"), ("Z", "XYZ"), ("Z", "XY"), ("", "XYZ")])
+    def test_the_rate_about_the_axis_of_gravity_is_the_yaw_rate(self, up: str, rates: str) -> None:
+        """A unit of three axes mounted any way round; not sure without gravity, or without all three rates."""
+        turning = np.where((TIME > 50) & (TIME < 60), 15.0 / 100.0, 0.0)
+        along = [channel(f"Acc{a}", body(i) + 9.7 * (a == up)) for i, a in enumerate("XYZ")]
+        about = [channel(f"Rate{a}", turning if a == up else body(i, 0.01), "rad/s") for i, a in enumerate(rates)]
+        found = find_drives(ride(*along, *about, channel("speed", constant(15.0), "m/s")))
+        sure = bool(up) and up in rates
+        assert (DriveReason.CORNERING in why(found, 55.0)) is sure
+        codes = {check.remark.code for check in found.remarks}
+        assert (DriveRemark.YAW_BY_GRAVITY in codes) is sure
+        assert (DriveRemark.CORNERING_UNKNOWN in codes) is not sure
+
 
 class TestSensors:
     def test_clipped(self) -> None:
@@ -270,6 +283,20 @@ class TestStretches:
         assert not long.taken
         assert why(long, 5.0) == {DriveReason.SHORT}
         assert long.verdict.level.label == "none"
+
+    def test_the_course_is_that_of_the_drive(self) -> None:
+        speed = np.clip(0.5 * (TIME - 20), 0, 15)
+        found = find_drives(ride(channel("az", body()), channel("speed", 3.6 * speed, "km/h")))
+        times, shown, vibration = found.course.T
+        np.testing.assert_allclose(times, np.arange(120) + 0.5, atol=1e-9)
+        np.testing.assert_allclose(shown, np.clip(0.5 * (times - 20), 0, 15), atol=0.1)
+        assert np.all(np.isfinite(vibration))
+
+    def test_no_usable_stretch_says_why(self) -> None:
+        speed = np.where(TIME < 80, 0.0, 15.0 + 8 * np.sin(TIME))
+        found = find_drives(ride(channel("az", body()), channel("speed", speed, "m/s")))
+        assert not found.taken
+        assert "80 s slow, 40 s braking" in str(found.verdict.headline)
 
     def test_a_response_is_a_recording(self) -> None:
         found = find_drives(as_response(TIME, body()[None], ["az"]))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from matplotlib.figure import Figure
 
 from suspid import InputError, ModalSet, add_noise, estimate, free_decay, plot_comparison, quarter_car, write_modes
 from suspid.cli.main import main
+from suspid.reporting.plot_comparison import _parameters
 
 OLD = ModalSet.from_wn_zeta([10.0, 50.0], [0.3, 0.2], wn_std=[0.1, 1.0], zeta_std=[0.01, 0.02])
 NEW = ModalSet.from_wn_zeta([10.1, 49.0], [0.2, 0.19], wn_std=[0.2, 1.0], zeta_std=[0.01, 0.02])
@@ -51,6 +53,11 @@ def test_parameters_of_two_estimates() -> None:
     figure = Figure()
     plot_comparison(found[0], found[1], figure)
     names = [label.get_text() for label in figure.axes[0].get_yticklabels()]
+    # A share of what was not known from zero says nothing, and would hide the others.
+    loose = replace(
+        found[0], covariance=found[0].covariance * np.outer(*[np.where(found[0].values > 1e4, 1.0, 1e4)] * 2)
+    )
+    assert "chassis.damping" not in {row.name for row in _parameters(loose, found[1], 0.95)}
     low, high = drawn(figure, 0)[len(names) + names.index("chassis.damping")]
     assert low < 100 * (800 / 1300 - 1) < high
     with pytest.raises(InputError, match="not Estimate and ModalSet"):

@@ -16,7 +16,8 @@ from suspid.identification.verdict import SAMPLES_EACH, verdict_of
 from suspid.model import ModalSet
 from suspid.signals import Signal, as_response, as_signal, late_start
 from suspid.units import RealArray
-from suspid.words import Check, Code, ModeCheck, Reason, Remark
+from suspid.words import Check, Code, EstimateHeadline, ModeCheck, Reason, Remark, WearCheck, WearHeadline, next_steps
+from suspid.words.grip import GripCheck, GripHeadline
 from validation import cars
 
 STEP = 0.004
@@ -297,3 +298,23 @@ class TestWords:
         assert isinstance(checks, list)
         assert checks[0]["numbers"] == {"gain": 3.0, "needed": 20.0}
         assert checks[0]["text"] == str(remark)
+
+
+class TestNextSteps:
+    @staticmethod
+    def after(verdict: Verdict, *further: Verdict) -> list[str]:
+        return [str(step.code) for step in next_steps(verdict, car=True, further=further)]
+
+    def test_poor_grip_and_worn_dampers_come_first(self) -> None:
+        fine = Verdict(Remark(EstimateHeadline.FOUND, {"records": 1, "parameters": 2}))
+        numbers = {"wheel": "front", "phase": 20.0, "limit": 35.0, "damper": "front", "loss": 0.4, "low": 0.3}
+        worn = Verdict(
+            Remark(WearHeadline.DAMPERS, {"texts": ("front worn",)}),
+            (Check(Remark(WearCheck.LOST, numbers), Level.CARE),),
+        )
+        poor = Verdict(
+            Remark(GripHeadline.GRIP, {"names": ("front",)}), (Check(Remark(GripCheck.FAILS, numbers), Level.CARE),)
+        )
+        assert self.after(fine) == ["use"]
+        assert self.after(fine, poor) == ["poor grip", "use"]
+        assert self.after(fine, poor, worn) == ["look at dampers", "poor grip", "use"]

@@ -13,7 +13,7 @@ from suspid import DamperCurve, DamperState, Estimate, InputError, RawChannel, R
 from suspid.analysis import DriveAnalysis
 from suspid.performance.curve_wear import rates_at
 from suspid.reporting import drive_to_dict, read_curves
-from suspid.words import WearCheck
+from suspid.words import Check, Level, Remark, WearCheck
 from validation.dampers import ACCELEROMETERS, LAWS, NOISE, NOMINAL
 
 DRIVES = Path(__file__).parent / "damper_drives.npz"
@@ -72,6 +72,26 @@ class TestCurvesCompared:
             rates = rates_at(curve, amplitude)
             assert abs(rates.damping - 1300) < 5 * np.sqrt(rates.covariance[0, 0]) < 0.1 * 1300
             assert abs(rates.stiffness - 22e3) < 5 * np.sqrt(rates.covariance[1, 1])
+
+    def test_estimates_that_are_not_used_are_no_doubt(self, drive: DriveAnalysis) -> None:
+        """A car of viscous dampers does not explain a drive with bent ones; their curves are compared all the same."""
+        estimate, curve = parts(drive)
+        doubtful = replace(
+            estimate,
+            verdict=replace(
+                estimate.verdict,
+                checks=(
+                    *estimate.verdict.checks,
+                    Check(Remark(WearCheck.SPRING, {"damper": "", "change": 0}), Level.DOUBTFUL),
+                ),
+            ),
+        )
+        found = wear(doubtful, before=doubtful, curves=[left(curve, 0.7)], curves_before=[[curve]])
+        assert found.verdict.level is Level.CARE
+        assert WearCheck.NOT_USED in {check.remark.code for check in found.verdict.checks}
+        without = wear(doubtful, before=doubtful)
+        assert without.verdict.level is Level.DOUBTFUL
+        assert without.states["chassis"] is DamperState.CANNOT_TELL
 
     def test_without_an_earlier_curve_it_is_said_why(self, drive: DriveAnalysis) -> None:
         assert drive.wear is not None

@@ -10,7 +10,7 @@ from typing import Any, Literal
 import numpy as np
 
 from suspid.analysis.damper_table import damper_table
-from suspid.analysis.drive_dampers import curves_of, wear_of
+from suspid.analysis.drive_dampers import curves_of, dampers_above_wheels, wear_of
 from suspid.analysis.drive_reading import read_drive
 from suspid.analysis.settings import Settings
 from suspid.errors import InputError
@@ -25,6 +25,7 @@ from suspid.greybox import (
     body_modes,
     estimate,
     find_drives,
+    left_for,
     parameter_table,
     wheels_missing,
     wheels_of,
@@ -37,6 +38,7 @@ from suspid.signals import as_signal
 from suspid.units import Metre
 from suspid.words import Check, Level, Remark, Verdict
 from suspid.words.drives import DriveHeadline, DriveRemark
+from suspid.words.greybox import EstimateCheck
 
 LOGGER = "drive"  # all files of a drive come from one logger
 Step = Callable[[str], None]
@@ -86,8 +88,17 @@ class DriveAnalysis(Result):
 
     @property
     def explains(self) -> bool:
-        """Whether the car that was found explains the records; true where none was looked for."""
-        return self.estimate is None or self.estimate.explains
+        """Whether the car that was found explains the records, by its curves at least; true where none was sought."""
+        return self.estimate is None or self.estimate.explains or bool(self._by_curves)
+
+    @property
+    def _by_curves(self) -> tuple[str, ...]:
+        """The dampers that are not viscous, where the curves explain what viscous dampers do not; else none."""
+        if self.estimate is None or self.estimate.explains:
+            return ()
+        told = {one.name for one in self.curves if one.explains}
+        bent = tuple(one.name for one in self.curves if one.explains and not one.linear)
+        return bent if told.issuperset(dampers_above_wheels(self.estimate.suspension)) else ()
 
     @property
     def verdict(self) -> Verdict:
@@ -95,11 +106,16 @@ class DriveAnalysis(Result):
         found = self.estimate or self.body
         numbers = {"seconds": self.usable, "length": float(sum(one.length for one in self.drives))}
         if found is None:
-            return Verdict(
-                Remark(DriveRemark.NONE, numbers), (Check(Remark(DriveRemark.NONE, numbers), Level.NONE), *self.remarks)
-            )
+            why = left_for([stretch for one in self.drives for stretch in one])
+            none = Remark(DriveRemark.NONE, {**numbers, "why": why})
+            return Verdict(none, (Check(none, Level.NONE), *self.remarks))
         code = DriveHeadline.SPRINGS if self.estimate else DriveHeadline.FREQUENCIES
-        checks = {str(check): check for check in (*self.remarks, *found.verdict.checks)}
+        every = [*self.remarks, *found.verdict.checks]
+        if self._by_curves:
+            # What is left follows the wheels because the dampers bend, and not because a part of the car is missing.
+            every = [check for check in every if check.remark.code not in (EstimateCheck.FOLLOWS, DriveRemark.BENT)]
+            every.insert(0, Check(Remark(DriveRemark.BY_CURVES, {"names": self._by_curves}), Level.CARE))
+        checks = {str(check): check for check in every}
         return Verdict(Remark(code, numbers), tuple(checks.values()))
 
     def __str__(self) -> str:

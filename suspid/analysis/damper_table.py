@@ -53,11 +53,11 @@ def _grip_cells(wear: Wear, wheel: str | None) -> tuple[str, str]:
 
 
 def _curve_cells(curve: DamperCurve | None) -> Mapping[str, str]:
-    titles = ("curve", "c of equal work [N s/m]", "friction [N]")
+    titles = ("curve", "c of equal work [N s/m]", "friction [N]", "k beside it [N/m]")
     if curve is None:
         return dict.fromkeys(titles, "")
     if not curve.explains:
-        return dict(zip(titles, ("in doubt", "", ""), strict=True))
+        return dict(zip(titles, ("in doubt", "", "", ""), strict=True))
     c, std = curve.equivalent_damping(), curve.equivalent_damping_std()
     shape = "a line" if curve.linear else "not a line"
     return dict(
@@ -68,6 +68,8 @@ def _curve_cells(curve: DamperCurve | None) -> Mapping[str, str]:
                 f"{rounded(np.array([c]), np.array([std]))[0]} ± {spread(std)}",
                 f"{rounded(np.array([curve.friction]), np.array([curve.friction_std]))[0]} ± "
                 f"{spread(curve.friction_std)}",
+                f"{rounded(np.array([curve.stiffness]), np.array([curve.stiffness_std]))[0]} ± "
+                f"{spread(curve.stiffness_std)}",
             ),
             strict=True,
         )

@@ -45,7 +45,7 @@ def curves_of(
     place of a delay. The better of the two is kept, and found from more samples if it leaves but noise.
     """
     car = _without_mounts(found.suspension)
-    names = [strut.name for strut in dampers_between(car) if _above_wheel(car, strut.name) and strut.damping > 0]
+    names = dampers_above_wheels(car)
     part = longest(records)
     if not names:
         return (), ()
@@ -106,6 +106,11 @@ def longest(records: Sequence[control.TimeResponseData], most: int = ENOUGH_SAMP
         kept[i] = as_response(signal.timepts[:size], signal.values[:, :size], signal.channels, title=records[i].title)
         left -= size
     return [kept[i] for i in sorted(kept)]
+
+
+def dampers_above_wheels(car: Suspension) -> list[str]:
+    """Return the names of the struts with a damper between a wheel and something else."""
+    return [strut.name for strut in dampers_between(car) if _above_wheel(car, strut.name) and strut.damping > 0]
 
 
 def _above_wheel(car: Suspension, strut: str) -> bool:

@@ -15,7 +15,7 @@ from suspid.greybox.body_modes import BodyMode, BodyModes, body_modes
 from suspid.greybox.causes import likely_causes
 from suspid.greybox.damper_curve import damper_curve
 from suspid.greybox.damper_curves import DamperCurve, LineTest
-from suspid.greybox.drives import Drive, DriveLimits, Drives, stretch_table, summary_table
+from suspid.greybox.drives import Drive, DriveLimits, Drives, left_for, stretch_table, summary_table
 from suspid.greybox.estimate import estimate
 from suspid.greybox.estimates import Estimate, nominal_value, parameter_table, parameter_unit
 from suspid.greybox.find_drives import find_drives
@@ -39,6 +39,7 @@ __all__ = [
     "damper_curve",
     "estimate",
     "find_drives",
+    "left_for",
     "likely_causes",
     "nominal_value",
     "parameter_table",

@@ -36,6 +36,12 @@ class Blocks:
         """Number of blocks."""
         return len(self.level)
 
+    @property
+    def course(self) -> RealArray:
+        """Middle [s], speed [m/s] and vibration [m/s2] of each block, (block, 3)."""
+        middles = self.part.timepts[0] + self.part.step * self.size * (np.arange(self.count) + 0.5)
+        return np.column_stack([middles, self.going.speed, self.level])
+
 
 def examined(part: Sequence[RawChannel], way: Way, orders: dict[str, tuple[int, float]], limits: DriveLimits) -> Blocks:
     """Return what speaks against each block of a part of a recording."""

@@ -126,6 +126,8 @@ class Drives(Sequence[Drive], Result):
         What was judged and what could not be.
     title : str
         Name of the recording.
+    course : ndarray (block, 3)
+        Middle [s], speed [m/s] and vibration [m/s2] of each block of the recording; NaN where not known.
     """
 
     stretches: tuple[Drive, ...] = ()
@@ -133,6 +135,7 @@ class Drives(Sequence[Drive], Result):
     speeds: tuple[RealArray, ...] = ()
     remarks: tuple[Check, ...] = field(default=())
     title: str = ""
+    course: RealArray = field(default_factory=lambda: np.empty((0, 3)))
 
     def __len__(self) -> int:
         return len(self.stretches)
@@ -173,7 +176,7 @@ class Drives(Sequence[Drive], Result):
     def verdict(self) -> Verdict:
         """Whether there is a usable stretch, and what could not be judged."""
         if not self.taken:
-            none = Remark(DriveRemark.NONE, {"length": self.length})
+            none = Remark(DriveRemark.NONE, {"length": self.length, "why": left_for(self)})
             return Verdict(none, (Check(none, Level.NONE), *self.remarks))
         numbers = {"stretches": len(self.taken), "seconds": self.usable, "length": self.length}
         return Verdict(Remark(DriveRemark.FOUND, numbers), self.remarks)
@@ -193,8 +196,8 @@ def stretch_table(drives: Sequence[Drive]) -> str:
     """Return a table of all stretches with their reasons."""
     return text_table(
         {
-            "start [s]": [f"{one.start:.6g}" for one in drives],
-            "stop [s]": [f"{one.stop:.6g}" for one in drives],
+            "start [s]": [_second(one.start) for one in drives],
+            "stop [s]": [_second(one.stop) for one in drives],
             "speed [m/s]": ["" if np.isnan(one.speed) else f"{one.speed:.3g}" for one in drives],
             "": ["taken" if one.taken else "left" for one in drives],
             "because": ["; ".join(map(str, one.reasons)) for one in drives],
@@ -202,12 +205,29 @@ def stretch_table(drives: Sequence[Drive]) -> str:
     )
 
 
-def summary_table(drives: Sequence[Drive]) -> str:
-    """Return a table of how long was taken, and left for which reason first."""
+def _second(time: Second) -> str:
+    """Return a time as text, to a millisecond: estimated clocks begin a few microseconds from zero."""
+    return f"{round(time, 3) + 0.0:.10g}"
+
+
+def _by_reason(drives: Sequence[Drive]) -> list[tuple[tuple[bool, Code], list[Drive]]]:
+    """Return the stretches by whether they were left and the gravest reason, the longest together first."""
     groups: dict[tuple[bool, Code], list[Drive]] = {}
     for one in drives:
         groups.setdefault((not one.taken, one.reasons[0].code), []).append(one)
-    order = sorted(groups.items(), key=lambda item: (item[0][0], -sum(one.length for one in item[1])))
+    return sorted(groups.items(), key=lambda item: (item[0][0], -sum(one.length for one in item[1])))
+
+
+def left_for(drives: Sequence[Drive]) -> str:
+    """Return in words how long was left for which reason first."""
+    return ", ".join(
+        f"{sum(one.length for one in every):.4g} s {code}" for (left, code), every in _by_reason(drives) if left
+    )
+
+
+def summary_table(drives: Sequence[Drive]) -> str:
+    """Return a table of how long was taken, and left for which reason first."""
+    order = _by_reason(drives)
     return text_table(
         {
             "stretches": [str(len(every)) for _, every in order],

@@ -17,6 +17,7 @@ from suspid.model import Suspension, output_weights
 from suspid.recordings import RawChannel, Recording
 from suspid.signals import as_signal
 from suspid.units import RealArray
+from suspid.values import frozen_real
 from suspid.words import Check, Level, Number, Remark
 from suspid.words.drives import DriveRemark
 
@@ -98,6 +99,7 @@ def find_drives(
     stretches: list[Drive] = []
     records: list[control.TimeResponseData] = []
     speeds: list[RealArray] = []
+    course: list[RealArray] = []
     parts = parts_of([whole[name] for name in needed])
     for part in parts:
         try:
@@ -110,6 +112,7 @@ def find_drives(
             said.append(Check(Remark(DriveRemark.UNREADABLE, numbers), Level.CARE))
             continue
         found, kept, going = stretches_of(blocks, limits, whole.title)
+        course.append(blocks.course)
         stretches += found
         records += kept
         speeds += going
@@ -119,6 +122,7 @@ def find_drives(
         speeds=tuple(speeds),
         remarks=(*said, *judged(way)),
         title=whole.title,
+        course=frozen_real(np.concatenate(course)) if course else np.empty((0, 3)),
     )
 
 

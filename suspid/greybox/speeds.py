@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +11,7 @@ import numpy as np
 from suspid.cleaning import to_si
 from suspid.errors import InputError
 from suspid.recordings import RawChannel, Recording
-from suspid.units import MetrePerSecond, RealArray
+from suspid.units import STANDARD_GRAVITY, MetrePerSecond, RealArray
 
 # Words in the name of a channel that say what it holds, and those that say that it is something else.
 SPEED_WORDS = frozenset(
@@ -23,6 +23,8 @@ YAW_WORDS = frozenset({"yaw", "yawrate", "gierrate"})
 OTHER_WORDS = frozenset(
     {"accuracy", "valid", "limit", "error", "std", "engine", "motor", "fan", "shaft", "wind", "target", "set"}
 )
+AXES = ("x", "y", "z")
+GRAVITY_OFF = 0.6  # how far the mean along a vertical axis may be off gravity [m/s2]: a tilt of 20 deg
 # How names and files spell units that `to_si` knows.
 SPELLED = {
     "kmh": "km/h", "kmph": "km/h", "kph": "km/h", "km/hr": "km/h", "mps": "m/s", "mph": "mph", "mi/h": "mph",
@@ -45,6 +47,7 @@ class Way:
     yaw: RawChannel | None
     # A channel that is named like a speed and was not used, and why.
     unused: tuple[str, str] | None = None
+    upright: bool = False  # whether the yaw rate was known by its axis, which gravity shows, and not by its name
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -97,13 +100,36 @@ def way_of(
     if speed_unit is not None and moving is None and speed != NO_CHANNEL:
         raise InputError(f"{speed_unit=} goes with a channel of speed, and none is named so; name it with speed")
     unused = _unused(moving, free, speed)
+    yaw, upright = chosen(None, YAW_WORDS, "rad/s"), _about_vertical(free)
     return Way(
         speed=None if unused else moving,
         unused=unused,
         longitudinal=chosen(longitudinal, LONGITUDINAL_WORDS, "m/s2"),
         lateral=chosen(lateral, LATERAL_WORDS, "m/s2"),
-        yaw=chosen(None, YAW_WORDS, "rad/s"),
+        yaw=yaw or upright,
+        upright=yaw is None and upright is not None,
     )
+
+
+def _about_vertical(channels: Sequence[RawChannel]) -> RawChannel | None:
+    """Return the rate about the axis whose acceleration shows gravity, of sensors with three axes; None if not sure."""
+    rates = {axis: c for c, axis in _with_axis(channels, "rad/s")}
+    upright = [axis for c, axis in _with_axis(channels, "m/s2") if abs(abs(_usual(c)) - STANDARD_GRAVITY) < GRAVITY_OFF]
+    if len(upright) != 1 or set(rates) != set(AXES):
+        return None
+    return _in_si(rates[upright[0]], "rad/s", None)
+
+
+def _with_axis(channels: Sequence[RawChannel], si: str) -> list[tuple[RawChannel, str]]:
+    """Return the channels of a quantity whose names end in an axis, with the axis."""
+    ends = [(c, re.sub(r"[\s_]*[\[(].*", "", c.name)[-1:].lower()) for c in channels]
+    return [(c, axis) for c, axis in ends if axis in AXES and _unit(c, None, si) is not None]
+
+
+def _usual(channel: RawChannel) -> float:
+    """Return the median of an acceleration [m/s2]; NaN where there is none."""
+    values = channel.values[np.isfinite(channel.values)]
+    return float(to_si(np.median(values), _unit(channel, None, "m/s2") or "")[0]) if values.size else float("nan")
 
 
 def _unused(moving: RawChannel | None, free: Iterable[RawChannel], asked: str | None) -> tuple[str, str] | None:

@@ -110,4 +110,6 @@ def judged(way: Way) -> list[Check]:
         said.append(Check(Remark(DriveRemark.BRAKING_UNKNOWN), Level.CARE))
     if way.lateral is None and (way.yaw is None or way.speed is None):
         said.append(Check(Remark(DriveRemark.CORNERING_UNKNOWN), Level.CARE))
+    elif way.lateral is None and way.upright and way.yaw is not None:
+        said.append(Check(Remark(DriveRemark.YAW_BY_GRAVITY, {"channel": way.yaw.name}), Level.NOTE))
     return said

@@ -93,13 +93,14 @@ def wear(
     former = grip_if_any(earlier[-1], nominal_std) if earlier else grip_if_any(now.nominal)
     doubts = tuple(untrusted(now, earlier))
     quantile = float(-ndtri(rule.rate / TESTS))
-    dampers = []
+    dampers, by_curve = [], list[str]()
     for strut in dampers_of(now, earlier):
         wheel = None if after is None else next((one for one in after.wheels if strut.arms.get(one)), None)
         own = curve_named(curves, strut.name)
         old = [one for one in (curve_named(each, strut.name) for each in curves_before) if one is not None]
         if own is not None and old and (doubts or bent(own) or any(map(bent, old))):
             dampers.append(wear_by_curve(strut.name, own, old, rule, wheel))
+            by_curve.append(strut.name)
             continue
         rates = [rates_of(one, strut.name) for one in earlier] or [nominal_rates(now, strut.name)]
         new = rates_of(now, strut.name)
@@ -135,7 +136,7 @@ def wear(
         after=after,
         rule=rule,
         against=against,
-        verdict=verdict_of(dampers, doubts, rule, against),
+        verdict=verdict_of(dampers, doubts, rule, against, by_curve=by_curve),
     )
 
 

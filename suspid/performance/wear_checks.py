@@ -80,8 +80,12 @@ def worst(by_loss: DamperState, by_phase: DamperState) -> DamperState:
     return min(by_loss, by_phase, key=order.index)
 
 
-def verdict_of(dampers: Sequence[DamperWear], doubts: Sequence[Check], rule: WearRule, against: str) -> Verdict:
-    """Return the verdict on all dampers."""
+def verdict_of(
+    dampers: Sequence[DamperWear], doubts: Sequence[Check], rule: WearRule, against: str, *, by_curve: Sequence[str]
+) -> Verdict:
+    """Return the verdict on all dampers; doubts about estimates are notes where every damper is judged by its curve."""
+    if len(by_curve) == len(dampers):
+        doubts = [Check(Remark(WearCheck.NOT_USED, dict(check.remark.numbers)), Level.NOTE) for check in doubts]
     texts = tuple(f"{one.damper} {one.state}" for one in dampers)
     numbers: dict[str, Number] = {
         "small": rule.small, "large": rule.large, "rate": rule.rate, "against": against, "damper": rule.damper_std,

@@ -95,7 +95,8 @@ class RecordPart:
 
 def page_fields(content: EstimateContent) -> dict[str, object]:
     """Return what the template of an estimate shows beside what every page does."""
-    found, level = content.found, content.level
+    found, level, grip = content.found, content.level, grip_if_any(content.found)
+    meant = [one.verdict for one in (content.wear, grip) if one is not None]
     records = found.residual
     samples = sum(as_signal(residual).timepts.size for residual in records)
     seconds = sum(as_signal(residual).duration for residual in records)
@@ -107,7 +108,7 @@ def page_fields(content: EstimateContent) -> dict[str, object]:
             "limits": limit_rows(content.limits),
             "springs": spring_rows(found, level),
             "found_others": len(found.alternatives),
-            "steps": [str(step) for step in next_steps(content.verdict, car=True)],
+            "steps": [str(step) for step in next_steps(content.verdict, car=True, further=meant)],
             "masses": masses_of(found),
             "chi_square": tested if found.freedom else "was not tested: the residual is rounding",
             "changed": _changes(found, level),
@@ -117,7 +118,7 @@ def page_fields(content: EstimateContent) -> dict[str, object]:
             "curves": [(printable(one.name), str(one.verdict.headline), _curve(one, k, level))
                        for k, one in enumerate(content.curves)],
             "records": [_part(content, k) for k in range(min(len(records), MOST_DRAWN))],
-            **performance_fields(grip_if_any(found), content.ride, level),
+            **performance_fields(grip, content.ride, level),
             "hidden": count(hidden, "further record") if hidden else "",
         }  # fmt: skip
 

@@ -49,7 +49,8 @@ def plot_comparison(
     Parameters
     ----------
     before, after : Estimate or ModalSet
-        Two results of one kind. Parameters that only one of them has, and modes without a partner, are left out.
+        Two results of one kind. Parameters that only one of them has, or that were not known from zero before, and
+        modes without a partner, are left out.
     figure : matplotlib.figure.Figure
         An empty figure.
     level : float
@@ -105,7 +106,9 @@ def _parameters(before: Estimate, after: Estimate, level: Ratio) -> list[Compare
         return {name: (reach[name][0], value, reach[name][1]) for name, value in values}
 
     old, new = ends(before), ends(after)
-    return [Compared(name=name, before=old[name], after=new[name]) for name in new if old.get(name, (0.0, 0.0))[1]]
+    rows = [Compared(name=name, before=old[name], after=new[name]) for name in new if old.get(name, (0.0, 0.0))[1]]
+    # Shares of a value that may be zero, such as a delay, say nothing and hide all others.
+    return [row for row in rows if row.before[0] * row.before[2] > 0] or rows
 
 
 def _modes(before: ModalSet, after: ModalSet, quantity: str, level: Ratio) -> list[Compared]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.greybox import body_channels, wheels_of
+from suspid.levels import UNLIKELY
 from suspid.reporting.axes import frequency_ticks, keep_apart, shown
 from suspid.reporting.colours import CHANNEL_COLOURS, Colour
 from suspid.reporting.plot_damper_curve import plot_damper_curve
@@ -91,22 +92,21 @@ def draw_finding(found: DriveAnalysis, ax: Axes) -> None:
 
 
 def _draw_stretches(ax: Axes, drives: Drives) -> None:
-    """Draw the speed of each stretch as a bar over its time, in the colour of why it was taken or left."""
-    top = max((one.speed for one in drives if np.isfinite(one.speed)), default=1.0) or 1.0
+    """Draw the speed, or where it is not known the vibration, over stretches in the colour of the reason."""
+    known = np.any(np.isfinite(drives.course[:, 1]))
+    times, shows = drives.course[:, 0], drives.course[:, 1 if known else 2]
     named = set[str]()
     for one in drives:
         code = one.reasons[0].code
         colour = Colour.BLUE if one.taken else REASON_COLOURS.get(code, Colour.VERMILION)
         label = "taken" if one.taken else str(code)
-        height = one.speed if np.isfinite(one.speed) and one.taken else top if np.isnan(one.speed) else one.speed
         ax.axvspan(one.start, one.stop, color=colour, alpha=0.25, linewidth=0, label=None if label in named else label)
-        ax.plot([one.start, one.stop], [height, height], color=colour, linewidth=1.5)
         named.add(label)
-    ax.set_ylim(0, 1.15 * top)
-    if any(np.isfinite(one.speed) for one in drives):
-        ax.set_ylabel("[m/s]")
-    else:
-        ax.set_yticks([])
+    # Pauses of the logger are left open.
+    after = np.flatnonzero(np.diff(times) > 1.5 * np.min(np.diff(times), initial=np.inf)) + 1
+    ax.plot(np.insert(times, after, np.nan), np.insert(shows, after, np.nan), color=Colour.BLACK, linewidth=0.9)
+    ax.set_ylim(bottom=0)
+    ax.set_ylabel("speed [m/s]" if known else "vibration\n[m/s²]")
     if drives:
         ax.set_xlim(drives[0].start, drives[-1].stop)
     ax.set_title(shown(drives.title) or "drive", loc="left")
@@ -123,26 +123,29 @@ def _draw_transmissibility(ax: Axes, found: Estimate) -> None:
     if len(causes) != len(wheels_of(found.suspension)) or not outputs:
         return
     alike = [(fit.values, left.values) for fit, left in signals if fit.channels == channels]
-    hertz, measured = _transfers([fit + left for fit, left in alike], step, causes, outputs)
-    _, fitted = _transfers([fit for fit, _ in alike], step, causes, outputs)
+    hertz, measured, std = _transfers([fit + left for fit, left in alike], step, causes, outputs)
+    _, fitted, _ = _transfers([fit for fit, _ in alike], step, causes, outputs)
     low, high = _band(alike[0][0], step)
-    inside = (hertz >= low) & (hertz <= high)
+    # A transfer that is noise has a complex normal error, which exceeds this once in a thousand lines.
+    told = np.abs(measured) > np.sqrt(-np.log(UNLIKELY)) * std
+    told[(hertz < low) | (hertz > high)] = False
     pairs = [(o, c) for o in range(len(outputs)) for c in range(len(causes))][: len(CHANNEL_COLOURS)]
     for (o, c), colour in zip(pairs, CHANNEL_COLOURS, strict=False):
+        here = told[:, o, c]
         name = f"{shown(channels[outputs[o]])} / {shown(channels[causes[c]])}"
-        ax.loglog(hertz[inside], np.abs(measured[inside, o, c]), "o", color=Colour.PALE, markersize=5)
-        ax.loglog(hertz[inside], np.abs(fitted[inside, o, c]), color=colour, linewidth=1.2, label=name)
+        ax.loglog(hertz[here], np.abs(measured[here, o, c]), "o", color=colour, alpha=0.35, markersize=4, linewidth=0)
+        ax.loglog(hertz, np.where(here, np.abs(fitted[:, o, c]), np.nan), color=colour, linewidth=1.2, label=name)
     frequency_ticks(ax.xaxis, high / low)
     ax.set_xlabel("frequency [Hz]")
     ax.set_ylabel("transfer [SI]")
-    ax.set_title("transmissibility: measured (points) and fitted (lines)", loc="left")
+    ax.set_title("transmissibility: measured (points) and fitted (lines), where beyond noise", loc="left")
     ax.legend(fontsize="small", frameon=False)
 
 
 def _transfers(
     rows: Sequence[RealArray], step: Second, causes: Sequence[int], outputs: Sequence[int]
-) -> tuple[RealArray, ComplexArray]:
-    """Return frequencies and transfers (line, output, cause), from spectra over all windows."""
+) -> tuple[RealArray, ComplexArray, RealArray]:
+    """Return frequencies, and transfers with their standard deviations (line, output, cause), over all windows."""
     size = round(WELCH_WINDOW / step)
     window = np.hanning(size + 2)[1:-1]
     spectra = []
@@ -156,8 +159,11 @@ def _transfers(
     own += 1e-9 * np.trace(own, axis1=1, axis2=2).real[:, None, None] * np.eye(len(causes)) + 1e-300 * np.eye(
         len(causes)
     )
-    across = o @ g.conj().swapaxes(1, 2)
-    return np.asarray(np.fft.rfftfreq(size, step), float), np.asarray(across @ np.linalg.inv(own))
+    inverse = np.linalg.inv(own)
+    found = np.asarray(o @ g.conj().swapaxes(1, 2) @ inverse)
+    left = np.sum(np.abs(o - found @ g) ** 2, axis=2) / max(1, lines.shape[2] - len(causes))
+    std = np.sqrt(left[:, :, None] * np.einsum("fcc->fc", inverse).real[:, None])
+    return np.asarray(np.fft.rfftfreq(size, step), float), found, np.asarray(std)
 
 
 def _band(values: RealArray, step: Second) -> tuple[float, float]:

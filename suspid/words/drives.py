@@ -31,6 +31,11 @@ def _found(numbers: Mapping[str, Number]) -> str:
     )
 
 
+def _none(numbers: Mapping[str, Number]) -> str:
+    why = numbers.get("why")
+    return "no stretch of {length:.4g} s is usable".format_map(numbers) + (f": {why}" if why else "")
+
+
 class DriveReason(Code):
     """Why a stretch of a drive was taken or left."""
 
@@ -50,7 +55,7 @@ class DriveRemark(Code):
     """What is said of a drive as a whole."""
 
     FOUND = "found", _found
-    NONE = "none", "no stretch of {length:.4g} s is usable"
+    NONE = "none", _none
     NO_SPEED = "no speed", "No channel of speed: whether the car moves was judged by its vibration."
     SPEED_UNUSED = "speed unused", "Channel {channel!r} is named like a speed, but was not used: {why}."
     BRAKING_UNKNOWN = (
@@ -62,6 +67,10 @@ class DriveRemark(Code):
         "cornering unknown",
         "Neither lateral acceleration nor yaw rate and speed were measured: cornering was not judged, and its forces "
         "may be in the records.",
+    )
+    YAW_BY_GRAVITY = (
+        "yaw by gravity",
+        "{channel!r} was taken for the yaw rate, because the acceleration along its axis shows gravity.",
     )
     NO_UNIT = "no unit", sentence(lambda n: f"No unit is stated for {_channels(n)}: taken as SI.")
     NO_WHEELS = (
@@ -104,6 +113,14 @@ class DriveRemark(Code):
                 "alone, and a car of viscous dampers may not explain the drive. Use the curve and "
                 "the stiffness found with it."
             )
+        ),
+    )
+    BY_CURVES = (
+        "by curves",
+        lambda n: (
+            f"A car of viscous dampers does not explain this drive, but each damper's curve does: {_listed(n)} is not "
+            "viscous. Use the curves and the stiffness beside them; k, c and modes found with viscous dampers may be "
+            "off by more than their intervals."
         ),
     )
     NO_CURVE = "no curve", sentence(lambda n: f"The curve of the damper of {_listed(n)} was not found: {n['why']}.")

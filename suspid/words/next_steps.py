@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from suspid.words.analysis import Note, RecordCheck
+from suspid.words.drives import DriveRemark
 from suspid.words.greybox import EstimateCheck
+from suspid.words.grip import GripCheck
 from suspid.words.identification import ModeCheck
 from suspid.words.reconstruction import ReconstructionCheck
 from suspid.words.remarks import Code, Remark, sentence
 from suspid.words.verdicts import Verdict
+from suspid.words.wear import WearCheck
 
 
 class NextStep(Code):
@@ -71,6 +74,36 @@ class NextStep(Code):
         "write car",
         "Springs and dampers differ from the nominal ones: if the masses are right, take over those found.",
     )
+    LOOK_AT_DAMPERS = (
+        "look at dampers",
+        "Look at the dampers that are named worn (leaks, bushings), and confirm it by another drive or on a test bench "
+        "before they are replaced.",
+    )
+    POOR_GRIP = (
+        "poor grip",
+        "The grip of a wheel is not above the limit of test benches: look at its damper and tire.",
+    )
+    DRIVE_AGAIN = (
+        "drive again",
+        "Drive again after some weeks, and compare (--before): a loss that goes on shows in the trend.",
+    )
+    KEEP = (
+        "keep",
+        "Keep this result (--json) and give it to the next drive (--before): against an earlier drive wear is told "
+        "much better than against nominal values.",
+    )
+    USE_CURVES = (
+        "use curves",
+        "Use the curve of the damper that is not viscous, and the stiffness beside it, not its c.",
+    )
+    RECORD_WAY = (
+        "record way",
+        "Record speed (CAN or GPS) and lateral acceleration or yaw rate, or name their channels (--speed, --lateral).",
+    )
+    MEASURE_WHEELS = (
+        "measure wheels",
+        "Measure the acceleration of each wheel as well: springs, dampers and damping need it.",
+    )
     GIVE_CAR = "give car", "Give the masses and nominal struts (--car car.toml) to find springs and dampers."
 
 
@@ -120,11 +153,26 @@ AFTER: dict[Code, NextStep] = {
     EstimateCheck.VAGUE: NextStep.REPEAT,
     ReconstructionCheck.CHANGED: NextStep.WRITE_CAR,
     EstimateCheck.CHANGED: NextStep.WRITE_CAR,
+    WearCheck.LOST: NextStep.LOOK_AT_DAMPERS,
+    WearCheck.PHASE_FAILS: NextStep.LOOK_AT_DAMPERS,
+    GripCheck.FAILS: NextStep.POOR_GRIP,
+    GripCheck.NEAR: NextStep.POOR_GRIP,
+    WearCheck.SOME: NextStep.DRIVE_AGAIN,
+    WearCheck.WIDE: NextStep.KEEP,
+    WearCheck.SPRING: NextStep.KEEP,
+    WearCheck.BENT: NextStep.KEEP,
+    DriveRemark.BENT: NextStep.USE_CURVES,
+    DriveRemark.BY_CURVES: NextStep.USE_CURVES,
+    DriveRemark.BRAKING_UNKNOWN: NextStep.RECORD_WAY,
+    DriveRemark.CORNERING_UNKNOWN: NextStep.RECORD_WAY,
+    DriveRemark.NO_WHEELS: NextStep.MEASURE_WHEELS,
 }
 
 
-def next_steps(verdict: Verdict, *, car: bool) -> tuple[Remark, ...]:
+def next_steps(verdict: Verdict, *, car: bool, further: Sequence[Verdict] = ()) -> tuple[Remark, ...]:
     """Return what to do next, the gravest first; ``car`` says whether one was given.
+
+    ``further`` are verdicts on what a result means, such as wear and grip: what follows from their doubts comes first.
 
     Examples
     --------
@@ -132,13 +180,14 @@ def next_steps(verdict: Verdict, *, car: bool) -> tuple[Remark, ...]:
     >>> [str(step.code) for step in next_steps(Verdict(Remark(Headline.MODES, {"modes": 2})), car=False)]
     ['use', 'give car']
     """
-    return tuple(Remark(step) for step in _steps(verdict, car=car))
+    return tuple(Remark(step) for step in dict.fromkeys(_steps(verdict, car=car, further=further)))
 
 
-def _steps(verdict: Verdict, *, car: bool) -> Iterator[NextStep]:
+def _steps(verdict: Verdict, *, car: bool, further: Sequence[Verdict]) -> Iterator[NextStep]:
+    meant = [remark for one in further for remark in one.doubts]
+    yield from sorted((AFTER[remark.code] for remark in meant if remark.code in AFTER), key=list(NextStep).index)
     if not verdict.doubts:
         yield NextStep.USE
-    said = [AFTER[remark.code] for remark in (*verdict.doubts, *verdict.notes) if remark.code in AFTER]
-    yield from dict.fromkeys(said)
+    yield from (AFTER[remark.code] for remark in (*verdict.doubts, *verdict.notes) if remark.code in AFTER)
     if not car:
         yield NextStep.GIVE_CAR

@@ -88,4 +88,5 @@ class WearCheck(Code):
         "{damping:.4g} N s/m at {amplitude:.2g} m/s. Compare it with the curve of an earlier drive.",
     )
     UNTRUSTED = "untrusted", "The estimate {which} is {level}: dampers cannot be judged from it."
+    NOT_USED = "not used", "The estimate {which} is {level} and was not used: the dampers are judged by their curves."
     RATES = "rates", _rates
