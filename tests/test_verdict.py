@@ -18,6 +18,7 @@ from suspid.signals import Signal, as_response, as_signal, late_start
 from suspid.units import RealArray
 from suspid.words import Check, Code, EstimateHeadline, ModeCheck, Reason, Remark, WearCheck, WearHeadline, next_steps
 from suspid.words.grip import GripCheck, GripHeadline
+from suspid.words.remarks import Number
 from validation import cars
 
 STEP = 0.004
@@ -307,7 +308,14 @@ class TestNextSteps:
 
     def test_poor_grip_and_worn_dampers_come_first(self) -> None:
         fine = Verdict(Remark(EstimateHeadline.FOUND, {"records": 1, "parameters": 2}))
-        numbers = {"wheel": "front", "phase": 20.0, "limit": 35.0, "damper": "front", "loss": 0.4, "low": 0.3}
+        numbers: dict[str, Number] = {
+            "wheel": "front",
+            "phase": 20.0,
+            "limit": 35.0,
+            "damper": "front",
+            "loss": 0.4,
+            "low": 0.3,
+        }
         worn = Verdict(
             Remark(WearHeadline.DAMPERS, {"texts": ("front worn",)}),
             (Check(Remark(WearCheck.LOST, numbers), Level.CARE),),
