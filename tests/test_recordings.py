@@ -155,7 +155,7 @@ class TestUnitsOfTime:
             ("time", np.floor(np.arange(200) / 10), False), ("time", 1.7e12 + 5 * np.arange(20), False),
         ):  # fmt: skip
             codes = [remark.code for _, remark in self.read(name, stamps).left_out]
-            assert (LeftOut.MILLISECONDS in codes) == said
+            assert (LeftOut.FINER_UNIT in codes) == said
 
 
 class TestNothingIsChanged:

@@ -195,6 +195,15 @@ class TestNamesOfSeveralWords:
         assert recording["Encoder 1 Pos"].timepts.tolist() == [0, 0.009, 0.018]
         assert dict(recording.left_out)["Sample"].code is LeftOut.ROW_COUNTER
 
+    @pytest.mark.parametrize("name", ["Unnamed: 0", "index"])
+    def test_the_index_of_rows_that_were_picked_is_no_channel(self, tmp_path: Path, name: str) -> None:
+        rows = "".join(f"{1 + 3 * k},{k / 60:.9f},{np.exp(-k / 30) * np.cos(k):.9f}\n" for k in range(60))
+        path = tmp_path / "a.csv"
+        path.write_text(f"{name},time,x\n{rows}", encoding="utf-8")
+        recording = read_recording(path)
+        assert [channel.name for channel in recording.channels] == ["x"]
+        assert dict(recording.left_out)[name].code is LeftOut.ROW_COUNTER
+
     def test_parted_by_several_blanks(self, tmp_path: Path) -> None:
         assert read(tmp_path, "Time  Encoder 1 Pos\n0 2\n1 3\n2 5\n").names == ("Encoder 1 Pos",)
 

@@ -60,7 +60,20 @@ def test_steps_that_can_only_be_milliseconds(tmp_path: Path, step: float) -> Non
     assert recording["seat"].timepts == pytest.approx(1e-3 * step * np.arange(400))
     ((name, why),) = recording.left_out
     assert name == "unit of 'time'"
-    assert why.code is LeftOut.MILLISECONDS
+    assert why.code is LeftOut.FINER_UNIT
+
+
+@pytest.mark.parametrize(("step", "unit"), [(33.0, 1e3), (100.0, 1e3), (499.0, 1e3), (1872.0, 1e6), (20_000.0, 1e6)])
+def test_the_unit_is_the_first_in_which_a_suspension_is_sampled_fast_enough(
+    tmp_path: Path, step: float, unit: float
+) -> None:
+    """A board that counts microseconds and states no unit is not sampled every half hour."""
+    recording = read_recording(
+        write(tmp_path / "a.csv", "Time Stamp", [f"{19202812 + step * k:.0f}" for k in range(400)])
+    )
+    assert np.diff(recording["seat"].timepts) == pytest.approx(step / unit)
+    ((_, why),) = recording.left_out
+    assert why.code is LeftOut.FINER_UNIT
 
 
 @pytest.mark.parametrize("step", [0.0005, 0.001, 0.01, 0.1, 0.4])

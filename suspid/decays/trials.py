@@ -27,6 +27,9 @@ BLOCKS_A_CYCLE = 8.0
 # Blocks that a trial uses at most, the first ones: more cost time for what lies in the noise. Fewer than a record needs
 # samples are not fitted.
 MOST_BLOCKS = 600
+# Pairs that a trial seeks at most. A decay has fewer poles when those that are not needed are gone; a search for more
+# takes most of the time of records that ring in many modes, which are refused.
+MOST_SOUGHT = 16
 # The residual of the first of this many parts is compared with the others, of at least this many blocks each. Longer
 # parts dilute a forced beginning; shorter ones scatter.
 TRIAL_PARTS, FEWEST_EARLY = 24, 6
@@ -195,7 +198,7 @@ def tried(values: RealArray, *, step: Second, size: int, least: RealArray, most:
     if not np.all(np.any(np.abs(about) > 1e-12 * np.max(np.abs(means), axis=1, keepdims=True), axis=1)):
         return None
     noise = WhiteNoise(least=least).rounded(np.sum(about**2, axis=1), count)
-    selection = select(about, noise=noise)
+    selection = select(about, noise=noise, most=MOST_SOUGHT)
     fit = selection.fit
     pairs = len(fit.poles.pairs)
     residual = about - synthesize(fit.poles.exponents, fit.amplitudes, count)

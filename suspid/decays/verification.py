@@ -6,7 +6,7 @@ import numpy as np
 
 from suspid.decays.trials import Trial
 from suspid.errors import SuspidError
-from suspid.identification import Identification, identify
+from suspid.identification import MOST_PAIRS, Identification, identify
 from suspid.samples import as_samples
 from suspid.signals import Signal
 from suspid.words import DecayDoubt, Reason, Remark
@@ -49,6 +49,9 @@ def verified(
             if found.forces:
                 return place, Remark(DecayDoubt.NONLINEAR, {"share": trial.early})
             doubt = _doubt(trial, found)
+            if not len(found.modes) and len(found.considered) >= MOST_PAIRS:
+                # No number of poles explains the stretch, nor what is left of it a few samples later.
+                return begin, first_doubt or doubt
             # A pole that is gone after a few samples fits forced samples.
             if doubt is None and not any(c.removed and c.remark.code is Reason.A_FEW_SAMPLES for c in found.considered):
                 return place, None

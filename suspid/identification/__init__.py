@@ -31,7 +31,7 @@ from suspid.identification.noise import (
     resolution,
 )
 from suspid.identification.nonlinear import AmplitudeDependence, Force, ForceKind
-from suspid.identification.selection import Selection, select
+from suspid.identification.selection import MOST_PAIRS, Selection, select
 from suspid.identification.stabilization import Stabilization, stabilization
 from suspid.identification.steps import FourSteps
 from suspid.identification.verdict import verdict_of, verdict_of_repeats
@@ -39,6 +39,7 @@ from suspid.identification.verdict import verdict_of, verdict_of_repeats
 __all__ = [
     "ABOVE_RESOLUTION",
     "FEWEST_SAMPLES",
+    "MOST_PAIRS",
     "UNIFORM_STD",
     "AmplitudeDependence",
     "Considered",

@@ -60,6 +60,7 @@ def select(
     noise: WhiteNoise,
     modes: int | None = None,
     band: tuple[float, float] = (0.0, np.pi),
+    most: int = MOST_PAIRS,
 ) -> Selection:
     """Return the poles of a record, added one after another while BIC decreases.
 
@@ -69,11 +70,11 @@ def select(
 
     The values are the record less its mean. With a number of modes, the strongest are kept, and the record is fitted
     anew without what lies beside them. The band holds the angular frequencies per sample between which a pole can be a
-    mode.
+    mode. The search ends with ``most`` pairs.
     """
     blocks = blocks_of(values)
     problem = Problem(values=values, blocks=blocks, noise=noise.rounded(blocks.energy, blocks.count))
-    fit, rejected = _found(problem)
+    fit, rejected = _found(problem, most)
     fit, gains, pair_gains, lost = _refined(problem, fit)
     if modes is not None:
         fit, gains, dropped = _alone(problem, fit, gains, band, modes)
@@ -131,14 +132,14 @@ def _alone(
     return again, problem.gains(again), dropped
 
 
-def _found(problem: Problem) -> tuple[Fit, Rejected]:
+def _found(problem: Problem, most: int) -> tuple[Fit, Rejected]:
     """Return the fit with all poles that decrease BIC when added, and the candidates that do not."""
     none = Poles(pairs=np.zeros(0, complex), reals=np.zeros(0), nuisances=np.zeros(1))
     offset = evaluate(problem.blocks, none, problem.noise)
     assert offset is not None
     fit, rejected = Fit(problem=problem, solution=offset), Rejected()
     seen: Points | None = None
-    while _may_grow(fit) and np.any(fit.variance > problem.noise.least):
+    while _may_grow(fit, most) and np.any(fit.variance > problem.noise.least):
         # Points of the previous search may stand out now that stronger poles are fitted; if not, search anew.
         found = [] if seen is None else ranked(fit.solution, fit.variance, seen)
         again = bool(found) and found[0].gain > STRONG_GAIN * problem.penalty(real=False)
@@ -155,10 +156,10 @@ def _found(problem: Problem) -> tuple[Fit, Rejected]:
     return fit, rejected
 
 
-def _may_grow(fit: Fit) -> bool:
+def _may_grow(fit: Fit, most: int) -> bool:
     """Return whether more pairs are tried: beyond `MANY_PAIRS` only while the residual dies away as a decay does."""
-    if fit.poles.free < 2 * MANY_PAIRS or fit.poles.free >= 2 * MOST_PAIRS:
-        return fit.poles.free < 2 * MOST_PAIRS
+    if fit.poles.free < 2 * MANY_PAIRS or fit.poles.free >= 2 * most:
+        return fit.poles.free < 2 * most
     half = fit.residual.shape[1] // 2
     first, second = (np.einsum("ck,ck->c", part, part) for part in (fit.residual[:, :half], fit.residual[:, half:]))
     return bool(np.sum(first / fit.variance) > DYING * np.sum(second / fit.variance))

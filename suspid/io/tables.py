@@ -58,6 +58,8 @@ TIME_WORDS |= {"время", "时间", "時間", "시간"}
 ABSCISSA = {"x", "axis", "value", "values", "data"}
 # Names of columns that count the rows.
 COUNTERS = {"#", "n", "no", "nr", "sample", "samples", "samplenumber", "index", "row", "line", "count", "counter"}
+# The index of a data frame, as pandas reads it again.
+UNNAMED = re.compile(r"Unnamed: ?\d+", re.IGNORECASE)
 # Characters of a name or of a line that patterns are tried on. Longer ones are no names that a program wrote.
 LONGEST_READ = 200
 # A name and, in brackets behind it, its unit; a number there counts columns.
@@ -245,7 +247,7 @@ def stated_rate(name: str, value: float, unit: str = "") -> Hertz | None:
 
 
 def counts_rows(name: str, values: RealArray) -> bool:
-    """Whether a column counts the rows, by its name and its numbers.
+    """Whether a column counts the rows, by its name and its numbers; of rows that were picked, every nth.
 
     Examples
     --------
@@ -253,7 +255,13 @@ def counts_rows(name: str, values: RealArray) -> bool:
     >>> counts_rows("Sample", np.arange(3.0)), counts_rows("seat", np.arange(3.0)), counts_rows("#", np.ones(3))
     (True, False, False)
     """
-    return split_unit(name)[0] in COUNTERS and is_count(values)
+    named = split_unit(name)[0] in COUNTERS or UNNAMED.fullmatch(name) is not None
+    if not named or values.size < 2 or not np.all(np.isfinite(values[:2])):
+        return False
+    step = values[1] - values[0]
+    return bool(step >= 1 and step == round(step) and values[0] == round(values[0])) and is_count(
+        (values - values[0]) / step
+    )
 
 
 def is_count(values: RealArray) -> bool:

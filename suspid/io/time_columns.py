@@ -32,9 +32,9 @@ MOST_STEPS, JITTERY, FEW_STAMPS = 0.9, 0.25, 8
 MOST_LATE = 2.5
 # Least size of a stamp since 1970, by its unit: present ones are near 1.7e12 ms, 1.7e15 us and 1.7e18 ns.
 EPOCHS = (("ns", 1e17), ("us", 1e14), ("ms", 1e11))
-# Usual steps that are milliseconds where no unit is stated. As seconds the shortest is Nyquist's limit at 1 Hz, below
-# the modes of any suspension on its road wheels; as milliseconds the longest is 50 Hz.
-MILLISECONDS = (0.5, 20.0)
+# Usual step from which on stamps without a unit are in the next finer one [s]: as seconds, Nyquist's limit would be
+# 1 Hz, below the modes of any suspension on its road wheels.
+SLOWEST_STEP = 0.5
 # Days since 1900 of the years 1982 to 2064 as spreadsheets count them, and since the year 0 as MATLAB does. In seconds,
 # steps below the largest would be sampled faster than 5 kHz, hours after the start.
 DAYS, DAY_STEP = ((30_000.0, 60_000.0), (724_000.0, 754_000.0)), 2e-4
@@ -222,11 +222,11 @@ def seconds_in(name: str, stamps: RealArray) -> RealArray | None:
     if not is_time(name):
         return None
     unit, said = split_unit(name)[1], unit_remark(stamps)
-    if not unit and said is not None and said.code is LeftOut.MILLISECONDS:
-        step = said.numbers["step"]
+    if not unit and said is not None and said.code is LeftOut.FINER_UNIT:
+        step, finer = said.numbers["step"], said.numbers["unit"]
         raise RecordError(
             f"the unit of {name!r} is not stated, and steps of {step:.4g} s are too slow for a suspension; call it "
-            f"'{name} [ms]', or '{name} [s]' if they are meant"
+            f"'{name} [{finer}]', or '{name} [s]' if they are meant"
         )
     unit = unit or epoch_unit(stamps)
     return np.asarray(stamps / PER_SECOND[unit])
@@ -235,14 +235,6 @@ def seconds_in(name: str, stamps: RealArray) -> RealArray | None:
 def unknown_unit(time: str) -> str:
     """Return what is wrong with a column of time in an unknown unit."""
     return f"the unit of time in {time!r} is not known; known: {KNOWN_UNITS}; rename it, or ignore it and give fs"
-
-
-def is_unusually_slow(table: Table, time: str, stamps: RealArray) -> bool:
-    """Whether stamps without a unit are whole numbers one or more apart: a counter, or another unit than seconds."""
-    some = stamps[np.isfinite(stamps)]
-    if time_unit(table, time) or some.size < FEW_STAMPS or epoch_unit(stamps) != "s":
-        return False
-    return bool(np.all(some == np.round(some)) and np.median(np.diff(some)) >= 1)
 
 
 def epoch_unit(stamps: RealArray) -> str:
@@ -263,8 +255,8 @@ def unit_remark(stamps: RealArray) -> Remark | None:
     Examples
     --------
     >>> rows = np.arange(100.0)
-    >>> [str(unit_remark(step * rows))[:29] for step in (0.005, 2.5)]
-    ['None', 'is not stated; taken as ms, a']
+    >>> [str(unit_remark(step * rows))[:29] for step in (0.005, 2.5, 1872)]
+    ['None', 'is not stated; taken as ms, a', 'is not stated; taken as us, a']
     """
     unit = epoch_unit(stamps)
     if unit != "s":
@@ -272,4 +264,5 @@ def unit_remark(stamps: RealArray) -> Remark | None:
     known = stamps[np.isfinite(stamps)]
     with np.errstate(over="ignore"):
         step = float(np.median(np.diff(known))) if known.size >= FEW_STAMPS else 0.0
-    return Remark(LeftOut.MILLISECONDS, {"step": step}) if MILLISECONDS[0] <= step <= MILLISECONDS[1] else None
+    finer = next((unit for unit in ("s", "ms", "us") if step < SLOWEST_STEP * PER_SECOND[unit]), "ns")
+    return None if finer == "s" else Remark(LeftOut.FINER_UNIT, {"unit": finer, "step": step})

@@ -25,7 +25,6 @@ from suspid.io.time_columns import (
     FEW_STAMPS,
     in_seconds,
     increasing,
-    is_unusually_slow,
     time_column,
     time_names,
     time_unit,
@@ -103,10 +102,7 @@ def as_recording(
         stamps = in_seconds(table, times[0], columns[times[0]])
         if not time_unit(table, times[0]) and (said := unit_remark(columns[times[0]])):
             left_out[f"unit of {times[0]!r}"] = said
-            stamps = stamps / PER_SECOND["ms"] if said.code is LeftOut.MILLISECONDS else stamps
-        elif fs is None and is_unusually_slow(table, times[0], columns[times[0]]):
-            pace = 1 / float(np.nanmedian(np.diff(stamps)))
-            left_out[f"unit of {times[0]!r}"] = Remark(LeftOut.SECONDS, {"rate": pace})
+            stamps = stamps / PER_SECOND[str(said.numbers["unit"])] if said.code is LeftOut.FINER_UNIT else stamps
     elif followers:
         stamps = np.arange(table.sizes[followers[0]]) / (plan.rate or 1.0)
     stamps.flags.writeable = False

@@ -91,11 +91,10 @@ class LeftOut(Code):
     IGNORED_TIME = "ignored_time", "is a time, ignored as asked"
     EPOCH = "epoch", "is not stated; stamps of this size are {unit} since 1970"
     DAYS = "days", "is not stated; numbers of this size are dates in {unit}"
-    MILLISECONDS = (
-        "milliseconds",
-        "is not stated; taken as ms, as steps of {step:.4g} s are too slow for a suspension; give fs if they are s",
+    FINER_UNIT = (
+        "finer_unit",
+        "is not stated; taken as {unit}, as steps of {step:.4g} s are too slow for a suspension; give fs if they are s",
     )
-    SECONDS = "seconds", "is not stated; taken as seconds, which makes {rate:.4g} Hz; give fs if the rows were faster"
     OTHER_RATE = "other_rate", "is {rate:.9g} Hz; the given {fs:.9g} Hz replaces it"
     MAGNITUDE = "magnitude", _magnitude
     ROW_COUNTER = "row_counter", "counts the rows"
