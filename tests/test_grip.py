@@ -1,10 +1,12 @@
 """Grip on a test bench: laws of contact forces, statics, derivatives, and figures of another source."""
 
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 import pytest
+from scipy.optimize import minimize
 
 from suspid import (
     Estimate,
@@ -24,7 +26,9 @@ from suspid import (
     statespace,
 )  # fmt: skip
 from suspid.performance.contact import contact, static_loads, wheels_of
+from suspid.performance.reaches import reaches
 from suspid.units import STANDARD_GRAVITY as GRAVITY
+from suspid.units import RealArray
 from suspid.words import Check, Level, Remark, Verdict
 from suspid.words.grip import GripCheck
 from suspid.words.ride import RideCheck
@@ -311,3 +315,62 @@ def test_arguments_that_no_bench_has(wrong: dict[str, Any], words: str) -> None:
     )
     with pytest.raises(InputError, match=words):
         grip(car, **wrong)
+
+
+def _against(a: RealArray, d: RealArray) -> float:
+    return -float(a @ d)
+
+
+class TestReaches:
+    """Intervals of figures of parameters that cannot be negative."""
+
+    @pytest.mark.parametrize("seed", range(8))
+    def test_least_and_largest_are_those_of_a_general_search(self, seed: int) -> None:
+        rng, count = np.random.default_rng(seed), 4
+        root = rng.standard_normal((count, count))
+        covariance = root @ root.T
+        values = np.abs(rng.standard_normal(count)) * np.array([0.0, 0.5, 1.0, 100.0])
+        slopes = rng.standard_normal((count, 3))
+        low, high = reaches(slopes, covariance, values, 1.96)
+        inverse = np.linalg.inv(covariance)
+        rules: list[Any] = [
+            {"type": "ineq", "fun": lambda d: 1.96**2 - d @ inverse @ d, "jac": lambda d: -2 * inverse @ d},
+            {"type": "ineq", "fun": lambda d: d + values, "jac": lambda _: np.eye(count)},
+        ]
+        for reach, sign in ((low, -1.0), (high, 1.0)):
+            for figure, a in zip(reach, sign * slopes.T, strict=True):
+                best: Any = minimize(partial(_against, a), np.zeros(count), constraints=rules, method="SLSQP", tol=1e-12)
+                assert figure == pytest.approx(-best.fun, rel=1e-4, abs=1e-4)
+
+    @pytest.mark.parametrize(("correlation", "true"), [(0.6, 0.0), (0.95, 0.0), (0.95, 1.0), (-0.9, 0.3)])
+    def test_coverage_beside_a_bound(self, correlation: float, true: float) -> None:
+        """A figure measured with a parameter that is estimated as zero where it came out negative."""
+        rng, draws = np.random.default_rng(3), 1000
+        covariance = np.array([[1.0, correlation], [correlation, 1.0]])
+        found = rng.multivariate_normal([0.0, true], covariance, size=draws)
+        held = 0
+        for figure, parameter in found:
+            figure -= correlation * min(parameter, 0.0)
+            low, high = reaches(np.eye(2)[:, :1], covariance, np.array([9.0, max(parameter, 0.0)]), 1.96)
+            held += figure - low[0] <= 0 <= figure + high[0]
+        assert 0.93 < held / draws < 0.98
+
+    def test_a_rigid_mount_is_no_doubt_on_the_side_of_negative_ones(self, found: Estimate) -> None:
+        """A relaxation of zero that is known to 1 ms: the figures of softer mounts alone are added to the interval."""
+        size = len(found.parameters) + 1
+        covariance = np.zeros((size, size))
+        covariance[:-1, :-1], covariance[-1, -1] = found.covariance, 1e-6
+        wider = replace(
+            found, parameters=(*found.parameters, "chassis.relaxation"), values=np.append(found.values, 0.0),
+            covariance=covariance,
+        )  # fmt: skip
+        plain, soft = grip(found), grip(wider)
+        slope = soft.jacobian[1, soft.parameters.index("chassis.relaxation")]
+        assert slope < 0
+        one, two = plain.interval()["tire.phase"], soft.interval()["tire.phase"]
+        assert two[1] == pytest.approx(one[1], rel=1e-9)
+        reach = np.hypot(slope * 1e-3, plain.phase_std[0])
+        assert two[0] == pytest.approx(plain.phase[0] - 1.959964 * reach, rel=1e-6)
+        of_ride = [ride(one, road="C", speed=20.0) for one in (found, wider)]
+        ends = [one.interval()["chassis_acceleration.Wk"] for one in of_ride]
+        assert sum(a == pytest.approx(b, rel=1e-9) for a, b in zip(*ends, strict=True)) == 1

@@ -27,8 +27,15 @@ if TYPE_CHECKING:
     "--parameter", "parameters", metavar="NAME[=NAME…]", multiple=True,
     help="What may change, as chassis.damping; those joined by = change by one factor; repeat. [struts off the road]",
 )  # fmt: skip
-@click.option("--objective", "objectives", metavar="FIGURE", multiple=True, help="One or two figures of suspid ride.")
+@click.option(
+    "--objective", "objectives", metavar="FIGURE[+FIGURE…]", multiple=True,
+    help="One or two figures of suspid ride; those joined by + are one, the root of the sum of squares.",
+)  # fmt: skip
 @click.option("--limit", "limits", metavar="FIGURE=VALUE", multiple=True, help="Largest value of a figure; repeat.")
+@click.option(
+    "--constraint", "related", metavar="TEXT", multiple=True,
+    help='Linear in springs and dampers, as "front.damping >= rear.damping"; repeat. Those of the car file count too.',
+)  # fmt: skip
 @click.option(
     "--bound", "bounds", type=(str, float, float), metavar="NAME LOW HIGH", multiple=True,
     help="Least and largest value of a parameter; repeat. [a quarter to four times]",
@@ -47,6 +54,7 @@ def tune_command(
     parameters: tuple[str, ...],
     objectives: tuple[str, ...],
     limits: tuple[str, ...],
+    related: tuple[str, ...],
     bounds: tuple[tuple[str, float, float], ...],
     points: int,
     robust: float | None,
@@ -60,11 +68,11 @@ def tune_command(
 
     The compromises are those between two figures of CAR (.toml or estimate .json).
 
-    Without --objective these are the weighted acceleration of the first coordinate and the dynamic load of the first
-    wheel.
+    Without --objective these are the weighted acceleration of the first coordinate and the dynamic load of all
+    wheels; without --parameter all struts off the road change, left and right ones that are equal by one factor.
     """
     from suspid.identification import to_json
-    from suspid.model import Suspension, car_to_toml
+    from suspid.model import Suspension, car_to_toml, read_constraints
     from suspid.performance import tune
     from suspid.reporting import plot_tuning, tuning_to_dict
 
@@ -80,13 +88,14 @@ def tune_command(
     ):
         what = car_of(source)
         car = what if isinstance(what, Suspension) else what.suspension
+        related += read_constraints(source) if isinstance(what, Suspension) else ()
         found = tune(
             what,
             parameters=[name.split("=") for name in parameters] or _struts(car),
             objective=objectives or _figures(car),
             road=road_named(road) or 0.0,
             speed=speed,
-            constraints=pairs(limits, "--limit", float),
+            constraints=[pairs(limits, "--limit", float), *related],
             bounds={name: (low, high) for name, low, high in bounds},
             points=points,
             robust=robust or 0.0,
@@ -102,9 +111,26 @@ def tune_command(
 
 
 def _struts(car: Suspension) -> list[list[str]]:
-    """Return springs and dampers of the struts that are not on the road."""
+    """Return springs and dampers of the struts that are not on the road; left and right ones that are equal as one."""
+    from suspid.performance import wheels_of
+
     off = [s for s in car.struts if not any(s.arms.get(r) for r in car.roads)]
-    return [[f"{s.name}.{q}"] for q in QUANTITIES for s in off if getattr(s, q)]
+    wheels = wheels_of(car).names
+    groups: dict[tuple[object, ...], list[str]] = {}
+    for quantity in QUANTITIES:
+        sides: dict[tuple[object, ...], float] = {}
+        for s in off:
+            value, roll = getattr(s, quantity), s.arms.get("roll", 0.0)
+            # What a mirror leaves as it is.
+            arms = sorted((c, abs(arm) if c == "roll" else arm) for c, arm in s.arms.items() if c not in wheels)
+            key = (quantity, value, *arms)
+            mirrored = key in groups and roll and sides[key] == -roll
+            if value:
+                sides.setdefault(key, roll)
+                groups.setdefault(key if mirrored or key not in groups else (*key, s.name), []).append(
+                    f"{s.name}.{quantity}"
+                )
+    return list(groups.values())
 
 
 def _figures(car: Suspension) -> tuple[str, str]:
@@ -112,4 +138,4 @@ def _figures(car: Suspension) -> tuple[str, str]:
 
     wheels = wheels_of(car).names
     felt = next(c for c in car.coordinates if c not in wheels)
-    return f"{felt}_acceleration.Wk", f"{wheels[0]}.load"
+    return f"{felt}_acceleration.Wk", " + ".join(f"{wheel}.load" for wheel in wheels)

@@ -9,7 +9,7 @@ import numpy as np
 from suspid.greybox.further import TIMES
 from suspid.greybox.measured_causes import WheelProblem, Whitened
 from suspid.greybox.noise_levels import Levels
-from suspid.levels import CHI_SQUARE_95
+from suspid.levels import CHI_SQUARE_95, LEVEL
 from suspid.reconstruction import descend
 from suspid.units import Ratio, RealArray
 
@@ -76,15 +76,19 @@ def at_stiff_mounts(
     """Return the residuals of the best car without mounts, if the records do not rule it out; else None.
 
     A delay and a mount differ by the squares of both times alone, so the records tell them apart the worse the shorter
-    these are. Standard deviations at chance values of such a mount would be far too small.
+    these are. Standard deviations at chance values of such a mount would be far too small. Several mounts are ruled
+    out together, with as many degrees of freedom.
     """
+    from scipy.special import chdtri
+
     if not problem.extras.mounts:
         return None
     upper = problem.extras.upper.copy()
     upper[: len(problem.extras.mounts)] = HELD_WITHIN
     stiff = descended(problem, z, levels, extras=(problem.extras.lower, upper))
     rise = np.sum(problem.equations(stiff, levels)[0] ** 2) - np.sum(problem.equations(z, levels)[0] ** 2)
-    return None if float(rise) > inflation * CHI_SQUARE_95 else problem.every(stiff, levels)
+    by_chance = inflation * float(chdtri(len(problem.extras.mounts), 1 - LEVEL))
+    return None if float(rise) > by_chance else problem.every(stiff, levels)
 
 
 def from_held(problem: WheelProblem, z: RealArray, levels: list[Levels]) -> RealArray:

@@ -20,7 +20,7 @@ from suspid.performance.road_classes import ROAD_LIMITS, RoadClass, classify_roa
 from suspid.performance.sensitivities import Sensitivities, sensitivities
 from suspid.performance.tune import tune
 from suspid.performance.tune_damper import tune_damper
-from suspid.performance.tunings import Tuning
+from suspid.performance.tunings import Tuning, short
 from suspid.performance.wear import wear
 from suspid.performance.wears import DamperWear, ParameterChange, Wear
 from suspid.performance.weightings import weighting
@@ -51,6 +51,7 @@ __all__ = [
     "rates_of",
     "ride",
     "sensitivities",
+    "short",
     "spring_beside",
     "tune",
     "tune_active",

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from suspid.performance.relations import Relations
 from suspid.units import RealArray
 
 # Figures in logarithms, (figure,), and their derivatives, (figure, unknown).
@@ -21,13 +23,17 @@ SAME_FIGURE = 1e-4
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Search:
-    """A problem: figures within a box of unknowns, the first ones to be minimised, the others below limits."""
+    """A problem: figures within a box of unknowns, the first ones to be minimised, the others below limits.
+
+    Between the unknowns there may be relations.
+    """
 
     evaluate: Evaluate
     low: RealArray  # (unknown,)
     high: RealArray
     objectives: int
     limits: RealArray  # (figure - objectives,), logarithms
+    relations: Relations
     known: dict[bytes, tuple[RealArray, RealArray]] = field(default_factory=dict)
 
     def at(self, x: RealArray) -> tuple[RealArray, RealArray]:
@@ -66,6 +72,7 @@ def front_of(search: Search, start: RealArray, points: int) -> Front:
     seen = np.array([search.evaluate(x)[0] for x in (start, *sample)])
     places = np.vstack([start, sample])
     over = np.sum(np.maximum(seen[:, search.objectives :] - search.limits, 0.0), axis=1)
+    over += np.array([np.sum(search.relations.broken(x)) for x in places])
     agreed = searches = 0
     ends = []
     for i in range(search.objectives):
@@ -141,7 +148,7 @@ def _minimised(
 
     figures, _ = search.at(start)
     first = np.append(start, np.max((figures[rows] - line) / scale))
-    constraint: Any = {"type": "ineq", "fun": below, "jac": below_slopes}
+    constraints: list[Any] = [{"type": "ineq", "fun": below, "jac": below_slopes}, *_related(search.relations, count)]
     gradient = np.append(np.zeros(count), 1.0)
     minimize: Any = optimize.minimize
     solved = minimize(
@@ -149,14 +156,29 @@ def _minimised(
         first,
         jac=lambda _: gradient,
         bounds=[*zip(search.low.tolist(), search.high.tolist(), strict=True), (None, None)],
-        constraints=[constraint],
+        constraints=constraints,
         method="SLSQP",
         options={"maxiter": 60, "ftol": 1e-8},
     )
     x = np.clip(solved.x[:count], search.low, search.high)
     figures, _ = search.at(x)
-    met = bool(np.all(figures[limited] <= tops + SAME_FIGURE))
+    met = bool(np.all(figures[limited] <= tops + SAME_FIGURE) and np.all(search.relations.broken(x) <= SAME_FIGURE))
     return Point(x=x, figures=figures, good=bool(solved.success) and met)
+
+
+def _related(relations: Relations, count: int) -> Iterator[Any]:
+    """Yield the relations between the first unknowns, as SLSQP takes them."""
+    for kind, rows in (("ineq", ~relations.equal), ("eq", relations.equal)):
+        if np.any(rows):
+
+            def room(v: RealArray, rows: NDArray[np.bool_] = rows) -> RealArray:
+                return relations.room(v[:count])[0][rows]
+
+            def slopes(v: RealArray, rows: NDArray[np.bool_] = rows) -> RealArray:
+                by_unknown = relations.room(v[:count])[1][rows]
+                return np.hstack([by_unknown, np.zeros((len(by_unknown), 1))])
+
+            yield {"type": kind, "fun": room, "jac": slopes}
 
 
 def _efficient(found: Sequence[Point]) -> tuple[Point, ...]:

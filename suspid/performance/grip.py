@@ -12,6 +12,7 @@ from suspid.levels import LEVEL
 from suspid.model import check_linear
 from suspid.performance.contact import Wheels, contact, static_loads, wheels_of
 from suspid.performance.grips import PHASE_LIMIT, Grip
+from suspid.performance.reaches import spreads
 from suspid.performance.uncertain import Car, Uncertain, uncertain
 from suspid.units import ComplexArray, Hertz, Metre, Newton, Ratio, RealArray
 from suspid.values import frozen_real, nearest_names, within_numbers
@@ -68,8 +69,9 @@ def grip(
 
     Notes
     -----
-    Standard deviations are to first order with exact derivatives: those of the curves at the frequency of the least
-    value, which itself does not matter to first order. The least phase is the lowest of the local minima between
+    Intervals are to first order with exact derivatives: those of the curves at the frequency of the least value, which
+    itself does not matter to first order. They hold no car with a negative spring, damper or relaxation of a mount. The
+    least phase is the lowest of the local minima between
     the lowest natural frequency of the car and that of the wheel under a body held still, both undamped. With strong
     dampers there is none; the phase then falls steadily.
 
@@ -116,12 +118,13 @@ def grip(
             hertz=frozen_real(hertz),
             adhesion_curve=frozen_real(least),
             phase_curve=frozen_real(phase),
-            adhesion_band=frozen_real(_stds(least_slopes, about.covariance)),
-            phase_band=frozen_real(_stds(phase_slopes, about.covariance)),
+            adhesion_band=frozen_real(_stds(least_slopes, about)),
+            phase_band=frozen_real(_stds(phase_slopes, about)),
             resonances=frozen_real(ends),
             amplitude=float(amplitude),
             parameters=about.parameters,
             jacobian=frozen_real(jacobian.reshape(2 * len(high), len(about.parameters))),
+            parameter_values=about.values,
             covariance=about.covariance,
             verdict=Verdict(Remark(GripHeadline.GRIP, {"names": wheels.names})),
         )
@@ -218,8 +221,10 @@ def _least_of(
     return at, float(value[wheel, 0]), slopes[:, wheel, 0]
 
 
-def _stds(slopes: RealArray, covariance: RealArray) -> RealArray:
-    return np.asarray(np.sqrt(np.maximum(np.einsum("pwf,pq,qwf->wf", slopes, covariance, slopes), 0.0)))
+def _stds(slopes: RealArray, about: Uncertain) -> RealArray:
+    """Return the standard deviations of curves, (wheel, frequency)."""
+    flat = slopes.reshape(len(slopes), slopes.shape[1] * slopes.shape[2])
+    return spreads(flat, about.covariance, about.values).reshape(slopes.shape[1:])
 
 
 def _judged(found: Grip, about: Uncertain) -> Grip:

@@ -9,6 +9,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from suspid.levels import LEVEL, check_level, normal_reach
+from suspid.performance.reaches import reaches, spreads
 from suspid.results import Result
 from suspid.units import Ratio, RealArray
 from suspid.values import text_table
@@ -53,6 +54,8 @@ class Grip(Result):
         The uncertain parameters of the car.
     jacobian : ndarray (figure, parameter)
         Derivatives of `least` of every wheel, then of their phases; in SI units.
+    parameter_values : ndarray (parameter,)
+        Their values; none of them can be negative.
     covariance : ndarray (parameter, parameter)
         Joint covariance of the parameters.
     verdict : Verdict
@@ -74,6 +77,7 @@ class Grip(Result):
     amplitude: float
     parameters: tuple[str, ...]
     jacobian: RealArray
+    parameter_values: RealArray
     covariance: RealArray
     verdict: Verdict
 
@@ -84,12 +88,12 @@ class Grip(Result):
 
     @property
     def adhesion_std(self) -> RealArray:
-        """Standard deviations of `least` [1], (wheel,)."""
+        """Standard deviations of `least` [1], (wheel,): half the width of its uncut 95 % interval over 1.96."""
         return self._std[: len(self.wheels)]
 
     @property
     def phase_std(self) -> RealArray:
-        """Standard deviations of `phase` [rad], (wheel,)."""
+        """Standard deviations of `phase` [rad], (wheel,), in the same way."""
         return self._std[len(self.wheels) :]
 
     @property
@@ -99,12 +103,13 @@ class Grip(Result):
 
     @property
     def _std(self) -> RealArray:
-        return np.asarray(np.sqrt(np.einsum("ip,pq,iq->i", self.jacobian, self.covariance, self.jacobian)))
+        return spreads(self.jacobian.T, self.covariance, self.parameter_values)
 
     def interval(self, level: Ratio = LEVEL) -> dict[str, tuple[float, float]]:
         """Return the ends between which each figure lies with probability ``level``, as of ``"tire.adhesion"``.
 
-        To first order in the parameters, cut at 0 and 1 and at 0 and pi; NaN where there is no least phase.
+        To first order in the parameters, of which none is negative; cut at 0 and 1 and at 0 and pi; NaN where there is
+        no least phase.
 
         Raises
         ------
@@ -112,16 +117,12 @@ class Grip(Result):
             If the level is not between 0 and 1.
         """
         check_level(level)
-        reach = normal_reach(level)
-        ends: dict[str, tuple[float, float]] = {}
-        for what, values, stds, top in (
-            ("adhesion", self.least, self.adhesion_std, 1.0),
-            ("phase", self.phase, self.phase_std, np.pi),
-        ):
-            for wheel, value, std in zip(self.wheels, values.tolist(), stds.tolist(), strict=True):
-                low, high = np.clip([value - reach * std, value + reach * std], 0.0, top).tolist()
-                ends[f"{wheel}.{what}"] = low, high
-        return ends
+        figures = np.append(self.least, self.phase)
+        down, up = reaches(self.jacobian.T, self.covariance, self.parameter_values, normal_reach(level))
+        tops = np.repeat([1.0, np.pi], len(self.wheels))
+        low, high = (np.clip(end, 0.0, tops).tolist() for end in (figures - down, figures + up))
+        names = [f"{wheel}.{what}" for what in ("adhesion", "phase") for wheel in self.wheels]
+        return dict(zip(names, zip(low, high, strict=True), strict=True))
 
     def _table(self) -> Mapping[str, Sequence[object]]:
         ends = self.interval()

@@ -112,6 +112,7 @@ def ride(
             duration=float(seconds),
             parameters=about.parameters,
             jacobian=frozen_real(jacobian),
+            parameter_values=about.values,
             covariance=about.covariance,
             scatter=frozen_real(np.zeros(len(figures))),
             hertz=frozen_real(hertz),

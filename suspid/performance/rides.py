@@ -9,6 +9,7 @@ import numpy as np
 
 from suspid.errors import InputError
 from suspid.levels import LEVEL, check_level, normal_reach
+from suspid.performance.reaches import reaches, spreads
 from suspid.results import Result
 from suspid.units import Ratio, RealArray, Second
 from suspid.values import nearest_names, rounded, spread, text_table
@@ -35,6 +36,8 @@ class Ride(Result):
         The uncertain parameters of the car.
     jacobian : ndarray (figure, parameter)
         Exact derivatives of the figures by these, in SI units.
+    parameter_values : ndarray (parameter,)
+        Their values; none of them can be negative.
     covariance : ndarray (parameter, parameter)
         Joint covariance of the parameters.
     scatter : ndarray (figure,)
@@ -58,6 +61,7 @@ class Ride(Result):
     duration: Second
     parameters: tuple[str, ...]
     jacobian: RealArray
+    parameter_values: RealArray
     covariance: RealArray
     scatter: RealArray
     hertz: RealArray
@@ -74,12 +78,17 @@ class Ride(Result):
 
     @property
     def std(self) -> RealArray:
-        """Standard deviations of `values`, (figure,): of the car's parameters and of the scatter of a record."""
-        by_car = np.einsum("ip,pq,iq->i", self.jacobian, self.covariance, self.jacobian)
-        return np.asarray(np.sqrt(np.maximum(by_car, 0.0) + self.scatter**2))
+        """Standard deviations of `values`, (figure,): of the car's parameters and of the scatter of a record.
+
+        Those of the parameters are half the width of the 95 % interval over 1.96.
+        """
+        by_car = spreads(self.jacobian.T, self.covariance, self.parameter_values)
+        return np.asarray(np.hypot(by_car, self.scatter))
 
     def interval(self, level: Ratio = LEVEL) -> dict[str, tuple[float, float]]:
-        """Return the ends between which each figure lies with probability ``level``, symmetric in the logarithm.
+        """Return the ends between which each figure lies with probability ``level``, by its logarithm.
+
+        To first order in the parameters of the car, of which none is negative.
 
         Raises
         ------
@@ -88,10 +97,14 @@ class Ride(Result):
         """
         check_level(level)
         reach = normal_reach(level)
+        reached = reaches(self.jacobian.T, self.covariance, self.parameter_values, reach)
         with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
-            factor = np.exp(np.where(self.values > 0, reach * self.std / self.values, 0.0))
+            down, up = (
+                np.exp(np.where(self.values > 0, np.hypot(by_car, reach * self.scatter) / self.values, 0.0))
+                for by_car in reached
+            )
         top = np.where([name.endswith(".lifts") for name in self.figures], 1.0, np.inf)
-        low, high = self.values / factor, np.minimum(self.values * factor, top)
+        low, high = self.values / down, np.minimum(self.values * up, top)
         return {name: (float(a), float(b)) for name, a, b in zip(self.figures, low, high, strict=True)}
 
     def _table(self) -> Mapping[str, Sequence[object]]:

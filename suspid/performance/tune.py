@@ -2,28 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from suspid.errors import InputError
 from suspid.performance.choices import Choice, box_of, choice_of
 from suspid.performance.figure_plan import Plan, plan_of
-from suspid.performance.fronts import Front, Search, front_of
+from suspid.performance.fronts import Search, front_of
+from suspid.performance.joined import Joined, joined
+from suspid.performance.relations import Limits, relations_of, split
 from suspid.performance.ride import HOUR, driven_road
 from suspid.performance.road_response import Grid, exact_grid
+from suspid.performance.tuning_checks import tuning_checks
 from suspid.performance.tunings import Tuning
-from suspid.performance.uncertain import Car, Uncertain, uncertain
+from suspid.performance.uncertain import Car, uncertain
 from suspid.simulation import Road
 from suspid.units import Metre, Ratio, RealArray, Second
 from suspid.values import frozen_real
-from suspid.words import Check, Level, Number, Remark, Verdict
-from suspid.words.ride import RideCheck, TuningCheck, TuningHeadline
+from suspid.words import Remark, Verdict
+from suspid.words.ride import TuningHeadline
 
 # Figures that are zero to rounding, such as the probability of a rare event, have no logarithm.
 NO_FIGURE = 1e-300
-# A factor nearer to its bound than this is at it.
-AT_BOUND = 1e-3
 # Relative error of variances during a search, at most: half of it in figures. Those of the cars found are exact.
 SEARCH_VARIANCE = 1e-4
 
@@ -35,7 +36,7 @@ def tune(
     objective: str | Sequence[str],
     road: Road | str | float,
     speed: float | None = None,
-    constraints: Mapping[str, float] | None = None,
+    constraints: Limits | None = None,
     bounds: Mapping[str, tuple[float, float]] | None = None,
     points: int = 11,
     robust: Ratio = 0.0,
@@ -54,11 +55,13 @@ def tune(
         What may change, such as ``"chassis.stiffness"``; a sequence of names changes by one factor, such as those of
         both sides of an axle.
     objective : str or sequence of str
-        One or two figures of `ride` to be small, such as ``("chassis_acceleration.Wk", "tire.load")``.
+        One or two figures of `ride` to be small, such as ``("chassis_acceleration.Wk", "tire.load")``. Figures of one
+        unit joined by +, such as ``"front.load + rear.load"``, are one: the root of the sum of their squares.
     road, speed, duration, weightings, clearance
         As in `ride`.
-    constraints : mapping of str to float, optional
-        Largest values of figures, such as ``{"chassis.travel": 0.02}``, in SI units.
+    constraints : mapping of str to float, str, callable, or sequence of these, optional
+        Largest values of figures, such as ``{"chassis.travel": 0.02}``, in SI units. Linear relations between springs
+        and dampers, as in `reconstruct`: ``"front.stiffness >= 0.8 * rear.stiffness"``, or a function of k and c.
     bounds : mapping of str to tuple of float, optional
         Least and largest value of parameters, in SI units; of a group by its first name. Default: a quarter to four
         times the car's own.
@@ -101,20 +104,21 @@ def tune(
     """
     about = uncertain(car, nominal_std)
     wanted = (objective,) if isinstance(objective, str) else tuple(objective)
-    limits = dict(constraints or {})
+    limits, related = split(constraints)
     _check(wanted, limits, points, robust)
     driven = driven_road(about.car, road, speed)
     figures = (*wanted, *(name for name in limits if name not in wanted))
-    plan = plan_of(about.car, driven, duration=duration, weightings=weightings, clearance=clearance).only(figures)
+    plan = plan_of(about.car, driven, duration=duration, weightings=weightings, clearance=clearance)
+    asked = joined(plan, figures)
     choice = choice_of(about, parameters, robust)
     low, high = box_of(choice, bounds or {})
-    grid = _grid_of_box(plan, choice, low, high)
+    grid = _grid_of_box(asked.plan, choice, low, high)
     start = np.clip(np.zeros(len(low)), low, high)
     # An objective that is limited too stands once more, as a figure of its own.
     order = [*range(len(wanted)), *(figures.index(name) for name in limits)]
 
     def evaluate(x: RealArray) -> tuple[RealArray, RealArray]:
-        values, slopes = _figures(plan, choice, grid, x, robust)
+        values, slopes = _figures(asked, choice, grid, x, robust)
         return np.log(np.maximum(values, NO_FIGURE))[order], (slopes / np.maximum(values, NO_FIGURE)[:, None])[order]
 
     search = Search(
@@ -123,28 +127,32 @@ def tune(
         high=high,
         objectives=len(wanted),
         limits=np.log(np.array(list(limits.values()), float)),
+        relations=relations_of(choice, about.car, related),
     )
     front = front_of(search, start, points)
     if not front.points:
         raise InputError(
-            f"no car within the bounds meets the constraints {limits}: widen the bounds or the limits, or let more "
-            f"parameters change"
+            f"no car within the bounds meets the constraints {', '.join([*search.relations.labels, str(limits)])}: "
+            f"widen the bounds or the limits, or let more parameters change"
         )
     cars = tuple(choice.car(point.x, {}) for point in front.points)
-    exact = _figures_of(plan, choice, robust, [point.x for point in front.points])
-    now, _ = _figures(plan, choice, exact_grid(about.car, plan.signals, driven), np.zeros(len(low)), robust)
+    exact = _figures_of(asked, choice, robust, [point.x for point in front.points])
+    now, _ = _figures(asked, choice, exact_grid(about.car, asked.plan.signals, driven), np.zeros(len(low)), robust)
     chosen = [choice.chosen(point.x) for point in front.points]
     return Tuning(
         objectives=wanted,
         figures=figures,
-        units=tuple(unit for unit, _, _ in plan.formulas.values()),
+        units=asked.units,
         values=frozen_real(exact),
         present=frozen_real(now),
         parameters=choice.names,
         choices=frozen_real([[one[name] for name in choice.names] for one in chosen]),
         described=frozen_real([choice.values[name] for name in choice.names]),
         cars=cars,
-        verdict=_judged(front, choice, search, robust, about),
+        verdict=Verdict(
+            Remark(TuningHeadline.FRONT, {"points": len(front.points), "parameters": choice.names}),
+            tuple(tuning_checks(front, choice, search, robust, about, tuple(bounds or ()))),
+        ),
     )
 
 
@@ -160,9 +168,9 @@ def _grid_of_box(plan: Plan, choice: Choice, low: RealArray, high: RealArray) ->
     return max(grids, key=lambda grid: len(grid.hertz))
 
 
-def _figures(plan: Plan, choice: Choice, grid: Grid, x: RealArray, robust: Ratio) -> tuple[RealArray, RealArray]:
+def _figures(asked: Joined, choice: Choice, grid: Grid, x: RealArray, robust: Ratio) -> tuple[RealArray, RealArray]:
     """Return figures at a choice and their derivatives by the logarithms of its factors, (figure, group)."""
-    pairs = [plan.values(choice.car(x, each), parameters=choice.names, grid=grid) for each in choice.scenarios]
+    pairs = [asked.values(choice.car(x, each), choice.names, grid) for each in choice.scenarios]
     values, jacobians = np.array([one for one, _ in pairs]), np.array([two for _, two in pairs])
     at = np.array([choice.chosen(x)[name] for name in choice.names])
     member = np.array([[name in group for group in choice.groups] for name in choice.names], float)
@@ -176,12 +184,12 @@ def _figures(plan: Plan, choice: Choice, grid: Grid, x: RealArray, robust: Ratio
     return mean + robust * std, mean_slopes + robust * std_slopes
 
 
-def _figures_of(plan: Plan, choice: Choice, robust: Ratio, where: Sequence[RealArray]) -> RealArray:
+def _figures_of(asked: Joined, choice: Choice, robust: Ratio, where: Sequence[RealArray]) -> RealArray:
     """Return the figures at choices, each on a grid that is fine enough for it."""
     rows = []
     for x in where:
-        grid = exact_grid(choice.car(x, {}), plan.signals, plan.road)
-        rows.append(_figures(plan, choice, grid, x, robust)[0])
+        grid = exact_grid(choice.car(x, {}), asked.plan.signals, asked.plan.road)
+        rows.append(_figures(asked, choice, grid, x, robust)[0])
     return np.array(rows)
 
 
@@ -195,33 +203,3 @@ def _check(wanted: Sequence[str], limits: Mapping[str, float], points: int, robu
         raise InputError(f"{points=} must be two or more")
     if not (np.isfinite(robust) and robust >= 0):
         raise InputError(f"{robust=} must be a number of standard deviations, 0 or more")
-
-
-def _judged(front: Front, choice: Choice, search: Search, robust: Ratio, about: Uncertain) -> Verdict:
-    return Verdict(
-        Remark(TuningHeadline.FRONT, {"points": len(front.points), "parameters": choice.names}),
-        tuple(_checks(front, choice, search, robust, about)),
-    )
-
-
-def _checks(front: Front, choice: Choice, search: Search, robust: Ratio, about: Uncertain) -> Iterator[Check]:
-    share = front.agreed / front.searches if front.searches else 1.0
-    yield Check(
-        Remark(TuningCheck.STARTS, {"share": share, "count": front.searches}),
-        Level.SOUND if share >= 0.5 else Level.CARE,
-    )
-    if front.failed:
-        numbers = {"count": front.failed, "points": front.failed + len(front.points)}
-        yield Check(Remark(TuningCheck.UNFINISHED, numbers), Level.CARE)
-    if search.objectives == 2 and len(front.points) == 1:
-        yield Check(Remark(TuningCheck.ONE), Level.NOTE)
-    x = np.array([point.x for point in front.points])
-    stuck = np.any((x <= search.low + AT_BOUND) | (x >= search.high - AT_BOUND), axis=0)
-    if np.any(stuck):
-        names = tuple(group[0] for group, one in zip(choice.groups, stuck, strict=True) if one)
-        yield Check(Remark(TuningCheck.AT_BOUND, {"names": names}), Level.NOTE)
-    if robust:
-        reached: dict[str, Number] = {"reach": robust, "names": tuple(choice.scenarios[0])}
-        yield Check(Remark(TuningCheck.ROBUST, reached), Level.NOTE)
-    if about.doubt is not None:
-        yield Check(Remark(RideCheck.UNTRUSTED, {"level": about.doubt.label}), about.doubt)

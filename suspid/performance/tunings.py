@@ -62,6 +62,12 @@ class Tuning(Result):
             return 0
         return int(np.argmin(np.sum((logs - logs.min(axis=0)) / span, axis=1)))
 
+    @property
+    def distinct(self) -> tuple[int, ...]:
+        """Numbers of `parameters` of which none has the values of an earlier one, as left and right springs have."""
+        columns = np.vstack([self.choices, self.described]).T.tolist()
+        return tuple(i for i, column in enumerate(columns) if column not in columns[:i])
+
     def _table(self) -> Mapping[str, Sequence[object]]:
         chosen = zip(self.parameters, self.choices.T.tolist(), strict=True)
         return {**dict(chosen), **dict(zip(self.figures, self.values.T.tolist(), strict=True))}
@@ -70,8 +76,30 @@ class Tuning(Result):
         knee = self.knee
         labels = [f"{i + 1}{' (knee)' if i == knee and len(self.cars) > 2 else ''}" for i in range(len(self.cars))]
         columns = {"car": [*labels, "now"]}
-        for name, column, now in zip(self.parameters, self.choices.T, self.described, strict=True):
-            columns[name] = [f"{value:.4g}" for value in (*column.tolist(), float(now))]
+        for i in self.distinct:
+            values = (*self.choices[:, i].tolist(), float(self.described[i]))
+            columns[self.parameters[i]] = [f"{value:.4g}" for value in values]
         for name, unit, column, now in zip(self.figures, self.units, self.values.T, self.present, strict=True):
-            columns[f"{name} [{unit}]"] = [f"{value:.4g}" for value in (*column.tolist(), float(now))]
-        return f"{text_table(columns)}\n{self.verdict}"
+            columns[f"{short(name)} [{unit}]"] = [f"{value:.4g}" for value in (*column.tolist(), float(now))]
+        return f"{text_table(columns)}\n{self._same()}{self.verdict}"
+
+    def _same(self) -> str:
+        """Return the line that names the parameters whose values are those of a column."""
+        rows = np.vstack([self.choices, self.described]).T.tolist()
+        firsts = [rows.index(row) for row in rows]
+        pairs = [(name, self.parameters[i]) for k, (name, i) in enumerate(zip(self.parameters, firsts, strict=True))
+                 if i < k]  # fmt: skip
+        same = ", ".join(f"{name} as {first}" for name, first in pairs)
+        return f"The same values: {same}\n" if same else ""
+
+
+def short(name: str) -> str:
+    """Return the name of a figure for a heading: of many that are joined the first and the last.
+
+    Examples
+    --------
+    >>> short("a.load + b.load + c.load")
+    'a.load + … + c.load'
+    """
+    parts = name.split(" + ")
+    return name if len(parts) < 3 else f"{parts[0]} + … + {parts[-1]}"

@@ -27,6 +27,7 @@ class Uncertain:
 
     car: Suspension
     parameters: tuple[str, ...]
+    values: RealArray  # of the parameters
     covariance: RealArray
     relaxations: Mapping[str, Second]  # of mounts that are parameters
     known: tuple[str, ...]
@@ -63,6 +64,7 @@ def uncertain(car: Car, nominal_std: Ratio | Mapping[str, Ratio] | None = None) 
     return Uncertain(
         car=described,
         parameters=parameters,
+        values=frozen_real([relaxations[n.rpartition(".")[0]] if n not in values else values[n] for n in parameters]),
         covariance=frozen_real(covariance),
         relaxations=relaxations,
         known=known if parameters else (ALL,),

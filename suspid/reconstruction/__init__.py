@@ -21,12 +21,14 @@ from suspid.reconstruction.unknowns import (
     parameter_vector,
     unit_of,
 )
+from suspid.reconstruction.wishes import Constraints, wishes_of
 
 __all__ = [
     "LARGEST_STEP",
     "QUANTITIES",
     "Asked",
     "Bounds",
+    "Constraints",
     "ModalTest",
     "Reconstruction",
     "Unknowns",
@@ -40,4 +42,5 @@ __all__ = [
     "reconstruction_to_dict",
     "unit_of",
     "unknowns_of",
+    "wishes_of",
 ]

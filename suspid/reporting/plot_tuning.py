@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from suspid.performance import short
 from suspid.reporting.axes import frequency_ticks, keep_apart, shown
 from suspid.reporting.colours import CHANNEL_COLOURS, Colour
 
@@ -47,9 +48,8 @@ def plot_tuning(found: Tuning, figure: Figure) -> Figure:
     upper, lower = figure.subplots(2, 1, sharex=True)
     draw_front(found, upper)
     first, knee = found.values[:, 0], found.knee
-    for name, row, colour in zip(
-        found.parameters, found.choices.T, CHANNEL_COLOURS * len(found.parameters), strict=False
-    ):
+    for i, colour in zip(found.distinct, CHANNEL_COLOURS * len(found.parameters), strict=False):
+        name, row = found.parameters[i], found.choices[:, i]
         lower.plot(first, row / row[knee], "o-", color=colour, markersize=4, linewidth=1.2,
                    label=f"{shown(name)} ({row[knee]:.4g})")  # fmt: skip
     lower.axvline(float(first[knee]), color=Colour.PALE, linewidth=0.8)
@@ -104,4 +104,4 @@ def draw_front(found: Tuning, upper: Axes) -> None:
 
 
 def _label(found: Tuning, figure: int) -> str:
-    return f"{shown(found.figures[figure])} [{found.units[figure]}]"
+    return f"{shown(short(found.figures[figure]))} [{found.units[figure]}]"

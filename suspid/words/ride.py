@@ -108,7 +108,16 @@ class TuningCheck(Code):
 
     STARTS = "starts", "{share:.0%} of the {count} searches from other starts ended at the same values."
     UNFINISHED = "unfinished", "{count} of {points} points did not converge and were left out."
-    AT_BOUND = "at bound", _listed("At a bound somewhere on the front: {names}.")
+    AT_BOUND = (
+        "at bound",
+        "{name} is at its {side} value, {value:.4g} {unit}, in {count} of {cars} cars: there the bound decides.",
+    )
+    AT_REACH = (
+        "at reach",
+        "{name} is at the end of the search, {value:.4g} {unit}, in {count} of {cars} cars: there the default bound "
+        "decides, a quarter or four times the car's own; state the {side} value that can be built.",
+    )
+    RELATED = "related", "The constraint {label} decides in {count} of {cars} cars."
     ROBUST = (
         "robust",
         _listed("Each figure is its mean plus {reach:.3g} standard deviations over what is uncertain: {names}."),
