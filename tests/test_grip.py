@@ -1,7 +1,8 @@
 """Grip on a test bench: laws of contact forces, statics, derivatives, and figures of another source."""
 
+from collections.abc import Iterator
 from dataclasses import replace
-from functools import partial
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -292,7 +293,7 @@ class TestRefusals:
             ({"amplitude": 0.0}, "amplitude"),
             ({"highest": np.inf}, "highest"),
             ({"loads": {"tyre": 1.0}}, "no wheel"),
-            ({"loads": {"tire": -1.0}}, "positive number of N"),
+            ({"loads": {"tire": -1.0}}, "N must be positive"),
             ({"nominal_std": {"tire.mas": 0.1}}, "no parameter"),
             ({"nominal_std": -0.1}, "standard deviation"),
         ],
@@ -317,30 +318,39 @@ def test_arguments_that_no_bench_has(wrong: dict[str, Any], words: str) -> None:
         grip(car, **wrong)
 
 
-def _against(a: RealArray, d: RealArray) -> float:
-    return -float(a @ d)
+def _searched(a: RealArray, S: RealArray, values: RealArray, reach: float) -> Iterator[float]:
+    """Yield the largest a'd over each conditional ellipsoid, within the bounds."""
+    for rigid in product((False, True), repeat=len(a)):
+        held, free = np.flatnonzero(rigid), np.flatnonzero(~np.array(rigid))
+        inverse = np.linalg.inv(S[np.ix_(held, held)])
+        if values[held] @ inverse @ values[held] > reach**2 or not len(free):
+            continue
+        middle = -S[np.ix_(free, held)] @ inverse @ values[held]
+        Q = np.linalg.inv(S[np.ix_(free, free)] - S[np.ix_(free, held)] @ inverse @ S[np.ix_(held, free)])
+        bounded: dict[str, Any] = {"type": "ineq", "fun": lambda d, free=free: d + values[free]}
+        inside: dict[str, Any] = {"type": "ineq", "fun": lambda d, m=middle, Q=Q: reach**2 - (d - m) @ Q @ (d - m)}
+        search: Any = minimize
+        best = search(lambda d, free=free: -a[free] @ d, np.maximum(middle, -values[free]),
+                      constraints=[bounded, inside], method="SLSQP", tol=1e-12)  # fmt: skip
+        if bounded["fun"](best.x).min() > -1e-6 and inside["fun"](best.x) > -1e-6:
+            yield -best.fun - a[held] @ values[held]
 
 
 class TestReaches:
     """Intervals of figures of parameters that cannot be negative."""
 
-    @pytest.mark.parametrize("seed", range(8))
+    @pytest.mark.parametrize("seed", range(4))
     def test_least_and_largest_are_those_of_a_general_search(self, seed: int) -> None:
-        rng, count = np.random.default_rng(seed), 4
+        """Over the cars within the bounds, and over those with some parameters at zero that are not ruled out."""
+        rng, count, reach = np.random.default_rng(seed), 4, 1.96
         root = rng.standard_normal((count, count))
         covariance = root @ root.T
         values = np.abs(rng.standard_normal(count)) * np.array([0.0, 0.5, 1.0, 100.0])
-        slopes = rng.standard_normal((count, 3))
-        low, high = reaches(slopes, covariance, values, 1.96)
-        inverse = np.linalg.inv(covariance)
-        rules: list[Any] = [
-            {"type": "ineq", "fun": lambda d: 1.96**2 - d @ inverse @ d, "jac": lambda d: -2 * inverse @ d},
-            {"type": "ineq", "fun": lambda d: d + values, "jac": lambda _: np.eye(count)},
-        ]
-        for reach, sign in ((low, -1.0), (high, 1.0)):
-            for figure, a in zip(reach, sign * slopes.T, strict=True):
-                best: Any = minimize(partial(_against, a), np.zeros(count), constraints=rules, method="SLSQP", tol=1e-12)
-                assert figure == pytest.approx(-best.fun, rel=1e-4, abs=1e-4)
+        slopes = rng.standard_normal((count, 2))
+        low, high = reaches(slopes, covariance, values, reach)
+        for found, sign in ((low, -1.0), (high, 1.0)):
+            for figure, a in zip(found, sign * slopes.T, strict=True):
+                assert figure == pytest.approx(max(_searched(a, covariance, values, reach)), rel=1e-4, abs=1e-4)
 
     @pytest.mark.parametrize(("correlation", "true"), [(0.6, 0.0), (0.95, 0.0), (0.95, 1.0), (-0.9, 0.3)])
     def test_coverage_beside_a_bound(self, correlation: float, true: float) -> None:
@@ -370,7 +380,7 @@ class TestReaches:
         one, two = plain.interval()["tire.phase"], soft.interval()["tire.phase"]
         assert two[1] == pytest.approx(one[1], rel=1e-9)
         reach = np.hypot(slope * 1e-3, plain.phase_std[0])
-        assert two[0] == pytest.approx(plain.phase[0] - 1.959964 * reach, rel=1e-6)
+        assert two[0] == pytest.approx(plain.phase[0] - 1.959964 * reach, rel=2e-4)
         of_ride = [ride(one, road="C", speed=20.0) for one in (found, wider)]
         ends = [one.interval()["chassis_acceleration.Wk"] for one in of_ride]
         assert sum(a == pytest.approx(b, rel=1e-9) for a, b in zip(*ends, strict=True)) == 1

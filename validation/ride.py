@@ -343,7 +343,8 @@ def report() -> str:
         "Saw-tooth bursts through `ride(record)`. The standard allows 10 %, of VDV 12 %.",
         f"```\n{dose_table()}\n```",
         "## Roads beside ISO 8608",
-        "G_d(0.1 cycle/m) in 1e-6 m3; 95 % intervals in brackets.",
+        "G_d(0.1 cycle/m) in 1e-6 m3; 95 % intervals in brackets. Classes and limits are taken from publications that "
+        "quote the standard.",
         f"```\n{road_table()}\n```",
         "## Spectra beside an independent integrator",
         f"Figures of `ride(car)` and means over {SEEDS} drives of 60 s on roads of class C at 20 m/s, integrated by "

@@ -89,13 +89,14 @@ def tune_command(
         what = car_of(source)
         car = what if isinstance(what, Suspension) else what.suspension
         related += read_constraints(source) if isinstance(what, Suspension) else ()
+        constraints: list[dict[str, float] | str] = [pairs(limits, "--limit", float), *related]
         found = tune(
             what,
             parameters=[name.split("=") for name in parameters] or _struts(car),
             objective=objectives or _figures(car),
             road=road_named(road) or 0.0,
             speed=speed,
-            constraints=[pairs(limits, "--limit", float), *related],
+            constraints=constraints,
             bounds={name: (low, high) for name, low, high in bounds},
             points=points,
             robust=robust or 0.0,

@@ -9,7 +9,7 @@ of either kind. `read_car` and `write_car` keep a suspension as TOML.
 from suspid.model.assert_modes_close import assert_modes_close
 from suspid.model.car_files import car_from_toml, read_car, read_constraints, write_car
 from suspid.model.car_text import car_to_toml
-from suspid.model.checks import added_masses
+from suspid.model.checks import added_masses, finite_number, positive_number
 from suspid.model.compare import compare
 from suspid.model.comparison import Comparison
 from suspid.model.covariance import check_definite
@@ -47,6 +47,7 @@ __all__ = [
     "compare",
     "eigenmodes",
     "equal_work",
+    "finite_number",
     "force_weights",
     "full_car",
     "half_car",
@@ -55,6 +56,7 @@ __all__ = [
     "output_weights",
     "piecewise",
     "pole_distances",
+    "positive_number",
     "quarter_car",
     "read_car",
     "read_constraints",

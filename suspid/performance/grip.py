@@ -2,27 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 import numpy as np
 
 from suspid.errors import InputError
 from suspid.levels import LEVEL
-from suspid.model import check_linear
-from suspid.performance.contact import Wheels, contact, static_loads, wheels_of
+from suspid.model import Suspension, check_linear, positive_number
+from suspid.performance.bench import Bench, bench, check_loads
+from suspid.performance.contact import wheels_of
 from suspid.performance.grips import PHASE_LIMIT, Grip
-from suspid.performance.reaches import spreads
+from suspid.performance.reaches import bends_of, spreads
 from suspid.performance.uncertain import Car, Uncertain, uncertain
-from suspid.units import ComplexArray, Hertz, Metre, Newton, Ratio, RealArray
-from suspid.values import frozen_real, nearest_names, within_numbers
+from suspid.units import Hertz, Metre, Newton, Ratio, RealArray, Second
+from suspid.values import frozen_real, within_numbers
 from suspid.words import Check, Level, Number, Remark, Verdict
 from suspid.words.grip import GripCheck, GripHeadline
 
 PLATFORM: Metre = 0.003  # EUSAMA: a stroke of 6 mm
 SWEEP_TOP: Hertz = 25.0  # where it begins
 MOST_TOP: Hertz = 1000.0  # no car description holds that far
-GRID: Hertz = 0.05  # of the curves; a least value is refined between its neighbours
 
 
 def grip(
@@ -70,8 +70,9 @@ def grip(
     Notes
     -----
     Intervals are to first order with exact derivatives: those of the curves at the frequency of the least value, which
-    itself does not matter to first order. They hold no car with a negative spring, damper or relaxation of a mount. The
-    least phase is the lowest of the local minima between
+    itself does not matter to first order. They hold no car with a negative spring, damper or relaxation of a mount; by
+    relaxations near zero they are to second order, and a mount that may be rigid is taken as rigid too. The least
+    phase is the lowest of the local minima between
     the lowest natural frequency of the car and that of the wheel under a body held still, both undamped. With strong
     dampers there is none; the phase then falls steadily.
 
@@ -89,44 +90,36 @@ def grip(
     """
     with within_numbers():
         about = uncertain(car, nominal_std)
-        _check(amplitude, highest, loads)
+        _check(amplitude, highest)
         check_linear(about.car, "grip")
-        wheels = wheels_of(about.car, about.relaxations)
-        load, load_slopes = _loads(wheels, about.parameters, loads)
-        hertz = np.arange(1, int(np.ceil(highest / GRID)) + 1) * (highest / np.ceil(highest / GRID))
+        check_loads(loads, wheels_of(about.car).names)
 
-        def least_at(f: RealArray) -> tuple[RealArray, RealArray]:
-            return _adhesion(*contact(wheels, f, about.parameters), load, load_slopes, amplitude)
+        def tested(one: Suspension, relaxations: Mapping[str, Second]) -> Bench:
+            return bench(wheels_of(one, relaxations), about.parameters, loads, amplitude, highest)
 
-        def phase_at(f: RealArray) -> tuple[RealArray, RealArray]:
-            return _phase(*contact(wheels, f, about.parameters))
-
-        low, high = wheels.resonances()
-        ends = np.column_stack([np.full(len(high), low), high])
-        (least, least_slopes), (phase, phase_slopes) = least_at(hertz), phase_at(hertz)
-        everywhere = np.array([[0.0, highest]] * len(high))
-        lowest = [_least_of(least_at, hertz, least[i], everywhere[i], i) for i in range(len(high))]
-        turned = [_least_of(phase_at, hertz, phase[i], ends[i], i, inside=True) for i in range(len(high))]
-        jacobian = np.array([slopes for _, _, slopes in (*lowest, *turned)])
+        own = tested(about.car, about.relaxations)
+        bends = bends_of(about, len(own.figures), lambda one, relaxations: tested(one, relaxations).jacobian)
+        count = len(own.wheels.names)
         found = Grip(
-            wheels=wheels.names,
-            load=frozen_real(load),
-            least=frozen_real([value for _, value, _ in lowest]),
-            phase=frozen_real([value for _, value, _ in turned]),
-            adhesion_hertz=frozen_real([f for f, _, _ in lowest]),
-            phase_hertz=frozen_real([f for f, _, _ in turned]),
-            hertz=frozen_real(hertz),
-            adhesion_curve=frozen_real(least),
-            phase_curve=frozen_real(phase),
-            adhesion_band=frozen_real(_stds(least_slopes, about)),
-            phase_band=frozen_real(_stds(phase_slopes, about)),
-            resonances=frozen_real(ends),
+            wheels=own.wheels.names,
+            load=frozen_real(own.load),
+            least=frozen_real(own.figures[:count]),
+            phase=frozen_real(own.figures[count:]),
+            adhesion_hertz=frozen_real(own.at[:count]),
+            phase_hertz=frozen_real(own.at[count:]),
+            hertz=frozen_real(own.hertz),
+            adhesion_curve=frozen_real(own.least),
+            phase_curve=frozen_real(own.phase),
+            adhesion_band=frozen_real(_stds(own.least_slopes, about)),
+            phase_band=frozen_real(_stds(own.phase_slopes, about)),
+            resonances=frozen_real(own.ends),
             amplitude=float(amplitude),
             parameters=about.parameters,
-            jacobian=frozen_real(jacobian.reshape(2 * len(high), len(about.parameters))),
             parameter_values=about.values,
             covariance=about.covariance,
-            verdict=Verdict(Remark(GripHeadline.GRIP, {"names": wheels.names})),
+            jacobian=frozen_real(own.jacobian),
+            bends=frozen_real(bends),
+            verdict=Verdict(Remark(GripHeadline.GRIP, {"names": own.wheels.names})),
         )
         return _judged(found, about)
 
@@ -140,85 +133,11 @@ def grip_if_any(car: Car, nominal_std: Ratio | Mapping[str, Ratio] | None = None
         return None
 
 
-def _check(amplitude: object, highest: float, loads: object) -> None:
-    if loads is not None and not isinstance(loads, Mapping):
-        raise InputError(f"loads = {loads!r} must map wheels to forces [N], as in {{'tire': 3500.0}}")
-    for name, value, unit in (("amplitude", amplitude, "m"), ("highest", highest, "Hz")):
-        if not (isinstance(value, int | float | np.number) and np.isfinite(value) and value > 0):
-            raise InputError(f"{name} = {value!r} must be a positive number of {unit}")
-    if highest > MOST_TOP:
-        raise InputError(
-            f"highest = {highest:g} Hz is beyond {MOST_TOP:g} Hz; test benches sweep from {SWEEP_TOP:g} Hz"
-        )
-
-
-def _loads(
-    wheels: Wheels, parameters: Sequence[str], given: Mapping[str, Newton] | None
-) -> tuple[RealArray, RealArray]:
-    """Return static contact forces and their derivatives; those that were weighed have none."""
-    for name, value in (given or {}).items():
-        if name not in wheels.names:
-            raise InputError(f"loads: there is no wheel {name!r}.{nearest_names(name, wheels.names)}")
-        if not (isinstance(value, int | float | np.number) and np.isfinite(value) and value > 0):
-            raise InputError(f"loads: {name!r} = {value!r} must be a positive number of N")
-    if given and set(given) == set(wheels.names):
-        return np.array([given[name] for name in wheels.names], float), np.zeros((len(parameters), len(given)))
-    load, slopes = static_loads(wheels, parameters)
-    for i, name in enumerate(wheels.names):
-        if name in (given or {}):
-            load[i], slopes[:, i] = (given or {})[name], 0.0
-        if load[i] <= 0:
-            raise InputError(f"wheel {name!r} carries {load[i]:.0f} N: the car as described stands on fewer wheels")
-    return load, slopes
-
-
-def _adhesion(
-    G: ComplexArray, slopes: ComplexArray, load: RealArray, load_slopes: RealArray, amplitude: Metre
-) -> tuple[RealArray, RealArray]:
-    """Return least over static contact force, (wheel, frequency), and its derivatives, (parameter, …)."""
-    size = np.abs(G)
-    share = amplitude * size / load[:, None]
-    by_force = np.real(np.conj(G) * slopes) / size**2
-    return 1 - share, -share * (by_force - (load_slopes / load)[:, :, None])
-
-
-def _phase(G: ComplexArray, slopes: ComplexArray) -> tuple[RealArray, RealArray]:
-    """Return the phase of the contact force [rad], (wheel, frequency), and its derivatives, (parameter, …).
-
-    A car without a source of energy has phases between 0 and pi.
-    """
-    return np.angle(G), np.imag(slopes / G)
-
-
-def _least_of(
-    curve: Callable[[RealArray], tuple[RealArray, RealArray]],
-    hertz: RealArray,
-    values: RealArray,
-    ends: RealArray,
-    wheel: int,
-    *,
-    inside: bool = False,
-) -> tuple[Hertz, float, RealArray]:
-    """Return where a curve is least between two frequencies, its value there and derivatives; NaN if it has no such.
-
-    With ``inside`` only local minima count.
-    """
-    from scipy.optimize import minimize_scalar
-
-    padded = np.concatenate([[np.inf], values, [np.inf]])
-    valley = (values <= padded[:-2]) & (values <= padded[2:]) & (hertz > ends[0]) & (hertz < ends[1] * (1 + 1e-12))
-    valley[-1] &= not inside
-    valley[0] &= not inside
-    if not np.any(valley):
-        return np.nan, np.nan, np.full(len(curve(hertz[:1])[1]), np.nan)
-    best = int(np.argmin(np.where(valley, values, np.inf)))
-    around = float(hertz[max(best - 1, 0)]), float(hertz[min(best + 1, len(hertz) - 1)])
-    found = minimize_scalar(
-        lambda f: float(curve(np.array([f]))[0][wheel, 0]), bounds=around, method="bounded", options={"xatol": 1e-7}
-    )
-    at = float(found.x) if found.fun <= values[best] else float(hertz[best])
-    value, slopes = curve(np.array([at]))
-    return at, float(value[wheel, 0]), slopes[:, wheel, 0]
+def _check(amplitude: object, highest: object) -> None:
+    positive_number("amplitude", amplitude, "m")
+    top = positive_number("highest", highest, "Hz")
+    if top > MOST_TOP:
+        raise InputError(f"highest = {top:g} Hz is beyond {MOST_TOP:g} Hz; test benches sweep from {SWEEP_TOP:g} Hz")
 
 
 def _stds(slopes: RealArray, about: Uncertain) -> RealArray:

@@ -54,6 +54,8 @@ class Grip(Result):
         The uncertain parameters of the car.
     jacobian : ndarray (figure, parameter)
         Derivatives of `least` of every wheel, then of their phases; in SI units.
+    bends : ndarray (figure, parameter, parameter)
+        Second derivatives of the same by parameters whose interval reaches zero; 0 for others.
     parameter_values : ndarray (parameter,)
         Their values; none of them can be negative.
     covariance : ndarray (parameter, parameter)
@@ -77,6 +79,7 @@ class Grip(Result):
     amplitude: float
     parameters: tuple[str, ...]
     jacobian: RealArray
+    bends: RealArray
     parameter_values: RealArray
     covariance: RealArray
     verdict: Verdict
@@ -103,13 +106,12 @@ class Grip(Result):
 
     @property
     def _std(self) -> RealArray:
-        return spreads(self.jacobian.T, self.covariance, self.parameter_values)
+        return spreads(self.jacobian.T, self.covariance, self.parameter_values, self.bends)
 
     def interval(self, level: Ratio = LEVEL) -> dict[str, tuple[float, float]]:
         """Return the ends between which each figure lies with probability ``level``, as of ``"tire.adhesion"``.
 
-        To first order in the parameters, of which none is negative; cut at 0 and 1 and at 0 and pi; NaN where there is
-        no least phase.
+        Cut at 0 and 1 and at 0 and pi; NaN where there is no least phase. No car with a negative parameter counts.
 
         Raises
         ------
@@ -118,7 +120,7 @@ class Grip(Result):
         """
         check_level(level)
         figures = np.append(self.least, self.phase)
-        down, up = reaches(self.jacobian.T, self.covariance, self.parameter_values, normal_reach(level))
+        down, up = reaches(self.jacobian.T, self.covariance, self.parameter_values, normal_reach(level), self.bends)
         tops = np.repeat([1.0, np.pi], len(self.wheels))
         low, high = (np.clip(end, 0.0, tops).tolist() for end in (figures - down, figures + up))
         names = [f"{wheel}.{what}" for what in ("adhesion", "phase") for wheel in self.wheels]

@@ -1,30 +1,39 @@
 """How far figures reach where parameters are uncertain and none of them can be negative.
 
-The parameters lie with a probability in an ellipsoid about their values, ``d' S^-1 d <= r^2``. A mount that is as good
-as rigid has a relaxation at its bound of zero: the half of the ellipsoid beyond it holds no car. The interval of a
-figure with derivatives a is from the least to the largest ``a' d`` on the rest of the ellipsoid.
+The parameters lie with a probability in an ellipsoid about their values, ``d' S^-1 d <= r^2``; a figure's interval is
+from its least to its largest value there. A mount that is as good as rigid has a relaxation at its bound of zero, and
+beyond it there is no car. Then the interval is the union of that of the cars within the bounds and of those with any of the
+mounts rigid that the records do not rule out: given a rigid mount, the other parameters are known better. Figures bend
+with a relaxation that is as uncertain as it is large, so its second derivatives count.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from itertools import combinations
 
 import numpy as np
 
 from suspid.levels import NORMAL_95
-from suspid.units import Ratio, RealArray
+from suspid.model import Suspension
+from suspid.performance.uncertain import Uncertain
+from suspid.units import Ratio, RealArray, Second
 
 # Bounds that are looked at together, the nearest ones: a full car has four mounts; each doubles the time.
 MOST_BOUNDS = 8
 # A parameter beyond its bound by less than this share of its standard deviation is at it: rounding.
 AT_ZERO = 1e-9
+# Standard deviations from its bound up to which a parameter has second derivatives: intervals of 99.7 % reach it.
+NEAR = 3.0
 
 
-def reaches(slopes: RealArray, covariance: RealArray, values: RealArray, reach: Ratio) -> tuple[RealArray, RealArray]:
+def reaches(
+    slopes: RealArray, covariance: RealArray, values: RealArray, reach: Ratio, bends: RealArray | None = None
+) -> tuple[RealArray, RealArray]:
     """Return how far figures reach below and above their values, (figure,); NaN where a derivative is.
 
-    ``slopes`` are derivatives, (parameter, figure), ``values`` those of the parameters, which cannot be negative, and
-    ``reach`` is in standard deviations.
+    ``slopes`` are derivatives, (parameter, figure), ``bends`` second ones, (figure, parameter, parameter), ``values``
+    those of the parameters, which cannot be negative, and ``reach`` is in standard deviations.
 
     Examples
     --------
@@ -35,32 +44,75 @@ def reaches(slopes: RealArray, covariance: RealArray, values: RealArray, reach: 
     ([0.0, 2.0], [2.0, 2.0])
     """
     std = np.sqrt(np.maximum(np.diag(covariance), 0.0))
-    near = [i for i in np.argsort(values / np.maximum(std, np.finfo(float).tiny)) if values[i] < reach * std[i]]
-    near = near[:MOST_BOUNDS]
-    low, high = (_largest(sign * slopes, covariance, values, near, reach) for sign in (-1.0, 1.0))
-    return low, high
+    near = _near(values, std, reach)
+    sides = []
+    for sign in (-1.0, 1.0):
+        d = _farthest(sign * slopes, covariance, values, near, reach)
+        moved = sign * np.sum(slopes * d, axis=0)
+        if bends is not None:
+            moved += sign * np.einsum("pf,fpq,qf->f", d, bends, d) / 2
+        sides.append(np.maximum(moved, 0.0))
+    return sides[0], sides[1]
 
 
-def spreads(slopes: RealArray, covariance: RealArray, values: RealArray) -> RealArray:
+def spreads(slopes: RealArray, covariance: RealArray, values: RealArray, bends: RealArray | None = None) -> RealArray:
     """Return standard deviations of figures, (figure,): half the width of intervals of 95 % over 1.96."""
-    low, high = reaches(slopes, covariance, values, NORMAL_95)
+    low, high = reaches(slopes, covariance, values, NORMAL_95, bends)
     return (low + high) / (2 * NORMAL_95)
 
 
-def _largest(a: RealArray, S: RealArray, values: RealArray, near: list[int], reach: Ratio) -> RealArray:
-    """Return the largest ``a' d`` on the ellipsoid within bounds: the largest with some held there that is inside."""
+def bends_of(
+    about: Uncertain, figures: int, jacobian: Callable[[Suspension, Mapping[str, Second]], RealArray]
+) -> RealArray:
+    """Return second derivatives of figures, (figure, parameter, parameter), by parameters near their bound; else 0.
+
+    ``jacobian`` returns the first ones, (figure, parameter), of a car with relaxations of mounts; the second ones are
+    differences over two standard deviations, as far as there are cars.
+    """
+    std = np.sqrt(np.maximum(np.diag(about.covariance), 0.0))
+    bends = np.zeros((figures, len(std), len(std)))
+    bent: dict[int, RealArray] = {}
+    for j in _near(about.values, std, NEAR):
+        ends = max(float(about.values[j] - std[j]), 0.0), float(about.values[j] + std[j])
+        rows = [jacobian(*_with(about, about.parameters[j], value)) for value in ends]
+        # What a car at an end lacks, as a least phase, does not bend.
+        bent[j] = np.nan_to_num((rows[1] - rows[0]) / (ends[1] - ends[0]))
+        bends[:, j], bends[:, :, j] = bent[j], bent[j]
+    for j in bent:
+        for k in bent:
+            bends[:, j, k] = (bent[j][:, k] + bent[k][:, j]) / 2
+    return bends
+
+
+def _with(about: Uncertain, name: str, value: float) -> tuple[Suspension, Mapping[str, Second]]:
+    """Return the car and its relaxations with one parameter changed."""
+    owner, _, quantity = name.rpartition(".")
+    if quantity == "relaxation":
+        return about.car, {**about.relaxations, owner: value}
+    kind = {"mass": "masses"}.get(quantity, quantity)
+    return about.car.with_parameters(**{kind: {owner: value}}), about.relaxations
+
+
+def _near(values: RealArray, std: RealArray, reach: Ratio) -> list[int]:
+    """Return which parameters are nearer to their bound of zero than so many standard deviations, the nearest first."""
+    far = values / np.maximum(std, np.finfo(float).tiny)
+    return [int(i) for i in np.argsort(far) if values[i] < reach * std[i]][:MOST_BOUNDS]
+
+
+def _farthest(a: RealArray, S: RealArray, values: RealArray, near: list[int], reach: Ratio) -> RealArray:
+    """Return where ``a' d`` is largest, (parameter, figure): among the ends with some bounds held those inside."""
     edge = -values[near] - AT_ZERO * np.sqrt(np.diag(S)[near])
-    best = np.full(a.shape[1], -np.inf)
+    best, where = np.full(a.shape[1], -np.inf), np.full(a.shape, np.nan)
     for size in range(len(near) + 1):
         for held in map(list, combinations(near, size)):
             inverse = np.linalg.pinv(S[np.ix_(held, held)])
-            left = reach**2 - float(values[held] @ inverse @ values[held])
-            if left < 0:
+            if float(values[held] @ inverse @ values[held]) > reach**2:
                 continue
             middle = -S[:, held] @ inverse @ values[held]
             toward = (S - S[:, held] @ inverse @ S[held]) @ a
             variance = np.maximum(np.sum(a * toward, axis=0), 0.0)
-            d = middle[:, None] + toward * (left**0.5 / np.sqrt(np.maximum(variance, np.finfo(float).tiny)))
-            inside = np.all(d[near] >= edge[:, None], axis=0)
-            best = np.where(inside, np.maximum(best, np.sum(a * d, axis=0)), best)
-    return np.where(np.isfinite(best), best, np.nan)
+            d = middle[:, None] + toward * (reach / np.sqrt(np.maximum(variance, np.finfo(float).tiny)))
+            moved = np.sum(a * d, axis=0)
+            better = np.all(d[near] >= edge[:, None], axis=0) & (moved > best)
+            best, where = np.where(better, moved, best), np.where(better, d, where)
+    return where

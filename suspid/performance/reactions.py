@@ -5,7 +5,8 @@ from __future__ import annotations
 from suspid.words import Check, Level, Remark
 from suspid.words.ride import RideCheck
 
-# ISO 2631-1, C.2.3: reactions to weighted accelerations in public transport, from … to [m/s2]. They overlap.
+# ISO 2631-1, C.2.3: reactions to weighted accelerations in public transport, from … to [m/s2]. They overlap. Taken from
+# publications that quote the standard, not from the standard itself.
 REACTIONS = (
     ("not uncomfortable", 0.0, 0.315),
     ("a little uncomfortable", 0.315, 0.63),

@@ -87,6 +87,7 @@ def recorded(
         duration=float(seconds),
         parameters=(),
         jacobian=frozen_real(none),
+        bends=frozen_real(none[:, :, None]),
         parameter_values=frozen_real([]),
         covariance=frozen_real(np.zeros((0, 0))),
         scatter=frozen_real([one.scatter for one in found]),

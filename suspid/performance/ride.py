@@ -10,6 +10,7 @@ from suspid.cleaning import RecordLike
 from suspid.errors import InputError
 from suspid.model import Suspension, output_rows
 from suspid.performance.figure_plan import ROTATION, SICKNESS, Plan, comfort_of, plan_of
+from suspid.performance.reaches import bends_of
 from suspid.performance.reactions import reaction
 from suspid.performance.recorded import recorded
 from suspid.performance.rides import Ride
@@ -19,7 +20,7 @@ from suspid.performance.uncertain import Car, Uncertain, uncertain
 from suspid.performance.weightings import weighting_named
 from suspid.simulation import Road, places_of
 from suspid.simulation import road as road_of
-from suspid.units import Metre, Ratio, Second
+from suspid.units import Metre, Ratio, RealArray, Second
 from suspid.values import FrozenItems, frozen_real, within_numbers
 from suspid.words import Check, Level, Number, Remark, Verdict
 from suspid.words.ride import RideCheck, RideHeadline
@@ -76,8 +77,9 @@ def ride(
     Notes
     -----
     Variances are integrals of the spectra over the wavelengths of the road, to eight digits. With exponent 2 and all
-    wavelengths they are those of the Lyapunov equation with white slopes. Standard deviations are to first order with
-    exact derivatives. VDV and crest factor are those of a Gaussian vibration.
+    wavelengths they are those of the Lyapunov equation with white slopes. Intervals are to first order with exact
+    derivatives, by relaxations of mounts near zero to second order. VDV and crest factor are those of a Gaussian
+    vibration.
 
     Examples
     --------
@@ -100,6 +102,10 @@ def ride(
         driven = driven_road(about.car, road, speed)
         plan = plan_of(about.car, driven, duration=seconds, weightings=weightings, clearance=clearance)
         values, jacobian = plan.values(about.car, parameters=about.parameters, relaxations=about.relaxations)
+
+        def bent(one: Suspension, relaxations: Mapping[str, Second]) -> RealArray:
+            return plan.values(one, parameters=about.parameters, relaxations=relaxations)[1]
+
         channels = tuple(plan.weightings)
         # Frequencies of the spectra of a car.
         hertz = np.geomspace(*driven.band, 1024)
@@ -112,6 +118,7 @@ def ride(
             duration=float(seconds),
             parameters=about.parameters,
             jacobian=frozen_real(jacobian),
+            bends=frozen_real(bends_of(about, len(values), bent)),
             parameter_values=about.values,
             covariance=about.covariance,
             scatter=frozen_real(np.zeros(len(figures))),

@@ -36,6 +36,8 @@ class Ride(Result):
         The uncertain parameters of the car.
     jacobian : ndarray (figure, parameter)
         Exact derivatives of the figures by these, in SI units.
+    bends : ndarray (figure, parameter, parameter)
+        Second derivatives by parameters whose interval reaches zero; 0 for others.
     parameter_values : ndarray (parameter,)
         Their values; none of them can be negative.
     covariance : ndarray (parameter, parameter)
@@ -61,6 +63,7 @@ class Ride(Result):
     duration: Second
     parameters: tuple[str, ...]
     jacobian: RealArray
+    bends: RealArray
     parameter_values: RealArray
     covariance: RealArray
     scatter: RealArray
@@ -82,13 +85,13 @@ class Ride(Result):
 
         Those of the parameters are half the width of the 95 % interval over 1.96.
         """
-        by_car = spreads(self.jacobian.T, self.covariance, self.parameter_values)
+        by_car = spreads(self.jacobian.T, self.covariance, self.parameter_values, self.bends)
         return np.asarray(np.hypot(by_car, self.scatter))
 
     def interval(self, level: Ratio = LEVEL) -> dict[str, tuple[float, float]]:
         """Return the ends between which each figure lies with probability ``level``, by its logarithm.
 
-        To first order in the parameters of the car, of which none is negative.
+        No car with a negative spring, damper or relaxation of a mount counts.
 
         Raises
         ------
@@ -97,7 +100,7 @@ class Ride(Result):
         """
         check_level(level)
         reach = normal_reach(level)
-        reached = reaches(self.jacobian.T, self.covariance, self.parameter_values, reach)
+        reached = reaches(self.jacobian.T, self.covariance, self.parameter_values, reach, self.bends)
         with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
             down, up = (
                 np.exp(np.where(self.values > 0, np.hypot(by_car, reach * self.scatter) / self.values, 0.0))

@@ -19,7 +19,7 @@ from suspid.values import FrozenMapping, frozen_real, nearest_names, spread, tex
 from suspid.words import Check, Level, Remark, Verdict
 from suspid.words.ride import RoadCheck, RoadHeadline
 
-# Upper limits of G_d(0.1 cycle/m) of the classes [m3], ISO 8608, table C.1; the last one has none.
+# Upper limits of G_d(0.1 cycle/m) of the classes [m3], ISO 8608, table C.1 as publications quote it; H has none.
 ROAD_LIMITS: Mapping[str, float] = FrozenMapping(
     {name: 2 * mean if name != "H" else np.inf for name, mean in ROUGHNESS.items()}
 )

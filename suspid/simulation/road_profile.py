@@ -11,7 +11,7 @@ from suspid.errors import InputError
 from suspid.units import Metre, Ratio, RealArray
 from suspid.values import FrozenMapping
 
-# Geometric mean of the displacement spectral density of each class at REFERENCE [m3], ISO 8608.
+# Geometric mean of the displacement spectral density of each class at REFERENCE [m3]: ISO 8608 as others quote it.
 ROUGHNESS: Mapping[str, float] = FrozenMapping({name: 16e-6 * 4**k for k, name in enumerate("ABCDEFGH")})
 REFERENCE = 0.1  # cycle/m, to which the classes refer
 # Wavelengths of a road [m]: shorter ones are levelled by the contact patch of a tyre, longer ones by the road itself.

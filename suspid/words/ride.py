@@ -21,7 +21,8 @@ def _driven(numbers: Numbers) -> str:
 
 
 def _comfort(numbers: Numbers) -> str:
-    return f"{numbers['channel']}: {' to '.join(numbers['words'])} ({numbers['weighted']:.2g} m/s2, ISO 2631-1, C.2.3)."
+    said = f"{numbers['channel']}: {' to '.join(numbers['words'])} ({numbers['weighted']:.2g} m/s2"
+    return f"{said}, ISO 2631-1, C.2.3, as quoted in the literature)."
 
 
 def _front(numbers: Numbers) -> str:
@@ -88,7 +89,10 @@ class RoadHeadline(Code):
 class RoadCheck(Code):
     """What speaks for and against the class of a road."""
 
-    CLASS = "sure", "It is of class {name} with a probability of {share:.1%}."
+    CLASS = (
+        "sure",
+        "It is of class {name} with a probability of {share:.1%}, by limits of ISO 8608 as quoted in the literature.",
+    )
     BETWEEN = "between", _listed("It may be of class {names}: the interval crosses a limit.")
     BENT = (
         "bent",

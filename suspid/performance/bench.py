@@ -1,0 +1,154 @@
+"""A test bench: contact forces of all wheels of a car over the sweep, their least values and derivatives."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from suspid.errors import InputError
+from suspid.model import positive_number
+from suspid.performance.contact import Wheels, contact, static_loads
+from suspid.units import ComplexArray, Hertz, Metre, Newton, RealArray
+from suspid.values import nearest_names
+
+GRID: Hertz = 0.05  # of the curves; a least value is refined between its neighbours
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Bench:
+    """Curves of all wheels and their least values: of the contact force over the static one, then of the phase."""
+
+    wheels: Wheels
+    load: RealArray  # (wheel,)
+    ends: RealArray  # (wheel, 2), between which the least phase is looked for
+    hertz: RealArray  # (frequency,)
+    least: RealArray  # (wheel, frequency)
+    phase: RealArray
+    least_slopes: RealArray  # (parameter, wheel, frequency)
+    phase_slopes: RealArray
+    at: RealArray  # (figure,), where they are met
+    figures: RealArray  # (figure,)
+    jacobian: RealArray  # (figure, parameter)
+
+
+def bench(
+    wheels: Wheels,
+    parameters: Sequence[str],
+    loads: Mapping[str, Newton] | None,
+    amplitude: Metre,
+    highest: Hertz,
+) -> Bench:
+    """Return what a bench finds of a car."""
+    load, load_slopes = _loads(wheels, parameters, loads)
+    hertz = np.arange(1, int(np.ceil(highest / GRID)) + 1) * (highest / np.ceil(highest / GRID))
+
+    def least_at(f: RealArray) -> tuple[RealArray, RealArray]:
+        return _adhesion(*contact(wheels, f, parameters), load, load_slopes, amplitude)
+
+    def phase_at(f: RealArray) -> tuple[RealArray, RealArray]:
+        return _phase(*contact(wheels, f, parameters))
+
+    low, high = wheels.resonances()
+    ends = np.column_stack([np.full(len(high), low), high])
+    (least, least_slopes), (phase, phase_slopes) = least_at(hertz), phase_at(hertz)
+    everywhere = np.array([[0.0, highest]] * len(high))
+    lowest = [_least_of(least_at, hertz, least[i], everywhere[i], i) for i in range(len(high))]
+    turned = [_least_of(phase_at, hertz, phase[i], ends[i], i, inside=True) for i in range(len(high))]
+    found = (*lowest, *turned)
+    return Bench(
+        wheels=wheels,
+        load=load,
+        ends=ends,
+        hertz=hertz,
+        least=least,
+        phase=phase,
+        least_slopes=least_slopes,
+        phase_slopes=phase_slopes,
+        at=np.array([one for one, _, _ in found]),
+        figures=np.array([one for _, one, _ in found]),
+        jacobian=np.array([one for _, _, one in found]).reshape(len(found), len(parameters)),
+    )
+
+
+def check_loads(given: object, wheels: Sequence[str]) -> None:
+    """Refuse loads that are none of the wheels.
+
+    Raises
+    ------
+    InputError
+        If a wheel is unknown, or a load is no positive number.
+    """
+    if given is None:
+        return
+    if not isinstance(given, Mapping):
+        raise InputError(f"loads = {given!r} must map wheels to forces [N], as in {{'tire': 3500.0}}")
+    for name, value in given.items():
+        if name not in wheels:
+            raise InputError(f"loads: there is no wheel {name!r}.{nearest_names(str(name), wheels)}")
+        positive_number(f"loads: {name!r}", value, "N")
+
+
+def _loads(
+    wheels: Wheels, parameters: Sequence[str], given: Mapping[str, Newton] | None
+) -> tuple[RealArray, RealArray]:
+    """Return static contact forces and their derivatives; those that were weighed have none."""
+    if given and set(given) == set(wheels.names):
+        return np.array([given[name] for name in wheels.names], float), np.zeros((len(parameters), len(given)))
+    load, slopes = static_loads(wheels, parameters)
+    for i, name in enumerate(wheels.names):
+        if name in (given or {}):
+            load[i], slopes[:, i] = (given or {})[name], 0.0
+        if load[i] <= 0:
+            raise InputError(f"wheel {name!r} carries {load[i]:.0f} N: the car as described stands on fewer wheels")
+    return load, slopes
+
+
+def _adhesion(
+    G: ComplexArray, slopes: ComplexArray, load: RealArray, load_slopes: RealArray, amplitude: Metre
+) -> tuple[RealArray, RealArray]:
+    """Return least over static contact force, (wheel, frequency), and its derivatives, (parameter, …)."""
+    size = np.abs(G)
+    share = amplitude * size / load[:, None]
+    by_force = np.real(np.conj(G) * slopes) / size**2
+    return 1 - share, -share * (by_force - (load_slopes / load)[:, :, None])
+
+
+def _phase(G: ComplexArray, slopes: ComplexArray) -> tuple[RealArray, RealArray]:
+    """Return the phase of the contact force [rad], (wheel, frequency), and its derivatives, (parameter, …).
+
+    A car without a source of energy has phases between 0 and pi.
+    """
+    return np.angle(G), np.imag(slopes / G)
+
+
+def _least_of(
+    curve: Callable[[RealArray], tuple[RealArray, RealArray]],
+    hertz: RealArray,
+    values: RealArray,
+    ends: RealArray,
+    wheel: int,
+    *,
+    inside: bool = False,
+) -> tuple[Hertz, float, RealArray]:
+    """Return where a curve is least between two frequencies, its value there and derivatives; NaN if it has no such.
+
+    With ``inside`` only local minima count.
+    """
+    from scipy.optimize import minimize_scalar
+
+    padded = np.concatenate([[np.inf], values, [np.inf]])
+    valley = (values <= padded[:-2]) & (values <= padded[2:]) & (hertz > ends[0]) & (hertz < ends[1] * (1 + 1e-12))
+    valley[-1] &= not inside
+    valley[0] &= not inside
+    if not np.any(valley):
+        return np.nan, np.nan, np.full(len(curve(hertz[:1])[1]), np.nan)
+    best = int(np.argmin(np.where(valley, values, np.inf)))
+    around = float(hertz[max(best - 1, 0)]), float(hertz[min(best + 1, len(hertz) - 1)])
+    found = minimize_scalar(
+        lambda f: float(curve(np.array([f]))[0][wheel, 0]), bounds=around, method="bounded", options={"xatol": 1e-7}
+    )
+    at = float(found.x) if found.fun <= values[best] else float(hertz[best])
+    value, slopes = curve(np.array([at]))
+    return at, float(value[wheel, 0]), slopes[:, wheel, 0]
