@@ -50,7 +50,11 @@ def reaches(
         d = _farthest(sign * slopes, covariance, values, near, reach)
         moved = sign * np.sum(slopes * d, axis=0)
         if bends is not None:
-            moved += sign * np.einsum("pf,fpq,qf->f", d, bends, d) / 2
+            bent = sign * np.einsum("pf,fpq,qf->f", d, bends, d) / 2
+            # A figure that turns on the way is farthest there.
+            turns = -2 * bent > moved
+            share = np.where(turns, moved / np.where(turns, -2 * bent, 1.0), 1.0)
+            moved = share * moved + share**2 * bent
         sides.append(np.maximum(moved, 0.0))
     return sides[0], sides[1]
 
