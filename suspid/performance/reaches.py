@@ -2,9 +2,9 @@
 
 The parameters lie with a probability in an ellipsoid about their values, ``d' S^-1 d <= r^2``; a figure's interval is
 from its least to its largest value there. A mount that is as good as rigid has a relaxation at its bound of zero, and
-beyond it there is no car. Then the interval is the union of that of the cars within the bounds and of those with any of the
-mounts rigid that the records do not rule out: given a rigid mount, the other parameters are known better. Figures bend
-with a relaxation that is as uncertain as it is large, so its second derivatives count.
+beyond it there is no car. Then the interval is the union of that of the cars within the bounds and of those with any of
+the mounts rigid that the records do not rule out: given a rigid mount, the other parameters are known better. Figures
+bend with a relaxation that is as uncertain as it is large, so its second derivatives count.
 """
 
 from __future__ import annotations
