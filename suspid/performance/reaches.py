@@ -24,7 +24,7 @@ MOST_BOUNDS = 8
 # A parameter beyond its bound by less than this share of its standard deviation is at it: rounding.
 AT_ZERO = 1e-9
 # Standard deviations from its bound up to which a parameter has second derivatives: intervals of 99.7 % reach it.
-NEAR = 3.0
+BENT_WITHIN = 3.0
 
 
 def reaches(
@@ -76,7 +76,7 @@ def bends_of(
     std = np.sqrt(np.maximum(np.diag(about.covariance), 0.0))
     bends = np.zeros((figures, len(std), len(std)))
     bent: dict[int, RealArray] = {}
-    for j in _near(about.values, std, NEAR):
+    for j in _near(about.values, std, BENT_WITHIN):
         ends = max(float(about.values[j] - std[j]), 0.0), float(about.values[j] + std[j])
         rows = [jacobian(*_with(about, about.parameters[j], value)) for value in ends]
         # What a car at an end lacks, as a least phase, does not bend.
