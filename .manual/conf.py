@@ -110,6 +110,13 @@ def _section(title: str) -> str:
     return re.sub(r"\[([^\]]+)\]\((?!https?:)[^)]*\)", r"\1", body)
 
 
+def _indexed(table: str) -> str:
+    """Return entries of the index for the names in the first column of a table, so that the search shows them first."""
+    cells = [line.split("|")[1] for line in table.splitlines() if line.startswith("| `")]
+    names = dict.fromkeys(name for cell in cells for name in re.findall(r"`(\w+)", cell))
+    return "\n```{index} " + ", ".join(f"{name} (MATLAB)" for name in names) + "\n```\n"
+
+
 def _make_pages(source: Path) -> None:
     """Write the pages that are made from the README, the reports and the names, beside the others."""
     (source / "names.rst").write_text(_public_names(), encoding="utf-8")
@@ -124,6 +131,8 @@ def _make_pages(source: Path) -> None:
         if name == "measured":
             body += "\n## Reports\n\nWhat `python -m validation` wrote:\n\n"
             body += "```{toctree}\n:glob:\n:maxdepth: 1\n\nreports/*\n```\n"
+        if name == "matlab":
+            body = _indexed(body) + body
         (source / f"{name}.md").write_text(f"# {heading}\n{body}", encoding="utf-8")
     reports = source / "reports"
     reports.mkdir(exist_ok=True)

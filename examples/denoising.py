@@ -9,6 +9,7 @@ a decay is taken for noise the damping comes out too high. So: denoise to look, 
 """
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from suspid import add_noise, denoise, eigenmodes, free_decay, identify, quarter_car
 
@@ -39,3 +40,10 @@ for snr in (20.0, 12.0):
     for name, error in errors.items():
         columns = [f"{m:+6.2f} ± {s:5.2f}" for m, s in zip(np.mean(error, 0), np.std(error, 0), strict=True)]
         print(f"{snr:3.0f} dB  {name:>9}  {'  '.join(columns)}  {np.mean(left[name]):.1e} m")
+
+figure = Figure(figsize=(7, 3), layout="constrained")
+ax = figure.subplots()
+for values, label in ((raw, "record"), (denoise(raw), "denoised"), (clean, "without noise")):
+    ax.plot(values.time, values.y[0], label=label, linewidth=0.8)
+ax.set(xlim=(0, 6), xlabel="time [s]", ylabel=f"{clean.output_labels[0]} [m]")
+ax.legend()

@@ -38,5 +38,6 @@ for name, value in (("chassis.stiffness", 22e3), ("chassis.damping", 1300.0)):
     ends = [found.interval(0.999)[name] for found in (rig, drive)]
     print(f"{name}: both intervals hold {value:g}:", all(low <= value <= high for low, high in ends))
 picture = sys.argv[1] if len(sys.argv) > 1 else f"{tempfile.mkdtemp()}/driven_car.png"
-plot_estimate(drive, Figure(figsize=(8, 9))).savefig(picture, dpi=120)
+drawn = plot_estimate(drive, Figure(figsize=(8, 9)))
+drawn.savefig(picture, dpi=120)
 print(f"drawn to {Path(picture)}")

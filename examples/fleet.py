@@ -38,4 +38,6 @@ for month in range(12):
 if __name__ == "__main__":
     run = identify_many(folder / "records", output=folder / "results", car=car, workers=2)
     print(run, "\n")
-    print(fleet_summary(folder / "results", table=folder / "tests.csv"))
+    summary = fleet_summary(folder / "results", table=folder / "tests.csv")
+    print(summary)
+    drawn = summary.plot()

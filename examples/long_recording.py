@@ -56,6 +56,8 @@ print(repeats, "\n")
 print("Truth:")
 print(eigenmodes(car))
 
+drawn = repeats.each[0].plot()
+
 # The page is on the best decay; the repeats stand beside it.
 best = repeats.each[0]
 page = Path(sys.argv[1] if len(sys.argv) > 1 else Path(tempfile.mkdtemp(), "page.html"))

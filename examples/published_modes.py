@@ -22,6 +22,7 @@ nominal = quarter_car(
 )
 found = reconstruct(published, nominal, fixed=["tire.damping"])
 print(found, "\n")
+drawn = found.plot()
 
 
 def test_the_springs_have_the_published_modes() -> None:

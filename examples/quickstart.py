@@ -37,3 +37,6 @@ print(compare(found.modes, eigenmodes(car), rtol=0.02), "\n")
 # Masses are known; springs and dampers only roughly.
 nominal = car.with_parameters(stiffness={"seat": 260e3, "tire": 600e3}, damping={"chassis": 260.0})
 print(reconstruct(found.modes, nominal))
+
+# Every result draws itself; in a notebook the last line of a cell does so without a call.
+drawn = found.plot()

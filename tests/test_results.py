@@ -25,6 +25,7 @@ from suspid import (
     compare,
     cwt,
     damper_curve,
+    damper_trends,
     eigenmodes,
     estimate,
     find_decays,
@@ -38,9 +39,11 @@ from suspid import (
     road_profile,
     sensitivities,
     simulate,
+    stabilization,
     tune,
     tune_active,
     tune_damper,
+    wear,
 )
 from suspid.errors import InputError
 from suspid.results import Result
@@ -71,6 +74,11 @@ DRAWN = {
     "bandwidths",
     "curve",
     "drive",
+    "comparison",
+    "reconstruction",
+    "stabilization",
+    "wear",
+    "trends",
 }
 
 
@@ -89,6 +97,7 @@ def results() -> dict[str, Any]:
             for name, row in zip(shown, driven.outputs, strict=True)
         ),
     )
+    springs = estimate(RECORD, cars.PAPER)
     return {
         "modes": found.modes,
         "poles": ModalSet.from_wn_zeta([10.0, 70.0], [0.3, 0.2], wn_std=[0.1, 0.5], zeta_std=[0.01, 0.01]),
@@ -98,7 +107,10 @@ def results() -> dict[str, Any]:
         "decays": find_decays(RECORD),
         "comparison": compare(found.modes, eigenmodes(cars.PAPER), rtol=0.05),
         "reconstruction": reconstruct(found.modes, cars.PAPER),
-        "estimate": estimate(RECORD, cars.PAPER),
+        "estimate": springs,
+        "stabilization": stabilization(RECORD, most=8),
+        "wear": wear(springs),
+        "trends": damper_trends([("van", float(day), springs) for day in range(5)]),
         "grip": grip(cars.HATCHBACK),
         "ride": ride(cars.HATCHBACK, road="C", speed=20.0),
         "sensitivities": sensitivities(cars.HATCHBACK),
@@ -128,13 +140,11 @@ def test_all_results_are_tried(results: dict[str, Any]) -> None:
     public = {
         one for name in suspid.__all__ if isinstance(one := getattr(suspid, name), type) and issubclass(one, Result)
     }
-    # Drives and the wear of dampers have tests of their own.
+    # Limits, stretches of drives and fleets have tests of their own.
     assert {one.__name__ for one in public} - {type(one).__name__ for one in results.values()} <= {
         "CheckedLimits",
-        "DamperTrends",
         "Drives",
-        "Stabilization",
-        "Wear",
+        "FleetSummary",
     }
 
 
@@ -168,7 +178,7 @@ def test_plots_are_those_of_python_control(results: dict[str, Any]) -> None:
         assert alone.axes[0, 0] is ax
         assert alone.figure is ax.figure
     with pytest.raises(InputError, match="no picture"):
-        results["comparison"].plot()
+        results["road"].plot()
 
 
 def test_tables_hold_the_numbers(results: dict[str, Any]) -> None:

@@ -12,6 +12,7 @@ from suspid.fleet.damper_trends import DamperTrends
 from suspid.fleet.distributions import FEWEST_RECORDS, QUANTILES, Distribution, Outlier
 from suspid.fleet.trends import Trend
 from suspid.model import Suspension
+from suspid.results import Result, columns_of
 from suspid.values import text_table
 from suspid.words import (
     Check,
@@ -58,7 +59,7 @@ class FailureCount:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class FleetSummary:
+class FleetSummary(Result):
     """What a fleet's results say.
 
     Parameters
@@ -140,6 +141,9 @@ class FleetSummary:
         )
         checks = tuple(Check(Remark(code, numbers), level) for holds, code, numbers, level in said if holds)
         return Verdict(Remark(FleetHeadline.RESULTS, {"identified": identified, "records": self.records}), checks)
+
+    def _table(self) -> Mapping[str, Sequence[object]]:
+        return columns_of(self.distributions, ["quantity", "unit", "count", "median", "scatter", "stated"])
 
     def __str__(self) -> str:
         parts = [

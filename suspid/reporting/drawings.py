@@ -8,21 +8,26 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.analysis import Analysis, DriveAnalysis
+from suspid.fleet import DamperTrends, FleetSummary
 from suspid.greybox import DamperCurve, Estimate
-from suspid.identification import Identification, Repeats
-from suspid.model import ModalSet
-from suspid.performance import DamperTuning, Grip, Ride, Sensitivities, Tuning
+from suspid.identification import Identification, Repeats, Stabilization
+from suspid.model import Comparison, ModalSet
+from suspid.performance import DamperTuning, Grip, Ride, Sensitivities, Tuning, Wear
+from suspid.reconstruction import Reconstruction
 from suspid.reporting.colours import Colour
+from suspid.reporting.plot_comparison import draw_errors
 from suspid.reporting.plot_damper_curve import plot_damper_curve
 from suspid.reporting.plot_drive import draw_finding, plot_drive
 from suspid.reporting.plot_entropy import plot_entropy
 from suspid.reporting.plot_estimate import draw_changes, plot_estimate
+from suspid.reporting.plot_fleet import draw_fleet, draw_losses, losses_of
 from suspid.reporting.plot_grip import draw_adhesion, plot_grip
 from suspid.reporting.plot_identification import PAGE, plot_identification
 from suspid.reporting.plot_ride import draw_spectrum, plot_ride
 from suspid.reporting.plot_scalogram import plot_scalogram
 from suspid.reporting.plot_sensitivities import plot_sensitivities
 from suspid.reporting.plot_shapes import plot_shapes
+from suspid.reporting.plot_stabilization import plot_stabilization
 from suspid.reporting.plot_tuning import draw_damper, draw_front, plot_tuning
 from suspid.results import Drawing
 from suspid.results import drawing_of as drawing_of
@@ -65,6 +70,32 @@ def _(found: DamperCurve) -> Drawing:
 @drawing_of.register
 def _(found: DriveAnalysis) -> Drawing:
     return Drawing(alone=partial(draw_finding, found), page=partial(plot_drive, found), size=PAGE)
+
+
+@drawing_of.register
+def _(found: Reconstruction) -> Drawing | None:
+    return None if found.nominal is None else Drawing(alone=partial(draw_changes, found))
+
+
+@drawing_of.register
+def _(found: Comparison) -> Drawing:
+    return Drawing(alone=partial(draw_errors, found))
+
+
+@drawing_of.register
+def _(found: Stabilization) -> Drawing:
+    return Drawing(alone=partial(plot_stabilization, found))
+
+
+@drawing_of.register(Wear)
+@drawing_of.register(DamperTrends)
+def _(found: Wear | DamperTrends) -> Drawing | None:
+    return Drawing(alone=partial(draw_losses, found)) if losses_of(found) else None
+
+
+@drawing_of.register
+def _(found: FleetSummary) -> Drawing | None:
+    return Drawing(alone=partial(draw_fleet, found)) if found.distributions else None
 
 
 @drawing_of.register

@@ -12,7 +12,7 @@ from suspid.fleet import LEGEND, MOST_SHOWN
 from suspid.levels import LEVEL
 from suspid.reporting import fleet_tables as tables
 from suspid.reporting.pictures import Picture, picture
-from suspid.reporting.plot_fleet import Change, draw_distribution, draw_intervals
+from suspid.reporting.plot_fleet import Change, changes_of, draw_distribution, draw_intervals, losses_of
 from suspid.reporting.svg import page_style
 from suspid.words import DamperState, count
 
@@ -104,39 +104,18 @@ def _draw_histogram(found: Distribution, figure: Figure) -> None:
 
 def _changes(some: Sequence[Trend]) -> Picture | None:
     """Draw the changes over time in percent of their start."""
-    changes = [
-        Change(
-            name=f"{one.vehicle}: {one.quantity}",
-            low=100 * one.change[0] / abs(one.start),
-            value=100 * (one.end - one.start) / abs(one.start),
-            high=100 * one.change[1] / abs(one.start),
-            grave=False,
-        )
-        for one in some
-        if one.start
-    ]
-    return _intervals(changes, "changes", "change from first to last test [%]", ())
+    return _intervals(changes_of(some), "changes", "change from first to last test [%]", ())
 
 
 def _dampers(found: DamperTrends | None) -> dict[str, object]:
     """Return the trends of dampers; nothing where there are none."""
     if found is None or not found.trends:
         return {"dampers": tables.damper_table(()), "dampers_picture": None, "rule": ""}
-    some, rule = found.trends[:MOST_SHOWN], found.rule
-    changes = [
-        Change(
-            name=f"{one.vehicle}: {one.damper}",
-            low=100 * one.loss.low,
-            value=100 * one.loss.value,
-            high=100 * one.loss.high,
-            grave=one.state is DamperState.WORN,
-        )
-        for one in some
-    ]
+    rule = found.rule
     marks = (100 * rule.small, 100 * rule.large)
     return {
         "dampers": tables.damper_table(found.trends),
-        "dampers_picture": _intervals(changes, "dampers", "damping lost from first to last test [%]", marks),
+        "dampers_picture": _intervals(losses_of(found), "dampers", "damping lost from first to last test [%]", marks),
         "rule": f"Worn: certainly lost more than {100 * rule.small:g} %. Good: a loss of {100 * rule.large:g} % is "
         f"excluded. Each holds with {100 * (1 - rule.rate):g} % certainty; dotted lines mark both.",
     }

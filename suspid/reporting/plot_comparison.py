@@ -11,7 +11,7 @@ import numpy as np
 from suspid.errors import InputError
 from suspid.greybox import Estimate
 from suspid.levels import LEVEL, check_level
-from suspid.model import ModalSet, compare
+from suspid.model import Comparison, ModalSet, compare
 from suspid.reporting.axes import keep_apart, key_above, shown
 from suspid.reporting.colours import Colour
 
@@ -143,3 +143,20 @@ def _draw(ax: Axes, rows: Sequence[Compared]) -> None:
     ax.axvline(0.0, color=Colour.PALE, linewidth=0.8, zorder=0)
     ax.set_yticks(range(len(rows)), [shown(row.name) for row in rows])
     ax.set_ylim(len(rows) - 0.5, -0.5)
+
+
+def draw_errors(found: Comparison, ax: Axes) -> None:
+    """Draw the error of every value that has a partner over what is allowed, between lines at what passes."""
+    rows = [row for row in found.table if row.error is not None]
+    for at, row in enumerate(rows):
+        # Nothing is allowed of an exact comparison: its errors are drawn as they are.
+        size = (row.error or 0.0) / (row.allowed or 1.0)
+        colour = Colour.BLUE if row.verdict == "ok" else Colour.VERMILION
+        ax.plot([0.0, size], [at, at], color=colour, linewidth=2.0)
+        ax.plot([size], [at], "o", color=colour, markersize=4)
+    for edge in (-1.0, 1.0):
+        ax.axvline(edge, color=Colour.GREY, linewidth=0.8, linestyle=":", zorder=0)
+    ax.axvline(0.0, color=Colour.PALE, linewidth=0.8, zorder=0)
+    ax.set_yticks(range(len(rows)), [f"{shown(row.item)} {row.quantity}" for row in rows])
+    ax.set_ylim(len(rows) - 0.5, -0.5)
+    ax.set_xlabel("error over what is allowed [1]")

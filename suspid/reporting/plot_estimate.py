@@ -10,6 +10,7 @@ from suspid.greybox import nominal_value
 from suspid.levels import LEVEL
 from suspid.reporting.axes import keep_apart, key_above, plot_residual, shown, unit_ticks
 from suspid.reporting.colours import Colour
+from suspid.reporting.spring_rows import values_of
 from suspid.signals import as_signal
 from suspid.units import Ratio
 
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from suspid.greybox import Estimate
+    from suspid.reconstruction import Reconstruction
 
 
 def plot_estimate(found: Estimate, figure: Figure, *, level: Ratio = LEVEL) -> Figure:
@@ -78,20 +80,22 @@ def lively(found: Estimate, record: int) -> NDArray[np.bool_]:
     return np.asarray(residual.timepts - residual.start <= until)
 
 
-def draw_changes(found: Estimate, ax: Axes, level: Ratio = LEVEL) -> None:
-    """Draw found over nominal with intervals, one line for each parameter that has a nominal value."""
-    ends, apart, names = found.interval(level), found.beyond_chance(level), list[str]()
-    for name, value in zip(found.parameters, found.values.tolist(), strict=True):
-        nominal = nominal_value(found.nominal, name)
+def draw_changes(found: Estimate | Reconstruction, ax: Axes, level: Ratio = LEVEL) -> None:
+    """Draw found over nominal with intervals if there are any, one line for each parameter with a nominal value."""
+    known, names = found.covariance is not None, list[str]()
+    ends, apart = (found.interval(level), found.beyond_chance(level)) if known else ({}, frozenset[str]())
+    for name, value in values_of(found).items():
+        nominal = None if found.nominal is None else nominal_value(found.nominal, name)
         if not nominal:
             continue
-        low, here, high = (100 * (end / nominal - 1) for end in (ends[name][0], value, ends[name][1]))
-        colour = Colour.BLUE if name in apart else Colour.GREY
-        ax.plot([low, high], [len(names)] * 2, color=colour, linewidth=2.0)
-        ax.plot([here], [len(names)], "o", color=colour, markersize=4)
+        low, high = ends.get(name, (value, value))
+        colour = Colour.BLUE if name in apart or not known else Colour.GREY
+        ax.plot([100 * (end / nominal - 1) for end in (low, high)], [len(names)] * 2, color=colour, linewidth=2.0)
+        ax.plot([100 * (value / nominal - 1)], [len(names)], "o", color=colour, markersize=4)
         names.append(shown(name))
     ax.axvline(0.0, color=Colour.PALE, linewidth=0.8, zorder=0)
     ax.set_yticks(range(len(names)), names)
     ax.set_ylim(len(names) - 0.5, -0.5)
     ax.set_xlabel("change from nominal [%]")
-    ax.set_title(f"springs and dampers with {100 * level:g} % intervals; grey: no significant change", loc="left")
+    intervals = f" with {100 * level:g} % intervals; grey: no significant change" if known else ""
+    ax.set_title(f"springs and dampers{intervals}", loc="left")

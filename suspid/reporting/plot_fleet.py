@@ -8,13 +8,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from suspid.fleet import MOST_SHOWN, DamperTrends
 from suspid.reporting.axes import shown
 from suspid.reporting.colours import Colour
+from suspid.words import DamperState
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from suspid.fleet import Distribution
+    from suspid.fleet import Distribution, FleetSummary, Trend
+    from suspid.performance import Wear
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -63,3 +66,53 @@ def draw_intervals(changes: Sequence[Change], ax: Axes, *, label: str, marks: Se
     ax.set_yticks(range(len(changes)), [shown(one.name) for one in changes])
     ax.set_ylim(len(changes) - 0.5, -0.5)
     ax.set_xlabel(label)
+
+
+def changes_of(trends: Sequence[Trend]) -> list[Change]:
+    """Return the changes of quantities over time, in percent of their start."""
+    return [
+        Change(
+            name=f"{one.vehicle}: {one.quantity}",
+            low=100 * one.change[0] / abs(one.start),
+            value=100 * (one.end - one.start) / abs(one.start),
+            high=100 * one.change[1] / abs(one.start),
+            grave=False,
+        )
+        for one in trends[:MOST_SHOWN]
+        if one.start
+    ]
+
+
+def losses_of(found: DamperTrends | Wear) -> list[Change]:
+    """Return what dampers have lost, in percent of their damping; an end that is not known is the value."""
+    named = (
+        [(f"{one.vehicle}: {one.damper}", one.loss, one.state) for one in found.trends]
+        if isinstance(found, DamperTrends)
+        else [(one.damper, one.loss, one.state) for one in found.dampers]
+    )
+    return [
+        Change(
+            name=name,
+            low=100 * (loss.low if np.isfinite(loss.low) else loss.value),
+            value=100 * loss.value,
+            high=100 * (loss.high if np.isfinite(loss.high) else loss.value),
+            grave=state is DamperState.WORN,
+        )
+        for name, loss, state in named[:MOST_SHOWN]
+    ]
+
+
+def draw_losses(found: DamperTrends | Wear, ax: Axes) -> None:
+    """Draw what each damper has lost with its interval, and the limits of the rule as dotted lines."""
+    marks = (100 * found.rule.small, 100 * found.rule.large)
+    draw_intervals(losses_of(found), ax, label="damping lost [%]", marks=marks)
+
+
+def draw_fleet(found: FleetSummary, ax: Axes) -> None:
+    """Draw what decides: the losses of dampers, else the changes over time, else how the first quantity is spread."""
+    if found.dampers is not None and found.dampers.trends:
+        draw_losses(found.dampers, ax)
+    elif found.trends:
+        draw_intervals(changes_of(found.trends), ax, label="change from first to last test [%]")
+    else:
+        draw_distribution(found.distributions[0], ax)

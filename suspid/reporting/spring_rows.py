@@ -38,7 +38,7 @@ class SpringRow:
 def spring_rows(found: Estimate | Reconstruction, level: Ratio) -> list[SpringRow]:
     """Return a row for each parameter that was found, those held last."""
     reach, others = normal_reach(level), [parameter_values(car) for car in found.alternatives]
-    values = _values(found)
+    values = values_of(found)
     apart = frozenset[str]() if found.covariance is None else found.beyond_chance(level)
     stds = [None] * len(values) if found.covariance is None else np.sqrt(np.diag(found.covariance)).tolist()
     rows = []
@@ -60,7 +60,8 @@ def spring_rows(found: Estimate | Reconstruction, level: Ratio) -> list[SpringRo
     return rows + [_held(found, name) for name in found.held]
 
 
-def _values(found: Estimate | Reconstruction) -> dict[str, float]:
+def values_of(found: Estimate | Reconstruction) -> dict[str, float]:
+    """Return the parameters that were found with their values."""
     if isinstance(found, Estimate):
         return dict(zip(found.parameters, found.values.tolist(), strict=True))
     every = parameter_values(found.suspension)
