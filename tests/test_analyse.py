@@ -30,6 +30,9 @@ from suspid import (
 )
 from suspid.cli.main import main
 from suspid.errors import SuspidError
+from suspid.fleet.job import Job
+from suspid.fleet.records import Entry
+from suspid.fleet.rows import record_rows
 from suspid.reporting import json_schema
 from suspid.signals import as_response, as_signal
 from suspid.words import Note, RecordCheck
@@ -39,13 +42,23 @@ from validation.greybox_rows import rows
 
 ROOT = Path(__file__).parents[1]
 DATA = ROOT.parent / "shared" / "data"
+EXAMPLE = ROOT / "examples" / "quarter_car.csv"
 RECORDS = [
-    ROOT / "examples" / "quarter_car.csv",
-    pytest.param(DATA / "vibtest_inout_mat" / "case1.mat", marks=pytest.mark.slow),
+    EXAMPLE,
+    *[
+        pytest.param(DATA / name, marks=pytest.mark.slow)
+        for name in (
+            "vibtest_inout_mat/case1.mat",
+            "bicycle_pendulum_mat/BrowserForkCompoundFirst1.mat",
+            "rizoit_seat3dof_sim/chirp.csv",
+            "css_canedge_car_mf4/00000164_00000001-60FE3F04.MF4",
+            "css_canedge_car_mf4/00000164_00000002-60FE415D.MF4",
+            "css_canedge_car_mf4/stationary_2F6913DB_00000004_00000001.MF4",
+            "pyuff_uff58_mps/MPSTD#Set001_2024_10_08_10_27_07.uff",
+        )
+    ],
     DATA / "rizoit_seat3dof_sim" / "release.csv",
     DATA / "rizoit_seat3dof_sim" / "step50mm.csv",
-    pytest.param(DATA / "rizoit_seat3dof_sim" / "chirp.csv", marks=pytest.mark.slow),
-    DATA / "css_canedge_car_mf4" / "stationary_2F6913DB_00000004_00000001.MF4",
 ]
 
 
@@ -64,11 +77,12 @@ def late_bump(path: Path) -> Path:
 
 
 @pytest.mark.parametrize("path", RECORDS, ids=lambda path: path.name)
-def test_library_commands_and_report_agree(path: Path, tmp_path: Path) -> None:
+def test_library_commands_report_and_fleet_agree(path: Path, tmp_path: Path) -> None:
     if not path.exists():
         pytest.skip("the shared records are not here")
-    if path.suffix == ".MF4":
-        pytest.importorskip("asammdf")
+    for suffix, library in ((".MF4", "asammdf"), (".uff", "pyuff")):
+        if path.suffix == suffix:
+            pytest.importorskip(library)
     agree(path, tmp_path)
 
 
@@ -83,8 +97,7 @@ def agree(path: Path, folder: Path) -> np.ndarray[tuple[int], np.dtype[np.float6
     found = analyse(path, settings=settings)
     again = identify(found.identification.response)
     assert np.array_equal(again.modes.poles, found.identification.modes.poles)
-    from_recording = analyse(read_recording(path, dbc=settings.dbc), settings=settings)
-    assert np.array_equal(from_recording.modes.poles, found.modes.poles)
+    row_of_fleet(path, settings, found)
     assert run("identify", path, "--json", folder / "modes.json", *options).exit_code == 0
     told = run("report", path, "-o", folder / "page.html", "--json", folder / "page.json", *options)
     assert told.exit_code == 0
@@ -94,6 +107,26 @@ def agree(path: Path, folder: Path) -> np.ndarray[tuple[int], np.dtype[np.float6
         assert [mode["zeta"] for mode in content["modes"]] == found.modes.zeta.tolist()
         assert content["verdict"] == found.verdict.to_dict()
     return np.asarray(found.modes.wn)
+
+
+def row_of_fleet(path: Path, settings: Settings, found: Analysis) -> None:
+    """Compare the rows that a worker of `suspid fleet` makes of a file."""
+    rows = record_rows(Job(settings=settings), Entry(name=path.name, path=str(path)), lambda _: None)
+    assert [row["wn_rad_per_s"] for row in rows.modes] == found.modes.wn.tolist()
+    assert [row["zeta"] for row in rows.modes] == found.modes.zeta.tolist()
+    assert {row["verdict"] for row in rows.modes} <= {found.verdict.level.label}
+    # A record without a mode is a row among the failures, with the doubts of its verdict.
+    assert [row["code"] for row in rows.failures] == ([] if len(found.modes) else ["no mode"])
+    doubts = {str(one.code) for one in found.verdict.doubts}
+    for row in rows.modes:
+        assert set(row["doubts"]) == doubts  # type: ignore[call-overload]
+    for row in rows.failures:
+        assert doubts <= set(row["checks"])  # type: ignore[call-overload]
+
+
+def test_a_recording_is_its_file() -> None:
+    found = analyse(read_recording(EXAMPLE))
+    assert np.array_equal(found.modes.poles, analyse(EXAMPLE).modes.poles)
 
 
 class TestSettings:
