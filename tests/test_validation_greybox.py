@@ -1,5 +1,7 @@
 """The report on estimates: its motion and its bounds obey laws, and agree with other ways to compute them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -9,6 +11,7 @@ from validation.greybox_bounds import given_bound, time_bound, transfer_of
 from validation.greybox_rows import FULL, MOUNTED, QUARTER, parameters
 from validation.motion import STEP, Drive, driven, integrated, road_heights
 from validation.springs import physical_bound
+from validation.tyre_bounds import Asked, responses, tire_bound
 
 
 @pytest.mark.parametrize("car", [QUARTER, MOUNTED], ids=["plain", "mounted"])
@@ -88,3 +91,25 @@ def test_a_late_sensor_is_late_and_a_rear_axle_follows() -> None:
     true, _ = driven(QUARTER, Drive(duration=10.0, spread=0.0), np.random.default_rng(4))
     np.testing.assert_allclose(late["tire_acceleration"][2:], true["tire_acceleration"][:-2], atol=1e-9)
     np.testing.assert_array_equal(late["chassis_acceleration"], true["chassis_acceleration"])
+
+
+def test_the_transfers_of_the_bound_of_tires_are_those_of_the_state_space() -> None:
+    f = np.array([1.0, 4.0, 11.0])
+    found = responses(f, np.array([1.0, 1, 1, 1, 1, 1, 0, 0]))
+    for row, s in zip(found, 2j * np.pi * f, strict=True):
+        by_road = np.asarray(statespace(QUARTER, road_rate=False)(s, squeeze=False))[:2, 0]
+        np.testing.assert_allclose(row, s**2 * by_road, rtol=1e-9)
+
+
+def test_the_bound_of_tires_obeys_laws() -> None:
+    exact = Asked(departure=1e-6, tire_damper_std=0.0, spread=0.0)
+    one, four = tire_bound(exact), tire_bound(replace(exact, duration=4 * exact.duration))
+    # Nothing is known of tire and wheel beforehand, so four times the drive halves the error.
+    for name in ("kt/mu", "kt", "mu"):
+        assert one[name] / four[name] == pytest.approx(2.0, rel=0.01)
+    wheel = tire_bound(replace(exact, wheel_known=True))
+    assert wheel["mu"] < 1e-4
+    assert wheel["kt"] == pytest.approx(wheel["kt/mu"], rel=1e-3)
+    # kt/mu and mu share what is known: whoever knows one of them knows the other better.
+    assert wheel["kt"] < one["kt/mu"]
+    assert tire_bound(replace(exact, departure=0.3))["kt"] > one["kt"]

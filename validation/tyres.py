@@ -22,11 +22,13 @@ from suspid.values import text_table
 from validation.greybox_peers import ssi_poles
 from validation.greybox_rows import NOISE, QUARTER
 from validation.motion import LEVELS, RADIUS, Drive, driven, record_of
+from validation.tyre_bounds import Asked, tire_bound
 
 if TYPE_CHECKING:
     import control
 
 SEEDS = int(os.environ.get("SUSPID_SEEDS", "50"))
+FIRST_SEED = 730_000  # the method was developed on lower ones
 PEER_SEEDS = min(SEEDS, 20)
 CHANNELS = ("chassis_acceleration", "tire_acceleration")
 NAMES = ("kt/mu", "kt", "mu", "f1", "zeta1", "f2", "zeta2")
@@ -45,6 +47,13 @@ straight power laws, or bent at 0.17 cycle/m, in the middle of the band.
 
 Bias and RMSE are in % of the truth. Coverage is how many of the 95 % intervals hold. G is the road's mean roughness
 G_d(0.1 cycle/m), where the road is straight. Time is processor time of `estimate` on this machine.
+
+'bound' is the Cramér-Rao bound (`validation/tyre_bounds.py`) with all that is unknown: spring, damper, gain, delay and
+mount, the level of every stretch, the exponent, the tire's damping, and a smooth departure of 30 % from the power law.
+The errors of kt and of the wheel's mass are alike, and their ratio is known much better. kt alone to 2 % is out of
+reach in five minutes: even on a road that is exactly a power law, with a tire whose damping is known, the bound is
+2.5 %. kt/mu to 2 % is at the bound, and so is kt where the wheel's mass is known: weigh it. The bound is that of the
+mean over all roads that depart so from a power law; on a straight one errors can be smaller.
 `SUSPID_SEEDS=50 python -m validation tyres` writes this page."""
 HARM = """## What is left out
 
@@ -165,7 +174,7 @@ def compared(found: Estimate, car: Suspension) -> tuple[RealArray, RealArray]:
 def tally(row: TireRow, *, seeds: int = SEEDS) -> TireTally:
     """Return errors and coverage of a case over many draws."""
     errors, holds, rough, spent, failed = [], [], [], [], 0
-    for seed in range(seeds):
+    for seed in range(FIRST_SEED, FIRST_SEED + seeds):
         record, speed, car = draw(row, seed)
         start = time.process_time()
         try:
@@ -189,6 +198,19 @@ def tally(row: TireRow, *, seeds: int = SEEDS) -> TireTally:
     )
 
 
+def asked_of(row: TireRow) -> Asked:
+    """Return the drive of a case as the bound takes it; bent roads have a mean exponent."""
+    return Asked(
+        duration=row.drive.duration,
+        speed=row.drive.speed,
+        spread=row.drive.spread,
+        exponent=float(np.mean(row.drive.exponents)),
+        roughness=LEVELS[row.drive.road],
+        tire_damper_std=DAMPING[1],
+        wheel_known=row.mass_known,
+    )
+
+
 def table(cases: list[TireRow], *, seeds: int = SEEDS) -> str:
     """Return the table of some cases."""
     columns: dict[str, list[str]] = {"drive": [], "draws": [], "failed": []}
@@ -196,11 +218,13 @@ def table(cases: list[TireRow], *, seeds: int = SEEDS) -> str:
         done = tally(row, seeds=seeds)
         bias, rmse = 100 * np.mean(done.error, axis=0), 100 * np.sqrt(np.mean(done.error**2, axis=0))
         held = 100 * np.mean(done.holds, axis=0)
-        cells = {"drive": row.name, "draws": str(seeds), "failed": str(done.failed)}
+        cells = {"drive": row.name, "draws": str(done.failed + len(done.error)), "failed": str(done.failed)}
+        bound = tire_bound(asked_of(row))
         for i, name in enumerate(NAMES[:3]):
             known = row.mass_known and name == "mu"
             cells[f"{name} bias"] = "known" if known else f"{bias[i]:+.1f}"
             cells[f"{name} RMSE"] = "" if known else f"{rmse[i]:.2f}"
+            cells[f"{name} bound"] = "" if known else f"{100 * bound[name]:.2f}"
             cells[f"{name} cover"] = "" if known else f"{held[i]:.0f}"
         for i, name in enumerate(NAMES[3:], 3):
             cells[f"{name} RMSE"] = f"{rmse[i]:.2f}"
@@ -220,7 +244,7 @@ def peers_table(*, seeds: int = PEER_SEEDS) -> str:
     every = {row.name: row for row in rows()["Five minutes"]}
     for name in ("exponent 2", "bent, 1.5 to 2.5", "unbalance 80 N"):
         ours, theirs, failed = [], [], 0
-        for seed in range(seeds):
+        for seed in range(FIRST_SEED, FIRST_SEED + seeds):
             record, speed, car = draw(every[name], seed)
             ours.append(compared(found_in(every[name], record, speed), car)[0][3:])
             try:
