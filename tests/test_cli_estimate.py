@@ -5,12 +5,13 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import control
 import jsonschema
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
-from suspid import add_noise, free_decay, quarter_car, read_car, simulate, write_car, write_record
+from suspid import add_noise, analyse, free_decay, quarter_car, read_car, simulate, statespace, write_car, write_record
 from suspid.cli.main import main
 from suspid.reporting import json_schema
 
@@ -94,12 +95,65 @@ def test_a_free_mass_in_two_tests_is_found(files: Path, monkeypatch: pytest.Monk
 
 def test_names_of_the_file_are_mapped(files: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(files)
-    text = (files / "rig.csv").read_text().replace("chassis_acceleration", "az [g]", 1)
+    text = (files / "rig.csv").read_text().replace("chassis_acceleration", "az [m/s2]", 1)
     (files / "rig.csv").write_text(text)
     options = ["--rename", "az=chassis_acceleration", "--json", "e.json"]
     result = run("estimate", "rig.csv", "--given", "road", "--car", "car.toml", *options)
     assert result.exit_code == 0, result.output
     assert holds(json.loads((files / "e.json").read_text()))
+
+
+@pytest.fixture
+def rested(files: Path) -> Path:
+    """A folder with a decay in millimetres that begins after a second of rest."""
+    record = free_decay(CAR, TIMES, initial_state={"v_tire": 1.0, "z_chassis": 0.02})
+    rows = np.concatenate([np.zeros((2, 200)), record.outputs], axis=1)
+    rows = 1e3 * rows + 0.2 * np.random.default_rng(5).standard_normal(rows.shape)
+    table = np.column_stack([0.005 * np.arange(rows.shape[1]), *rows])
+    np.savetxt(files / "rested.csv", table, delimiter=",", header="time [s],chassis [mm],tire (mm)", comments="")
+    return files
+
+
+class TestUnitsAndRest:
+    def test_names_with_units_are_read_in_si_and_the_rest_is_left_out(
+        self, rested: Path, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        monkeypatch.chdir(rested)
+        result = run("estimate", "rested.csv", "--car", "car.toml", "--json", "e.json")
+        assert result.exit_code == 0, result.output
+        assert "channel 'tire' was converted from mm to m" in result.stderr
+        assert "used from 1 s on" in result.stdout
+        assert holds(json.loads((rested / "e.json").read_text()))
+
+    def test_a_report_takes_the_same_names(self, rested: Path) -> None:
+        found = analyse(rested / "rested.csv", car=NOMINAL)
+        assert set(found.modes.channels) == {"chassis", "tire"}
+        best = found.estimate or found.reconstruction
+        assert best is not None
+        assert best.explains
+        errors = {s.name: s.stiffness / TRUTH[f"{s.name}.stiffness"] - 1 for s in best.suspension.struts}
+        assert all(abs(error) < 0.02 for error in errors.values()), errors
+
+    def test_a_unit_that_is_not_stated_is_a_doubt(self, files: Path) -> None:
+        """Road in mm, motion in m/s2: the springs that would be needed are a thousand times softer."""
+        options = ["--given", "road", "--scale", "road=1000", "--car", files / "car.toml"]
+        result = run("estimate", files / "rig.csv", *options)
+        assert "care." in result.stdout or "doubtful." in result.stdout, result.output
+        assert "More than 3 times larger or smaller than nominal" in result.stdout
+
+    def test_a_channel_of_force_is_a_cause(self, files: Path) -> None:
+        push = 300 * np.sin(2 * np.pi * (0.5 + 2 * TIMES) * TIMES)
+        outputs = ["chassis_acceleration", "tire_acceleration"]
+        model = statespace(CAR, outputs=outputs, forces=["chassis"])
+        moved = control.forced_response(model, TIMES, push).outputs
+        moved = moved + 0.02 * np.random.default_rng(2).standard_normal(moved.shape)
+        table = np.column_stack([TIMES, push, *moved])
+        header = "time [s],chassis_force [N],chassis_acceleration [m/s2],tire_acceleration [m/s2]"
+        np.savetxt(files / "pushed.csv", table, delimiter=",", header=header, comments="")
+        result = run("estimate", files / "pushed.csv", "--car", files / "car.toml", "--json", files / "e.json")
+        assert result.exit_code == 0, result.output
+        assert "as --given chassis_force does" in result.stderr
+        assert holds(json.loads((files / "e.json").read_text()))
 
 
 def test_a_car_that_does_not_explain_ends_with_three(files: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -203,6 +257,8 @@ class TestDrive:
         done = run("estimate", drive / "drive.csv", "--car", drive / "car.toml", "--given", "none")
         assert done.exit_code == 3, done.output
         assert "The motion does not die down" in done.output
+        assert "doubtful." in done.output
+        assert "(--given …)" in done.output
 
 
 def test_a_wheel_without_a_tire(tmp_path: Path) -> None:

@@ -399,7 +399,7 @@ class TestJudgement:
         part = record_of({"chassis": np.asarray(record.y)[1], "tire": np.asarray(record.y)[2]})
         found = estimate(add_noise(part, snr_db=30.0, rng=np.random.default_rng(1)), two)
         assert not found.explains
-        assert found.verdict.level is Level.CARE
+        assert found.verdict.level is Level.DOUBTFUL
 
     def test_white_noise_passes_and_a_decay_in_it_fails(self) -> None:
         rng = np.random.default_rng(3)

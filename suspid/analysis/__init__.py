@@ -8,6 +8,7 @@ result, and the verdict on all. The commands, the report and the fleet call it a
 
 from suspid.analysis.analyse import STEPS, Analysis, analyse
 from suspid.analysis.analyse_drive import DriveAnalysis, analyse_drive
+from suspid.analysis.car_channels import in_terms_of
 from suspid.analysis.check_limits import CheckedLimit, CheckedLimits, check_limits
 from suspid.analysis.limits import SCALES, Limit, read_limits
 from suspid.analysis.reading import read
@@ -28,6 +29,7 @@ __all__ = [
     "analyse_drive",
     "check_limits",
     "check_springs",
+    "in_terms_of",
     "read",
     "read_limits",
 ]

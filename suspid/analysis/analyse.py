@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, TypeAlias
 
+from suspid.analysis.car_channels import in_terms_of
 from suspid.analysis.choice import doubts_of, identified
 from suspid.analysis.reading import Read, read, tests_of
 from suspid.analysis.settings import Settings
@@ -218,7 +219,7 @@ def analyse(
         source, settings = tests[0], replace(settings, test=None)
     with naming(source if isinstance(source, str | os.PathLike) else ""):
         begin(STEPS[0])
-        opened = read(source, settings)
+        opened = _read(source, car, settings)
         begin(STEPS[1])
         stretch = stretch_of(held(opened.cleaned, "record"), settings)
         begin(STEPS[2])
@@ -253,7 +254,7 @@ def _of_several(
         raise InputError(f"several recordings are joined by likelihood; method={settings.method!r} takes one at a time")
     names = source_names(sources)
     begin(STEPS[0])
-    opened = [read(source, settings) for source in sources]
+    opened = [_read(source, car, settings) for source in sources]
     begin(STEPS[1])
     stretches = []
     for name, one in zip(names, opened, strict=True):
@@ -299,6 +300,12 @@ def _of_several(
         notes=(*resampled, *springs.notes),
         tests=tests,
     )
+
+
+def _read(source: Source, car: Suspension | None, settings: Settings) -> Read:
+    """Return a source as read, in the terms of the car, if one is given."""
+    opened = read(source, settings)
+    return opened if car is None else in_terms_of(opened, car)
 
 
 def _decays_of(opened: Read, stretch: Used) -> list[control.TimeResponseData]:

@@ -150,7 +150,7 @@ def _as_wanted(cleaned: Cleaned, settings: Settings) -> tuple[Cleaned, tuple[Rem
     if settings.scale:
         cleaned = replace(cleaned, record=scaled(held(cleaned, "record"), _by_channel(dict(settings.scale), cleaned)))
     if settings.si:
-        cleaned, notes = _in_si(cleaned)
+        cleaned, notes = in_si(cleaned)
     if settings.vertical is not None:
         cleaned, found = _upright(cleaned, settings.vertical)
         notes = (*notes, *(Remark(Note.VERTICAL, {"found": line}) for line in found.split("\n")))
@@ -159,7 +159,7 @@ def _as_wanted(cleaned: Cleaned, settings: Settings) -> tuple[Cleaned, tuple[Rem
     return cleaned, notes
 
 
-def _in_si(cleaned: Cleaned) -> tuple[Cleaned, tuple[Remark, ...]]:
+def in_si(cleaned: Cleaned) -> tuple[Cleaned, tuple[Remark, ...]]:
     """Return the record with every channel whose unit is known in SI."""
     factors, units, notes = dict[str, float](), list[str](), list[Remark]()
     for name, unit in zip(as_signal(held(cleaned, "record")).channels, cleaned.units, strict=True):

@@ -88,7 +88,7 @@ def estimate_command(
     ):
         suspension = read_car(car)
         step("reading")
-        tests = tests_of(files, settings, masses, said)
+        tests = tests_of(files, suspension, settings, masses, said)
         step("estimating")
         found = fitted(tests, suspension, given, said, {**road, **sensing, **unknowns})
         judged = [check_limits(found, asked, level=outputs.probability)] if asked else []

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from suspid.analysis import Settings, read
+from suspid.analysis import Settings, in_terms_of, read
 from suspid.cli.options import Decorator, packed
 from suspid.errors import EstimationError, RecordError
 from suspid.files import naming
@@ -36,7 +36,7 @@ def sensing_of(
 
 def _unknown(option: str, argument: str, metavar: str, what: str) -> Any:
     return click.option(
-        option, argument, metavar=f"{metavar}|none", multiple=True, help=f"{what} that is unknown; repeat. [as needed]"
+        option, argument, metavar=f"{metavar}|none", multiple=True, help=f"{what} is unknown; repeat. [as needed]"
     )
 
 
@@ -52,16 +52,20 @@ sensing: Decorator = packed(
 
 
 def tests_of(
-    files: Sequence[Path], settings: Settings, masses: Sequence[Mapping[str, float]], said: list[str]
+    files: Sequence[Path],
+    suspension: Suspension,
+    settings: Settings,
+    masses: Sequence[Mapping[str, float]],
+    said: list[str],
 ) -> list[RecordTest]:
-    """Return the records in files as tests, and add what was found in the files to what is said."""
+    """Return the records in files as tests, in the terms of a car, and add what was found in them to what is said."""
     from suspid.greybox import RecordTest
     from suspid.signals import cut
 
     tests = []
     for file, kg in zip(files, masses, strict=True):
         with naming(file):
-            opened = read(file, settings)
+            opened = in_terms_of(read(file, settings), suspension)
             said += [f"{file}: {finding}" for finding in opened.cleaned.findings]
             said += [f"{file}: {note}" for note in opened.notes]
             record = cut(opened.cleaned.record, start=settings.start, stop=settings.stop)

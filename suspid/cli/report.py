@@ -120,7 +120,7 @@ def _driven(
     from suspid.greybox import likely_causes
 
     heard: list[str] = []
-    tests = tests_of(files, settings, [{} for _ in files], heard)
+    tests = tests_of(files, suspension, settings, [{} for _ in files], heard)
     if not given and () in likely_causes(tests, suspension):
         return None
     try:

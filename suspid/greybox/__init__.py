@@ -2,8 +2,9 @@
 
 `estimate` fits the parameters of a `suspid.Suspension` to records by maximum likelihood. `trials` are records as
 data; in the time domain `dynamics` (exact motion and its derivatives), `responses` (output error of one record),
-`problem`, `further` (unknowns: mounts, gains, delays), `search` and `time_domain`; in the frequency domain `spectra`,
-`transfers`, `measured_causes` (errors in variables), `noise_levels`, `wheel_problem`, `settling`, `suspects` and
+`problem`, `onset` (decays after a rest), `further` (unknowns: mounts, gains, delays), `search` and `time_domain`; in
+the frequency domain `spectra`, `transfers`, `measured_causes` (errors in variables), `noise_levels`, `wheel_problem`,
+`settling`, `suspects` and
 `frequency_domain`. `whiteness`, `leftover`, `misfit`, `identifiability`, `modal` and `judgement` say how far the
 result can be trusted, `estimates` holds it; `causes` says what may have moved the car. `find_drives` finds the usable
 stretches of long recordings: `speeds`, `blocks`, `stretches`, `drives`.

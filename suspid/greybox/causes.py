@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 
 import numpy as np
 
 from suspid.cleaning import as_record
+from suspid.errors import InputError
 from suspid.greybox.trials import RecordTest, given_names
 from suspid.greybox.wheels import wheels_missing
-from suspid.model import Suspension
-from suspid.signals import as_signal
+from suspid.model import FORCE, Suspension, force_weights
+from suspid.signals import Signal, as_signal
 from suspid.units import RealArray
 
 
@@ -20,6 +22,17 @@ def dies_down(values: RealArray) -> bool:
     moved = values - np.mean(values, axis=1, keepdims=True)
     first, last = (np.sqrt(np.mean(part**2, axis=1)) for part in (moved[:, :third], moved[:, -third:]))
     return bool(np.any(last < 0.5 * first))
+
+
+def _forces(car: Suspension, signals: Sequence[Signal]) -> tuple[str, ...]:
+    """Return the channels of all records that are named as forces on the car."""
+    found = []
+    for name in signals[0].channels:
+        if name.endswith(FORCE) and all(name in signal.channels for signal in signals):
+            with suppress(InputError):
+                force_weights(car, name)
+                found.append(name)
+    return tuple(found)
 
 
 def likely_causes(tests: Sequence[RecordTest], suspension: Suspension) -> list[tuple[str, ...]]:
@@ -39,6 +52,10 @@ def likely_causes(tests: Sequence[RecordTest], suspension: Suspension) -> list[t
     """
     signals = [as_signal(as_record(test.record)) for test in tests]
     found = []
+    forces = _forces(suspension, signals)
+    if forces:
+        roads = [name for name in suspension.roads if all(name in signal.channels for signal in signals)]
+        found.append((*roads, *forces))
     if suspension.roads and all(set(suspension.roads) <= set(signal.channels) for signal in signals):
         found.append(given_names(("roads",), suspension))
     if all(not wheels_missing(suspension, signal.channels) for signal in signals):

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
 
 from suspid.cleaning import RecordLike
-from suspid.errors import InputError
+from suspid.errors import EstimationError, InputError
 from suspid.greybox.causes import dies_down
 from suspid.greybox.estimates import Estimate
 from suspid.greybox.fits import Fit
@@ -16,6 +17,7 @@ from suspid.greybox.frequency_domain import fit_in_frequency
 from suspid.greybox.further import further_asked
 from suspid.greybox.judgement import changes, gains_off, on_bounds, rests_on
 from suspid.greybox.modal import modes_with, mounted_car, of_car
+from suspid.greybox.onset import from_onset
 from suspid.greybox.problem import Problem, default_holds
 from suspid.greybox.rolling import Speed, rolling_of, without_speed
 from suspid.greybox.time_domain import fit_in_time
@@ -23,11 +25,11 @@ from suspid.greybox.trials import RecordTest, Trial, trials_of
 from suspid.greybox.wheel_problem import wheel_problem
 from suspid.greybox.whole_car import check_road, fit_with_road
 from suspid.model import Suspension, check_linear, eigenmodes
-from suspid.reconstruction import Bounds, parameter_names, unknowns_of
+from suspid.reconstruction import Bounds, Unknowns, parameter_names, unknowns_of
 from suspid.signals import as_response
 from suspid.units import Hertz, Metre, RadianPerSecond, Ratio, Second
 from suspid.values import frozen_real
-from suspid.words import Check, Level, Remark, Verdict
+from suspid.words import Check, Level, Number, Remark, Verdict
 from suspid.words.greybox import EstimateCheck, EstimateHeadline
 
 
@@ -176,6 +178,8 @@ def estimate(
     else:
         unknowns = further_asked(unknowns, trials, gains=gains, delays=delays, mounts=mounts)
         fit = fit_in_time(Problem(trials=trials, holds=default_holds(trials), unknowns=unknowns))
+        if not fit.explains and not any(len(trial.inputs) for trial in trials):
+            fit, trials = _from_onset(fit, trials, unknowns)
     u = unknowns
     parameters = (*u.names, *fit.extras)
     turned = np.zeros((len(parameters), len(fit.covariance)))
@@ -232,6 +236,22 @@ def estimate(
         causes=tuple(trial.causes for trial in trials),
         band_hz=fit.band,
     )
+
+
+def _from_onset(fit: Fit, trials: tuple[Trial, ...], unknowns: Unknowns) -> tuple[Fit, tuple[Trial, ...]]:
+    """Return the fit of the decays in records that begin before them, if that is nearer to an explanation."""
+    later = from_onset(trials)
+    if later is None:
+        return fit, trials
+    try:
+        found = fit_in_time(Problem(trials=later, holds=default_holds(later), unknowns=unknowns))
+    except EstimationError:
+        return fit, trials
+    if not found.explains and found.chi_square / max(found.freedom, 1) > fit.chi_square / max(fit.freedom, 1):
+        return fit, trials
+    numbers: dict[str, Number] = {"starts": ", ".join(f"{trial.start:.6g}" for trial in later)}
+    note = Check(Remark(EstimateCheck.ONSET, numbers), Level.NOTE)
+    return replace(found, checks=(*found.checks, note)), later
 
 
 def _driven(fit: Fit, trials: Sequence[Trial]) -> bool:

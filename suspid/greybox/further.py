@@ -18,7 +18,7 @@ from suspid.values import listed, nearest_names
 TIMES: Second = 0.01  # unit of delays and relaxations
 FIRST_RELAXATION = 0.1  # of `TIMES`: at 0 a mount would begin on its bound
 RIGID = 1e-3  # of `TIMES`: the least relaxation in time, as good as a rigid mount
-GAINS = (0.1, 10.0)  # between which a gain is looked for
+GAINS = (1e-4, 1e4)  # between which a gain is looked for: a unit may be wrong by a thousand (mm for m)
 
 Place = tuple[int, int]  # number of the test, and of the channel in it
 

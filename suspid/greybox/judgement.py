@@ -17,6 +17,8 @@ from suspid.words.greybox import EstimateCheck
 # Springs and masses within this factor of the least positive value are not needed.
 NEXT_TO_LEAST = 1.01
 MOST_GAIN = 2.0  # no sensor is off by such a factor, but units are
+# Springs are within a factor of 2 of what anyone expects; units (ft, lbf, g, in, mm) are off by more than 3.
+MOST_CHANGE = 3.0
 
 
 def on_bounds(unknowns: Unknowns, x: RealArray) -> Iterator[Check]:
@@ -78,5 +80,19 @@ def changes(
         yield Check(Remark(EstimateCheck.CHANGED, {"names": names}), Level.NOTE)
     else:
         yield Check(Remark(EstimateCheck.UNCHANGED), Level.NOTE)
+    far = tuple(
+        name
+        for name, value, a, b in zip(parameters, values.tolist(), low.tolist(), high.tolist(), strict=True)
+        if name.endswith(".stiffness") and _far(value, a, b, nominal_value(nominal, name))
+    )
+    if far:
+        yield Check(Remark(EstimateCheck.UNITS, {"names": far, "factor": MOST_CHANGE}), Level.CARE)
     if vague:
         yield Check(Remark(EstimateCheck.VAGUE, {"names": tuple(vague)}), Level.CARE)
+
+
+def _far(value: float, low: float, high: float, nominal: float | None) -> bool:
+    """Return whether a value is beyond the factor that springs differ from nominal by, and its interval excludes it."""
+    if not nominal:
+        return False
+    return value > MOST_CHANGE * nominal < low or value < nominal / MOST_CHANGE > high

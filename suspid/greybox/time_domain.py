@@ -24,6 +24,9 @@ from suspid.units import RealArray
 from suspid.words import Check, Level, Number, Remark
 from suspid.words.greybox import EstimateCheck
 
+# Share of a channel's power beyond which a residual that is not white is no mere colour of the noise: 10 dB below it.
+MOST_COLOURED = 0.1
+
 
 def fit_in_time(problem: Problem) -> Fit:
     """Return the most likely car of free decays and exactly known inputs.
@@ -34,6 +37,7 @@ def fit_in_time(problem: Problem) -> Fit:
         If the records do not determine a combination of the unknowns.
     """
     best, ends = search(problem)
+    agreed = sum(end.loss < best.loss + SAME_FIT for end in ends)
     problem, best = _best_holds(problem, best)
     others = _alternatives(problem, best, ends)
     noise = problem.noise(best.x, best.noise, fair=True)
@@ -46,7 +50,6 @@ def fit_in_time(problem: Problem) -> Fit:
     whole = np.concatenate([data, prior]) * size
     check_determined(whole, u.labels, u.suspension(best.x))
     chi_square, freedom, judged = _judged(problem, errors, noise)
-    agreed = sum(end.loss < best.loss + SAME_FIT for end in ends)
     checks = [*judged]
     if len(prior) and len(blind(data * size)):
         checks.append(
@@ -154,7 +157,16 @@ def _judged(problem: Problem, errors: list[OutputError], noise: list[RealArray])
         return total, freedom, [Check(Remark(EstimateCheck.ROUNDING), Level.SOUND)]
     if likely(total, freedom):
         return total, freedom, [Check(Remark(EstimateCheck.EXPLAINS, numbers), Level.SOUND)]
-    return total, freedom, [Check(Remark(EstimateCheck.UNEXPLAINED, numbers), Level.CARE)]
+    level = Level.DOUBTFUL if _largest_share(problem, errors) > MOST_COLOURED else Level.CARE
+    return total, freedom, [Check(Remark(EstimateCheck.UNEXPLAINED, numbers), level)]
+
+
+def _largest_share(problem: Problem, errors: list[OutputError]) -> float:
+    """Return the share of a channel's power that is left of it, where most is left."""
+    return max(
+        float(np.max(np.sum(e.residual**2, axis=1) / np.maximum(t.count * np.var(t.values, axis=1), t.least)))
+        for t, e in zip(problem.trials, errors, strict=True)
+    )
 
 
 def _covariance(problem: Problem, errors: list[OutputError], noise: list[RealArray], prior: RealArray) -> RealArray:

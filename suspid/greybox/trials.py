@@ -149,7 +149,7 @@ def _trial(one: object, car: Suspension, given: Sequence[str]) -> Trial:
     if not use:
         raise RecordError(
             f"no channel of the record measures the suspension: {listed(signal.channels)}; name channels as outputs of "
-            f"statespace, such as {car.coordinates[0]!r} or '{car.coordinates[0]}_acceleration'"
+            f"statespace, such as {car.coordinates[0]!r} or '{car.coordinates[0]}_acceleration' (--rename OLD=NEW)"
         )
     unused += [row[0] for row in rows if wheels and np.any(row[3][still])]
     channels = tuple(row[0] for row in use)

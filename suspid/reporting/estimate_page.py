@@ -15,7 +15,7 @@ from suspid.reporting.limit_rows import limit_rows
 from suspid.reporting.performance_part import performance_fields
 from suspid.reporting.pictures import Picture, picture, shape_pictures
 from suspid.reporting.plot_damper_curve import plot_damper_curve
-from suspid.reporting.plot_estimate import draw_changes, lively
+from suspid.reporting.plot_estimate import draw_changes, lively, time_label
 from suspid.reporting.plot_frf import draw_gain, draw_phase
 from suspid.reporting.plot_spectra import draw_spectra
 from suspid.reporting.rows import mode_quantities, signed
@@ -203,7 +203,7 @@ def _draw_time(found: Estimate, which: int, channel: int, figure: Figure) -> Non
     fit, left = fitted.values[channel, kept], residual.values[channel, kept]
     ax = figure.subplots()
     plot_residual(ax, residual.timepts[kept], fit + left, fit, left)
-    ax.set_xlabel("time [s]")
+    ax.set_xlabel(time_label(found, which))
     unit_ticks(ax, "SI")
 
 

@@ -67,7 +67,7 @@ def plot_estimate(found: Estimate, figure: Figure, *, level: Ratio = LEVEL) -> F
         plot_residual(ax, residual.timepts[kept], fit + left, fit, left)
         ax.set_title(shown(name), loc="left")
         unit_ticks(ax, "SI")
-    axes[-1].set_xlabel("time [s]")
+    axes[-1].set_xlabel(time_label(found, 0))
     key_above(axes[1])
     return figure
 
@@ -78,6 +78,14 @@ def lively(found: Estimate, record: int) -> NDArray[np.bool_]:
     slowest = min((wn for wn in found.modes.wn.tolist() if wn > 0), default=2 * np.pi / residual.duration)
     until = min(residual.duration, 20 * 2 * np.pi / slowest)
     return np.asarray(residual.timepts - residual.start <= until)
+
+
+def time_label(found: Estimate, record: int) -> str:
+    """Return the name of the axis of time, which says how much of the record is drawn if that is not all of it."""
+    times, kept = as_signal(found.residual[record]).timepts, lively(found, record)
+    if np.all(kept):
+        return "time [s]"
+    return f"time [s]: the first {np.ptp(times[kept]):.3g} of {np.ptp(times):.3g} s"
 
 
 def draw_changes(found: Estimate | Reconstruction, ax: Axes, level: Ratio = LEVEL) -> None:

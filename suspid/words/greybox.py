@@ -85,8 +85,20 @@ class EstimateCheck(Code):
     )
     DRIVEN = (
         "driven",
-        "The motion does not die down, so this is no free decay: give what moved the car, such as given=['wheels'] in "
-        "a drive (--given wheels).",
+        "The motion does not die down, so this is no free decay, and the values above mean nothing: give what "
+        "moved the car (given=…), in a drive the motion of the wheels, which must be measured.",
+    )
+    ONSET = (
+        "onset",
+        "The records begin before the free decay, at rest or still being pushed: used from {starts} s on, to where the "
+        "decay ends.",
+    )
+    UNITS = (
+        "units",
+        _listed(
+            "More than {factor:g} times larger or smaller than nominal: {names}. Check the units of the channels (1 g "
+            "is 9.81 m/s2, 1 mm is 0.001 m) and the nominal values."
+        ),
     )
     MASSES = "masses", _masses
     SCALE = "scale", "The force that was given sets the scale of masses, springs and dampers."
