@@ -25,7 +25,7 @@ from suspid.units import ComplexArray, RealArray
 REDUCTION = 2.5
 # Steps of the motion up to which structures are fitted where forces were found, and where not, and channels: more take
 # too long.
-LONGEST_FITTED, LONGEST_BLIND, MOST_MASSES = 3000, 500, 3
+LONGEST_FITTED, LONGEST_BLIND, MOST_MASSES = 3000, 1500, 3
 # Ratio of natural frequencies below which two poles of a linear fit may be parts of one mode.
 APART = 1.5
 # Poles that differ by less than this share are the same start: steps of a fit go farther.

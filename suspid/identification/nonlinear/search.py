@@ -51,7 +51,19 @@ def unlike_linear(selection: Selection) -> bool:
     Its poles look like distortion, or poles were rejected as parts of others.
     """
     codes = {remark.code for _, remark in selection.rejected}
-    return Reason.SPLIT in codes or _distorted(selection)
+    return Reason.SPLIT in codes or _distorted(selection) or _swerves(selection)
+
+
+def _swerves(selection: Selection) -> bool:
+    """Return whether the centre of the motion moves with it: a weak real pole beside pairs, and no drift.
+
+    So it does under a damper or a spring that differs in compression and rebound.
+    """
+    fit, pairs = selection.fit, len(selection.fit.poles.pairs)
+    sizes = np.sqrt(np.sum(np.abs(fit.amplitudes[fit.poles.rows]) ** 2 / (fit.squares + 1e-300), axis=1))
+    sizes[:pairs] *= 2
+    moves = np.array([reason not in (Reason.DRIFT, Reason.GROWING) for reason in selection.reasons[pairs:]], bool)
+    return bool(pairs and np.any(moves & (sizes[pairs:] < HARMONIC * np.max(sizes[:pairs]))))
 
 
 def _distorted(selection: Selection) -> bool:
