@@ -11,7 +11,7 @@ from typing import TypeGuard, TypeVar
 import numpy as np
 from tabulate import tabulate
 
-from suspid.errors import InputError
+from suspid.errors import InputError, RecordError
 from suspid.units import ComplexArray, RealArray
 
 # Names that a message lists; a file may have hundreds of channels.
@@ -162,6 +162,31 @@ def spread(std: float) -> str:
     ('0.012', '1.0', '510')
     """
     return f"{std:#.2g}" if std < 9.95 else f"{float(f'{std:.2g}'):.0f}"
+
+
+def is_size(value: object) -> TypeGuard[float]:
+    """Return whether a value is a positive number of a size that is computed with; True is none.
+
+    Examples
+    --------
+    >>> is_size(0.5), is_size(True), is_size("0.5"), is_size(1e300)
+    (True, False, False, False)
+    """
+    known = isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
+    return known and bool(SMALLEST_SIZE <= value <= LARGEST_SIZE)  # type: ignore[operator]
+
+
+def check_rate(fs: object) -> None:
+    """Refuse a sampling rate that is neither None nor a positive number.
+
+    Examples
+    --------
+    >>> check_rate(True)
+    Traceback (most recent call last):
+    suspid.errors.RecordError: fs = True must be a positive and finite number of Hz
+    """
+    if fs is not None and not is_size(fs):
+        raise RecordError(f"fs = {fs!r:.40} must be a positive and finite number of Hz")
 
 
 def is_count(value: object) -> TypeGuard[int]:

@@ -6,7 +6,7 @@ import control
 import numpy as np
 import pytest
 
-from suspid import ActiveTuning, InputError, quarter_car, road, statespace, tune_active
+from suspid import ActiveTuning, InputError, SuspidError, quarter_car, road, statespace, tune_active
 from validation.cars import TWO_AXLES
 
 CAR = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3, chassis_damping=1300)
@@ -105,9 +105,30 @@ def test_the_closed_loop_on_a_road() -> None:
     np.testing.assert_allclose(np.std(C @ states[:, :, 0], axis=1), list(found.rms.values()), rtol=0.03)
 
 
+@pytest.mark.parametrize("level", [1e-25, 1e-10, 1e25])
+def test_the_gain_does_not_depend_on_the_level_of_the_road_or_the_objective(level: float) -> None:
+    """A linear car with quadratic costs: variances grow with the road, and the best gain is the same."""
+    one = tune_active(CAR, actuator="chassis_travel", objective=OBJECTIVE, road=1e-4, speed=20.0)
+    scaled = {name: value * level for name, value in OBJECTIVE.items()}
+    for objective, roughness in ((OBJECTIVE, level), (scaled, 1e-4)):
+        two = tune_active(CAR, actuator="chassis_travel", objective=objective, road=roughness, speed=20.0)
+        np.testing.assert_allclose(two.gain, one.gain, rtol=1e-3, atol=1e-3 * np.max(np.abs(one.gain)))
+        factor = roughness / 1e-4 if objective is OBJECTIVE else level**-2
+        assert two.cost == pytest.approx(one.cost * factor, rel=1e-5)
+        assert two.bound == pytest.approx(one.bound * factor, rel=1e-5)
+
+
+@pytest.mark.parametrize("given", [{"limits": {"force": 1e-30}}, {"peaks": {"chassis_travel": 1e-30}}])
+def test_limits_that_no_solver_can_tell_from_zero(given: dict[str, object]) -> None:
+    with pytest.raises(SuspidError, match=r"^[^\n]+$"):
+        tune_active(CAR, actuator="chassis_travel", objective=OBJECTIVE, road="C", speed=20.0, **given)  # type: ignore[arg-type]
+
+
 @pytest.mark.parametrize(
     ("given", "message"),
     [
+        ({"road": 1e300}, "roughness=1e+300 must be"),
+        ({"objective": {"force": 1.0}}, "the least force is none"),
         ({"objective": {}}, "objective is empty"),
         ({"objective": {"chassis_acceleration": -1.0}}, "must be a positive number"),
         ({"objective": {"chassis": 1.0}}, "grows without end"),

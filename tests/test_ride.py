@@ -243,6 +243,13 @@ class TestDerivatives:
             held += [ends[name][0] < truth[name] < ends[name][1] for name in use]
         assert np.mean(held) > 0.87
 
+    @pytest.mark.parametrize("std", [1e-20, 1.0, 10.0])
+    def test_springs_that_are_hardly_known(self, std: float) -> None:
+        """No car without springs is looked at, however wide the interval."""
+        found = ride(CAR, road="C", speed=20.0, nominal_std={"chassis.stiffness": std, "chassis.damping": std})
+        low, high = found.interval()["chassis_acceleration.Wk"]
+        assert 0 <= low <= found["chassis_acceleration.Wk"] <= high
+
     def test_stated_uncertainty(self) -> None:
         found = ride(CAR, road="C", speed=20.0, nominal_std={"chassis.damping": 0.1})
         assert found.parameters == ("chassis.damping",)
@@ -348,7 +355,12 @@ class TestRequests:
             ({"road": "B", "speed": 20.0, "clearance": {"chassis": -0.1}}, "must be positive distances"),
             ({"road": "B", "speed": 20.0, "weightings": {"chassis_acceleration": "Wx"}}, "there is no weighting 'Wx'"),
             ({"road": "B", "speed": 20.0, "weightings": {"body_acceleration": "Wk"}}, "there is no output"),
-            ({"road": "B", "speed": 20.0, "duration": 0.0}, "must be a positive number of s"),
+            ({"road": "B", "speed": 20.0, "duration": 0.0}, "duration = 0 s must be positive"),
+            ({"road": "B", "speed": 20.0, "duration": "h"}, "duration = 'h' is not a number"),
+            ({"road": True, "speed": 20.0}, "roughness=True must be G_d(n_0)"),
+            ({"road": 1e300, "speed": 20.0}, "roughness=1e+300 must be G_d(n_0)"),
+            ({"road": "B", "speed": 20.0, "clearance": {"chassis": "x"}}, "must be positive distances"),
+            ({"road": "B", "speed": 20.0, "nominal_std": True}, "must be a relative standard deviation"),
         ],
     )
     def test_wrong_requests_are_refused(self, given: dict[str, object], message: str) -> None:

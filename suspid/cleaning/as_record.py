@@ -14,6 +14,7 @@ from suspid.io import seconds_in
 from suspid.recordings import Recording
 from suspid.signals import as_response, real_numbers, uniform_step
 from suspid.units import Hertz, RealArray
+from suspid.values import check_rate
 
 if TYPE_CHECKING:
     import control
@@ -77,8 +78,7 @@ def as_record(
     """
     if fs is not None and timepts is not None:
         raise RecordError("fs and timepts both state the time: give one of them")
-    if fs is not None and not (isinstance(fs, int | float | np.number) and np.isfinite(fs) and fs > 0):
-        raise RecordError(f"fs = {fs!r:.40} Hz must be positive and finite, a number")
+    check_rate(fs)
     if _is_response(data) and np.ndim(data.y) == 2 and fs is None is timepts and channels is None is units:
         response: control.TimeResponseData = data
         real_numbers(response.y, "the response")

@@ -15,6 +15,7 @@ from suspid.recordings import RawChannel, Recording
 from suspid.samples import as_samples
 from suspid.signals import as_signal, span
 from suspid.units import Hertz, Second
+from suspid.values import check_rate
 
 
 def clean(
@@ -64,8 +65,7 @@ def clean(
     >>> [finding.kind.value for finding in cleaned.findings], bool(abs(cleaned.record.y[0, 40]) < 1)
     (['sentinel', 'missing'], True)
     """
-    if fs is not None and not (np.isfinite(fs) and fs > 0):
-        raise RecordError(f"{fs=} Hz must be positive and finite")
+    check_rate(fs)
     names = [channels] if isinstance(channels, str) else list(recording.names if channels is None else channels)
     for name in names:
         if names.count(name) > 1:

@@ -33,7 +33,7 @@ from suspid.io.time_columns import (
 )
 from suspid.recordings import RawChannel, Recording
 from suspid.units import Hertz, RealArray
-from suspid.values import listed
+from suspid.values import check_rate, listed
 from suspid.words import LeftOut, Number, Remark
 
 # A rate stored in single precision, or as a rounded step, is still the same rate.
@@ -82,8 +82,7 @@ def as_recording(
     >>> as_recording(table)["seat"].timepts
     array([0.   , 0.001, 0.002])
     """
-    if fs is not None and not (np.isfinite(fs) and fs > 0):
-        raise RecordError(f"{fs=} Hz must be positive and finite")
+    check_rate(fs)
     table = metered(table, size)
     plan = _plan(table, channels, time, fs)
     followers = plan.followers

@@ -14,7 +14,7 @@ from suspid.performance.ride import driven_road
 from suspid.results import Result
 from suspid.simulation import REFERENCE, Road
 from suspid.units import RealArray
-from suspid.values import FrozenMapping, frozen_real, nearest_names, text_table
+from suspid.values import FrozenMapping, frozen_real, is_size, nearest_names, text_table
 
 if TYPE_CHECKING:
     import control
@@ -140,9 +140,16 @@ def tune_active(
     still = solve_continuous_lyapunov(A, -noise)
     passive = np.sqrt(np.maximum(np.einsum("is,st,it->i", C, still, C), 0.0))
     tops = {names.index(name): top for name, top in (peaks or {}).items()}
-    ask = (A, B, G, level, C, D, np.sqrt(np.diag(still)), list(wanted.values()))
+    # The program is solved with costs of the size of one: the largest term of the passive car.
+    ones = np.array([one for one, _ in wanted.values()])
+    size = float(np.max(passive / np.where(ones > 0, ones, np.inf)))
+    if not (size or limits or peaks):
+        raise InputError("objective: the least force is none; name an output of the car too, or limits")
+    size = size or 1.0
+    ask = (A, B, G, level, C, D, np.sqrt(np.diag(still)), [(one * size, top) for one, top in wanted.values()])
     gain, reached = _program(*ask, tops)
-    bound = _program(*ask, {})[1] if tops else reached
+    bound = size**2 * (_program(*ask, {})[1] if tops else reached)
+    reached *= size**2
     closed_A, closed_C = A - np.outer(B, gain), C - np.outer(D, gain)
     if np.max(np.linalg.eigvals(closed_A).real) >= 0:
         raise SuspidError("the feedback that was found does not hold the car; change the scales or the limits")
@@ -175,8 +182,8 @@ def _names(
     if not objective:
         raise InputError("objective is empty; name outputs with the value of each that counts as one")
     for name, value in [*objective.items(), *limits.items(), *peaks.items()]:
-        if not (isinstance(value, int | float | np.number) and 0 < value < np.inf):
-            raise InputError(f"{name!r} = {value!r} must be a positive number")
+        if not is_size(value):
+            raise InputError(f"{name!r} = {value!r} must be a positive number of usual size")
     names = tuple(dict.fromkeys([*objective, *limits, *peaks]))
     return names, {name: (float(objective.get(name, 0.0)), float(limits.get(name, 0.0))) for name in names}
 
@@ -270,7 +277,12 @@ def _program(
     with warnings.catch_warnings():
         # Whether the solution is accurate is judged by the closed loop.
         warnings.simplefilter("ignore", UserWarning)
-        problem.solve(solver=cp.CLARABEL)
+        try:
+            problem.solve(solver=cp.CLARABEL)
+        except cp.SolverError:
+            raise SuspidError(
+                "the convex program was not solved: a limit or a scale is far from what the car does; change it"
+            ) from None
     if problem.status in ("infeasible", "infeasible_inaccurate"):
         raise InputError("no state feedback keeps the limits" + (" and peaks together" * bool(peaks)) + "; raise them")
     if X.value is None or Y.value is None:

@@ -12,7 +12,7 @@ from suspid.model import Suspension
 from suspid.performance.uncertain import Uncertain
 from suspid.reconstruction import QUANTITIES, parameter_values
 from suspid.units import Ratio, RealArray
-from suspid.values import nearest_names
+from suspid.values import is_size, nearest_names
 
 # Parameters are looked for within this factor of the car's own, both ways.
 REACH_OF_BOUNDS = 4.0
@@ -51,7 +51,8 @@ class Choice:
 def choice_of(about: Uncertain, parameters: Sequence[str | Sequence[str]], robust: Ratio) -> Choice:
     """Return the unknowns of a request."""
     known = parameter_values(about.car)
-    if isinstance(parameters, str) or not len(parameters):
+    listed = isinstance(parameters, tuple | list) and all(isinstance(one, str | tuple | list) for one in parameters)
+    if not (listed and parameters):
         raise InputError(f"{parameters=} must be a sequence of names such as ['chassis.damping']")
     groups = tuple((one,) if isinstance(one, str) else tuple(one) for one in parameters)
     names = [name for group in groups for name in group]
@@ -78,6 +79,12 @@ def choice_of(about: Uncertain, parameters: Sequence[str | Sequence[str]], robus
     return Choice(base=about.car, groups=groups, values=known, scenarios=scenarios)
 
 
+def check_ascent(what: str, ends: object) -> None:
+    """Refuse bounds that are no two positive numbers, the larger one last."""
+    if not (isinstance(ends, tuple | list) and len(ends) == 2 and all(map(is_size, ends)) and ends[0] < ends[1]):
+        raise InputError(f"{what}{ends!r} must be two numbers that ascend from above 0")
+
+
 def box_of(choice: Choice, bounds: Mapping[str, tuple[float, float]]) -> tuple[RealArray, RealArray]:
     """Return the bounds of the logarithms of factors, of each group."""
     firsts = [group[0] for group in choice.groups]
@@ -88,8 +95,7 @@ def box_of(choice: Choice, bounds: Mapping[str, tuple[float, float]]) -> tuple[R
         bounds.get(name, (choice.values[name] / REACH_OF_BOUNDS, choice.values[name] * REACH_OF_BOUNDS))
         for name in firsts
     ]
-    for name, (low, high) in zip(firsts, ends, strict=True):
-        if not 0 < low < high < np.inf:
-            raise InputError(f"bounds: {name!r} = {(low, high)} must ascend from above 0")
+    for name, pair in zip(firsts, ends, strict=True):
+        check_ascent(f"bounds: {name!r} = ", pair)
     logs = np.log(np.array(ends) / np.array([[choice.values[name]] for name in firsts]))
     return logs[:, 0], logs[:, 1]

@@ -27,7 +27,7 @@ from suspid.performance.road_response import Grid, Signals, exact_grid, moments
 from suspid.performance.weightings import weighting_named
 from suspid.simulation import Road
 from suspid.units import Metre, RealArray, Second
-from suspid.values import nearest_names
+from suspid.values import is_size, nearest_names
 
 # ISO 2631-1: of seat and floor, vertical vibration counts by Wk, its slow part by Wf (motion sickness), rotation by We.
 VERTICAL, ROTATION = ("Wk", "Wf"), ("We",)
@@ -212,8 +212,8 @@ def _limits(given: Mapping[str, Metre | tuple[Metre, Metre]], struts: Sequence[s
     for name, ends in given.items():
         if name not in struts:
             raise InputError(f"clearance: there is no strut {name!r} off the road.{nearest_names(name, struts)}")
-        low, high = (ends, ends) if isinstance(ends, int | float) else ends
-        if not (0 < low < np.inf and 0 < high < np.inf):
+        both = tuple(ends) if isinstance(ends, tuple | list) else (ends, ends)
+        if len(both) != 2 or not all(is_size(end) for end in both):
             raise InputError(f"clearance: {name!r} = {ends!r} must be positive distances to the stops [m]")
-        limits[name] = float(low), float(high)
+        limits[name] = float(both[0]), float(both[1])
     return limits

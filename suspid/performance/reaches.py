@@ -77,7 +77,9 @@ def bends_of(
     bends = np.zeros((figures, len(std), len(std)))
     bent: dict[int, RealArray] = {}
     for j in _near(about.values, std, BENT_WITHIN):
-        ends = max(float(about.values[j] - std[j]), 0.0), float(about.values[j] + std[j])
+        # A mount may be rigid; a car without a spring, damper or mass is another one.
+        least = 0.0 if about.parameters[j].endswith(".relaxation") else float(about.values[j]) / 2
+        ends = max(float(about.values[j] - std[j]), least), float(about.values[j] + std[j])
         rows = [jacobian(*_with(about, about.parameters[j], value)) for value in ends]
         # What a car at an end lacks, as a least phase, does not bend.
         bent[j] = np.nan_to_num((rows[1] - rows[0]) / (ends[1] - ends[0]))
@@ -99,8 +101,8 @@ def _with(about: Uncertain, name: str, value: float) -> tuple[Suspension, Mappin
 
 def _near(values: RealArray, std: RealArray, reach: Ratio) -> list[int]:
     """Return which parameters are nearer to their bound of zero than so many standard deviations, the nearest first."""
-    far = values / np.maximum(std, np.finfo(float).tiny)
-    return [int(i) for i in np.argsort(far) if values[i] < reach * std[i]][:MOST_BOUNDS]
+    close = np.flatnonzero(values < reach * std)
+    return [int(i) for i in close[np.argsort(values[close] / std[close])]][:MOST_BOUNDS]
 
 
 def _farthest(a: RealArray, S: RealArray, values: RealArray, near: list[int], reach: Ratio) -> RealArray:
@@ -110,13 +112,20 @@ def _farthest(a: RealArray, S: RealArray, values: RealArray, near: list[int], re
     for size in range(len(near) + 1):
         for held in map(list, combinations(near, size)):
             inverse = np.linalg.pinv(S[np.ix_(held, held)])
-            if float(values[held] @ inverse @ values[held]) > reach**2:
+            left = reach**2 - float(values[held] @ inverse @ values[held])
+            if left < 0:
                 continue
             middle = -S[:, held] @ inverse @ values[held]
             toward = (S - S[:, held] @ inverse @ S[held]) @ a
-            variance = np.maximum(np.sum(a * toward, axis=0), 0.0)
-            d = middle[:, None] + toward * (reach / np.sqrt(np.maximum(variance, np.finfo(float).tiny)))
-            moved = np.sum(a * d, axis=0)
-            better = np.all(d[near] >= edge[:, None], axis=0) & (moved > best)
-            best, where = np.where(better, moved, best), np.where(better, d, where)
+            toward[held] = 0.0
+            variance = np.sum(a * toward, axis=0)
+            # Where nothing is left that moves a figure there is rounding.
+            moves = variance > AT_ZERO**2 * np.sum(a * (S @ a), axis=0)
+            toward = np.where(moves, toward / np.sqrt(np.where(moves, variance, 1.0)), 0.0)
+            # As far as for a car that is known to have these bounds, and as far as the region goes along them.
+            for radius in (reach, np.sqrt(left)) if held else (reach,):
+                d = middle[:, None] + toward * radius
+                moved = np.sum(a * d, axis=0)
+                better = np.all(d[near] >= edge[:, None], axis=0) & (moved > best)
+                best, where = np.where(better, moved, best), np.where(better, d, where)
     return where

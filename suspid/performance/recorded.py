@@ -9,6 +9,7 @@ import numpy as np
 
 from suspid.cleaning import RecordLike, as_record
 from suspid.errors import InputError
+from suspid.model import positive_number
 from suspid.performance.figure_plan import (
     ACCELERATION,
     ANGLES,
@@ -56,8 +57,7 @@ def recorded(
     signal = as_signal(as_record(record), least=2 * PIECES_OF_RECORD)
     chosen = _chosen(signal, weightings)
     seconds = signal.duration if duration is None else duration
-    if not (np.isfinite(seconds) and seconds > 0):
-        raise InputError(f"{duration=} must be a positive number of s")
+    positive_number("duration", seconds, "s")
     about = dict(zip(signal.channels, signal.values - signal.values.mean(axis=1, keepdims=True), strict=True))
     found: list[Measured] = []
     checks: list[Check] = []

@@ -14,6 +14,7 @@ from suspid.model import Suspension
 from suspid.performance.choices import Choice
 from suspid.reconstruction import Constraints, parameter_names, unknowns_of, wishes_of
 from suspid.units import RealArray
+from suspid.values import is_size
 
 # What a tuning is bound to: largest values of figures by name, and relations.
 Limits: TypeAlias = Mapping[str, float] | Constraints | Sequence[Mapping[str, float] | str | Callable[..., Any]]
@@ -38,6 +39,15 @@ class Relations:
         """Return by how much each row is broken, (row,)."""
         room, _ = self.room(x)
         return np.where(self.equal, np.abs(room), np.maximum(-room, 0.0))
+
+
+def check_limits(limits: Mapping[str, float]) -> None:
+    """Refuse a largest value of a figure that is no positive number."""
+    if not isinstance(limits, Mapping):
+        raise InputError(f"constraints={limits!r} must map figures to their largest values")
+    for name, limit in limits.items():
+        if not is_size(limit):
+            raise InputError(f"constraints: {name!r} = {limit!r} must be a positive number of usual size")
 
 
 def split(given: Limits | None) -> tuple[dict[str, float], list[object]]:

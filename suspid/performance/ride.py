@@ -8,7 +8,7 @@ import numpy as np
 
 from suspid.cleaning import RecordLike
 from suspid.errors import InputError
-from suspid.model import Suspension, output_rows
+from suspid.model import Suspension, output_rows, positive_number
 from suspid.performance.figure_plan import ROTATION, SICKNESS, Plan, comfort_of, plan_of
 from suspid.performance.reaches import bends_of
 from suspid.performance.reactions import reaction
@@ -97,8 +97,7 @@ def ride(
     with within_numbers():
         about = uncertain(car, nominal_std)
         seconds = HOUR if duration is None else duration
-        if not (np.isfinite(seconds) and seconds > 0):
-            raise InputError(f"{duration=} must be a positive number of s")
+        positive_number("duration", seconds, "s")
         driven = driven_road(about.car, road, speed)
         plan = plan_of(about.car, driven, duration=seconds, weightings=weightings, clearance=clearance)
         values, jacobian = plan.values(about.car, parameters=about.parameters, relaxations=about.relaxations)

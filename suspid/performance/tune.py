@@ -7,11 +7,12 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from suspid.errors import InputError
+from suspid.model import positive_number
 from suspid.performance.choices import Choice, box_of, choice_of
 from suspid.performance.figure_plan import Plan, plan_of
 from suspid.performance.fronts import Search, front_of
 from suspid.performance.joined import Joined, joined
-from suspid.performance.relations import Limits, relations_of, split
+from suspid.performance.relations import Limits, check_limits, relations_of, split
 from suspid.performance.ride import HOUR, driven_road
 from suspid.performance.road_response import Grid, exact_grid
 from suspid.performance.tuning_checks import tuning_checks
@@ -19,7 +20,7 @@ from suspid.performance.tunings import Tuning
 from suspid.performance.uncertain import Car, uncertain
 from suspid.simulation import Road
 from suspid.units import Metre, Ratio, RealArray, Second
-from suspid.values import frozen_real
+from suspid.values import frozen_real, is_count, is_size
 from suspid.words import Remark, Verdict
 from suspid.words.ride import TuningHeadline
 
@@ -103,7 +104,8 @@ def tune(
     True
     """
     about = uncertain(car, nominal_std)
-    wanted = (objective,) if isinstance(objective, str) else tuple(objective)
+    wanted = tuple(objective) if isinstance(objective, tuple | list) else (objective,)
+    positive_number("duration", duration, "s")
     limits, related = split(constraints)
     _check(wanted, limits, points, robust)
     driven = driven_road(about.car, road, speed)
@@ -194,12 +196,10 @@ def _figures_of(asked: Joined, choice: Choice, robust: Ratio, where: Sequence[Re
 
 
 def _check(wanted: Sequence[str], limits: Mapping[str, float], points: int, robust: Ratio) -> None:
-    if not 1 <= len(wanted) <= 2 or len(set(wanted)) < len(wanted):
+    if not 1 <= len(wanted) <= 2 or len(set(wanted)) < len(wanted) or not all(isinstance(n, str) for n in wanted):
         raise InputError(f"objective={tuple(wanted)} must be one figure or two different ones")
-    for name, limit in limits.items():
-        if not (isinstance(limit, int | float | np.number) and 0 < limit < np.inf):
-            raise InputError(f"constraints: {name!r} = {limit!r} must be a positive number")
-    if points < 2:
-        raise InputError(f"{points=} must be two or more")
-    if not (np.isfinite(robust) and robust >= 0):
+    check_limits(limits)
+    if not (is_count(points) and points >= 2):
+        raise InputError(f"{points=} must be a whole number, two or more")
+    if isinstance(robust, bool) or not (is_size(robust) or robust == 0):
         raise InputError(f"{robust=} must be a number of standard deviations, 0 or more")

@@ -4,26 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from suspid.errors import InputError
-from suspid.model import Strut
-from suspid.performance.choices import REACH_OF_BOUNDS
+from suspid.model import Strut, positive_number
+from suspid.performance.choices import REACH_OF_BOUNDS, check_ascent
 from suspid.performance.damper_search import OnRoad, Search, on_road
 from suspid.performance.damper_tunings import DamperTuning
 from suspid.performance.figure_plan import plan_of
+from suspid.performance.relations import check_limits
 from suspid.performance.ride import HOUR, driven_road
 from suspid.performance.uncertain import Car, uncertain
 from suspid.simulation import Road
 from suspid.units import Metre, NewtonSecondPerMetre, Ratio, RealArray, Second
-from suspid.values import frozen_real, nearest_names
+from suspid.values import frozen_real, is_size, nearest_names
 from suspid.words import Check, Level, Remark, Verdict
 from suspid.words.ride import DamperTuningCheck, DamperTuningHeadline
-
-if TYPE_CHECKING:
-    pass
 
 # Points of a curve on each side of zero, between these multiples of the least and the largest rms velocity.
 KNOTS, KNOTS_FROM, KNOTS_TO = 6, 0.5, 2.5
@@ -103,16 +100,22 @@ def tune_damper(
     about = next((one for one in start.struts if one.name == strut), None)
     if about is None:
         raise InputError(f"there is no strut {strut!r}.{nearest_names(strut, [one.name for one in start.struts])}")
-    if not (np.isfinite(rebound) and rebound > 0):
+    if not isinstance(objective, str):
+        raise InputError(f"{objective=} must be the name of a figure such as 'chassis_acceleration.Wk'")
+    positive_number("duration", duration, "s")
+    check_limits(constraints or {})
+    if not is_size(rebound):
         raise InputError(f"{rebound=} must be a positive ratio of forces")
     limits = dict(constraints or {})
     figures = (objective, *(name for name in limits if name != objective))
     driven = [driven_road(start, *_pair(one)) for one in roads]
     if not driven:
         raise InputError("roads is empty; give pairs of class and speed such as ('C', 20.0)")
-    low, high = bounds or (about.damping / REACH_OF_BOUNDS, about.damping * REACH_OF_BOUNDS)
-    if not 0 < low < high < np.inf:
-        raise InputError(f"bounds: {(low, high)} must ascend from above 0; the strut's own damper rate is the default")
+    if bounds is None and not about.damping:
+        raise InputError(f"strut {strut!r} has no damper to begin with; give bounds of its rate [N s/m]")
+    ends = (about.damping / REACH_OF_BOUNDS, about.damping * REACH_OF_BOUNDS) if bounds is None else bounds
+    check_ascent("bounds: ", ends)
+    low, high = ends
     rates = np.geomspace(low, high, RATES)
     plans = [plan_of(start, one, duration=duration, weightings=weightings, clearance=clearance) for one in driven]
     places = [on_road(start, strut, plan.only(figures), rates) for plan in plans]
@@ -162,7 +165,7 @@ def _pair(one: tuple[str | float, float] | Road) -> tuple[Road | str | float, fl
         return one, None
     if not (isinstance(one, tuple | list) and len(one) == 2):
         raise InputError(f"roads: {one!r} must be a pair of class and speed such as ('C', 20.0), or a Road")
-    return one[0], float(one[1])
+    return one[0], one[1]
 
 
 def _ends(places: Sequence[OnRoad], rates: RealArray) -> list[tuple[OnRoad, float]]:

@@ -13,7 +13,7 @@ from suspid.greybox import Estimate
 from suspid.model import Suspension
 from suspid.reconstruction import Reconstruction, parameter_names, parameter_values
 from suspid.units import Ratio, RealArray, Second
-from suspid.values import frozen_real, nearest_names
+from suspid.values import frozen_real, is_size, nearest_names
 from suspid.words import Level
 
 ALL = "all springs, dampers and masses"
@@ -102,7 +102,7 @@ def _stated(
         name: given for name in held if values[name] and not name.endswith(".mass")
     }  # fmt: skip
     for name, std in stds.items():
-        if not (isinstance(std, int | float | np.number) and np.isfinite(std) and std >= 0):
+        if isinstance(std, bool) or not (is_size(std) or std == 0):
             raise InputError(
                 f"nominal_std: {name!r} = {std!r} must be a relative standard deviation >= 0, such as 0.05"
             )

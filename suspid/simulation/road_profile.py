@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from suspid.errors import InputError
 from suspid.units import Metre, Ratio, RealArray
-from suspid.values import FrozenMapping
+from suspid.values import FrozenMapping, is_size
 
 # Geometric mean of the displacement spectral density of each class at REFERENCE [m3]: ISO 8608 as others quote it.
 ROUGHNESS: Mapping[str, float] = FrozenMapping({name: 16e-6 * 4**k for k, name in enumerate("ABCDEFGH")})
@@ -92,7 +92,9 @@ def level_of(roughness: str | float, exponent: Ratio, wavelengths: tuple[Metre, 
     if level is None:
         raise InputError(f"{roughness=} is no class of ISO 8608; give one of {', '.join(ROUGHNESS)}, or G_d(n_0) [m3]")
     short, long = wavelengths
-    if not (np.isfinite(level) and level >= 0 and np.isfinite(exponent) and 0 < short < long < np.inf):
+    if isinstance(level, bool) or not (level == 0 or is_size(level)):
+        raise InputError(f"{roughness=} must be G_d(n_0) in m3, 0 or a positive number; class A has 16e-6")
+    if not (np.isfinite(exponent) and 0 < short < long < np.inf):
         raise InputError(f"{roughness=}, {exponent=}, {wavelengths=} must be finite, and the wavelengths ascend from 0")
     return float(level)
 

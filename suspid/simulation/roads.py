@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from suspid.errors import InputError
-from suspid.model import Suspension
+from suspid.model import Suspension, positive_number
 from suspid.signals import as_response
 from suspid.simulation.road_profile import REFERENCE, WAVELENGTHS, level_of, track_coherence, tracks
 from suspid.units import ComplexArray, Hertz, Metre, Ratio, RealArray
@@ -184,8 +184,7 @@ def road(
     >>> record = simulate(car, t, motorway.heights(t, rng=np.random.default_rng(1)), interpolation="cubic")
     """
     level = level_of(roughness, exponent, wavelengths)
-    if not (isinstance(speed, int | float | np.number) and np.isfinite(speed) and speed > 0):
-        raise InputError(f"{speed=} must be a positive number of m/s")
+    speed = positive_number("speed", speed, "m/s")
     if coherence is not None and not 0 <= coherence <= 1:
         raise InputError(f"{coherence=} must lie between 0 and 1")
     places = places_of(under) if isinstance(under, Suspension) else dict(under or {"road": (0.0, 0.0)})
@@ -193,7 +192,7 @@ def road(
         raise InputError("the car meets no road, or a place is not finite; give metres behind and to the left")
     return Road(
         roughness=level,
-        speed=float(speed),
+        speed=speed,
         exponent=float(exponent),
         wavelengths=wavelengths,
         places=FrozenItems({name: (float(b), float(left)) for name, (b, left) in places.items()}),
