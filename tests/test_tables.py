@@ -276,6 +276,16 @@ class TestExports:
         assert recording["Acceleration"].unit == "g"
         assert recording["Acceleration"].mean_rate == pytest.approx(500)
 
+    def test_a_comment_behind_the_first_row_is_no_cell_of_the_others(self, tmp_path: Path) -> None:
+        head = "LabVIEW Measurement\t\nX_Columns\tOne\n***End_of_Header***\t\n\t\nChannels\t2\t\t\n"
+        head += "Delta_X\t0.002\t0.002\t\n***End_of_Header***\t\t\t\nX_Value\tseat\ttire\tComment\n"
+        rows = [f"{k / 500:.6f}\t{k * k / 8}\t{-k / 8}" for k in range(30)]
+        rows[0] += "\tName of acquisition vi: C:\\\\drop test, 3.vi"
+        recording = read(tmp_path, head + "\n".join(rows) + "\n")
+        assert recording.names == ("seat", "tire")
+        assert [channel.values.size for channel in recording.channels] == [30, 30]
+        assert dict(recording.left_out)["Comment"].code is LeftOut.TEXT
+
     def test_a_row_of_brackets_holds_units(self, tmp_path: Path) -> None:
         recording = read(tmp_path, "Time,Extension,Load\n(s),(mm),(kgf)\n0,1,2\n1,2,3\n2,3,4\n")
         assert [(channel.name, channel.unit) for channel in recording.channels] == [

@@ -14,6 +14,7 @@ from suspid.io.text.cells import seconds
 from suspid.io.text.encodings import decoded
 from suspid.io.text.endings import is_open
 from suspid.io.text.layouts import Layout, find_layout
+from suspid.io.text.notes import without_notes
 from suspid.io.text.rows import Rows, find_rows
 from suspid.values import listed
 from suspid.words import LeftOut, Remark
@@ -42,6 +43,8 @@ def read_delimited(path: Path) -> Table:
     ends_within = is_open(content)
     text, left_out = decoded(content)
     del content
+    text, notes = without_notes(text, within=HEAD_BYTES)
+    left_out |= notes
     head = text[:HEAD_BYTES].split(b"\n", HEAD_LINES)
     middle: list[bytes] = []
     if len(text) > HEAD_BYTES or len(head) > HEAD_LINES:
