@@ -8,15 +8,16 @@ from dataclasses import replace
 import numpy as np
 
 from suspid.cleaning import RecordLike, as_record
-from suspid.decays.bursts import RINGING, Burst, died_down, find_bursts
+from suspid.decays.bursts import RINGING, RISE, Burst, died_down, find_bursts
 from suspid.decays.candidates import Recording, decays_after, examined
+from suspid.decays.coarse import coarsened
 from suspid.decays.decay import Decay, Decays
 from suspid.decays.doubts import doubts_of_company
 from suspid.decays.envelopes import Envelopes, envelopes, finest
 from suspid.errors import RecordError
 from suspid.identification import FEWEST_SAMPLES
 from suspid.signals import Signal, as_signal
-from suspid.units import Second
+from suspid.units import Decibel, Second
 from suspid.words import DecayDoubt, DecayRemark, Remark
 
 # Most events that are examined, the strongest first, and the number of doubtful or refused ones in a row that ends the
@@ -66,19 +67,35 @@ def find_decays(response: RecordLike, *, given: Sequence[tuple[Second, Second]] 
     [12.0]
     """
     signal = as_signal(as_record(response), least=FEWEST_SAMPLES)
-    recording = Recording(signal=signal, bands=envelopes(signal), finest=finest(signal.values))
     if given is not None:
+        recording = _recording(signal)
         bursts = [_given(signal, recording.bands, first, last) for first, last in given]
         judged = [examined(recording, burst, moved=False) for burst in bursts]
         return _ranked([d for decays, _ in judged for d in decays], [r for _, remarks in judged for r in remarks])
+    decays, remarks = _found(signal)
+    coarse = None if decays else coarsened(signal)
+    if coarse is not None:
+        decays, said = _found(coarse)
+        remarks = said if decays else remarks
+    return _ranked(decays, remarks)
+
+
+def _recording(signal: Signal) -> Recording:
+    return Recording(signal=signal, bands=envelopes(signal), finest=finest(signal.values))
+
+
+def _found(signal: Signal) -> tuple[list[Decay], list[Remark]]:
+    """Return the decays after the strongest events of a recording, and why others are none."""
+    recording = _recording(signal)
     bursts = sorted(find_bursts(recording.bands), key=lambda burst: -burst.level)
     decays: list[Decay] = []
     remarks: list[Remark] = [] if bursts else [_nothing(recording.bands)]
-    looked, vain = 0, 0
+    looked, vain, refused = 0, 0, list[Decibel]()
     for burst in bursts[:MOST_BURSTS]:
         here, said = decays_after(recording, burst)
         decays += here
         remarks += said
+        refused += [] if here else [burst.level]
         looked, vain = looked + 1, 0 if any(not decay.doubts for decay in here) else vain + 1
         if vain == MOST_IN_VAIN:
             break
@@ -99,8 +116,14 @@ def find_decays(response: RecordLike, *, given: Sequence[tuple[Second, Second]] 
                 break
     if len(bursts) > looked:
         remarks.insert(0, Remark(DecayRemark.NOT_ALL, {"found": len(bursts), "examined": looked}))
-    company = doubts_of_company(looked - len(decays), looked)
-    return _ranked([replace(decay, doubts=(*decay.doubts, *company)) for decay in decays], remarks)
+    return [_in_company(decay, decays, refused) for decay in decays], remarks
+
+
+def _in_company(decay: Decay, decays: Sequence[Decay], refused: Sequence[Decibel]) -> Decay:
+    """Return a decay, doubted if most events that are not far weaker are no decays; those are no larger than clicks."""
+    others = sum(level > decay.level - RISE for level in refused)
+    beside = sum(other.level > decay.level - RISE for other in decays)
+    return replace(decay, doubts=(*decay.doubts, *doubts_of_company(others, others + beside)))
 
 
 def _left(decay: Decay) -> float:

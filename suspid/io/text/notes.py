@@ -13,15 +13,15 @@ DELIMITERS = b"\t;,"
 
 
 def without_notes(text: bytes, *, within: int) -> tuple[bytes, Mapping[str, Remark]]:
-    """Return a text without the notes behind its rows, and the name of their column.
+    r"""Return a text without the notes behind its rows, and the name of their column.
 
     LabVIEW names a last column of comments and writes a cell of it only where there is one, mostly behind the first
     row. The names are looked for in the first ``within`` bytes.
 
     Examples
     --------
-    >>> without_notes(b"X_Value,seat,Comment\\n0,1.5,cold day\\n0.5,2\\n", within=100)[0]
-    b'X_Value,seat,Comment\\n0,1.5\\n0.5,2\\n'
+    >>> without_notes(b"X_Value,seat,Comment\n0,1.5,cold day\n0.5,2\n", within=100)[0]
+    b'X_Value,seat,Comment\n0,1.5\n0.5,2\n'
     """
     lines = text[:within].split(b"\n")
     for number, line in enumerate(lines[:-1]):
