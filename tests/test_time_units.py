@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from suspid import RecordError, as_record, read_recording
+from suspid import RecordError, as_record, read_record, read_recording
 from suspid.words import LeftOut
 
 # 200 Hz for two seconds; where the unit is not right, the step is not this.
@@ -118,3 +118,16 @@ class TestTables:
             as_record(pd.DataFrame({"time": 1e3 * TIMES, "seat": SEAT}))
         record = as_record(pd.DataFrame({"time [s]": 1e3 * TIMES, "seat": SEAT}))
         assert np.asarray(record.time) == pytest.approx(1e3 * TIMES)
+
+
+def test_stamps_of_rows_that_were_picked_outvote_the_rate_above_them(tmp_path: Path) -> None:
+    """Every 16th row of a LabVIEW file was kept, and its header with the step of all rows."""
+    head = "LabVIEW Measurement\t\nX_Columns\tOne\n***End_of_Header***\t\nChannels\t2\nDelta_X\t0.0001\t0.0001\n"
+    rows = "".join(f"{0.0016 * k:.6f}\t{np.sin(k):.6f}\t{np.cos(k):.6f}\n" for k in range(200))
+    path = tmp_path / "a.lvm"
+    path.write_text(f"{head}***End_of_Header***\t\t\nX_Value\tseat\ttire\n{rows}", encoding="utf-8")
+    recording = read_recording(path)
+    assert recording["seat"].mean_rate == pytest.approx(625)
+    assert LeftOut.OUTVOTED in [why.code for _, why in recording.left_out]
+    assert 1 / read_record(path).dt == pytest.approx(10_000 / 16)
+    assert 1 / read_record(path, fs=625.0).dt == pytest.approx(625)

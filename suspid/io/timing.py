@@ -36,6 +36,8 @@ from suspid.units import Hertz, RealArray
 from suspid.values import check_rate, listed
 from suspid.words import LeftOut, Number, Remark
 
+# Stamps whose mean rate is further than this share from a stated one run at another.
+OTHER_PACE = 0.02
 # A rate stored in single precision, or as a rounded step, is still the same rate.
 SAME_RATE = 1e-6
 # In place of the name of a column of time: no column is.
@@ -102,6 +104,8 @@ def as_recording(
         if not time_unit(table, times[0]) and (said := unit_remark(columns[times[0]])):
             left_out[f"unit of {times[0]!r}"] = said
             stamps = stamps / PER_SECOND[str(said.numbers["unit"])] if said.code is LeftOut.FINER_UNIT else stamps
+        plan, outvoted = _outvoted(table, plan, stamps, fs)
+        left_out |= outvoted
     elif followers:
         stamps = np.arange(table.sizes[followers[0]]) / (plan.rate or 1.0)
     stamps.flags.writeable = False
@@ -211,6 +215,22 @@ def _check_followers(table: Table, names: Sequence[str], time: str | None, rate:
             raise RecordError(
                 f"channel {name!r} has {table.sizes[name]} samples, {reference!r} has {table.sizes[reference]}"
             )
+
+
+def _outvoted(table: Table, plan: _Plan, stamps: RealArray, fs: Hertz | None) -> tuple[_Plan, dict[str, Remark]]:
+    """Return the plan without a rate of the file at which its stamps do not run: rows were picked or averaged since."""
+    known = stamps[np.isfinite(stamps)]
+    if fs is not None or plan.rate is None or known.size < FEW_STAMPS or known[-1] <= known[0]:
+        return plan, {}
+    mean = (known.size - 1) / float(known[-1] - known[0])
+    # Rounded stamps have another usual step than mean step, and so have those with gaps: of them the rate is believed.
+    steady = abs(float(np.median(np.diff(known))) * mean - 1) < OTHER_PACE
+    if not steady or abs(mean / plan.rate - 1) < OTHER_PACE:
+        return plan, {}
+    said = {
+        f"rate {name!r}": Remark(LeftOut.OUTVOTED, {"rate": own, "stamps": mean}) for name, own in table.rates.items()
+    }
+    return replace(plan, rate=None), said
 
 
 def _stamps(clock: TimeBase, size: int, fs: Hertz | None) -> RealArray:

@@ -96,6 +96,10 @@ class LeftOut(Code):
         "is not stated; taken as {unit}, as steps of {step:.4g} s are too slow for a suspension; give fs if they are s",
     )
     OTHER_RATE = "other_rate", "is {rate:.9g} Hz; the given {fs:.9g} Hz replaces it"
+    OUTVOTED = (
+        "outvoted",
+        "is {rate:.9g} Hz, but the time stamps run at {stamps:.9g} Hz and are used; give fs if they are wrong",
+    )
     MAGNITUDE = "magnitude", _magnitude
     ROW_COUNTER = "row_counter", "counts the rows"
     # Lines of text files.
