@@ -9,7 +9,7 @@ from suspid.io.tables import plain
 from suspid.io.text.columns import REMARKS
 from suspid.words import LeftOut, Remark
 
-DELIMITERS = b"\t;,"
+MARKS = b"\t;,"
 
 
 def without_notes(text: bytes, *, within: int) -> tuple[bytes, Mapping[str, Remark]]:
@@ -25,7 +25,7 @@ def without_notes(text: bytes, *, within: int) -> tuple[bytes, Mapping[str, Rema
     """
     lines = text[:within].split(b"\n")
     for number, line in enumerate(lines[:-1]):
-        mark = next((bytes([mark]) for mark in DELIMITERS if mark in line), b"\t")
+        mark = next((bytes([mark]) for mark in MARKS if mark in line), b"\t")
         name = plain(line.rpartition(mark)[2].decode().strip().strip('"'))
         if name.lower() not in REMARKS:
             continue
