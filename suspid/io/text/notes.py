@@ -7,9 +7,8 @@ from collections.abc import Mapping
 
 from suspid.io.tables import plain
 from suspid.io.text.columns import REMARKS
+from suspid.io.text.dialects import DELIMITERS
 from suspid.words import LeftOut, Remark
-
-MARKS = b"\t;,"
 
 
 def without_notes(text: bytes, *, within: int) -> tuple[bytes, Mapping[str, Remark]]:
@@ -25,7 +24,7 @@ def without_notes(text: bytes, *, within: int) -> tuple[bytes, Mapping[str, Rema
     """
     lines = text[:within].split(b"\n")
     for number, line in enumerate(lines[:-1]):
-        mark = next((bytes([mark]) for mark in MARKS if mark in line), b"\t")
+        mark = next((known.encode() for known in DELIMITERS if known.encode() in line), b"\t")
         name = plain(line.rpartition(mark)[2].decode().strip().strip('"'))
         if name.lower() not in REMARKS:
             continue
