@@ -185,7 +185,8 @@ def check_rate(fs: object) -> None:
     Traceback (most recent call last):
     suspid.errors.RecordError: fs = True must be a positive and finite number of Hz
     """
-    if fs is not None and not is_size(fs):
+    number = isinstance(fs, int | float | np.integer | np.floating) and not isinstance(fs, bool)
+    if fs is not None and not (number and 0 < fs < np.inf):  # type: ignore[operator]
         raise RecordError(f"fs = {fs!r:.40} must be a positive and finite number of Hz")
 
 
