@@ -23,6 +23,7 @@ from suspid.identification.modes_json import (
 )
 from suspid.identification.noise import (
     ABOVE_RESOLUTION,
+    SAME_SHARE,
     UNIFORM_STD,
     WhiteNoise,
     correlated,
@@ -40,6 +41,7 @@ __all__ = [
     "ABOVE_RESOLUTION",
     "FEWEST_SAMPLES",
     "MOST_PAIRS",
+    "SAME_SHARE",
     "UNIFORM_STD",
     "AmplitudeDependence",
     "Considered",

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
 from suspid.identification.candidates import CANDIDATES_TRIED, Candidate
+from suspid.identification.exponentials import power_sums, project
 from suspid.identification.fitting import BENT, Fit, Problem
 from suspid.identification.poles import Poles
 from suspid.identification.refinement import Rejected
@@ -13,19 +16,18 @@ from suspid.levels import UNLIKELY
 from suspid.units import ComplexArray, RealArray
 from suspid.words import Reason, Remark
 
-# E-foldings after which a pair has gone: its samples to 1e-4.
-GONE = 9.0
+# Share of the energy of a bend that is orthogonal to all poles, below which it is one of them to rounding.
+LEAST_BEND = 1e-9
 
 
 def divided(problem: Problem, fit: Fit) -> Fit | None:
     """Return the fit with one pair divided in two of different shapes, None if none decreases BIC."""
     penalty = problem.penalty(real=False)
     promised = apart(fit)
-    for which in sorted(range(len(promised)), key=lambda k: -promised[k][0])[:CANDIDATES_TRIED]:
-        gain, poles = promised[which]
-        if gain < penalty:
+    for which in np.argsort(-promised.gains, kind="stable")[:CANDIDATES_TRIED].tolist():
+        if promised.gains[which] < penalty:
             break
-        trial = problem.fitted(with_two(fit.poles, which, poles))
+        trial = problem.fitted(with_two(fit.poles, which, promised.two(which)))
         if trial is not None and fit.loss - trial.loss > penalty and not trial.splits.any():
             return trial
     return None
@@ -44,14 +46,14 @@ def unresolved(problem: Problem, fit: Fit) -> tuple[ComplexArray, NDArray[np.boo
     channels = problem.blocks.channels
     needed = float(chdtri(2 + 2 * channels, UNLIKELY))
     shifts, partners = np.zeros(len(fit.poles.pairs), complex), list[tuple[Candidate, Remark]]()
-    promises = apart(fit)
-    bends = np.array([promise > needed for promise, _ in promises], bool)
-    for which, (pole, (_, start)) in enumerate(zip(fit.poles.pairs, promises, strict=True)):
-        if not bends[which]:
-            continue
-        trial = problem.fitted(with_two(fit.poles, which, start))
+    promised = apart(fit)
+    bends = promised.gains > needed
+    for which in np.flatnonzero(bends).tolist():
+        pole = fit.poles.pairs[which]
+        trial = problem.fitted(with_two(fit.poles, which, promised.two(which)))
         if trial is None:
             continue
+        trial = problem.settled(trial)
         two, gain = trial.poles.pairs[-2:], fit.loss - trial.loss
         near = np.abs(two - pole) < BENT * np.abs(pole.real)
         if near.all() and gain > needed:
@@ -70,49 +72,63 @@ def with_two(poles: Poles, which: int, two: ComplexArray) -> Poles:
     return Poles(pairs=pairs, reals=poles.reals, nuisances=poles.nuisances)
 
 
-def apart(fit: Fit) -> list[tuple[float, ComplexArray]]:
-    """Return for each pair what a second pole beside it promises in twice the log likelihood, and two in its place.
+def apart(fit: Fit) -> Apart:
+    """Return for each pair what a second pole beside it promises in twice the log likelihood.
 
     Two poles ``p + u`` and ``p + v`` with amplitudes d and e are ``(a + b t + c t^2 + …) exp(p t)``, with
-    ``a = d + e``, ``b = d u + e v``, ``2 c = d u^2 + e v^2``, hence ``2 c = (u + v) b - u v a`` in every channel: u
-    and v by least squares. The promise is the energy of b and c at fixed poles over the noise.
+    ``a = d + e``, ``b = d u + e v``, ``2 c = d u^2 + e v^2``. The promise is the energy of b and c at fixed poles over
+    the noise.
     """
-    pairs, samples = fit.poles.pairs, fit.residual.shape[1]
-    counts = np.minimum(samples, np.ceil(GONE / np.maximum(-pairs.real, GONE / samples))).astype(int)
-    known = _columns(np.concatenate([pairs, fit.poles.reals, fit.poles.nuisances]), samples)
-    # Pairs that are seen over the same samples share a factorization of the columns at fixed poles.
-    fixed = {count: np.linalg.qr(known[:count]) for count in np.unique(counts).tolist()}
-    return [_divided(fit, which, known[: counts[which]], *fixed[counts[which]]) for which in range(len(pairs))]
+    pairs, count = len(fit.poles.pairs), fit.residual.shape[1]
+    solution, theta = fit.solution, fit.poles.pairs
+    if not pairs:
+        return Apart(fit=fit, gains=np.zeros(0), bends=np.zeros((0, 4, len(fit.variance)), complex), changes=[])
+    # What bends a pair and its conjugate: their products with time and its square, over the record.
+    own = np.stack([np.arange(pairs), pairs + np.arange(pairs)], axis=1)
+    crossed = np.moveaxis(np.concatenate([solution.tilt[:, own], solution.bend[:, own]], axis=2), 1, 0)
+    fixed = np.linalg.solve(solution.gram, crossed)
+    beside = _bend_products(theta, count) - crossed.conj().swapaxes(1, 2) @ fixed
+    time = np.arange(count) / count
+    timed = fit.residual * time
+    left = project(np.concatenate([timed, timed * time]), theta).reshape(2, -1, pairs)
+    amounts = np.stack([left[0], left[0].conj(), left[1], left[1].conj()]).transpose(2, 0, 1)
+    # Directions that rounding of the inner products leaves open promise nothing.
+    scale = 1 / np.sqrt(np.einsum("pii->pi", _bend_products(theta, count)).real)
+    values, vectors = np.linalg.eigh(beside * (scale[:, :, None] * scale[:, None, :]))
+    least = max(LEAST_BEND, 10 * float(np.max(solution.rounding / fit.problem.blocks.energy)))
+    inverse = np.where(values > least, 1 / np.maximum(values, least), 0.0)
+    turned = vectors.conj().swapaxes(1, 2) @ (scale[:, :, None] * amounts)
+    bends = scale[:, :, None] * (vectors @ (inverse[:, :, None] * turned))
+    gains = np.sum(inverse[:, :, None] * np.abs(turned) ** 2 / fit.variance, axis=(1, 2))
+    return Apart(fit=fit, gains=gains, bends=bends, changes=[-fixed[k][k] @ bends[k] for k in range(pairs)])
 
 
-def _divided(
-    fit: Fit, which: int, known: RealArray, basis: RealArray, triangle: RealArray
-) -> tuple[float, ComplexArray]:
-    """Return promise and two poles for one pair, from the columns at fixed poles and their factors."""
-    pole, count = complex(fit.poles.pairs[which]), len(known)
-    step = np.arange(count)[:, None] / count
-    own, left = known[:, 2 * which : 2 * which + 2], fit.residual[:, :count].T
-    bend = np.concatenate([own * step, own * step**2], axis=1)
-    if count < known.shape[1] + bend.shape[1]:
-        return 0.0, np.full(2, pole)
-    inside = basis.T @ bend
-    beside = bend - basis @ inside
-    # Once more: what is left of nearly dependent columns is not yet orthogonal.
-    beside -= basis @ (basis.T @ beside)
-    bent, corner = np.linalg.qr(beside)
-    amounts = bent.T @ left
-    gain = float(np.sum(amounts**2 / fit.variance))
-    bends = np.linalg.lstsq(corner, amounts, rcond=1e-12)[0]
-    changes = np.linalg.lstsq(triangle, basis.T @ left - inside @ bends, rcond=1e-12)[0]
-    b, c = bends[[0, 2]] + 1j * bends[[1, 3]]
-    a = 2 * fit.solution.amplitudes[which] + changes[2 * which] + 1j * changes[2 * which + 1]
-    std = np.sqrt(fit.variance)
-    total, product = np.linalg.lstsq(np.stack([b, -a], axis=1) / std[:, None], 2 * c / std, rcond=1e-6)[0]
-    return gain, np.asarray(pole + np.roots([1.0, -total, product]) / count, complex)
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Apart:
+    """What a second pole beside each pair promises."""
+
+    fit: Fit
+    gains: RealArray  # (pair,): in twice the log likelihood
+    bends: ComplexArray  # (pair, 4, channel): amplitudes of t and t^2 times the pair and its conjugate
+    changes: list[ComplexArray]  # (channel,) for each pair: change of its amplitude
+
+    def two(self, which: int) -> ComplexArray:
+        """Return two poles to start from in place of one: ``2 c = (u + v) b - u v a`` in every channel."""
+        std = np.sqrt(self.fit.variance)
+        a = self.fit.solution.amplitudes[which] + self.changes[which]
+        b, c = self.bends[which, 0], self.bends[which, 2]
+        total, product = np.linalg.lstsq(np.stack([b, -a], axis=1) / std[:, None], 2 * c / std, rcond=1e-6)[0]
+        roots = np.roots([1.0, -total, product]) / self.fit.residual.shape[1]
+        return np.asarray(self.fit.poles.pairs[which] + roots, complex)
 
 
-def _columns(exponents: ComplexArray, count: int) -> RealArray:
-    """Return real and minus imaginary parts of exponentials, one beside the other; of a real one the real part."""
-    powers = np.exp(np.asarray(exponents, complex)[:, None] * np.arange(count))
-    parts = np.stack([powers.real, -powers.imag], axis=1).reshape(-1, count)
-    return np.asarray(parts[np.repeat(np.imag(exponents) != 0, 2) | (np.arange(len(parts)) % 2 == 0)].T, float)
+def _bend_products(theta: ComplexArray, count: int) -> ComplexArray:
+    """Return the inner products of t and t^2 times each pair and its conjugate, (pair, 4, 4), t over the record."""
+    pairs = len(theta)
+    sums = power_sums(np.concatenate([2 * theta.real + 0j, 2 * theta.conj()]), count, order=4)
+    same, crossed = (np.array(sums)[2:, part] for part in (slice(pairs), slice(pairs, None)))
+    out = np.empty((pairs, 2, 2, 2, 2), complex)
+    for one, other in np.ndindex(2, 2):
+        out[:, one, 0, other, 0] = out[:, one, 1, other, 1] = same[one + other]
+        out[:, one, 0, other, 1], out[:, one, 1, other, 0] = crossed[one + other], crossed[one + other].conj()
+    return out.reshape(pairs, 4, 4)

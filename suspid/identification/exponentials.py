@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
+from math import comb
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,10 +23,10 @@ SERIES_REACH = 2.0
 SERIES_TERMS = 26
 
 
-def power_sums(phi: ComplexArray, count: int) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
-    """Return ``sum_k (k / n)^j exp(phi k)`` over k = 0 … n - 1, for j = 0, 1, 2 and exponents per sample phi.
+def power_sums(phi: ComplexArray, count: int, *, order: int = 2) -> ComplexArray:
+    """Return ``sum_k (k / n)^j exp(phi k)`` over k = 0 … n - 1, (j, …), for j up to an order of 2 to 4.
 
-    Geometric series and its derivatives: with ``u = exp(phi)`` and ``E = exp(n phi)``,
+    Exponents are per sample. Geometric series and its derivatives: with ``u = exp(phi)`` and ``E = exp(n phi)``,
     ``S0 = (E - 1) / (u - 1)``, ``S1 = (n E - u S0) / (u - 1)``,
     ``S2 = (n^2 E - u (2 S1 + S0)) / (u - 1)``, each over n^j; near ``phi = 0`` a power series.
 
@@ -40,24 +41,27 @@ def power_sums(phi: ComplexArray, count: int) -> tuple[ComplexArray, ComplexArra
     safe = np.where(near, -1.0, phi)
     below = 1 / np.expm1(safe)
     last = np.exp(safe * count)
-    zeroth = (last - 1) * below
+    sums = np.empty((order + 1, *phi.shape), complex)
     # (E - 1) / (u - 1) in units of n: u / (u - 1) = 1 + 1 / (u - 1).
-    ratio = 1 + below
-    ended, ratio = last * below, ratio / count
-    first = ended - zeroth * ratio
-    second = ended - (2 * first + zeroth / count) * ratio
+    sums[0] = (last - 1) * below
+    ended, ratio = last * below, (1 + below) / count
+    sums[1] = ended - sums[0] * ratio
+    sums[2] = ended - (2 * sums[1] + sums[0] / count) * ratio
+    for j in range(3, order + 1):
+        earlier = sum(comb(j, m) * sums[m] / count ** (j - 1 - m) for m in range(j))
+        sums[j] = ended - earlier * ratio
     if near.any():
         x = phi[near] * count
+        moments = _moments(count)[:, : order + 1]
         if x.any():
             terms = np.cumprod(
                 np.column_stack([np.ones_like(x), np.divide.outer(x, np.arange(1, SERIES_TERMS))]), axis=1
             )
-            sums = (terms @ _moments(count)).T
+            sums[:, near] = (terms @ moments).T
         else:
             # A constant against itself.
-            sums = _moments(count)[0][:, None]
-        zeroth[near], first[near], second[near] = sums
-    return zeroth, first, second
+            sums[:, near] = moments[0][:, None]
+    return sums
 
 
 def gram_sums(pairs: ComplexArray, reals: RealArray, count: int) -> ComplexArray:
@@ -75,7 +79,7 @@ def gram_sums(pairs: ComplexArray, reals: RealArray, count: int) -> ComplexArray
     """
     left, right, place = _distinct_products(len(pairs), len(reals))
     theta = np.concatenate([pairs, pairs.conj(), reals])
-    sums = np.array(power_sums(theta[left] + theta[right], count))
+    sums = power_sums(theta[left] + theta[right], count)
     return np.asarray(np.concatenate([sums, sums.conj()], axis=1)[:, place])
 
 
@@ -114,15 +118,15 @@ def cross_sums(left: ComplexArray, right: ComplexArray, count: int) -> ComplexAr
 
 @lru_cache(maxsize=64)
 def _moments(count: int) -> RealArray:
-    """Return ``sum_k (k / n)^(m + j)``, (m, j), for every m of the series and j = 0, 1, 2."""
-    power = np.arange(SERIES_TERMS + 2, dtype=float)
+    """Return ``sum_k (k / n)^(m + j)``, (m, j), for every m of the series and j = 0 … 4."""
+    power = np.arange(SERIES_TERMS + 4, dtype=float)
     if count > 4096:
         # Euler-Maclaurin: the integral and corrections at the ends. The next correction is below rounding here.
         sums = count / (power + 1) - 0.5 + np.where(power > 1, power, 0.0) / (12 * count)
         sums[0] = count
     else:
         sums = np.array([np.sum((np.arange(count) / count) ** m) for m in power])
-    return frozen_real(np.stack([sums[j : j + SERIES_TERMS] for j in range(3)], axis=1))
+    return frozen_real(np.stack([sums[j : j + SERIES_TERMS] for j in range(5)], axis=1))
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)

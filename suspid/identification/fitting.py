@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from suspid.identification.classification import MOST_DECAY
 from suspid.identification.exponentials import Blocks, synthesize
-from suspid.identification.likelihood import DecayFit, bic_penalty, evaluate, maximize
-from suspid.identification.noise import WhiteNoise, loss_growth, loudness, over_channels, power_beside
+from suspid.identification.likelihood import DecayFit, bic_penalty, evaluate, evaluate_samples, maximize, settled
+from suspid.identification.noise import KnownNoise, WhiteNoise, loss_growth, loudness, over_channels, power_beside
 from suspid.identification.poles import Poles
 from suspid.identification.shapes import same_shape
 from suspid.units import ComplexArray, Ratio, RealArray
@@ -23,6 +23,10 @@ COLOUR_BEGINS = 1.5
 # Poles nearer than this, in linewidths (geometric mean of the two decay rates) and in the ratio of their natural
 # frequencies, may be one mode that is not quite linear: friction and nonlinear springs bend a mode by less.
 BENT, OTHER_FREQUENCY = 2.0, 1.35
+# Relative rounding error of the residual energy above which it is summed over samples: the weights of the channels
+# follow from it, and the poles from those, to about as many standard deviations. Records of up to so many samples are
+# then fitted by their samples; more cost time.
+CLOSE, MOST_CLOSE = 1e-8, 20_000
 # A refit regains at most this many times what a Gauss-Newton step promises. A lower number may take another order of
 # removal; a higher one costs refits.
 MISJUDGED = 3.0
@@ -51,6 +55,28 @@ class Problem:
         else:
             solution = maximize(self.blocks, start, noise)
         return None if solution is None else Fit(problem=self, solution=solution)
+
+    def settled(self, fit: Fit) -> Fit:
+        """Return the fit after the last steps, which move its poles by shares of a standard deviation."""
+
+        def evaluated(poles: Poles) -> DecayFit | None:
+            return evaluate(self.blocks, poles, self._inner_noise)
+
+        def evaluated_closely(poles: Poles) -> DecayFit | None:
+            if self.blocks.count <= MOST_CLOSE:
+                return evaluate_samples(self.values, poles, self.noise)
+            # Weights from differences of energies would move the poles by their rounding.
+            first = evaluated(poles)
+            if first is None:
+                return None
+            return evaluate(self.blocks, poles, KnownNoise(least=Fit(problem=self, solution=first).variance))
+
+        if np.all(fit.solution.rounding < CLOSE * fit.solution.squares):
+            solution: DecayFit | None = settled(fit.solution, evaluated)
+        else:
+            solution = evaluated_closely(fit.poles)
+            solution = solution and settled(solution, evaluated_closely)
+        return fit if solution is None or solution is fit.solution else Fit(problem=self, solution=solution)
 
     def polished(self, fit: Fit) -> Fit:
         """Return the fit after further steps, or itself if it has converged."""

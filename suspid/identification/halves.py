@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
+from suspid.identification.covariance import inverse_information
 from suspid.identification.exponentials import blocks_of
-from suspid.identification.likelihood import maximize
-from suspid.identification.noise import WhiteNoise
+from suspid.identification.likelihood import DecayFit, Known, evaluate, evaluate_samples, maximize, settled
+from suspid.identification.noise import KnownNoise
 from suspid.identification.poles import Poles
 from suspid.units import RealArray
 
 # A record or half of one with fewer samples is not fitted.
 FEWEST_SAMPLES = 32
+# Rounding error of the residual energy over the energy of the noise above which a half is fitted by its samples.
+MOST_ROUNDING = 1e-6
 
 
 def halfway(decay: float, count: int) -> int:
@@ -28,26 +33,42 @@ def disagreement(values: RealArray, poles: Poles, which: int, noise_std: RealArr
     """Return the distance of a pair in the two halves of the decay over its standard deviation.
 
     It is the root mean square of real and imaginary part, NaN where a half does not determine the pair. The poles are
-    fitted to the whole record; ``noise_std`` is that of each channel.
+    fitted to the whole record; ``noise_std`` is that of each channel. In each half all poles are fitted, each known
+    beforehand to a standard deviation of its own size over the record: what a half does not show stays where it is.
     """
     decay = max(0.0, -float(poles.pairs[which].real))
     cut = halfway(decay, values.shape[1])
+    std = np.maximum(np.abs(np.concatenate([poles.pairs.real.repeat(2), poles.reals])), 1 / values.shape[1])
+    known = Known(poles=poles, std=std)
     found, variance = [], []
     for part in (values[:, :cut], values[:, cut:]):
         if part.shape[1] < FEWEST_SAMPLES:
             return float("nan")
-        blocks = blocks_of(part - part.mean(axis=1, keepdims=True))
-        fit = maximize(blocks, poles, WhiteNoise(least=noise_std**2).rounded(blocks.energy, blocks.count), steps=12)
+        fit = _fitted(part - part.mean(axis=1, keepdims=True), known, noise_std)
         # A fit that leads further off than the decay rate, or knows it no better than to a third, is not of this pair.
         if fit is None or abs(fit.poles.pairs[which] - poles.pairs[which]) >= decay:
             return float("nan")
-        try:
-            spread = np.linalg.inv(fit.information).diagonal()[2 * which : 2 * which + 2]
-        except np.linalg.LinAlgError:
-            return float("nan")
-        if not np.all((spread > 0) & (spread < (decay / 3) ** 2)):
+        spread = inverse_information(fit.information + np.diag(1 / std**2)).diagonal()[2 * which : 2 * which + 2]
+        # Known to a third by the half alone: together with what was known beforehand, variances add inversely.
+        if not np.all(spread < decay**2 / (3**2 + 1)):
             return float("nan")
         found.append(fit.poles.pairs[which])
         variance.append(spread)
     apart = found[0] - found[1]
     return float(np.sqrt(np.mean(np.array([apart.real, apart.imag]) ** 2 / (variance[0] + variance[1]))))
+
+
+def _fitted(values: RealArray, known: Known, noise_std: RealArray) -> DecayFit | None:
+    """Return the most probable fit to a part of a record, less its mean."""
+    blocks = blocks_of(values)
+    noise = KnownNoise(least=noise_std**2).rounded(blocks.energy, blocks.count, of_energies=True)
+    start = evaluate(blocks, known.poles, noise)
+    if start is None:
+        return None
+    evaluated = partial(evaluate, blocks, noise=noise)
+    if np.any(start.rounding > MOST_ROUNDING * noise.least * blocks.count):
+        # Over a few samples slow poles are nearly alike.
+        evaluated = partial(evaluate_samples, values, noise=noise)
+        start = evaluated(known.poles)
+    fit = start and maximize(blocks, start, noise, known=known, evaluated=evaluated)
+    return fit and settled(fit, evaluated, known=known)

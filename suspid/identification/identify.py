@@ -16,7 +16,7 @@ from suspid.identification.dominant import dominant
 from suspid.identification.halves import FEWEST_SAMPLES, disagreement
 from suspid.identification.harmonics import without_harmonics
 from suspid.identification.identification import Identification, Method
-from suspid.identification.noise import noise_of, shared_noise
+from suspid.identification.noise import SAME_SHARE, WhiteNoise, noise_of, shared_noise
 from suspid.identification.nonlinear import (
     find_forces,
     modes_of_bent,
@@ -114,7 +114,7 @@ def identify(
     signal = as_signal(response, least=FEWEST_SAMPLES)
     centred = signal.values - signal.values.mean(axis=1, keepdims=True)
     for name, samples, about in zip(signal.channels, signal.values, centred, strict=True):
-        if not max(about.max(), -about.min()) > 1e-12 * max(samples.max(), -samples.min()):
+        if not max(about.max(), -about.min()) > SAME_SHARE * max(samples.max(), -samples.min()):
             raise IdentificationError(f"channel {name!r} is constant: there is no decay in it; leave it out")
     _check_clipping(signal)
     band = angular(band_hz)
@@ -171,10 +171,10 @@ def _by_likelihood(
             selection = without_pulse(without_lines(selection), centred)
             if not len(selection.modes):
                 selection = dominant(centred, noise=noise, band=limits, selection=selection) or selection
-        modes, loudness = _modes_of(selection, centred, step=signal.step, channels=signal.channels)
+        modes, loudness = _modes_of(selection, centred, noise, step=signal.step, channels=signal.channels)
         if steps.count is None:
             selection = without_harmonics(selection, modes)
-            modes, loudness = _modes_of(selection, centred, step=signal.step, channels=signal.channels)
+            modes, loudness = _modes_of(selection, centred, noise, step=signal.step, channels=signal.channels)
         _check_count(modes, steps.count)
         left, freedom, forces = selection.residual, selection.fit.freedom, ()
         considered, dependence = considered_of(selection, modes, signal.step), ()
@@ -213,7 +213,7 @@ def _fades(values: RealArray) -> bool:
 
 
 def _modes_of(
-    selection: Selection, values: RealArray, *, step: Second, channels: tuple[str, ...]
+    selection: Selection, values: RealArray, noise: WhiteNoise, *, step: Second, channels: tuple[str, ...]
 ) -> tuple[ModalSet, RealArray]:
     """Return the modes of one decay and how loud the residual is near each, (mode,).
 
@@ -223,7 +223,7 @@ def _modes_of(
     """
     fit, kept = selection.fit, selection.modes
     loudness = selection.loudness[kept]
-    widening = loudness * shared_noise(selection.residual)
+    widening = loudness * shared_noise(selection.residual, np.sqrt(noise.least))
     noise_std = np.sqrt(fit.squares / fit.count)
     for k in np.flatnonzero(((loudness > 1) | selection.bends[kept]) & (kept < len(fit.poles.pairs))):
         widening[k] = np.nanmax([widening[k], disagreement(values, fit.poles, int(kept[k]), noise_std) ** 2])

@@ -8,8 +8,10 @@ noise variances take their most likely values.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import lru_cache, partial
+from typing import TypeAlias
 
 import numpy as np
 
@@ -22,6 +24,12 @@ from suspid.values import frozen_real
 # A Gauss-Newton step is worth about its squared length in standard deviations; iterations end below this. A larger
 # value leaves the poles off the optimum by its square root.
 NEGLIGIBLE_STEP = 1e-5
+# Exponentials of unit norm of which less than this is orthogonal to the others are not fitted together: the rounding of
+# their amplitudes grows with its inverse square.
+LEAST_PIVOT = 1e-5
+# Fits whose poles are reported end below this, at a ten-millionth of a standard deviation: then rounding of the
+# record shows nowhere. Each of the last steps gains a digit or more; where the model is wrong, less.
+SETTLED, MOST_LAST_STEPS = 1e-14, 20
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -40,6 +48,7 @@ class DecayFit:
     gradient: RealArray  # (parameter,): gradient of the log likelihood by the poles' real parameters
     gram: ComplexArray  # (exponent, exponent): inner products of the exponentials
     tilt: ComplexArray  # (exponent, exponent): inner products of the exponentials with their derivatives
+    bend: ComplexArray  # (exponent, exponent): inner products of the exponentials with their second derivatives
     # (exponent, exponent): inner products of the parts of the derivatives that are orthogonal to the exponentials.
     sharpness: ComplexArray
 
@@ -63,9 +72,7 @@ def evaluate(blocks: Blocks, poles: Poles, noise: WhiteNoise) -> DecayFit | None
     if failed:
         return None
     pivot = float(lower.diagonal().real.min())
-    # Exponentials of unit norm of which less than this is orthogonal to the others are not fitted together: the
-    # rounding of their amplitudes grows with its inverse square.
-    if not pivot >= 1e-5:
+    if not pivot >= LEAST_PIVOT:
         return None
     inverse = ztrtri(lower, lower=1)[0] * norm
     inverse = inverse.conj().T @ inverse
@@ -95,6 +102,48 @@ def evaluate(blocks: Blocks, poles: Poles, noise: WhiteNoise) -> DecayFit | None
         gradient=(poles.chart.conj().T @ slope).real * count,
         gram=gram,
         tilt=tilt,
+        bend=bend,
+        sharpness=sharpness,
+    )
+
+
+def evaluate_samples(values: RealArray, poles: Poles, noise: WhiteNoise) -> DecayFit | None:
+    """Return the fit at given poles from the samples themselves, (channel, sample).
+
+    Its rounding grows with the inverse of the smallest pivot, that of `evaluate` with its square; it takes longer.
+    """
+    count = values.shape[1]
+    k = np.arange(count)[:, None]
+    powers = np.exp(poles.exponents * k)
+    size = np.linalg.norm(powers, axis=0)
+    basis, triangle = np.linalg.qr(powers / size)
+    if not np.abs(triangle.diagonal()).min() >= LEAST_PIVOT:
+        return None
+    amplitudes = np.linalg.solve(triangle, basis.conj().T @ values.T) / size[:, None]
+    left = values.T - (powers @ amplitudes).real
+    bent = powers * (k / count)
+    inside = basis.conj().T @ bent
+    beside = bent - basis @ inside
+    squares, energy = np.sum(left**2, axis=0), np.sum(values**2, axis=1)
+    # Relative rounding error of a mean square computed from samples.
+    rounding = 1e-28 * energy
+    squares = np.maximum(squares, rounding)
+    variance = noise.variance(squares, count)
+    if not 0 < variance.min() < np.inf:
+        return None
+    sharpness = beside.conj().T @ beside
+    slope = (amplitudes.conj() / variance * (beside.conj().T @ left)).sum(axis=1)
+    return DecayFit(
+        poles=poles,
+        count=count,
+        amplitudes=amplitudes,
+        squares=squares,
+        rounding=rounding,
+        information=_information(poles, sharpness, amplitudes, variance, count),
+        gradient=(poles.chart.conj().T @ slope).real * count,
+        gram=powers.conj().T @ powers,
+        tilt=powers.conj().T @ bent,
+        bend=bent.conj().T @ bent,
         sharpness=sharpness,
     )
 
@@ -124,6 +173,22 @@ def bic_penalty(channels: int, samples: int, *, real: bool = False) -> float:
     return (1 if real else 2) * (1 + channels) * float(np.log(samples))
 
 
+# The fit at given poles, None where there is none.
+Evaluated: TypeAlias = Callable[[Poles], DecayFit | None]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Known:
+    """Poles that are known beforehand, each real parameter to a standard deviation."""
+
+    poles: Poles
+    std: RealArray  # (parameter,)
+
+    def drift(self, fit: DecayFit) -> RealArray:
+        """Return how far poles lie from these, in standard deviations, (parameter,)."""
+        return np.asarray((fit.poles.parameters - self.poles.parameters) / self.std)
+
+
 def maximize(
     blocks: Blocks,
     start: Poles | DecayFit,
@@ -131,47 +196,112 @@ def maximize(
     *,
     steps: int = 60,
     negligible: float = NEGLIGIBLE_STEP,
+    known: Known | None = None,
+    evaluated: Evaluated | None = None,
 ) -> DecayFit | None:
     """Return the fit of greatest likelihood near given poles, by damped Gauss-Newton steps.
 
     A fit to start from must have been evaluated with the same record and noise. The search ends when a step promises
-    less than ``negligible`` in twice the log likelihood.
+    less than ``negligible`` in twice the log likelihood. With poles ``known`` beforehand it is the most probable fit.
+    Fits at given poles are ``evaluated`` by `evaluate` if nothing else is given.
     """
-    from scipy.linalg.lapack import dposv
-
-    fit = start if isinstance(start, DecayFit) else evaluate(blocks, start, noise)
+    evaluated = evaluated or partial(evaluate, blocks, noise=noise)
+    fit = start if isinstance(start, DecayFit) else evaluated(start)
     if fit is None or not fit.poles.free:
         return fit
     damping = 1e-3
     rounding = 1e-13 * blocks.count
     for _ in range(steps):
-        diagonal = fit.information.diagonal()
-        if not (math.isfinite(fit.information.sum()) and diagonal.min() > 0):
+        quadratic = Quadratic.of(fit, known)
+        if quadratic is None:
             return fit
-        scale = np.sqrt(np.maximum(diagonal, 1e-12 * diagonal.max()))
-        unit = fit.information / (scale[:, None] * scale)
+        refused = False
         for _ in range(12):
-            _, step, failed = dposv(unit + damping * _unit_matrix(len(unit)), fit.gradient / scale)
-            # Without damping, rounding may leave the information indefinite.
-            if failed:
-                step = np.linalg.solve(unit + damping * _unit_matrix(len(unit)), fit.gradient / scale)
-            step = step / scale
-            worth = float(step @ fit.gradient)
-            if worth < negligible:
+            step = quadratic.step(damping)
+            if float(step @ quadratic.gradient) < negligible:
                 return fit
-            trial = evaluate(blocks, fit.poles.moved_within(step, blocks.count), noise)
+            trial = evaluated(fit.poles.moved_within(step, blocks.count))
             if trial is not None:
                 # Two fits whose residuals are below the rounding of either are equally good.
                 coarse = noise.at_least(np.maximum(fit.rounding, trial.rounding) / blocks.count)
                 worse = coarse.loss(trial.squares, blocks.count) - coarse.loss(fit.squares, blocks.count)
+                if known is not None:
+                    worse += float(np.sum(known.drift(trial) ** 2) - np.sum(known.drift(fit) ** 2))
                 if worse <= rounding:
                     break
-            damping = max(10 * damping, 1e-4)
+            refused, damping = True, max(10 * damping, 1e-4)
         else:
             return fit
         fit = trial
-        damping = damping / 10 if damping > 1e-9 else 0.0
+        # Damping that was needed a moment ago is needed again.
+        if not refused:
+            damping = damping / 10 if damping > 1e-9 else 0.0
     return fit
+
+
+def settled(fit: DecayFit, evaluated: Evaluated, *, known: Known | None = None) -> DecayFit:
+    """Return a fit near its optimum after the last steps, to rounding of the gradient rather than of the likelihood.
+
+    Parameters
+    ----------
+    fit : DecayFit
+        The fit.
+    evaluated : callable
+        Returns the fit at given poles.
+    known : Known, optional
+        Poles that are known beforehand.
+    """
+    worth = np.inf
+    for _ in range(MOST_LAST_STEPS if fit.poles.free else 0):
+        quadratic = Quadratic.of(fit, known)
+        if quadratic is None:
+            return fit
+        step = quadratic.step(0.0)
+        # A step that promises no less than half of the one before is rounding.
+        before, worth = worth, float(step @ quadratic.gradient)
+        if worth < SETTLED or worth > before / 2 or worth > 1:
+            return fit
+        trial = evaluated(fit.poles.moved_within(step, fit.count))
+        if trial is None:
+            return fit
+        fit = trial
+    return fit
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Quadratic:
+    """The likelihood about a fit as a quadratic function of the real parameters of its poles."""
+
+    unit: RealArray  # (parameter, parameter): information, scaled to a unit diagonal
+    scale: RealArray  # (parameter,)
+    gradient: RealArray  # (parameter,)
+
+    @classmethod
+    def of(cls, fit: DecayFit, known: Known | None = None) -> Quadratic | None:
+        """Return the function, None where the information is none; parameters at a bound do not move beyond it."""
+        information, gradient = fit.information, fit.gradient
+        if known is not None:
+            information = information + np.diag(1 / known.std**2)
+            gradient = gradient - known.drift(fit) / known.std
+        pinned = fit.poles.pinned(gradient, fit.count)
+        if pinned is not None:
+            free = ~pinned
+            information = np.where(free[:, None] & free, information, np.diag(information.diagonal()))
+            gradient = gradient * free
+        diagonal = information.diagonal()
+        if not (math.isfinite(information.sum()) and diagonal.min() > 0):
+            return None
+        scale = np.sqrt(np.maximum(diagonal, 1e-12 * diagonal.max()))
+        return cls(unit=information / (scale[:, None] * scale), scale=scale, gradient=gradient)
+
+    def step(self, damping: float) -> RealArray:
+        """Return the damped step to the optimum, (parameter,)."""
+        from scipy.linalg.lapack import dposv
+
+        damped, slope = self.unit + damping * _unit_matrix(len(self.unit)), self.gradient / self.scale
+        _, step, failed = dposv(damped, slope)
+        # Without damping, rounding may leave the information indefinite.
+        return np.asarray((np.linalg.solve(damped, slope) if failed else step) / self.scale)
 
 
 @lru_cache(maxsize=64)

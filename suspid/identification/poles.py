@@ -53,6 +53,26 @@ class Poles:
         """Derivatives of `exponents` by the real parameters, (exponent, parameter): Re, Im of each pair; each real."""
         return _chart(len(self.pairs), len(self.reals), len(self))
 
+    @property
+    def parameters(self) -> RealArray:
+        """The real parameters: Re and Im of each pair; each real."""
+        return np.concatenate([self.pairs.view(float), self.reals])
+
+    def pinned(self, gradient: RealArray, count: int) -> NDArray[np.bool_] | None:
+        """Return which real parameters are at a bound of `moved_within` and would leave it uphill, None for none."""
+        pairs, highest = len(self.pairs), MOST_GROWTH / count
+        rates = np.concatenate([self.pairs.real, self.reals])
+        if pairs and (self.pairs.imag >= np.pi).any():
+            pass
+        elif not (rates.max() >= highest or rates.min() <= -FASTEST):
+            return None
+        uphill = gradient > 0
+        where = np.concatenate([np.arange(pairs) * 2, np.arange(2 * pairs, len(gradient))])
+        out = np.zeros(len(gradient), bool)
+        out[where] = np.where(uphill[where], rates >= highest, rates <= -FASTEST)
+        out[1 : 2 * pairs : 2] = (self.pairs.imag >= np.pi) & uphill[1 : 2 * pairs : 2]
+        return out if out.any() else None
+
     def moved(self, step: RealArray) -> Poles:
         """Return the poles after a step in (Re, Im of each pair; each real)."""
         pairs, reals = len(self.pairs), len(self.reals)

@@ -80,6 +80,7 @@ def select(
         fit, gains, dropped = _alone(problem, fit, gains, band, modes)
         pair_gains = pair_gains if not dropped else np.full(len(fit.poles.reals), -np.inf)
         lost += dropped
+    fit = problem.settled(fit)
     # Sums of squares from samples are more accurate than differences of energies.
     solution = reweighed(fit.solution, problem.noise, fit.squares)
     shifts, bends, open_ones = unresolved(problem, fit)

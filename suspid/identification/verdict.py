@@ -167,7 +167,7 @@ def _residual(found: Identification) -> Iterator[Check]:
         yield check_of(ModeCheck.RESIDUAL_WHITE, Level.SOUND)
     residual = as_signal(held(found, "residual"))
     yield from _structure(found, residual)
-    if shared_noise(residual.values) > 1:
+    if shared_noise(residual.values, resolution(as_signal(held(found, "response")).values)) > 1:
         one, other, correlation = most_shared(residual.values)
         pair = {"one": residual.channels[one], "other": residual.channels[other]}
         yield check_of(ModeCheck.SHARED_NOISE, Level.NOTE, {**pair, "correlation": correlation})

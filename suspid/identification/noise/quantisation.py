@@ -6,9 +6,16 @@ import numpy as np
 
 from suspid.units import RealArray
 
+# The samples in which a common step or number of digits shows. More cost time.
+FIRST_SAMPLES = 4096
 # Samples count as rounded if they have at most this many significant digits. A larger value mistakes exact
 # double-precision samples for rounded ones.
 MOST_DIGITS = 12
+# Samples nearer to a rounded number than this share of themselves are it: arithmetic that keeps the digits, such as an
+# offset removed and added again, leaves rounding errors of this size. At a larger one the twelfth digit is chance.
+ARITHMETIC = 1e-13
+# A range below this share of the largest sample is rounding: the samples are the same.
+SAME_SHARE = 1e-12
 # Standard deviation of a variable that is uniform over one step: quantisation.
 UNIFORM_STD = 1 / np.sqrt(12)
 # Residuals within this factor of the resolution are rounding, whose colour says nothing.
@@ -28,14 +35,23 @@ def resolution(values: RealArray) -> RealArray:
     0.125
     """
     peak = np.max(np.abs(values), axis=1)
-    with np.errstate(over="ignore"):  # What single precision cannot hold was not stored in it.
-        single = np.all(values == values.astype(np.float32), axis=1)
-    rounding = np.where(single, 2.0**-24, 2.0**-52) * peak
+    rounding = np.where([_single(samples) for samples in values], 2.0**-24, 2.0**-52) * peak
     # A common step or number of digits shows in the first samples.
-    coarse = [_coarseness(samples[:4096], float(top)) for samples, top in zip(values, peak, strict=True)]
+    coarse = [_coarseness(samples[:FIRST_SAMPLES], float(top)) for samples, top in zip(values, peak, strict=True)]
     # Real sensors resolve no less than 1e-11 of the peak; a smaller share makes the fit model rounding errors of
     # earlier processing.
     return np.asarray(np.maximum(np.maximum(4 * rounding, 1e-11 * peak), coarse))
+
+
+def _single(samples: RealArray) -> bool:
+    """Return whether all samples were stored in single precision."""
+    # The first samples exclude most records.
+    return all(_all_single(samples[part]) for part in (slice(FIRST_SAMPLES), slice(FIRST_SAMPLES, None)))
+
+
+def _all_single(samples: RealArray) -> bool:
+    with np.errstate(over="ignore", invalid="ignore"):  # What single precision cannot hold was not stored in it.
+        return bool(np.all(np.abs(samples - samples.astype(np.float32)) <= ARITHMETIC * np.abs(samples)))
 
 
 def _coarseness(samples: RealArray, peak: float) -> float:
@@ -45,9 +61,9 @@ def _coarseness(samples: RealArray, peak: float) -> float:
     if digits is not None:
         # Rounding to significant digits is coarsest at the peak. It is not white where the signal hardly
         # moves, so one whole unit of the last digit counts, not its share as a uniform variable.
-        std = 10.0 ** (np.floor(np.log10(peak)) - digits + 1)
+        std = 10.0 ** (np.floor(np.log10(peak * (1 + SAME_SHARE))) - digits + 1)
     gaps = np.diff(np.sort(samples))
-    gaps = gaps[gaps > 0]
+    gaps = gaps[gaps > SAME_SHARE * peak]
     if gaps.size and gaps.min() > 1e-9 * peak:
         ratio = gaps / gaps.min()
         if np.max(np.abs(ratio - np.round(ratio))) < 1e-3:
@@ -68,4 +84,4 @@ def _rounded_to(some: RealArray, digits: int) -> bool:
     # Samples whose power of ten overflows are rounding.
     with np.errstate(over="ignore", invalid="ignore"):
         scaled = some * 10.0 ** (digits - 1 - np.floor(np.log10(some)))
-        return bool(np.all(np.abs(scaled - np.round(scaled)) < 1e-15 * 10.0**digits + 1e-9))
+        return bool(np.all(np.abs(scaled - np.round(scaled)) < ARITHMETIC * 10.0**digits + 1e-9))

@@ -5,14 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 from suspid.identification.noise.colour import correlated
+from suspid.identification.noise.quantisation import ABOVE_RESOLUTION
 from suspid.units import RealArray
 
 
-def shared_noise(residual: RealArray) -> float:
+def shared_noise(residual: RealArray, resolution: RealArray | float = 0.0) -> float:
     """Return the factor by which noise that channels share widens variances: 1 where they share none.
 
     The fit treats the noise of the channels as independent. If their correlation matrix is R, no variance is larger
-    than that of independent noise times the largest eigenvalue of R: twice for a channel that is given twice.
+    than that of independent noise times the largest eigenvalue of R: twice for a channel that is given twice. Channels
+    in which nothing but rounding is left, of standard deviation ``resolution``, share none.
 
     Examples
     --------
@@ -20,7 +22,8 @@ def shared_noise(residual: RealArray) -> float:
     >>> shared_noise(noise), round(shared_noise(noise[[0, 0]]), 6)
     (1.0, 2.0)
     """
-    together = noise_correlation(residual)
+    above = np.sqrt(np.mean(residual**2, axis=1)) > ABOVE_RESOLUTION * resolution
+    together = noise_correlation(residual[above])
     apart = together[~np.eye(len(together), dtype=bool)]
     # Independent channels are called correlated with probability 2e-9 (6 standard deviations). A correlation below 0.2
     # does not matter: it would widen variances by a fifth.

@@ -49,6 +49,22 @@ class WhiteNoise:
         return self.at_least(share * energy / count)
 
 
+class KnownNoise(WhiteNoise):
+    """Independent white Gaussian noise whose variance is known in every channel: the ``least`` variance."""
+
+    def variance(self, squares: RealArray, count: float) -> RealArray:  # noqa: ARG002 - those of `WhiteNoise`
+        """Return the known variance, (channel,)."""
+        return self.least
+
+    def loss(self, squares: RealArray, count: int) -> float:  # noqa: ARG002 - those of `WhiteNoise`
+        """Return minus twice the log likelihood less a constant."""
+        return float((squares / self.least).sum())
+
+    def at_least(self, variance: RealArray) -> KnownNoise:
+        """Return the noise with the variance of each channel raised to a given one."""
+        return KnownNoise(least=np.maximum(self.least, variance))
+
+
 def noise_of(values: RealArray) -> WhiteNoise:
     """Return the noise model of a record (channel, sample): not less than its resolution."""
     return WhiteNoise(least=resolution(values) ** 2)
