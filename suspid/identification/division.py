@@ -27,7 +27,7 @@ def divided(problem: Problem, fit: Fit) -> Fit | None:
     for which in np.argsort(-promised.gains, kind="stable")[:CANDIDATES_TRIED].tolist():
         if promised.gains[which] < penalty:
             break
-        trial = problem.fitted(with_two(fit.poles, which, promised.two(which)))
+        trial = problem.fitted(promised.with_two(which))
         if trial is not None and fit.loss - trial.loss > penalty and not trial.splits.any():
             return trial
     return None
@@ -50,7 +50,7 @@ def unresolved(problem: Problem, fit: Fit) -> tuple[ComplexArray, NDArray[np.boo
     bends = promised.gains > needed
     for which in np.flatnonzero(bends).tolist():
         pole = fit.poles.pairs[which]
-        trial = problem.fitted(with_two(fit.poles, which, promised.two(which)))
+        trial = problem.fitted(promised.with_two(which))
         if trial is None:
             continue
         trial = problem.settled(trial)
@@ -64,12 +64,6 @@ def unresolved(problem: Problem, fit: Fit) -> tuple[ComplexArray, NDArray[np.boo
                 (Candidate(theta=complex(other), real=False, gain=gain), Remark(Reason.UNRESOLVED, numbers))
             )
     return shifts, bends, tuple(partners)
-
-
-def with_two(poles: Poles, which: int, two: ComplexArray) -> Poles:
-    """Return the poles with two pairs in place of one."""
-    pairs = np.append(np.delete(poles.pairs, which), two.real + 1j * np.abs(two.imag))
-    return Poles(pairs=pairs, reals=poles.reals, nuisances=poles.nuisances)
 
 
 def apart(fit: Fit) -> Apart:
@@ -120,6 +114,13 @@ class Apart:
         total, product = np.linalg.lstsq(np.stack([b, -a], axis=1) / std[:, None], 2 * c / std, rcond=1e-6)[0]
         roots = np.roots([1.0, -total, product]) / self.fit.residual.shape[1]
         return np.asarray(self.fit.poles.pairs[which] + roots, complex)
+
+    def with_two(self, which: int) -> Poles:
+        """Return the poles with two pairs in place of one, within bounds."""
+        poles, two = self.fit.poles, self.two(which)
+        pairs = np.append(np.delete(poles.pairs, which), two.real + 1j * np.abs(two.imag))
+        both = Poles(pairs=pairs, reals=poles.reals, nuisances=poles.nuisances)
+        return both.moved_within(np.zeros(both.free), self.fit.residual.shape[1])
 
 
 def _bend_products(theta: ComplexArray, count: int) -> ComplexArray:

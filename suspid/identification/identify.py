@@ -172,8 +172,9 @@ def _by_likelihood(
             if not len(selection.modes):
                 selection = dominant(centred, noise=noise, band=limits, selection=selection) or selection
         modes, loudness = _modes_of(selection, centred, noise, step=signal.step, channels=signal.channels)
-        if steps.count is None:
-            selection = without_harmonics(selection, modes)
+        fewer = selection if steps.count is not None else without_harmonics(selection, modes)
+        if fewer is not selection:
+            selection = fewer
             modes, loudness = _modes_of(selection, centred, noise, step=signal.step, channels=signal.channels)
         _check_count(modes, steps.count)
         left, freedom, forces = selection.residual, selection.fit.freedom, ()

@@ -27,9 +27,9 @@ NEGLIGIBLE_STEP = 1e-5
 # Exponentials of unit norm of which less than this is orthogonal to the others are not fitted together: the rounding of
 # their amplitudes grows with its inverse square.
 LEAST_PIVOT = 1e-5
-# Fits whose poles are reported end below this, at a ten-millionth of a standard deviation: then rounding of the
-# record shows nowhere. Each of the last steps gains a digit or more; where the model is wrong, less.
-SETTLED, MOST_LAST_STEPS = 1e-14, 20
+# Fits whose poles are reported end below this, at a millionth of a standard deviation: then rounding of the record
+# shows nowhere. Each of the last steps gains a digit or more; where the model is wrong, less.
+SETTLED, MOST_LAST_STEPS = 1e-12, 20
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
