@@ -20,6 +20,12 @@ from suspid.reconstruction.unknowns import Unknowns
 from suspid.units import ComplexArray, RealArray
 
 
+# Points that are evaluated together: more do not stay in the cache.
+BLOCK = 96
+# With so many struts, one product of all sets of forces takes less than those of two halves.
+FEW_STRUTS = 5
+
+
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Characteristic:
     """The polynomial of one test at its nodes, as a function of the unknowns."""
@@ -27,7 +33,9 @@ class Characteristic:
     real: NDArray[np.bool_]  # nodes whose imaginary part carries no information
     base: ComplexArray  # force of each strut [N/m]: base + spread @ x, (node, strut)
     spread: ComplexArray  # (node, strut, unknown)
-    terms: ComplexArray  # (node, set, unknown + 1): derivatives by the unknowns, and the value, per product of forces
+    factors: ComplexArray  # (node, set): value per product of forces
+    # (node, set, unknown + 1): derivatives by the unknowns, and the value, per product of forces; of few struts only
+    terms: ComplexArray | None
     target: ComplexArray  # (node,)
 
     def __call__(self, x: RealArray) -> tuple[RealArray, RealArray]:
@@ -35,15 +43,45 @@ class Characteristic:
 
         It equals `suspid.reconstruction.equations.spectral` up to rounding.
         """
+        parts = [self._at(x[first : first + BLOCK]) for first in range(0, len(x), BLOCK)]
+        values, slopes = (np.concatenate(part, axis=1) for part in zip(*parts, strict=True))
+        values -= self.target[:, None]
+        residual = np.concatenate([values.real, values.imag[~self.real]]).T
+        return residual, np.concatenate([slopes.real, slopes.imag[~self.real]]).swapaxes(0, 1)
+
+    def _at(self, x: RealArray) -> tuple[ComplexArray, ComplexArray]:
+        """Return values (node, start) and derivatives (node, start, unknown)."""
         forces = self.base[:, None, :] + x @ self.spread.swapaxes(1, 2)  # (node, start, strut)
-        products = np.ones((*forces.shape[:2], 1 << forces.shape[2]), complex)
-        for i in range(forces.shape[2]):
-            half = 1 << i
-            np.multiply(products[..., :half], forces[..., i, None], out=products[..., half : 2 * half])
-        both = products @ self.terms  # (node, start, unknown + 1)
-        both[..., -1] -= self.target[:, None]
-        rows = np.concatenate([both.real, both.imag[~self.real]]).swapaxes(0, 1)
-        return rows[..., -1], rows[..., :-1]
+        if self.terms is not None:
+            both = _products(forces) @ self.terms
+            return both[..., -1], both[..., :-1]
+        # Of two halves of the struts only the products of forces within each are formed: the polynomial is bilinear in
+        # them.
+        first = forces.shape[2] // 2
+        one, other = _products(forces[..., :first]), _products(forces[..., first:])
+        factors = self.factors.reshape(len(forces), other.shape[2], one.shape[2])
+        by_one, by_other = other @ factors, one @ factors.swapaxes(1, 2)
+        slopes = np.concatenate([_by_forces(one, by_one), _by_forces(other, by_other)], axis=2)
+        return np.einsum("ksp,ksp->ks", one, by_one), slopes @ self.spread
+
+
+def _products(forces: ComplexArray) -> ComplexArray:
+    """Return the products of the forces of all sets of struts, (node, start, set), indexed by the bits of the set."""
+    products = np.ones((*forces.shape[:2], 1 << forces.shape[2]), complex)
+    for i in range(forces.shape[2]):
+        half = 1 << i
+        np.multiply(products[..., :half], forces[..., i, None], out=products[..., half : 2 * half])
+    return products
+
+
+def _by_forces(products: ComplexArray, slopes: ComplexArray) -> ComplexArray:
+    """Return derivatives by the forces, (node, start, strut), from those by their products."""
+    out = np.empty((*products.shape[:2], products.shape[2].bit_length() - 1), complex)
+    for i in range(out.shape[2]):
+        # Sets without a strut, and with it.
+        without, having = (part.reshape(*part.shape[:2], -1, 2, 1 << i) for part in (products, slopes))
+        np.einsum("kshl,kshl->ks", without[..., 0, :], having[..., 1, :], out=out[..., i])
+    return out
 
 
 def characteristic(test: Observed, unknowns: Unknowns) -> Characteristic | None:
@@ -62,13 +100,16 @@ def characteristic(test: Observed, unknowns: Unknowns) -> Characteristic | None:
     spread = (
         unknowns.spread[:struts] + test.nodes[:, None, None] * unknowns.spread[struts : 2 * struts]
     )  # (node, strut, unknown)
-    terms = np.zeros((len(test.nodes), len(minors), len(unknowns) + 1), complex)
-    every = np.arange(len(minors))
-    for i in range(struts):
-        without = every[every >> i & 1 == 0]
-        terms[:, without, :-1] += value[:, without + (1 << i), None] * spread[:, i, None, :]
-    terms[..., -1] = value
-    return Characteristic(real=test.real, base=base, spread=spread, terms=terms, target=test.target / test.spacing)
+    terms = None
+    if struts <= FEW_STRUTS:
+        terms = np.zeros((len(test.nodes), len(minors), len(unknowns) + 1), complex)
+        every = np.arange(len(minors))
+        for i in range(struts):
+            without = every[every >> i & 1 == 0]
+            terms[:, without, :-1] += value[:, without + (1 << i), None] * spread[:, i, None, :]
+        terms[..., -1] = value
+    target = test.target / test.spacing
+    return Characteristic(real=test.real, base=base, spread=spread, factors=value, terms=terms, target=target)
 
 
 def principal_minors(G: RealArray) -> RealArray:
