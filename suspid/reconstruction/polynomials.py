@@ -19,7 +19,6 @@ from suspid.reconstruction.equations import Observed
 from suspid.reconstruction.unknowns import Unknowns
 from suspid.units import ComplexArray, RealArray
 
-
 # Points that are evaluated together: more do not stay in the cache.
 BLOCK = 96
 # With so many struts, one product of all sets of forces takes less than those of two halves.
