@@ -26,7 +26,7 @@ BENT, OTHER_FREQUENCY = 2.0, 1.35
 # Relative rounding error of the residual energy above which it is summed over samples: the weights of the channels
 # follow from it, and the poles from those, to about as many standard deviations. Records of up to so many samples are
 # then fitted by their samples; more cost time.
-CLOSE, MOST_CLOSE = 1e-8, 20_000
+ROUNDED, MOST_AGAIN = 1e-8, 20_000
 # A refit regains at most this many times what a Gauss-Newton step promises. A lower number may take another order of
 # removal; a higher one costs refits.
 MISJUDGED = 3.0
@@ -63,7 +63,7 @@ class Problem:
             return evaluate(self.blocks, poles, self._inner_noise)
 
         def evaluated_closely(poles: Poles) -> DecayFit | None:
-            if self.blocks.count <= MOST_CLOSE:
+            if self.blocks.count <= MOST_AGAIN:
                 return evaluate_samples(self.values, poles, self.noise)
             # Weights from differences of energies would move the poles by their rounding.
             first = evaluated(poles)
@@ -71,7 +71,7 @@ class Problem:
                 return None
             return evaluate(self.blocks, poles, KnownNoise(least=Fit(problem=self, solution=first).variance))
 
-        if np.all(fit.solution.rounding < CLOSE * fit.solution.squares):
+        if np.all(fit.solution.rounding < ROUNDED * fit.solution.squares):
             solution: DecayFit | None = settled(fit.solution, evaluated)
         else:
             solution = evaluated_closely(fit.poles)

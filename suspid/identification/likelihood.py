@@ -29,7 +29,7 @@ NEGLIGIBLE_STEP = 1e-5
 LEAST_PIVOT = 1e-5
 # Fits whose poles are reported end below this, at a millionth of a standard deviation: then rounding of the record
 # shows nowhere. Each of the last steps gains a digit or more; where the model is wrong, less.
-SETTLED, MOST_LAST_STEPS = 1e-12, 20
+AT_OPTIMUM, MOST_LAST_STEPS = 1e-12, 20
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -259,7 +259,7 @@ def settled(fit: DecayFit, evaluated: Evaluated, *, known: Known | None = None) 
         step = quadratic.step(0.0)
         # A step that promises no less than half of the one before is rounding.
         before, worth = worth, float(step @ quadratic.gradient)
-        if worth < SETTLED or worth > before / 2 or worth > 1:
+        if worth < AT_OPTIMUM or worth > before / 2 or worth > 1:
             return fit
         trial = evaluated(fit.poles.moved_within(step, fit.count))
         if trial is None:

@@ -20,7 +20,7 @@ from suspid.reconstruction.unknowns import Unknowns
 from suspid.units import ComplexArray, RealArray
 
 # Points that are evaluated together: more do not stay in the cache.
-BLOCK = 96
+POINTS_AT_ONCE = 96
 # With so many struts, one product of all sets of forces takes less than those of two halves.
 FEW_STRUTS = 5
 
@@ -42,7 +42,7 @@ class Characteristic:
 
         It equals `suspid.reconstruction.equations.spectral` up to rounding.
         """
-        parts = [self._at(x[first : first + BLOCK]) for first in range(0, len(x), BLOCK)]
+        parts = [self._at(x[first : first + POINTS_AT_ONCE]) for first in range(0, len(x), POINTS_AT_ONCE)]
         values, slopes = (np.concatenate(part, axis=1) for part in zip(*parts, strict=True))
         values -= self.target[:, None]
         residual = np.concatenate([values.real, values.imag[~self.real]]).T
