@@ -26,7 +26,7 @@ BENT, OTHER_FREQUENCY = 2.0, 1.35
 # Relative rounding error of the residual energy above which it is summed over samples: the weights of the channels
 # follow from it, and the poles from those, to about as many standard deviations. Records of up to so many samples are
 # then fitted by their samples; more cost time.
-ROUNDED, MOST_AGAIN = 1e-8, 20_000
+ROUNDED, MOST_BY_SAMPLES = 1e-8, 20_000
 # A refit regains at most this many times what a Gauss-Newton step promises. A lower number may take another order of
 # removal; a higher one costs refits.
 MISJUDGED = 3.0
@@ -63,7 +63,7 @@ class Problem:
             return evaluate(self.blocks, poles, self._inner_noise)
 
         def evaluated_closely(poles: Poles) -> DecayFit | None:
-            if self.blocks.count <= MOST_AGAIN:
+            if self.blocks.count <= MOST_BY_SAMPLES:
                 return evaluate_samples(self.values, poles, self.noise)
             # Weights from differences of energies would move the poles by their rounding.
             first = evaluated(poles)
