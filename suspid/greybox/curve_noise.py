@@ -53,15 +53,15 @@ def residual_of(
         bands, right = spline_equations(equations, dense, len(spline))
         solved = solveh_banded(bands, right, lower=True)
         left = (dense[0] - of_spline(equations.wide[0], solved)) * noise.force
-        power.append(_by_bands(part.force_residual[:, None], h)[:, 0])
-        expected.append(_by_bands(left, h).reshape(-1, 2, PROBES).mean(axis=2))
+        power.append(by_bands(part.force_residual[:, None], h)[:, 0])
+        expected.append(by_bands(left, h).reshape(-1, 2, PROBES).mean(axis=2))
         squares.append(np.mean([at_samples(solved[:, i], 1, h) ** 2 for i in range(PROBES)]))
         weights.append(count)
     share = np.array(weights) / np.sum(weights)
     return Residual(
         power=np.einsum("r,rb->b", share, power),
         expected=np.einsum("r,rbs->bs", share, expected),
-        independent=_independent(motions),
+        independent=independent(motions),
         velocity=float(np.sqrt(share @ np.array(squares))),
     )
 
@@ -91,7 +91,7 @@ def misfit_of(residual: Residual) -> tuple[float, int]:
     return float(np.sum((ratio - 1) ** 2 / variance)), SPECTRUM_BANDS - 2
 
 
-def _by_bands(signals: RealArray, step: Second) -> RealArray:
+def by_bands(signals: RealArray, step: Second) -> RealArray:
     """Return the mean power in bands of equal numbers of lines, (band, signal)."""
     from scipy.signal import welch
 
@@ -100,7 +100,7 @@ def _by_bands(signals: RealArray, step: Second) -> RealArray:
     return np.array([np.mean(band, axis=0) for band in np.array_split(density[use], SPECTRUM_BANDS)])
 
 
-def _independent(motions: Sequence[StrutMotion]) -> RealArray:
+def independent(motions: Sequence[StrutMotion]) -> RealArray:
     """Return how many independent values each band averages."""
     total = np.zeros(SPECTRUM_BANDS)
     for motion in motions:

@@ -10,7 +10,8 @@ import numpy as np
 from suspid.cleaning import RecordLike
 from suspid.errors import EstimationError, InputError, RecordError
 from suspid.greybox.curve_fit import CurveFit, Noise, Shape, first_spline, fitted_curve
-from suspid.greybox.curve_noise import misfit_of, noise_of, residual_of
+from suspid.greybox.curve_noise import Residual, misfit_of, noise_of, residual_of
+from suspid.greybox.curve_travel import travel_fit
 from suspid.greybox.damper_curves import DamperCurve, LineTest, rising
 from suspid.greybox.force_basis import MOST_NODES, SAMPLES_A_NODE, placed_nodes
 from suspid.greybox.latent_splines import CORNER_SHARE
@@ -23,8 +24,8 @@ from suspid.values import frozen_real
 from suspid.words import Check, Level, Remark, Verdict
 from suspid.words.dampers import CurveCheck, CurveHeadline
 
-# Noise of an accelerometer and of a travel to begin with [m/s2, m]; what a fit leaves corrects them.
-FIRST_NOISE, FIRST_TRAVEL_NOISE = 0.05, 1e-4
+# Noise of an accelerometer to begin with [m/s2]; what a fit leaves corrects it.
+FIRST_NOISE = 0.05
 # Level of the test whether a damper is viscous: one false alarm in a hundred.
 VISCOUS_LEVEL = 0.01
 # Error of the velocity beyond which that is said, as a share of its root mean square: a tenth of the distance between
@@ -127,6 +128,9 @@ def damper_curve(
     theta = np.array([start.stiffness, -start.damping, start.damping])
     noise = _first_noise(motions)
     try:
+        if motions[0].travel:
+            fit, shape, noise, left = travel_fit(motions, lambda v: _shape(motions, v, nodes, friction), _probes())
+            return _result(left, suspension, strut, shape, fit, noise, level)
         fit = fitted_curve(motions, wide, theta, [first_spline(m) for m in motions], noise)
         velocity = np.concatenate([part.velocity for part in fit.records])
         shape = _shape(motions, velocity, nodes, friction)
@@ -140,7 +144,8 @@ def damper_curve(
             f"fewer nodes"
         ) from None
     fit, noise = _settled(motions, shape, fit, noise)
-    return _result(motions, suspension, strut, shape, fit, noise, level)
+    left = residual_of(motions, fit, shape, noise, _probes())
+    return _result(left, suspension, strut, shape, fit, noise, level)
 
 
 def _motions(records: object, car: Suspension, strut: str, given: Sequence[str] | None) -> tuple[StrutMotion, ...]:
@@ -155,10 +160,6 @@ def _motions(records: object, car: Suspension, strut: str, given: Sequence[str] 
 
 def _first_noise(motions: Sequence[StrutMotion]) -> Noise:
     one = motions[0]
-    if one.travel:
-        # Noise of the accelerations is as large a share of the force as that of the travel of the travel.
-        share = FIRST_TRAVEL_NOISE / max(float(np.std(one.motion)), 1e-300)
-        return Noise(force=float(np.std(one.force)) * share, motion=FIRST_TRAVEL_NOISE)
     return Noise(force=FIRST_NOISE / max(abs(one.share), 1e-12), motion=FIRST_NOISE)
 
 
@@ -230,7 +231,7 @@ def _probes() -> np.random.Generator:
 
 
 def _result(
-    motions: Sequence[StrutMotion],
+    left: Residual,
     car: Suspension,
     strut: str,
     shape: Shape,
@@ -240,7 +241,7 @@ def _result(
 ) -> DamperCurve:
     velocity = np.concatenate([part.velocity for part in fit.records])
     line = _line_test(shape, fit, level)
-    chi_square, freedom = misfit_of(residual_of(motions, fit, shape, noise, _probes()))
+    chi_square, freedom = misfit_of(left)
     size = len(shape.nodes)
     spread = np.zeros((size + 2, len(fit.theta)))
     spread[0, 0] = 1

@@ -44,6 +44,19 @@ def node_weights(velocity: RealArray, nodes: RealArray) -> RealArray:
     return weights
 
 
+def smooth_weights(velocity: RealArray, nodes: RealArray, error: MetrePerSecond) -> RealArray:
+    """Return the expected weights of the forces at the nodes, `node_weights`, at velocities with a normal error."""
+    from scipy.special import ndtr
+
+    slopes = np.diff(np.eye(len(nodes)), axis=0) / np.diff(nodes)[:, None]
+    away = velocity[:, None] - nodes[1:-1]
+    # A ramp from zero on: of a normal value, v Phi(v / error) + error phi(v / error).
+    at = away / error
+    ramps = away * ndtr(at) + error / math.sqrt(2 * math.pi) * np.exp(-(at**2) / 2)
+    first = np.eye(len(nodes))[0] + (velocity - nodes[0])[:, None] * slopes[0]
+    return np.asarray(first + ramps @ np.diff(slopes, axis=0))
+
+
 def node_slope(velocity: RealArray, nodes: RealArray, forces: RealArray) -> RealArray:
     """Return the damper rate at velocities [N s/m]."""
     piece = np.clip(np.searchsorted(nodes, velocity) - 1, 0, len(nodes) - 2)

@@ -1,0 +1,207 @@
+"""Fit of spring, damper curve and friction of a strut whose travel is measured.
+
+Travel with white noise tells the motion but for a Gaussian error, whose spectrum follows from those of the travel and
+of its noise (Wiener). The force that is expected under the travel is linear in the stiffness, the forces at the nodes
+and the friction: its columns are those of the expected motion, averaged over the error of the velocity. That is
+regression calibration (R. J. Carroll et al., Measurement Error in Nonlinear Models, ch. 4): kinks and friction are not
+biased by noise that a derivative of the travel has.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from suspid.greybox.curve_fit import SCORE_BLOCK, CurveFit, Linearised, Noise, Shape, smoothed
+from suspid.greybox.curve_noise import PROBES, SPECTRUM_STRETCH, Residual, by_bands, independent, noise_of
+from suspid.greybox.force_basis import node_slope, sign_between, smooth_weights
+from suspid.greybox.latent_splines import CORNER_SHARE, FILTER_STEPS, FINE_POINTS, filtered
+from suspid.greybox.strut_motion import StrutMotion
+from suspid.units import RealArray, Second
+
+# Left out at both ends of a record, where the motion between the samples is not known: time, and at most this share.
+END: Second = 1.0
+END_SHARE = 0.05
+# Lines over which the spectrum of the travel is averaged, of stretches of five seconds: a hertz.
+SPECTRUM_LINES = 5
+# Lines just below the corner of the filter, as shares of it, where force and travel are noise more than motion.
+NOISY_LINES = (0.8, 1.0)
+# How often noise and curve are found in turn; the noise changes by less than a percent after three rounds.
+ROUNDS = 4
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class _Expected:
+    """The motion that is expected under a record's travel, at the fine points, and its errors."""
+
+    travel: RealArray
+    velocity: RealArray
+    error: float  # of the velocity [m/s]
+    probes: tuple[tuple[RealArray, RealArray], ...]  # drawn errors of travel and velocity
+
+
+def travel_fit(
+    motions: Sequence[StrutMotion], shaped: Callable[[RealArray], Shape], rng: np.random.Generator
+) -> tuple[CurveFit, Shape, Noise, Residual]:
+    """Return the curve, its nodes, the noise of both signals, and what is left; ``shaped`` places nodes by velocity."""
+    noise = Noise(force=_white(motions, "force"), motion=_white(motions, "motion"))
+    most, shape = noise.motion, None
+    for last in [*[False] * ROUNDS, True]:
+        moved = [_expected(one, noise.motion, rng) for one in motions]
+        if shape is None:
+            samples = [one.velocity[::FINE_POINTS][_inside(m)] for one, m in zip(moved, motions, strict=True)]
+            shape = shaped(np.concatenate(samples))
+        fit = _fitted(motions, moved, shape)
+        left = _residual(motions, moved, shape, fit, noise, rng)
+        shown = noise_of(left, noise)
+        noise = noise if last else Noise(
+            force=shown.force, motion=min(shown.motion, most), velocity=left.velocity
+        )
+    assert shape is not None
+    return fit, shape, noise, left
+
+
+def _white(motions: Sequence[StrutMotion], signal: str) -> float:
+    """Return the standard deviation of white noise with the power that a signal has near the corner of the filter."""
+    powers = []
+    for one in motions:
+        f, density = _density(getattr(one, signal), one.step)
+        low, high = (share * CORNER_SHARE / one.step for share in NOISY_LINES)
+        powers.append(float(np.mean(density[(f >= low) & (f <= high)])) / (2 * one.step))
+    return float(np.sqrt(np.mean(powers)))
+
+
+def _density(signal: RealArray, step: Second) -> tuple[RealArray, RealArray]:
+    from scipy.signal import welch
+
+    f, density = welch(signal, fs=1 / step, nperseg=min(round(SPECTRUM_STRETCH / step), len(signal)))
+    return f, density
+
+
+def _inside(motion: StrutMotion) -> slice:
+    """Return the samples of a record that are used."""
+    count = len(motion.force)
+    end = max(FILTER_STEPS, min(round(END / motion.step), int(END_SHARE * count)))
+    return slice(end, count - end)
+
+
+def _expected(motion: StrutMotion, noise: float, rng: np.random.Generator) -> _Expected:
+    """Return the expected motion where the travel has white noise of a standard deviation."""
+    from scipy.ndimage import uniform_filter1d
+
+    h, count = motion.step, len(motion.motion)
+    end = min(round(END / h), count - 1)
+    # Reflected about its ends, then to zero, so that none is a jump.
+    ramp = np.sin(np.linspace(0, np.pi / 2, end)) ** 2
+    whole = np.pad(motion.motion - np.mean(motion.motion), end, mode="reflect", reflect_type="odd")
+    whole *= np.concatenate([ramp, np.ones(count), ramp[::-1]])
+    f, density = _density(motion.motion, h)
+    lines = np.fft.rfftfreq(len(whole), h)
+    power = 2 * h * noise**2
+    motion_share = np.maximum(1 - power / np.interp(lines, f, uniform_filter1d(density, SPECTRUM_LINES)), 0.0)
+    turning = 2j * np.pi * lines
+    if len(whole) % 2 == 0:
+        motion_share[-1] = 0.0
+
+    def fine(spectrum: RealArray) -> RealArray:
+        made = np.fft.irfft(spectrum, FINE_POINTS * len(whole)) * FINE_POINTS
+        return np.asarray(made[end * FINE_POINTS : (end + count - 1) * FINE_POINTS + 1])
+
+    seen = motion_share * np.fft.rfft(whole)
+    drawn = noise * np.sqrt(motion_share) * np.fft.rfft(rng.standard_normal((PROBES, len(whole))), axis=1)
+    return _Expected(
+        travel=fine(seen),
+        velocity=fine(turning * seen),
+        error=float(np.sqrt(np.sum(power * motion_share * np.abs(turning) ** 2) * (lines[1] - lines[0]))),
+        probes=tuple((fine(one), fine(turning * one)) for one in drawn),
+    )
+
+
+def _columns(motion: StrutMotion, moved: _Expected, shape: Shape) -> RealArray:
+    """Return the expected force per unknown, less its mean, (sample, unknown)."""
+    weights = smooth_weights(moved.velocity, shape.nodes, moved.error)[:, shape.nodes != 0]
+    parts = [moved.travel[:, None], weights]
+    if shape.friction:
+        parts.append(sign_between(moved.velocity, moved.error)[:, None])
+    return _behind(np.hstack(parts), motion)
+
+
+def _behind(fine: RealArray, motion: StrutMotion) -> RealArray:
+    """Return what is given at the fine points behind the filter, at the samples that are used, less its mean."""
+    made = filtered(fine, motion.step, CORNER_SHARE / motion.step)[_inside(motion)]
+    return np.asarray(made - np.mean(made, axis=0))
+
+
+def _fitted(motions: Sequence[StrutMotion], moved: Sequence[_Expected], shape: Shape) -> CurveFit:
+    columns = [_columns(m, one, shape) for m, one in zip(motions, moved, strict=True)]
+    forces = [smoothed(m.force, m.step)[_inside(m)] for m in motions]
+    forces = [one - np.mean(one) for one in forces]
+    inverse = np.linalg.inv(sum(one.T @ one for one in columns))
+    theta = inverse @ sum(c.T @ f for c, f in zip(columns, forces, strict=True))
+    records = []
+    nothing = np.zeros(0)
+    for m, one, c, force in zip(motions, moved, columns, forces, strict=True):
+        block = max(1, round(SCORE_BLOCK / m.step))
+        blocks, left = len(force) // block, force - c @ theta
+        scores = (c * left[:, None])[: blocks * block].reshape(blocks, block, -1).sum(axis=1)
+        records.append(
+            Linearised(
+                normal=c.T @ c, gradient=nothing, change=nothing, per_unknown=nothing, scores=scores,
+                force_residual=left, velocity=one.velocity[::FINE_POINTS][_inside(m)],
+            )
+        )  # fmt: skip
+    scores = np.concatenate([part.scores for part in records])
+    spread = len(scores) / max(len(scores) - len(theta), 1)
+    return CurveFit(
+        theta=theta,
+        covariance=inverse @ (scores.T @ scores) @ inverse * spread,
+        splines=(),
+        records=tuple(records),
+        steps=1,
+        settled=True,
+    )
+
+
+def _residual(
+    motions: Sequence[StrutMotion],
+    moved: Sequence[_Expected],
+    shape: Shape,
+    fit: CurveFit,
+    noise: Noise,
+    rng: np.random.Generator,
+) -> Residual:
+    """Return the spectrum of the force that is left, and those that the noise of force and travel would leave."""
+    power, expected, squares, weights = [], [], [], []
+    forces, friction = shape.forces(fit.theta), float(fit.theta[-1]) if shape.friction else 0.0
+    for motion, one, part in zip(motions, moved, fit.records, strict=True):
+        own = noise.force * np.column_stack(
+            [smoothed(row, motion.step)[_inside(motion)] for row in rng.standard_normal((PROBES, len(motion.force)))]
+        )
+        mean = _columns(motion, one, shape) @ fit.theta
+        others = []
+        for travel, velocity in one.probes:
+            v = one.velocity + velocity
+            made = fit.theta[0] * (one.travel + travel) + _force(v, shape, forces) + friction * np.sign(v)
+            others.append(_behind(made[:, None], motion)[:, 0] - mean)
+        power.append(by_bands(part.force_residual[:, None], motion.step)[:, 0])
+        both = by_bands(np.column_stack([own, *others]), motion.step)
+        expected.append(both.reshape(-1, 2, PROBES).mean(axis=2))
+        squares.append(one.error**2)
+        weights.append(len(part.force_residual))
+    share = np.array(weights) / np.sum(weights)
+    return Residual(
+        power=np.einsum("r,rb->b", share, power),
+        expected=np.einsum("r,rbs->bs", share, expected),
+        independent=independent(motions),
+        velocity=float(np.sqrt(share @ np.array(squares))),
+    )
+
+
+def _force(velocity: RealArray, shape: Shape, forces: RealArray) -> RealArray:
+    """Return the force at velocities, beyond the last nodes with the slopes there."""
+    nodes = shape.nodes
+    inside = np.clip(velocity, nodes[0], nodes[-1])
+    made = np.interp(inside, nodes, forces) + (velocity - inside) * node_slope(velocity, nodes, forces)
+    return np.asarray(made)
