@@ -26,7 +26,7 @@ from suspid import (
 )  # fmt: skip
 from suspid.greybox.curve_fit import CurveFit, Linearised, Shape
 from suspid.greybox.damper_curve import _line_test
-from suspid.greybox.force_basis import node_weights, placed_nodes, sign_between
+from suspid.greybox.force_basis import bend_covariance, node_weights, placed_nodes, sign_between, smooth_weights
 from suspid.greybox.latent_splines import (
     FINE_POINTS,
     at_samples,
@@ -102,11 +102,23 @@ class TestCurves:
         assert motion == pytest.approx(0.1, rel=0.3)
         assert found("bilinear").explains
 
-    def test_travel_instead_of_the_wheel(self) -> None:
-        curve = damper_curve(record("bilinear", names=["chassis_acceleration", "chassis_travel"]), CAR, strut="chassis")
-        assert curve.stiffness == pytest.approx(22e3, abs=4 * curve.stiffness_std)
-        np.testing.assert_allclose(curve.forces, LAWS["bilinear"].force(curve.velocities), atol=20)
+    @pytest.mark.parametrize(("law", "friction"), [("bilinear", 0.0), ("digressive", 30.0)])
+    def test_travel_instead_of_the_wheel(self, law: str, friction: float) -> None:
+        names = ["chassis_acceleration", "chassis_travel"]
+        curve = damper_curve(record(law, friction, names), CAR, strut="chassis")
+        error = curve.forces - LAWS[law].force(curve.velocities)
+        np.testing.assert_array_less(np.abs(error), np.maximum(4 * curve.std, 1e-9))
+        assert np.max(curve.std) < 10
+        assert abs(curve.stiffness - 22e3) < min(4 * curve.stiffness_std, 0.01 * 22e3)
+        assert abs(curve.friction - friction) < min(4 * curve.friction_std, 10.0)
+        assert curve.noise_std == pytest.approx((350 * 0.03, 2e-5), rel=0.2)
+        assert curve.explains
         assert not curve.linear
+
+    def test_a_viscous_damper_is_a_line_by_travel_too(self) -> None:
+        curve = damper_curve(record("linear", names=["chassis_acceleration", "chassis_travel"]), CAR, strut="chassis")
+        assert curve.linear
+        assert curve.equivalent_damping() == pytest.approx(1300, abs=4 * curve.equivalent_damping_std())
 
     def test_two_records_are_one_of_both(self) -> None:
         one = record("bilinear")
@@ -284,6 +296,29 @@ class TestBasis:
         nodes, forces = np.array([-1.0, -0.2, 0.0, 0.5]), np.array([-500.0, -200.0, 0.0, 900.0])
         v = np.linspace(-0.99, 0.49, 50)
         np.testing.assert_allclose(node_weights(v, nodes) @ forces, np.interp(v, nodes, forces))
+
+    def test_expected_weights_are_means_over_the_error(self) -> None:
+        nodes, v = np.array([-1.0, -0.2, 0.0, 0.5]), np.array([-1.1, -0.21, 0.005, 0.6])
+        drawn = v[:, None] + 0.05 * np.random.default_rng(1).standard_normal((4, 400_000))
+        expected = node_weights(drawn.ravel(), nodes).reshape(4, -1, 4).mean(axis=1)
+        np.testing.assert_allclose(smooth_weights(v, nodes, 0.05), expected, atol=1.5e-3)
+        np.testing.assert_allclose(smooth_weights(v, nodes, 1e-9), node_weights(v, nodes), atol=1e-6)
+
+    @pytest.mark.parametrize("share", [0.25, 0.5, 0.75])
+    def test_a_kink_between_nodes_is_in_the_intervals(self, share: float) -> None:
+        """The best broken line of a kinked curve, by least squares: its error is within two standard deviations."""
+        nodes, v = np.linspace(-0.4, 0.4, 9), np.linspace(-0.4, 0.4, 4001)
+        kink = nodes[6] + share * 0.1
+        forces = np.linalg.lstsq(node_weights(v, nodes), 1000 * np.maximum(v - kink, 0), rcond=None)[0]
+        error = forces - 1000 * np.maximum(nodes - kink, 0)
+        std = np.sqrt(np.diag(bend_covariance(nodes, forces)))
+        assert np.all(np.abs(error[6:8]) < 2 * std[6:8])
+        assert np.all(std < 10)
+
+    def test_a_kink_at_a_node_adds_nothing(self) -> None:
+        nodes = np.linspace(-0.4, 0.4, 9)
+        np.testing.assert_allclose(bend_covariance(nodes, np.maximum(nodes, 0)), 0, atol=1e-12)
+        np.testing.assert_allclose(bend_covariance(nodes, 3 * nodes), 0, atol=1e-12)
 
     def test_nodes_stand_where_there_are_samples(self) -> None:
         v = np.random.default_rng(1).normal(0, 0.15, 12_000)

@@ -28,6 +28,9 @@ END_SHARE = 0.05
 SPECTRUM_LINES = 5
 # Lines just below the corner of the filter, as shares of it, where force and travel are noise more than motion.
 NOISY_LINES = (0.8, 1.0)
+# A strut sticks where its velocity is within this many errors of rest over so many samples and more: a velocity that
+# changes its sign in motion is through in less than one. Friction has no law there; samples beside it are left out too.
+STILL, STUCK, BESIDE = 2.0, 3, 2
 # How often noise and curve are found in turn; the noise changes by less than a percent after three rounds.
 ROUNDS = 4
 
@@ -39,6 +42,7 @@ class _Expected:
     travel: RealArray
     velocity: RealArray
     error: float  # of the velocity [m/s]
+    moves: RealArray  # (sample that is used,): 1, or 0 where the strut sticks
     probes: tuple[tuple[RealArray, RealArray], ...]  # drawn errors of travel and velocity
 
 
@@ -56,9 +60,7 @@ def travel_fit(
         fit = _fitted(motions, moved, shape)
         left = _residual(motions, moved, shape, fit, noise, rng)
         shown = noise_of(left, noise)
-        noise = noise if last else Noise(
-            force=shown.force, motion=min(shown.motion, most), velocity=left.velocity
-        )
+        noise = noise if last else Noise(force=shown.force, motion=min(shown.motion, most), velocity=left.velocity)
     assert shape is not None
     return fit, shape, noise, left
 
@@ -89,7 +91,7 @@ def _inside(motion: StrutMotion) -> slice:
 
 def _expected(motion: StrutMotion, noise: float, rng: np.random.Generator) -> _Expected:
     """Return the expected motion where the travel has white noise of a standard deviation."""
-    from scipy.ndimage import uniform_filter1d
+    from scipy.ndimage import binary_dilation, binary_opening, uniform_filter1d
 
     h, count = motion.step, len(motion.motion)
     end = min(round(END / h), count - 1)
@@ -110,11 +112,15 @@ def _expected(motion: StrutMotion, noise: float, rng: np.random.Generator) -> _E
         return np.asarray(made[end * FINE_POINTS : (end + count - 1) * FINE_POINTS + 1])
 
     seen = motion_share * np.fft.rfft(whole)
+    error = float(np.sqrt(np.sum(power * motion_share * np.abs(turning) ** 2) * (lines[1] - lines[0])))
+    velocity = fine(turning * seen)
+    stuck = binary_opening(np.abs(velocity[::FINE_POINTS]) < STILL * error, np.ones(STUCK))
     drawn = noise * np.sqrt(motion_share) * np.fft.rfft(rng.standard_normal((PROBES, len(whole))), axis=1)
     return _Expected(
         travel=fine(seen),
-        velocity=fine(turning * seen),
-        error=float(np.sqrt(np.sum(power * motion_share * np.abs(turning) ** 2) * (lines[1] - lines[0]))),
+        velocity=velocity,
+        error=error,
+        moves=1.0 - binary_dilation(stuck, iterations=BESIDE)[_inside(motion)],
         probes=tuple((fine(one), fine(turning * one)) for one in drawn),
     )
 
@@ -125,19 +131,25 @@ def _columns(motion: StrutMotion, moved: _Expected, shape: Shape) -> RealArray:
     parts = [moved.travel[:, None], weights]
     if shape.friction:
         parts.append(sign_between(moved.velocity, moved.error)[:, None])
-    return _behind(np.hstack(parts), motion)
+    return _behind(np.hstack(parts), motion, moved)
 
 
-def _behind(fine: RealArray, motion: StrutMotion) -> RealArray:
-    """Return what is given at the fine points behind the filter, at the samples that are used, less its mean."""
-    made = filtered(fine, motion.step, CORNER_SHARE / motion.step)[_inside(motion)]
-    return np.asarray(made - np.mean(made, axis=0))
+def _behind(fine: RealArray, motion: StrutMotion, moved: _Expected) -> RealArray:
+    """Return what is given at the fine points behind the filter, where it is used, less its mean, (sample, column)."""
+    return _centred(filtered(fine, motion.step, CORNER_SHARE / motion.step)[_inside(motion)], moved)
+
+
+def _centred(signals: RealArray, moved: _Expected) -> RealArray:
+    """Return signals (sample, column) less their means while the strut moves; zero where it sticks."""
+    mean = moved.moves @ signals / max(np.sum(moved.moves), 1.0)
+    return np.asarray((signals - mean) * moved.moves[:, None])
 
 
 def _fitted(motions: Sequence[StrutMotion], moved: Sequence[_Expected], shape: Shape) -> CurveFit:
     columns = [_columns(m, one, shape) for m, one in zip(motions, moved, strict=True)]
-    forces = [smoothed(m.force, m.step)[_inside(m)] for m in motions]
-    forces = [one - np.mean(one) for one in forces]
+    forces = [
+        _centred(smoothed(m.force, m.step)[_inside(m), None], one)[:, 0] for m, one in zip(motions, moved, strict=True)
+    ]
     inverse = np.linalg.inv(sum(one.T @ one for one in columns))
     theta = inverse @ sum(c.T @ f for c, f in zip(columns, forces, strict=True))
     records = []
@@ -176,17 +188,16 @@ def _residual(
     power, expected, squares, weights = [], [], [], []
     forces, friction = shape.forces(fit.theta), float(fit.theta[-1]) if shape.friction else 0.0
     for motion, one, part in zip(motions, moved, fit.records, strict=True):
-        own = noise.force * np.column_stack(
-            [smoothed(row, motion.step)[_inside(motion)] for row in rng.standard_normal((PROBES, len(motion.force)))]
-        )
+        drawn = rng.standard_normal((PROBES, len(motion.force)))
+        own = noise.force * np.column_stack([smoothed(row, motion.step)[_inside(motion)] for row in drawn])
         mean = _columns(motion, one, shape) @ fit.theta
         others = []
         for travel, velocity in one.probes:
             v = one.velocity + velocity
             made = fit.theta[0] * (one.travel + travel) + _force(v, shape, forces) + friction * np.sign(v)
-            others.append(_behind(made[:, None], motion)[:, 0] - mean)
+            others.append(_behind(made[:, None], motion, one)[:, 0] - mean)
         power.append(by_bands(part.force_residual[:, None], motion.step)[:, 0])
-        both = by_bands(np.column_stack([own, *others]), motion.step)
+        both = by_bands(np.column_stack([_centred(own, one), *others]), motion.step)
         expected.append(both.reshape(-1, 2, PROBES).mean(axis=2))
         squares.append(one.error**2)
         weights.append(len(part.force_residual))

@@ -13,7 +13,7 @@ from suspid.greybox.curve_fit import CurveFit, Noise, Shape, first_spline, fitte
 from suspid.greybox.curve_noise import Residual, misfit_of, noise_of, residual_of
 from suspid.greybox.curve_travel import travel_fit
 from suspid.greybox.damper_curves import DamperCurve, LineTest, rising
-from suspid.greybox.force_basis import MOST_NODES, SAMPLES_A_NODE, placed_nodes
+from suspid.greybox.force_basis import MOST_NODES, SAMPLES_A_NODE, bend_covariance, placed_nodes
 from suspid.greybox.latent_splines import CORNER_SHARE
 from suspid.greybox.strut_motion import StrutMotion, strut_motion
 from suspid.greybox.trials import records_of
@@ -99,9 +99,10 @@ def damper_curve(
     -----
     Gains and delays of the sensors are taken as known: 2 ms between the sensors of body and wheel make the stiffness
     of a car wrong by a quarter. `estimate` finds them; correct the record before. The same holds for a rubber mount.
-    Intervals are those of the scores' scatter over blocks of half a second.
-    Travel tells the velocity worse than the wheel's acceleration: with 0.02 mm of noise at 200 Hz forces are off five
-    times as far, friction by 5 N, and the intervals do not hold; the verdict says so.
+    Intervals are those of the scores' scatter over blocks of half a second, and of kinks between the nodes.
+    With a sensor of travel the force is compared with the one that is expected under the travel, averaged over the
+    error of the velocity (regression calibration), and moments at which the strut sticks are left out. Travel with
+    0.02 mm of noise at 200 Hz tells friction half as well as the acceleration of the wheel.
 
     Examples
     --------
@@ -248,14 +249,16 @@ def _result(
     spread[1 : size + 1][shape.nodes != 0, 1:size] = np.eye(size - 1)
     if shape.friction:
         spread[-1, -1] = 1
+    forces, covariance = shape.forces(fit.theta), spread @ fit.covariance @ spread.T
+    covariance[1:-1, 1:-1] += bend_covariance(shape.nodes, forces)
     made = DamperCurve(
         name=strut,
         suspension=car,
         velocities=frozen_real(shape.nodes),
-        forces=frozen_real(shape.forces(fit.theta)),
+        forces=frozen_real(forces),
         friction=float(fit.theta[-1]) if shape.friction else 0.0,
         stiffness=float(fit.theta[0]),
-        covariance=frozen_real(spread @ fit.covariance @ spread.T),
+        covariance=frozen_real(covariance),
         friction_sought=shape.friction,
         linear=line,
         velocity_std=float(np.sqrt(np.mean(velocity**2))),

@@ -39,8 +39,9 @@ class CurveCheck(Code):
     )
     BLURRED = (
         "blurred",
-        "The velocity is known to {error:.2g} m/s only, {share:.0%} of its root mean square: kinks are blurred and "
-        "friction is biased. Use an accelerometer at the wheel, or a sensor of travel with less noise.",
+        "The velocity is known to {error:.2g} m/s only, {share:.0%} of its root mean square: bends within that are "
+        "blurred, and a strut that sticks looks like one that creeps. Use an accelerometer at the wheel, or a sensor "
+        "of travel with less noise.",
     )
     UNSETTLED = (
         "unsettled",
