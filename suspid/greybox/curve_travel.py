@@ -30,9 +30,9 @@ SPECTRUM_LINES = 5
 NOISY_LINES = (0.8, 1.0)
 # A strut sticks where its velocity is within this many errors of rest over so many samples and more: a velocity that
 # changes its sign in motion is through in less than one. Friction has no law there; samples beside it are left out too.
-STILL, STUCK, BESIDE = 2.0, 3, 2
+REST_ERRORS, REST_SAMPLES, REST_MARGIN = 2.0, 3, 2
 # How often noise and curve are found in turn; the noise changes by less than a percent after three rounds.
-ROUNDS = 4
+TRAVEL_ROUNDS = 4
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -52,7 +52,7 @@ def travel_fit(
     """Return the curve, its nodes, the noise of both signals, and what is left; ``shaped`` places nodes by velocity."""
     noise = Noise(force=_white(motions, "force"), motion=_white(motions, "motion"))
     most, shape = noise.motion, None
-    for last in [*[False] * ROUNDS, True]:
+    for last in [*[False] * TRAVEL_ROUNDS, True]:
         moved = [_expected(one, noise.motion, rng) for one in motions]
         if shape is None:
             samples = [one.velocity[::FINE_POINTS][_inside(m)] for one, m in zip(moved, motions, strict=True)]
@@ -114,13 +114,13 @@ def _expected(motion: StrutMotion, noise: float, rng: np.random.Generator) -> _E
     seen = motion_share * np.fft.rfft(whole)
     error = float(np.sqrt(np.sum(power * motion_share * np.abs(turning) ** 2) * (lines[1] - lines[0])))
     velocity = fine(turning * seen)
-    stuck = binary_opening(np.abs(velocity[::FINE_POINTS]) < STILL * error, np.ones(STUCK))
+    stuck = binary_opening(np.abs(velocity[::FINE_POINTS]) < REST_ERRORS * error, np.ones(REST_SAMPLES, np.bool_))
     drawn = noise * np.sqrt(motion_share) * np.fft.rfft(rng.standard_normal((PROBES, len(whole))), axis=1)
     return _Expected(
         travel=fine(seen),
         velocity=velocity,
         error=error,
-        moves=1.0 - binary_dilation(stuck, iterations=BESIDE)[_inside(motion)],
+        moves=np.asarray(~binary_dilation(stuck, iterations=REST_MARGIN)[_inside(motion)], float),
         probes=tuple((fine(one), fine(turning * one)) for one in drawn),
     )
 
