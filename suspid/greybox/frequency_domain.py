@@ -13,7 +13,7 @@ from suspid.greybox.measured_causes import WheelProblem, Whitened, first_levels
 from suspid.greybox.misfit import Misfit, misfit_of
 from suspid.greybox.noise_levels import Levels
 from suspid.greybox.search import SAME_FIT, starts_of
-from suspid.greybox.settling import at_stiff_mounts, from_held, released, settled
+from suspid.greybox.settling import Point, at_stiff_mounts, from_held, released, settled
 from suspid.greybox.suspects import suspect_of
 from suspid.greybox.trials import signal_of
 from suspid.signals import Signal
@@ -31,17 +31,17 @@ def fit_in_frequency(problem: WheelProblem) -> Fit:
         If the records do not determine a combination of the unknowns.
     """
     u, extras = problem.unknowns, problem.extras
-    ends: list[tuple[RealArray, list[Levels], list[Whitened], Misfit]] = []
+    ends: list[tuple[Point, list[Levels], Misfit]] = []
     for start in starts_of(u):
         first = [first_levels(source) for source in problem.sources]
-        z, levels = released(problem, *settled(problem, np.concatenate([start, extras.start]), first))
-        every = problem.every(z, levels)
-        ends.append((z, levels, every, misfit_of(every, [source.spectra.hertz for source in problem.sources])))
+        point, levels = released(problem, *settled(problem, np.concatenate([start, extras.start]), first))
+        ends.append((point, levels, misfit_of(point.every, [source.spectra.hertz for source in problem.sources])))
         # Two starts that ended at one fit are enough.
-        closest = min(end[3].chi_square for end in ends)
-        if ends[-1][3].likely or sum(end[3].chi_square < closest + SAME_FIT for end in ends) >= 2:
+        closest = min(end[2].chi_square for end in ends)
+        if ends[-1][2].likely or sum(end[2].chi_square < closest + SAME_FIT for end in ends) >= 2:
             break
-    z, levels, every, judged = min(ends, key=lambda end: end[3].chi_square)
+    point, levels, judged = min(ends, key=lambda end: end[2].chi_square)
+    z, every, _ = point
     size = np.concatenate([u.sizes(z[: len(u)]), np.ones(len(extras.names))])
     data = np.concatenate([w.slope.reshape(-1, len(z)) for w in every]) * size
     prior = np.hstack([u.prior(z[: len(u)])[1], np.zeros((int(np.sum(u.has_prior)), len(extras.names)))])
@@ -57,7 +57,7 @@ def fit_in_frequency(problem: WheelProblem) -> Fit:
         checks.append(Check(Remark(EstimateCheck.BY_NOMINAL, {"names": names_in(blind(squares), labels)}), Level.CARE))
     signals = sorted((made for i, w in enumerate(every) for made in _in_time(problem, w, i)), key=lambda made: made[0])
     noise = {n: _noise(problem, own, i) for i, own in enumerate(levels) for n in problem.sources[i].numbers}
-    whitened = at_stiff_mounts(problem, z, levels, judged.inflation) or every
+    whitened = at_stiff_mounts(problem, point, levels, judged.inflation) or every
     covariance = _sandwich(whitened, prior, judged.inflation)
     if not judged.likely:
         apart = from_held(problem, z, levels)

@@ -15,6 +15,7 @@ import numpy as np
 from suspid.greybox.further import label
 from suspid.greybox.noise_levels import Levels, covariance_of, levels_of, shared_of
 from suspid.greybox.problem import squeezed
+from suspid.greybox.small_matrices import inverses, whitening
 from suspid.greybox.spectra import Spectra
 from suspid.greybox.transfers import Layout, Physics, Transfer, transfer
 from suspid.greybox.trials import Trial
@@ -59,13 +60,37 @@ class Whitened:
 
     residual: RealArray  # (stretch, row)
     slope: RealArray  # (stretch, row, unknown)
-    left: ComplexArray  # (line, stretch, output): residual in the units of the outputs
-    misfit: ComplexArray  # (line, stretch, output): outputs less what the best motion explains
-    spurious: RealArray  # (unknown, unknown): part of the information that is due to noise of the best motion
+    white: ComplexArray  # (line, stretch, output): the residual as complex numbers
     motion: ComplexArray  # (line, stretch, cause): best estimate of the causes
     transfer: Transfer
     factor: ComplexArray  # (line, output, output): R^(-1/2)
     basis: RealArray  # (row, column): what was projected out
+    columns: RealArray  # (parameter, unknown): how the parameters of the transfer follow from the unknowns
+    outputs: RealArray  # (line, output): S_o
+    causes: RealArray  # (cause,): S_g
+
+    @property
+    def left(self) -> ComplexArray:
+        """Residual in the units of the outputs, (line, stretch, output)."""
+        return np.asarray(self.white @ _turned(inverses(self.factor)))
+
+    @property
+    def misfit(self) -> ComplexArray:
+        """Outputs less what the best motion explains, (line, stretch, output)."""
+        return np.asarray(self.left @ _turned(precision(self.factor)) * self.outputs[:, None])
+
+    @property
+    def spurious(self) -> RealArray:
+        """Part of the information that is due to noise of the best motion, (unknown, unknown).
+
+        The covariance of the best motion, S_g - S_g T^H R^-1 T S_g, is seen by each pair of parameters.
+        """
+        made, own = self.transfer, self.factor @ self.transfer.left
+        gain = precision(self.factor) @ made.T * self.causes
+        blurred = np.diag(self.causes) - self.causes[:, None] * (_turned(made.T).conj() @ gain)
+        seen = made.right.conj() @ _turned(blurred) @ _turned(made.right)
+        pairs = np.sum((_turned(own).conj() @ own) * seen, axis=0).real
+        return np.asarray(len(self.residual) * self.columns.T @ pairs @ self.columns)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -124,24 +149,29 @@ class WheelProblem:
 
     def equations(self, z: RealArray, levels: Sequence[Levels]) -> tuple[RealArray, RealArray]:
         """Return residual and derivatives of all trials, turned into as few rows as can be."""
+        return self.compressed(z, self.every(z, levels))
+
+    def compressed(self, z: RealArray, found: Sequence[Whitened]) -> tuple[RealArray, RealArray]:
+        """Return residual and derivatives of all trials at z, turned into as few rows as can be."""
         count = len(self.unknowns)
         prior, slope = self.unknowns.prior(z[:count])
         parts = [(prior, np.hstack([slope, np.zeros((len(prior), len(z) - count))]))]
-        parts += [squeezed(w.residual.ravel(), w.slope.reshape(-1, len(z))) for w in self.every(z, levels)]
+        parts += [squeezed(w.residual.ravel(), w.slope.reshape(-1, len(z))) for w in found]
         return np.concatenate([r for r, _ in parts]), np.concatenate([s for _, s in parts])
 
     def levels(self, found: Sequence[Whitened], before: Sequence[Levels]) -> list[Levels]:
         """Return the noise levels from the moments of residuals; those of ``before`` are where the search begins."""
         levels = list(before)
         for i, (source, w) in enumerate(zip(self.sources, found, strict=True)):
-            lines, stretches, outputs = w.left.shape
+            left = w.left
+            lines, stretches, outputs = left.shape
             # What was projected out is missing from the moments.
             share = np.sum(w.basis.reshape(2, lines, outputs, -1) ** 2, axis=(0, 2, 3)) / (2 * outputs)
-            moments = _turned(w.left) @ w.left.conj() / stretches
+            moments = _turned(left) @ left.conj() / stretches
             moments /= np.maximum(1 - share, 0.1)[:, None, None]
             anchor = first_levels(source)
             causes = source.spectra.values[:, :, list(source.layout.causes)]
-            shared = shared_of(w.transfer.T, _precision(w.factor), w.left, causes)
+            shared = shared_of(w.transfer.T, precision(w.factor), left, causes)
             own = levels_of(
                 w.transfer.T, moments, source.basis, before[i], anchor=anchor, count=stretches, shared=shared
             )
@@ -154,7 +184,7 @@ class WheelProblem:
 
 def _whitened(source: Source, made: Transfer, levels: Levels, columns: RealArray) -> Whitened:
     outputs, causes = levels.spectra(source.basis)
-    factor = np.linalg.inv(np.linalg.cholesky(covariance_of(made.T, outputs, causes))) * np.sqrt(2)
+    factor = whitening(covariance_of(made.T, outputs, causes)) * np.sqrt(2)
     y_o = source.spectra.values[:, :, list(source.layout.outputs)]
     y_g = source.spectra.values[:, :, list(source.layout.causes)]
     e = _real((y_o - y_g @ _turned(made.T)) @ _turned(factor))
@@ -174,21 +204,17 @@ def _whitened(source: Source, made: Transfer, levels: Levels, columns: RealArray
     own = factor @ made.left
     flat = _real(amounts[:, :, None, :] * -own[:, None]) @ columns
     flat -= q @ (q.T @ flat)
-    # Covariance of the best motion, S_g - S_g T^H R^-1 T S_g, seen by each pair of parameters.
-    blurred = causes[:, None] * np.eye(len(causes)) - weights @ factor @ made.T * causes
-    seen = made.right.conj() @ _turned(blurred) @ _turned(made.right)
-    pairs = np.sum((_turned(own).conj() @ own) * seen, axis=0).real
-    left = whole @ _turned(np.linalg.inv(factor))
     return Whitened(
         residual=e[:, :, 0],
         slope=flat,
-        left=left,
-        misfit=left @ _turned(_precision(factor)) * outputs[:, None],
-        spurious=len(e) * columns.T @ pairs @ columns,
+        white=whole,
         motion=motion,
         transfer=made,
         factor=factor,
         basis=q,
+        columns=columns,
+        outputs=outputs,
+        causes=causes,
     )
 
 
@@ -197,7 +223,7 @@ def _turned(matrices: ComplexArray) -> ComplexArray:
     return np.asarray(matrices.swapaxes(-1, -2))
 
 
-def _precision(factor: ComplexArray) -> ComplexArray:
+def precision(factor: ComplexArray) -> ComplexArray:
     """Return R^-1 from its factor, which is in standard deviations of real and imaginary part."""
     return np.asarray(factor.conj().transpose(0, 2, 1) @ factor / 2)
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from suspid.greybox.small_matrices import inverses, log_determinants
 from suspid.units import ComplexArray, RealArray
 
 LOOSE = 4.0  # standard deviation of the logarithm of a level about its first value; holds what is not seen
@@ -50,7 +51,7 @@ def shared_of(T: ComplexArray, precision: ComplexArray, left: ComplexArray, caus
     width = 2 * -(-32 // (2 * stretches)) + 1
     power = causes.swapaxes(1, 2) @ causes.conj() / stretches
     power = uniform_filter1d(power.real, width, axis=0) + 1j * uniform_filter1d(power.imag, width, axis=0)
-    inverse = np.linalg.inv(power.conj())
+    inverse = inverses(power.conj())
     weighed = T.conj().swapaxes(1, 2) @ precision
     common = left.swapaxes(1, 2) @ causes.conj()
     return Shared(
@@ -99,8 +100,7 @@ def levels_of(
         trial = z + step
         out, cause = np.exp(basis @ trial[: nodes * outputs].reshape(nodes, outputs)), np.exp(trial[nodes * outputs :])
         R = covariance_of(T, out, cause)
-        inverse = np.linalg.inv(R)
-        _, logdet = np.linalg.slogdet(R)
+        inverse, logdet = inverses(R), log_determinants(R)
         fit = np.sum(inverse * moments.swapaxes(1, 2), axis=(1, 2)).real
         new = count * float(np.sum(logdet + fit)) + float(np.sum(((trial - about) / LOOSE) ** 2))
         new += float(cause @ (shared.A @ cause + 2 * shared.b))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -14,33 +15,65 @@ from suspid.reconstruction import descend
 from suspid.units import Ratio, RealArray
 
 NEGLIGIBLE_RISE = 1e-3  # gain of chi-square that ends a descent
+ROUGH_RISE = 0.3  # the same where another descent follows, or a decision at a gain of 3.8
 HELD_WITHIN = 1e-9  # distance between the bounds of what is held
 SOFT = (0.2, 0.5)  # relaxations from which softer mounts are looked for, of `TIMES`: 2 and 5 ms
 
 
+class Point(NamedTuple):
+    """Unknowns, and what the records leave there at some noise levels."""
+
+    z: RealArray
+    every: list[Whitened]
+    cost: float  # sum of squares
+
+
+def point_at(problem: WheelProblem, z: RealArray, levels: Sequence[Levels]) -> Point:
+    """Return what the records leave at some unknowns."""
+    every = problem.every(z, levels)
+    return Point(z, every, float(np.sum(problem.compressed(z, every)[0] ** 2)))
+
+
 def descended(
-    problem: WheelProblem, z: RealArray, levels: Sequence[Levels], *, extras: tuple[RealArray, RealArray] | None = None
-) -> RealArray:
+    problem: WheelProblem,
+    z: RealArray,
+    levels: Sequence[Levels],
+    *,
+    extras: tuple[RealArray, RealArray] | None = None,
+    negligible: float = NEGLIGIBLE_RISE,
+) -> Point:
     """Return the best unknowns near a start at given noise levels, perhaps with other bounds of the extras."""
     u, more = problem.unknowns, problem.extras
     low, high = (more.lower, more.upper) if extras is None else extras
     lower, upper = np.concatenate([u.lower, low]), np.concatenate([u.upper, high])
-    return descend(
-        lambda y: problem.equations(y, levels),
+    best: list[Point] = []
+
+    def equations(y: RealArray) -> tuple[RealArray, RealArray]:
+        every = problem.every(y, levels)
+        residual, slope = problem.compressed(y, every)
+        here = Point(y, every, float(np.sum(residual**2)))
+        if not best or here.cost < best[0].cost:
+            best[:] = [here]
+        return residual, slope
+
+    descend(
+        equations,
         np.clip(z, lower, upper),
         positive=np.concatenate([u.positive, more.positive]),
         lower=lower,
         upper=upper,
-        negligible=NEGLIGIBLE_RISE,
+        negligible=negligible,
+        secant=True,
     )
+    return best[0]
 
 
 def settled(problem: WheelProblem, z: RealArray, levels: list[Levels]) -> tuple[RealArray, list[Levels]]:
     """Return unknowns and noise levels that belong to each other, near a start."""
-    # Fits and noise levels in turn: 3 to 6 rounds are needed.
-    for _ in range(12):
-        before, z = z, descended(problem, z, levels)
-        every = problem.every(z, levels)
+    # Fits and noise levels in turn: 3 to 6 rounds are needed. The first levels are a guess, which nothing rests on.
+    for turn in range(12):
+        before = z
+        z, every, _ = descended(problem, z, levels, negligible=NEGLIGIBLE_RISE if turn else ROUGH_RISE)
         levels = problem.levels(every, levels)
         # Change of the unknowns, in standard deviations, below which both have settled.
         if sum(float(np.sum((w.slope @ (z - before)) ** 2)) for w in every) < 0.02**2:
@@ -48,30 +81,31 @@ def settled(problem: WheelProblem, z: RealArray, levels: list[Levels]) -> tuple[
     return z, levels
 
 
-def released(problem: WheelProblem, z: RealArray, levels: list[Levels]) -> tuple[RealArray, list[Levels]]:
+def released(problem: WheelProblem, z: RealArray, levels: list[Levels]) -> tuple[Point, list[Levels]]:
     """Return the best of the unknowns that were found and those on the other side of the ridge between stiff and soft.
 
     A mount acts nearly as a negative delay does, so there may be a minimum without a mount beside the right one. The
     softer one is taken if the records rule out the stiffer one.
     """
-    extras = problem.extras
+    extras, here = problem.extras, point_at(problem, z, levels)
     if not extras.mounts:
-        return z, levels
+        return here, levels
     count, mounts = len(problem.unknowns), len(extras.mounts)
-    found = [z]
+    best = here
     for soft in SOFT:
         start = z.copy()
         start[count : count + mounts] = soft
         late = np.array([name.endswith(".delay") for name in extras.names])
         start[count:][late] += soft - float(np.mean(z[count : count + mounts]))
-        found.append(descended(problem, start, levels))
-    costs = [float(np.sum(problem.equations(one, levels)[0] ** 2)) for one in found]
-    best = int(np.argmin(costs))
-    return (z, levels) if costs[0] - costs[best] < CHI_SQUARE_95 else settled(problem, found[best], levels)
+        best = min(best, descended(problem, start, levels, negligible=ROUGH_RISE), key=lambda point: point.cost)
+    if here.cost - best.cost < CHI_SQUARE_95:
+        return here, levels
+    z, levels = settled(problem, best.z, levels)
+    return point_at(problem, z, levels), levels
 
 
 def at_stiff_mounts(
-    problem: WheelProblem, z: RealArray, levels: list[Levels], inflation: Ratio
+    problem: WheelProblem, found: Point, levels: list[Levels], inflation: Ratio
 ) -> list[Whitened] | None:
     """Return the residuals of the best car without mounts, if the records do not rule it out; else None.
 
@@ -85,10 +119,9 @@ def at_stiff_mounts(
         return None
     upper = problem.extras.upper.copy()
     upper[: len(problem.extras.mounts)] = HELD_WITHIN
-    stiff = descended(problem, z, levels, extras=(problem.extras.lower, upper))
-    rise = np.sum(problem.equations(stiff, levels)[0] ** 2) - np.sum(problem.equations(z, levels)[0] ** 2)
+    stiff = descended(problem, found.z, levels, extras=(problem.extras.lower, upper))
     by_chance = inflation * float(chdtri(len(problem.extras.mounts), 1 - LEVEL))
-    return None if float(rise) > by_chance else problem.every(stiff, levels)
+    return None if stiff.cost - found.cost > by_chance else stiff.every
 
 
 def from_held(problem: WheelProblem, z: RealArray, levels: list[Levels]) -> RealArray:
@@ -99,7 +132,7 @@ def from_held(problem: WheelProblem, z: RealArray, levels: list[Levels]) -> Real
     u, extras = problem.unknowns, problem.extras
     stated = extras.start.copy()
     stated[: len(extras.mounts)] = [u.car.struts[j].relaxation / TIMES for j in extras.mounts]
-    held = descended(problem, z, levels, extras=(stated - HELD_WITHIN, stated + HELD_WITHIN))
+    held = descended(problem, z, levels, extras=(stated - HELD_WITHIN, stated + HELD_WITHIN)).z
     positive = np.concatenate([u.positive, extras.positive])
     ratio = np.where(positive, z, 1.0) / np.where(positive, held, 1.0)
     return np.asarray(np.where(positive, z * np.log(ratio), z - held))

@@ -28,12 +28,12 @@ def suspect_of(problem: WheelProblem) -> Remark | None:
 
     def cost(changed: WheelProblem) -> float:
         levels = [first_levels(source) for source in changed.sources]
-        return float(np.sum(changed.equations(descended(changed, start, levels), levels)[0] ** 2))
+        return descended(changed, start, levels).cost
 
     remark, changed = min(changes, key=lambda change: cost(change[1]))
     first = [first_levels(source) for source in changed.sources]
-    z, levels = released(changed, *settled(changed, start, first))
-    misfit = misfit_of(changed.every(z, levels), [source.spectra.hertz for source in changed.sources])
+    found, _ = released(changed, *settled(changed, start, first))
+    misfit = misfit_of(found.every, [source.spectra.hertz for source in changed.sources])
     return remark if misfit.likely else None
 
 

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from suspid.errors import InputError
+from suspid.greybox.small_matrices import inverses
 from suspid.greybox.trials import Trial
 from suspid.model import Suspension
 from suspid.units import ComplexArray, RealArray
@@ -146,11 +147,11 @@ def transfer(
     own = np.arange(len(layout.free))
     D[:, own, own] += s[:, None] ** 2 * physics.masses[list(layout.free)]
     N = -(b @ (af[:, :, None] * ag[:, None, :]).reshape(struts, -1)).reshape(len(s), af.shape[1], ag.shape[1])
-    inverse = np.asarray(np.linalg.inv(D), complex)
+    inverse = inverses(np.asarray(D, complex))
     derive = s[:, None] ** layout.orders * physics.gains * np.exp(-s[:, None] * physics.delays)
     shown = np.asarray((layout.on_free @ inverse) * derive[:, :, None], complex)
     P = shown @ N + layout.on_given * derive[:, :, None]
-    back = np.linalg.inv(P[:, g])
+    back = inverses(P[:, g])
     T = P[:, o] @ back
     motion: Any = inverse @ N
     unit = s / np.abs(s).max()

@@ -20,7 +20,7 @@ from suspid.units import Hertz, Second
 
 # The band, over the lowest and the highest natural frequency of the nominal car: 0.5 to 24 Hz for most cars. Below it
 # accelerations hold little, above it the wheels' motion hardly moves the body.
-BELOW, ABOVE = 0.4, 2.0
+BELOW, ABOVE = 0.4, 2.5
 STRETCH_PERIODS = 8.0  # of the lowest mode, in a stretch: longer ones have fewer ends, shorter ones follow slow changes
 
 
@@ -96,7 +96,9 @@ def _alike(one: Trial, other: Trial) -> bool:
 
 def band_of(car: Suspension, above: float) -> tuple[Hertz, Hertz]:
     """Return the band about the natural frequencies of a car, up to ``above`` times the highest."""
-    hertz = eigenmodes(car).wn / (2 * np.pi)
+    # A damper on a mount adds a real pole far above, at which nothing of the car's own moves.
+    rigid = replace(car, struts=[replace(strut, mount_stiffness=None) for strut in car.struts])
+    hertz = eigenmodes(rigid).wn / (2 * np.pi)
     return BELOW * float(np.min(hertz[hertz > 0])), above * float(np.max(hertz))
 
 

@@ -25,10 +25,13 @@ def descend(
     lower: RealArray,
     upper: RealArray,
     negligible: float = 0.0,
+    secant: bool = False,
 ) -> RealArray:
     """Return a minimum of the norm of the equations between bounds, by Gauss-Newton steps in a trust region.
 
     What is ``positive`` is stepped in its logarithm; a gain of the squared norm up to ``negligible`` ends the descent.
+    With ``secant``, curvature that Gauss-Newton does not see is taken from how the gradient changed along the last
+    step: along a curved valley steps overshoot again and again without it.
 
     Examples
     --------
@@ -40,18 +43,28 @@ def descend(
     """
     radius = LARGEST_STEP
     residual, slope = equations(x)
+    bent = np.zeros((0, len(x)))  # row of further curvature, in steps
     for _ in range(60):
         per_step = np.where(positive, x, 1.0)
         with np.errstate(divide="ignore"):
             floor = np.where(positive, np.log(np.maximum(lower, 1e-300) / per_step), lower - x)
             ceiling = np.where(positive, np.log(upper / per_step), upper - x)
         low, high = np.minimum(np.maximum(-radius, floor), 0.0), np.maximum(np.minimum(radius, ceiling), 0.0)
-        step = bounded_step(slope * per_step, -residual, low, high)
+        step = bounded_step(
+            np.concatenate([slope * per_step, bent]), np.append(-residual, np.zeros(len(bent))), low, high
+        )
         expected = float(residual @ residual - np.sum((residual + slope * per_step @ step) ** 2))
+        expected -= float(np.sum((bent @ step) ** 2))
         trial = np.where(positive, x * np.exp(np.where(positive, step, 0.0)), x + step)
         trial = np.clip(trial, lower, upper)
         trial_residual, trial_slope = equations(trial)
         gained = float(residual @ residual - trial_residual @ trial_residual)
+        if secant:
+            per_trial = np.where(positive, trial, 1.0)
+            turned = (trial_slope * per_trial).T @ trial_residual - (slope * per_step).T @ residual
+            more = float(step @ turned - np.sum((trial_slope * per_trial @ step) ** 2))
+            if more > 0:
+                bent = (np.sqrt(more) / (step @ step) * step)[None]
         if gained > 0:
             x, residual, slope = trial, trial_residual, trial_slope
         if np.max(np.abs(step)) < 1e-13 or (gained <= 0 and np.max(np.abs(step)) < 1e-9):
