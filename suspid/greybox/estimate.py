@@ -94,7 +94,7 @@ def estimate(
         coordinates; else none. A rubber mount of 1e6 N/m that is left out makes k of a driven car 20 % too large.
     band_hz : (float, float), optional
         Frequencies that are used where motion is given [Hz]. Default: from 0.4 times the lowest natural frequency of
-        the nominal car to twice the highest.
+        the nominal car to 2.5 times the highest.
     stretch : float, optional
         Length of the stretches that are transformed [s]. Default: eight periods of the lowest mode.
     road : "iso8608", optional

@@ -18,8 +18,9 @@ from suspid.model import Suspension, eigenmodes
 from suspid.reconstruction import Unknowns
 from suspid.units import Hertz, Second
 
-# The band, over the lowest and the highest natural frequency of the nominal car: 0.5 to 24 Hz for most cars. Below it
-# accelerations hold little, above it the wheels' motion hardly moves the body.
+# The band, over the lowest and the highest natural frequency of the nominal car: 0.5 to 27 Hz for most cars. Below it
+# accelerations hold little, above it the wheels' motion hardly moves the body. What tells delays from mounts, and roads
+# from tires, stands on the far side of the wheels' modes.
 BELOW, ABOVE = 0.4, 2.5
 STRETCH_PERIODS = 8.0  # of the lowest mode, in a stretch: longer ones have fewer ends, shorter ones follow slow changes
 
@@ -36,8 +37,8 @@ def wheel_problem(
     stretch: Second | None,
 ) -> WheelProblem:
     """Return the problem, with gains and delays of all causes and all mounts unknown unless some are named."""
-    limits = band_of(car, ABOVE) if band is None else band
-    lowest = band_of(car, ABOVE)[0] / BELOW
+    limits = band_of(car) if band is None else band
+    lowest = band_of(car)[0] / BELOW
     sources = []
     for numbers in _by_logger(trials):
         trial = trials[numbers[0]]
@@ -94,12 +95,12 @@ def _alike(one: Trial, other: Trial) -> bool:
     return same and abs(one.step / other.step - 1) < DRIFT
 
 
-def band_of(car: Suspension, above: float) -> tuple[Hertz, Hertz]:
-    """Return the band about the natural frequencies of a car, up to ``above`` times the highest."""
+def band_of(car: Suspension) -> tuple[Hertz, Hertz]:
+    """Return the band about the natural frequencies of a car, up to `ABOVE` times the highest."""
     # A damper on a mount adds a real pole far above, at which nothing of the car's own moves.
     rigid = replace(car, struts=[replace(strut, mount_stiffness=None) for strut in car.struts])
     hertz = eigenmodes(rigid).wn / (2 * np.pi)
-    return BELOW * float(np.min(hertz[hertz > 0])), above * float(np.max(hertz))
+    return BELOW * float(np.min(hertz[hertz > 0])), ABOVE * float(np.max(hertz))
 
 
 def _extras(car: Suspension, mounts: Sequence[int], gains: Sequence[str], delays: Sequence[str]) -> Extras:

@@ -32,7 +32,6 @@ from suspid.words.greybox import EstimateCheck
 # The record hardly tells it from that of the suspension; left out, a wheel's mass is 3 to 4 % too small.
 TIRE_DAMPING_STD: Ratio = 0.5
 TIRE_DAMPING_RATIO: Ratio = 0.01
-ROAD_ABOVE = 2.5  # end of the band, over the highest natural frequency: the road must be seen on both sides of it
 
 
 ROADS = ("iso8608",)
@@ -89,7 +88,7 @@ def fit_with_road(
     own = problem.unknowns
 
     def posed(x: RealArray) -> TireProblem:
-        limits = band_of(tires.suspension(x), ROAD_ABOVE) if band is None else band
+        limits = band_of(tires.suspension(x)) if band is None else band
         models = [
             road_model(track, radius=rolling.radius)
             for i, levels in enumerate(found.levels)
