@@ -341,7 +341,7 @@ class TestDriving:
         # Above 15 Hz the wheel's displacement is less than its noise, and what that does to the body is smooth.
         noise = {"chassis": 0.03, sensor: 0.0003}
         noisy, times = driven(QUARTER, seed, channels=["chassis_acceleration", sensor], noise=noise)
-        found = estimate(record_of(noisy, times), off(QUARTER), given=("tire",))
+        found = estimate(record_of(noisy, times), off(QUARTER), given=("tire",), band_hz=(0.5, 21.0))
         assert found.explains
         body, cause = found.noise_std[0]
         assert cause == pytest.approx(0.0003, rel=0.2)
