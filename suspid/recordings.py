@@ -34,6 +34,13 @@ class RawChannel:
         Sampling rate [Hz] stated by the file or the user; None where there are only stamps.
     test : str
         Which of several tests in the file the channel belongs to; empty where the file holds one.
+
+    Examples
+    --------
+    >>> t = np.array([0.0, 0.01, 0.02, 0.05])
+    >>> seat = RawChannel(name="seat", unit="m", timepts=t, values=np.array([0.0, 0.1, np.nan, 0.3]), rate=None)
+    >>> seat.mean_rate, seat.duration, seat.gaps, seat.missing
+    (100.0, 0.05, 2, 1)
     """
 
     name: str
@@ -78,6 +85,18 @@ class Recording:
         In the order of the file.
     left_out : tuple of (str, Remark)
         What else the file holds, and why it is not a channel: its name and a `suspid.words.LeftOut`.
+
+    Examples
+    --------
+    >>> t = np.arange(100) / 100
+    >>> seat = RawChannel(name="seat", unit="mm", timepts=t, values=np.sin(20 * t), rate=None)
+    >>> bump = Recording(title="bump", channels=(seat,))
+    >>> bump.names, bump["seat"].unit
+    (('seat',), 'mm')
+    >>> print(bump)
+      channel    unit    rate [Hz]    samples    length [s]    gaps
+    ---------  ------  -----------  ---------  ------------  ------
+         seat      mm          100        100          0.99       0
     """
 
     title: str

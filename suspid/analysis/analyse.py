@@ -79,6 +79,16 @@ class Analysis(Result):
     estimate : Estimate or None
         Springs and dampers fitted to the record itself, if a car was given and its modes did not settle them: there was
         no reconstruction, it does not explain the modes, or other cars have the same.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from suspid import analyse, as_record
+    >>> t = np.arange(400) / 100
+    >>> noise = 1e-3 * np.random.default_rng(1).standard_normal(t.size)
+    >>> found = analyse(as_record(np.exp(-t) * np.cos(20 * t) + noise, timepts=t, channels=["seat"]))
+    >>> found.modes.wn.round(1), found.record.output_labels, found.used
+    (array([20.]), ['seat'], ())
     """
 
     settings: Settings

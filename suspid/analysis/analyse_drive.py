@@ -62,6 +62,17 @@ class DriveAnalysis(Result):
         Curves of the dampers above the wheels, as far as the sensors tell them.
     wear : Wear or None
         Wear and grip of the dampers, against earlier estimates or nominal values.
+
+    Examples
+    --------
+    >>> from suspid import RawChannel, Recording, analyse_drive
+    >>> t = np.arange(30000) / 100
+    >>> body = 0.3 * np.random.default_rng(1).standard_normal(t.size)
+    >>> rows = {"chassis_acceleration": (body, "m/s2"), "speed": (np.full(t.size, 20.0), "m/s")}
+    >>> made = [RawChannel(name=n, unit=u, timepts=t, values=v, rate=None) for n, (v, u) in rows.items()]
+    >>> found = analyse_drive(Recording(title="ride", channels=tuple(made)))
+    >>> found.estimate is None, found.body is None, round(found.usable)
+    (True, False, 300)
     """
 
     drives: tuple[Drives, ...]

@@ -67,6 +67,16 @@ class CheckedLimits(Result):
         The limits in their order.
     level : float
         Probability of the intervals [1].
+
+    Examples
+    --------
+    >>> from suspid import Limit, as_record, check_limits, identify
+    >>> t = np.arange(400) / 100
+    >>> noise = 1e-3 * np.random.default_rng(1).standard_normal(t.size)
+    >>> found = identify(as_record(np.exp(-t) * np.cos(20 * t) + noise, timepts=t))
+    >>> checked = check_limits(found, [Limit(of=1, quantity="zeta", least=0.2)])
+    >>> checked.passed, [str(row.state) for row in checked.rows]
+    (False, ['not met'])
     """
 
     rows: tuple[CheckedLimit, ...]

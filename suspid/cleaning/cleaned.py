@@ -28,6 +28,16 @@ class Cleaned:
         Units of the channels as the file states them.
     findings : tuple of Finding
         What was met; none for a clean recording, whose samples and stamps are unchanged to the last bit.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from suspid import RawChannel, Recording, clean
+    >>> t = np.arange(300) / 100
+    >>> seat = RawChannel(name="seat", unit="m", timepts=t, values=np.exp(-t) * np.sin(12 * t), rate=None)
+    >>> cleaned = clean(Recording(title="bump", channels=(seat,)))
+    >>> cleaned.units, cleaned.findings, cleaned.record.output_labels
+    (('m',), (), ['seat'])
     """
 
     record: control.TimeResponseData = AsResponse("record")  # noqa: RUF009 - no default

@@ -26,6 +26,19 @@ class Finding:
         Number of samples.
     repaired : bool
         Whether the record differs from the file because of it.
+
+    Examples
+    --------
+    >>> from suspid import RawChannel, Recording, clean
+    >>> t = np.arange(300) / 100
+    >>> values = np.exp(-t) * np.sin(12 * t)
+    >>> values[40] = -9999.0
+    >>> seat = RawChannel(name="seat", unit="m", timepts=t, values=values, rate=None)
+    >>> found = clean(Recording(title="bump", channels=(seat,))).findings[0]
+    >>> found.channel, found.start, found.repaired
+    ('seat', 0.4, True)
+    >>> found.text
+    '1 sample equal to -9999, far from all others (-0.6767 to 0.8793); treated as missing'
     """
 
     remark: Remark

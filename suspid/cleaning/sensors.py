@@ -49,6 +49,15 @@ class Vertical:
         Standard deviation of its direction, per plane [deg].
     explained, principal_explained : float
         Share of the variance of the motion along ``up`` and along ``principal``.
+
+    Examples
+    --------
+    >>> from suspid import as_record, vertical
+    >>> t = np.arange(1000) / 200
+    >>> up = 9.81 + np.exp(-t) * np.sin(10 * t)
+    >>> _, found = vertical(as_record([0 * t, 0.6 * up, 0.8 * up], timepts=t, channels=["x", "y", "z"]))
+    >>> found.by, found.up.round(6), round(found.tilt_deg, 2)
+    ('gravity', array([0. , 0.6, 0.8]), 36.87)
     """
 
     axes: tuple[str, ...]

@@ -51,6 +51,15 @@ class Decay:
         Natural frequencies [rad/s] and damping ratios [1] of a quick fit; those of `identify` are more accurate.
     doubts : tuple of Remark
         Doubts about it, each a `DecayDoubt` with its numbers; empty if there are none.
+
+    Examples
+    --------
+    >>> from suspid import as_record, find_decays
+    >>> t = np.arange(600) / 100
+    >>> late = np.where(t < 2, 0.0, np.exp(2 - t) * np.sin(20 * (t - 2)))
+    >>> best = find_decays(as_record(late + 1e-5 * np.random.default_rng(1).standard_normal(t.size), timepts=t))[0]
+    >>> best.rank, round(best.start, 1), best.wn.round(1), best.zeta.round(3)
+    (1, 2.0, array([20.]), array([0.05]))
     """
 
     start: Second
@@ -79,6 +88,15 @@ class Decays(Sequence[Decay], Result):
         The decays, the best first.
     remarks : tuple of Remark
         Events that are no free decay, each with its reason, and events that were not examined.
+
+    Examples
+    --------
+    >>> from suspid import as_record, find_decays
+    >>> t = np.arange(600) / 100
+    >>> late = np.where(t < 2, 0.0, np.exp(2 - t) * np.sin(20 * (t - 2)))
+    >>> decays = find_decays(as_record(late + 1e-5 * np.random.default_rng(1).standard_normal(t.size), timepts=t))
+    >>> len(decays), decays.verdict.level.label
+    (1, 'sound')
     """
 
     decays: tuple[Decay, ...] = ()

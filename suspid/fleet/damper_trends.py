@@ -51,7 +51,20 @@ class DamperTrend:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class DamperTrends(Result):
-    """Result of `damper_trends`, the gravest first; ``str()`` is the table."""
+    """Result of `damper_trends`, the gravest first; ``str()`` is the table.
+
+    Examples
+    --------
+    >>> from suspid import damper_trends, estimate, free_decay, quarter_car
+    >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3,
+    ...                   tire_stiffness=210e3, chassis_damping=1300)
+    >>> record = free_decay(car, np.arange(0, 2, 0.01), initial_state={"v_tire": 1.0})
+    >>> record.outputs[:] += 1e-4 * np.random.default_rng(1).standard_normal(record.outputs.shape)
+    >>> found = estimate(record, car, fixed=["tire.damping"])
+    >>> trends = damper_trends([("VAN 7", year, found) for year in (2022.0, 2023.0, 2024.0, 2025.0)])
+    >>> [(one.vehicle, one.damper, str(one.state)) for one in trends.trends]
+    [('VAN 7', 'chassis', 'good')]
+    """
 
     trends: tuple[DamperTrend, ...]
     rule: WearRule

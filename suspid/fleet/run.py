@@ -45,6 +45,19 @@ class FleetRun:
         How many were done by an earlier run that was interrupted.
     notes : tuple of str
         What the user should know of the run.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import tempfile
+    >>> from suspid import as_record, identify_many
+    >>> t = np.arange(0, 3, 0.01)
+    >>> decay = as_record(np.exp(-t) * np.cos(20 * t), timepts=t, channels=["seat"])
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     run = identify_many([("bump", decay)], output=folder, workers=1)
+    ...     names = run.modes.column_names
+    >>> run.records, run.failed, names[:3]
+    (1, 0, ['record', 'sha256', 'suspid'])
     """
 
     output: Path

@@ -95,6 +95,19 @@ class FleetSummary(Result):
         How many drives have springs and dampers that cannot be built upon, and are in no trend of dampers.
     car : Suspension or None
         The nominal car that the run was given.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import tempfile
+    >>> from suspid import as_record, fleet_summary, identify_many
+    >>> t = np.arange(0, 3, 0.01)
+    >>> decay = as_record(np.exp(-t) * np.cos(20 * t), timepts=t, channels=["seat"])
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     _ = identify_many([("bump", decay), ("bump again", decay)], output=folder, workers=1)
+    ...     summary = fleet_summary(folder)
+    >>> summary.records, summary.failed, summary.complete
+    (2, 0, True)
     """
 
     folder: Path

@@ -61,6 +61,13 @@ class BodyMode:
         Damping ratio [1] of each: they differ, which is why none is reported.
     why : Remark or None
         Why there is no frequency.
+
+    Examples
+    --------
+    >>> mode = BodyMode(channel="seat", hertz=1.2, models=((1.15, 0.02), (1.25, 0.02)), zetas=(0.2, 0.4), why=None)
+    >>> low, high = mode.interval(0.95)
+    >>> round(low, 2), round(high, 2)
+    (1.11, 1.29)
     """
 
     channel: str
@@ -88,6 +95,16 @@ class BodyModes(Sequence[BodyMode]):
         One for each channel.
     seconds : float
         Length of the stretches that were used [s].
+
+    Examples
+    --------
+    >>> mode = BodyMode(channel="seat", hertz=1.2, models=((1.15, 0.02), (1.25, 0.02)), zetas=(0.2, 0.4), why=None)
+    >>> print(BodyModes(modes=(mode,), seconds=300.0))
+      channel    f [Hz]    95 % interval      zeta [1]
+    ---------  --------  ---------------  ------------
+         seat       1.2      1.11 … 1.29  not reported
+    Verdict: the body's frequency in 1 of the channels, from 300 s: sound. Every check that could be made was passed.
+    note: Damping is not reported: by the model of the road it would be 0.2 or 0.4. ...
     """
 
     modes: tuple[BodyMode, ...]

@@ -29,6 +29,12 @@ class LineTest:
         Probability of as large a statistic where the damper is viscous.
     level : float
         Share of viscous dampers that are rejected.
+
+    Examples
+    --------
+    >>> test = LineTest(statistic=1.2, freedom=5, residual_freedom=200, p_value=0.31, level=0.05)
+    >>> test.accepted, bool(test)
+    (True, True)
     """
 
     statistic: float
@@ -82,6 +88,20 @@ class DamperCurve(Result):
         Whether chi-square is not improbably large.
     verdict : Verdict
         How far the result can be trusted, and why.
+
+    Examples
+    --------
+    >>> from suspid import damper_curve, quarter_car, road_profile, simulate
+    >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3,
+    ...                   chassis_damping=1300)
+    >>> t, rng = np.arange(0, 12, 0.005), np.random.default_rng(1)
+    >>> road = road_profile(20 * t, roughness="B", rng=rng, wavelengths=(0.5, 100.0))
+    >>> record = simulate(car, t, {"road": road}, outputs=["chassis_acceleration", "tire_acceleration"],
+    ...                   interpolation="cubic")
+    >>> record.outputs[:] += np.array([[0.03], [0.1]]) * rng.standard_normal(record.outputs.shape)
+    >>> found = damper_curve(record, car, strut="chassis", nodes=8)
+    >>> found.linear.accepted, found.velocities.size, round(found.equivalent_damping(0.2), -2)
+    (True, 9, 1300.0)
     """
 
     name: str

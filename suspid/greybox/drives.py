@@ -49,6 +49,13 @@ class DriveLimits:
         its filters.
     stuck : float
         How long a channel may stay at exactly one value while the car moves [s]: half a period of the slowest body.
+
+    Examples
+    --------
+    >>> from suspid import DriveLimits
+    >>> limits = DriveLimits(least_speed=8.0, shortest=30.0)
+    >>> limits.least_speed, limits.longitudinal
+    (8.0, 1.5)
     """
 
     least_speed: MetrePerSecond = 3.0
@@ -92,6 +99,17 @@ class Drive:
         Why it was taken or left, each a `suspid.words.drives.DriveReason` with its numbers.
     speed : float
         Mean speed [m/s]; NaN where it is not known.
+
+    Examples
+    --------
+    >>> from suspid import RawChannel, Recording, find_drives
+    >>> t = np.arange(6000) / 100
+    >>> body = 0.3 * np.random.default_rng(1).standard_normal(t.size)
+    >>> rows = {"chassis": (body, "m/s2"), "speed": (np.full(t.size, 72.0), "km/h")}
+    >>> made = [RawChannel(name=n, unit=u, timepts=t, values=v, rate=None) for n, (v, u) in rows.items()]
+    >>> stretch = find_drives(Recording(title="ride", channels=tuple(made)))[0]
+    >>> stretch.taken, stretch.length, stretch.speed
+    (True, 60.0, 20.0)
     """
 
     start: Second
@@ -128,6 +146,18 @@ class Drives(Sequence[Drive], Result):
         Name of the recording.
     course : ndarray (block, 3)
         Middle [s], speed [m/s] and vibration [m/s2] of each block of the recording; NaN where not known.
+
+    Examples
+    --------
+    >>> from suspid import RawChannel, Recording, find_drives
+    >>> t = np.arange(6000) / 100
+    >>> speed = np.where(t < 20, 0.0, 20.0)
+    >>> body = (0.3 * (speed > 0) + 0.002) * np.random.default_rng(1).standard_normal(t.size)
+    >>> rows = {"chassis": (body, "m/s2"), "speed": (speed, "m/s")}
+    >>> made = [RawChannel(name=n, unit=u, timepts=t, values=v, rate=None) for n, (v, u) in rows.items()]
+    >>> drives = find_drives(Recording(title="ride", channels=tuple(made)))
+    >>> len(drives.taken), len(drives.left), round(drives.usable), round(drives.length)
+    (1, 2, 39, 60)
     """
 
     stretches: tuple[Drive, ...] = ()

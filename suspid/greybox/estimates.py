@@ -70,6 +70,19 @@ class Estimate(Result):
         a free decay.
     band_hz : tuple of float or None
         Frequencies that `fitted` and `residual` hold, where motion was given [Hz]; None: all.
+
+    Examples
+    --------
+    >>> from suspid import add_noise, estimate, free_decay, quarter_car
+    >>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3,
+    ...                   tire_stiffness=200e3, chassis_damping=1500)
+    >>> record = free_decay(car, np.arange(0, 2, 0.01), initial_state={"v_tire": 1.0})
+    >>> found = estimate(add_noise(record, snr_db=30.0, rng=np.random.default_rng(1)), car, fixed=["tire.damping"])
+    >>> found.parameters, found.explains
+    (('chassis.stiffness', 'tire.stiffness', 'chassis.damping'), True)
+    >>> low, high = found.interval(0.99)["chassis.damping"]
+    >>> bool(low < 1500 < high), len(found.modes)
+    (True, 2)
     """
 
     suspension: Suspension

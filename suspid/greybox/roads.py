@@ -39,6 +39,13 @@ class RoadEstimate:
         Standard deviation of its natural logarithm.
     mean_roughness, mean_roughness_std : float, optional
         Geometric mean over the stretches [m3], and the standard deviation of its logarithm.
+
+    Examples
+    --------
+    >>> road = RoadEstimate(wheel="tire", records=(0,), times=np.array([30.0]), exponent=2.0, exponent_std=0.1,
+    ...                     mean_roughness=16e-6, mean_roughness_std=0.2)
+    >>> road.road_class
+    'A'
     """
 
     wheel: str

@@ -46,6 +46,13 @@ class RecordTest:
     ------
     InputError
         If an added mass is not a finite number >= 0.
+
+    Examples
+    --------
+    >>> t = np.arange(0, 2, 0.01)
+    >>> loaded = RecordTest(record=(t, np.cos(9 * t)), added_masses={"chassis": 75.0})
+    >>> loaded.added_masses["chassis"]
+    75.0
     """
 
     record: RecordLike

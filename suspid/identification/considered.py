@@ -27,6 +27,16 @@ class Considered:
         Why it is no mode: a `Reason` with its numbers.
     removed : bool
         Whether its motion was removed from the record with the fit (a tone, a drift), or left in the residual.
+
+    Examples
+    --------
+    >>> from suspid import as_record, identify
+    >>> t = np.arange(400) / 100
+    >>> noise = 1e-3 * np.random.default_rng(1).standard_normal(t.size)
+    >>> tone = 0.05 * np.sin(60 * t)
+    >>> found = identify(as_record(np.exp(-t) * np.cos(20 * t) + tone + noise, timepts=t))
+    >>> [(round(abs(one.pole)), one.reason, one.removed) for one in found.considered]
+    [(60, 'steady tone: it does not decay within the record', True)]
     """
 
     pole: complex

@@ -63,6 +63,17 @@ class Identification(Result):
         How each mode depends on its amplitude; empty if the decay is linear.
     forces : tuple of Force
         The forces, other than linear ones, with which the decay was fitted.
+
+    Examples
+    --------
+    >>> from suspid import as_record, identify
+    >>> t = np.arange(400) / 100
+    >>> noise = 1e-3 * np.random.default_rng(1).standard_normal(t.size)
+    >>> found = identify(as_record(np.exp(-t) * np.cos(20 * t) + noise, timepts=t, channels=["seat"]))
+    >>> found.modes.zeta.round(3), found.method
+    (array([0.05]), 'likelihood')
+    >>> bool(found.explained[0] > 0.999), found.residual.outputs.shape
+    (True, (400,))
     """
 
     response: control.TimeResponseData = AsResponse("response")  # noqa: RUF009 - no default

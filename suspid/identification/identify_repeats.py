@@ -55,6 +55,15 @@ class Repeats(Result):
         Standard deviation of the noise in each repeat and channel, in the unit of the channel.
     names : tuple of str
         What the records are called; empty for decays of one recording.
+
+    Examples
+    --------
+    >>> from suspid import as_record, identify_repeats
+    >>> t = np.arange(600) / 100
+    >>> values = np.exp(-2 * (t % 3)) * np.cos(20 * (t % 3)) + 1e-3 * np.random.default_rng(1).standard_normal(t.size)
+    >>> found = identify_repeats(as_record(values, timepts=t), [(0, 2.99), (3, 5.99)])
+    >>> found.modes.zeta.round(2), len(found.each), found.spans
+    (array([0.1]), 2, ((0.0, 2.99), (3.0, 5.99)))
     """
 
     spans: tuple[tuple[Second, Second], ...]

@@ -36,6 +36,14 @@ class Stabilization(Result):
     stable_wn, stable_zeta : tuple of ndarray of bool
         Whether the order before has a pole of nearly the same natural frequency, and of nearly the same damping ratio
         as well.
+
+    Examples
+    --------
+    >>> from suspid import as_record, stabilization
+    >>> t = np.arange(300) / 100
+    >>> found = stabilization(as_record(np.exp(-t) * np.cos(20 * t), fs=100), most=6)
+    >>> found.orders
+    (2, 4, 6)
     """
 
     orders: tuple[int, ...]

@@ -48,6 +48,15 @@ class FourSteps:
         N of the wavelet; None: that of least entropy.
     candidates : tuple of float
         Bandwidths among which to choose.
+
+    Examples
+    --------
+    >>> from suspid import as_record, identify
+    >>> t = np.arange(0, 5, 0.01)
+    >>> found = identify(as_record(np.exp(-0.5 * t) * np.cos(20 * t), timepts=t), method="ridge", modes=1)
+    >>> steps = found.steps
+    >>> len(steps.ridges), steps.modes.wn.round(1)
+    (1, array([20.]))
     """
 
     signal: Signal

@@ -66,6 +66,13 @@ class Comparison(Result):
         sides have shapes on at least two common channels. The verdict does not depend on it.
     rule : str
         The allowed error in words.
+
+    Examples
+    --------
+    >>> from suspid import ModalSet, compare
+    >>> found = compare(ModalSet.from_wn_zeta([10.01], [0.3]), ModalSet.from_wn_zeta([10.0], [0.3]), rtol=0.01)
+    >>> found.passed, round(found.mae["wn"], 6)
+    (True, 0.01)
     """
 
     table: tuple[ComparedValue, ...]

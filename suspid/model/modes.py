@@ -29,6 +29,14 @@ class Interval:
         Natural frequency [rad/s].
     zeta : ndarray (mode, 2)
         Damping ratio [1].
+
+    Examples
+    --------
+    >>> from suspid import ModalSet
+    >>> modes = ModalSet.from_wn_zeta([10.0], [0.3], wn_std=[0.1], zeta_std=[0.01])
+    >>> bounds = modes.interval(0.95)
+    >>> bounds.level, bounds.wn.round(2), bounds.zeta.round(3)
+    (0.95, array([[ 9.8, 10.2]]), array([[0.28, 0.32]]))
     """
 
     level: Ratio

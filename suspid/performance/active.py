@@ -47,6 +47,16 @@ class ActiveTuning(Result):
         What no state feedback can fall below, by the convex program.
     closed : control.StateSpace
         The car with its feedback, from the road's slope in time [m/s] to the outputs and the force.
+
+    Examples
+    --------
+    >>> from suspid import quarter_car, tune_active
+    >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3,
+    ...                   chassis_damping=1300)
+    >>> found = tune_active(car, actuator="chassis_travel", road="C", speed=20.0,
+    ...                     objective={"chassis_acceleration": 1.0, "tire_travel": 0.004})
+    >>> found.states, found.gain.shape
+    (('z_chassis', 'z_tire', 'v_chassis', 'v_tire'), (4,))
     """
 
     gain: RealArray

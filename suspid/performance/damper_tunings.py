@@ -47,6 +47,16 @@ class DamperTuning(Result):
         Figures with that; empty without one.
     verdict : Verdict
         How near the curve comes to what the roads ask for.
+
+    Examples
+    --------
+    >>> from suspid import quarter_car, tune_damper
+    >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3,
+    ...                   chassis_damping=1300)
+    >>> found = tune_damper(car, strut="chassis", roads=[("A", 30.0), ("D", 14.0)],
+    ...                     objective="chassis_acceleration.Wk", constraints={"chassis.travel": 0.018})
+    >>> found.strut.name, found.strut.linear, bool(found.asked[1] > found.asked[0])
+    ('chassis', False, True)
     """
 
     strut: Strut

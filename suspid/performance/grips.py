@@ -62,6 +62,15 @@ class Grip(Result):
         Joint covariance of the parameters.
     verdict : Verdict
         Each wheel against the limit, and what the figures rest on.
+
+    Examples
+    --------
+    >>> from suspid import grip, quarter_car
+    >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3,
+    ...                   chassis_damping=650, tire_damping=60)
+    >>> found = grip(car)
+    >>> found.wheels, found.adhesion.round(3), np.degrees(found.phase).round(1), found.classes
+    (('tire',), array([0.296]), array([35.9]), ('fair',))
     """
 
     wheels: tuple[str, ...]

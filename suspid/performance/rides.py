@@ -55,6 +55,15 @@ class Ride(Result):
         Weightings of each channel, the first that of comfort.
     verdict : Verdict
         What the figures mean and how far they can be trusted.
+
+    Examples
+    --------
+    >>> from suspid import quarter_car, ride
+    >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3,
+    ...                   chassis_damping=1300, tire_damping=60)
+    >>> found = ride(car, road="C", speed=20.0)
+    >>> round(found["chassis_acceleration.Wk"], 3), found.duration, found.channels
+    (1.066, 3600.0, ('chassis_acceleration',))
     """
 
     figures: tuple[str, ...]

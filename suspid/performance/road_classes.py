@@ -43,6 +43,14 @@ class RoadClass(Result):
         Shortest and longest wavelength that was used [m].
     verdict : Verdict
         The class and how sure it is.
+
+    Examples
+    --------
+    >>> from suspid import classify_road, road
+    >>> heights = road("B", speed=20.0).record(np.arange(0, 30, 0.01), rng=np.random.default_rng(1))
+    >>> found = classify_road(heights, speed=20.0)
+    >>> found.name, max(found.shares, key=found.shares.get)
+    ('B', 'B')
     """
 
     roughness: float

@@ -36,6 +36,15 @@ class Sensitivities(Result):
         The parameters.
     elasticity : ndarray (name, parameter)
         ``d ln value / d ln parameter``, exact: per cent for each per cent. NaN where a value is zero.
+
+    Examples
+    --------
+    >>> from suspid import quarter_car, sensitivities
+    >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3,
+    ...                   chassis_damping=1300)
+    >>> found = sensitivities(car)
+    >>> found.names[0], found.parameters[0], round(float(found.elasticity[0, 0]), 2)
+    ('mode 1.wn', 'chassis.stiffness', 0.45)
     """
 
     names: tuple[str, ...]

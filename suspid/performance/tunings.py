@@ -40,6 +40,15 @@ class Tuning(Result):
         The cars.
     verdict : Verdict
         How far they can be trusted to be best.
+
+    Examples
+    --------
+    >>> from suspid import quarter_car, tune
+    >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3,
+    ...                   chassis_damping=1300)
+    >>> found = tune(car, parameters=["chassis.damping"], objective=["chassis_acceleration.Wk"], road="C", speed=20.0)
+    >>> found.parameters, found.choices.round(-1).tolist()
+    (('chassis.damping',), [[580.0]])
     """
 
     objectives: tuple[str, ...]

@@ -34,6 +34,15 @@ class DamperWear:
         The wheel that it damps; None of a damper elsewhere, such as that of a seat.
     checks : tuple of Check
         What the state rests on.
+
+    Examples
+    --------
+    >>> from suspid import DamperState
+    >>> from suspid.performance import Loss
+    >>> one = DamperWear(damper="chassis", state=DamperState.WORN, damping=900.0, reference=1500.0,
+    ...                  loss=Loss(value=0.4, low=0.3, high=0.5), wheel="tire", checks=())
+    >>> one.loss.value, str(one.state)
+    (0.4, 'worn')
     """
 
     damper: str
@@ -101,6 +110,18 @@ class Wear(Result):
         ``"nominal"``, ``"earlier"``, or ``"history"`` where the scatter of earlier drives was used.
     verdict : Verdict
         The state of every damper, with the reasons.
+
+    Examples
+    --------
+    >>> from suspid import estimate, free_decay, quarter_car, wear
+    >>> new = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3,
+    ...                   tire_stiffness=210e3, chassis_damping=1300)
+    >>> worn = new.with_parameters(damping={"chassis": 700})
+    >>> record = free_decay(worn, np.arange(0, 2, 0.01), initial_state={"v_tire": 1.0})
+    >>> record.outputs[:] += 1e-4 * np.random.default_rng(1).standard_normal(record.outputs.shape)
+    >>> found = wear(estimate(record, new, fixed=["tire.damping"]))
+    >>> found.against, {name: str(state) for name, state in found.states.items()}
+    ('nominal', {'chassis': 'worn'})
     """
 
     dampers: tuple[DamperWear, ...]

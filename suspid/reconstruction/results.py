@@ -82,6 +82,20 @@ class Reconstruction(Result):
         Whether alternatives were looked for.
     nominal : Suspension or None
         The suspension that was given.
+
+    Examples
+    --------
+    >>> from suspid import ModalSet, eigenmodes, quarter_car, reconstruct
+    >>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3,
+    ...                   tire_stiffness=200e3, chassis_damping=1500)
+    >>> exact = eigenmodes(car)
+    >>> modes = ModalSet.from_wn_zeta(exact.wn, exact.zeta, wn_std=1e-3 * exact.wn, zeta_std=1e-2 * exact.zeta)
+    >>> found = reconstruct(modes, car, fixed=["tire.damping"])
+    >>> found.explains, round(found.suspension.struts[0].stiffness, -1)
+    (True, 20000.0)
+    >>> low, high = found.interval(0.95)["chassis.damping"]
+    >>> bool(low < 1500 < high)
+    True
     """
 
     suspension: Suspension

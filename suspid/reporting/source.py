@@ -33,6 +33,13 @@ class Source:
         Date and time of the report, as the reader should see it; ISO 8601 is best.
     text : str
         What is in it, where the report shows that: the description of a car, or limits.
+
+    Examples
+    --------
+    >>> source = Source(file="bump.csv", sha256="0" * 64, size=1200, command="suspid report bump.csv",
+    ...                 created="2026-05-31")
+    >>> source.file
+    'bump.csv'
     """
 
     file: str

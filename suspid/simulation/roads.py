@@ -41,6 +41,16 @@ class Road:
         Where each road input meets the road: metres behind the first axle, and to the left.
     coherence : float, optional
         Share of amplitude that tracks have in common [1]. Default: that of an isotropic road, see `track_coherence`.
+
+    Examples
+    --------
+    >>> from suspid import road
+    >>> country = road("C", speed=20.0)
+    >>> country.roughness, country.band
+    (0.000256, (0.2, 200.0))
+    >>> record = country.record(np.arange(0, 1, 0.1), rng=np.random.default_rng(1))
+    >>> record.outputs.shape
+    (10,)
     """
 
     roughness: float

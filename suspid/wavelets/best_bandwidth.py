@@ -34,6 +34,14 @@ class BandwidthSearch(Result):
         Bandwidths N.
     entropy : ndarray (candidate,)
         Entropy of the transform with each bandwidth [nat].
+
+    Examples
+    --------
+    >>> from suspid import as_record, best_bandwidth
+    >>> t = np.arange(0, 10, 0.02)
+    >>> found = best_bandwidth(as_record(np.exp(-0.3 * t) * np.cos(20 * t), timepts=t), candidates=[1, 8, 64, 512])
+    >>> found.best, found.at_end
+    (64.0, False)
     """
 
     candidates: RealArray

@@ -31,6 +31,15 @@ class SkeletonFit:
         Trusted times [s].
     logarithm : ndarray (channel, sample)
         Log modulus (real) and unwrapped phase (imaginary) of the skeleton there.
+
+    Examples
+    --------
+    >>> from suspid import as_record, cwt, find_ridges, identify
+    >>> t = np.arange(0, 10, 0.01)
+    >>> decay = as_record(np.exp(-t) * np.cos(20 * t), timepts=t)
+    >>> fit = identify(decay, method="ridge", modes=1).lines[0]
+    >>> round(fit.pole.real, 3), round(fit.pole.imag, 2)
+    (-1.0, 20.0)
     """
 
     pole: complex

@@ -23,6 +23,12 @@ class Window:
         The end of the record disturbs it after this time [s].
     noise_floor : float
         The skeleton meets the noise at this time [s]; infinite if it does not.
+
+    Examples
+    --------
+    >>> window = Window(onset_edge=0.5, record_end=9.5, noise_floor=4.0)
+    >>> window.start, window.stop, window.reason
+    (0.5, 4.0, 'noise floor')
     """
 
     onset_edge: Second
@@ -69,6 +75,15 @@ class Ridge:
         Time at which the free decay begins [s].
     channels : tuple of str
         Names of the channels.
+
+    Examples
+    --------
+    >>> from suspid import as_record, cwt, find_ridges
+    >>> t = np.arange(0, 10, 0.01)
+    >>> decay = as_record(np.exp(-t) * np.cos(20 * t), timepts=t, channels=["seat"])
+    >>> ridge = find_ridges(cwt(decay, omega=np.geomspace(10, 40, 60), bandwidth=22.0))[0]
+    >>> round(ridge.omega, 1), ridge.channels, ridge.skeleton.shape == (1, ridge.timepts.size)
+    (20.0, ('seat',), True)
     """
 
     omega: RadianPerSecond

@@ -35,6 +35,14 @@ class Scalogram(Result):
         Coefficients; row i holds every ``strides[i]``-th sample of the record.
     strides : tuple of int
         Samples of the record per sample of the row.
+
+    Examples
+    --------
+    >>> from suspid import as_record, cwt
+    >>> t = np.arange(0, 10, 0.01)
+    >>> found = cwt(as_record(np.cos(20 * t), timepts=t, channels=["seat"]), omega=[10.0, 20.0], bandwidth=4.0)
+    >>> found.channels, found.scale.round(3), len(found.rows)
+    (('seat',), array([0.628, 0.314]), 2)
     """
 
     signal: Signal

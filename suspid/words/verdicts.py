@@ -9,7 +9,15 @@ from suspid.words.remarks import Remark
 
 
 class Level(IntEnum):
-    """How far a result can be trusted, and what one check says of that; the least of all checks decides."""
+    """How far a result can be trusted, and what one check says of that; the least of all checks decides.
+
+    Examples
+    --------
+    >>> min(Level.SOUND, Level.CARE).label
+    'care'
+    >>> Level.SOUND > Level.DOUBTFUL
+    True
+    """
 
     NONE = 0
     DOUBTFUL = 1
@@ -44,6 +52,15 @@ class Check:
     level : Level
         What it says: SOUND speaks for the result, NOTE is neutral, CARE and DOUBTFUL speak against it, NONE means that
         there is no result.
+
+    Examples
+    --------
+    >>> from suspid import Level, grip, quarter_car
+    >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3,
+    ...                   chassis_damping=650)
+    >>> check = grip(car).verdict.checks[-1]
+    >>> check.level is Level.NOTE, str(check.remark)
+    (True, 'Taken as known, without any error in the intervals: all springs, dampers and masses.')
     """
 
     remark: Remark
@@ -63,6 +80,18 @@ class Verdict:
         What was found.
     checks : tuple of Check
         What speaks for it and against it.
+
+    Examples
+    --------
+    >>> from suspid import grip, quarter_car
+    >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3,
+    ...                   chassis_damping=650)
+    >>> verdict = grip(car).verdict
+    >>> verdict.level.label, len(verdict.doubts)
+    ('sound', 0)
+    >>> print(verdict)
+    Verdict: grip of tire: sound. Every check that could be made was passed.
+    note: Taken as known, without any error in the intervals: all springs, dampers and masses.
     """
 
     headline: Remark

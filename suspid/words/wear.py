@@ -28,7 +28,13 @@ def _rates(numbers: Numbers) -> str:
 
 
 class DamperState(Code):
-    """What is said of a damper."""
+    """What is said of a damper.
+
+    Examples
+    --------
+    >>> [str(state) for state in DamperState]
+    ['good', 'watch', 'worn', 'cannot tell']
+    """
 
     GOOD = "good"
     WATCH = "watch"
