@@ -175,7 +175,7 @@ def test_a_car_that_does_not_explain_ends_with_three(files: Path, monkeypatch: p
         (["decay.csv", "--fixed", "tyre"], 1, "--fixed: there is no strut parameter"),
         (["decay.csv", "--given", "road"], 1, "the record has no input or channel 'road'"),
         (["decay.csv", "--plot", "e.xyz"], 1, "pictures of type '.xyz' are not known"),
-        (["decay.csv", "--page", "e.pdf"], 1, "pages are written as .html"),
+        (["decay.csv", "--page", "e.doc"], 1, "pages are written as .html"),
         (["decay.csv", "--added", "other.csv:chassis=1"], 2, "is none of the MODES"),
         (["missing.csv"], 1, "there is no such file"),
     ],
@@ -288,7 +288,12 @@ def test_limits_are_judged_and_stand_on_the_page(files: Path) -> None:
     )
     page = files / "page.html"
     result = run("estimate", files / "decay.csv", "--car", files / "car.toml", "--limits", files / "limits.toml",
-                 "--page", page)  # fmt: skip
+                 "--page", page, "--json", files / "judged.json")  # fmt: skip
     assert result.exit_code == 0, result.stderr
+    plain = json.loads((files / "judged.json").read_text(encoding="utf-8"))
+    jsonschema.validate(plain, json_schema("estimate"))
+    assert [(one["name"], one["unit"], one["most"], one["state"]) for one in plain["limits"]] == [
+        ("chassis.stiffness", "N/m", 24e3, "met"), ("chassis.damping", "N s/m", None, "not met"),
+    ]  # fmt: skip
     assert "1 of 2 limits met, 1 not met" in result.stdout
     assert "1 of 2 limits met, 1 not met" in page.read_text(encoding="utf-8")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -128,6 +129,23 @@ class TestWhatIsMeant:
         assert result.exit_code == 0, result.output
         assert "chassis" in result.stdout
         assert CliRunner().invoke(main, ["channels", "-"], input="").exit_code == 2
+
+    def test_the_place_of_the_standard_input_is_not_shown(self, tmp_path: Path) -> None:
+        content, path = Path(RECORD).read_bytes(), tmp_path / "modes.json"
+        result = CliRunner().invoke(main, ["identify", "-", "--json", str(path)], input=content)
+        assert result.output.startswith("standard input: 5000 samples")
+        assert json.loads(path.read_text(encoding="utf-8"))["record"]["file"] == "standard input"
+        wrong = CliRunner().invoke(main, ["identify", "-", "--channel", "nope"], input=content)
+        assert wrong.stderr.startswith("suspid: error: standard input: there is no channel 'nope'")
+
+    def test_a_column_that_counts_the_rows_is_no_time(self, tmp_path: Path) -> None:
+        path = tmp_path / "bump.csv"
+        path.write_text("index,seat\n" + "".join(f"{k},{value}\n" for k, value in enumerate(DECAY.tolist())))
+        # A step of one is no millisecond here: --time cannot say what only --fs can.
+        assert "give the sampling rate" in CliRunner().invoke(main, ["identify", str(path), "--time", "index"]).stderr
+        timed = CliRunner().invoke(main, ["identify", str(path), "--time", "index", "--fs", "100"])
+        assert "400 samples at 100 Hz" in timed.stdout
+        assert "replaces" not in timed.output
 
     def test_channels_in_one_text_or_several(self) -> None:
         from suspid.cli.options import settings_of

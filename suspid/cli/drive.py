@@ -12,7 +12,7 @@ from typing import Any
 import click
 
 from suspid.analysis import DriveAnalysis, Settings
-from suspid.cli.measured import checked_page, checked_picture, save_picture, sources_of
+from suspid.cli.measured import checked_picture, drafted, save_picture, sources_of
 from suspid.cli.options import FILE, RECORD, packed, progress, reading
 from suspid.cli.parameters import ROAD_MODEL, WHEEL_RADIUS, Outputs, Wanted, conclude, wanting, writing
 from suspid.cli.support import Positive, check_apart, said_warnings
@@ -49,7 +49,7 @@ LIMITS = (
                  help="Braking or accelerating harder is left."),
     click.option("--most-cornering", type=Positive("m/s2"), default=DEFAULTS.lateral, show_default=True,
                  help="Cornering harder is left."),
-    click.option("--shortest", type=Positive("s"), default=DEFAULTS.shortest, show_default=True,
+    click.option("--shortest", type=Positive("seconds"), default=DEFAULTS.shortest, show_default=True,
                  help="Shorter stretches are left."),
 )  # fmt: skip
 
@@ -69,7 +69,7 @@ def road_of(road: str | None, wheel_radius: float | None) -> dict[str, Any]:
 @wanting
 @click.option("--before", type=FILE, metavar="JSON", multiple=True, help="Earlier result to judge wear by; repeat.")
 @click.option("--plot", type=FILE, metavar="FILE", help="Write pictures of the drive (.png, .svg, .pdf).")
-@click.option("--page", type=FILE, metavar="FILE", help="Write a page to print or to send (.html).")
+@click.option("--page", type=FILE, metavar="FILE", help="Write a page to print or to send (.html, .pdf).")
 @writing
 def drive_command(
     files: tuple[Path, ...],
@@ -113,7 +113,7 @@ def drive_command(
     steps = [*["reading", "finding stretches"] * len(files), "estimating", "finding curves", "drawing"]
     with (
         replacing(checked_picture(plot)) if plot else nullcontext() as figure_draft,
-        replacing(checked_page(page)) if page else nullcontext() as page_draft,
+        drafted(page) as write_page,
         outputs.drafts() as (draft, json_draft),
         said_warnings() as said,
         progress(*steps) as step,
@@ -138,26 +138,24 @@ def drive_command(
             _write(car_to_toml(found.estimate.suspension) if found.estimate else None, draft, outputs, said)
         if json_draft:
             json_draft.write_text(to_json(drive_to_dict(found, level=outputs.probability)), encoding="utf-8")
-        if page_draft and page:
-            _write_page(found, page_draft, page, files, outputs.probability, said)
+        if write_page:
+            write_page(_page_of(found, files, outputs.probability, said))
+            said += [] if found.estimate else [_left(page)]
         if figure_draft:
             save_picture(partial(plot_drive, found), figure_draft)
     conclude("\n\n".join([*map(listed, found.drives), text]), explains=found.explains)
 
 
-def _write_page(
-    found: DriveAnalysis, draft: Path, page: Path, files: Sequence[Path], level: float, said: list[str]
-) -> None:
-    """Write the page; where there are no springs and dampers, leave the file as it is, and say so."""
+def _page_of(found: DriveAnalysis, files: Sequence[Path], level: float, said: list[str]) -> str | None:
+    """Return the page; None where there are no springs and dampers."""
     from suspid.reporting import content_of, report
 
     if found.estimate is None:
-        _left(draft, page, said)
-        return
+        return None
     content = content_of(
         found.estimate, source=sources_of(files), level=level, warnings=said, curves=found.curves, wear=found.wear
     )
-    draft.write_text(report(replace(content, judged=found.verdict)), encoding="utf-8")
+    return report(replace(content, judged=found.verdict))
 
 
 def _write(car: str | None, draft: Path, outputs: Outputs, said: list[str]) -> None:
@@ -165,14 +163,14 @@ def _write(car: str | None, draft: Path, outputs: Outputs, said: list[str]) -> N
     if car is not None:
         draft.write_text(car, encoding="utf-8")
         return
-    _left(draft, outputs.output, said)
-
-
-def _left(draft: Path, name: Path | None, said: list[str]) -> None:
-    """Leave a file of springs and dampers as it is, because none were found."""
     if draft.is_file():
         draft.unlink()
-    said.append(f"{name}: not written, because no springs and dampers were found")
+    said.append(_left(outputs.output))
+
+
+def _left(name: Path | None) -> str:
+    """Return why a file of springs and dampers is as it was."""
+    return f"{name}: not written, because no springs and dampers were found"
 
 
 def listed(drives: Drives) -> str:

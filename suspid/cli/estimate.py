@@ -11,7 +11,7 @@ import click
 
 from suspid.analysis import Settings, check_limits, read_limits
 from suspid.cli.fitting import GIVEN, fitted, sensing, tests_of
-from suspid.cli.measured import checked_page, checked_picture, save_picture, sources_of
+from suspid.cli.measured import checked_picture, drafted, save_picture, sources_of
 from suspid.cli.options import FILE, RECORD, packed, progress, reading
 from suspid.cli.parameters import ROAD_MODEL, WHEEL_RADIUS, Outputs, Wanted, conclude, wanting, writing
 from suspid.cli.support import check_apart, said_warnings
@@ -43,7 +43,7 @@ ROAD = (
 @wanting
 @click.option("--limits", type=FILE, metavar="FILE", help="Bounds of modes, springs and dampers to judge by (.toml).")
 @click.option("--plot", type=FILE, metavar="FILE", help="Write pictures of the estimate (.png, .svg, .pdf).")
-@click.option("--page", type=FILE, metavar="FILE", help="Write a page to print or to send (.html).")
+@click.option("--page", type=FILE, metavar="FILE", help="Write a page to print or to send (.html, .pdf).")
 @writing
 def estimate_command(
     files: tuple[Path, ...],
@@ -81,7 +81,7 @@ def estimate_command(
     masses, unknowns = wanted.added_masses(files), wanted.unknowns()
     with (
         replacing(checked_picture(plot)) if plot else nullcontext() as figure_draft,
-        replacing(checked_page(page)) if page else nullcontext() as page_draft,
+        drafted(page) as write_page,
         outputs.drafts() as (draft, json_draft),
         said_warnings() as said,
         progress("reading", "estimating", "drawing") as step,
@@ -91,20 +91,20 @@ def estimate_command(
         tests = tests_of(files, suspension, settings, masses, said)
         step("estimating")
         found = fitted(tests, suspension, given, said, {**road, **sensing, **unknowns})
-        judged = [check_limits(found, asked, level=outputs.probability)] if asked else []
-        text = "\n\n".join([outputs.words(found), *map(str, judged)])
+        judged = check_limits(found, asked, level=outputs.probability) if asked else None
+        text = "\n\n".join([outputs.words(found), *([] if judged is None else [str(judged)])])
         step("drawing")
         if not found.explains:
             said.append("the car that was found does not explain these records")
         if draft:
             draft.write_text(car_to_toml(found.suspension), encoding="utf-8")
         if json_draft:
-            plain = estimate_to_dict(found, level=outputs.probability)
+            plain = estimate_to_dict(found, level=outputs.probability, limits=judged)
             json_draft.write_text(to_json(plain), encoding="utf-8")
-        if page_draft:
+        if write_page:
             sources = sources_of(files)
             content = content_of(found, source=sources, level=outputs.probability, warnings=said, limits=asked)
-            page_draft.write_text(report(content), encoding="utf-8")
+            write_page(report(content))
         if figure_draft:
             save_picture(partial(plot_estimate, found, level=outputs.probability), figure_draft)
     conclude(text, explains=found.explains)

@@ -14,11 +14,11 @@ from click.core import ParameterSource
 
 from suspid.analysis import CarSettings, Settings
 from suspid.cli.drive import LIMITS, WAY, limits_of, road_of, way_of
-from suspid.cli.measured import sources_of, writer
+from suspid.cli.measured import drafted, sources_of
 from suspid.cli.options import FILE, analysing, packed
 from suspid.cli.parameters import ROAD_MODEL, WHEEL_RADIUS, Wanted, wanting
-from suspid.cli.support import Positive, said_warnings, say, stopped_code
-from suspid.files import printable, replacing
+from suspid.cli.support import Positive, Whole, said_warnings, say, stopped_code
+from suspid.files import printable
 from suspid.greybox import DriveLimits
 
 if TYPE_CHECKING:
@@ -42,17 +42,15 @@ OF_DECAYS = ("vertical", "which", "modes", "method", "band")
 @click.option("--page", type=FILE, metavar="FILE", help="Write the summary as a page to send (.html, .pdf).")
 @click.option("--csv", is_flag=True, help="Write the tables of RESULTS as CSV too.")
 @click.option("--drives", is_flag=True, help="The records are drives, each of them as for `suspid drive`.")
-@click.option("--workers", type=click.IntRange(min=1), metavar="N", help="Processes on this machine. [one per core]")
+@click.option("--workers", type=Whole(1), help="Processes on this machine. [one per core]")
 @click.option("--scheduler", metavar="ADDRESS", help="Dask scheduler in their place, such as tcp://host:8786.")
 @click.option("--car", type=FILE, metavar="CAR", help="Find springs and dampers too, of this car (.toml).")
 @wanting
 @packed(way_of, WAY, "way")
 @packed(limits_of, LIMITS, "limits")
 @packed(road_of, (ROAD_MODEL, WHEEL_RADIUS), "road")
-@click.option("--time-limit", type=Positive("s"), metavar="SECONDS", help="Longest time for one record. [none]")
-@click.option(
-    "--chunk", type=click.IntRange(min=1), metavar="N", help="Records per task and part of a table. [32; 4 drives]"
-)
+@click.option("--time-limit", type=Positive("seconds"), help="Longest time for one record. [none]")
+@click.option("--chunk", type=Whole(1), help="Records per task and part of a table. [32; 4 drives]")
 @click.option("--table", type=FILE, metavar="CSV", help="Columns record, vehicle, date: look for trends.")
 @click.option("--vehicle-from", "pattern", metavar="PATTERN", help="The same from names: (?P<vehicle>…)/(?P<date>…).")
 def fleet_command(
@@ -131,17 +129,6 @@ def fleet_command(
     if not found.verdicts:
         click.echo("suspid: error: no record could be identified", err=True)
         click.get_current_context().exit(1)
-
-
-@contextmanager
-def drafted(page: Path | None) -> Iterator[Callable[[str], None] | None]:
-    """Give what writes a page, whose name and place are checked before the work begins."""
-    if page is None:
-        yield None
-        return
-    write = writer(page, None)
-    with replacing(page) as draft:
-        yield lambda text: write(text, draft)
 
 
 def _conclude(found: FleetSummary, write: Callable[[str], None] | None, *, csv: bool, said: Sequence[str]) -> None:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Sequence
-from contextlib import ExitStack
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from datetime import UTC, datetime
 from functools import partial
@@ -23,7 +23,7 @@ from suspid.cli.options import (
     analysing,
     progress,
 )
-from suspid.cli.support import ARGUMENTS, check_apart, said_warnings, say
+from suspid.cli.support import ARGUMENTS, check_apart, said_warnings, say, shown
 from suspid.errors import InputError
 from suspid.files import naming, printable, replacing
 from suspid.samples import held
@@ -32,8 +32,6 @@ from suspid.values import samples_in_words
 from suspid.words import DAMAGE, Note, count
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     import control
     from matplotlib.figure import Figure
 
@@ -131,12 +129,12 @@ def _json_of(found: Analysis, files: Sequence[Path], said: Sequence[str]) -> dic
     from suspid.identification import identification_to_dict, modes_to_dict
 
     if not found.tests:
-        warnings = [*said, *said_of(found)]
-        content = identification_to_dict(found.identification, file=str(files[0]), warnings=warnings)
+        warnings = [shown(line) for line in (*said, *said_of(found))]
+        content = identification_to_dict(found.identification, file=shown(str(files[0])), warnings=warnings)
         content |= {} if found.repeats is None else modes_to_dict(found.repeats.modes)
     else:
         tests = [
-            identification_to_dict(test.identification, file=file, warnings=said_of(test))
+            identification_to_dict(test.identification, file=shown(file), warnings=said_of(test))
             for file, test in zip(map(str, files) if len(files) > 1 else found.tests, found.tests.values(), strict=True)
         ]
         content = {**modes_to_dict(found.modes), "tests": tests, "warnings": [*said, *map(str, found.notes)]}
@@ -194,6 +192,24 @@ def writer(path: Path, kind: str | None) -> Callable[[str, Path], None]:
         raise error.about(printable(str(path)))
     checked_page(path)
     return _write_text
+
+
+@contextmanager
+def drafted(page: Path | None) -> Iterator[Callable[[str | None], None] | None]:
+    """Give what writes a page, whose name and place are checked first; None leaves the file as it is."""
+    if page is None:
+        yield None
+        return
+    write = writer(page, None)
+    with replacing(page) as draft:
+
+        def put(text: str | None) -> None:
+            if text is not None:
+                write(text, draft)
+            elif draft.is_file():
+                draft.unlink()
+
+        yield put
 
 
 def _write_text(page: str, draft: Path) -> None:

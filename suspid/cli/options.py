@@ -15,7 +15,7 @@ from typing import Any, Literal, TypeAlias, TypeVar, cast, get_args
 import click
 
 from suspid.analysis import Settings
-from suspid.cli.support import Finite, Positive, in_options
+from suspid.cli.support import PIPED, STANDARD_INPUT, Finite, Positive, Whole, in_options
 from suspid.errors import InputError
 from suspid.identification import Method, identify
 
@@ -45,8 +45,9 @@ class Record(click.Path):
             self.fail("- is the standard input, and it is empty: pipe a record into it, or name a file.", param, ctx)
         folder = ctx.with_resource(TemporaryDirectory(prefix="suspid-"))
         suffix = next((kind for start, kind in KINDS.items() if content.startswith(start)), ".csv")
-        path = Path(folder, f"stdin{suffix}")
+        path = Path(folder, f"{STANDARD_INPUT}{suffix}")
         path.write_bytes(content)
+        ctx.meta[PIPED] = path
         return path
 
 
@@ -121,9 +122,7 @@ STRETCH = (
 
 METHOD = inspect.signature(identify).parameters["method"].default
 SETTINGS = (
-    click.option(
-        "--modes", type=click.IntRange(min=1), metavar="N", help="How many modes to find. [all that stand out]"
-    ),
+    click.option("--modes", type=Whole(1), help="How many modes to find. [all that stand out]"),
     click.option(
         "--method", type=click.Choice(get_args(Method)), default=METHOD, show_default=True, help="How to find them."
     ),

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from suspid.cli.options import FILE, Decorator, packed
-from suspid.cli.support import Positive, in_options, say
+from suspid.cli.support import Positive, Probability, in_options, say
 from suspid.files import replacing
 from suspid.levels import LEVEL
 
@@ -144,7 +144,7 @@ writing: Decorator = packed(
     (
         click.option(
             "--level",
-            type=click.FloatRange(0, 1, min_open=True, max_open=True),
+            type=Probability(),
             help="Print intervals of this probability, as 0.95.",
         ),
         click.option("-o", "--output", type=FILE, metavar="FILE", help="Write the car that was found as TOML."),

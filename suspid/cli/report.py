@@ -14,7 +14,7 @@ from suspid.analysis import STEPS, Analysis, Settings, analyse, check_springs, r
 from suspid.cli.fitting import GIVEN, fitted, tests_of
 from suspid.cli.measured import MOST_FINDINGS, MOST_LEFT_OUT, said_of, sources_of, writer
 from suspid.cli.options import AT_SPEED, FILE, ON_ROAD, RECORD, analysing, progress, road_named
-from suspid.cli.support import check_apart, said_warnings, say
+from suspid.cli.support import Probability, check_apart, said_warnings, say
 from suspid.errors import EstimationError
 from suspid.files import naming, printable, replacing
 from suspid.levels import LEVEL
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 @AT_SPEED
 @click.option("--limits", type=FILE, metavar="FILE", help="Bounds of modes, springs and dampers to judge by (.toml).")
 @click.option("--format", "kind", type=click.Choice(["html", "pdf"]), help="Kind of page. [that of the name]")
-@click.option("--level", type=click.FloatRange(0, 1, min_open=True, max_open=True), default=LEVEL, show_default=True,
+@click.option("--level", type=Probability(), default=LEVEL, show_default=True,
               help="Probability of the intervals.")  # fmt: skip
 @click.option("--json", "json_file", type=FILE, metavar="FILE", help="Write all that the page shows as JSON.")
 @click.option("--title", metavar="TEXT", help="Heading of the page. [name of the file]")
@@ -101,7 +101,7 @@ def report_command(
             content = content_of(
                 found, source=sources, level=level, warnings=said, car=described, limits=asked, ride=ride
             )
-            page, plain = report(content, title=title), estimate_to_dict(found, level=level)
+            page, plain = report(content, title=title), estimate_to_dict(found, level=level, limits=content.limits)
             judged = content.limits
         write(page, draft)
         if json_draft:

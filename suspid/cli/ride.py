@@ -13,7 +13,7 @@ import click
 from suspid.analysis import Settings, read
 from suspid.cli.measured import checked_picture, save_picture
 from suspid.cli.options import AT_SPEED, FILE, ON_ROAD, pairs, reading, road_named
-from suspid.cli.support import Positive, check_apart, said_warnings, say
+from suspid.cli.support import Positive, Probability, check_apart, said_warnings, say
 from suspid.files import naming, replacing
 from suspid.signals import cut
 from suspid.values import text_table
@@ -42,13 +42,17 @@ PICTURE_OF_RIDE = click.option("--plot", type=FILE, metavar="FILE", help="Write 
 @reading
 @ON_ROAD
 @AT_SPEED
-@click.option("--duration", type=Positive("s"), help="Time of doses and peaks. [3600; the record's]")
+@click.option("--duration", type=Positive("seconds"), help="Time of doses and peaks. [3600; the record's]")
 @click.option(
     "--weighting", "weightings", metavar="CHANNEL=Wk,…", multiple=True, help="Weightings; repeat. [Wk and Wf]"
 )
 @GIVEN_STOPS
 @STATED_STD
-@click.option("--level", type=click.FloatRange(0, 1, min_open=True, max_open=True), help="Print intervals, as 0.95.")
+@click.option(
+    "--level",
+    type=Probability(),
+    help="Print intervals of this probability, as 0.95.",
+)
 @click.option("--sensitivities", "tables", is_flag=True, help="Show which spring and damper moves which figure.")
 @PICTURE_OF_RIDE
 @click.option("--json", "json_file", type=FILE, metavar="FILE", help="Write figures and intervals as JSON.")

@@ -12,7 +12,7 @@ import numpy as np
 
 from suspid.cli.measured import record_in_words
 from suspid.cli.options import FILE, pairs
-from suspid.cli.support import Positive, check_apart, said_warnings, say
+from suspid.cli.support import Positive, Whole, check_apart, said_warnings, say
 from suspid.files import printable, replacing
 from suspid.units import RealArray
 
@@ -31,7 +31,7 @@ REST = 0.5
 @click.argument("car", type=FILE)
 @click.option("-o", "--output", type=FILE, metavar="FILE", required=True, help="The record to write (.csv).")
 @click.option("--fs", type=Positive("Hz"), default=500.0, show_default=True, help="Sampling rate.")
-@click.option("--duration", type=Positive("s"), default=10.0, show_default=True, help="Length of the record.")
+@click.option("--duration", type=Positive("seconds"), default=10.0, show_default=True, help="Length of the record.")
 @click.option("--impulse", metavar="INPUT", help="Free decay after a unit impulse on an input, such as road.")
 @click.option("--initial", metavar="STATE=VALUE", multiple=True, help="Start, such as v_tire=1 [m/s]; repeat.")
 @click.option("--road", "road_class", metavar="A..H", help="Drive on a random road of this class of ISO 8608.")
@@ -49,8 +49,8 @@ REST = 0.5
 @click.option("--input", "inputs", metavar="NAME", multiple=True, help="What is swept or stepped; repeat. [all roads]")
 @click.option("--channel", "channels", metavar="NAME", multiple=True, help="Output; repeat. [all displacements]")
 @click.option("--snr", type=float, metavar="dB", help="Add white noise at this ratio to every output.")
-@click.option("--seed", type=click.IntRange(min=0), help="Seed of noise and road; needed with --snr or --road.")
-@click.option("--digits", type=click.IntRange(1, 17), help="Significant digits of the samples. [every bit]")
+@click.option("--seed", type=Whole(0), help="Seed of noise and road; needed with --snr or --road.")
+@click.option("--digits", type=Whole(1, 17), help="Significant digits of the samples. [every bit]")
 def simulate_command(
     car: Path,
     output: Path,

@@ -59,6 +59,8 @@ ARGUMENTS_AS_OPTIONS = {
 NO_SPACE = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 # Where the context keeps the arguments of the command.
 ARGUMENTS = "suspid.arguments"
+# Where the context keeps the file that holds the standard input, and what users read in place of its path.
+PIPED, STANDARD_INPUT = "suspid.piped", "standard input"
 
 
 class Finite(click.ParamType[float]):
@@ -92,6 +94,21 @@ class Positive(Finite):
     def allowed(self, number: float) -> bool:
         """Return whether the number may be given."""
         return number > 0 and math.isfinite(number)
+
+
+class Probability(click.FloatRange):
+    """A probability between 0 and 1."""
+
+    name = "share"
+
+    def __init__(self) -> None:
+        super().__init__(0, 1, min_open=True, max_open=True)
+
+
+class Whole(click.IntRange):
+    """A whole number from one on, up to another if one is given."""
+
+    name = "n"
 
 
 class _Failure(click.ClickException):
@@ -189,7 +206,14 @@ class Commands(click.Group):
             raise click.exceptions.Exit(stopped_code(stop)) from None
         except SuspidError as error:
             said = in_options(error.message, self.commands.get(ctx.invoked_subcommand or ""))
-            raise _Failure(f"{error.source}: {said}" if error.source else said) from None
+            raise _Failure(shown(f"{error.source}: {said}" if error.source else said)) from None
+
+
+def shown(text: str) -> str:
+    """Return a line as it may reach the terminal and files: printable, and without the place of the standard input."""
+    context = click.get_current_context(silent=True)
+    piped = None if context is None else context.meta.get(PIPED)
+    return printable(text if piped is None else text.replace(str(piped), STANDARD_INPUT))
 
 
 def check_apart(inputs: list[Path], outputs: list[Path | None]) -> None:
@@ -205,7 +229,7 @@ def check_apart(inputs: list[Path], outputs: list[Path | None]) -> None:
 def say(text: str) -> None:
     """Print text whose names may come from a file: nothing in it reaches the terminal as a command."""
     try:
-        click.echo("\n".join(printable(line) for line in text.split("\n")))
+        click.echo("\n".join(shown(line) for line in text.split("\n")))
     except OSError as refusal:
         if refusal.errno == errno.EPIPE:
             raise
@@ -237,4 +261,4 @@ def said_warnings() -> Iterator[list[str]]:
         finally:
             # What was found in a file may be why the command failed.
             for text in dict.fromkeys(said):
-                click.echo(f"suspid: warning: {printable(text)}", err=True)
+                click.echo(f"suspid: warning: {shown(text)}", err=True)

@@ -11,7 +11,7 @@ import click
 
 from suspid.cli.options import AT_SPEED, FILE, ON_ROAD, pairs, road_named
 from suspid.cli.ride import GIVEN_STOPS, PICTURE_OF_RIDE, STATED_STD, car_of, drawing
-from suspid.cli.support import Positive, check_apart, said_warnings, say
+from suspid.cli.support import Positive, Whole, check_apart, said_warnings, say
 from suspid.files import naming, replacing
 from suspid.reconstruction import QUANTITIES
 
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     "--bound", "bounds", type=(str, float, float), metavar="NAME LOW HIGH", multiple=True,
     help="Least and largest value of a parameter; repeat. [a quarter to four times]",
 )  # fmt: skip
-@click.option("--points", type=click.IntRange(2, 200), default=11, show_default=True, help="Cars on the front.")
+@click.option("--points", type=Whole(2, 200), default=11, show_default=True, help="Cars on the front.")
 @click.option("--robust", type=Positive("sd"), default=None, help="Standard deviations added to each figure. [0]")
 @GIVEN_STOPS
 @STATED_STD

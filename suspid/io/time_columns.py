@@ -15,6 +15,7 @@ from suspid.io.tables import (
     TIME_NAMES,
     Table,
     TimeBase,
+    counts_rows,
     is_abscissa,
     is_count,
     is_time,
@@ -108,9 +109,11 @@ def _same_time(table: Table, one: str, other: str) -> bool:
 
 
 def increasing(table: Table) -> str:
-    """Return a hint at the first column if its numbers increase from row to row."""
+    """Return a hint at the first column if its numbers increase from row to row, or count the rows."""
     for name in list(table.sizes)[:1]:
         with contextlib.suppress(RecordError):
+            if counts_rows(name, table.columns([name])[0]):
+                return f"; {name!r} counts the rows and is no time"
             if table.sizes[name] > 2 and np.all(np.diff(table.columns([name])[0]) > 0):
                 return f"; {name!r} increases as a time does"
     return ""

@@ -91,6 +91,8 @@ def as_recording(
     times = [plan.time] if plan.time is not None and followers else []
     # All at once: a text file is read only once.
     columns = dict(zip([*times, *plan.channels], table.columns([*times, *plan.channels]), strict=True))
+    if times and counts_rows(times[0], columns[times[0]]):
+        plan, times = _without_counter(plan, times[0]), []
     left_out = {**table.unusable, **plan.left_out}
     counters = [] if channels else _counters(plan, columns)
     norms = {} if channels else _magnitudes(plan, columns)
@@ -166,6 +168,13 @@ def _plan(table: Table, channels: Sequence[str] | None, time: str | None, fs: He
     others = [name for name in table.sizes if name not in chosen and name != time]
     why = {name: left_out.get(name) or _why_left_out(table, name, plan) for name in others}
     return replace(plan, left_out={**why, **{name: left_out[name] for name in (time,) if name in left_out}})
+
+
+def _without_counter(plan: _Plan, time: str) -> _Plan:
+    """Return the plan without a column of time that counts the rows, or refuse it where no rate is known."""
+    if plan.rate is None:
+        raise RecordError(f"{time!r} counts the rows and states no time; give the sampling rate (fs, --fs)")
+    return replace(plan, time=None, left_out={**plan.left_out, time: Remark(LeftOut.ROW_COUNTER)})
 
 
 def _counters(plan: _Plan, columns: Mapping[str, RealArray]) -> list[str]:

@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from suspid.analysis import CheckedLimits
 from suspid.errors import InputError
 from suspid.files import naming, parsed_json, printable, read_text
 from suspid.greybox import Estimate, nominal_value, parameter_unit
@@ -25,6 +26,7 @@ from suspid.levels import LEVEL
 from suspid.model import Suspension, car_from_toml, car_to_toml
 from suspid.reconstruction import parameter_values
 from suspid.reporting.estimate_checks import check_cars, check_parameters, checked_covariance
+from suspid.reporting.limits_json import limits_to_dict
 from suspid.reporting.road_json import road_from_dict, road_to_dict
 from suspid.signals import as_signal
 from suspid.units import Ratio
@@ -35,8 +37,12 @@ ESTIMATE_FORMAT = "suspid estimate 1"
 DRIVE_FORMAT = "suspid drive 1"
 
 
-def estimate_to_dict(found: Estimate, *, level: Ratio = LEVEL) -> dict[str, object]:
+def estimate_to_dict(
+    found: Estimate, *, level: Ratio = LEVEL, limits: CheckedLimits | None = None
+) -> dict[str, object]:
     """Return an estimate as plain lists and numbers, every bit kept; numbers that are not finite are None.
+
+    ``limits`` are those that it was judged by, see `check_limits`.
 
     Examples
     --------
@@ -71,6 +77,7 @@ def estimate_to_dict(found: Estimate, *, level: Ratio = LEVEL) -> dict[str, obje
         "explains": found.explains,
         "alternatives": [_values(found, car) for car in found.alternatives],
         "road": [road_to_dict(road) for road in found.road],
+        "limits": limits_to_dict(limits),
         "suspid": version("suspid"),
     }
     plain: dict[str, object] = json.loads(to_json(fields))

@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from suspid.analysis import SCALES
 from suspid.identification import identification_to_dict, modes_to_dict, to_json
 from suspid.model import car_to_toml
 from suspid.reconstruction import reconstruction_to_dict
 from suspid.reporting.content import Content, content_of
 from suspid.reporting.estimate_json import estimate_to_dict
+from suspid.reporting.limits_json import limits_to_dict
 from suspid.reporting.ride_json import ride_to_dict
 from suspid.reporting.source import Source, versions
 from suspid.reporting.thinning import is_whole
@@ -25,7 +25,7 @@ from suspid.reporting.wear_json import grip_to_dict
 from suspid.units import Ratio
 
 if TYPE_CHECKING:
-    from suspid.analysis import Analysis, CheckedLimits
+    from suspid.analysis import Analysis
     from suspid.cleaning import Cleaned
     from suspid.greybox import Estimate
     from suspid.identification import Identification, Repeats
@@ -67,7 +67,7 @@ def report_to_dict(found: Identification | Analysis | Content) -> dict[str, obje
         "estimate": None if analysis.estimate is None else estimate_to_dict(analysis.estimate, level=content.level),
         "grip": None if content.grip is None else grip_to_dict(content.grip, level=content.level),
         "ride": None if content.ride is None else ride_to_dict(content.ride, level=content.level),
-        "limits": None if content.limits is None else _limits(content.limits),
+        "limits": limits_to_dict(content.limits),
         "next_steps": [step.to_dict() for step in content.steps],
         "car": car_to_plain(content.car, content.springs),
         "source": None if source is None else _source(source),
@@ -151,24 +151,6 @@ def _source(source: Source) -> dict[str, object]:
         "command": source.command,
         "created": source.created,
     }
-
-
-def _limits(checked: CheckedLimits) -> list[dict[str, object]]:
-    return [
-        {
-            "name": row.limit.name,
-            "near_hz": row.limit.near,
-            "unit": next(iter(SCALES[row.limit.quantity])),
-            "least": row.limit.least,
-            "most": row.limit.most,
-            "value": row.value,
-            "lower": row.lower,
-            "upper": row.upper,
-            "state": str(row.state),
-            "why": None if row.why is None else row.why.to_dict(),
-        }
-        for row in checked.rows
-    ]
 
 
 def car_to_plain(file: Source | None, springs: Estimate | Reconstruction | None) -> dict[str, object] | None:
