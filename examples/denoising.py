@@ -43,7 +43,11 @@ for snr in (20.0, 12.0):
 
 figure = Figure(figsize=(7, 3), layout="constrained")
 ax = figure.subplots()
-for values, label in ((raw, "record"), (denoise(raw), "denoised"), (clean, "without noise")):
-    ax.plot(values.time, values.y[0], label=label, linewidth=0.8)
-ax.set(xlim=(0, 6), xlabel="time [s]", ylabel=f"{clean.output_labels[0]} [m]")
-ax.legend()
+for values, label, look in (
+    (raw, "record", {"color": "#b4b4b4", "linewidth": 1.0}),
+    (denoise(raw), "denoised", {"color": "#0072b2", "linewidth": 1.5}),
+    (clean, "without noise", {"color": "black", "linewidth": 1.0, "linestyle": "--"}),
+):
+    ax.plot(values.time, values.y[0], label=label, **look)
+ax.set(xlim=(0, 2.5), xlabel="time [s]", ylabel=f"{clean.output_labels[0]} [m]")
+figure.legend(loc="outside upper right", ncols=3, frameon=False)

@@ -14,7 +14,7 @@ import pytest
 from numpy.typing import NDArray
 from playwright.sync_api import Browser, Page, sync_playwright
 
-from suspid import add_noise, free_decay, identify, reconstruct
+from suspid import Limit, add_noise, free_decay, identify, reconstruct
 from suspid.cleaning import Cleaned, Finding
 from suspid.decays import Decay
 from suspid.reporting import Source, content_of, report
@@ -286,6 +286,22 @@ class TestPaper:
         boxes = re.findall(rb"/MediaBox ?\[0 0 ([\d.]+) ([\d.]+)\]", content)
         # A4 in points.
         assert {(round(float(width)), round(float(height))) for width, height in boxes} == {(595, 842)}
+        result.page.close()
+
+    def test_what_decides_with_four_limits_stands_on_one_sheet(self, browser: Browser, tmp_path: Path) -> None:
+        decay = free_decay(cars.PAPER, np.arange(0, 6, 0.005), initial_state={"v_tire": 1.0})
+        found = identify(add_noise(decay, snr_db=20.0, rng=np.random.default_rng(1)), candidates=[4.0])
+        nominal = cars.PAPER.with_parameters(stiffness={"seat": 260e3}, damping={"chassis": 260.0})
+        limits = [Limit(of=1, quantity="zeta", least=0.005), Limit(of=2, quantity="zeta", least=0.03),
+                  Limit(of="chassis", quantity="stiffness", least=380e3, most=420e3),
+                  Limit(of="chassis", quantity="damping", least=150.0)]  # fmt: skip
+        content = content_of(found, reconstruction=reconstruct(found.modes, nominal), limits=limits)
+        path = tmp_path / "report.html"
+        path.write_text(report(content), encoding="utf-8")
+        # A4 less the margins, at 96 dots an inch.
+        result = shown(browser, path, width=680)
+        result.page.emulate_media(media="print")
+        assert result.page.evaluate("document.querySelector('#steps').getBoundingClientRect().bottom") < 1020
         result.page.close()
 
     def test_paper_is_white(self, browser: Browser, file: Path) -> None:

@@ -11,6 +11,7 @@ from suspid.performance.active import ActiveTuning, tune_active
 from suspid.performance.contact import wheels_of
 from suspid.performance.damper_rates import dampers_between, dampers_of, rates_of, spring_beside
 from suspid.performance.damper_tunings import DamperTuning
+from suspid.performance.figure_plan import ANGLES
 from suspid.performance.grip import grip, grip_if_any
 from suspid.performance.grips import CLASSES, PHASE_LIMIT, Grip
 from suspid.performance.losses import Loss, Rates, WearRule, loss_of
@@ -26,6 +27,7 @@ from suspid.performance.wears import DamperWear, ParameterChange, Wear
 from suspid.performance.weightings import weighting
 
 __all__ = [
+    "ANGLES",
     "CLASSES",
     "PHASE_LIMIT",
     "ROAD_LIMITS",

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from suspid.files import printable
 from suspid.performance import Ride, grip_if_any
 from suspid.reporting.axes import plot_residual, unit_ticks
+from suspid.reporting.channel_units import channel_unit
 from suspid.reporting.frf import Frf, responses
 from suspid.reporting.limit_rows import limit_rows
 from suspid.reporting.performance_part import performance_fields
@@ -17,7 +18,7 @@ from suspid.reporting.pictures import Picture, picture, shape_pictures
 from suspid.reporting.plot_damper_curve import plot_damper_curve
 from suspid.reporting.plot_estimate import draw_changes, lively, time_label
 from suspid.reporting.plot_frf import draw_gain, draw_phase
-from suspid.reporting.plot_spectra import draw_spectra
+from suspid.reporting.plot_spectra import density_label, draw_spectra
 from suspid.reporting.rows import mode_quantities, signed
 from suspid.reporting.spring_rows import masses_of, spring_rows
 from suspid.reporting.svg import page_style
@@ -204,7 +205,7 @@ def _draw_time(found: Estimate, which: int, channel: int, figure: Figure) -> Non
     ax = figure.subplots()
     plot_residual(ax, residual.timepts[kept], fit + left, fit, left)
     ax.set_xlabel(time_label(found, which))
-    unit_ticks(ax, "SI")
+    unit_ticks(ax, channel_unit(found.suspension, fitted.channels[channel]))
 
 
 def _draw_spectra(found: Estimate, which: int, channel: int, figure: Figure) -> None:
@@ -212,4 +213,5 @@ def _draw_spectra(found: Estimate, which: int, channel: int, figure: Figure) -> 
     fit, left = fitted.values[channel], residual.values[channel]
     ax = figure.subplots()
     draw_spectra(ax, fit + left, fit, left, 1 / residual.step)
+    ax.set_ylabel(density_label(channel_unit(found.suspension, fitted.channels[channel])))
     ax.set_xlabel("frequency [Hz]")

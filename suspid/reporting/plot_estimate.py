@@ -9,6 +9,7 @@ import numpy as np
 from suspid.greybox import nominal_value
 from suspid.levels import LEVEL
 from suspid.reporting.axes import keep_apart, key_above, plot_residual, shown, unit_ticks
+from suspid.reporting.channel_units import channel_unit
 from suspid.reporting.colours import Colour
 from suspid.reporting.spring_rows import values_of
 from suspid.signals import as_signal
@@ -66,7 +67,7 @@ def plot_estimate(found: Estimate, figure: Figure, *, level: Ratio = LEVEL) -> F
         fit, left = fitted.values[at, kept], residual.values[at, kept]
         plot_residual(ax, residual.timepts[kept], fit + left, fit, left)
         ax.set_title(shown(name), loc="left")
-        unit_ticks(ax, "SI")
+        unit_ticks(ax, channel_unit(found.suspension, name))
     axes[-1].set_xlabel(time_label(found, 0))
     key_above(axes[1])
     return figure

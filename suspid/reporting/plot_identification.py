@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -21,17 +21,17 @@ from suspid.signals import as_signal
 from suspid.units import Second
 
 if TYPE_CHECKING:
-    from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from matplotlib.gridspec import SubplotSpec
 
     from suspid.identification import Identification
 
-# What fits on one page in readable type: panels or shapes side by side, entries of a key side by side, ridges, lines of
-# the table of modes.
+# What fits on one page in readable type: panels or shapes side by side, entries of a key side by side, those of a fit
+# one below another, ridges, lines of the table of modes.
 ABREAST = 4
-KEYS_ABREAST = 5
+KEYS_ABREAST = 3
+KEYS_OF_FIT = 3
 MOST_RIDGES = 8
 MODES_ON_PAGE = 12
 # Size in inches of a page to be printed: A4.
@@ -85,13 +85,13 @@ def plot_identification(
         ridges=identification.ridges,
         modes=identification.modes,
     )
-    explained: list[Axes] = []
+    explained: dict[str, Axes] = {}
     for i, block in enumerate(blocks):
         skeletons = _subplots(places[f"skeletons {i}"], 2, len(block))
         plot_skeletons(block, axes=skeletons)
-        explained.append(without_legend(skeletons[0, 0]))
+        explained["skeletons along the ridges"] = without_legend(skeletons[0, 0])
     onset = min((ridge.onset for ridge in identification.ridges), default=None)
-    explained = [*explained[:1], _draw_fit(identification, names, onset, places["fit"])]
+    explained["record and fit"] = _draw_fit(identification, names, onset, places["fit"], units)
     _write_key(figure.add_subplot(places["key"]), explained)
     if last:
         _draw_last(identification, last, places["last"], figure, units)
@@ -110,9 +110,9 @@ def _last_parts(identification: Identification) -> list[str]:
 def _heights(identification: Identification, blocks: int, channels: int, last: Sequence[str]) -> dict[str, float]:
     """Return the height of each part [inch on A4]."""
     modes, ridges = identification.modes, identification.ridges[:MOST_RIDGES]
-    keys = 3 + (2 + len(ridges[0].channels) if ridges else 0)
+    keys = max(KEYS_OF_FIT, -(-(2 + len(ridges[0].channels)) // KEYS_ABREAST)) if ridges else 1
     heights = {"modes": 0.25 + 0.14 * min(len(modes) + 2, MODES_ON_PAGE + 2), "scalogram": 2.7 if blocks < 2 else 2.3}
-    heights |= {"key": 0.2 + 0.2 * -(-keys // KEYS_ABREAST)}
+    heights |= {"key": 0.35 + 0.2 * keys}
     heights |= {f"skeletons {i}": 2.5 for i in range(blocks)}
     heights |= {"fit": 0.5 + 0.75 * _fit_rows(channels)}
     return heights | ({"last": max(1.6, 0.6 + 0.2 * len(modes.channels))} if last else {})
@@ -147,31 +147,40 @@ def _write_modes(identification: Identification, ax: Axes) -> None:
     ax.set_title(f"{shown(title, most=60)} — method {identification.method}".lstrip(" —"), loc="left")
 
 
-def _write_key(ax: Axes, explained: Sequence[Axes]) -> None:
-    """Put the legends of some Axes together, away from the panels, whose space the lines need."""
-    handles: list[Artist] = []
-    labels: list[str] = []
-    for panel in explained:
-        more, names = panel.get_legend_handles_labels()
-        handles, labels = handles + more, labels + names
+def _write_key(ax: Axes, explained: Mapping[str, Axes]) -> None:
+    """Put the legends of some Axes side by side, away from the panels, whose space the lines need."""
+    from matplotlib.legend import Legend
+
     ax.set_axis_off()
-    legend = ax.legend(handles, labels, loc="center", ncols=KEYS_ABREAST, borderaxespad=0.0)
-    legend.set_in_layout(False)
+    sides = ("center left", "center right") if len(explained) > 1 else ("center",)
+    for (title, panel), side in zip(explained.items(), sides, strict=True):
+        handles, labels = panel.get_legend_handles_labels()
+        abreast = 1 if side == "center right" else KEYS_ABREAST
+        legend = Legend(ax, handles, labels, title=title, loc=side, ncols=abreast, fontsize=7, title_fontsize=8,
+                        borderaxespad=0.0, frameon=False)  # fmt: skip
+        legend.set_in_layout(False)
+        ax.add_artist(legend)
 
 
-def _draw_fit(identification: Identification, names: Sequence[str], onset: Second | None, spec: SubplotSpec) -> Axes:
+def _draw_fit(
+    identification: Identification,
+    names: Sequence[str],
+    onset: Second | None,
+    spec: SubplotSpec,
+    units: Sequence[str] | None,
+) -> Axes:
     """Draw few channels whole and over the first cycles; many in two columns. Return the first of the Axes."""
     rows = _fit_rows(len(names))
     if len(names) > ABREAST:
         grid = _subplots(spec, rows, 2)
-        plot_fit(identification, axes=grid.T.ravel()[: len(names)], channels=names)
+        plot_fit(identification, axes=grid.T.ravel()[: len(names)], channels=names, units=units)
         for ax in grid.T.ravel()[len(names) :]:
             ax.set_axis_off()
         for column in grid.T:
             column[-1].set_xlabel("time [s]")
         return without_legend(grid[0, 0])
     grid = _subplots(spec, rows, 2, widths=[3, 2])
-    plot_fit(identification, axes=grid[:, 0], channels=names)
+    plot_fit(identification, axes=grid[:, 0], channels=names, units=units)
     plot_fit(identification, axes=grid[:, 1], channels=names, span=first_cycles(identification, onset))
     for ax in grid[:, 1]:
         ax.set_title("first cycles", loc="left")

@@ -9,6 +9,7 @@ import numpy as np
 from suspid.errors import InputError
 from suspid.identification import Identification
 from suspid.reporting.axes import checked_grid, key_above, position, shown, thinned
+from suspid.reporting.channel_units import channel_unit
 from suspid.reporting.colours import Colour
 from suspid.signals import as_signal
 from suspid.units import RealArray
@@ -53,7 +54,7 @@ def plot_spectra(
     channels : sequence of str, optional
         The channels to draw. Default: all.
     units : sequence of str, optional
-        Their units. Default: SI of an estimate; of an identification not known.
+        Their units. Default: those that the car of an estimate gives them; of an identification not known.
 
     Raises
     ------
@@ -84,16 +85,16 @@ def plot_spectra(
         k = position(name, left.channels)
         fit, residual = fitted.values[k], left.values[k]
         draw_spectra(ax, fit + residual, fit, residual, 1 / left.step, decay=decay)
-        ax.set_ylabel(
-            f"PSD [({shown(unit)})²/Hz]"
-            if 0 < len(unit) <= SHORT_UNIT
-            else "PSD [unit²/Hz]"
-            if decay
-            else "PSD [SI²/Hz]"
-        )
+        known = unit if isinstance(found, Identification) or unit else channel_unit(found.suspension, name)
+        ax.set_ylabel(density_label(shown(known) if len(known) <= SHORT_UNIT else ""))
         ax.set_title(shown(name), loc="left")
     drawn[-1].set_xlabel("frequency [Hz]")
     key_above(drawn[0])
+
+
+def density_label(unit: str) -> str:
+    """Return the label of an axis of spectral density of a channel in a unit; an empty one is not known."""
+    return f"PSD [({unit})²/Hz]" if "/" in unit else f"PSD [{unit or 'unit'}²/Hz]"
 
 
 def no_such_record(found: Estimate) -> str:
@@ -122,4 +123,3 @@ def draw_spectra(
         top = max(top, float(np.max(density[1:])))
     if top > 0:
         ax.set_ylim(bottom=max(ax.get_ylim()[0], SHOWN * top))
-    ax.set_ylabel("PSD [SI²/Hz]")
