@@ -43,11 +43,8 @@ for snr in (20.0, 12.0):
 
 figure = Figure(figsize=(7, 3), layout="constrained")
 ax = figure.subplots()
-for values, label, look in (
-    (raw, "record", {"color": "#b4b4b4", "linewidth": 1.0}),
-    (denoise(raw), "denoised", {"color": "#0072b2", "linewidth": 1.5}),
-    (clean, "without noise", {"color": "black", "linewidth": 1.0, "linestyle": "--"}),
-):
-    ax.plot(values.time, values.y[0], label=label, **look)
+ax.plot(raw.time, raw.y[0], label="record", color="#b4b4b4", linewidth=1.0)
+ax.plot(raw.time, denoise(raw).y[0], label="denoised", color="#0072b2", linewidth=1.5)
+ax.plot(clean.time, clean.y[0], "k--", label="without noise", linewidth=1.0)
 ax.set(xlim=(0, 2.5), xlabel="time [s]", ylabel=f"{clean.output_labels[0]} [m]")
 figure.legend(loc="outside upper right", ncols=3, frameon=False)

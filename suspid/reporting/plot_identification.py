@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -152,7 +152,8 @@ def _write_key(ax: Axes, explained: Mapping[str, Axes]) -> None:
     from matplotlib.legend import Legend
 
     ax.set_axis_off()
-    sides = ("center left", "center right") if len(explained) > 1 else ("center",)
+    two: tuple[Literal["center left"], Literal["center right"]] = ("center left", "center right")
+    sides = two if len(explained) > 1 else ("center",)
     for (title, panel), side in zip(explained.items(), sides, strict=True):
         handles, labels = panel.get_legend_handles_labels()
         abreast = 1 if side == "center right" else KEYS_ABREAST
