@@ -152,8 +152,9 @@ def _write_key(ax: Axes, explained: Mapping[str, Axes]) -> None:
     from matplotlib.legend import Legend
 
     ax.set_axis_off()
-    two: tuple[Literal["center left"], Literal["center right"]] = ("center left", "center right")
-    sides = two if len(explained) > 1 else ("center",)
+    sides: list[Literal["center left", "center right", "center"]] = ["center left", "center right"]
+    if len(explained) == 1:
+        sides = ["center"]
     for (title, panel), side in zip(explained.items(), sides, strict=True):
         handles, labels = panel.get_legend_handles_labels()
         abreast = 1 if side == "center right" else KEYS_ABREAST
