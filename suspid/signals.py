@@ -109,14 +109,27 @@ def as_signal(response: control.TimeResponseData, *, least: int = 2) -> Signal:
                 f"channel {name!r} has {bad.size} of {samples.size} samples that are not finite, the first at "
                 f"t = {timepts[bad[0]]:g} s; cut the record there or fill the gap"
             )
-        largest = float(np.max(np.abs(samples), initial=0.0))
-        if largest and not SMALLEST_SIZE <= largest <= LARGEST_SIZE:
-            at = timepts[int(np.argmax(np.abs(samples)))]
-            raise RecordError(
-                f"channel {name!r} reaches {largest:.3g} at t = {at:g} s; samples are used from {SMALLEST_SIZE:g} to "
-                f"{LARGEST_SIZE:g}: change the unit of the channel, or cut the record there"
-            )
+        # What is left of a record of the smallest size is smaller.
+        check_size(name, timepts, samples, smallest=SMALLEST_SIZE**2)
     return Signal(start=float(timepts[0]), step=uniform_step(timepts), values=frozen_real(values), channels=channels)
+
+
+def check_size(name: str, timepts: RealArray, samples: RealArray, *, smallest: float = SMALLEST_SIZE) -> None:
+    """Refuse samples whose powers no float holds.
+
+    Examples
+    --------
+    >>> check_size("seat", np.array([0.0, 0.1]), np.array([1.0, -1e160]))
+    Traceback (most recent call last):
+    suspid.errors.RecordError: channel 'seat' reaches 1e+160 at t = 0.1 s; samples are used from 1e-30 to 1e+30...
+    """
+    largest = max(float(np.max(samples, initial=0.0)), -float(np.min(samples, initial=0.0)))
+    if largest and not smallest <= largest <= LARGEST_SIZE and np.isfinite(largest):
+        at = timepts[int(np.argmax(np.abs(samples)))]
+        raise RecordError(
+            f"channel {name!r} reaches {largest:.3g} at t = {at:g} s; samples are used from {SMALLEST_SIZE:g} to "
+            f"{LARGEST_SIZE:g}: change the unit of the channel, or cut the record there"
+        )
 
 
 def real_numbers(data: ArrayLike, what: str) -> RealArray:

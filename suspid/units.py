@@ -9,6 +9,8 @@ from typing import Annotated, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from suspid.errors import InputError
+
 Kilogram: TypeAlias = Annotated[float, "kg"]
 Metre: TypeAlias = Annotated[float, "m"]
 Second: TypeAlias = Annotated[float, "s"]
@@ -52,5 +54,15 @@ def angular(band_hz: tuple[Hertz, Hertz] | None) -> tuple[RadianPerSecond, Radia
     --------
     >>> angular((1.0, 2.0))
     (6.283185307179586, 12.566370614359172)
+    >>> angular((1.0, "2"))
+    Traceback (most recent call last):
+    suspid.errors.InputError: band_hz=(1.0, '2') must be two frequencies in Hz
     """
-    return None if band_hz is None else (2 * np.pi * band_hz[0], 2 * np.pi * band_hz[1])
+    if band_hz is None:
+        return None
+    known = isinstance(band_hz, tuple | list | np.ndarray) and len(band_hz) == 2
+    if not known or not all(
+        isinstance(edge, int | float | np.number) and np.isfinite(2 * np.pi * edge) for edge in band_hz
+    ):
+        raise InputError(f"band_hz={band_hz!r:.60} must be two frequencies in Hz")
+    return 2 * np.pi * band_hz[0], 2 * np.pi * band_hz[1]

@@ -271,3 +271,11 @@ def test_rates_and_times_that_are_no_numbers(wrong: dict[str, Any]) -> None:
 def test_units_in_order_hold_for_channels_of_one_name() -> None:
     record = as_record(np.ones((2, 5)), fs=1, channels=["seat", "seat"], units=["m", "mm"])
     assert np.array_equal(record.y[:, 0], [1.0, 1e-3])
+
+
+@pytest.mark.parametrize("columns", [[], ["seat"]])
+def test_a_table_without_rows(columns: list[str]) -> None:
+    table = pytest.importorskip("pandas").DataFrame(columns=columns, dtype=float)
+    table.index = table.index.astype("datetime64[ns]")
+    with pytest.raises(RecordError, match="holds no samples"):
+        as_record(table)

@@ -13,6 +13,7 @@ import click
 import pytest
 from click.testing import CliRunner
 
+import suspid_command
 from suspid.cli.support import Commands
 
 
@@ -45,3 +46,18 @@ def test_help_that_finds_no_room_is_one_line() -> None:
         told = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
     assert told.returncode == 1
     assert told.stderr == "suspid: error: the output cannot be written: No space left on device\n"
+
+
+def test_ctrl_c_during_the_imports_is_one_line(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    class Stopping:
+        def find_spec(self, name: str, *_: object) -> None:
+            if name == "suspid.cli":
+                raise KeyboardInterrupt
+
+    monkeypatch.delitem(sys.modules, "suspid.cli")
+    monkeypatch.setattr(sys, "meta_path", [Stopping(), *sys.meta_path])
+    with pytest.raises(SystemExit) as told:
+        suspid_command.main()
+    assert (told.value.code, capsys.readouterr().err) == (130, "suspid: stopped\n")

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import math
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,6 +20,7 @@ from suspid import (
     Suspension,
     analyse,
     as_record,
+    clean,
     cwt,
     denoise,
     eigenmodes,
@@ -26,6 +29,7 @@ from suspid import (
     grip,
     identify,
     quarter_car,
+    read_record,
     ride,
 )
 from suspid.identification import modes_from_dict, modes_to_dict, read_modes
@@ -134,3 +138,34 @@ def test_sound_files_are_answered(tmp_path: Path) -> None:
             path = tmp_path / f"file{suffix}"
             path.write_text(text)
             assert outcome(partial(use, path, k)) == "answer"
+
+
+def test_a_record_of_the_smallest_size_has_a_residual() -> None:
+    found = identify(as_record(1e-29 * MOTION, fs=FS))
+    assert "Hz" in str(found)
+    with pytest.raises(RecordError, match="used from 1e-30"):
+        as_record(1e-31 * MOTION, fs=FS)
+
+
+@pytest.mark.parametrize("band_hz", [(1.0, 1e308), (1.0, np.nan), ("a", 1.0), (1.0,), 5.0, (1.0, 2.0, 3.0)])
+def test_a_band_of_no_frequencies(band_hz: Any) -> None:
+    with pytest.raises(InputError, match="two frequencies in Hz"):
+        identify(as_record(MOTION, fs=FS), band_hz=band_hz)
+
+
+@pytest.mark.parametrize("wrong", [{"channels": []}, {"channels": [1]}, {"channels": 5}, {"time": 5}, {"time": []}])
+def test_names_that_are_none(wrong: dict[str, Any], tmp_path: Path) -> None:
+    path = tmp_path / "bump.csv"
+    path.write_text("time,seat\n0,0\n0.01,1\n0.02,0\n")
+    with pytest.raises(RecordError, match="bump.csv: (channels|time)="):
+        read_record(path, **wrong)
+
+
+def test_a_verdict_as_a_dictionary() -> None:
+    verdict = identify(as_record(MOTION, fs=FS)).verdict
+    assert dataclasses.asdict(verdict)["headline"]["numbers"] == verdict.headline.numbers
+
+
+def test_a_record_needs_no_cleaning() -> None:
+    with pytest.raises(RecordError, match="clean takes a recording"):
+        clean(as_record(MOTION, fs=FS))  # type: ignore[arg-type]

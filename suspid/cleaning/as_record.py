@@ -12,7 +12,7 @@ from suspid.errors import RecordError
 from suspid.files import printable
 from suspid.io import seconds_in
 from suspid.recordings import Recording
-from suspid.signals import as_response, real_numbers, uniform_step
+from suspid.signals import as_response, check_size, real_numbers, uniform_step
 from suspid.units import Hertz, RealArray
 from suspid.values import check_rate
 
@@ -81,7 +81,8 @@ def as_record(
     check_rate(fs)
     if _is_response(data) and np.ndim(data.y) == 2 and fs is None is timepts and channels is None is units:
         response: control.TimeResponseData = data
-        real_numbers(response.y, "the response")
+        samples = real_numbers(response.y, "the response")
+        _check_sizes(response.output_labels or [f"y[{i}]" for i in range(len(samples))], response.time, samples)
         return response
     values, time, names = _parts(data)
     if channels is not None:
@@ -101,7 +102,14 @@ def as_record(
         raise RecordError(f"{time.size} time points, but {values.shape[1]} samples")
     if time.size > 1:
         uniform_step(time)
-    return as_response(time, _converted(values, names, units), names, title=str(getattr(data, "title", None) or ""))
+    values = _converted(values, names, units)
+    _check_sizes(names, time, values)
+    return as_response(time, values, names, title=str(getattr(data, "title", None) or ""))
+
+
+def _check_sizes(names: Sequence[str], time: RealArray, values: RealArray) -> None:
+    for name, samples in zip(names, values, strict=False):
+        check_size(name, time, samples)
 
 
 def _is_response(data: RecordLike) -> bool:
@@ -188,7 +196,7 @@ def _elapsed(stamps: RecordLike) -> RealArray:
     kind = "datetime64[ns]" if stamps.dtype.kind == "M" else "timedelta64[ns]"
     counts = np.asarray(stamps.to_numpy(), kind) if hasattr(stamps, "dims") else stamps.to_numpy(kind)
     whole = counts.astype(np.int64)
-    return np.asarray((whole - whole[0] if kind.startswith("date") else whole) / 1e9)
+    return np.asarray((whole - whole[:1] if kind.startswith("date") else whole) / 1e9)
 
 
 def _of_xarray(data: RecordLike) -> tuple[RealArray, RealArray | None, list[str]]:
@@ -217,6 +225,8 @@ def _matrix(data: RecordLike) -> RealArray:
     values = np.atleast_2d(_real(data, "the data"))
     if values.ndim != 2:
         raise RecordError(f"the data has the shape {values.shape}; it must be (sample,) or (channel, sample)")
+    if not values.size:
+        raise RecordError(f"the data has the shape {values.shape}: it holds no samples")
     if len(values) > values.shape[1]:
         raise RecordError(
             f"the data has the shape {values.shape}: rows are channels, as in python-control; else pass data.T"

@@ -66,6 +66,8 @@ def clean(
     (['sentinel', 'missing'], True)
     """
     check_rate(fs)
+    if not isinstance(recording, Recording):
+        raise RecordError("clean takes a recording, as of read_recording; a record is used as it is")
     names = [channels] if isinstance(channels, str) else list(recording.names if channels is None else channels)
     for name in names:
         if names.count(name) > 1:

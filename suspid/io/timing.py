@@ -85,6 +85,7 @@ def as_recording(
     array([0.   , 0.001, 0.002])
     """
     check_rate(fs)
+    _check_names(channels, time)
     table = metered(table, size)
     plan = _plan(table, channels, time, fs)
     followers = plan.followers
@@ -135,6 +136,16 @@ def as_recording(
         tests = runs_of({channel.name: id(channel.timepts) for channel in kept})
         kept = tuple(replace(channel, test=tests.get(channel.name, "")) for channel in kept)
     return Recording(title=table.title or title, channels=kept, left_out=tuple(left_out.items()))
+
+
+def _check_names(channels: object, time: object) -> None:
+    if channels is not None:
+        known = isinstance(channels, list | tuple) or hasattr(channels, "__iter__")
+        names = list(channels) if known else []  # type: ignore[call-overload]
+        if not names or not all(isinstance(name, str) for name in names):
+            raise RecordError(f"channels={channels!r:.80} must be names of channels, or left out")
+    if time is not None and not isinstance(time, str):
+        raise RecordError(f"time={time!r:.40} must be the name of the column of time")
 
 
 def _plan(table: Table, channels: Sequence[str] | None, time: str | None, fs: Hertz | None) -> _Plan:

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
-from types import MappingProxyType
 from typing import Any, TypeAlias
+
+from suspid.values import FrozenItems
 
 Number: TypeAlias = float | int | str | bool | tuple[float, ...] | tuple[int, ...] | tuple[str, ...] | None
 Words: TypeAlias = str | Callable[[Mapping[str, Number]], str]
@@ -75,7 +76,7 @@ class Remark:
     numbers: Mapping[str, Number] = field(default_factory=dict, hash=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "numbers", MappingProxyType(dict(self.numbers)))
+        object.__setattr__(self, "numbers", FrozenItems(self.numbers))
 
     def __str__(self) -> str:
         words = self.code.words
