@@ -168,4 +168,4 @@ def test_a_verdict_as_a_dictionary() -> None:
 
 def test_a_record_needs_no_cleaning() -> None:
     with pytest.raises(RecordError, match="clean takes a recording"):
-        clean(as_record(MOTION, fs=FS))  # type: ignore[arg-type]
+        clean(as_record(MOTION, fs=FS))
