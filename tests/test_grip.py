@@ -121,6 +121,23 @@ class TestContact:
         least = 1 + np.min(late) / (400 * GRAVITY)
         assert grip(car).least[0] == pytest.approx(least, abs=2e-4)
 
+    def test_the_phase_is_looked_for_between_both_resonances(self) -> None:
+        """Roots of the characteristic polynomial of the quarter car, and sqrt((k_s + k_t) / m_u) over 2 pi."""
+        one = grip(quarter(900))
+        squares = np.roots([350 * 50, -(350 * 232e3 + 50 * 22e3), 22e3 * 210e3])
+        np.testing.assert_allclose(one.resonances[0], np.sqrt([squares.min(), 232e3 / 50]) / (2 * np.pi), rtol=1e-9)
+        low, high = one.resonances[0]
+        inside = (one.hertz > low) & (one.hertz < high)
+        assert low < one.phase_hertz[0] < high
+        # Between two points of the curve it may be lower yet, by little.
+        assert 0 <= np.min(one.phase_curve[0, inside]) - one.phase[0] < 1e-3
+
+    def test_a_mount_does_not_move_the_undamped_resonances(self) -> None:
+        """The lowest one is that of the modes of the car without dampers."""
+        low = grip(MOUNTED).resonances[:, 0].tolist()
+        still = HALF.with_parameters(damping={strut.name: 0.0 for strut in HALF.struts})
+        assert low == pytest.approx([float(np.min(np.abs(eigenmodes(still).poles))) / (2 * np.pi)] * 2, rel=1e-6)
+
     def test_no_phase_is_negative_without_a_source_of_energy(self) -> None:
         curves = grip(MOUNTED).phase_curve
         assert np.min(curves) > 0

@@ -1,6 +1,7 @@
 """Tuning: a published optimum, fronts against a grid, constraints, robust choices."""
 
 import re
+from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
@@ -8,9 +9,15 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 from suspid import InputError, quarter_car, ride, road, tune
+from suspid.performance.choices import box_of, choice_of
 from suspid.performance.figure_plan import plan_of
+from suspid.performance.fronts import Front, Search, front_of
+from suspid.performance.relations import relations_of
 from suspid.performance.road_response import grid_of
-from suspid.words import Level
+from suspid.performance.tuning_checks import tuning_checks
+from suspid.performance.uncertain import uncertain
+from suspid.units import RealArray
+from suspid.words import Check, Level
 from suspid.words.ride import TuningCheck
 from validation.cars import TWO_AXLES
 
@@ -88,6 +95,10 @@ class TestFront:
         for car, values in zip(found.cars, found.values, strict=True):
             again = ride(car, road="C", speed=20.0)
             np.testing.assert_allclose(values, [again[name] for name in BOTH], rtol=1e-6)
+        # Halfway between the ends both figures are as far from their best, in logarithms over those between the ends.
+        logs = np.log(found.values)
+        shares = (logs - logs.min(axis=0)) / np.ptp(logs, axis=0)
+        np.testing.assert_allclose(shares[:, 0] - shares[:, 1], [-1.0, 0.0, 1.0], atol=1e-3)
         assert 0 < found.knee < len(found.cars) - 1
 
     def test_constraints_hold(self) -> None:
@@ -165,6 +176,102 @@ class TestRobust:
         )
         assert found.choices[0, 0] == pytest.approx(np.exp(best.x), rel=1e-3)
         assert found.values[0, 0] == pytest.approx(best.fun, rel=1e-6)
+
+
+def valleys(*places: float) -> tuple[Search, Front]:
+    """Return the search of one unknown for the lowest of valleys (x - p)^2 + p^2 / 1000, between -4 and 4."""
+
+    def evaluate(x: RealArray) -> tuple[RealArray, RealArray]:
+        depths = [(x[0] - p) ** 2 + 1e-3 * p**2 for p in places]
+        nearest = places[int(np.argmin(depths))]
+        return np.array([min(depths)]), np.array([[2 * (x[0] - nearest)]])
+
+    choice = choice_of(uncertain(CAR), ["chassis.damping"], 0.0)
+    search = Search(
+        evaluate=evaluate, low=np.array([-4.0]), high=np.array([4.0]), objectives=1, limits=np.zeros(0),
+        relations=relations_of(choice, CAR, []),
+    )  # fmt: skip
+    return search, front_of(search, np.zeros(1), 2)
+
+
+class TestTrust:
+    """How far the searches agree, and which bounds decide."""
+
+    def checks(self, *places: float, given: tuple[str, ...] = ()) -> dict[object, Check]:
+        search, front = valleys(*places)
+        choice = choice_of(uncertain(CAR), ["chassis.damping"], 0.0)
+        found = tuning_checks(front, choice, search, 0.0, uncertain(CAR), given)
+        return {check.remark.code: check for check in found}
+
+    def test_searches_in_one_valley_agree(self) -> None:
+        starts = self.checks(0.3)[TuningCheck.STARTS]
+        assert starts.remark.numbers == {"share": 1.0, "count": 2}
+        assert starts.level is Level.SOUND
+
+    def test_searches_in_three_valleys_do_not(self) -> None:
+        """The three starts are the best of sixteen evenly spread points: one in each valley that is as near to them."""
+        search, front = valleys(-3.0, 0.0, 3.0)
+        assert front.points[0].x[0] == pytest.approx(0.0, abs=1e-5)
+        seen = [x for x in np.linspace(-4, 4, 9) if search.evaluate(np.array([x]))[0][0] < 1e-2]
+        assert seen == [-3.0, 0.0, 3.0]
+        starts = self.checks(-3.0, 0.0, 3.0)[TuningCheck.STARTS]
+        assert starts.remark.numbers == {"share": 0.0, "count": 2}
+        assert starts.level is Level.CARE
+
+    @pytest.mark.parametrize("agreed", range(5))
+    def test_half_of_the_searches_must_agree(self, agreed: int) -> None:
+        search, front = valleys(0.3)
+        choice = choice_of(uncertain(CAR), ["chassis.damping"], 0.0)
+        told = replace(front, agreed=agreed, searches=4)
+        starts = next(iter(tuning_checks(told, choice, search, 0.0, uncertain(CAR), ())))
+        assert starts.remark.numbers["share"] == agreed / 4
+        assert starts.level is (Level.SOUND if agreed >= 2 else Level.CARE)
+
+    @pytest.mark.parametrize(("place", "side"), [(-4.5, "least"), (-3.99, None), (3.99, None), (4.5, "largest")])
+    def test_a_bound_decides_where_the_valley_is_beyond_it(self, place: float, side: str | None) -> None:
+        """One that was stated is told; a default one makes the result no best car."""
+        for given, code, level in (
+            ((), TuningCheck.AT_REACH, Level.CARE),
+            (("chassis.damping",), TuningCheck.AT_BOUND, Level.NOTE),
+        ):
+            found = self.checks(place, given=given)
+            assert (code in found) is (side is not None)
+            if side is not None:
+                numbers = found[code].remark.numbers
+                assert numbers["side"] == side
+                assert numbers["value"] == pytest.approx(1300 * np.exp(np.sign(place) * 4))
+                assert (numbers["count"], numbers["cars"]) == (1, 1)
+                assert found[code].level is level
+
+    def test_springs_at_the_end_of_the_search_are_not_sound(self) -> None:
+        """Comfort alone asks for the softest spring there is: the bound, a quarter, decides."""
+        request = {"parameters": ["chassis.stiffness"], "objective": "chassis.travel", "road": "C", "speed": 20.0}
+        found = tune(CAR, **request)  # type: ignore[arg-type]
+        stuck = np.log(found.choices[0, 0] / 22e3) / np.log(4)
+        assert abs(stuck) == pytest.approx(1.0, abs=1e-3)
+        assert found.verdict.level is Level.CARE
+        bounds = {"chassis.stiffness": (float(found.choices[0, 0]) / 1.5, float(found.choices[0, 0]) * 1.5)}
+        assert tune(CAR, bounds=bounds, **request).verdict.level is Level.SOUND  # type: ignore[arg-type]
+
+
+class TestScenarios:
+    def test_they_have_the_covariance_of_the_parameters(self) -> None:
+        """Over the scenarios the logarithms have mean zero and the relative covariance, correlated too."""
+        about = uncertain(CAR, {"tire.stiffness": 0.2, "chassis.mass": 0.1, "tire.mass": 0.05})
+        root = np.linalg.cholesky(about.covariance)
+        twist = np.array([[1.0, 0.0, 0.0], [0.6, 0.8, 0.0], [-0.3, 0.5, np.sqrt(0.66)]])
+        covariance = (root @ twist) @ (root @ twist).T
+        choice = choice_of(replace(about, covariance=covariance), ["chassis.damping"], 2.0)
+        logs = np.log([[one[name] for name in about.parameters] for one in choice.scenarios])
+        np.testing.assert_allclose(np.mean(logs, axis=0), 0, atol=1e-15)
+        relative = covariance / np.outer(about.values, about.values)
+        np.testing.assert_allclose(logs.T @ logs / len(logs), relative, rtol=1e-9, atol=1e-18)
+
+    def test_the_default_box_is_a_quarter_to_four_times(self) -> None:
+        choice = choice_of(uncertain(CAR), ["chassis.stiffness", "chassis.damping"], 0.0)
+        low, high = box_of(choice, {"chassis.damping": (650.0, 5200.0)})
+        np.testing.assert_allclose(np.exp(low), [0.25, 0.5])
+        np.testing.assert_allclose(np.exp(high), [4.0, 4.0])
 
 
 @pytest.mark.parametrize(
