@@ -369,6 +369,18 @@ class TestReaches:
             for figure, a in zip(found, sign * slopes.T, strict=True):
                 assert figure == pytest.approx(max(_searched(a, covariance, values, reach)), rel=1e-4, abs=1e-4)
 
+    def test_the_edge_of_the_region_along_a_bound(self) -> None:
+        """The least of 10 x + y in a disc of radius 1.96 x 0.6 about (1, 1), both of them positive: x = 0."""
+        low, high = reaches(np.array([[10.0], [1.0]]), 0.36 * np.eye(2), np.ones(2), 1.96)
+        assert low[0] == pytest.approx(10 + np.sqrt((1.96 * 0.6) ** 2 - 1), rel=1e-9)
+        assert high[0] == pytest.approx(1.96 * 0.6 * np.sqrt(101), rel=1e-9)
+
+    def test_a_figure_that_turns_within_the_region(self) -> None:
+        """x - x^2 / 2 is largest at 1, within 1.96 about zero."""
+        low, high = reaches(np.ones((1, 1)), np.eye(1), np.array([9.0]), 1.96, -np.ones((1, 1, 1)))
+        assert high[0] == pytest.approx(0.5)
+        assert low[0] == pytest.approx(1.96 + 1.96**2 / 2)
+
     @pytest.mark.parametrize(("correlation", "true"), [(0.6, 0.0), (0.95, 0.0), (0.95, 1.0), (-0.9, 0.3)])
     def test_coverage_beside_a_bound(self, correlation: float, true: float) -> None:
         """A figure measured with a parameter that is estimated as zero where it came out negative."""
