@@ -1,4 +1,4 @@
-"""Levels that all packages share: how rare chance must be, how sure an interval is, what gain is worth a step."""
+"""Levels that all packages share: significance, probability of intervals, accuracy of numbers, ends of descents."""
 
 from __future__ import annotations
 
@@ -15,6 +15,19 @@ NORMAL_95 = 1.959963984540054
 CHI_SQUARE_95 = NORMAL_95**2
 # Probability below which chance is no explanation: one false alarm in a thousand. A smaller one lets weak misfits pass.
 UNLIKELY = 1e-3
+# Relative. Numbers in double precision that should be equal agree to this: one eigenvalue problem solved in two ways, a
+# file written with all digits. What is smaller beside the largest is rounding; a tighter limit fails on it.
+EXACT = 1e-9
+# The same for numbers that were stored in single precision, or written with seven digits.
+SEVEN_DIGITS = 1e-6
+# Share of the largest below which a number counts as zero where all were computed in one step.
+ROUNDING = 1e-12
+# Standard deviations from which on a difference is no chance: 0.1 % of a normal variable on one side.
+SURE = 3.0
+# The same where many cases are tried, each of which could be chance.
+CERTAIN = 5.0
+# Pieces of a record whose scatter tells that of the whole: twenty know it to a sixth. Samples of one may be correlated.
+PIECES_OF_RECORD = 20
 # Gain of chi-square, or of twice the log likelihood, that ends a descent: a hundredth of a standard deviation.
 NEGLIGIBLE_GAIN = 1e-4
 

@@ -1,5 +1,6 @@
 import ast
 import itertools
+import re
 import subprocess
 import sys
 from functools import cache
@@ -144,6 +145,22 @@ class TestConstants:
                 reasons = [line for line in group if line.startswith("#")]
                 said = reasons or "  # " in lines[node.lineno - 1] or not constants(ast.Module([node], []))
                 assert said, f"{place(name)} line {node.lineno}: no reason beside the number"
+
+
+class TestWords:
+    """Turns of phrase that no engineer would use stand neither in messages nor in docstrings, comments and manuals."""
+
+    STRUCK = re.compile(r"\bso many\b|\bso often\b|\bon the heels of\b|\bhalves apart\b", re.IGNORECASE)
+
+    def test_are_those_of_the_field(self) -> None:
+        root = LIBRARY.parent
+        texts = [*LIBRARY.rglob("*.py"), *LIBRARY.rglob("*.j2"), root / "README.md", *(root / ".manual").glob("*.md")]
+        found = {
+            str(path.relative_to(root)): names
+            for path in texts
+            if (names := self.STRUCK.findall(" ".join(path.read_text(encoding="utf-8").replace("\n# ", " ").split())))
+        }
+        assert found == {}
 
 
 class TestModules:

@@ -87,7 +87,7 @@ def bound(response: control.TimeResponseData, truth: ModalSet, snr_db: float) ->
 
 
 def assert_within(found: ModalSet, truth: ModalSet, *, std: float) -> None:
-    """Errors below so many of the estimate's own standard deviations."""
+    """Errors below a number of the estimate's own standard deviations."""
     assert len(found) == len(truth)
     wn_std, zeta_std = found.wn_std, found.zeta_std
     assert wn_std is not None

@@ -51,7 +51,7 @@ def spread_of(modes: ModalSet) -> tuple[Real, Real]:
 
 
 def assert_near(modes: ModalSet, truth: ModalSet, *, std: float = 4.5) -> None:
-    """All modes, and no others, within so many of their own standard deviations."""
+    """All modes, and no others, within a number of their own standard deviations."""
     assert len(modes) == len(truth), (modes.wn, truth.wn)
     wn_std, zeta_std = spread_of(modes)
     assert np.all(np.abs(modes.wn - truth.wn) <= std * wn_std), (modes.wn, truth.wn, wn_std)

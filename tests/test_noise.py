@@ -25,6 +25,7 @@ from suspid.identification.noise import (
     shared_noise,
 )
 from suspid.identification.poles import Poles
+from suspid.levels import normal_reach
 from suspid.signals import as_response
 from suspid.words import Reason
 
@@ -170,7 +171,7 @@ class TestExplained:
 class TestCorrelation:
     @pytest.mark.parametrize("level", [0.1, 0.01])
     def test_white_noise_is_called_correlated_as_often_as_the_level_says(self, level: float) -> None:
-        found = correlated(lag_one(white(10, 4000, 300)), 300, level=level)
+        found = correlated(lag_one(white(10, 4000, 300)), 300, sigmas=normal_reach(1 - level))
         assert np.mean(found) == pytest.approx(level, abs=4 * np.sqrt(level / 4000) + 0.1 * level)
 
     @pytest.mark.parametrize("memory", [-0.5, 0.3, 0.8])

@@ -266,7 +266,7 @@ class TestTwin:
         measured = ModalSet.from_wn_zeta(modes.wn, modes.zeta, wn_std=1e-4 * modes.wn, zeta_std=0.01 * modes.zeta)
         answer = reconstruct(measured, changed(car, np.maximum(x, 0) / parameters(car)))
         assert answer.suspension.struts[1].damping == 0.0
-        assert "held back by its bound: chassis.damping" in answer.status
+        assert "at its bound: chassis.damping" in answer.status
 
 
 class TestSecondMethod:

@@ -349,7 +349,7 @@ class TestKnowledge:
         """Of Table 1's two chains the bound leaves the one that is not quite passive."""
         answer = reconstruct(poles_of(eigenmodes(PAPER)), nominal(PAPER), bounds={"tire.stiffness": (None, 540e3)})
         assert answer.suspension.struts[2].stiffness == pytest.approx(540e3, rel=1e-12)
-        assert "held back by its bound: tire.stiffness" in answer.status
+        assert "at its bound: tire.stiffness" in answer.status
 
     def test_ties_with_a_held_one(self) -> None:
         car = PAPER.with_parameters(damping={"chassis": 300.0})

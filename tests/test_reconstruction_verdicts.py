@@ -190,7 +190,7 @@ class TestWhatTheNominalValuesTell:
         car = self.parallel()
         modes = measured(eigenmodes(car), 6) if noisy else eigenmodes(car)
         answer = reconstruct(modes, car, nominal_std=0.3)
-        assert "are told apart by the nominal values alone" in answer.status
+        assert "are determined by the nominal values alone" in answer.status
         before = answer.status.split(" are told apart")[0].split("; ")[-1]
         assert before == "seat.stiffness, helper.stiffness, seat.damping and helper.damping"
 

@@ -10,7 +10,8 @@ import pytest
 from numpy.typing import ArrayLike
 
 from suspid import RecordError
-from suspid.io.tables import Table, TimeBase, stated_rate
+from suspid.io.names import stated_rate
+from suspid.io.tables import Table, TimeBase
 from suspid.io.timing import as_recording
 from suspid.recordings import RawChannel, Recording
 from suspid.units import RealArray

@@ -328,7 +328,7 @@ REFUSED: list[tuple[str, str | bytes, dict[str, Any], str]] = [
     ("r.csv", "t,time\n0,1\n1,7\n2,3\n", {}, "'t', 'time' all read like a time"),
     ("r.csv", "0,up\n1,2\n", {"fs": 1}, "line 1 is neither a header nor data: cell 2 is 'up'"),
     ("r.csv", "t\n0\n1\n", {}, "no channel is as long as time"),
-    ("r.csv", "Time,x\n05/03/2024 23:59:59,1\n05/04/2024 00:00:00,2\n", {}, "day and month cannot be told apart"),
+    ("r.csv", "Time,x\n05/03/2024 23:59:59,1\n05/04/2024 00:00:00,2\n", {}, "day and month cannot be distinguished"),
     ("r.csv", "Time,x\n30.02.2024 23:59:59,1\n01.03.2024 00:00:00,2\n", {}, "there is no date '30.02.2024'"),
     ("r.doc", b"\x01\x02\x03", {}, r"type '.doc' are not known; known: .csv"),
     ("r", b"\x01\x02\x03", {}, "type '' are not known"),

@@ -499,7 +499,7 @@ class TestWhatIsThere:
         twin = cars.PAPER.with_parameters(stiffness={"tire": 123456.0})
         both = replace(springs, alternatives=(twin,), distances=(2.5,), told_apart=("75 kg on the seat",))
         text = Page(report(content_of(found, reconstruction=both))).text
-        for said in ("other 1", "123460", "chi-square 2.5; told apart by 75 kg on the seat"):
+        for said in ("other 1", "123460", "chi-square 2.5; distinguished by 75 kg on the seat"):
             assert said in text
 
     def test_the_ridge_method(self) -> None:

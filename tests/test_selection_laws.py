@@ -59,7 +59,7 @@ def with_offset(poles: Poles) -> Complex:
 
 
 class TestVerdictsOfOneMotion:
-    """One motion of amplitude 1 whose decay over the record is known to so many standard deviations.
+    """One motion of amplitude 1 whose decay over the record is a given number of standard deviations.
 
     A slow decay exp(-D k / n) cos(...) in white noise s is known to sd(D) = s sqrt(24 / n) for D << 1 (Cramér-Rao of
     one exponential); at D = 0.35 the bound is a sixth higher.

@@ -24,7 +24,7 @@ from suspid import (
     read_recording,
     write_record,
 )
-from suspid.analysis.analyse import Analysis
+from suspid.analysis.analysis import Analysis
 from suspid.cli.main import main
 from suspid.model import eigenmodes
 from suspid.signals import as_response, as_signal

@@ -14,11 +14,11 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from suspid import RecordError, SuspidError
+from suspid.io.names import bracketed_unit, stated_rate
 from suspid.io.read_recording import read_recording
-from suspid.io.tables import bracketed_unit, stated_rate
 from suspid.io.text.columns import UNIT
 from suspid.io.text.delimited import read_delimited
-from suspid.io.timing import SAME_RATE
+from suspid.levels import SEVEN_DIGITS
 from suspid.recordings import Recording
 from suspid.words import LeftOut, Remark
 
@@ -355,7 +355,7 @@ class TestHeader:
     )
     def test_states_the_rate(self, tmp_path: Path, line: str, rate: float) -> None:
         channel = read(tmp_path, f"{line}\nseat\n1.5\n2.5\n4.5\n").channels[0]
-        assert channel.rate == pytest.approx(rate, rel=SAME_RATE)
+        assert channel.rate == pytest.approx(rate, rel=SEVEN_DIGITS)
         assert channel.timepts[2] == pytest.approx(2 / rate, rel=1e-15)  # one division
 
     def test_a_rate_with_a_mark_between_thousands_is_not_read(self, tmp_path: Path) -> None:

@@ -257,7 +257,7 @@ def drawn_fleet(lost: float, scatter: float, rng: np.random.Generator) -> list[D
 
 
 def drives_of(remaining: float, count: int, first: int) -> list[Estimate]:
-    """Return what is found from so many drives with a share of the damping left."""
+    """Return what is found from a number of drives with a share of the damping left."""
     return found([worn_drive(remaining, first + round(1e6 * remaining) + seed) for seed in range(count)])
 
 

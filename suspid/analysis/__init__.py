@@ -6,10 +6,12 @@ result, and the verdict on all. The commands, the report and the fleet call it a
 `check_limits` judges what was found by limits from a file.
 """
 
-from suspid.analysis.analyse import STEPS, Analysis, analyse
-from suspid.analysis.analyse_drive import DriveAnalysis, analyse_drive
+from suspid.analysis.analyse import STEPS, analyse
+from suspid.analysis.analyse_drive import analyse_drive
+from suspid.analysis.analysis import Analysis
 from suspid.analysis.car_channels import in_terms_of
 from suspid.analysis.check_limits import CheckedLimit, CheckedLimits, check_limits
+from suspid.analysis.drive_analysis import DriveAnalysis
 from suspid.analysis.limits import SCALES, Limit, read_limits
 from suspid.analysis.reading import read
 from suspid.analysis.settings import CarSettings, Settings

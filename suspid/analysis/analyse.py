@@ -3,164 +3,39 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from functools import cached_property
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, TypeAlias
 
+from suspid.analysis.analysis import Analysis
 from suspid.analysis.car_channels import in_terms_of
-from suspid.analysis.choice import doubts_of, identified
+from suspid.analysis.choice import identified
 from suspid.analysis.reading import Read, read, tests_of
 from suspid.analysis.settings import Settings
-from suspid.analysis.several import Part, alike, belonging, check_each_once, source_names
+from suspid.analysis.several import Part, alike, check_each_once, source_names
 from suspid.analysis.springs import Springs, check_springs, springs_of
 from suspid.analysis.stretch import Used, stretch_of
 from suspid.cleaning import RecordLike
-from suspid.decays import Decay, Decays
 from suspid.errors import InputError
 from suspid.files import naming
-from suspid.greybox import Estimate, parameter_table
 from suspid.identification import (
     Identification,
     Repeats,
     identify_repeats,
-    tables_of,
-    tables_of_repeats,
-    verdict_of,
-    verdict_of_repeats,
 )
-from suspid.model import ModalSet, Suspension
-from suspid.reconstruction import Reconstruction
+from suspid.model import Suspension
 from suspid.recordings import Recording
-from suspid.results import Result
 from suspid.samples import held
-from suspid.signals import as_signal, cut
-from suspid.words import Check, Defect, Level, ModeCheck, Note, RecordCheck, Remark, Verdict
+from suspid.signals import cut
 
 if TYPE_CHECKING:
     import control
-
-    from suspid.cleaning import Cleaned
 
 
 Source: TypeAlias = "str | os.PathLike[str] | Recording | RecordLike"
 
 # The steps of `analyse`, in order; ``progress`` is called with each as it begins.
 STEPS = ("reading", "finding decays", "identifying", "reconstructing")
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Analysis(Result):
-    """What `analyse` found, step by step.
-
-    Parameters
-    ----------
-    settings : Settings
-        What it was told.
-    recording : Recording or None
-        The channels as the file has them; None if the source was a response.
-    cleaned : Cleaned
-        The record on a uniform clock, with units and findings.
-    decays : Decays
-        The decays that were found; empty where none was searched for.
-    used : tuple of Decay
-        Those that were used; empty if the whole record, or a stretch from the settings, was.
-    identification : Identification
-        Modes of the stretch that was used; of the first where several decays were.
-    repeats : Repeats or None
-        Modes of several decays jointly.
-    reconstruction : Reconstruction or None
-        Springs and dampers, if a car was given and they were found.
-    notes : tuple of Remark
-        What was done on the way, in order.
-    tests : mapping
-        The analysis of each recording by its name, where several were given; else empty. What is not joint, such as
-        ``record``, is that of the first.
-    estimate : Estimate or None
-        Springs and dampers fitted to the record itself, if a car was given and its modes did not settle them: there was
-        no reconstruction, it does not explain the modes, or other cars have the same.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from suspid import analyse, as_record
-    >>> t = np.arange(400) / 100
-    >>> noise = 1e-3 * np.random.default_rng(1).standard_normal(t.size)
-    >>> found = analyse(as_record(np.exp(-t) * np.cos(20 * t) + noise, timepts=t, channels=["seat"]))
-    >>> found.modes.wn.round(1), found.record.output_labels, found.used
-    (array([20.]), ['seat'], ())
-    """
-
-    settings: Settings
-    recording: Recording | None
-    cleaned: Cleaned
-    decays: Decays | tuple[Decay, ...]
-    used: tuple[Decay, ...]
-    identification: Identification
-    repeats: Repeats | None
-    reconstruction: Reconstruction | None
-    notes: tuple[Remark, ...]
-    tests: Mapping[str, Analysis] = field(default_factory=dict)
-    estimate: Estimate | None = None
-
-    @property
-    def record(self) -> control.TimeResponseData:
-        """The cleaned record, of which ``identification.response`` is the stretch that was used."""
-        return self.cleaned.record
-
-    @property
-    def units(self) -> tuple[str, ...]:
-        """Unit of each channel of the record that was identified; empty where it is not known."""
-        names, whole = as_signal(held(self.identification, "response")).channels, self.cleaned
-        known = dict(zip(as_signal(held(whole, "record")).channels, whole.units, strict=True))
-        return tuple(known.get(name, "") for name in names)
-
-    @property
-    def modes(self) -> ModalSet:
-        """The modes: the joint ones where several decays were used."""
-        return self.identification.modes if self.repeats is None else self.repeats.modes
-
-    @cached_property
-    def verdict(self) -> Verdict:
-        """How far the modes, springs and dampers can be trusted."""
-        level = self.settings.level
-        found = verdict_of(self.identification, level)
-        if self.repeats is not None:
-            found = verdict_of_repeats(self.repeats, level)
-        several = [note for note in self.notes if note.code is Note.ONE_OF_TESTS]
-        failed = [Check(Remark(RecordCheck.ONE_OF_TESTS, note.numbers), Level.CARE) for note in several]
-        unsettled = () if self.estimate is not None else self.notes
-        failed += [Check(note, Level.CARE) for note in unsettled if note.code is Note.NO_SPRINGS]
-        if len(self.decays) or any(note.code is Note.WHOLE_RECORD for note in self.notes):
-            # The search for decays has answered what a late motion would suggest.
-            kept = (check for check in found.checks if check.remark.code is not ModeCheck.LATE_MOTION)
-            found = Verdict(found.headline, tuple(kept))
-        best = self.estimate or self.reconstruction
-        springs = () if best is None else best.verdict.checks
-        of_recording = list(_of_recording(self.cleaned))
-        if self.tests and self.repeats is not None:
-            of_recording = list(belonging(self.repeats, list(self.repeats.names)))
-            of_recording += [
-                Check(Remark(RecordCheck.IN_TEST, {"test": name, "what": str(check.remark)}), check.level)
-                for name, test in self.tests.items()
-                for check in (
-                    *(doubts_of(test.used[0], test.identification) if len(test.used) == 1 else ()),
-                    *_of_recording(test.cleaned),
-                )
-            ]
-        doubts = doubts_of(self.used[0], self.identification) if len(self.used) == 1 else ()
-        return Verdict(found.headline, (*doubts, *found.checks, *of_recording, *springs, *failed))
-
-    def _table(self) -> Mapping[str, Sequence[object]]:
-        return self.modes._table()
-
-    def __str__(self) -> str:
-        parts = [tables_of(self.identification) if self.repeats is None else tables_of_repeats(self.repeats)]
-        if self.estimate is not None:
-            parts.append(parameter_table(self.estimate))
-        elif self.reconstruction is not None:
-            parts.append(str(self.reconstruction))
-        return "\n\n".join([*parts, str(self.verdict)])
 
 
 def analyse(
@@ -341,12 +216,3 @@ def _identified(opened: Read, stretch: Used, settings: Settings) -> tuple[Identi
         held(opened.cleaned, "record"), stretch.used, modes=settings.modes, band_hz=settings.band_hz
     )
     return repeats.each[0], repeats
-
-
-def _of_recording(cleaned: Cleaned) -> Iterator[Check]:
-    """Return the checks of the recording that the identification cannot see."""
-    against = [finding.check for finding in cleaned.findings if finding.check.level < Level.NOTE]
-    overridden = [check for check in against if check.remark.code is Defect.OVERRIDDEN_STAMPS]
-    yield from overridden
-    if len(against) > len(overridden):
-        yield Check(Remark(RecordCheck.DEFECTS, {"number": len(against) - len(overridden)}), Level.CARE)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from suspid.analysis.analyse import Analysis
+from suspid.analysis.analysis import Analysis
 from suspid.analysis.limits import OF_STRUTS, Limit
 from suspid.errors import InputError
 from suspid.greybox import Estimate

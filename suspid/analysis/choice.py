@@ -17,7 +17,7 @@ from suspid.words import Check, DecayDoubt, Level, ModeCheck, Reason, RecordChec
 if TYPE_CHECKING:
     import control
 
-# What is left of a free decay is noise: none of these is said of it.
+# The residual of a free decay is noise: none of these is said of it.
 STRUCTURE = frozenset(
     {
         ModeCheck.RESIDUAL_LOUD,
@@ -53,7 +53,7 @@ def tried(record: control.TimeResponseData, settings: Settings) -> Identificatio
 
 
 def settled(found: Identification) -> bool:
-    """Return whether a record is a free decay from its first sample on: modes are found, and what is left is noise."""
+    """Return whether a record is a free decay from its first sample on: modes are found, and the residual is noise."""
     forced = any(c.removed and c.remark.code is Reason.A_FEW_SAMPLES for c in found.considered)
     return bool(len(found.modes)) and not forced and not any(c.remark.code in STRUCTURE for c in found.verdict.checks)
 

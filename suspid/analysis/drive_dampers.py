@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 ENOUGH_SAMPLES = 40_000
 # Samples from which it is told whether the sensors fit: a delay of 2 ms leaves a hundred times the noise's chi-square.
 TRIAL_SAMPLES = 6000
-# Shortest piece of a record that is worth the ends which a curve leaves out.
+# Shortest piece of a record that is used: a curve leaves out both ends of each.
 SHORTEST_PIECE = 1000
 
 

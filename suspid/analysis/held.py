@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from suspid.levels import EXACT
 from suspid.signals import as_signal, like
 from suspid.units import RealArray
 from suspid.words import Note, Remark
@@ -17,8 +18,6 @@ if TYPE_CHECKING:
 # through a jump rings for about as many. A motion changes for longer, and one of a few steps of its resolution tells
 # nothing of its modes.
 MOST_JUMPS, LONGEST_JUMP = 4, 48
-# Share of the range below which a change is rounding.
-ROUNDING_CHANGE = 1e-9
 
 
 def without_held(record: control.TimeResponseData) -> tuple[control.TimeResponseData, tuple[Remark, ...]]:
@@ -55,7 +54,7 @@ def _jumps(samples: RealArray) -> int | None:
     """Return how often a channel jumps between values that it holds; None if it moves otherwise."""
     if samples.size < 4 * LONGEST_JUMP:
         return None
-    changes = np.flatnonzero(np.abs(np.diff(samples)) > ROUNDING_CHANGE * np.ptp(samples))
+    changes = np.flatnonzero(np.abs(np.diff(samples)) > EXACT * np.ptp(samples))
     if not changes.size:
         return None
     first = np.flatnonzero(np.diff(changes, prepend=-LONGEST_JUMP - 2) > LONGEST_JUMP)

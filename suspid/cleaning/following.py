@@ -1,4 +1,4 @@
-"""Following: whether samples follow stamps that stray, or were taken regularly and stamped late."""
+"""Whether samples were taken at their irregular stamps, or regularly and stamped late."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ FOLLOWED, SIGNIFICANT = 0.3, 4.0
 def late_or_irregular(
     values: RealArray, places: Indices, step: Second, off: RealArray
 ) -> tuple[Defect, dict[str, Number]]:
-    """Return whether stamps that stray by less than half a step are late or the samples irregular, with numbers.
+    """Return whether stamps that are off by less than half a step are late or the samples irregular, with numbers.
 
     Parameters
     ----------

@@ -10,7 +10,7 @@ from suspid.cleaning.clipping import clipping
 from suspid.cleaning.findings import Finding, found
 from suspid.levels import UNLIKELY
 from suspid.units import RealArray
-from suspid.values import frozen_real
+from suspid.values import LARGEST_SIZE, frozen_real
 from suspid.words import Defect, Number
 
 # Values that loggers write for a missing sample.
@@ -19,8 +19,6 @@ MARKS = (-9999.0, 9999.0, -999.0, 999.0, -99999.0, 99999.0, -999999.0, 999999.0)
 FULL_SCALE = tuple(
     float(sign * 2**bits + shift) for bits in (15, 16, 23, 24, 31, 32) for sign in (-1, 1) for shift in (-1, 0, 1)
 )
-# No quantity in SI units is as large as this.
-IMPOSSIBLE = 1e30
 # Equal samples in a row, entered and left by a jump, from which on they are a dropout.
 FROZEN = 4
 # Share of a straight line in the variance of a channel, number of blocks, and number of their medians that must
@@ -66,9 +64,9 @@ def inspect(name: str, times: RealArray, values: RealArray) -> Inspected:
     """
     findings: list[Finding] = []
     whole = possible(values)
-    huge = np.flatnonzero(np.abs(values) >= IMPOSSIBLE) if whole is not values else np.empty(0, np.intp)
+    huge = np.flatnonzero(np.abs(values) >= LARGEST_SIZE) if whole is not values else np.empty(0, np.intp)
     if huge.size:
-        findings.append(found(Defect.SENTINEL, times[huge], huge.size, {"limit": IMPOSSIBLE}, channel=name))
+        findings.append(found(Defect.SENTINEL, times[huge], huge.size, {"limit": LARGEST_SIZE}, channel=name))
     repaired, sentinels = without_sentinels(name, times, whole)
     findings += sentinels
     if np.sum(~np.isnan(repaired)) >= 8:
@@ -83,9 +81,9 @@ def inspect(name: str, times: RealArray, values: RealArray) -> Inspected:
 def possible(values: RealArray) -> RealArray:
     """Return the samples with NaN for infinities and impossibly large numbers."""
     # The largest of samples with a NaN is NaN, so that these take the second way.
-    if values.size and np.min(values) > -IMPOSSIBLE and np.max(values) < IMPOSSIBLE:
+    if values.size and np.min(values) > -LARGEST_SIZE and np.max(values) < LARGEST_SIZE:
         return values
-    return np.where(np.abs(values) < IMPOSSIBLE, values, np.nan)
+    return np.where(np.abs(values) < LARGEST_SIZE, values, np.nan)
 
 
 def _known(times: RealArray, values: RealArray) -> tuple[RealArray, RealArray]:

@@ -11,6 +11,7 @@ import numpy as np
 from suspid.cleaning.conversions import to_si as to_si
 from suspid.errors import InputError, RecordError
 from suspid.files import printable
+from suspid.levels import PIECES_OF_RECORD
 from suspid.signals import Signal, as_signal, like
 from suspid.units import STANDARD_GRAVITY, Ratio, RealArray
 from suspid.values import frozen_real, nearest_names
@@ -21,8 +22,6 @@ if TYPE_CHECKING:
 # Relative difference from standard gravity up to which the mean of three axes is gravity: more than sensors' errors of
 # scale, and far less than the factor between units.
 GRAVITY = 0.15
-# Parts of the record whose spread gives the standard deviation of a direction; samples of one part may be correlated.
-PARTS = 20
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -161,7 +160,7 @@ def vertical(
     >>> bool(np.std(up.y[0] - bounce) < 1e-9)
     True
     """
-    signal = as_signal(response, least=2 * PARTS)
+    signal = as_signal(response, least=2 * PIECES_OF_RECORD)
     values, names = _three(signal, axes)
     if by not in (None, "gravity", "motion"):
         raise InputError(f"{by=} is unknown; it is 'gravity' or 'motion'")
@@ -223,10 +222,10 @@ def _std_deg(along: RealArray, motion: RealArray, axis: RealArray, *, power: flo
     """
     across = motion - np.outer(axis, axis @ motion)
     weight = np.cumsum(along**2)
-    edges = np.searchsorted(weight, weight[-1] * np.arange(1, PARTS) / PARTS)
+    edges = np.searchsorted(weight, weight[-1] * np.arange(1, PIECES_OF_RECORD) / PIECES_OF_RECORD)
     sums = np.array([part.sum(axis=1) for part in np.split(along * across, edges, axis=1)])
     # One direction was taken from the sums themselves.
-    variance = float(np.sum(sums**2)) / 2 * PARTS / (PARTS - 1)
+    variance = float(np.sum(sums**2)) / 2 * PIECES_OF_RECORD / (PIECES_OF_RECORD - 1)
     return float(np.degrees(np.sqrt(variance) / power))
 
 

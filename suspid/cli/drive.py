@@ -19,8 +19,6 @@ from suspid.cli.support import Positive, check_apart, said_warnings
 from suspid.files import printable, replacing
 from suspid.greybox import DriveLimits, Drives
 
-# Stretches that are listed one by one; of more, lengths by reason are.
-MOST_LISTED = 30
 DEFAULTS = DriveLimits()
 
 
@@ -177,5 +175,6 @@ def listed(drives: Drives) -> str:
     """Return the stretches of a file as text: each of them, or how long was left for which reason."""
     from suspid.greybox import stretch_table, summary_table
 
-    table = stretch_table(drives) if len(drives) <= MOST_LISTED else summary_table(drives)
+    # More stretches than fit on a screen are summed up: lengths by reason.
+    table = stretch_table(drives) if len(drives) <= 30 else summary_table(drives)
     return f"{printable(drives.title)}\n{table}"

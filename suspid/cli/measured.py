@@ -29,7 +29,7 @@ from suspid.files import naming, printable, replacing
 from suspid.samples import held
 from suspid.signals import as_signal
 from suspid.values import samples_in_words
-from suspid.words import DAMAGE, Note, count
+from suspid.words import DAMAGE, MOST_NAMED, Note, count
 
 if TYPE_CHECKING:
     import control
@@ -37,8 +37,6 @@ if TYPE_CHECKING:
 
     from suspid.reporting import Source
 
-# Things in a file that are no channels which are listed; `suspid channels` lists all.
-MOST_LEFT_OUT = 3
 # Findings of the cleaning that are warned of; the report lists all.
 MOST_FINDINGS = 5
 
@@ -100,7 +98,7 @@ def identify_command(files: tuple[Path, ...], settings: Settings, plot: Path | N
             json_draft.write_text(to_json(_json_of(found, files, said)), encoding="utf-8")
         if figure_draft:
             save_picture(partial(plot_identification, found.identification, units=found.units), figure_draft)
-        said += said_of(found, most_left_out=MOST_LEFT_OUT, most_findings=MOST_FINDINGS)
+        said += said_of(found, most_left_out=MOST_NAMED, most_findings=MOST_FINDINGS)
     say(_in_words(files, found))
     for file, other in others:
         say(f"\n{_in_words([file], other)}")

@@ -12,13 +12,13 @@ import click
 
 from suspid.analysis import STEPS, Analysis, Settings, analyse, check_springs, read_limits
 from suspid.cli.fitting import GIVEN, fitted, tests_of
-from suspid.cli.measured import MOST_FINDINGS, MOST_LEFT_OUT, said_of, sources_of, writer
+from suspid.cli.measured import MOST_FINDINGS, said_of, sources_of, writer
 from suspid.cli.options import AT_SPEED, FILE, ON_ROAD, RECORD, analysing, progress, road_named
 from suspid.cli.support import Probability, check_apart, said_warnings, say
 from suspid.errors import EstimationError
 from suspid.files import naming, printable, replacing
 from suspid.levels import LEVEL
-from suspid.words import count
+from suspid.words import MOST_NAMED, count
 
 if TYPE_CHECKING:
     from suspid.greybox import Estimate
@@ -95,7 +95,7 @@ def report_command(
             ride = _ride_of(found.estimate or found.reconstruction, road, speed)
             shown = content_of(found, source=sources, car=described, limits=asked, ride=ride)
             page, plain, judged = report(shown, title=title), report_to_dict(shown), shown.limits
-            said += said_of(found, most_left_out=MOST_LEFT_OUT, most_findings=MOST_FINDINGS)
+            said += said_of(found, most_left_out=MOST_NAMED, most_findings=MOST_FINDINGS)
         else:
             ride = _ride_of(found, road, speed)
             content = content_of(

@@ -103,12 +103,12 @@ def _found(signal: Signal) -> tuple[list[Decay], list[Remark]]:
         # A decay that fills most of the record has no background to rise above.
         decays += examined(recording, _whole(signal, recording.bands), moved=True)[0]
     elif bursts and all(any(doubt.code is DecayDoubt.CUT_OFF for doubt in d.doubts) for d in decays):
-        # Above a background at rest, what is left of a slow decay rises again and again.
+        # Above a background at rest, the end of a slow decay rises again and again.
         last = signal.start + signal.step * (signal.values.shape[1] - 1)
         whole = examined(recording, replace(bursts[0], stop=last, cut=False, again=()), moved=True)[0]
         decays = [*whole, *(d for d in decays if not any(w.start <= d.stop and d.start <= w.stop for w in whole))]
     if bursts and all(_left(decay) > 1 for decay in decays):
-        # A blow excites more modes than can be told apart; once the fast ones have died, the slow ones can.
+        # A blow excites more modes than can be separated; once the fast ones have decayed, the slow ones can.
         for later in died_down(recording.bands, bursts[0]):
             slow = examined(recording, later, moved=True)[0]
             if slow and _left(slow[0]) <= 1:

@@ -6,6 +6,7 @@ import numpy as np
 
 from suspid.decays.trials import Trial
 from suspid.identification import FEWEST_SAMPLES
+from suspid.levels import CERTAIN
 from suspid.signals import Signal
 from suspid.units import Second
 from suspid.words import DecayKind
@@ -17,8 +18,8 @@ BEFORE: Second = 1.0
 SHIFTED, TOGETHER = 0.15, 0.1
 # The excitation is an impulse if the motion during it is this many times the motion after it.
 SPIKE = 2.0
-# Shift and spike are this many standard deviations of the rest before.
-SURE_SHIFT, SURE_SPIKE = 5.0, 10.0
+# A spike is this many standard deviations of the rest before, because it is the largest of many samples.
+SURE_SPIKE = 10.0
 
 
 def kind_of(signal: Signal, trial: Trial, first: int, begin: int) -> DecayKind | None:
@@ -34,7 +35,7 @@ def kind_of(signal: Signal, trial: Trial, first: int, begin: int) -> DecayKind |
     swing = np.max(np.abs(trial.motion), axis=1)
     shift = np.mean(after, axis=1) - np.mean(trial.motion, axis=1) - np.mean(quiet, axis=1)
     spread = np.std(quiet, axis=1)
-    moved = (np.abs(shift) > SHIFTED * swing) & (np.abs(shift) > SURE_SHIFT * spread)
+    moved = (np.abs(shift) > SHIFTED * swing) & (np.abs(shift) > CERTAIN * spread)
     if np.sum(moved) == 1:
         return DecayKind.STEP_OR_RELEASE
     if np.any(moved):

@@ -19,7 +19,7 @@ NOISE = 4.6
 # The recurrence is fitted from the last time at which the kinetic energy, smoothed over half a period, is at least this
 # share of its largest value, over this many periods of the strongest frequency and at least this many blocks.
 STRONG_ENERGY, FITTED_PERIODS, FEWEST_FITTED = 0.7, 4.0, 24
-# The recurrence has at most this many coefficients per channel, and one for so many blocks.
+# The recurrence has at most this many coefficients per channel, and one for each `BLOCKS_EACH` blocks.
 MOST_COEFFICIENTS, BLOCKS_EACH = 16, 5
 # An error this many times the largest one within the decay is a force. Less stops at the jumps of friction; more lets
 # a weak force pass.

@@ -18,6 +18,7 @@ from suspid.identification import (
     select,
     synthesize,
 )
+from suspid.levels import CERTAIN
 from suspid.units import Hertz, RealArray, Second
 from suspid.words import Reason
 
@@ -33,17 +34,11 @@ MOST_SOUGHT = 16
 # The residual of the first of this many parts is compared with the others, of at least this many blocks each. Longer
 # parts dilute a forced beginning; shorter ones scatter.
 TRIAL_PARTS, FEWEST_EARLY = 24, 6
-# Standard deviations of chance by which the first part may exceed the others. A lower limit moves starts too late and
-# doubts good decays; a higher one lets forcing pass.
-EARLY_SURE = 5.0
 # A residual below this share of the motion is not compared: the fit is exact to rounding.
 EXACT_RESIDUAL = 1e-4
 # The noise has at least this share of the variance of a quiet stretch, if there are this many stretches. Without it the
 # fit spends poles on the background.
 QUIET_SHARE, FEWEST_STRETCHES = 0.5, 4
-# Probability with which a white residual is called coloured by its correlation over one block (5 standard deviations).
-# It is small because a stretch is tried from many starts.
-TRIAL_COLOUR_LEVEL = 5.733e-7
 # Quantile of the power over the stretches that counts as background. The median is too high where decays fill half of
 # the recording.
 CALM = 0.2
@@ -86,7 +81,7 @@ class Trial:
         size = max(FEWEST_EARLY, self.residual.shape[1] // TRIAL_PARTS)
         early = np.sum(self.residual[:, :size] ** 2, axis=1)
         matters = early > EXACT_RESIDUAL**2 * np.sum(self.motion[:, :size] ** 2, axis=1)
-        return float(np.max(self.parts[:, 0] * matters) / (1 + EARLY_SURE * np.sqrt(2 / size)))
+        return float(np.max(self.parts[:, 0] * matters) / (1 + CERTAIN * np.sqrt(2 / size)))
 
     @property
     def early(self) -> float:
@@ -99,7 +94,7 @@ class Trial:
     def left(self) -> RealArray:
         """Residual over motion in the first third, root mean square, or 0 where the residual is white, (channel,)."""
         early = max(1, self.residual.shape[1] // 3)
-        coloured = correlated(lag_one(self.residual), self.residual.shape[1], level=TRIAL_COLOUR_LEVEL)
+        coloured = correlated(lag_one(self.residual), self.residual.shape[1], sigmas=CERTAIN)
         motion = np.sum(self.motion[:, :early] ** 2, axis=1)
         left = np.sum(self.residual[:, :early] ** 2, axis=1)
         share = np.divide(left, motion, out=np.full_like(left, np.inf), where=motion > 1e-200 * left)

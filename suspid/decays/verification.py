@@ -11,7 +11,7 @@ from suspid.samples import as_samples
 from suspid.signals import Signal
 from suspid.words import DecayDoubt, Reason, Remark
 
-# No start lies beyond this share of the stretch: what is left is too short to tell a decay by.
+# No start lies beyond this share of the stretch: the rest is too short to recognise a decay.
 LATEST_START = 0.4
 # Delays of the starts that are verified, in quarters of a block.
 QUARTERS = (0, 1, 2, 3, 4, 6, 9, 14, 20)
@@ -50,7 +50,7 @@ def verified(
                 return place, Remark(DecayDoubt.NONLINEAR, {"share": trial.early})
             doubt = _doubt(trial, found)
             if not len(found.modes) and len(found.considered) >= MOST_PAIRS:
-                # No number of poles explains the stretch, nor what is left of it a few samples later.
+                # No number of poles explains the stretch, nor the same stretch from a few samples later on.
                 return begin, first_doubt or doubt
             # A pole that is gone after a few samples fits forced samples.
             if doubt is None and not any(c.removed and c.remark.code is Reason.A_FEW_SAMPLES for c in found.considered):

@@ -14,7 +14,8 @@ from suspid.fleet.estimate_many import DRIVES_CHUNK, estimate_many
 from suspid.fleet.fleet_summary import fleet_summary
 from suspid.fleet.identify_many import CHUNK, identify_many
 from suspid.fleet.run import FleetRun, Progress
-from suspid.fleet.summary import LEGEND, MOST_SHOWN, FleetSummary
+from suspid.fleet.summary import LEGEND, FleetSummary
+from suspid.fleet.summary_text import MOST_SHOWN
 from suspid.fleet.trends import Trend
 
 __all__ = [

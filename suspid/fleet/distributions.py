@@ -128,7 +128,7 @@ def outliers_of(quantity: str, who: Sequence[str], values: RealArray, stds: Real
         return []
     own = np.nan_to_num(stds, nan=0.0) ** 2
     median = float(np.median(values))
-    # What the vehicles differ by is what is left of the scatter without what the records state.
+    # The vehicles differ by the scatter less what the records state of their own uncertainty.
     shared = max(float(stats.median_abs_deviation(values, scale="normal")) ** 2 - float(np.median(own)), 0.0)
     std = np.sqrt(shared + own)
     z = np.where(std > 0, (values - median) / np.where(std > 0, std, 1.0), 0.0)

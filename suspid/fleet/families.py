@@ -20,7 +20,7 @@ OTHERS = -1
 # one family by its scatter.
 BANDWIDTH = 0.08
 # Grid of the density: an eighth of the bandwidth.
-STEP = 0.01
+STEP = BANDWIDTH / 8
 # Largest difference of log frequency to a mode of the car (a factor of 1.6); larger takes spurious modes for it.
 BEYOND = 0.5
 

@@ -59,7 +59,7 @@ def rows_of(job: Job, entry: Entry) -> Rows:
 
 
 def check_versions(job: Job) -> None:
-    """Refuse to work for a client of another version: its results could not be told apart from ours."""
+    """Refuse to work for a client of another version: its results could not be distinguished from ours."""
     here = environment()
     for name, version in job.environment.items():
         if here.get(name) != version:

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from suspid.units import Hertz, Ratio, RealArray, Second
 
 PERIODOGRAM: Second = 12.0  # of a periodogram: lines of 1/12 Hz are narrow beside any damped body mode
-# Averages of windows that half overlap and are tapered: as good as so many independent ones, and the lines of one
-# spread over so many (F. J. Harris, Proc. IEEE 66 (1978) 51-83).
+# Windows that half overlap and are tapered: independent ones that each counts for, and lines over which one spreads
+# (F. J. Harris, Proc. IEEE 66 (1978) 51-83).
 WORTH, LINE_WIDTH = 9 / 11, 1.5
 MIDDLE: Hertz = 1.5  # about which the bend is
 # Where parameters lie: exponent, bend, ln of the frequency, damping ratio, k. Roads have exponents of 1 to 4, so the
@@ -143,8 +143,8 @@ def fitted(shape: Shape, hertz: RealArray, mean: RealArray, starts: Sequence[Rea
 def scattered(found: Fitted, hertz: RealArray, mean: RealArray, others: RealArray, *, worth: float) -> RealArray:
     """Return the natural frequencies [Hz] of mean spectra (draw, line) near the fitted one, to first order.
 
-    Each line is worth so many independent periodograms. Parameters on a bound stay there, and between bounds they are
-    taken as known to a twelfth of the squared distance; the frequency is free.
+    ``worth`` is the number of independent periodograms of each line. Parameters on a bound stay there, and between
+    bounds they are taken as known to a twelfth of the squared distance; the frequency is free.
     """
     inside, p = found.shape.inside(hertz), found.parameters
     span = UPPER - LOWER

@@ -30,7 +30,7 @@ from suspid.greybox.latent_splines import (
 from suspid.greybox.strut_motion import StrutMotion
 from suspid.units import Hertz, MetrePerSecond, RealArray, Second
 
-# The sign of friction is smoothed over so many errors of velocity in the derivative alone.
+# Errors of velocity [sd] over which the sign of friction is smoothed, in the derivative alone.
 SMOOTH = 3.0
 # Blocks whose scores are independent [s]: several times as long as noise in the motion lasts.
 SCORE_BLOCK: Second = 0.5

@@ -16,7 +16,7 @@ from suspid.model import Suspension
 from suspid.units import RealArray, Second
 
 DEGREE = 4  # coefficients of an input between two samples
-# A power series of so many terms is exact to rounding where the norm of its argument is at most SHORT.
+# A power series of this number of terms is exact to rounding where the norm of its argument is at most `SHORT`.
 SHORT, TERMS = 0.5, 14
 
 

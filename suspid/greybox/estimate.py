@@ -127,7 +127,7 @@ def estimate(
     How an input moves between two samples (on a cubic spline, on straight lines, or in steps) is taken from the record:
     as it explains the motion best. Residuals that are not white widen the intervals by their spectrum.
 
-    Where motion is given, `fitted` and `residual` hold the band alone, and whether what is left of the outputs follows
+    Where motion is given, `fitted` and `residual` hold the band alone, and whether the residual of the outputs follows
     the given motion is tested: it does where the car lacks something, such as the other axle. Intervals are those of
     the scores' scatter over all spectral lines. Delay and mount of one strut are nearly the same thing where the mount
     is stiff; hold one of them (``delays=()``) where it is known.

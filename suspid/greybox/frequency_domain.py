@@ -121,7 +121,7 @@ def _noise(problem: WheelProblem, levels: Levels, number: int) -> RealArray:
 
 
 def _in_time(problem: WheelProblem, found: Whitened, number: int) -> list[tuple[int, Signal, Signal]]:
-    """Return the number of each record, its motion in the band as explained by the car, and what is left of it."""
+    """Return the number of each record, its motion in the band as explained by the car, and its residual."""
     source = problem.sources[number]
     spectra, trial = source.spectra, source.trial
     left = np.zeros_like(spectra.values)

@@ -7,14 +7,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from suspid.errors import EstimationError
+from suspid.levels import EXACT
 from suspid.model import Suspension
 from suspid.units import RealArray
 
 # Standard deviation of a combination, in the logarithm of springs and masses and in units of a nearly critical damper,
 # from which on it is not determined: not even within a factor of e.
 UNDETERMINED = 1.0
-# Derivatives by a combination, as a share of the largest, that are rounding.
-SLOPE_ROUNDING = 1e-9
 NAMED_SHARE = 0.05  # of a combination: below it a parameter is not named
 
 
@@ -30,7 +29,7 @@ def blind(slope: RealArray) -> RealArray:
     """
     _, values, directions = np.linalg.svd(slope, full_matrices=True)
     values = np.append(values, np.zeros(len(directions) - len(values)))
-    found = directions[(values < 1 / UNDETERMINED) | (values < SLOPE_ROUNDING * values[0])]
+    found = directions[(values < 1 / UNDETERMINED) | (values < EXACT * values[0])]
     largest = np.argmax(np.abs(found), axis=1) if len(found) else np.zeros(0, int)
     return np.asarray(found * np.sign(np.take_along_axis(found, largest[:, None], axis=1)))
 

@@ -1,4 +1,4 @@
-"""Whether what is left of the outputs follows the causes: then the topology lacks something."""
+"""Whether the residual of the outputs follows the causes: then the topology lacks something."""
 
 from __future__ import annotations
 
@@ -7,15 +7,14 @@ from typing import NamedTuple
 import numpy as np
 
 from suspid.greybox.measured_causes import Whitened
+from suspid.levels import EXACT
 from suspid.units import Hertz, Ratio, RealArray
 
-# Information on a variation, as a share of the largest, below which it is one of the parameters', or of the ends.
-SEEN = 1e-9
 STRETCHES_TOGETHER = 8  # stretches that are varied at a time
 
 
 class Leftover(NamedTuple):
-    """What is left of one record and follows the given motion."""
+    """The part of the residual of one record that follows the given motion."""
 
     chi_square: float
     freedom: int
@@ -45,12 +44,13 @@ def coherent_leftover(found: Whitened, hertz: RealArray) -> Leftover:
     own, cross, score = own / np.outer(norm, norm), cross / np.outer(size, norm), score / norm
     taken = np.linalg.pinv(slope.T @ slope / np.outer(size, size), hermitian=True) @ cross
     values, directions = np.linalg.eigh(own - cross.T @ taken)
-    keep = values > SEEN * values[-1]
+    # What carries less information is a variation of the parameters, or of the ends.
+    keep = values > EXACT * values[-1]
     score_left = score - taken.T @ (slope.T @ found.residual.ravel() / size)
     amounts = directions[:, keep].T @ score_left / np.sqrt(values[keep])
     # The variation that explains the residual itself, which follows no parameter at the best fit; if their part were
     # taken out of it, it would be large where one is hardly told from another.
-    change = np.linalg.pinv(own, SEEN, hermitian=True) @ score / norm
+    change = np.linalg.pinv(own, EXACT, hermitian=True) @ score / norm
     change = (change[: len(change) // 2] + 1j * change[len(change) // 2 :]).reshape(outputs * causes, nodes)
     change = (change @ hats.T).T.reshape(lines, outputs, causes)
     error = np.sqrt(np.sum(np.abs(change) ** 2, axis=(1, 2)) / np.sum(np.abs(found.transfer.T) ** 2, axis=(1, 2)))

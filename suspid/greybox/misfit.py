@@ -15,7 +15,7 @@ from suspid.words.greybox import EstimateCheck
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Misfit:
-    """What is left of the outputs of all records and follows the given motion."""
+    """The part of the residual of all records that follows the given motion."""
 
     parts: tuple[Leftover, ...]  # by logger
 
@@ -55,5 +55,5 @@ class Misfit:
 
 
 def misfit_of(every: Sequence[Whitened], hertz: Sequence[RealArray]) -> Misfit:
-    """Return what is left of the records of all loggers, with the frequencies of their lines."""
+    """Return the residual of the records of all loggers, with the frequencies of their lines."""
     return Misfit(parts=tuple(coherent_leftover(w, lines) for w, lines in zip(every, hertz, strict=True)))

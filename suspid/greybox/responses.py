@@ -1,7 +1,7 @@
 """Output error of one record: motion from an unknown start under known inputs, with noise on every channel.
 
 ``y = C x + D w + offset + e``. The state at the start and the offset of each channel are linear and projected out;
-what is left are the residual and its derivatives by the parameters of the suspension.
+the result is the residual and its derivatives by the parameters of the suspension.
 """
 
 from __future__ import annotations

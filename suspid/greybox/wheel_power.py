@@ -21,7 +21,7 @@ from suspid.greybox.trials import Trial
 from suspid.units import Hertz, RealArray
 
 TAPER_BANDWIDTH = 2.0  # half bandwidth of the tapers, in lines
-TAPERS = 3  # one less than twice the bandwidth: the next one leaks
+TAPERS = round(2 * TAPER_BANDWIDTH) - 1  # the next one leaks
 SPAN = 6  # lines to either side that the kernel of the tapers spans
 MOMENTS = 96  # of a stretch at which the speed is taken
 

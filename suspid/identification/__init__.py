@@ -11,16 +11,10 @@ from suspid.identification.considered import Considered
 from suspid.identification.exponentials import synthesize
 from suspid.identification.halves import FEWEST_SAMPLES
 from suspid.identification.identification import Identification, Method, tables_of
+from suspid.identification.identification_json import identification_to_dict
 from suspid.identification.identify import identify
 from suspid.identification.identify_repeats import Repeats, identify_repeats, tables_of_repeats
-from suspid.identification.modes_json import (
-    identification_to_dict,
-    modes_from_dict,
-    modes_to_dict,
-    read_modes,
-    to_json,
-    write_modes,
-)
+from suspid.identification.modes_json import modes_from_dict, modes_to_dict, read_modes, to_json, write_modes
 from suspid.identification.noise import (
     ABOVE_RESOLUTION,
     SAME_SHARE,

@@ -6,11 +6,10 @@ import numpy as np
 
 from suspid.identification.covariance import inverse_information
 from suspid.identification.likelihood import DecayFit
+from suspid.levels import SURE
 from suspid.units import Ratio, RealArray
 from suspid.words import Reason
 
-# A decay rate this many standard deviations below zero means growth: one-sided level 0.1 %.
-SURE = 3.0
 # A pole that decays by less than a quarter of a neper over the record is a tone unless its decay rate is this many
 # standard deviations above zero. Real tones drift, which shows as a slight decay or growth.
 TONE_SURE = 10.0
@@ -71,6 +70,6 @@ def ambiguous(gains: RealArray, pair_gains: RealArray, *, channels: int) -> Real
     """
     from scipy.special import chdtri
 
-    # A real pole is a mode if it is worth at least 150 in twice the log likelihood, so that a pair would show, and if
+    # A real pole is a mode if it raises twice the log likelihood by at least 150, so that a pair would show, and if
     # the pair nearest to it gains no more than chance gives with probability 0.14.
     return np.asarray((pair_gains > chdtri(1 + channels, 0.14)) | (gains < 150.0))

@@ -19,8 +19,8 @@ from suspid.words import Reason, Remark
 # Each pole explains at least this many times the energy that all leave (mean over channels). Random walks reach it too,
 # but do not fall as a decay does.
 CLEAR = 9.0
-# It falls by at least so many nepers in the record, and by at most so many a cycle: it makes two cycles or more. A
-# pulse of force falls faster, a random walk by less.
+# Least fall in the record, and largest fall in a cycle [neper]: it makes two cycles or more. A pulse of force falls
+# faster, a random walk by less.
 LEAST_NEPERS, MOST_A_CYCLE = 2.0, 1.0
 # Poles at most.
 MOST_CLEAR = 3

@@ -24,7 +24,7 @@ COLOUR_BEGINS = 1.5
 # frequencies, may be one mode that is not quite linear: friction and nonlinear springs bend a mode by less.
 BENT, OTHER_FREQUENCY = 2.0, 1.35
 # Relative rounding error of the residual energy above which it is summed over samples: the weights of the channels
-# follow from it, and the poles from those, to about as many standard deviations. Records of up to so many samples are
+# follow from it, and the poles from those, to about as many standard deviations. Records of up to this many samples are
 # then fitted by their samples; more cost time.
 ROUNDED, MOST_BY_SAMPLES = 1e-8, 20_000
 # A refit regains at most this many times what a Gauss-Newton step promises. A lower number may take another order of
@@ -102,7 +102,7 @@ class Problem:
         return loss_growth(np.maximum(more, 0.0).T, count), count * more.sum(axis=1)
 
     def gains(self, fit: Fit, *, known: Mapping[int, float] | None = None) -> RealArray:
-        """Return what each pole is worth in twice the log likelihood, (pole,); some may be ``known``.
+        """Return the gain of each pole in twice the log likelihood, (pole,); some may be ``known``.
 
         Where a pole costs little at fixed poles, the others are refitted without it.
         """

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from suspid.identification.classification import SURE
 from suspid.identification.selection import Selection
+from suspid.levels import SURE
 from suspid.model import ModalSet
 from suspid.words import Reason
 

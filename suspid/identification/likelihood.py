@@ -21,7 +21,7 @@ from suspid.identification.poles import Poles
 from suspid.units import ComplexArray, RealArray
 from suspid.values import frozen_real
 
-# A Gauss-Newton step is worth about its squared length in standard deviations; iterations end below this. A larger
+# A Gauss-Newton step gains about its squared length in standard deviations; iterations end below this. A larger
 # value leaves the poles off the optimum by its square root.
 NEGLIGIBLE_STEP = 1e-5
 # Exponentials of unit norm of which less than this is orthogonal to the others are not fitted together: the rounding of

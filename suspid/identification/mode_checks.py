@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.files import printable
+from suspid.levels import SURE
 from suspid.samples import held
 from suspid.signals import as_signal
 from suspid.units import Ratio
@@ -16,8 +17,6 @@ from suspid.words import Check, Level, ModeCheck, Number, Reason, Remark
 if TYPE_CHECKING:
     from suspid.identification.identification import Identification
 
-# Disagreement of the halves [sd] beyond which it is no chance: 0.3 % for a Gaussian.
-HALVES_APART = 3.0
 # Half widths of the interval, as shares of the value, from which on zeta is unknown, zeta is rough, wn is rough.
 UNKNOWN_ZETA, ROUGH_ZETA, ROUGH_WN = 1.0, 0.25, 0.05
 # Phase collinearity below which the channels of a mode are out of phase.
@@ -36,9 +35,9 @@ def check_halves(found: Identification) -> Iterator[Check]:
     apart = found.halves
     known = np.isfinite(apart)
     for mode, value in enumerate(apart.tolist(), 1):
-        if value > HALVES_APART:
+        if value > SURE:
             yield check_of(ModeCheck.HALVES_DISAGREE, Level.CARE, {"mode": mode, "apart": value})
-    if np.any(known) and np.nanmax(apart) <= HALVES_APART:
+    if np.any(known) and np.nanmax(apart) <= SURE:
         which = "every mode" if np.all(known) else f"mode {', '.join(map(str, numbers_of(known)))}"
         yield check_of(ModeCheck.HALVES_AGREE, Level.SOUND, {"which": which, "most": float(np.nanmax(apart))})
 

@@ -29,24 +29,20 @@ import json
 import math
 import os
 import reprlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 
 from suspid.errors import InputError
 from suspid.files import naming, parsed_json, printable, read_text, replacing
-from suspid.identification.identification import Identification
+from suspid.levels import SEVEN_DIGITS
 from suspid.model import ModalSet, check_definite
-from suspid.samples import held
-from suspid.signals import Signal, as_signal
 from suspid.toml import parsed_toml
 from suspid.values import LARGEST_SIZE, SMALLEST_SIZE, nearest_names
 
 MODES_FORMAT = "suspid modes 1"
 MODE_KEYS = ("frequency_hz", "wn_rad_per_s", "zeta", "wn_std_rad_per_s", "zeta_std", "pole_rad_per_s", "shape")
-# Relative error that a value written by hand may have beside a pole. A smaller one refuses rounded values.
-AGREEMENT = 1e-6
 
 
 def modes_to_dict(modes: ModalSet) -> dict[str, object]:
@@ -76,65 +72,6 @@ def modes_to_dict(modes: ModalSet) -> dict[str, object]:
         "channels": list(modes.channels),
         "covariance": None if modes.covariance is None else modes.covariance.tolist(),
     }
-
-
-def identification_to_dict(identification: Identification, *, file: str, warnings: Sequence[str]) -> dict[str, object]:
-    """Return the modes with the record, the settings, the noise and the windows of the ridges."""
-    from importlib.metadata import version
-
-    signal = as_signal(held(identification, "response"))
-    return {
-        **modes_to_dict(identification.modes),
-        "record": {
-            "file": file,
-            "channels": list(signal.channels),
-            "samples": signal.values.shape[1],
-            "rate_hz": 1 / signal.step,
-            "start_s": signal.start,
-        },
-        "method": identification.method,
-        "forces": [
-            {
-                "kind": force.kind.value,
-                "channel": signal.channels[force.channel],
-                "relative_to": _name(signal, force.other),
-            }
-            for force in identification.forces
-        ],
-        "amplitude_dependence": [
-            {
-                "channel": each.channel,
-                "holds_at": each.holds_at,
-                "start_s": [start for start, _ in each.spans],
-                "stop_s": [stop for _, stop in each.spans],
-                "amplitude": each.amplitude.tolist(),
-                "frequency_hz": (each.wn / (2 * np.pi)).tolist(),
-                "wn_rad_per_s": each.wn.tolist(),
-                "wn_std_rad_per_s": each.wn_std.tolist(),
-                "zeta": each.zeta.tolist(),
-                "zeta_std": each.zeta_std.tolist(),
-            }
-            for each in identification.amplitude_dependence
-        ],
-        "noise_std": identification.noise_std.tolist(),
-        "explained": identification.explained.tolist(),
-        "ridges": [
-            {
-                "wn_rad_per_s": float(ridge.omega),
-                "bandwidth": float(ridge.wavelet.bandwidth),
-                "start_s": float(ridge.window.start),
-                "stop_s": float(ridge.window.stop),
-                "ends_at": ridge.window.reason,
-            }
-            for ridge in identification.ridges
-        ],
-        "warnings": list(warnings),
-        "suspid": version("suspid"),
-    }
-
-
-def _name(signal: Signal, channel: int | None) -> str | None:
-    return None if channel is None else signal.channels[channel]
 
 
 def to_json(content: Mapping[str, object]) -> str:
@@ -271,7 +208,7 @@ def _mode(where: str, entry: object) -> tuple[complex, list[complex] | None, tup
     alone = ModalSet(poles=np.array([pole]))
     means = {"frequency_hz": alone.wn[0] / (2 * np.pi), "wn_rad_per_s": alone.wn[0], "zeta": alone.zeta[0]}
     for key, meant in means.items():
-        if not math.isclose(given.get(key, meant), meant, rel_tol=AGREEMENT, abs_tol=AGREEMENT):
+        if not math.isclose(given.get(key, meant), meant, rel_tol=SEVEN_DIGITS, abs_tol=SEVEN_DIGITS):
             raise InputError(f"{where}: {key} = {given[key]:g} contradicts the other keys, which give {meant:.9g}")
     stds = [given.get(key) for key in MODE_KEYS[3:5]]
     if (stds[0] is None) != (stds[1] is None):

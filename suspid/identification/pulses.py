@@ -39,7 +39,7 @@ def without_pulse(selection: Selection, values: RealArray) -> Selection:
 def one_shape(motion: RealArray, noise_std: RealArray, unknowns: int) -> bool:
     """Return whether all channels of a fitted motion (channel, sample) move alike.
 
-    What moves beside the principal direction is then noise: as much as so many unknowns of each channel take up.
+    What moves beside the principal direction is then noise: as much as the ``unknowns`` of each channel take up.
     """
     from scipy.special import chdtri
 

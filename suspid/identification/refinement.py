@@ -87,7 +87,7 @@ class _Limits:
 
 
 def _weakest(problem: Problem, fit: Fit, limits: _Limits) -> tuple[int, Fit | None]:
-    """Return the pole that is worth least, and the fit without it where the others were refitted.
+    """Return the pole of least gain, and the fit without it where the others were refitted.
 
     A gain in ``limits`` is then that of the refit. Poles far apart when they were added may have approached each other:
     the weaker of two goes first. Only where a pole could be the weakest, the others are refitted.

@@ -21,7 +21,7 @@ from suspid.words import Reason, Remark
 
 # The largest number of pairs: a bound on time and memory for records that no number of poles explains.
 MOST_PAIRS = 50
-# From so many pairs on, more are tried only while the first half of the residual has so many times the energy of the
+# From `MANY_PAIRS` on, more are tried only while the first half of the residual has `DYING` times the energy of the
 # second. Coloured noise and driven motion, which pairs without end follow, have as much in both.
 MANY_PAIRS, DYING = 16, 2.0
 # Candidates whose gain is the first number times the BIC penalty and which lie the second number of linewidths apart
@@ -39,7 +39,7 @@ class Selection:
 
     fit: DecayFit  # all poles: modes, other motions and nuisances
     reasons: tuple[Reason | None, ...]  # why each free pole (pairs, then reals) is no mode; None for a mode
-    # (pole,): what each is worth in twice the log likelihood: the loss without it, less the loss with it.
+    # (pole,): its gain in twice the log likelihood: the loss without it, less the loss with it.
     gains: RealArray
     loudness: RealArray  # (pole,): power of the residual near each pole over that of the noise; 1 where they agree
     residual: RealArray  # (channel, sample): the record less the fitted motion

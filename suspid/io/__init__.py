@@ -8,9 +8,9 @@ are folders of their own. Files are checked for damage before a library reads th
 
 from suspid.io.foreign import install_line
 from suspid.io.formats import READERS
+from suspid.io.names import bare_name
 from suspid.io.read_recording import read_recording
-from suspid.io.tables import bare_name
-from suspid.io.time_columns import seconds_in
+from suspid.io.time_units import seconds_in
 from suspid.io.write_record import check_record_name, write_record
 
 __all__ = ["READERS", "bare_name", "check_record_name", "install_line", "read_recording", "seconds_in", "write_record"]

@@ -17,7 +17,8 @@ from suspid.errors import RecordError
 from suspid.files import printable, read_bytes
 from suspid.io.foreign import sheltered
 from suspid.io.limits import most_bytes
-from suspid.io.tables import Table, stated_rate
+from suspid.io.names import stated_rate
+from suspid.io.tables import Table
 from suspid.io.variables import DEEPEST, Group, Text, Value, Variable, as_table
 from suspid.units import Hertz
 from suspid.words import LeftOut, Remark

@@ -9,7 +9,7 @@ from suspid.errors import RecordError
 from suspid.io.tables import Table
 from suspid.units import RealArray
 
-# Any file may take as much as this [bytes]; a larger one may take so many times its own size. Compressed records of
+# Memory that any file may take [bytes]; a larger one may take this many times its own size. Compressed records of
 # measured numbers take 2 to 20 times theirs, bombs 1000 times and more.
 ANY_FILE, TIMES_SIZE = 1 << 29, 100
 NUMBER_BYTES = 8  # bytes of a number as it is held

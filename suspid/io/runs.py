@@ -1,11 +1,11 @@
-"""Runs: several tests inside one file, told apart by the names and clocks of their channels."""
+"""Runs: several tests inside one file, distinguished by the names and clocks of their channels."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
 
-from suspid.io.tables import bare_name, plain
+from suspid.io.names import bare_name, plain
 
 # Between the parts of a name, such as those of a structure, of a group, or of a run of Logger Pro.
 SEPARATORS = re.compile(r"[.:/|]\s*")

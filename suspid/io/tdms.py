@@ -16,7 +16,8 @@ import numpy as np
 from suspid.errors import RecordError
 from suspid.files import printable, read_bytes
 from suspid.io.foreign import sheltered, unique_names
-from suspid.io.tables import PER_SECOND, Table, TimeBase, is_time, split_unit
+from suspid.io.names import PER_SECOND, is_time, split_unit
+from suspid.io.tables import Table, TimeBase
 from suspid.units import RealArray, Second
 from suspid.values import frozen_real
 from suspid.words import LeftOut, Remark

@@ -10,27 +10,12 @@ import numpy as np
 
 from suspid.errors import RecordError
 from suspid.io.limits import metered
+from suspid.io.names import PER_SECOND, counts_rows, is_abscissa, is_count, is_time, is_time_in_unknown_unit
 from suspid.io.runs import runs_of
-from suspid.io.tables import (
-    PER_SECOND,
-    Table,
-    TimeBase,
-    counts_rows,
-    is_abscissa,
-    is_count,
-    is_time,
-    is_time_in_unknown_unit,
-)
-from suspid.io.time_columns import (
-    FEW_STAMPS,
-    in_seconds,
-    increasing,
-    time_column,
-    time_names,
-    time_unit,
-    unit_remark,
-    unknown_unit,
-)
+from suspid.io.tables import Table, TimeBase
+from suspid.io.time_columns import increasing, time_column, time_names
+from suspid.io.time_units import FEW_STAMPS, in_seconds, time_unit, unit_remark, unknown_unit
+from suspid.levels import SEVEN_DIGITS
 from suspid.recordings import RawChannel, Recording
 from suspid.units import Hertz, RealArray
 from suspid.values import check_rate, listed
@@ -38,8 +23,6 @@ from suspid.words import LeftOut, Number, Remark
 
 # Stamps whose mean rate is further than this share from a stated one run at another.
 OTHER_PACE = 0.02
-# A rate stored in single precision, or as a rounded step, is still the same rate.
-SAME_RATE = 1e-6
 # In place of the name of a column of time: no column is.
 NO_TIME = "none"
 
@@ -99,7 +82,7 @@ def as_recording(
     norms = {} if channels else _magnitudes(plan, columns)
     left_out |= {**dict.fromkeys(counters, Remark(LeftOut.ROW_COUNTER)), **norms}
     for name, other in table.rates.items():
-        if fs is not None and not abs(fs - other) <= SAME_RATE * other:
+        if fs is not None and not abs(fs - other) <= SEVEN_DIGITS * other:
             left_out[f"rate {name!r}"] = Remark(LeftOut.OTHER_RATE, {"rate": other, "fs": fs})
     stamps = np.empty(0)
     if times:
@@ -119,7 +102,7 @@ def as_recording(
         if clock is not None and id(clock) not in by_clock:
             by_clock[id(clock)] = _stamps(clock, table.sizes[name], fs)
         own = plan.rate if clock is None else clock.rate
-        if fs is not None and own is not None and clock is not None and not abs(fs - own) <= SAME_RATE * own:
+        if fs is not None and own is not None and clock is not None and not abs(fs - own) <= SEVEN_DIGITS * own:
             left_out[f"rate of {clock.name!r}"] = Remark(LeftOut.OTHER_RATE, {"rate": own, "fs": fs})
         times_of = stamps if clock is None else by_clock[id(clock)]
         raw.append(
@@ -314,6 +297,6 @@ def _rate(table: Table, fs: Hertz | None) -> Hertz | None:
         return fs
     given, rate = next(iter(rates.items()))
     for name, other in rates.items():
-        if not abs(other - rate) <= SAME_RATE * rate:
+        if not abs(other - rate) <= SEVEN_DIGITS * rate:
             raise RecordError(f"{given!r} says {rate:g} Hz, {name!r} in the file {other:g} Hz; correct one of them")
     return rate

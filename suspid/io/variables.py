@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from suspid.errors import RecordError
-from suspid.io.tables import PER_SECOND, Table, TimeBase, is_time, split_unit, stated_rate
+from suspid.io.names import PER_SECOND, is_time, split_unit, stated_rate
+from suspid.io.tables import Table, TimeBase
 from suspid.units import Hertz, RealArray
 from suspid.values import frozen_real
 from suspid.words import LeftOut, Number, Remark

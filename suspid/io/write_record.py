@@ -14,7 +14,7 @@ import numpy as np
 
 from suspid.errors import RecordError
 from suspid.files import printable, replacing
-from suspid.io.tables import is_time
+from suspid.io.names import is_time
 from suspid.signals import as_signal, inputs_of
 
 if TYPE_CHECKING:

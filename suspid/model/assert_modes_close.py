@@ -37,7 +37,7 @@ def assert_modes_close(
     rtol_wn, rtol_zeta : float, optional
         Allowed error of natural frequencies and of damping ratios, relative to each expected value [1].
     sigmas : float, optional
-        What has no ``rtol`` is judged by its standard deviations: so many of them are allowed [1]. Default: as in
+        Allowed error of what has no ``rtol``, in its standard deviations [1]. Default: as in
         `compare`, 1.96 where there are any, else 1e-9 relative.
 
     Raises

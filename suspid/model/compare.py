@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from suspid.errors import InputError
-from suspid.levels import NORMAL_95
+from suspid.levels import EXACT, NORMAL_95, ROUNDING
 from suspid.model.comparison import ComparedValue, Comparison
 from suspid.model.force_curves import piecewise
 from suspid.model.matching import common_mac, paired
@@ -16,11 +16,6 @@ from suspid.model.strut import Strut
 from suspid.model.suspension import Suspension
 from suspid.units import UNITS, Ratio, RealArray
 from suspid.values import FrozenMapping, frozen_real
-
-# Relative. Two ways of solving one well-conditioned eigenvalue problem agree to this; tighter fails on rounding.
-EXACT = 1e-9
-# Share of the largest expected value. Smaller values count as zero, smaller errors as none.
-ROUNDING = 1e-12
 
 WN_ZETA = ("wn", "zeta")
 

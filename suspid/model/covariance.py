@@ -6,10 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from suspid.errors import InputError
+from suspid.levels import SEVEN_DIGITS
 from suspid.units import RealArray
-
-# Largest error of a correlation by rounding, also of one that was written with few digits.
-DEFINITE = 1e-6
 
 
 def jacobian_of(pole: complex) -> RealArray:
@@ -45,10 +43,10 @@ def check_definite(covariance: RealArray) -> None:
         spread = np.ones(len(covariance))
     correlation = covariance / spread[:, None] / spread
     largest = float(np.max(np.abs(correlation), initial=0.0))
-    if not np.allclose(correlation, correlation.T, rtol=0.0, atol=DEFINITE):
+    if not np.allclose(correlation, correlation.T, rtol=0.0, atol=SEVEN_DIGITS):
         raise InputError("covariance is not symmetric")
-    if not largest <= 1 + DEFINITE:
+    if not largest <= 1 + SEVEN_DIGITS:
         raise InputError(f"covariance is not positive semidefinite: a correlation in it is {largest:.3g}")
     least = float(np.min(np.linalg.eigvalsh(correlation), initial=0.0))
-    if least < -DEFINITE * len(correlation):
+    if least < -SEVEN_DIGITS * len(correlation):
         raise InputError(f"covariance is not positive semidefinite: its correlation has the eigenvalue {least:.3g}")

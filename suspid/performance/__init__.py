@@ -7,7 +7,7 @@ rule and its interval). `ride`: cars on roads (`road_response`: variances and th
 of them) and records (`recorded`), weighted as ISO 2631-1 says (`weightings`). `classify_road`: measured roads.
 """
 
-from suspid.performance.active import ActiveTuning, tune_active
+from suspid.performance.active_tuning import ActiveTuning
 from suspid.performance.contact import wheels_of
 from suspid.performance.damper_rates import dampers_between, dampers_of, rates_of, spring_beside
 from suspid.performance.damper_tunings import DamperTuning
@@ -20,6 +20,7 @@ from suspid.performance.rides import Ride
 from suspid.performance.road_classes import ROAD_LIMITS, RoadClass, classify_road
 from suspid.performance.sensitivities import Sensitivities, sensitivities
 from suspid.performance.tune import tune
+from suspid.performance.tune_active import tune_active
 from suspid.performance.tune_damper import tune_damper
 from suspid.performance.tunings import Tuning, short
 from suspid.performance.wear import wear

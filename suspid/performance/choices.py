@@ -16,6 +16,8 @@ from suspid.values import is_size, nearest_names
 
 # Parameters are looked for within this factor of the car's own, both ways.
 REACH_OF_BOUNDS = 4.0
+# A bound, a limit or the result of another search is reached to this share.
+REACHED = 1e-3
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)

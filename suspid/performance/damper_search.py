@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from suspid.model import Suspension, output_rows
+from suspid.performance.choices import REACHED
 from suspid.performance.figure_plan import Plan
 from suspid.performance.road_response import Signals, exact_grid, moments
 from suspid.performance.tune import NO_FIGURE
@@ -25,8 +26,6 @@ BEND = 2.0
 EVENNESS = 1e-4
 # Where a search ends: the mean logarithm no longer changes by this.
 SAME_COST = 1e-10
-# Searches from other starts agree, and limits are met, to this share.
-SAME_CURVE = 1e-3
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -90,13 +89,13 @@ class Search:
             ends.append(minimize(self._cost, x, method="SLSQP", bounds=box, constraints=rules, tol=SAME_COST))
         good = [
             end.x for end in ends
-            if np.max(np.abs(self._work(end.x))) < SAME_CURVE and np.min(self._room(end.x), initial=0.0) > -SAME_CURVE
+            if np.max(np.abs(self._work(end.x))) < REACHED and np.min(self._room(end.x), initial=0.0) > -REACHED
         ]  # fmt: skip
         if not good:
             return None, np.zeros(roads), 0.0
         costs = np.array([self._cost(x) for x in good])
         x = good[int(np.argmin(costs))]
-        return np.exp(x[roads:]), np.exp(x[:roads]), float(np.sum(costs < costs.min() + SAME_CURVE)) / len(starts)
+        return np.exp(x[roads:]), np.exp(x[:roads]), float(np.sum(costs < costs.min() + REACHED)) / len(starts)
 
     def _cost(self, x: RealArray) -> float:
         at = [float(place.figures(c)[0]) for place, c in zip(self.places, x[: len(self.places)], strict=True)]

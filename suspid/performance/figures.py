@@ -13,8 +13,6 @@ from suspid.performance.road_response import Moments
 from suspid.units import Metre, RealArray, Second
 from suspid.values import SMALLEST_SIZE
 
-EULER = 0.5772156649015329  # of the expected largest of many peaks, Davenport 1964
-
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Moment:
@@ -64,7 +62,8 @@ def crest(m: Moment, seconds: Second, _: Static) -> tuple[float, RealArray]:
     """Return the expected largest peak over rms, ``u + 0.5772 / u`` with ``u = (2 ln 2 nu T)^(1/2)``, Davenport."""
     count = 2 * m.rises * seconds
     u = float(np.sqrt(2 * np.log(max(count, math.e))))
-    return u + EULER / u, (1 / u - EULER / u**3) * (count > math.e) * m.rises_slopes
+    # Of the expected largest of many peaks: Davenport, Proc. ICE 28 (1964) 187-196.
+    return u + np.euler_gamma / u, (1 / u - np.euler_gamma / u**3) * (count > math.e) * m.rises_slopes
 
 
 def peak(m: Moment, seconds: Second, _: Static) -> tuple[float, RealArray]:

@@ -122,7 +122,7 @@ class Loss:
 def loss_of(now: Rates, before: Sequence[Rates], rule: WearRule, *, nominal: bool = False, tests: int = TESTS) -> Loss:
     """Return what a damper has lost since earlier estimates, or against its nominal rate.
 
-    The rate of the rule is shared by so many ``tests`` of one damper.
+    ``tests`` is the number of tests of one damper, which share the rate of the rule.
 
     Examples
     --------

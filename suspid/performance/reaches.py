@@ -100,7 +100,7 @@ def _with(about: Uncertain, name: str, value: float) -> tuple[Suspension, Mappin
 
 
 def _near(values: RealArray, std: RealArray, reach: Ratio) -> list[int]:
-    """Return which parameters are nearer to their bound of zero than so many standard deviations, the nearest first."""
+    """Return which parameters are less than ``reach`` standard deviations above zero, their bound, nearest first."""
     close = np.flatnonzero(values < reach * std)
     return [int(i) for i in close[np.argsort(values[close] / std[close])]][:MOST_BOUNDS]
 

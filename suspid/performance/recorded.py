@@ -9,6 +9,7 @@ import numpy as np
 
 from suspid.cleaning import RecordLike, as_record
 from suspid.errors import InputError
+from suspid.levels import PIECES_OF_RECORD
 from suspid.model import positive_number
 from suspid.performance.figure_plan import (
     ACCELERATION,
@@ -29,8 +30,6 @@ from suspid.values import FrozenItems, frozen_real, nearest_names
 from suspid.words import Check, Level, Number, Remark, Verdict
 from suspid.words.ride import RideCheck, RideHeadline
 
-# Pieces of a record whose mean powers tell the scatter of the whole one: twenty know it to a sixth.
-PIECES_OF_RECORD = 20
 # ISO 2631-1, 6.2.1 and 6.3.3: above these the weighted rms understates shocks.
 MOST_CREST, MOST_DOSE = 9.0, 1.75
 

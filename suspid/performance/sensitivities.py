@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from suspid.errors import InputError
+from suspid.levels import ROUNDING
 from suspid.model import Suspension, statespace
 from suspid.performance.figure_plan import plan_of
 from suspid.performance.ride import HOUR, driven_road
@@ -17,9 +18,6 @@ from suspid.results import Result
 from suspid.simulation import Road
 from suspid.units import ComplexArray, Metre, RealArray, Second
 from suspid.values import frozen_real, nearest_names, text_table
-
-# Damping ratios below this are zero to the rounding of poles.
-UNDAMPED = 1e-12
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -129,7 +127,7 @@ def sensitivities(
         names += [f"mode {mode}.wn", f"mode {mode}.zeta"]
         values += [wn, -pole.real / wn]
         with np.errstate(divide="ignore", invalid="ignore"):
-            by_zeta = np.where(abs(pole.real) > UNDAMPED * wn, np.real(slope) / pole.real * at - by_wn, np.nan)
+            by_zeta = np.where(abs(pole.real) > ROUNDING * wn, np.real(slope) / pole.real * at - by_wn, np.nan)
         rows += [by_wn, by_zeta]
     if road is not None:
         plan = plan_of(

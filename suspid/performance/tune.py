@@ -10,7 +10,7 @@ from suspid.errors import InputError
 from suspid.model import positive_number
 from suspid.performance.choices import Choice, box_of, choice_of
 from suspid.performance.figure_plan import Plan, plan_of
-from suspid.performance.fronts import Search, front_of
+from suspid.performance.fronts import SAME_FIGURE, Search, front_of
 from suspid.performance.joined import Joined, joined
 from suspid.performance.relations import Limits, check_limits, relations_of, split
 from suspid.performance.ride import HOUR, driven_road
@@ -26,8 +26,6 @@ from suspid.words.ride import TuningHeadline
 
 # Figures that are zero to rounding, such as the probability of a rare event, have no logarithm.
 NO_FIGURE = 1e-300
-# Relative error of variances during a search, at most: half of it in figures. Those of the cars found are exact.
-SEARCH_VARIANCE = 1e-4
 
 
 def tune(
@@ -166,7 +164,8 @@ def _grid_of_box(plan: Plan, choice: Choice, low: RealArray, high: RealArray) ->
     """
     springs = np.array([all(name.endswith(".stiffness") for name in group) for group in choice.groups])
     corners = (np.zeros(len(low)), np.where(springs, high, low), high)
-    grids = [exact_grid(choice.car(x, {}), plan.signals, plan.road, SEARCH_VARIANCE) for x in corners]
+    # Variances to this share, figures to half of it; those of the cars that are found are exact.
+    grids = [exact_grid(choice.car(x, {}), plan.signals, plan.road, SAME_FIGURE) for x in corners]
     return max(grids, key=lambda grid: len(grid.hertz))
 
 

@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterator
 
 import numpy as np
 
-from suspid.performance.choices import Choice
+from suspid.performance.choices import REACHED, Choice
 from suspid.performance.fronts import Front, Search
 from suspid.performance.uncertain import Uncertain
 from suspid.reconstruction import unit_of
@@ -14,8 +14,6 @@ from suspid.units import Ratio
 from suspid.words import Check, Level, Number, Remark
 from suspid.words.ride import RideCheck, TuningCheck
 
-# A factor nearer to its bound than this is at it, in logarithms; so are relations, of their largest term.
-AT_BOUND = 1e-3
 # Share of the searches from other starts that must agree.
 AGREED = 0.5
 
@@ -48,8 +46,8 @@ def _at_bounds(front: Front, choice: Choice, search: Search, given: Collection[s
     x = np.array([point.x for point in front.points])
     for i, group in enumerate(choice.groups):
         for side, end, stuck in (
-            ("least", search.low[i], x[:, i] <= search.low[i] + AT_BOUND),
-            ("largest", search.high[i], x[:, i] >= search.high[i] - AT_BOUND),
+            ("least", search.low[i], x[:, i] <= search.low[i] + REACHED),
+            ("largest", search.high[i], x[:, i] >= search.high[i] - REACHED),
         ):
             if np.any(stuck):
                 numbers: dict[str, Number] = {
@@ -67,7 +65,7 @@ def _related(front: Front, search: Search) -> Iterator[Check]:
     rooms = np.array([relations.room(point.x)[0] for point in front.points])
     for label in dict.fromkeys(relations.labels):
         rows = np.array([one == label for one in relations.labels]) & ~relations.equal
-        acts = np.any(rooms[:, rows] < AT_BOUND, axis=1)
+        acts = np.any(rooms[:, rows] < REACHED, axis=1)
         if np.any(acts):
             numbers: dict[str, Number] = {"label": label, "count": int(np.sum(acts)), "cars": len(acts)}
             yield Check(Remark(TuningCheck.RELATED, numbers), Level.NOTE)

@@ -192,7 +192,7 @@ def remarks(problem: Problem, best: Optimum, cost: float) -> list[Remark]:
 def goodness(problem: Problem, best: Optimum, tolerance: Ratio) -> tuple[float | None, int, bool]:
     """Return chi-square, its degrees of freedom, and whether it is not improbably large.
 
-    Without a covariance there is no chi-square; the modes are then explained if what is left is within the tolerance.
+    Without a covariance there is no chi-square; the modes are then explained if the residual is within the tolerance.
     An unknown on a bound, or a constraint that acts, does not follow the noise: each gives a degree of freedom back.
     """
     x, u = best.x, problem.unknowns

@@ -57,7 +57,7 @@ def optimality(cone: Cone, primal: RealArray, dual: RealArray) -> float:
 
 
 def sharpened(cone: Cone, primal: RealArray, dual: RealArray) -> tuple[RealArray, list[int], float]:
-    """Return the better of a solver's solution and the exact one on the rows that act; these rows, and what is left."""
+    """Return the better of a solver's solution and the exact one on the active rows; these rows, and its residual."""
     left, acting = optimality(cone, primal, dual), _acting(cone, primal, dual)
     if cone.zero + cone.nonneg == len(dual) and np.isfinite(left):
         exact = _exact_step(cone, acting)

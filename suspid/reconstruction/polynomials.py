@@ -21,7 +21,7 @@ from suspid.units import ComplexArray, RealArray
 
 # Points that are evaluated together: more do not stay in the cache.
 POINTS_AT_ONCE = 96
-# With so many struts, one product of all sets of forces takes less than those of two halves.
+# Up to this number of struts, one product of all sets of forces takes less than those of two halves.
 FEW_STRUTS = 5
 
 

@@ -17,6 +17,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from suspid.errors import ReconstructionError
+from suspid.levels import EXACT
 from suspid.reconstruction.cones import cone_of, sharpened
 from suspid.units import RealArray
 
@@ -25,7 +26,6 @@ SOLVER = "CLARABEL"
 # Residual of the optimality conditions up to which a solution counts, in a program scaled to 1. Exact steps reach
 # 1e-12; a point of the solver itself, where constraints depend on each other, 1e-8. A constraint that is as near acts.
 OPTIMAL = 1e-7
-SMALLEST = 1e-9  # size of a step to which a program is scaled: smaller ones are rounding
 FARTHEST = 1e3  # bounds in units of the step: those further away do not act, and would spoil the scaling
 
 
@@ -75,7 +75,7 @@ class Limits:
         return numbers
 
 
-def least_squares(A: RealArray, b: RealArray, limits: Limits, *, smallest: float = SMALLEST) -> Optimum:
+def least_squares(A: RealArray, b: RealArray, limits: Limits, *, smallest: float = EXACT) -> Optimum:
     """Return the x within limits of least ``|A x - b|``, by cvxpy.
 
     Examples

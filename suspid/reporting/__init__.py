@@ -9,7 +9,8 @@ To add a picture to the page: draw it on Axes in a module of its own, as in ``pl
 ``{{ figure(pictures.…) }}``. Take colours from ``colours.py``: they have counterparts for dark screens.
 """
 
-from suspid.reporting.content import Content, content_of
+from suspid.reporting.content import Content
+from suspid.reporting.content_of import content_of
 from suspid.reporting.damper_curve_json import damper_curve_to_dict, read_curves
 from suspid.reporting.drawings import drawing_of
 from suspid.reporting.drive_json import drive_to_dict

@@ -7,14 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from suspid.levels import EXACT, SEVEN_DIGITS
 from suspid.model import Suspension
 from suspid.reconstruction import parameter_values
 from suspid.units import RealArray
-
-# Parts of a file that say the same agree to this share: they were written with all digits.
-SAME_DIGITS = 1e-9
-# Standard deviations and correlations of a covariance that is one but for rounding.
-NEAR_SYMMETRY = 1e-6
 
 
 def check_parameters(rows: Sequence[Mapping[str, Any]], values: RealArray, ranges: RealArray) -> None:
@@ -29,7 +25,7 @@ def check_parameters(rows: Sequence[Mapping[str, Any]], values: RealArray, range
     for name, value, (least, most) in zip(names, values.tolist(), ranges.tolist(), strict=True):
         if names.count(name) > 1:
             raise ValueError(f"parameter {name!r} is there twice")
-        slack = SAME_DIGITS * max(abs(value), abs(least) if np.isfinite(least) else 0.0)
+        slack = EXACT * max(abs(value), abs(least) if np.isfinite(least) else 0.0)
         if not least - slack <= value <= most + slack:
             raise ValueError(f"{name} = {value:g} is not between its bounds {least:g} and {most:g}")
 
@@ -44,12 +40,12 @@ def check_cars(names: Sequence[str], values: RealArray, found: Suspension, nomin
     """
     now, before = parameter_values(found), parameter_values(nominal)
     for name, value in zip(names, values.tolist(), strict=True):
-        if name in now and not np.isclose(value, now[name], rtol=SAME_DIGITS, atol=0.0):
+        if name in now and not np.isclose(value, now[name], rtol=EXACT, atol=0.0):
             raise ValueError(f"{name} is {value:g} among the parameters and {now[name]:g} in the car")
     if list(now) != list(before):
         raise ValueError("the car that was found has other struts or masses than the nominal one")
     for name in now:
-        if name not in names and not np.isclose(now[name], before[name], rtol=SAME_DIGITS, atol=0.0):
+        if name not in names and not np.isclose(now[name], before[name], rtol=EXACT, atol=0.0):
             raise ValueError(
                 f"{name} was not estimated, but is {now[name]:g} in the car found and {before[name]:g} in the nominal"
             )
@@ -74,12 +70,12 @@ def checked_covariance(given: object, rows: Sequence[Mapping[str, Any]]) -> Real
         raise ValueError("the covariance has a negative variance")
     stds = np.sqrt(np.diag(covariance))
     for row, std in zip(rows, stds.tolist(), strict=True):
-        if not np.isclose(row["std"], std, rtol=NEAR_SYMMETRY, atol=0.0):
+        if not np.isclose(row["std"], std, rtol=SEVEN_DIGITS, atol=0.0):
             raise ValueError(f"the standard deviation of {row['name']} is {row['std']:g}, in the covariance {std:g}")
     scale = np.where(stds > 0, stds, 1.0)
     correlation = covariance / scale[:, None] / scale
-    if np.any(np.abs(correlation - correlation.T) > NEAR_SYMMETRY):
+    if np.any(np.abs(correlation - correlation.T) > SEVEN_DIGITS):
         raise ValueError("the covariance is not symmetric")
-    if np.linalg.eigvalsh(correlation)[0] < -NEAR_SYMMETRY * len(rows):
+    if np.linalg.eigvalsh(correlation)[0] < -SEVEN_DIGITS * len(rows):
         raise ValueError("the covariance is not positive: some sum of parameters has a negative variance")
     return covariance

@@ -24,7 +24,7 @@ from suspid.reporting.spring_rows import masses_of, spring_rows
 from suspid.reporting.svg import page_style
 from suspid.reporting.wear_part import wear_fields
 from suspid.signals import as_signal
-from suspid.words import Verdict, count, next_steps
+from suspid.words import MOST_LISTED, Verdict, count, next_steps
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -35,9 +35,6 @@ if TYPE_CHECKING:
     from suspid.performance import Wear
     from suspid.reporting.source import Source
     from suspid.units import Ratio
-
-# Channels of a record, and records, that the page draws at most; the JSON has all.
-MOST_DRAWN = 6
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -102,7 +99,7 @@ def page_fields(content: EstimateContent) -> dict[str, object]:
     samples = sum(as_signal(residual).timepts.size for residual in records)
     seconds = sum(as_signal(residual).duration for residual in records)
     tested = f"{found.chi_square:.4g} at {count(found.freedom, 'degree')} of freedom"
-    hidden = max(0, len(records) - MOST_DRAWN)
+    hidden = max(0, len(records) - MOST_LISTED)
     with page_style():
         return {
             "facts": f"{count(len(records), 'record')}, {samples} samples, {seconds:.4g} s",
@@ -118,7 +115,7 @@ def page_fields(content: EstimateContent) -> dict[str, object]:
             **wear_fields(content.wear),
             "curves": [(printable(one.name), str(one.verdict.headline), _curve(one, k, level))
                        for k, one in enumerate(content.curves)],
-            "records": [_part(content, k) for k in range(min(len(records), MOST_DRAWN))],
+            "records": [_part(content, k) for k in range(min(len(records), MOST_LISTED))],
             **performance_fields(grip, content.ride, level),
             "hidden": count(hidden, "further record") if hidden else "",
         }  # fmt: skip
@@ -167,7 +164,7 @@ def _part(content: EstimateContent, which: int) -> RecordPart:
 def _pictures(found: Estimate, which: int) -> Iterator[tuple[str, tuple[Picture, ...]]]:
     residual = as_signal(found.residual[which])
     causes = found.causes[which]
-    for k, name in enumerate(residual.channels[:MOST_DRAWN]):
+    for k, name in enumerate(residual.channels[:MOST_LISTED]):
         described = f"channel {k + 1} of record {which + 1} with fit and residual"
         frf = () if not causes or name in causes else _responses(found, which, k)
         yield (

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.errors import InputError
+from suspid.levels import EXACT
 from suspid.reporting.axes import position
-from suspid.reporting.plot_spectra import SHOWN, STRETCHES, no_such_record
+from suspid.reporting.plot_spectra import STRETCHES, no_such_record
 from suspid.signals import as_signal, inputs_of
 
 if TYPE_CHECKING:
@@ -87,7 +88,7 @@ def _response(fit: Pair, record: Pair, rate: Hertz, quiet: float, band: tuple[He
     hertz = np.asarray(np.fft.rfftfreq(length, 1 / rate), float)
     power, own, motion = (density(x, x).real for x in (record.cause, record.motion, fit.cause))
     cross = density(record.cause, record.motion)
-    kept = (hertz > 0) & (hertz >= band[0]) & (hertz <= band[1]) & (motion > SHOWN * np.max(motion)) & (power > quiet)
+    kept = (hertz > 0) & (hertz >= band[0]) & (hertz <= band[1]) & (motion > EXACT * np.max(motion)) & (power > quiet)
     if not np.any(kept):
         raise InputError("the cause does not move, so there is no frequency response")
     coherence = np.clip(np.abs(cross) ** 2 / np.maximum(power * own, 1e-300), 1e-12, 1.0)[kept]

@@ -28,6 +28,7 @@ from suspid.samples import held
 from suspid.signals import as_signal
 from suspid.units import Second
 from suspid.wavelets import Ridge
+from suspid.words import MOST_LISTED
 
 if TYPE_CHECKING:
     import control
@@ -42,8 +43,8 @@ if TYPE_CHECKING:
 # Width of a picture that stands beside others, and of one across the whole page [inch of 96 pixels]: the first fits a
 # phone, the second a screen and paper.
 NARROW, WIDE = 4.2, 9.0
-# What the page shows at most; the JSON has all.
-MOST_CHANNELS, DRAWN_SPECTRA = 24, 6
+# Channels that the page shows at most; the JSON has all.
+MOST_CHANNELS = 24
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -192,7 +193,7 @@ def _draw_stabilization(found: Identification, figure: Figure) -> None:
 def _spectra(found: Identification, units: Sequence[str]) -> Iterator[Picture]:
     """Draw the spectra of each channel, of its fit and of the residual."""
     signal = as_signal(found.response)
-    for k, (name, unit) in enumerate(list(zip(signal.channels, units, strict=False))[:DRAWN_SPECTRA]):
+    for k, (name, unit) in enumerate(list(zip(signal.channels, units, strict=False))[:MOST_LISTED]):
         described = f"Spectra of channel {k + 1}, of its fit and of the residual"
         yield picture(partial(_draw_spectra, found, name, unit), name=f"spectra-{k}", described=described, height=1.75)
 

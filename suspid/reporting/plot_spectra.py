@@ -8,6 +8,7 @@ import numpy as np
 
 from suspid.errors import InputError
 from suspid.identification import Identification
+from suspid.levels import EXACT
 from suspid.reporting.axes import checked_grid, key_above, position, shown, thinned
 from suspid.reporting.channel_units import channel_unit
 from suspid.reporting.colours import Colour
@@ -23,8 +24,8 @@ if TYPE_CHECKING:
 
     from suspid.greybox import Estimate
 
-# Stretches that are averaged at least, and the share of the largest density below which nothing is shown [1].
-STRETCHES, SHOWN = 8, 1e-9
+# Stretches that are averaged at least.
+STRETCHES = 8
 
 # Letters of a unit up to which a label has room for it.
 SHORT_UNIT = 10
@@ -122,4 +123,4 @@ def draw_spectra(
         )
         top = max(top, float(np.max(density[1:])))
     if top > 0:
-        ax.set_ylim(bottom=max(ax.get_ylim()[0], SHOWN * top))
+        ax.set_ylim(bottom=max(ax.get_ylim()[0], EXACT * top))

@@ -16,7 +16,8 @@ from suspid.fleet import FleetSummary
 from suspid.greybox import Estimate
 from suspid.model import car_to_toml
 from suspid.reporting.colours import Colour
-from suspid.reporting.content import Content, content_of
+from suspid.reporting.content import Content
+from suspid.reporting.content_of import content_of
 from suspid.reporting.estimate_page import EstimateContent, page_fields
 from suspid.reporting.fleet_page import FleetContent, fleet_fields
 from suspid.reporting.limit_rows import limit_rows
@@ -28,6 +29,7 @@ from suspid.reporting.spring_rows import masses_of, spring_rows
 from suspid.reporting.thinning import is_whole
 from suspid.samples import held
 from suspid.signals import as_signal
+from suspid.words import MOST_LISTED
 
 if TYPE_CHECKING:
     from jinja2 import Template
@@ -37,8 +39,7 @@ if TYPE_CHECKING:
     from suspid.model import ModalSet
     from suspid.reconstruction import Reconstruction
 
-# What the page shows at most: modes at a glance, letters of a name. The JSON has all.
-MOST_CARDS = 6
+# Letters of a name that the page shows; the JSON has all.
 MOST_LETTERS = 40
 
 
@@ -211,7 +212,7 @@ def _cards(modes: ModalSet) -> list[tuple[str, str]]:
     """Return frequency [Hz] and damping ratio [1] of the first modes, for a glance."""
     pairs = zip(modes.wn.tolist(), modes.zeta.tolist(), strict=True)
     cards = [(digits(wn / (2 * np.pi), 4), digits(zeta, 3)) for wn, zeta in pairs]
-    return cards[:MOST_CARDS]
+    return cards[:MOST_LISTED]
 
 
 def view_of(found: Identification) -> dict[str, str | bool]:

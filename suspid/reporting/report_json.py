@@ -15,7 +15,8 @@ import numpy as np
 from suspid.identification import identification_to_dict, modes_to_dict, to_json
 from suspid.model import car_to_toml
 from suspid.reconstruction import reconstruction_to_dict
-from suspid.reporting.content import Content, content_of
+from suspid.reporting.content import Content
+from suspid.reporting.content_of import content_of
 from suspid.reporting.estimate_json import estimate_to_dict
 from suspid.reporting.limits_json import limits_to_dict
 from suspid.reporting.ride_json import ride_to_dict

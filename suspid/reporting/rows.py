@@ -12,15 +12,15 @@ from suspid.files import printable
 from suspid.samples import held
 from suspid.signals import as_signal
 from suspid.units import Ratio
-from suspid.words import Code
+from suspid.words import MOST_LISTED, Code
 
 if TYPE_CHECKING:
     from suspid.identification import Considered, Identification, Repeats
     from suspid.model import ModalSet
 
 NOTHING = "–"
-# Frequencies and sentences that are listed of poles rejected for one kind of reason; the JSON has all.
-MOST_POLES, MOST_REASONS = 6, 2
+# Sentences that are listed of poles rejected for one kind of reason; the JSON has all.
+MOST_REASONS = 2
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -250,10 +250,10 @@ def _pole_row(some: Sequence[Considered], *, removed: bool) -> PoleRow:
     more = f"; … {len(reasons) - MOST_REASONS} more in the JSON" if len(reasons) > MOST_REASONS else ""
     hertz = sorted(abs(c.pole) / (2 * np.pi) for c in some)
     zeta = sorted(-c.pole.real / max(abs(c.pole), 1e-300) for c in some)
-    shown = ", ".join(digits(one, 4) for one in hertz[:MOST_POLES])
+    shown = ", ".join(digits(one, 4) for one in hertz[:MOST_LISTED])
     return PoleRow(
         number=len(some),
-        frequency=shown + (f", … {digits(hertz[-1], 4)}" if len(hertz) > MOST_POLES else ""),
+        frequency=shown + (f", … {digits(hertz[-1], 4)}" if len(hertz) > MOST_LISTED else ""),
         zeta=signed(f"{zeta[0]:.3g}" if len(zeta) == 1 else f"{zeta[0]:.3g} … {zeta[-1]:.3g}"),
         reason="; ".join(reasons[:MOST_REASONS]) + more,
         removed=removed,

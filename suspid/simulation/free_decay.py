@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike
 from suspid.errors import InputError
 from suspid.model import Suspension, statespace
 from suspid.signals import as_response
-from suspid.simulation.piecewise import Driving, machine_of, motion, observed, state_labels
+from suspid.simulation.piecewise import Driving, machine_of, state_labels
+from suspid.simulation.stepping import motion, observed
 from suspid.units import RealArray, Second
 from suspid.values import nearest_names
 

@@ -12,8 +12,9 @@ from suspid.errors import InputError, RecordError
 from suspid.model import FORCE, Suspension, statespace
 from suspid.signals import as_response, uniform_step
 from suspid.simulation.free_decay import check_continuous, state_of
-from suspid.simulation.piecewise import Driving, machine_of, motion, observed, state_labels
+from suspid.simulation.piecewise import Driving, machine_of, state_labels
 from suspid.simulation.recursion import DEGREES, Interpolation, derivatives, driven_states
+from suspid.simulation.stepping import motion, observed
 from suspid.units import RealArray
 from suspid.values import nearest_names
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from suspid.cleaning import RecordLike, as_record
 from suspid.errors import IdentificationError, InputError
+from suspid.levels import CERTAIN
 from suspid.samples import as_samples
 from suspid.signals import Signal, as_signal
 from suspid.units import RealArray
@@ -21,8 +22,6 @@ from suspid.wavelets.ridge_at import ridge_at
 from suspid.wavelets.scalogram import Scalogram
 from suspid.wavelets.transform import transform
 
-# Standard deviations by which a decay may grow: more than that is no decay.
-GROWTH = 5.0
 # Largest distance, in the logarithm, of the frequency of the skeleton from that of the maximum, and largest share of
 # the energy that the fitted lines may leave in the trusted window. Larger limits accept noise as modes.
 RIDGE_FARTHEST, MISFIT = 0.1, 0.25
@@ -163,7 +162,7 @@ def _is_significant(signal: Signal, ridge: Ridge) -> bool:
     if np.max(ridge.strength[ridge.trusted]) < 5.0:
         return False
     fit = fit_skeleton(ridge)
-    if fit.pole.real > GROWTH * np.sqrt(fit.variance):
+    if fit.pole.real > CERTAIN * np.sqrt(fit.variance):
         return False
     # In a record that is short for the wavelet the window begins within the edge effect.
     cone = float(ridge.wavelet.envelope(ridge.omega))

@@ -15,12 +15,14 @@ from suspid.words.identification import Headline, ModeCheck, Reason
 from suspid.words.io import DAMAGE, LeftOut
 from suspid.words.next_steps import NextStep, next_steps
 from suspid.words.reconstruction import ReconstructionCheck, ReconstructionHeadline, ReconstructionNote, Suspect
-from suspid.words.remarks import Code, Number, Remark, amount, count, in_a_row
+from suspid.words.remarks import MOST_LISTED, MOST_NAMED, Code, Number, Remark, amount, count, in_a_row
 from suspid.words.verdicts import Check, Level, Verdict
 from suspid.words.wear import DamperState, WearCheck, WearHeadline
 
 __all__ = [
     "DAMAGE",
+    "MOST_LISTED",
+    "MOST_NAMED",
     "Check",
     "Cleaning",
     "Code",

@@ -4,10 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from suspid.words.remarks import Code, Number, count, sentence
-
-# Tests of a file that are named.
-MOST_TESTS = 6
+from suspid.words.remarks import MOST_LISTED, Code, Number, count, sentence
 
 
 def _stands_out(n: Mapping[str, Number]) -> str:
@@ -23,8 +20,8 @@ def _stands_out(n: Mapping[str, Number]) -> str:
 def _tests(n: Mapping[str, Number]) -> str:
     names = n["tests"]
     assert isinstance(names, tuple)
-    more = f" and {len(names) - MOST_TESTS} others" if len(names) > MOST_TESTS else ""
-    return f"file holds {len(names)} tests, {', '.join(repr(name) for name in names[:MOST_TESTS])}{more}"
+    more = f" and {len(names) - MOST_LISTED} others" if len(names) > MOST_LISTED else ""
+    return f"file holds {len(names)} tests, {', '.join(repr(name) for name in names[:MOST_LISTED])}{more}"
 
 
 class Note(Code):

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from suspid.words.remarks import Code, Number, count, in_a_row, sentence
-
-MOST_NAMED = 3  # channels in a sentence, so that a table of stretches fits a screen; the codes have all of them
+from suspid.words.remarks import MOST_NAMED, Code, Number, count, in_a_row, sentence
 
 
 def _channels(numbers: Mapping[str, Number]) -> str:

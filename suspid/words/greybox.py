@@ -71,7 +71,7 @@ class EstimateCheck(Code):
     )
     FOLLOWS = (
         "follows",
-        "What is left of the channels follows the given motion (chi-square {chi_square:.3g} at {freedom}): the "
+        "The residual of the channels follows the given motion (chi-square {chi_square:.3g} at {freedom}): the "
         "transfer is off by {error:.2%} near {hertz:.3g} Hz, so the car lacks something, such as another "
         "axle. The intervals allow for it: standard deviations are {wider:.1f} times as large as they would be, and "
         "contain what changes with gains, delays and mounts as stated. The mass that moves at a corner is not the load "

@@ -202,7 +202,7 @@ class ModeCheck(Code):
         "followed",
         sentence(
             lambda n: (
-                f"Most of the motion follows mode {_names(n['modes'])}, but what is left near it is not noise: the "
+                f"Most of the motion follows mode {_names(n['modes'])}, but the residual near it is not noise: the "
                 f"decay is nonlinear, or other motion goes with it. The values are means over the decay."
             )
         ),

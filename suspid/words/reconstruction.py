@@ -20,7 +20,7 @@ def _split_by_nominal(numbers: Numbers) -> str:
     if len(names) == 1:
         return f"{names[0]} is known from the nominal values alone"
     return (
-        f"{in_a_row(names)} are told apart by the nominal values alone: the modes do not see {numbers['combinations']}"
+        f"{in_a_row(names)} are determined by the nominal values alone: the modes do not see {numbers['combinations']}"
     )
 
 
@@ -90,10 +90,10 @@ class ReconstructionNote(Code):
     VANISHED = (
         "vanished",
         _listed(
-            "{names} at the least positive value: the modes want none; check the topology, or hold it with fixed=…"
+            "{names} at the least positive value: the modes need none; check the topology, or hold it with fixed=…"
         ),
     )
-    AT_BOUND = "at bound", _listed("held back by its bound: {names}")
+    AT_BOUND = "at bound", _listed("at its bound: {names}")
     ACTIVE = "active constraints", _acting
     PENALTY = "penalty", "penalty {penalty:.3g}"
     NOT_SHARP = "not sharp", "no sharp optimum: a further step would reduce the squared residual by {share:.1e} of it"

@@ -10,6 +10,9 @@ from typing import Any, TypeAlias
 from suspid.values import FrozenItems
 
 Number: TypeAlias = float | int | str | bool | tuple[float, ...] | tuple[int, ...] | tuple[str, ...] | None
+# Things of a kind that one sentence names, and that a list or a picture shows: what fits a screen. The JSON has all.
+MOST_NAMED, MOST_LISTED = 3, 6
+
 Words: TypeAlias = str | Callable[[Mapping[str, Number]], str]
 
 

@@ -121,7 +121,7 @@ class Verdict:
 
     @property
     def notes(self) -> tuple[Remark, ...]:
-        """What is worth knowing and speaks neither way."""
+        """Notes: neither for nor against the result."""
         return tuple(c.remark for c in self.checks if c.level is Level.NOTE)
 
     def __str__(self) -> str:

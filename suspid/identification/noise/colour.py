@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from statistics import NormalDist
-
 import numpy as np
 from numpy.typing import NDArray
 
 from suspid.identification.exponentials import project
 from suspid.units import ComplexArray, RealArray
 
-# Probability with which a white residual is called coloured by its correlation over one sample (4 standard
-# deviations). At a larger level white residuals are judged by their estimated spectrum, which is more scattered.
-COLOUR_LEVEL = 6.334e-5
+# A residual is coloured if its correlation over one sample is this many standard deviations from zero. A smaller number
+# judges white residuals by their estimated spectrum, which is more scattered.
+COLOURED = 4.0
 # Order of the autoregression that describes a coloured residual. A higher order follows chance in short records.
 COLOUR_ORDER = 8
 # Power beside a pole that counts as excess over a white residual: the mean of 8 independent exponential variables
@@ -30,17 +28,17 @@ def lag_one(residual: RealArray, power: RealArray | None = None) -> RealArray:
     return np.asarray(products / np.where(power > 0, power, 1.0))
 
 
-def correlated(correlation: RealArray, count: int, *, level: float) -> NDArray[np.bool_]:
-    """Return whether correlations over ``count`` samples differ from 0, each at a two-sided level of significance.
+def correlated(correlation: RealArray, count: int, *, sigmas: float) -> NDArray[np.bool_]:
+    """Return whether correlations over ``count`` samples are more than ``sigmas`` standard deviations from 0.
 
     The correlation of two white series over n samples is normal with standard deviation ``1 / sqrt(n)``.
 
     Examples
     --------
-    >>> correlated(np.array([0.019, 0.021]), 10000, level=0.0455)
+    >>> correlated(np.array([0.019, 0.021]), 10000, sigmas=2.0)
     array([False,  True])
     """
-    return np.asarray(np.abs(correlation) > NormalDist().inv_cdf(1 - level / 2) / np.sqrt(count))
+    return np.asarray(np.abs(correlation) > sigmas / np.sqrt(count))
 
 
 def noise_colour(residual: RealArray, omega: RealArray) -> RealArray:
@@ -94,7 +92,7 @@ def loudness(
     # In a white residual the power beside a pole is mostly chance. In a coloured one it underestimates the noise
     # where the spectrum peaks at the pole itself.
     correlation = lag_one(residual, variance * residual.shape[1])
-    if not np.any(correlated(correlation, residual.shape[1], level=COLOUR_LEVEL)):
+    if not np.any(correlated(correlation, residual.shape[1], sigmas=COLOURED)):
         ratio = over_channels(beside, weights)
         return np.where(ratio > LOUD, ratio, 1.0)
     ratio = over_channels(np.maximum(beside, noise_colour(residual, np.abs(theta.imag))), weights)

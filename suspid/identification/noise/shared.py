@@ -25,9 +25,9 @@ def shared_noise(residual: RealArray, resolution: RealArray | float = 0.0) -> fl
     above = np.sqrt(np.mean(residual**2, axis=1)) > ABOVE_RESOLUTION * resolution
     together = noise_correlation(residual[above])
     apart = together[~np.eye(len(together), dtype=bool)]
-    # Independent channels are called correlated with probability 2e-9 (6 standard deviations). A correlation below 0.2
-    # does not matter: it would widen variances by a fifth.
-    if not np.any(correlated(apart, residual.shape[1], level=1.973e-9) & (np.abs(apart) > 0.2)):
+    # Chance passes 6 standard deviations with probability 2e-9. A correlation below 0.2 does not matter: it would widen
+    # variances by a fifth.
+    if not np.any(correlated(apart, residual.shape[1], sigmas=6.0) & (np.abs(apart) > 0.2)):
         return 1.0
     return float(np.linalg.eigvalsh(together)[-1])
 

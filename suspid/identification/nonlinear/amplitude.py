@@ -6,19 +6,14 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from suspid.identification.covariance import inverse_information
 from suspid.identification.nonlinear.driven import DrivenFit, maximize
 from suspid.identification.nonlinear.forces import means
+from suspid.identification.nonlinear.swings import by_pole, cuts_of, swings_of
 from suspid.units import ComplexArray, RadianPerSecond, Ratio, RealArray, Second
 from suspid.values import frozen_real
 
-# A swing is seen if it is larger than this number of standard deviations of the noise. A lower limit brings in cycles
-# that the noise decides, a higher one leaves out the smallest amplitudes that were met.
-VISIBLE = 3.0
-# A turn that the record misses by so many samples, and by less than this share of a swing, is one of its turns.
-MISSED, MISSED_SHARE = 3.0, 0.1
 # Harmonics of each mode beside which the part of a force in step with another mode is found.
 HARMONICS = (2, 3, 4, 5)
 
@@ -62,103 +57,6 @@ class AmplitudeDependence:
         """Natural frequency and damping ratio at the largest and at the smallest amplitude."""
         first, last = int(np.argmax(self.amplitude)), int(np.argmin(self.amplitude))
         return (float(self.wn[first]), float(self.zeta[first])), (float(self.wn[last]), float(self.zeta[last]))
-
-
-@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
-class Swings:
-    """The swings of one mode, from each turning point of its fitted motion to the next.
-
-    From a swing to a later one, forces that follow the motion leave no ripple as they do between two samples.
-    """
-
-    time: RealArray  # (swing,): start of each in samples
-    size: RealArray  # (swing,): half of the way between its turning points, in the unit of the channel
-    slopes: ComplexArray  # (parameter pair, swing): derivatives of the logarithm of the state by the pairs of `own`
-    own: NDArray[np.intp]
-    free: int  # number of parameters of the fit
-
-    def pole(self, first: int = 0, last: int = -1) -> tuple[complex, RealArray]:
-        """Return the exponent of the linear decay from one swing to another, and its derivatives, (2, parameter).
-
-        The derivatives are those of its real and imaginary part.
-        """
-        turns = range(len(self.time))[last] - first
-        span = self.time[last] - self.time[first]
-        by_own = (self.slopes[:, last] - self.slopes[:, first]) / span
-        out = np.zeros((2, self.free))
-        out[:, 2 * self.own] = by_own.real, by_own.imag
-        out[:, 2 * self.own + 1] = -by_own.imag, by_own.real
-        return complex((np.log(self.size[last] / self.size[first]) + 1j * np.pi * turns) / span), out
-
-    def mean(self) -> tuple[complex, RealArray]:
-        """Return the pole of the mean natural frequency and damping ratio of all cycles, and its derivatives.
-
-        A cycle is two swings. Its pole is that of `pole`: two means and not one, because the modulus of a mean
-        exponent is less than the mean of the moduli, where the damping differs from cycle to cycle.
-        """
-        count = len(self.time)
-        cycles = [self.pole(first, first + 2) for first in range(count - 2)] or [self.pole()]
-        exponents, slopes = np.array([theta for theta, _ in cycles]), np.array([by for _, by in cycles])
-        wn, zeta = float(np.mean(np.abs(exponents))), float(np.mean(-exponents.real / np.abs(exponents)))
-        by_wn, by_zeta = np.einsum("pci,cij->pj", by_pole(exponents), slopes) / len(cycles)
-        turned = np.sqrt(1 - zeta**2)
-        change = (-zeta + 1j * turned) * by_wn - wn * (1 + 1j * zeta / turned) * by_zeta
-        return wn * (-zeta + 1j * turned), np.array([change.real, change.imag])
-
-
-def by_pole(theta: ComplexArray) -> RealArray:
-    """Return the derivatives of natural frequency and damping ratio by Re and Im of a pole, (2, …, 2)."""
-    size = np.abs(theta)
-    of_wn = np.stack([theta.real, theta.imag], axis=-1) / size[..., None]
-    of_zeta = np.stack([-(theta.imag**2), theta.real * theta.imag], axis=-1) / size[..., None] ** 3
-    return np.array([of_wn, of_zeta])
-
-
-def swings_of(fit: DrivenFit, pole: int, window: slice = slice(None)) -> Swings | None:
-    """Return the swings of a mode in its strongest channel within a window; None if there are not two."""
-    state, own = fit.states[pole, window], np.flatnonzero(fit.owners == pole)
-    strongest = int(np.argmax(np.abs(fit.amplitudes[pole])))
-    amplitude = fit.amplitudes[pole, strongest]
-    # States begin with 1; below this their ratios are not known to rounding.
-    gone = np.flatnonzero(np.abs(state) < 1e-100)
-    state = state[: int(gone[0])] if gone.size else state
-    if len(state) < 3:
-        return None
-    speed = np.real(amplitude * fit.drive.theta[pole] * state)
-    times = _turns(speed, most=min(MISSED, MISSED_SHARE * np.pi / float(fit.drive.theta[pole].imag)))
-    if len(times) < 3:
-        return None
-    inside = np.clip(times, 0, len(state) - 1)
-    at = np.minimum(inside.astype(int), len(state) - 2)
-    logs = np.log(np.abs(state)) + 1j * np.unwrap(np.angle(state))
-    rows = np.vstack([logs, fit.slopes[own][:, window][:, : len(state)] / state])
-    rows = rows[:, at] + (inside - at) * (rows[:, at + 1] - rows[:, at])
-    # Outside, the speed falls to 0 along a straight line.
-    positions = np.real(amplitude * np.exp(rows[0])) + 0.5 * (times - inside) * speed[np.rint(inside).astype(int)]
-    size = 0.5 * np.abs(np.diff(positions))
-    # What is lost in the noise was not met.
-    lost = np.flatnonzero(size <= VISIBLE * np.sqrt(fit.variance[strongest]))
-    seen = int(lost[0]) if lost.size else len(size)
-    if seen < 2:
-        return None
-    return Swings(time=times[:seen], size=size[:seen], slopes=rows[1:, :seen], own=own, free=fit.drive.free)
-
-
-def _turns(speed: RealArray, *, most: float) -> RealArray:
-    """Return where a speed passes through 0, in samples, also up to ``most`` before and after the record.
-
-    Examples
-    --------
-    >>> _turns(np.array([0.9, 2.0, 1.0, -1.0, -2.0]), most=1.0)
-    array([-0.81818182,  2.5       ])
-    """
-    passed = np.flatnonzero((speed[:-1] > 0) != (speed[1:] > 0))
-    inside = passed + speed[passed] / (speed[passed] - speed[passed + 1])
-    rises = np.array([speed[1] - speed[0], speed[-1] - speed[-2]])
-    ends = np.array([0.0, len(speed) - 1]) - speed[[0, -1]] / np.where(rises == 0, np.nan, rises)
-    missed = np.array([-ends[0], ends[1] - (len(speed) - 1)])
-    near = (missed > 0) & (missed < most)
-    return np.concatenate([ends[:1][near[:1]], inside, ends[1:][near[1:]]])
 
 
 def mean_pole(fit: DrivenFit, pole: int, window: slice = slice(None)) -> tuple[complex, RealArray]:
@@ -301,19 +199,3 @@ def where_holds(holds: complex, poles: ComplexArray, amplitude: RealArray) -> fl
     shares = np.clip(((holds - poles[:-1]) * legs.conj()).real / np.maximum(np.abs(legs) ** 2, 1e-300), 0.0, 1.0)
     nearest = int(np.argmin(np.abs(poles[:-1] + shares * legs - holds)))
     return float(np.exp(logs[nearest] + shares[nearest] * (logs[nearest + 1] - logs[nearest])))
-
-
-def cuts_of(envelope: RealArray, *, least: int) -> list[int]:
-    """Return points between which the envelope, a logarithm, falls by about equal parts, the first and last included.
-
-    No two are nearer to each other than ``least``.
-    """
-    last = len(envelope) - 1
-    fallen = np.maximum.accumulate(envelope[0] - envelope)
-    # Parts of the decay over which a mode is described, at most; each is of one cycle at least.
-    wanted = np.linspace(0.0, fallen[-1], min(12, max(1, last // least)) + 1)[1:-1]
-    cuts = [0]
-    for cut in np.searchsorted(fallen, wanted).tolist():
-        if cut - cuts[-1] >= least and last - cut >= least:
-            cuts.append(int(cut))
-    return [*cuts, last]

@@ -46,7 +46,7 @@ def chosen(record: Record, plain: DrivenFit, bent: Bent | None, *, most: int, hi
     None if its BIC is not below the highest, or if a mode of it does not stand.
 
     Forces of one kind act at every channel and between every two; those that are not worth their gains are left out.
-    Modes are added, up to ``most``, as long as each explains most of what is left.
+    Modes are added, up to ``most``, as long as each explains most of the residual.
     """
     # Of a single mode, other forces than friction are functions of its motion as it was measured.
     if bent is not None and bent.count == 1 and not _sticks(bent):
@@ -111,7 +111,7 @@ def _strongest(record: Record, plain: DrivenFit) -> DrivenFit:
 
 
 def _with_mode(fit: StructureFit) -> StructureFit | None:
-    """Return the fit with one more mode that explains most of what is left; None if there is none."""
+    """Return the fit with one more mode that explains most of the residual; None if there is none."""
     record = fit.record
     best: StructureFit | None = None
     for theta in next_poles(fit.residual, fit.variance, record.noise):
@@ -215,7 +215,7 @@ def _without(fit: StructureFit, index: int) -> StructureFit:
 
 
 def worths_of(fit: StructureFit) -> RealArray:
-    """Return what each force is worth in twice the log likelihood, from its gains and their covariance, (force,)."""
+    """Return the gain of each force in twice the log likelihood, from its gains and their covariance, (force,)."""
     covariance, gains = fit.covariance, fit.structures.gains[0]
     first = 2 * (fit.structures.theta.size + fit.structures.shapes.size)
     out = np.empty(len(fit.forces))

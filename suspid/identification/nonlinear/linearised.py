@@ -10,11 +10,13 @@ from numpy.typing import NDArray
 
 from suspid.identification.covariance import estimate_of
 from suspid.identification.noise import loudness, power_beside, shared_noise
-from suspid.identification.nonlinear.amplitude import VISIBLE, AmplitudeDependence, by_pole, cuts_of, where_holds
+from suspid.identification.nonlinear.amplitude import AmplitudeDependence, where_holds
 from suspid.identification.nonlinear.describing import describing
 from suspid.identification.nonlinear.forces import OF_SPEED
 from suspid.identification.nonlinear.motion import Motion, Structures
 from suspid.identification.nonlinear.structure import StructureFit
+from suspid.identification.nonlinear.swings import by_pole, cuts_of
+from suspid.levels import SURE
 from suspid.model import ModalSet
 from suspid.units import ComplexArray, RealArray, Second
 from suspid.values import frozen_real
@@ -69,7 +71,7 @@ def _seen(fit: StructureFit, window: slice) -> NDArray[np.bool_]:
     """Return whether each mode is larger than the noise within a window in its strongest channel, (pole,)."""
     sizes = np.mean(np.abs(fit.motion.states[0][:, window]), axis=1)
     over = np.max(np.abs(fit.amplitudes) / np.sqrt(fit.variance), axis=1)
-    return np.asarray(sizes * over > VISIBLE)
+    return np.asarray(sizes * over > SURE)
 
 
 def slopes_of(fit: StructureFit, window: slice = slice(None)) -> tuple[ComplexArray, RealArray]:

@@ -10,12 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from suspid.identification.nonlinear.forces import OF_SPEED, Force, ForceKind, size_of
+from suspid.levels import EXACT
 from suspid.units import ComplexArray, RealArray
 
 # Angle by which the fastest mode turns in a step, at most [rad]. Forces have their mean within a step.
 TURN = 0.25
-# Speeds below this share of the largest are rest.
-AT_REST = 1e-9
 # Steps that are taken at once where no mass stops: more are thrown away at the next event, fewer cost more calls.
 AHEAD = 12
 
@@ -86,7 +85,7 @@ def motion_of(of: Structures, count: int) -> Motion:
 
 
 def _between(of: Structures, states: ComplexArray, acting: RealArray, apart: int, count: int) -> Motion:
-    """Return the motion at every sample from that at each of so many."""
+    """Return the motion at every sample from that at every ``apart``-th sample."""
     turns = of.theta[:, :, None] * np.arange(apart)
     answers = (np.expm1(turns) / of.theta[:, :, None])[:, :, None]
     pushes = of.gains @ acting
@@ -199,7 +198,7 @@ def _stepper(of: Structures, steps: int) -> _Stepper:
     slope = place * of.theta[:, :, None]
     return _Stepper(
         powers=np.exp(turn[:, :, None] * np.arange(1, AHEAD + 1)),
-        still=AT_REST * of.scales,
+        still=EXACT * of.scales,
         held=np.ascontiguousarray(np.swapaxes(held, 1, 2)),
         answers=np.einsum("pkj,pki->pij", slope, held).real.copy(),
         slope=slope,

@@ -7,6 +7,7 @@ import numpy as np
 from suspid.identification.candidates import ranked, searched
 from suspid.identification.exponentials import blocks_of
 from suspid.identification.fitting import OTHER_FREQUENCY
+from suspid.identification.harmonics import WEAK
 from suspid.identification.likelihood import evaluate as evaluate_decay
 from suspid.identification.noise import WhiteNoise
 from suspid.identification.poles import Poles
@@ -19,8 +20,8 @@ UNKNOWN = 0.1
 NEXT = 2
 # A pole near another in frequency is part of it if their shapes agree: modal assurance criterion above this.
 ALIKE_MAC = 0.9
-# A pole is a harmonic of another mode if its frequency is that near to a multiple and its amplitude below this share.
-MULTIPLE, HARMONIC = 0.03, 0.2
+# A pole is a harmonic of another mode if its frequency is that near to a multiple and its amplitude below `WEAK`.
+MULTIPLE = 0.03
 
 
 def repeated(
@@ -29,7 +30,7 @@ def repeated(
     others: ComplexArray,
     amplitudes: ComplexArray,
     *,
-    weak: float = HARMONIC,
+    weak: float = WEAK,
     most: float = np.inf,
 ) -> bool:
     """Return whether a pole is part of another of the same shape, or a multiple of it below a share of its amplitude.

@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from suspid.identification.classification import LEAST_EXPLAINED, is_tone
+from suspid.identification.harmonics import WEAK
 from suspid.identification.likelihood import DecayFit, bic_penalty
 from suspid.identification.noise import LOUD, WhiteNoise, over_channels, power_beside
-from suspid.identification.nonlinear.amplitude import covariance_of, mean_pole, swings_of, window_changes
+from suspid.identification.nonlinear.amplitude import covariance_of, mean_pole, window_changes
 from suspid.identification.nonlinear.choice import MOST_MASSES, REDUCTION, chosen
 from suspid.identification.nonlinear.driven import DrivenFit, evaluate, maximize
 from suspid.identification.nonlinear.feedback import (
@@ -25,7 +26,8 @@ from suspid.identification.nonlinear.feedback import (
     with_forces,
     without_forces,
 )
-from suspid.identification.nonlinear.own import HARMONIC, UNKNOWN, next_poles, repeated
+from suspid.identification.nonlinear.own import UNKNOWN, next_poles, repeated
+from suspid.identification.nonlinear.swings import swings_of
 from suspid.identification.refinement import WORTHWHILE
 from suspid.identification.selection import Selection
 from suspid.units import RealArray
@@ -63,7 +65,7 @@ def _swerves(selection: Selection) -> bool:
     sizes = np.sqrt(np.sum(np.abs(fit.amplitudes[fit.poles.rows]) ** 2 / (fit.squares + 1e-300), axis=1))
     sizes[:pairs] *= 2
     moves = np.array([reason not in (Reason.DRIFT, Reason.GROWING) for reason in selection.reasons[pairs:]], bool)
-    return bool(pairs and np.any(moves & (sizes[pairs:] < HARMONIC * np.max(sizes[:pairs]))))
+    return bool(pairs and np.any(moves & (sizes[pairs:] < WEAK * np.max(sizes[:pairs]))))
 
 
 def _distorted(selection: Selection) -> bool:
@@ -223,7 +225,7 @@ def _stands(fit: DrivenFit) -> NDArray[np.bool_]:
 
 
 def _energies(fit: DrivenFit) -> RealArray:
-    """Return the energy of each pole's motion over the variance of what is left, (pole,)."""
+    """Return the energy of each pole's motion over the variance of the residual, (pole,)."""
     energy = np.sum(np.abs(fit.amplitudes).T ** 2 / fit.variance[:, None], axis=0)
     return np.asarray(energy * np.sum(np.abs(fit.states) ** 2, axis=1) / 2)
 
@@ -264,7 +266,7 @@ def _linear_modes(record: Record, most: int) -> tuple[DrivenFit | None, DrivenFi
 
 
 def _grown(record: Record, plain: DrivenFit, more: DrivenFit | None, modes: int | None) -> Bent | None:
-    """Return the fit with forces, and beside them with further modes that explain most of what is left.
+    """Return the fit with forces, and beside them with further modes that explain most of the residual.
 
     With a number of modes given, no more are used, and the forces need only explain more than they cost; without, they
     must explain more than one more pole.
@@ -322,5 +324,5 @@ def _own(fit: DrivenFit) -> bool:
     """Return whether the last pole is a mode of its own: it decays, and is no part or multiple of another mode."""
     theta, amplitudes = fit.drive.theta, fit.amplitudes / np.sqrt(fit.variance)
     # The forces have the harmonics.
-    weak = 0.0 if len(fit.drive.forces) else HARMONIC
+    weak = 0.0 if len(fit.drive.forces) else WEAK
     return theta[-1].real <= 0 and not repeated(theta[-1], amplitudes[-1], theta[:-1], amplitudes[:-1], weak=weak)

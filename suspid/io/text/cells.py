@@ -10,7 +10,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from suspid.errors import RecordError
-from suspid.io.tables import LONGEST_READ
+from suspid.io.names import LONGEST_READ
 from suspid.units import RealArray
 
 Kind: TypeAlias = Literal["number", "missing", "stamp", "date", "text"]
@@ -125,7 +125,7 @@ def _days(dates: list[str]) -> list[int]:
     slashed = sorted(date for date in dates if re.match(r"\d\d?[-/]", date))
     if len(possible) == 2 and possible[0] != possible[1] and len(slashed) > 1:
         raise RecordError(
-            f"in the dates {slashed[0]!r} and {slashed[1]!r} day and month cannot be told apart; "
+            f"in the dates {slashed[0]!r} and {slashed[1]!r} day and month cannot be distinguished; "
             f"write them as year-month-day"
         )
     return possible[0]

@@ -6,7 +6,7 @@ import re
 from bisect import bisect_left, bisect_right
 from dataclasses import dataclass
 
-from suspid.io.tables import is_time, plain
+from suspid.io.names import is_time, plain
 from suspid.io.text.cells import Kind, kind_of
 from suspid.io.text.dialects import COMMENTS, Dialect
 

@@ -9,7 +9,8 @@ from pathlib import Path
 
 from suspid.errors import RecordError
 from suspid.files import read_bytes
-from suspid.io.tables import Table, TimeBase, bare_name, is_time
+from suspid.io.names import bare_name, is_time
+from suspid.io.tables import Table, TimeBase
 from suspid.io.text.cells import seconds
 from suspid.io.text.encodings import decoded
 from suspid.io.text.endings import is_open

@@ -16,7 +16,7 @@ from functools import cache
 
 from suspid.errors import RecordError
 from suspid.files import printable
-from suspid.io.tables import plain
+from suspid.io.names import plain
 from suspid.io.text.cells import Kind, kind_of
 
 # Digits with marks between them, in a cell that is not a number.

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from suspid.errors import RecordError
-from suspid.io.tables import bracketed_unit, plain, stated_rate
+from suspid.io.names import bracketed_unit, plain, stated_rate
 from suspid.io.text.cells import Kind, kind_of, number
 from suspid.io.text.columns import Columns
 from suspid.io.text.dialects import NUMERIC, Dialect, find_dialect, shapes, shortened

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 
-from suspid.io.tables import plain
+from suspid.io.names import plain
 from suspid.io.text.columns import REMARKS
 from suspid.io.text.dialects import DELIMITERS
 from suspid.words import LeftOut, Remark

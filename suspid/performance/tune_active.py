@@ -2,83 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
 from suspid.errors import InputError, SuspidError
 from suspid.model import FORCE, Suspension, statespace
+from suspid.performance.active_tuning import ActiveTuning
+from suspid.performance.choices import REACHED
 from suspid.performance.ride import driven_road
-from suspid.results import Result
 from suspid.simulation import REFERENCE, Road
 from suspid.units import RealArray
-from suspid.values import FrozenMapping, frozen_real, is_size, nearest_names, text_table
+from suspid.values import FrozenMapping, frozen_real, is_size, nearest_names
 
-if TYPE_CHECKING:
-    import control
-
-# Share by which a closed loop may miss the variances of the program it comes from.
-SAME_VARIANCE = 1e-3
 # The name of the actuator's own force among objectives and limits.
 ACTUATOR = "force"
 # Exponent of a road whose slope is white.
 WHITE_SLOPES = 2.0
-
-
-@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
-class ActiveTuning(Result):
-    """A state feedback and what it does on the road.
-
-    Parameters
-    ----------
-    gain : ndarray (state,)
-        The force is ``-gain @ state`` [N]; states are those of `statespace`, displacements above the road.
-    states : tuple of str
-        Their names.
-    rms : mapping of str to float
-        Root mean square of each output that was asked for, in its unit, and of the force [N].
-    passive : mapping of str to float
-        The same without the force.
-    cost : float
-        Sum of squares of the objectives over their scales.
-    bound : float
-        What no state feedback can fall below, by the convex program.
-    closed : control.StateSpace
-        The car with its feedback, from the road's slope in time [m/s] to the outputs and the force.
-
-    Examples
-    --------
-    >>> from suspid import quarter_car, tune_active
-    >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3,
-    ...                   chassis_damping=1300)
-    >>> found = tune_active(car, actuator="chassis_travel", road="C", speed=20.0,
-    ...                     objective={"chassis_acceleration": 1.0, "tire_travel": 0.004})
-    >>> found.states, found.gain.shape
-    (('z_chassis', 'z_tire', 'v_chassis', 'v_tire'), (4,))
-    """
-
-    gain: RealArray
-    states: tuple[str, ...]
-    rms: Mapping[str, float]
-    passive: Mapping[str, float]
-    cost: float
-    bound: float
-    closed: control.StateSpace
-
-    def _table(self) -> Mapping[str, Sequence[object]]:
-        return {"output": list(self.rms), "passive": list(self.passive.values()), "active": list(self.rms.values())}
-
-    def __str__(self) -> str:
-        names = list(self.rms)
-        table = {
-            "rms of": names,
-            "passive": [f"{self.passive[name]:.4g}" for name in names],
-            "active": [f"{self.rms[name]:.4g}" for name in names],
-        }
-        gains = {"state": list(self.states), "gain": [f"{value:.6g}" for value in self.gain.tolist()]}
-        return f"{text_table(table)}\n{text_table(gains)}"
 
 
 def tune_active(
@@ -167,8 +108,8 @@ def tune_active(
     rms = np.sqrt(np.maximum(np.einsum("is,st,it->i", closed_C, P, closed_C), 0.0))
     found = dict(zip(names, rms.tolist(), strict=True))
     cost = sum((found[name] / one) ** 2 for name, (one, _) in wanted.items() if one)
-    late = [name for name, (_, top) in wanted.items() if top and found[name] > top * (1 + SAME_VARIANCE)]
-    if late or cost > reached * (1 + SAME_VARIANCE):
+    late = [name for name, (_, top) in wanted.items() if top and found[name] > top * (1 + REACHED)]
+    if late or cost > reached * (1 + REACHED):
         raise SuspidError(f"the convex program was not solved accurately: cost {cost:.6g}, bound {reached:.6g}")
     import control
 

@@ -1,0 +1,121 @@
+"""What `analyse_drive` found."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from suspid.analysis.damper_table import damper_table
+from suspid.analysis.drive_dampers import dampers_above_wheels
+from suspid.greybox import (
+    BodyModes,
+    DamperCurve,
+    Drives,
+    Estimate,
+    left_for,
+    parameter_table,
+)
+from suspid.performance import Wear
+from suspid.results import Result, columns_of
+from suspid.words import Check, Level, Remark, Verdict
+from suspid.words.drives import DriveHeadline, DriveRemark
+from suspid.words.greybox import EstimateCheck
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class DriveAnalysis(Result):
+    """What a recorded drive tells of a car.
+
+    Parameters
+    ----------
+    drives : tuple of Drives
+        The stretches of each file, taken and left.
+    estimate : Estimate or None
+        Springs and dampers, where the wheels were measured.
+    body : BodyModes or None
+        Frequencies of the body, where only the body was measured.
+    notes : tuple of Check
+        What else is to be said.
+    curves : tuple of DamperCurve
+        Curves of the dampers above the wheels, as far as the sensors tell them.
+    wear : Wear or None
+        Wear and grip of the dampers, against earlier estimates or nominal values.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from suspid import RawChannel, Recording, analyse_drive
+    >>> t = np.arange(30000) / 100
+    >>> body = 0.3 * np.random.default_rng(1).standard_normal(t.size)
+    >>> rows = {"chassis_acceleration": (body, "m/s2"), "speed": (np.full(t.size, 20.0), "m/s")}
+    >>> made = [RawChannel(name=n, unit=u, timepts=t, values=v, rate=None) for n, (v, u) in rows.items()]
+    >>> found = analyse_drive(Recording(title="ride", channels=tuple(made)))
+    >>> found.estimate is None, found.body is None, round(found.usable)
+    (True, False, 300)
+    """
+
+    drives: tuple[Drives, ...]
+    estimate: Estimate | None
+    body: BodyModes | None
+    notes: tuple[Check, ...] = ()
+    curves: tuple[DamperCurve, ...] = ()
+    wear: Wear | None = None
+
+    def _table(self) -> Mapping[str, Sequence[object]]:
+        if self.estimate is not None:
+            return self.estimate._table()
+        return columns_of(self.body or (), ["channel", "hertz"])
+
+    @property
+    def usable(self) -> float:
+        """Length of all usable stretches together [s]."""
+        return float(sum(one.usable for one in self.drives))
+
+    @property
+    def remarks(self) -> tuple[Check, ...]:
+        """What is said of the drive, beside what is said of what was found in it."""
+        return (*self.notes, *(check for one in self.drives for check in one.remarks))
+
+    @property
+    def explains(self) -> bool:
+        """Whether the car that was found explains the records, by its curves at least; true where none was sought."""
+        return self.estimate is None or self.estimate.explains or bool(self._by_curves)
+
+    @property
+    def _by_curves(self) -> tuple[str, ...]:
+        """The dampers that are not viscous, where the curves explain what viscous dampers do not; else none."""
+        if self.estimate is None or self.estimate.explains:
+            return ()
+        told = {one.name for one in self.curves if one.explains}
+        bent = tuple(one.name for one in self.curves if one.explains and not one.linear)
+        return bent if told.issuperset(dampers_above_wheels(self.estimate.suspension)) else ()
+
+    @property
+    def verdict(self) -> Verdict:
+        """How far the result can be trusted: what is said of the drive, then of what was found in it."""
+        found = self.estimate or self.body
+        numbers = {"seconds": self.usable, "length": float(sum(one.length for one in self.drives))}
+        if found is None:
+            why = left_for([stretch for one in self.drives for stretch in one])
+            none = Remark(DriveRemark.NONE, {**numbers, "why": why})
+            return Verdict(none, (Check(none, Level.NONE), *self.remarks))
+        code = DriveHeadline.SPRINGS if self.estimate else DriveHeadline.FREQUENCIES
+        every = [*self.remarks, *found.verdict.checks]
+        if self._by_curves:
+            # The residual follows the wheels because the dampers bend, and not because a part of the car is missing.
+            every = [check for check in every if check.remark.code not in (EstimateCheck.FOLLOWS, DriveRemark.BENT)]
+            every.insert(0, Check(Remark(DriveRemark.BY_CURVES, {"names": self._by_curves}), Level.CARE))
+        checks = {str(check): check for check in every}
+        return Verdict(Remark(code, numbers), tuple(checks.values()))
+
+    def __str__(self) -> str:
+        parts = [f"{one.title}: {one.verdict.headline}" for one in self.drives]
+        if self.estimate is not None:
+            parts += ["", parameter_table(self.estimate), *map(str, self.estimate.road), str(self.estimate.modes)]
+            dampers = damper_table(self.curves, self.wear)
+            parts += ["", dampers, ""] if dampers else []
+            if self.wear is not None and self.wear.against != "nominal":
+                parts += [str(self.wear), ""]
+        elif self.body is not None:
+            parts += ["", self.body.table()]
+        return "\n".join([*parts, str(self.verdict)])

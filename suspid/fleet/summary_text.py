@@ -1,0 +1,113 @@
+"""The summary of a fleet in words and tables."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from suspid.fleet.damper_trends import DamperTrends
+from suspid.fleet.distributions import FEWEST_RECORDS, QUANTILES, Distribution
+from suspid.fleet.trends import Trend
+from suspid.values import text_table
+from suspid.words import (
+    DamperState,
+    count,
+)
+
+# Lines of a table of the text: what fits a screen. All of them are attributes.
+MOST_SHOWN = 20
+
+
+def _verdict_table(verdicts: Mapping[str, int], doubts: Mapping[str, int]) -> str:
+    levels = text_table({"verdict": list(verdicts), "records": [str(number) for number in verdicts.values()]})
+    if not doubts:
+        return levels
+    shown = list(doubts.items())[:MOST_SHOWN]
+    table = text_table({"doubt": [code for code, _ in shown], "records": [str(number) for _, number in shown]})
+    return f"{levels}\n\n{table}{_more(len(doubts))}"
+
+
+def _wear_table(wear: Mapping[str, Mapping[str, int]]) -> str:
+    columns = {f"{state}": [str(states.get(str(state), 0)) for states in wear.values()] for state in DamperState}
+    return text_table({"drives by wear against nominal": list(wear), **columns})
+
+
+def _distribution_table(distributions: Sequence[Distribution]) -> str:
+    return text_table(
+        {
+            "quantity": [f"{one.quantity} [{one.unit}]" for one in distributions],
+            "records": [str(one.count) for one in distributions],
+            "median": [f"{one.median:.5g}" for one in distributions],
+            **{
+                f"{100 * q:g} %": [_or_empty(one.known_quantiles[k], ".5g") for one in distributions]
+                for k, q in enumerate(QUANTILES)
+            },
+            "scatter": [_or_empty(one.known_scatter, ".2g") for one in distributions],
+            "stated ±": [f"{one.stated:.2g}" for one in distributions],
+        }
+    )
+
+
+def _or_empty(value: float | None, form: str) -> str:
+    return "" if value is None else format(value, form)
+
+
+def _no_outlier(distributions: Sequence[Distribution]) -> str:
+    enough = sum(one.count >= FEWEST_RECORDS for one in distributions)
+    few = f"fewer than {FEWEST_RECORDS} records do not tell which stands out"
+    if not enough:
+        return few
+    return "no record stands out" + (f"; {few}" if enough < len(distributions) else "")
+
+
+def _trends_in_words(trends: Sequence[Trend], unplaced: int) -> str:
+    changing = [one for one in trends if one.changes]
+    vehicles = len({one.vehicle for one in trends})
+    are = "is" if len(changing) == 1 else "are"
+    said = (
+        f"{count(len(trends), 'trend')} of {count(vehicles, 'vehicle')} (at least four tests each); "
+        f"{count(len(changing), 'change')} {are} significant (at most 5 % of these by chance)"
+    )
+    if unplaced:
+        said += f"; {count(unplaced, 'record')} {'has' if unplaced == 1 else 'have'} no vehicle and date"
+    if not changing:
+        return said
+    shown = changing[:MOST_SHOWN]
+    columns = {
+        "vehicle": [one.vehicle for one in shown],
+        "quantity": [f"{one.quantity} {one.direction}" for one in shown],
+        "tests": [str(one.count) for one in shown],
+        "over": [f"{one.span:.4g}" for one in shown],
+        "start": [f"{one.start:.5g}" for one in shown],
+        "end": [f"{one.end:.5g}" for one in shown],
+        "95 % of the change": [f"{one.change[0]:+.3g} … {one.change[1]:+.3g}" for one in shown],
+        "p": [f"{one.p_adjusted:.1g}" for one in shown],
+    }
+    return f"{said}\n\n{text_table(columns)}{_more(len(changing))}"
+
+
+def _dampers_in_words(dampers: DamperTrends, untrusted: int) -> str:
+    left_out = ""
+    if untrusted:
+        left_out = (
+            f"{count(untrusted, 'drive')} {'is' if untrusted == 1 else 'are'} in no trend of a damper, because the "
+            "springs and dampers found are doubtful: see suspid drive"
+        )
+    if not dampers.trends:
+        return "\n".join(filter(None, [str(dampers), left_out]))
+    rule, doubtful = dampers.rule, dampers.doubtful
+    states = Counter(str(one.state) for one in dampers.trends)
+    numbers = ", ".join(f"{number} {state}" for state, number in sorted(states.items()))
+    said = (
+        f"{count(len(dampers.trends), 'damper')} over their records: {numbers} (of those that lost no more than "
+        f"{rule.small:.0%}, at most {rule.rate:.1%} are called worn)"
+    )
+    said = "\n".join(filter(None, [said, left_out]))
+    if not doubtful.trends:
+        return said
+    return f"{said}\n\n{replace(doubtful, trends=doubtful.trends[:MOST_SHOWN])}{_more(len(doubtful.trends))}"
+
+
+def _more(number: int) -> str:
+    return f"\n… and {number - MOST_SHOWN} more" if number > MOST_SHOWN else ""

@@ -1,0 +1,213 @@
+"""Names in files: times, units, rates and counters that they state."""
+
+from __future__ import annotations
+
+import math
+import re
+
+import numpy as np
+
+from suspid.units import Hertz, RealArray
+
+# How many of each unit of time make a second.
+PER_SECOND = {
+    **dict.fromkeys(("s", "sec", "secs", "second", "seconds", "sek", "sekunde", "sekunden"), 1.0),
+    **dict.fromkeys(("ms", "msec", "millis", "millisecond", "milliseconds", "millisekunden"), 1e3),
+    **dict.fromkeys(("us", "usec", "µs", "μs", "micros", "microsecond", "microseconds"), 1e6),
+    **dict.fromkeys(("ns", "nsec", "nanos", "nanosecond", "nanoseconds"), 1e9),
+    **dict.fromkeys(("min", "minute", "minutes", "minuten"), 1 / 60),
+    **dict.fromkeys(("h", "hr", "hrs", "hour", "hours"), 1 / 3600),
+    **dict.fromkeys(("day", "days"), 1 / 86400),
+}
+# Of these, units that stand behind a name of time without a mark between, as in TimeMs. Others make other words.
+JOINED = re.compile(r"(t|time|timestamp|zeit)(ms|msec|us|usec)")
+# These units as a message lists them.
+KNOWN_UNITS = "s, ms, us, ns, min, h, days"
+# Columns of these names are not taken for the time: they are parts of a date.
+DATE_PARTS = {"min", "hr", "hrs", "hour", "hours", "day", "days"}
+TIME_NAMES = {"t", "time", "timepts", "timestamp", "timestamps", "timedomain", "timevector", "elapsed", "elapsedtime"}
+TIME_NAMES |= {"timeelapsed"}
+TIME_NAMES |= {"zeit", "temps", "tiempo", "uhrzeit", "zeitstempel", "datetime", "date/time", "secondselapsed", "xvalue"}
+TIME_NAMES |= {name for name in PER_SECOND if len(name) > 2} - DATE_PARTS
+RATE_NAMES = {"fs", "samplerate", "samplingrate", "timesamplerate", "samplefrequency", "samplingfrequency"}
+RATE_NAMES |= {"actualrate", "actualsamplerate", "actualsamplingrate", "scanrate", "acquisitionrate"}
+RATE_NAMES |= {"samplespersecond", "samplefreq", "samplingfreq", "srate", "abtastrate"}
+# How many hertz make a unit of a rate.
+HERTZ = {"": 1.0, "hz": 1.0, "s/s": 1.0, "sa/s": 1.0, "sps": 1.0, "khz": 1e3, "ks/s": 1e3, "ksps": 1e3, "mhz": 1e6}
+STEP_NAMES = {
+    "dt",
+    "ts",
+    "deltat",
+    "timestep",
+    "sampletime",
+    "samplingtime",
+    "sampleinterval",
+    "samplinginterval",
+}
+STEP_NAMES |= {"increment", "xincrement", "deltax"}
+# Words of which one makes a name read like a time, if the numbers run as a clock does.
+TIME_WORDS = {"time", "times", "timestamp", "elapsed", "clock", "seconds", "secs", "sec", "millis", "micros", "date"}
+TIME_WORDS |= {"zeit", "zeitpunkt", "temps", "tiempo", "tempo", "tijd", "czas", "zaman", "aika", "tid", "idő", "čas"}
+TIME_WORDS |= {"время", "时间", "時間", "시간"}
+# Words of the names that plots and oscilloscopes give their first column, beside x.
+ABSCISSA = {"x", "axis", "value", "values", "data"}
+# Names of columns that count the rows.
+COUNTERS = {"#", "n", "no", "nr", "sample", "samples", "samplenumber", "index", "row", "line", "count", "counter"}
+# The index of a data frame, as pandas reads it again.
+UNNAMED = re.compile(r"Unnamed: ?\d+", re.IGNORECASE)
+# Characters of a name or of a line that patterns are tried on. Longer ones are no names that a program wrote.
+LONGEST_READ = 200
+# A name and, in brackets behind it, its unit; a number there counts columns.
+BRACKETED = re.compile(r"(.*\S)\s*[\[(]\s*(?!\d+\s*[\])])([^\[\]()]*(?:\([^\[\]()]*\))?[^\[\]()]*)[\])]")
+
+
+def plain(text: str) -> str:
+    """Return a text with single blanks, as far as a pattern is to look: patterns take the power of its length.
+
+    Examples
+    --------
+    >>> plain("  seat   [ mm ] "), len(plain(1000 * "x"))
+    ('seat [ mm ]', 200)
+    """
+    return " ".join(text[: 10 * LONGEST_READ].split())[:LONGEST_READ]
+
+
+def bare_name(name: str) -> str:
+    """Return the name without the unit in brackets behind it.
+
+    Examples
+    --------
+    >>> bare_name("seat [mm]"), bare_name("a_seat_m/s2")
+    ('seat', 'a_seat_m/s2')
+    """
+    found = BRACKETED.fullmatch(plain(name))
+    return found[1].strip() if found else name.strip()
+
+
+def bracketed_unit(name: str) -> str:
+    """Return the unit in brackets behind a name; empty if there is none.
+
+    Examples
+    --------
+    >>> bracketed_unit("seat [mm]"), bracketed_unit("acc (m/s^2)"), bracketed_unit("a_seat_m/s2")
+    ('mm', 'm/s^2', '')
+    """
+    found = BRACKETED.fullmatch(plain(name))
+    return found[2].strip() if found else ""
+
+
+def split_unit(name: str) -> tuple[str, str]:
+    """Return the bare name in lower case and the unit that follows it, if any.
+
+    Examples
+    --------
+    >>> split_unit("Time [ms]"), split_unit("t_s"), split_unit("Time_domain")
+    (('time', 'ms'), ('t', 's'), ('timedomain', ''))
+    >>> split_unit("Zeit in ms"), split_unit("time.ms"), split_unit("TimeMs")
+    (('zeit', 'ms'), ('time', 'ms'), ('time', 'ms'))
+    """
+    # A number behind a name that occurs twice is none of its own.
+    lowered = re.sub(r"\s+\(\d+\)$", "", plain(name)).lower()
+    bracketed = re.fullmatch(r"(.*?)[\s_,/]*[\[(]\s*(?!\d+\s*[\])])(.*?)\s*[\])]", lowered)
+    suffixed = re.fullmatch(r"(.*?)[\s_,/.]+(?:in\s+)?([^\s_,/.]+)", lowered) or JOINED.fullmatch(lowered)
+    stem, unit = lowered, ""
+    if bracketed:
+        stem, unit = bracketed[1], bracketed[2]
+    elif suffixed and (suffixed[2] in PER_SECOND or suffixed[2] == "hz"):
+        stem, unit = suffixed[1], suffixed[2]
+    bare = re.sub(r"[\s_\-.]", "", stem)
+    return bare, unit or (bare if bare in PER_SECOND else "")
+
+
+def is_time(name: str) -> bool:
+    """Whether a column of that name holds time in a unit that is known."""
+    stem, unit = split_unit(name)
+    return stem in TIME_NAMES and (not unit or unit in PER_SECOND)
+
+
+def may_be_time(name: str) -> bool:
+    """Whether a word for time is part of a name.
+
+    Examples
+    --------
+    >>> [may_be_time(name) for name in ("Run 1: Time (s)", "Time - Road (m)", "t_received", "timing belt")]
+    [True, True, True, False]
+    """
+    words = _words(name)
+    return bool(words & TIME_WORDS) or ("t" in words and bracketed_unit(name) in ("", *PER_SECOND))
+
+
+def is_abscissa(name: str, *, rate_known: bool = False) -> bool:
+    """Whether a first column of that name may be a time: it has no name or, if nothing states the rate, is called x.
+
+    Examples
+    --------
+    >>> [is_abscissa(name) for name in ("column 1", "arr_0", "data[1]", "x-axis", "seat x", "seat")]
+    [True, True, True, True, False, False]
+    """
+    words = _words(name)
+    called_x = "x" in words and words <= ABSCISSA and not rate_known
+    return called_x or re.fullmatch(r"column [12]|arr_0|.*\[[12]\]", name) is not None
+
+
+def _words(name: str) -> set[str]:
+    return {word for word in re.split(r"[\W\d_]+", bare_name(name).lower()) if word}
+
+
+def is_time_in_unknown_unit(name: str) -> bool:
+    """Whether a column is named time in full, in a unit that is not known.
+
+    Examples
+    --------
+    >>> is_time_in_unknown_unit("time [furlong]"), is_time_in_unknown_unit("time [h]"), is_time_in_unknown_unit("t [C]")
+    (True, False, False)
+    """
+    stem, unit = split_unit(name)
+    return stem in TIME_NAMES and stem != "t" and bool(unit) and unit not in PER_SECOND
+
+
+def stated_rate(name: str, value: float, unit: str = "") -> Hertz | None:
+    """Return the sampling rate [Hz] that a number of that name states, if it does.
+
+    Examples
+    --------
+    >>> stated_rate("Fs", 500.0), stated_rate("dt_ms", 2.0), stated_rate("mass", 80.0)
+    (500.0, 500.0, None)
+    """
+    stem, own = split_unit(name)
+    unit = unit.lower() or own
+    if not (math.isfinite(value) and value > 0):
+        return None
+    if stem in RATE_NAMES and unit in HERTZ:
+        return value * HERTZ[unit]
+    if stem in STEP_NAMES and (not unit or unit in PER_SECOND):
+        return PER_SECOND[unit or "s"] / value
+    return None
+
+
+def counts_rows(name: str, values: RealArray) -> bool:
+    """Whether a column counts the rows, by its name and its numbers; of rows that were picked, every nth.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> counts_rows("Sample", np.arange(3.0)), counts_rows("seat", np.arange(3.0)), counts_rows("#", np.ones(3))
+    (True, False, False)
+    """
+    named = split_unit(name)[0] in COUNTERS or UNNAMED.fullmatch(name) is not None
+    if not named or values.size < 2 or not np.all(np.isfinite(values[:2])):
+        return False
+    step = values[1] - values[0]
+    return bool(step >= 1 and step == round(step) and values[0] == round(values[0])) and is_count(
+        (values - values[0]) / step
+    )
+
+
+def is_count(values: RealArray) -> bool:
+    """Whether whole numbers count by one."""
+    # Beyond this, a number and the next whole one are the same number.
+    if values.size < 2 or not abs(values[0]) < 2.0**53 or values[0] != round(values[0]):
+        return False
+    # The last number tells of most columns that they do not count, without the memory of all whole numbers.
+    last = values[0] + values.size - 1
+    return bool(values[-1] == last) and np.array_equal(values, values[0] + np.arange(values.size))

@@ -1,0 +1,97 @@
+"""Units of time columns, stated or seen in their stamps."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from suspid.errors import RecordError
+from suspid.io.names import KNOWN_UNITS, PER_SECOND, TIME_NAMES, is_time, is_time_in_unknown_unit, split_unit
+from suspid.io.tables import Table
+from suspid.units import RealArray
+from suspid.words import LeftOut, Remark
+
+# Fewer stamps show neither their unit nor that they are a clock's.
+FEW_STAMPS = 8
+# Least size of a stamp since 1970, by its unit: present ones are near 1.7e12 ms, 1.7e15 us and 1.7e18 ns.
+EPOCHS = (("ns", 1e17), ("us", 1e14), ("ms", 1e11))
+# Usual step from which on stamps without a unit are in the next finer one [s]: as seconds, Nyquist's limit would be
+# 1 Hz, below the modes of any suspension on its road wheels.
+SLOWEST_STEP = 0.5
+# Days since 1900 of the years 1982 to 2064 as spreadsheets count them, and since the year 0 as MATLAB does. In seconds,
+# steps below the largest would be sampled faster than 5 kHz, hours after the start.
+DAYS, DAY_STEP = ((30_000.0, 60_000.0), (724_000.0, 754_000.0)), 2e-4
+
+
+def time_unit(table: Table, time: str) -> str:
+    """Return the unit of a column of time in lower case, as stated or in its name; empty if there is none."""
+    stem, own = split_unit(time)
+    unit = table.units.get(time, "").strip().lower() or own
+    # Programs that write the unit of a channel behind the name of its time as well mean seconds.
+    return unit if unit in PER_SECOND or stem in TIME_NAMES else ""
+
+
+def in_seconds(table: Table, time: str, stamps: RealArray) -> RealArray:
+    """Return the numbers of a column of time in seconds."""
+    unit = time_unit(table, time) or epoch_unit(stamps)
+    if unit not in PER_SECOND:
+        raise RecordError(unknown_unit(time))
+    return np.asarray(stamps / PER_SECOND[unit])
+
+
+def seconds_in(name: str, stamps: RealArray) -> RealArray | None:
+    """Return stamps in seconds by the unit in their name; None where the name is not one of a time.
+
+    Examples
+    --------
+    >>> seconds_in("time [ms]", np.array([0.0, 5.0])), seconds_in("seat", np.array([0.0]))
+    (array([0.   , 0.005]), None)
+    """
+    if is_time_in_unknown_unit(name):
+        raise RecordError(unknown_unit(name))
+    if not is_time(name):
+        return None
+    unit, said = split_unit(name)[1], unit_remark(stamps)
+    if not unit and said is not None and said.code is LeftOut.FINER_UNIT:
+        step, finer = said.numbers["step"], said.numbers["unit"]
+        raise RecordError(
+            f"the unit of {name!r} is not stated, and steps of {step:.4g} s are too slow for a suspension; call it "
+            f"'{name} [{finer}]', or '{name} [s]' if they are meant"
+        )
+    unit = unit or epoch_unit(stamps)
+    return np.asarray(stamps / PER_SECOND[unit])
+
+
+def unknown_unit(time: str) -> str:
+    """Return what is wrong with a column of time in an unknown unit."""
+    return f"the unit of time in {time!r} is not known; known: {KNOWN_UNITS}; rename it, or ignore it and give fs"
+
+
+def epoch_unit(stamps: RealArray) -> str:
+    """Return the unit of stamps without one: s, unless that would be a year beyond 4000, or a date in days.
+
+    The median is compared, so that single wrong stamps do not count.
+    """
+    sizes = np.abs(stamps[np.isfinite(stamps)])
+    size = float(np.median(sizes)) if sizes.size else 0.0
+    if any(low < size < high for low, high in DAYS) and np.ptp(sizes) < DAY_STEP * (sizes.size - 1):
+        return "days"
+    return next((name for name, least in EPOCHS if size > least), "s")
+
+
+def unit_remark(stamps: RealArray) -> Remark | None:
+    """Return why stamps without a unit are taken for one that is not seconds; None where they are seconds.
+
+    Examples
+    --------
+    >>> rows = np.arange(100.0)
+    >>> [str(unit_remark(step * rows))[:29] for step in (0.005, 2.5, 1872)]
+    ['None', 'is not stated; taken as ms, a', 'is not stated; taken as us, a']
+    """
+    unit = epoch_unit(stamps)
+    if unit != "s":
+        return Remark(LeftOut.DAYS if unit == "days" else LeftOut.EPOCH, {"unit": unit})
+    known = stamps[np.isfinite(stamps)]
+    with np.errstate(over="ignore"):
+        step = float(np.median(np.diff(known))) if known.size >= FEW_STAMPS else 0.0
+    finer = next((unit for unit in ("s", "ms", "us") if step < SLOWEST_STEP * PER_SECOND[unit]), "ns")
+    return None if finer == "s" else Remark(LeftOut.FINER_UNIT, {"unit": finer, "step": step})
