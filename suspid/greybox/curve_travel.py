@@ -28,7 +28,7 @@ END_SHARE = 0.05
 SPECTRUM_LINES = 5
 # Lines just below the corner of the filter, as shares of it, where force and travel are noise more than motion.
 NOISY_LINES = (0.8, 1.0)
-# A strut sticks where its velocity is within this many errors of rest over so many samples and more: a velocity that
+# A strut sticks where its velocity is within this many errors of rest over this many samples or more: a velocity that
 # changes its sign in motion is through in less than one. Friction has no law there; samples beside it are left out too.
 REST_ERRORS, REST_SAMPLES, REST_MARGIN = 2.0, 3, 2
 # How often noise and curve are found in turn; the noise changes by less than a percent after three rounds.
