@@ -337,7 +337,8 @@ def report() -> str:
         "# Ride, roads and tuning",
         "## Weightings beside ISO 8041-1:2017, Annex B",
         "Largest error over all one-third-octave bands, whose factors are printed with four digits (0.004 dB). The "
-        "standard allows 1 dB within the band.",
+        "standard allows 1 dB within the band. Its numbers, here and below, are those that phonometry has transcribed "
+        "into its test data; the standard itself was not at hand.",
         f"```\n{weighting_table()}\n```",
         "## Doses beside ISO 8041-1:2017, Tables 8 and 9",
         "Saw-tooth bursts through `ride(record)`. The standard allows 10 %, of VDV 12 %.",

@@ -72,9 +72,10 @@ def grip(
     Intervals are to first order with exact derivatives: those of the curves at the frequency of the least value, which
     itself does not matter to first order. They hold no car with a negative spring, damper or relaxation of a mount; by
     relaxations near zero they are to second order, and a mount that may be rigid is taken as rigid too. The least
-    phase is the lowest of the local minima between
-    the lowest natural frequency of the car and that of the wheel under a body held still, both undamped. With strong
-    dampers there is none; the phase then falls steadily.
+    phase is the lowest of the local minima between the lowest natural frequency of the car and that of the wheel under
+    a body held still, both undamped. With strong dampers there is none; the phase then falls steadily. The classes of
+    EUSAMA and the limit of EGEA, 35 deg, are those that publications quote, not taken from the recommendations
+    themselves.
 
     Examples
     --------

@@ -15,9 +15,9 @@ from suspid.units import Ratio, RealArray
 from suspid.values import text_table
 from suspid.words import Verdict
 
-# EUSAMA's classes: least adhesion of each [1].
+# EUSAMA's classes: least adhesion of each [1], as publications quote its recommendation TS 02-76.
 CLASSES = {"excellent": 0.6, "good": 0.4, "fair": 0.2, "poor": 0.0}
-# EGEA SPECSUS2018: a wheel whose least phase is below this fails [rad].
+# EGEA SPECSUS2018, as publications quote it: a wheel whose least phase is below this fails [rad].
 PHASE_LIMIT = float(np.radians(35.0))
 
 Figure: TypeAlias = Literal["adhesion", "phase"]

@@ -30,7 +30,7 @@ from suspid.values import FrozenItems, frozen_real, nearest_names
 from suspid.words import Check, Level, Number, Remark, Verdict
 from suspid.words.ride import RideCheck, RideHeadline
 
-# ISO 2631-1, 6.2.1 and 6.3.3: above these the weighted rms understates shocks.
+# ISO 2631-1, 6.2.1 and 6.3.3, as publications quote them: above these the weighted rms understates shocks.
 MOST_CREST, MOST_DOSE = 9.0, 1.75
 
 

@@ -15,7 +15,10 @@ from suspid.values import nearest_names
 
 
 class Weighting(NamedTuple):
-    """A weighting by the corners of its filters, ISO 8041-1:2017, Table 3; ``inf`` leaves a step out."""
+    """A weighting by the corners of its filters, ISO 8041-1:2017, Table 3; ``inf`` leaves a step out.
+
+    Taken from publications that quote the standard; they give its table of bands (Annex B) to all digits.
+    """
 
     f1: Hertz  # band limiting, Butterworth of second order: high pass
     f2: Hertz  # and low pass

@@ -24,11 +24,11 @@ class GripHeadline(Code):
 class GripCheck(Code):
     """What speaks for and against the grip of a wheel."""
 
-    PASSES = "passes", "{wheel}: the least phase, {phase:.1f} deg, is above the limit of {limit:.0f} deg."
-    FAILS = "fails", "{wheel}: the least phase, {phase:.1f} deg, is below the limit of {limit:.0f} deg."
+    PASSES = "passes", "{wheel}: the least phase, {phase:.1f} deg, is above EGEA's limit of {limit:.0f} deg."
+    FAILS = "fails", "{wheel}: the least phase, {phase:.1f} deg, is below EGEA's limit of {limit:.0f} deg."
     NEAR = (
         "near",
-        "{wheel}: the limit of {limit:.0f} deg lies inside the interval of the least phase, {low:.1f} to {high:.1f} "
+        "{wheel}: EGEA's limit of {limit:.0f} deg lies inside the interval of the least phase, {low:.1f} to {high:.1f} "
         "deg.",
     )
     NO_LEAST = (
