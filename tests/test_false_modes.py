@@ -3,11 +3,13 @@
 import numpy as np
 import pytest
 from numpy.typing import ArrayLike
+from scipy.signal import cont2discrete, lfilter
 
 from suspid import Identification, identify
 from suspid.identification.pulses import one_shape
 from suspid.signals import as_response
 from suspid.units import RealArray
+from suspid.words import Reason
 
 TIME = np.arange(1500) / 200.0
 RNG = np.random.default_rng
@@ -42,6 +44,43 @@ class TestLines:
         modes = found([decay + hum, 0.7 * decay - hum], 1, 0.02).modes
         np.testing.assert_allclose(modes.wn, [wn], rtol=1e-3)
         np.testing.assert_allclose(modes.zeta, [0.01], rtol=0.05)
+
+
+class TestBeginnings:
+    @pytest.mark.parametrize("seed", [1, 2, 3])
+    def test_a_push_of_any_shape_at_the_beginning_is_no_mode(self, seed: int) -> None:
+        """An oscillator under a smooth force of random shape for 1.2 s, then free; its acceleration at 20 Hz."""
+        step, wn, zeta = 1 / 640, 2 * np.pi * 0.3, 0.05
+        time, rng = np.arange(0, 22, step), RNG(seed)
+        waves = np.sin(2 * np.pi * rng.uniform(1, 8, (8, 1)) * time + rng.uniform(0, 2 * np.pi, (8, 1)))
+        force = 0.02 * np.sum(waves, axis=0) * np.clip(1 - time / 1.2, 0, None)
+        (top,), bottom, _ = cont2discrete(([1.0, 0, 0], [1, 2 * zeta * wn, wn**2]), step, method="foh")
+        motion = np.exp(-zeta * wn * time) * np.cos(wn * np.sqrt(1 - zeta**2) * time) + lfilter(top, bottom, force)
+        values = motion[::32] + 0.002 * rng.standard_normal(440)
+        modes = identify(as_response(np.arange(440) / 20, values[None], ["mass"])).modes
+        assert len(modes) == 1
+        (ends,) = modes.interval(0.9999).wn
+        assert ends[0] < wn < ends[1]
+        np.testing.assert_allclose(modes.zeta, [zeta], rtol=0.01)
+
+    def test_a_few_samples_of_anything_are_no_modes(self) -> None:
+        """Forty samples of coloured noise are followed exactly by thirteen pairs."""
+        for seed in range(4):
+            values = np.convolve(RNG(seed).standard_normal(60), np.exp(-np.arange(8) / 3), "valid")[:40]
+            assert len(identify(as_response(np.arange(40) / 500, values[None], ["beam"])).modes) < 3
+
+
+class TestSquares:
+    @pytest.mark.parametrize("zeta", [0.03, 0.125])
+    def test_the_energies_of_a_mass_have_no_modes_of_their_own(self, zeta: float) -> None:
+        wn = 2.0
+        pole, time = wn * (-zeta + 1j * np.sqrt(1 - zeta**2)), np.arange(0, 30, 0.1)
+        place, speed = np.real(np.exp(pole * time)), np.real(pole * np.exp(pole * time))
+        record = np.array([place, speed, speed**2 / 2, wn**2 * place**2 / 2])
+        record += 1e-4 * RNG(1).standard_normal(record.shape)
+        found = identify(as_response(time, record, ["x", "v", "kinetic", "potential"]))
+        np.testing.assert_allclose(found.modes.wn, [wn], rtol=1e-4)
+        assert [c.remark.code for c in found.considered].count(Reason.HARMONIC) == 2
 
 
 class TestPulses:

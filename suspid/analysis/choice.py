@@ -9,10 +9,10 @@ import numpy as np
 from suspid.analysis.settings import Settings
 from suspid.decays import GRAVE, Decay
 from suspid.errors import SuspidError
-from suspid.identification import Identification, identify, lag_one
+from suspid.identification import FORCED, Identification, identify, lag_one
 from suspid.levels import likely
 from suspid.signals import as_signal
-from suspid.words import Check, DecayDoubt, Level, ModeCheck, Reason, RecordCheck, Remark
+from suspid.words import Check, DecayDoubt, Level, ModeCheck, RecordCheck, Remark
 
 if TYPE_CHECKING:
     import control
@@ -54,7 +54,7 @@ def tried(record: control.TimeResponseData, settings: Settings) -> Identificatio
 
 def settled(found: Identification) -> bool:
     """Return whether a record is a free decay from its first sample on: modes are found, and the residual is noise."""
-    forced = any(c.removed and c.remark.code is Reason.A_FEW_SAMPLES for c in found.considered)
+    forced = any(c.removed and c.remark.code in FORCED for c in found.considered)
     return bool(len(found.modes)) and not forced and not any(c.remark.code in STRUCTURE for c in found.verdict.checks)
 
 

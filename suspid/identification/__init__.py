@@ -26,6 +26,7 @@ from suspid.identification.noise import (
     resolution,
 )
 from suspid.identification.nonlinear import AmplitudeDependence, Force, ForceKind
+from suspid.identification.pulses import FORCED
 from suspid.identification.selection import MOST_PAIRS, Selection, select
 from suspid.identification.stabilization import Stabilization, stabilization
 from suspid.identification.steps import FourSteps
@@ -34,6 +35,7 @@ from suspid.identification.verdict import verdict_of, verdict_of_repeats
 __all__ = [
     "ABOVE_RESOLUTION",
     "FEWEST_SAMPLES",
+    "FORCED",
     "MOST_PAIRS",
     "SAME_SHARE",
     "UNIFORM_STD",

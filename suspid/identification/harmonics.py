@@ -26,7 +26,8 @@ def without_harmonics(selection: Selection, modes: ModalSet) -> Selection:
     """Return the poles of a record, of which those at multiples of a stronger mode are no modes but stay in the fit.
 
     A bilinear damper or a sensor that bends adds motion at twice the frequency of a mode, and moves the middle of its
-    swings. Both decay as another mode would, at once to twice the rate.
+    swings. Both decay as another mode would, at once to twice the rate. An energy, the square of a motion, is nothing
+    but these two, whatever its size.
     """
     poles, kept = selection.fit.poles, selection.modes
     if len(kept) < 2 or modes.covariance is None:
@@ -36,8 +37,11 @@ def without_harmonics(selection: Selection, modes: ModalSet) -> Selection:
     strengths = np.sum(np.abs(amplitudes) ** 2 / (selection.fit.squares + 1e-300), axis=1)
     reasons = list(selection.reasons)
     for k, number in enumerate(order.tolist()):
-        stronger = [j for j in range(len(order)) if strengths[k] < WEAK**2 * strengths[j] and reasons[order[j]] is None]
-        if any(_is_multiple(modes, j, k) for j in stronger):
+        others = [j for j in range(len(order)) if j != k and reasons[order[j]] is None]
+        if any(
+            _is_square(modes, j, k) or (strengths[k] < WEAK**2 * strengths[j] and _is_multiple(modes, j, k))
+            for j in others
+        ):
             reasons[number] = Reason.HARMONIC
     return replace(selection, reasons=tuple(reasons))
 
@@ -57,27 +61,40 @@ def multiple_of(modes: ModalSet, pole: complex) -> tuple[int, int]:
     return mode + 1, int(multiples[mode])
 
 
-def _is_multiple(modes: ModalSet, one: int, other: int) -> bool:
-    """Return whether the other mode turns at a multiple of one and decays between once and that multiple as fast."""
+def _is_square(modes: ModalSet, one: int, other: int) -> bool:
+    """Return whether the other mode is in the square of one: twice its pole, or twice its rate without turning."""
+    first, second = complex(modes.poles[one]), complex(modes.poles[other])
+    if not first.imag > 0:
+        return False
+    turning, rate = _std(modes, one, other, 1, 2), _std(modes, one, other, 0, 2)
+    # An undamped mode is at twice the frequency of another by chance.
+    if not rate < PRECISE * -second.real or abs(second.real - 2 * first.real) > SURE * rate:
+        return False
+    return not second.imag or (turning < PRECISE * second.imag and abs(second.imag - 2 * first.imag) < SURE * turning)
+
+
+def _std(modes: ModalSet, one: int, other: int, part: int, factor: int) -> float:
+    """Return the standard deviation of the other mode's part, 0 real or 1 imaginary, less a multiple of that of one."""
     covariance = modes.covariance
     assert covariance is not None
+    row = np.zeros(len(covariance))
+    row[2 * one + part], row[2 * other + part] = -factor, 1.0
+    return float(np.sqrt(row @ covariance @ row))
+
+
+def _is_multiple(modes: ModalSet, one: int, other: int) -> bool:
+    """Return whether the other mode turns at a multiple of one and decays between once and that multiple as fast."""
     first, second = complex(modes.poles[one]), complex(modes.poles[other])
     multiple = round(second.imag / first.imag) if first.imag > 0 else 1
     if multiple == 1 or multiple > HIGHEST:
         return False
-
-    def std(part: int, factor: int) -> float:
-        row = np.zeros(len(covariance))
-        row[2 * one + part], row[2 * other + part] = -factor, 1.0
-        return float(np.sqrt(row @ covariance @ row))
-
-    off = std(1, multiple)
+    off = _std(modes, one, other, 1, multiple)
     if multiple:
         known = off < PRECISE * second.imag and abs(second.imag - multiple * first.imag) < SURE * off
     else:
-        known = second.imag == 0 and std(0, 1) < PRECISE_RATE * -second.real
+        known = second.imag == 0 and _std(modes, one, other, 0, 1) < PRECISE_RATE * -second.real
     if not known:
         return False
     fastest = max(multiple, 2)
-    slow, fast = -first.real - SURE * std(0, 1), -fastest * first.real + SURE * std(0, fastest)
-    return slow <= -second.real <= fast
+    slow, fast = -first.real - SURE * _std(modes, one, other, 0, 1), -fastest * first.real
+    return slow <= -second.real <= fast + SURE * _std(modes, one, other, 0, fastest)

@@ -23,7 +23,7 @@ from suspid.identification.nonlinear import (
     unlike_linear,
 )
 from suspid.identification.ongoing import without_lines
-from suspid.identification.pulses import without_pulse
+from suspid.identification.pulses import without_beginning, without_pulse
 from suspid.identification.selection import Selection, select
 from suspid.identification.steps import FourSteps
 from suspid.model import ModalSet
@@ -161,14 +161,20 @@ def _by_likelihood(
         bent = find_forces(centred, noise=noise, selection=selection, modes=steps.count)
         if bent is not None and bent.count < (steps.count or 0) <= len(selection.modes):
             bent = None
+    described = None
     if bent is not None:
-        modes, loudness, dependence = modes_of_bent(bent, timepts=signal.timepts, channels=signal.channels)
+        described = modes_of_bent(bent, timepts=signal.timepts, channels=signal.channels)
+        # A motion that grows over most of its amplitudes is no decay under forces, however well it is followed.
+        if steps.count is None and any(np.median(each.zeta) < 0 for each in described[2]):
+            described = None
+    if bent is not None and described is not None:
+        modes, loudness, dependence = described
         _check_count(modes, steps.count)
         left, freedom, forces = bent.residual, bent.freedom, bent.forces
         considered = beside_bent(selection, modes, signal.step)
     else:
         if steps.count is None:
-            selection = without_pulse(without_lines(selection), centred)
+            selection = without_pulse(without_beginning(without_lines(selection)), centred)
             if not len(selection.modes):
                 selection = dominant(centred, noise=noise, band=limits, selection=selection) or selection
         modes, loudness = _modes_of(selection, centred, noise, step=signal.step, channels=signal.channels)

@@ -1,4 +1,4 @@
-"""Pulses of force without ringing, which a few heavily damped exponentials follow as well."""
+"""Motion under a force at the beginning of a record, which a few exponentials follow as well."""
 
 from __future__ import annotations
 
@@ -17,6 +17,13 @@ from suspid.words import Reason
 # the modes have less than its inverse: modes of a decay have about 1, close and heavily damped ones up to 1.5. A
 # smaller number rejects those, a larger one takes the beginning of a pulse for a decay.
 CANCELLING = 2.0
+# Pairs that are seen together in fewer samples than so many for each of their unknowns follow whatever is there: as
+# many samples as unknowns are followed exactly. A larger number rejects wheel modes of cars that are sampled slowly.
+SAMPLES_EACH = 2.0
+# Poles of these reasons follow motion that is not free yet.
+FORCED = frozenset({Reason.A_FEW_SAMPLES, Reason.BEGINNING})
+# One or two pairs are known by their gain alone.
+FEWEST_TOGETHER = 3
 
 
 def without_pulse(selection: Selection, values: RealArray) -> Selection:
@@ -33,6 +40,29 @@ def without_pulse(selection: Selection, values: RealArray) -> Selection:
     if any(np.isfinite(disagreement(values, fit.poles, int(k), noise_std)) for k in pairs):
         return selection
     reasons = [Reason.PULSE if reason is None else reason for reason in selection.reasons]
+    return replace(selection, reasons=tuple(reasons))
+
+
+def without_beginning(selection: Selection) -> Selection:
+    """Return the poles of a record, of which those are no modes that only follow its first samples together.
+
+    Motion that is not free yet, after a release or a contact, is followed by several pairs that die at once.
+    """
+    fit, pairs = selection.fit, len(selection.fit.poles.pairs)
+    falls = -fit.poles.pairs.real
+    amplitudes = np.max(2 * np.abs(fit.amplitudes[:pairs]) / (_noise(selection)[0] + 1e-300), axis=1)
+    free = [reason is None or reason in FORCED for reason in selection.reasons[:pairs]]
+    # Samples until each meets the noise, but at least those of its time constant.
+    lasts = np.log(np.maximum(amplitudes, np.e)) / np.where(falls > 0, falls, 1e-300)
+    order = np.array([k for k in np.argsort(lasts).tolist() if free[k]], np.intp)
+    channels = fit.amplitudes.shape[1]
+    unknowns = 2 * (1 + channels) * np.arange(1, len(order) + 1)
+    together = np.flatnonzero(SAMPLES_EACH * unknowns > channels * lasts[order]) + 1
+    if not together.size or together[-1] < FEWEST_TOGETHER:
+        return selection
+    reasons = list(selection.reasons)
+    for k in order[: together[-1]].tolist():
+        reasons[k] = Reason.BEGINNING
     return replace(selection, reasons=tuple(reasons))
 
 

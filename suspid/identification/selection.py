@@ -60,7 +60,7 @@ def select(
     noise: WhiteNoise,
     modes: int | None = None,
     band: tuple[float, float] = (0.0, np.pi),
-    most: int = MOST_PAIRS,
+    most: int | None = None,
 ) -> Selection:
     """Return the poles of a record, added one after another while BIC decreases.
 
@@ -70,11 +70,11 @@ def select(
 
     The values are the record less its mean. With a number of modes, the strongest are kept, and the record is fitted
     anew without what lies beside them. The band holds the angular frequencies per sample between which a pole can be a
-    mode. The search ends with ``most`` pairs.
+    mode. The search ends with ``most`` pairs, by default `MOST_PAIRS`.
     """
     blocks = blocks_of(values)
     problem = Problem(values=values, blocks=blocks, noise=noise.rounded(blocks.energy, blocks.count))
-    fit, rejected = _found(problem, most)
+    fit, rejected = _found(problem, most or MOST_PAIRS)
     fit, gains, pair_gains, lost = _refined(problem, fit)
     if modes is not None:
         fit, gains, dropped = _alone(problem, fit, gains, band, modes)
@@ -158,7 +158,13 @@ def _found(problem: Problem, most: int) -> tuple[Fit, Rejected]:
 
 
 def _may_grow(fit: Fit, most: int) -> bool:
-    """Return whether more pairs are tried: beyond `MANY_PAIRS` only while the residual dies away as a decay does."""
+    """Return whether more pairs are tried: beyond `MANY_PAIRS` only while the residual dies away as a decay does.
+
+    Another pair must leave more samples than there are unknowns: as many are followed exactly, whatever they are.
+    """
+    channels, count = fit.residual.shape
+    if fit.poles.free + 2 + channels * (len(fit.poles) + 2) >= channels * count:
+        return False
     if fit.poles.free < 2 * MANY_PAIRS or fit.poles.free >= 2 * most:
         return fit.poles.free < 2 * most
     half = fit.residual.shape[1] // 2

@@ -36,6 +36,7 @@ class Reason(Code):
     UNSURE = "unsure", "its decay is not significant beside the residual near it"
     UNDER_A_CYCLE = "under a cycle", "less than one cycle in the record"
     A_FEW_SAMPLES = "a few samples", "decayed within a few samples"
+    BEGINNING = "beginning", "with others it follows the first samples alone: motion that is not free yet"
     OUTSIDE_THE_BAND = "outside the band", "outside the band"
     BEYOND = "beyond", "weaker than the modes asked for"
     REAL_OR_PAIR = "real or pair", "one real pole or a heavily damped pair: the record cannot tell"
