@@ -10,7 +10,7 @@ import numpy as np
 
 from suspid.cleaning import RecordLike, as_record, clipped_run
 from suspid.errors import IdentificationError, InputError, RecordError
-from suspid.identification.considered import beside_bent, considered_of
+from suspid.identification.considered import Considered, beside_bent, considered_of
 from suspid.identification.covariance import joint_covariance, spread_of
 from suspid.identification.dominant import dominant
 from suspid.identification.halves import FEWEST_SAMPLES, disagreement
@@ -18,6 +18,8 @@ from suspid.identification.harmonics import without_harmonics
 from suspid.identification.identification import Identification, Method
 from suspid.identification.noise import SAME_SHARE, WhiteNoise, noise_of, shared_noise
 from suspid.identification.nonlinear import (
+    AmplitudeDependence,
+    Bent,
     find_forces,
     modes_of_bent,
     unlike_linear,
@@ -32,6 +34,7 @@ from suspid.signals import Signal, as_signal
 from suspid.units import ComplexArray, Hertz, RadianPerSecond, RealArray, Second, angular
 from suspid.values import check_count, frozen_real
 from suspid.wavelets import BANDWIDTHS, row_band, sample_noise
+from suspid.words import Reason, Remark
 
 if TYPE_CHECKING:
     import control
@@ -161,17 +164,12 @@ def _by_likelihood(
         bent = find_forces(centred, noise=noise, selection=selection, modes=steps.count)
         if bent is not None and bent.count < (steps.count or 0) <= len(selection.modes):
             bent = None
-    described = None
-    if bent is not None:
-        described = modes_of_bent(bent, timepts=signal.timepts, channels=signal.channels)
-        # A motion that grows over most of its amplitudes is no decay under forces, however well it is followed.
-        if steps.count is None and any(np.median(each.zeta) < 0 for each in described[2]):
-            described = None
+    described = None if bent is None else _described(bent, signal, steps.count)
     if bent is not None and described is not None:
-        modes, loudness, dependence = described
+        modes, loudness, dependence, growing = described
         _check_count(modes, steps.count)
         left, freedom, forces = bent.residual, bent.freedom, bent.forces
-        considered = beside_bent(selection, modes, signal.step)
+        considered = (*growing, *beside_bent(selection, modes, signal.step))
     else:
         if steps.count is None:
             selection = without_pulse(without_beginning(without_lines(selection)), centred)
@@ -198,6 +196,24 @@ def _by_likelihood(
         amplitude_dependence=dependence,
         forces=forces,
     )
+
+
+def _described(
+    bent: Bent, signal: Signal, count: int | None
+) -> tuple[ModalSet, RealArray, tuple[AmplitudeDependence, ...], tuple[Considered, ...]] | None:
+    """Return the modes under forces, how loud the residual is near each, their amplitudes, and the poles that grow.
+
+    Without a number of modes, one that grows over most of its amplitudes is none; None if no other is left.
+    """
+    modes, loudness, dependence = modes_of_bent(bent, timepts=signal.timepts, channels=signal.channels)
+    falls = np.array([count is not None or np.median(each.zeta) >= 0 for each in dependence], bool)
+    if falls.all():
+        return modes, loudness, dependence, ()
+    if not falls.any():
+        return None
+    growing = [Considered(pole=complex(p), remark=Remark(Reason.GROWING), removed=True) for p in modes.poles[~falls]]
+    kept = tuple(each for each, fall in zip(dependence, falls, strict=True) if fall)
+    return modes[falls], frozen_real(loudness[falls]), kept, tuple(growing)
 
 
 def _check_count(modes: ModalSet, count: int | None) -> None:
