@@ -17,9 +17,9 @@ from suspid.words import Reason
 # the modes have less than its inverse: modes of a decay have about 1, close and heavily damped ones up to 1.5. A
 # smaller number rejects those, a larger one takes the beginning of a pulse for a decay.
 CANCELLING = 2.0
-# Pairs that are seen together in fewer samples than so many for each of their unknowns follow whatever is there: as
-# many samples as unknowns are followed exactly. A larger number rejects wheel modes of cars that are sampled slowly.
-SAMPLES_EACH = 2.0
+# Pairs that are seen together in fewer samples than this number for each of their unknowns follow any motion: with one
+# for each they follow it exactly. A larger number rejects wheel modes of cars that are sampled slowly.
+SAMPLES_PER_UNKNOWN = 2.0
 # Poles of these reasons follow motion that is not free yet.
 FORCED = frozenset({Reason.A_FEW_SAMPLES, Reason.BEGINNING})
 # One or two pairs are known by their gain alone.
@@ -57,7 +57,7 @@ def without_beginning(selection: Selection) -> Selection:
     order = np.array([k for k in np.argsort(lasts).tolist() if free[k]], np.intp)
     channels = fit.amplitudes.shape[1]
     unknowns = 2 * (1 + channels) * np.arange(1, len(order) + 1)
-    together = np.flatnonzero(SAMPLES_EACH * unknowns > channels * lasts[order]) + 1
+    together = np.flatnonzero(SAMPLES_PER_UNKNOWN * unknowns > channels * lasts[order]) + 1
     if not together.size or together[-1] < FEWEST_TOGETHER:
         return selection
     reasons = list(selection.reasons)
