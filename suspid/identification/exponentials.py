@@ -200,6 +200,34 @@ def _successive(ratio: ComplexArray, count: int) -> ComplexArray:
     return powers
 
 
+def real_powers(theta: ComplexArray, pairs: int, count: int) -> tuple[RealArray, ComplexArray]:
+    """Return a real basis of the space of exponentials, (sample, number), and the unitary matrix that turns to it.
+
+    The exponents are pairs, their conjugates and real ones; the basis is real and imaginary parts of the pairs times
+    the square root of 2, then the others. Amplitudes (exponent, channel) are the matrix times those of the basis.
+
+    Examples
+    --------
+    >>> theta = np.array([-0.1 + 0.5j, -0.1 - 0.5j, -0.2])
+    >>> basis, turn = real_powers(theta, 1, 6)
+    >>> bool(np.allclose(np.exp(np.outer(np.arange(6), theta)), basis @ turn.conj().T))
+    True
+    """
+    size = max(8, int(np.sqrt(count)))
+    alone = np.concatenate([theta[:pairs], theta[2 * pairs :]])
+    inner, outer = _powers(alone, size, -(-count // size))
+    powers = (outer[:, None] * inner).reshape(-1, len(alone))[:count]
+    half = np.sqrt(0.5)
+    turn = np.eye(len(theta), dtype=complex)
+    one = np.arange(pairs)
+    other = one + pairs
+    turn[one, one] = turn[other, one] = half
+    turn[one, other], turn[other, other] = -1j * half, 1j * half
+    real = powers.real
+    basis = np.concatenate([real[:, :pairs] / half, powers.imag[:, :pairs] / half, real[:, pairs:]], axis=1)
+    return basis, turn
+
+
 def synthesize(theta: ComplexArray, amplitudes: ComplexArray, count: int) -> RealArray:
     """Return ``Re sum_i amplitudes[i] exp(theta_i k)``, (channel, sample), from amplitudes (exponent, channel)."""
     size = max(8, int(np.sqrt(count)))

@@ -15,7 +15,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from suspid.identification.exponentials import Blocks, gram_sums
+from suspid.identification.exponentials import Blocks, gram_sums, real_powers
 from suspid.identification.noise import WhiteNoise, degrees_of_freedom
 from suspid.identification.poles import Poles
 from suspid.units import ComplexArray, RealArray
@@ -113,17 +113,17 @@ def evaluate_samples(values: RealArray, poles: Poles, noise: WhiteNoise) -> Deca
     Its rounding grows with the inverse of the smallest pivot, that of `evaluate` with its square; it takes longer.
     """
     count = values.shape[1]
-    k = np.arange(count)[:, None]
-    powers = np.exp(poles.exponents * k)
+    powers, turn = real_powers(poles.exponents, len(poles.pairs), count)
     size = np.linalg.norm(powers, axis=0)
+    # Both parts of a pair on one scale: a slow pole has hardly an imaginary part.
+    size = np.sqrt(np.abs(turn.conj().T) ** 2 @ (np.abs(turn) ** 2 @ size**2))
     basis, triangle = np.linalg.qr(powers / size)
     if not np.abs(triangle.diagonal()).min() >= LEAST_PIVOT:
         return None
-    amplitudes = np.linalg.solve(triangle, basis.conj().T @ values.T) / size[:, None]
-    left = values.T - (powers @ amplitudes).real
-    bent = powers * (k / count)
-    inside = basis.conj().T @ bent
-    beside = bent - basis @ inside
+    amounts = np.linalg.solve(triangle, basis.T @ values.T) / size[:, None]
+    amplitudes, left = turn @ amounts, values.T - powers @ amounts
+    bent = powers * (np.arange(count)[:, None] / count)
+    beside = bent - basis @ (basis.T @ bent)
     squares, energy = np.sum(left**2, axis=0), np.sum(values**2, axis=1)
     # Relative rounding error of a mean square computed from samples.
     rounding = 1e-28 * energy
@@ -131,8 +131,8 @@ def evaluate_samples(values: RealArray, poles: Poles, noise: WhiteNoise) -> Deca
     variance = noise.variance(squares, count)
     if not 0 < variance.min() < np.inf:
         return None
-    sharpness = beside.conj().T @ beside
-    slope = (amplitudes.conj() / variance * (beside.conj().T @ left)).sum(axis=1)
+    sharpness = turn @ (beside.T @ beside) @ turn.conj().T
+    slope = (amplitudes.conj() / variance * (turn @ (beside.T @ left))).sum(axis=1)
     return DecayFit(
         poles=poles,
         count=count,
@@ -141,9 +141,9 @@ def evaluate_samples(values: RealArray, poles: Poles, noise: WhiteNoise) -> Deca
         rounding=rounding,
         information=_information(poles, sharpness, amplitudes, variance, count),
         gradient=(poles.chart.conj().T @ slope).real * count,
-        gram=powers.conj().T @ powers,
-        tilt=powers.conj().T @ bent,
-        bend=bent.conj().T @ bent,
+        gram=turn @ (powers.T @ powers) @ turn.conj().T,
+        tilt=turn @ (powers.T @ bent) @ turn.conj().T,
+        bend=turn @ (bent.T @ bent) @ turn.conj().T,
         sharpness=sharpness,
     )
 
