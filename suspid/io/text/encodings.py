@@ -78,7 +78,7 @@ def decoded(content: bytes) -> tuple[bytes, dict[str, Remark]]:
 def _wide(start: bytes) -> str | None:
     """Return the encoding of UTF-16 text without a mark: digits have a zero byte each."""
     half = len(start) // 2
-    if half < 8 or not set(start) & set(b"0123456789"):
+    if half < 8 or b"\0" not in start or not set(start) & set(b"0123456789"):
         return None
     for encoding, zeros, others in (("utf-16-le", start[1::2], start[::2]), ("utf-16-be", start[::2], start[1::2])):
         if zeros.count(0) > 0.9 * half and not others.count(0):

@@ -7,6 +7,7 @@ import re
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache, partial
 
 from suspid.errors import RecordError
 from suspid.io.names import bracketed_unit, plain, stated_rate
@@ -75,7 +76,10 @@ def _columns(head: Sequence[str], sample: Sequence[str]) -> Columns:
     """Return the columns of a sample of lines; refuse one whose cells look like numbers and are not."""
     counted = shapes(sample)
     dialect, width = find_dialect(head, sample, counted)
-    rows = {shape: kinds for shape in counted if len(kinds := dialect.kinds(shape)) == width and "number" in kinds}
+    # The cells of different shapes are mostly alike.
+    kind = cache(partial(kind_of, comma=dialect.comma))
+    every = {shape: [kind(cell) for cell in dialect.cells(shape)] for shape in counted}
+    rows = {shape: kinds for shape, kinds in every.items() if len(kinds) == width and "number" in kinds}
     often = [counted[shape] for shape in rows]
     commonest = tuple(_commonest(column, often) for column in zip(*rows.values(), strict=True))
     lines = [cells for line in sample if len(cells := dialect.cells(line)) == width] if "text" in commonest else []

@@ -10,6 +10,9 @@ from suspid.io.text.columns import REMARKS
 from suspid.io.text.dialects import DELIMITERS
 from suspid.words import LeftOut, Remark
 
+# Every name of such a column has one of these in it.
+STEMS = [word.encode() for word in sorted(REMARKS) if not any(other in word for other in REMARKS - {word})]
+
 
 def without_notes(text: bytes, *, within: int) -> tuple[bytes, Mapping[str, Remark]]:
     r"""Return a text without the notes behind its rows, and the name of their column.
@@ -22,6 +25,9 @@ def without_notes(text: bytes, *, within: int) -> tuple[bytes, Mapping[str, Rema
     >>> without_notes(b"X_Value,seat,Comment\n0,1.5,cold day\n0.5,2\n", within=100)[0]
     b'X_Value,seat,Comment\n0,1.5\n0.5,2\n'
     """
+    lowered = text[:within].lower()
+    if not any(word in lowered for word in STEMS):
+        return text, {}
     lines = text[:within].split(b"\n")
     for number, line in enumerate(lines[:-1]):
         mark = next((known.encode() for known in DELIMITERS if known.encode() in line), b"\t")
