@@ -5,6 +5,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
+from suspid.identification.candidates import _layout as layout
 from suspid.identification.likelihood import bic_penalty
 from suspid.identification.noise import WhiteNoise
 from suspid.identification.selection import Selection, select
@@ -43,6 +44,25 @@ def assert_two_modes(found: Selection, *, atol: float = 1e-3) -> None:
     kept = modes_of(found)
     assert len(kept) == 2, (kept, found.reasons)
     np.testing.assert_allclose(kept, np.sort_complex(POLES), rtol=0, atol=atol)
+
+
+class TestGridOfDecayRates:
+    """The energy of exp(-a k) is the sum of exp(-2 a k); exp(-b k) shows the share <a, b>^2 / (<a, a> <b, b>) of it."""
+
+    def test_squared_norms(self) -> None:
+        for rate, used, length, norm in layout(COUNT):
+            assert norm == pytest.approx(float(np.sum(np.exp(-2 * rate * np.arange(used)))), rel=1e-12)
+            # What is left out after the samples in use is rounding, or there is nothing after them.
+            assert used == COUNT or np.exp(-rate * used) < 2e-4
+            assert length >= used
+
+    def test_a_pole_of_any_rate_shows_eight_ninths_of_its_energy_at_one_of_them(self) -> None:
+        rates = np.array([row[0] for row in layout(COUNT)])
+        # Two rates a factor of 2 apart share 8/9 of their energies; a pole that does not decay shows 92 %.
+        for own in (0.0, *np.geomspace(1 / COUNT, 0.5, 40)):
+            pole, lines = np.exp(-own * K), np.exp(-rates[:, None] * K)
+            shares = (lines @ pole) ** 2 / (pole @ pole) / np.sum(lines**2, axis=1)
+            assert np.max(shares) > (0.92 if own == 0 else 0.885), own
 
 
 class TestPrice:
