@@ -124,6 +124,28 @@ def row_of_fleet(path: Path, settings: Settings, found: Analysis) -> None:
         assert doubts <= set(row["checks"])  # type: ignore[call-overload]
 
 
+@pytest.mark.parametrize(
+    ("name", "library"),
+    [
+        ("pyuff_uff58_mps/time-history-not-all-columns-filled.uff", "pyuff"),
+        ("vibtest_inout_mat/mckiddat.mat", "scipy"),
+    ],
+)
+def test_what_cannot_be_used_is_refused_in_the_same_words(name: str, library: str) -> None:
+    pytest.importorskip(library)
+    path = DATA / name
+    if not path.exists():
+        pytest.skip("the shared records are not here")
+    with pytest.raises(RecordError) as refused:
+        analyse(path)
+    (row,) = record_rows(Job(settings=Settings()), Entry(name=path.name, path=str(path)), lambda _: None).failures
+    assert row["reason"] == refused.value.message
+    for command in (["identify", path], ["report", path, "-o", "none.html"]):
+        told = run(*command)
+        assert told.exit_code == 1
+        assert told.output.strip() == f"suspid: error: {refused.value}"
+
+
 def test_a_recording_is_its_file() -> None:
     found = analyse(read_recording(EXAMPLE))
     assert np.array_equal(found.modes.poles, analyse(EXAMPLE).modes.poles)
