@@ -33,6 +33,7 @@ REPORTS = (
     "drives",
     "wear",
     "tyres",
+    "bodies",
     "dampers",
 )
 FOLDER = Path(__file__).parent / "report"

@@ -57,8 +57,9 @@ def travel_fit(
         if shape is None:
             samples = [one.velocity[::FINE_POINTS][_inside(m)] for one, m in zip(moved, motions, strict=True)]
             shape = shaped(np.concatenate(samples))
-        fit = _fitted(motions, moved, shape)
-        left = _residual(motions, moved, shape, fit, noise, rng)
+        columns = [_columns(m, one, shape) for m, one in zip(motions, moved, strict=True)]
+        fit = _fitted(motions, moved, columns)
+        left = _residual(motions, moved, columns, shape, fit, noise, rng)
         shown = noise_of(left, noise)
         noise = noise if last else Noise(force=shown.force, motion=min(shown.motion, most), velocity=left.velocity)
     assert shape is not None
@@ -145,8 +146,7 @@ def _centred(signals: RealArray, moved: _Expected) -> RealArray:
     return np.asarray((signals - mean) * moved.moves[:, None])
 
 
-def _fitted(motions: Sequence[StrutMotion], moved: Sequence[_Expected], shape: Shape) -> CurveFit:
-    columns = [_columns(m, one, shape) for m, one in zip(motions, moved, strict=True)]
+def _fitted(motions: Sequence[StrutMotion], moved: Sequence[_Expected], columns: Sequence[RealArray]) -> CurveFit:
     forces = [
         _centred(smoothed(m.force, m.step)[_inside(m), None], one)[:, 0] for m, one in zip(motions, moved, strict=True)
     ]
@@ -179,6 +179,7 @@ def _fitted(motions: Sequence[StrutMotion], moved: Sequence[_Expected], shape: S
 def _residual(
     motions: Sequence[StrutMotion],
     moved: Sequence[_Expected],
+    columns: Sequence[RealArray],
     shape: Shape,
     fit: CurveFit,
     noise: Noise,
@@ -187,10 +188,10 @@ def _residual(
     """Return the spectrum of the force that is left, and those that the noise of force and travel would leave."""
     power, expected, squares, weights = [], [], [], []
     forces, friction = shape.forces(fit.theta), float(fit.theta[-1]) if shape.friction else 0.0
-    for motion, one, part in zip(motions, moved, fit.records, strict=True):
+    for motion, one, own_columns, part in zip(motions, moved, columns, fit.records, strict=True):
         drawn = rng.standard_normal((PROBES, len(motion.force)))
         own = noise.force * np.column_stack([smoothed(row, motion.step)[_inside(motion)] for row in drawn])
-        mean = _columns(motion, one, shape) @ fit.theta
+        mean = own_columns @ fit.theta
         others = []
         for travel, velocity in one.probes:
             v = one.velocity + velocity
