@@ -33,7 +33,6 @@ REPORTS = (
     "drives",
     "wear",
     "tyres",
-    "bodies",
     "dampers",
 )
 FOLDER = Path(__file__).parent / "report"
