@@ -69,6 +69,15 @@ class Damper:
     friction: float = 0.0
 
 
+@dataclass(frozen=True)
+class Days:
+    """What each drive has of its own, as factors: forces of the damper, spring, and mass of the body."""
+
+    damper: RealArray | float = 1.0
+    spring: RealArray | float = 1.0
+    mass: RealArray | float = 1.0
+
+
 def drives(
     dampers: Sequence[Damper],
     road: str,
@@ -77,6 +86,7 @@ def drives(
     seconds: Second = 60.0,
     rate: Hertz = 200.0,
     speed: float = 20.0,
+    days: Days = Days(),
 ) -> list[dict[str, RealArray]]:
     """Return the clean channels of some drives by name, (drive, sample), for each damper; the roads are the same."""
     lead, h = 2.0, STEP
@@ -94,12 +104,12 @@ def drives(
     def slope(s: RealArray, z: RealArray, v: RealArray) -> RealArray:
         travel, velocity = s[0] - s[1], s[2] - s[3]
         own = [
-            one.law.force(w) + one.friction * np.clip(w / CREEP, -1, 1)
+            days.damper * one.law.force(w) + one.friction * np.clip(w / CREEP, -1, 1)
             for one, w in zip(dampers, velocity, strict=True)
         ]
-        strut = STIFFNESS * travel + np.array(own)
+        strut = days.spring * STIFFNESS * travel + np.array(own)
         tire = TIRE * (s[1] - z) + TIRE_DAMPING * (s[3] - v)
-        return np.array([s[2], s[3], -strut / MASS, (strut - tire) / WHEEL])
+        return np.array([s[2], s[3], -strut / (days.mass * MASS), (strut - tire) / WHEEL])
 
     for k in range(steps):
         (z0, z1, z2), (v0, v1, v2) = heights[2 * k : 2 * k + 3], rates[2 * k : 2 * k + 3]

@@ -29,6 +29,7 @@ from suspid.performance import Rates, rates_of
 from suspid.performance.reaches import reaches
 from suspid.units import RealArray, Second
 from suspid.values import text_table
+from validation.bent_wear import bent_section
 from validation.greybox_rows import KNOWN, MOUNTED, QUARTER, given_row, half
 from validation.motion import Drive
 
@@ -279,5 +280,6 @@ def report() -> str:
         f"{GRIP}\n\n```\n{grip_table(SEEDS)}\n```",
         f"{PAIRS.format_map(numbers)}\n\n```\n{pair_table(SEEDS, drives_of)}\n```",
         f"{TRENDS.format_map(numbers)}\n\n```\n{trend_table(SEEDS)}\n```",
+        bent_section(),
     ]
     return "\n\n".join(parts) + "\n"
