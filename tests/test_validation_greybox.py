@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from suspid import Suspension, simulate, statespace
+from suspid import Suspension, eigenmodes, simulate, statespace
 from suspid.units import RealArray
 from validation.greybox_bounds import given_bound, time_bound, transfer_of
 from validation.greybox_rows import FULL, MOUNTED, QUARTER, parameters
 from validation.motion import STEP, Drive, driven, integrated, road_heights
 from validation.springs import physical_bound
-from validation.tyre_bounds import Asked, responses, tire_bound
+from validation.tyre_bounds import Asked, modes_of, responses, tire_bound
 
 
 @pytest.mark.parametrize("car", [QUARTER, MOUNTED], ids=["plain", "mounted"])
@@ -99,6 +99,12 @@ def test_the_transfers_of_the_bound_of_tires_are_those_of_the_state_space() -> N
     for row, s in zip(found, 2j * np.pi * f, strict=True):
         by_road = np.asarray(statespace(QUARTER, road_rate=False)(s, squeeze=False))[:2, 0]
         np.testing.assert_allclose(row, s**2 * by_road, rtol=1e-9)
+
+
+def test_the_modes_of_the_bound_of_tires_are_those_of_the_state_space() -> None:
+    modes = eigenmodes(QUARTER)
+    expected = np.column_stack([modes.wn, modes.zeta]).ravel()
+    np.testing.assert_allclose(np.exp(modes_of(np.array([1.0, 1, 1, 1, 1, 1, 0, 0]))), expected, rtol=1e-9)
 
 
 def test_the_bound_of_tires_obeys_laws() -> None:

@@ -25,6 +25,7 @@ RATE = 200.0
 SWING: Second = 30.0  # period of the speed
 DEPARTURE, LENGTH = 0.3, 0.6  # of the road from its power law: standard deviation, and length in the logarithm
 EXPONENT_STD = 1.0
+BOUND_NAMES = ("kt/mu", "kt", "mu", "f1", "zeta1", "f2", "zeta2")
 KNOWN = 1e10  # information of what is known
 
 
@@ -56,8 +57,19 @@ def responses(f: RealArray, factors: RealArray) -> ComplexArray:
     return np.asarray(np.stack([s**2 * follows * moved, s**2 * moved * gain * np.exp(-1e-3 * delay * s)], axis=1))
 
 
+def modes_of(factors: RealArray) -> RealArray:
+    """Return the logarithms of natural frequency and damping ratio of body and wheel: f1, zeta1, f2, zeta2."""
+    tire, wheel, tire_damper, spring, damper = factors[:5]
+    strut = np.array([0.0, DAMPER * damper, SPRING * spring])
+    rolls = np.array([0.0, TIRE_DAMPER * tire_damper, TIRE * tire])
+    body, wheel_row = np.array([MASS, 0.0, 0.0]) + strut, np.array([WHEEL * wheel, 0.0, 0.0]) + strut + rolls
+    roots = np.roots(np.polysub(np.polymul(body, wheel_row), np.polymul(strut, strut)))
+    poles = sorted(roots[roots.imag > 0], key=abs)
+    return np.log([value for pole in poles for value in (abs(pole), -pole.real / abs(pole))])
+
+
 def tire_bound(asked: Asked) -> dict[str, float]:
-    """Return the least relative standard deviations of kt, mu and kt/mu."""
+    """Return the least relative standard deviations of kt, mu, kt/mu, and of the modes."""
     f = np.arange(BAND[0], BAND[1], SPACING)
     stretches = max(1, round(asked.duration / STRETCH))
     length = asked.duration / stretches
@@ -85,9 +97,13 @@ def tire_bound(asked: Asked) -> dict[str, float]:
     prior[cars], prior[cars + 1 : road] = EXPONENT_STD**-2.0, 1.0
     prior[UNKNOWN.index("tire_damper")] = (TIRE_DAMPER / asked.tire_damper_std) ** 2 if asked.tire_damper_std else KNOWN
     prior[UNKNOWN.index("wheel")] = KNOWN if asked.wheel_known else 0.0
-    covariance = np.linalg.inv(information + np.diag(prior))[:2, :2]
-    k, m = np.diag(covariance)
-    return {"kt/mu": float(np.sqrt(k + m - 2 * covariance[0, 1])), "kt": float(np.sqrt(k)), "mu": float(np.sqrt(m))}
+    covariance = np.linalg.inv(information + np.diag(prior))[:cars, :cars]
+    turned = np.array([(modes_of(start + row) - modes_of(start - row)) / (2 * step) for row in step * np.eye(cars)]).T
+    ratio = np.zeros(cars)
+    ratio[:2] = 1, -1
+    rows = np.vstack([ratio, np.eye(cars)[:2], turned])
+    stds = np.sqrt(np.einsum("ai,ij,aj->a", rows, covariance, rows))
+    return dict(zip(BOUND_NAMES, stds.tolist(), strict=True))
 
 
 def _departures(logs: RealArray, departure: float) -> tuple[RealArray, tuple[RealArray, RealArray]]:

@@ -228,6 +228,7 @@ def table(cases: list[TireRow], *, seeds: int = SEEDS) -> str:
             cells[f"{name} cover"] = "" if known else f"{held[i]:.0f}"
         for i, name in enumerate(NAMES[3:], 3):
             cells[f"{name} RMSE"] = f"{rmse[i]:.2f}"
+            cells[f"{name} bound"] = f"{100 * bound[name]:.2f}"
         cells["modes cover"] = f"{np.mean(held[3:]):.1f}"
         cells["G cover"] = "" if np.all(np.isnan(done.roughness)) else f"{100 * np.mean(done.roughness):.0f}"
         cells["time [s]"] = f"{done.seconds:.2f}"
