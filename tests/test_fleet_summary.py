@@ -19,12 +19,13 @@ from suspid import InputError, ModalSet, eigenmodes
 from suspid.analysis import CarSettings, Settings
 from suspid.cli.fleet import fleet_command
 from suspid.cli.support import Commands
+from suspid.fleet.distributions import QUANTILES, Distribution
 from suspid.fleet.families import OTHERS, families_by_density, families_of_car
 from suspid.fleet.fleet_summary import fleet_summary
 from suspid.fleet.identify_many import identify_many
 from suspid.fleet.manifest import FLEET_FORMAT, environment
 from suspid.fleet.parts import as_part, write_part
-from suspid.fleet.summary import FleetSummary
+from suspid.fleet.summary import FleetSummary, distribution_text
 from suspid.fleet.tables import TABLE_COLUMNS, Rows
 from suspid.fleet.trends import trends_of
 from suspid.fleet.vehicles import read_vehicles, vehicles_from_names
@@ -96,6 +97,13 @@ class TestFamilies:
 
 
 class TestDistributionsAndOutliers:
+    def test_what_is_not_stated_is_empty(self) -> None:
+        """Frequencies of bodies have intervals and no standard deviation."""
+        one = Distribution(
+            quantity="f", unit="Hz", count=1, median=1.2, quantiles=(1.2,) * len(QUANTILES), scatter=0.0, stated=np.nan
+        )
+        assert "nan" not in distribution_text([one])
+
     def test_scatter_beside_what_is_stated(self, tmp_path: Path) -> None:
         """1000 normal values: median and robust scatter within five of their standard deviations."""
         rng = np.random.default_rng(3)

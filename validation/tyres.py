@@ -211,30 +211,31 @@ def asked_of(row: TireRow) -> Asked:
     )
 
 
+def cells_of(row: TireRow, done: TireTally) -> dict[str, str]:
+    """Return a line of the table."""
+    bias, rmse = 100 * np.mean(done.error, axis=0), 100 * np.sqrt(np.mean(done.error**2, axis=0))
+    held = 100 * np.mean(done.holds, axis=0)
+    cells = {"drive": row.name, "draws": str(done.failed + len(done.error)), "failed": str(done.failed)}
+    bound = tire_bound(asked_of(row))
+    for i, name in enumerate(NAMES[:3]):
+        known = row.mass_known and name == "mu"
+        cells[f"{name} bias"] = "known" if known else f"{bias[i]:+.1f}"
+        cells[f"{name} RMSE"] = "" if known else f"{rmse[i]:.2f}"
+        cells[f"{name} bound"] = "" if known else f"{100 * bound[name]:.2f}"
+        cells[f"{name} cover"] = "" if known else f"{held[i]:.0f}"
+    for i, name in enumerate(NAMES[3:], 3):
+        cells[f"{name} RMSE"] = f"{rmse[i]:.2f}"
+        cells[f"{name} bound"] = f"{100 * bound[name]:.2f}"
+    cells["modes cover"] = f"{np.mean(held[3:]):.1f}"
+    cells["G cover"] = "" if np.all(np.isnan(done.roughness)) else f"{100 * np.mean(done.roughness):.0f}"
+    cells["time [s]"] = f"{done.seconds:.2f}"
+    return cells
+
+
 def table(cases: list[TireRow], *, seeds: int = SEEDS) -> str:
     """Return the table of some cases."""
-    columns: dict[str, list[str]] = {"drive": [], "draws": [], "failed": []}
-    for row in cases:
-        done = tally(row, seeds=seeds)
-        bias, rmse = 100 * np.mean(done.error, axis=0), 100 * np.sqrt(np.mean(done.error**2, axis=0))
-        held = 100 * np.mean(done.holds, axis=0)
-        cells = {"drive": row.name, "draws": str(done.failed + len(done.error)), "failed": str(done.failed)}
-        bound = tire_bound(asked_of(row))
-        for i, name in enumerate(NAMES[:3]):
-            known = row.mass_known and name == "mu"
-            cells[f"{name} bias"] = "known" if known else f"{bias[i]:+.1f}"
-            cells[f"{name} RMSE"] = "" if known else f"{rmse[i]:.2f}"
-            cells[f"{name} bound"] = "" if known else f"{100 * bound[name]:.2f}"
-            cells[f"{name} cover"] = "" if known else f"{held[i]:.0f}"
-        for i, name in enumerate(NAMES[3:], 3):
-            cells[f"{name} RMSE"] = f"{rmse[i]:.2f}"
-            cells[f"{name} bound"] = f"{100 * bound[name]:.2f}"
-        cells["modes cover"] = f"{np.mean(held[3:]):.1f}"
-        cells["G cover"] = "" if np.all(np.isnan(done.roughness)) else f"{100 * np.mean(done.roughness):.0f}"
-        cells["time [s]"] = f"{done.seconds:.2f}"
-        for name, cell in cells.items():
-            columns.setdefault(name, []).append(cell)
-    return text_table(columns)
+    lines = [cells_of(row, tally(row, seeds=seeds)) for row in cases]
+    return text_table({name: [line[name] for line in lines] for name in lines[0]})
 
 
 def peers_table(*, seeds: int = PEER_SEEDS) -> str:
