@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -44,13 +45,13 @@ def _distribution_table(distributions: Sequence[Distribution]) -> str:
                 for k, q in enumerate(QUANTILES)
             },
             "scatter": [_or_empty(one.known_scatter, ".2g") for one in distributions],
-            "stated ±": [f"{one.stated:.2g}" for one in distributions],
+            "stated ±": [_or_empty(one.stated, ".2g") for one in distributions],
         }
     )
 
 
 def _or_empty(value: float | None, form: str) -> str:
-    return "" if value is None else format(value, form)
+    return "" if value is None or math.isnan(value) else format(value, form)
 
 
 def _no_outlier(distributions: Sequence[Distribution]) -> str:
