@@ -118,7 +118,7 @@ class IdentificationError(SuspidError):
     ...     identify(record, modes=3)
     ... except IdentificationError as error:
     ...     print(error, error.found.wn.round(1))
-    3 modes were asked for, 1 could be found, at 20.03 rad/s; nothing else in the record decays like a mode [20.]
+    3 modes were asked for, 1 could be found, at 20.03 rad/s; nothing else in the record decays like a mode: ... [20.]
     """
 
     def __init__(self, message: str, *, found: ModalSet | None = None) -> None:

@@ -53,7 +53,7 @@ def read_bytes(path: Path, *, error: type[InputError] = InputError) -> bytes:
                 raise
             raise error(f"cannot be read: {_reason(refusal)}") from None
         if not content:
-            raise error("is empty")
+            raise error("is empty: export it anew, or name another file")
     return content
 
 

@@ -99,7 +99,10 @@ def as_signal(response: control.TimeResponseData, *, least: int = 2) -> Signal:
     if values.shape[1] != len(timepts):
         raise RecordError(f"{len(timepts)} time points, but {values.shape[1]} samples")
     if len(timepts) < least:
-        raise RecordError(f"the record has {len(timepts)} samples; at least {least} are needed")
+        raise RecordError(
+            f"the record has {len(timepts)} samples; at least {least} are needed: "
+            f"record longer, or use a longer stretch (start, stop)"
+        )
     labels = response.output_labels
     channels = tuple(labels) if labels else tuple(f"y[{i}]" for i in range(len(values)))
     for name, samples in zip(channels, values, strict=True):

@@ -1,4 +1,4 @@
-"""Sixty mistakes of a newcomer: none leaves them without the next step."""
+"""Mistakes of newcomers: none leaves them without the next step."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ DECAY = np.exp(-0.5 * np.arange(0, 4, 0.01)) * np.cos(20 * np.arange(0, 4, 0.01)
 # What a next step sounds like: a known name, the right form, a command, an option or a place to look.
 STEP = re.compile(
     r"Did you mean|Known|known|such as|write |give |name |choose|install|see |use |take |read |must |lasts from|"
-    r"Try |--|is not one of|needs|leave|check|give|describe|remove|positive|as_record|eigenmodes|between|call ",
+    r"Try |--|ask for|is not one of|needs|leave|check|give|describe|remove|positive|as_record|eigenmodes|between|call ",
 )
 
 COMMANDS = [
@@ -74,6 +74,32 @@ COMMANDS = [
     "compare before.json",
     "channels nothing.mat",
     f"drive {RECORD} --car {RECORD}",
+    f"identify {RECORD} --units mm",
+    f"identify {RECORD} -o modes.json",
+    f"identify {RECORD} --from 9.99",
+    f"identify {RECORD} --channel seat --without seat",
+    f"identify {RECORD} --rename seat=chassis",
+    f"identify {RECORD} --modes 30",
+    f"identify {CAR}",
+    f"reconstruct {CAR} {RECORD}",
+    f"report {RECORD} -o r.html --level 95%",
+    f"estimate {RECORD} --car {CAR} --road C",
+    f"estimate {RECORD} --car {CAR} --nominal-std 30%",
+    f"estimate {RECORD} --car {CAR} --mount tyre",
+    f"estimate {RECORD} --car {CAR} --bound seat.stiffness 5 1",
+    f"ride {CAR}",
+    f"ride {CAR} --road X --speed 20",
+    f"ride {CAR} --road C --speed 72km/h",
+    f"tune {CAR} --road C --speed 20 --objective comfort",
+    f"tune {CAR} --road C --speed 20 --parameter damping",
+    f"simulate {CAR} -o d.csv --snr 20",
+    f"simulate {CAR} -o d.csv --road C --speed 20",
+    f"simulate {CAR} -o d.xyz --impulse road",
+    f"compare {RECORD} {CAR}",
+    "fleet examples",
+    "fleet nowhere -o results",
+    "help",
+    "-v",
 ]
 
 CALLS: list[Callable[[], object]] = [

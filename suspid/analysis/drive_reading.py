@@ -51,7 +51,7 @@ def _wanted(recording: Recording, settings: Settings) -> Recording:
     called = {name: own if short.count(own) == 1 else name for name, own in zip(names, short, strict=True)} | rename
     channels = [_made(recording[name], called, scale) for name in names if name not in dropped]
     if len({channel.name for channel in channels}) < len(channels):
-        raise InputError("renaming leaves two channels of the same name")
+        raise InputError("renaming leaves two channels of the same name; choose a new name")
     if settings.start is not None or settings.stop is not None:
         channels = _between(channels, settings)
     return replace(recording, channels=tuple(channels))

@@ -129,7 +129,9 @@ def _kept(channels: tuple[str, ...], settings: Settings) -> tuple[str, ...]:
     dropped = {channel_named(name, channels) for name in settings.without}
     kept = tuple(name for name in wanted if name not in dropped)
     if wanted and not kept:
-        raise RecordError(f"without={settings.without!r} leaves no channel; keep at least one of {listed(wanted)}")
+        raise RecordError(
+            f"leaving {listed(settings.without)} out (without) leaves no channel; keep at least one of {listed(wanted)}"
+        )
     return kept
 
 
@@ -200,7 +202,10 @@ def _renamed(cleaned: Cleaned, renames: dict[str, str]) -> Cleaned:
     signal = as_signal(held(cleaned, "record"))
     names = [renames.get(name, name) for name in signal.channels]
     if len(set(names)) < len(names):
-        raise InputError(f"renaming leaves two channels of the same name: {', '.join(map(repr, names))}")
+        raise InputError(
+            f"renaming leaves two channels of the same name: {', '.join(map(repr, names))}; "
+            f"choose a new name, or leave one out (without, --without)"
+        )
     return replace(
         cleaned,
         record=like(

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from suspid.analysis import Settings, in_terms_of, read
-from suspid.cli.options import Decorator, packed
+from suspid.cli.options import Decorator, names_in, packed
 from suspid.errors import EstimationError, RecordError
 from suspid.files import naming
 
@@ -31,12 +31,19 @@ def sensing_of(
 ) -> dict[str, tuple[str, ...] | None]:
     """Return the arguments of `estimate` on channels and mounts; ``none`` leaves none unknown."""
     asked = {"gains": gains, "delays": delays, "mounts": mounts}
-    return {name: tuple(one for one in chosen if one != "none") if chosen else None for name, chosen in asked.items()}
+    return {
+        name: tuple(one for one in names_in(chosen) if one != "none") if chosen else None
+        for name, chosen in asked.items()
+    }
 
 
 def _unknown(option: str, argument: str, metavar: str, what: str) -> Any:
     return click.option(
-        option, argument, metavar=f"{metavar}|none", multiple=True, help=f"{what} is unknown; repeat. [as needed]"
+        option,
+        argument,
+        metavar=f"{metavar}|none",
+        multiple=True,
+        help=f"{what} is unknown; repeat, or NAME,NAME. [as needed]",
     )
 
 

@@ -164,8 +164,8 @@ def settings_of(
     try:
         return Settings(
             test=test,
-            channels=_listed(channels) or None,
-            without=_listed(without),
+            channels=names_in(channels) or None,
+            without=names_in(without),
             rename=rename,
             scale=scale,
             vertical=axes,
@@ -184,12 +184,12 @@ def settings_of(
         raise click.UsageError(f"{in_options(str(error), click.get_current_context().command)}.") from None
 
 
-def _listed(given: Sequence[str]) -> tuple[str, ...]:
+def names_in(given: Sequence[str]) -> tuple[str, ...]:
     """Return names that may stand in one text, with commas between them; a name with a comma stands in quotes.
 
     Examples
     --------
-    >>> _listed(["seat, tire", '"acc, z"'])
+    >>> names_in(["seat, tire", '"acc, z"'])
     ('seat', 'tire', 'acc, z')
     """
     return tuple(name.strip() for row in csv.reader(given, skipinitialspace=True) for name in row if name.strip())

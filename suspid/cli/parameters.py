@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from suspid.cli.options import FILE, Decorator, packed
+from suspid.cli.options import FILE, Decorator, names_in, packed
 from suspid.cli.support import Positive, Probability, in_options, say
 from suspid.files import replacing
 from suspid.levels import LEVEL
@@ -37,11 +37,11 @@ class Wanted:
     def unknowns(self) -> dict[str, Any]:
         """Return arguments of `reconstruct` and `estimate`, or refuse the options as a usage error."""
         return {
-            "fixed": self.fixed,
+            "fixed": names_in(self.fixed),
             "bounds": _bounds_by_name(self.bounds),
             "ties": _equal_names(self.ties),
             "nominal_std": self.nominal_std,
-            "free_masses": self.free_masses,
+            "free_masses": names_in(self.free_masses),
         }
 
     def added_masses(self, files: Sequence[Path]) -> list[dict[str, float]]:
@@ -73,7 +73,10 @@ wanting: Decorator = packed(
             "--added", metavar="FILE:NAME=KG", multiple=True, help="Mass added at NAME in the test FILE; repeat."
         ),
         click.option(
-            "--fixed", metavar="STRUT[.stiffness|.damping]", multiple=True, help="Hold at the nominal value; repeat."
+            "--fixed",
+            metavar="STRUT[.stiffness|.damping]",
+            multiple=True,
+            help="Hold at the nominal value; repeat, or NAME,NAME.",
         ),
         click.option(
             "--bound",
@@ -91,15 +94,29 @@ wanting: Decorator = packed(
             help="Relative standard deviation of the nominal values, such as 0.3.",
         ),
         click.option(
-            "--free-mass", "free_masses", metavar="NAME", multiple=True, help="Mass that is unknown too; repeat."
+            "--free-mass",
+            "free_masses",
+            metavar="NAME",
+            multiple=True,
+            help="Mass that is unknown too; repeat, or NAME,NAME.",
         ),
     ),
     "wanted",
 )
 
 
+class RoadModel(click.Choice[str]):
+    """A model of the road; the class of a road is not one."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        """Return the name of the model."""
+        if str(value).upper() in ("A", "B", "C", "D", "E", "F", "G", "H"):
+            self.fail(f"{value!r} is a class, which is found here, not given; write --road iso8608.", param, ctx)
+        return super().convert(value, param, ctx)
+
+
 ROAD_MODEL = click.option(
-    "--road", type=click.Choice(["iso8608"]), help="Model of the road: tires and whole car too. [none]"
+    "--road", type=RoadModel(["iso8608"]), help="Model of the road: tires and whole car too. [none]"
 )
 WHEEL_RADIUS = click.option("--wheel-radius", type=Positive("m"), help="Rolling radius of the wheels, for --road.")
 

@@ -57,6 +57,29 @@ ARGUMENTS_AS_OPTIONS = {
 }
 # How systems say that nothing more can be written.
 NO_SPACE = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
+# What those who come from other programs write, and what it is called here.
+CALLED_ELSEWHERE = {
+    "--columns": "--channel",
+    "--cutoff": "--band",
+    "--end": "--to",
+    "--exclude": "--without",
+    "--frequency": "--band",
+    "--html": "--output",
+    "--mass": "--free-mass",
+    "--order": "--modes",
+    "--out": "--output",
+    "--output": "--json",
+    "--pdf": "--page",
+    "--rate": "--fs",
+    "--sampling-rate": "--fs",
+    "--start": "--from",
+    "--stop": "--to",
+    "--unit": "--scale",
+    "--units": "--scale",
+    "-V": "--version",
+    "-o": "--json",
+    "-v": "--version",
+}
 # Where the context keeps the arguments of the command.
 ARGUMENTS = "suspid.arguments"
 # Where the context keeps the file that holds the standard input, and what users read in place of its path.
@@ -71,6 +94,15 @@ class Finite(click.ParamType[float]):
     def __init__(self, unit: str) -> None:
         self.name = unit
 
+    @property
+    def wanted(self) -> str:
+        """What to write in place of what is no number."""
+        return (
+            "write a share of one, such as 0.3"
+            if self.name == "share"
+            else f"write it in {self.name}, without the unit"
+        )
+
     def allowed(self, number: float) -> bool:
         """Return whether the number may be given."""
         return math.isfinite(number)
@@ -80,7 +112,7 @@ class Finite(click.ParamType[float]):
         try:
             number = float(str(value))
         except ValueError:
-            self.fail(f"{value!r} is not a number.", param, ctx)
+            self.fail(f"{value!r} is not a number; {self.wanted}.", param, ctx)
         if not self.allowed(number):
             self.fail(f"{value} {self.name} must be {self.required}.", param, ctx)
         return number
@@ -183,13 +215,28 @@ def said_when_full() -> Iterator[None]:
         raise _unwritten(refusal) from None
 
 
+@contextmanager
+def named_elsewhere() -> Iterator[None]:
+    """Name the option that is meant by one of another program."""
+    try:
+        yield
+    except click.NoSuchOption as error:
+        command = None if error.ctx is None else error.ctx.command
+        known = {name for option in getattr(command, "params", ()) for name in option.opts} | {"--version"}
+        meant = CALLED_ELSEWHERE.get(error.option_name)
+        if meant not in known:
+            raise
+        text = f"No such option '{error.option_name}'. Did you mean '{meant}'?"
+        raise click.NoSuchOption(error.option_name, text, ctx=error.ctx) from None
+
+
 class Commands(click.Group):
     """Commands whose `SuspidError` ends the program with one line instead of a traceback."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Keep the arguments, for reports that show the command they come from."""
         ctx.meta[ARGUMENTS] = list(args)
-        with said_when_full():
+        with said_when_full(), named_elsewhere():
             return super().parse_args(ctx, args)
 
     def invoke(self, ctx: click.Context) -> object:
@@ -199,7 +246,7 @@ class Commands(click.Group):
             if isinstance(stream, io.TextIOWrapper):
                 stream.reconfigure(errors="backslashreplace")
         try:
-            with ends_when_told(), within_numbers(), said_when_full():
+            with ends_when_told(), within_numbers(), said_when_full(), named_elsewhere():
                 return super().invoke(ctx)
         except KeyboardInterrupt as stop:
             click.echo("suspid: stopped", err=True)

@@ -222,7 +222,7 @@ def _check_count(modes: ModalSet, count: int | None) -> None:
         where = f", at {', '.join(f'{wn:.4g}' for wn in modes.wn)} rad/s" if len(modes) else ""
         raise IdentificationError(
             f"{count} modes were asked for, {len(modes)} could be found{where}; "
-            f"nothing else in the record decays like a mode",
+            f"nothing else in the record decays like a mode: ask for fewer, or leave their number open",
             found=modes if len(modes) else None,
         )
 

@@ -91,7 +91,12 @@ def modes_from_dict(content: Mapping[str, object]) -> ModalSet:
         raise InputError(f"format {reprlib.repr(content['format'])} is not known; known: {MODES_FORMAT!r}")
     entries = content.get("modes")
     if not isinstance(entries, list) or not entries:
-        raise InputError(f"modes is missing or empty; give a list of objects with {', '.join(MODE_KEYS[:3])}")
+        if {"masses", "struts", "quarter_car", "half_car", "full_car"} & set(content):
+            raise InputError("is a car, and modes are needed: name modes first and the car last")
+        raise InputError(
+            f"modes is missing or empty; write it with suspid identify --json, or give a list of objects with "
+            f"{', '.join(MODE_KEYS[:3])}"
+        )
     found, shapes, stds = zip(*[_mode(f"mode {k}", entry) for k, entry in enumerate(entries, start=1)], strict=True)
     channels = content.get("channels") or ()
     if not isinstance(channels, (list, tuple)) or not all(isinstance(name, str) for name in channels):

@@ -71,4 +71,6 @@ def _hint(path: Path) -> str:
     marked = marked_format(path)
     if marked is not None and format_of(path) is not marked:
         return f"; it looks like {marked.name}: name it {marked.suffixes[0]}"
+    if path.suffix.lower() in (".toml", ".json"):
+        return f"; a record is needed, and {path.suffix} is a car, limits or a result: give a car by --car"
     return f"; it was read as text, since records of type {path.suffix!r} are not known" if is_guess(path) else ""

@@ -90,7 +90,7 @@ def level_of(roughness: str | float, exponent: Ratio, wavelengths: tuple[Metre, 
     """Return G_d(n_0) [m3] of a class or as given; refuse a spectrum that is none."""
     level = ROUGHNESS.get(roughness) if isinstance(roughness, str) else roughness
     if level is None:
-        raise InputError(f"{roughness=} is no class of ISO 8608; give one of {', '.join(ROUGHNESS)}, or G_d(n_0) [m3]")
+        raise InputError(f"{roughness!r} is no class of ISO 8608; give one of {', '.join(ROUGHNESS)}, or G_d(n_0) [m3]")
     short, long = wavelengths
     if isinstance(level, bool) or not (level == 0 or is_size(level)):
         raise InputError(f"{roughness=} must be G_d(n_0) in m3, 0 or a positive number; class A has 16e-6")
