@@ -173,6 +173,32 @@ def test_impulse_responses_of_several_inputs_are_one_record_with_the_systems_pol
     assert np.array_equal(record.y[1], response.y[0, 1])
 
 
+def test_an_input_that_moves_nothing_is_no_trace() -> None:
+    """Without damping in the tire the rate of the road moves nothing."""
+    car = cars.HATCHBACK.with_parameters(damping={"tire": 0.0})
+    found = identify(control.impulse_response(statespace(car), TIME))
+    np.testing.assert_allclose(found.modes.wn, eigenmodes(car).wn, rtol=1e-6)
+
+
+def test_columns_are_turned_where_that_is_clear() -> None:
+    row, three = VALUES[:1], np.vstack([VALUES[0], 2 * VALUES[0], -VALUES[0]])
+    # As scipy.io.loadmat returns a vector.
+    assert np.array_equal(as_record(row.T, fs=FS).y, row)
+    assert np.array_equal(as_record((TIME, three.T)).y, three)
+    assert np.array_equal(as_record(three.T, timepts=TIME).y, three)
+    with pytest.raises(RecordError, match="rows are channels"):
+        as_record(three.T, fs=FS)
+
+
+def test_plain_vectors_are_taken_with_their_rate() -> None:
+    record = as_record(VALUES[0], fs=FS)
+    assert np.array_equal(identify(VALUES[0], fs=FS).modes.poles, identify(record).modes.poles)
+    assert np.array_equal(denoise(VALUES[0], fs=FS).y, denoise(record).y)
+    assert np.array_equal(cwt(VALUES[0], fs=FS).omega, cwt(record).omega)
+    assert best_bandwidth(VALUES[0], fs=FS).best == best_bandwidth(record).best
+    assert [one.omega for one in find_ridges(VALUES[0], fs=FS)] == [one.omega for one in find_ridges(record)]
+
+
 def test_transfer_functions_have_modes() -> None:
     system = control.tf([1.0], [1.0, 0.4, 25.0])
     np.testing.assert_allclose(eigenmodes(system).poles, [-0.2 + 1j * np.sqrt(25 - 0.04)], rtol=1e-12)

@@ -104,7 +104,7 @@ COMMANDS = [
 
 CALLS: list[Callable[[], object]] = [
     lambda: suspid.identify(DECAY),
-    lambda: suspid.identify(DECAY, fs=100),  # type: ignore[call-arg]
+    lambda: suspid.identify(np.stack([DECAY, DECAY], axis=1), fs=100),
     lambda: suspid.as_record(DECAY, fs=-100),
     lambda: suspid.as_record(DECAY[:, None, None], fs=100),
     lambda: suspid.as_record(DECAY, fs=100, channels=["a", "b"]),

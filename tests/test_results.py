@@ -181,6 +181,13 @@ def test_plots_are_those_of_python_control(results: dict[str, Any]) -> None:
         results["road"].plot()
 
 
+def test_text_fits_a_screen(results: dict[str, Any]) -> None:
+    for name, found in results.items():
+        text = str(found)
+        assert len(text.splitlines()) <= 60, name
+        assert "array(" not in text, name
+
+
 def test_tables_hold_the_numbers(results: dict[str, Any]) -> None:
     found = results["identification"]
     table = found.to_pandas()

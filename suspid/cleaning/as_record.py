@@ -43,7 +43,8 @@ def as_record(
     data : array_like (channel, sample) or (sample,), or a table
         Samples; a pair ``(timepts, samples)``; a pandas Series or DataFrame whose index, or a column named as a time,
         is the time; an xarray DataArray or Dataset with a coordinate of time; or a control.TimeResponseData. Several
-        traces, as of `control.impulse_response`, become channels named ``output_from_input``.
+        traces, as of `control.impulse_response`, become channels named ``output_from_input``; inputs that
+        move nothing are left out.
     fs : float, optional
         Sampling rate [Hz]; it replaces a time in the data.
     timepts : array_like (sample,), optional
@@ -61,8 +62,8 @@ def as_record(
     Raises
     ------
     RecordError
-        If the data has no time and no ``fs``, is complex or masked, has samples in rows instead of columns, or time is
-        irregular.
+        If the data has no time and no ``fs``, is complex or masked, has samples in rows instead of columns where their
+        number is not known from the time, or time is irregular.
     InputError
         If a unit is not known.
 
@@ -84,7 +85,7 @@ def as_record(
         samples = real_numbers(response.y, "the response")
         _check_sizes(response.output_labels or [f"y[{i}]" for i in range(len(samples))], response.time, samples)
         return response
-    values, time, names = _parts(data)
+    values, time, names = _parts(data, None if timepts is None else np.size(timepts))
     if channels is not None:
         if isinstance(channels, str) or len(channels) != len(values):
             raise RecordError(f"channels={channels!r:.80} must name {len(values)} channels, in order")
@@ -116,8 +117,8 @@ def _is_response(data: RecordLike) -> bool:
     return all(hasattr(data, name) for name in ("time", "y", "output_labels"))
 
 
-def _parts(data: RecordLike) -> tuple[RealArray, RealArray | None, list[str]]:
-    """Return samples (channel, sample), their time if it is known [s], and names."""
+def _parts(data: RecordLike, samples: int | None = None) -> tuple[RealArray, RealArray | None, list[str]]:
+    """Return samples (channel, sample), their time if it is known [s], and names; ``samples`` is their known number."""
     if _is_response(data):
         return _of_response(data)
     package = type(data).__module__.partition(".")[0]
@@ -126,13 +127,13 @@ def _parts(data: RecordLike) -> tuple[RealArray, RealArray | None, list[str]]:
     if package == "xarray":
         return _of_xarray(data)
     if isinstance(data, tuple) and len(data) == 2 and np.ndim(data[0]) == 1 and np.shape(data[0]) != ():
-        values = _matrix(data[1])
+        values = _matrix(data[1], np.size(data[0]))
         return values, _real(data[0], "time"), _numbered(values)
     if isinstance(data, str) or hasattr(data, "__fspath__"):
         raise RecordError(f"{printable(str(data))!r:.80} is a path: read it with read_record, or pass it to analyse")
     if isinstance(data, Recording):
         raise RecordError("this is a recording as it was read: clean(recording).record is a record, analyse takes both")
-    values = _matrix(data)
+    values = _matrix(data, samples)
     return values, None, _numbered(values)
 
 
@@ -143,6 +144,9 @@ def _of_response(data: RecordLike) -> tuple[RealArray, RealArray, list[str]]:
         inputs = list(data.input_labels or [f"u[{i}]" for i in range(values.shape[1])])
         traces = list(getattr(data, "trace_labels", None) or inputs)
         if values.shape[1] > 1:
+            # An input that moves nothing, such as the rate of the road under a tire without damping, is no test.
+            moving = [k for k in range(values.shape[1]) if np.any(values[:, k])] or [*range(values.shape[1])]
+            values, traces = values[:, moving], [traces[k] for k in moving]
             labels = [f"{label}_from_{_cause(trace)}" for label in labels for trace in traces]
         values = values.reshape(len(labels), -1)
     return values, np.asarray(data.time, float), labels
@@ -220,13 +224,15 @@ def _of_xarray(data: RecordLike) -> tuple[RealArray, RealArray | None, list[str]
     return np.concatenate(rows), time, names
 
 
-def _matrix(data: RecordLike) -> RealArray:
-    """Return samples as (channel, sample)."""
+def _matrix(data: RecordLike, samples: int | None = None) -> RealArray:
+    """Return samples as (channel, sample); a column, and rows of a known number of samples, are turned."""
     values = np.atleast_2d(_real(data, "the data"))
     if values.ndim != 2:
         raise RecordError(f"the data has the shape {values.shape}; it must be (sample,) or (channel, sample)")
     if not values.size:
         raise RecordError(f"the data has the shape {values.shape}: it holds no samples")
+    if values.shape[1] == 1 or (samples == len(values) and samples != values.shape[1]):
+        values = np.ascontiguousarray(values.T)
     if len(values) > values.shape[1]:
         raise RecordError(
             f"the data has the shape {values.shape}: rows are channels, as in python-control; else pass data.T"

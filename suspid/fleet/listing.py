@@ -64,7 +64,9 @@ def listing(records: Records, *, output: Path) -> Listing:
         if glob.has_magic(text):
             pattern = os.path.abspath(text)
             return Listing(source={"glob": pattern}, entries=_matches(text), listed=True, left_out=left_out)
-        raise InputError(f"{printable(text)}: there is no such folder or file, and it is no pattern with * or ?; check the path")
+        raise InputError(
+            f"{printable(text)}: there is no such folder or file, and no pattern with * or ?; check the path"
+        )
     if isinstance(records, Sequence) and all(isinstance(one, (str, os.PathLike)) for one in records):
         names = [os.fspath(one) for one in records if isinstance(one, (str, os.PathLike))]
         twice = [name for name, count in Counter(names).items() if count > 1]

@@ -43,6 +43,7 @@ if TYPE_CHECKING:
 def identify(
     response: RecordLike,
     *,
+    fs: Hertz | None = None,
     modes: int | None = None,
     method: Method = "likelihood",
     band_hz: tuple[Hertz, Hertz] | None = None,
@@ -70,6 +71,8 @@ def identify(
     ----------
     response : control.TimeResponseData, or what `as_record` takes
         A free decay from its first sample on, uniformly sampled; all channels are used together.
+    fs : float, optional
+        Sampling rate [Hz] of samples that come without a time.
     modes : int, optional
         Number of modes: the strongest of those that the record supports. Poles beside them in frequency are then left
         out, and the others are fitted anew. Default: all modes.
@@ -113,7 +116,7 @@ def identify(
     if method not in ("likelihood", "ridge"):
         raise InputError(f"{method=} is unknown; the methods are 'likelihood' and 'ridge'")
     check_count("modes", modes)
-    response = as_record(response)
+    response = as_record(response, fs=fs)
     signal = as_signal(response, least=FEWEST_SAMPLES)
     centred = signal.values - signal.values.mean(axis=1, keepdims=True)
     for name, samples, about in zip(signal.channels, signal.values, centred, strict=True):

@@ -11,7 +11,7 @@ from suspid.cleaning import RecordLike, as_record
 from suspid.errors import InputError
 from suspid.results import Result
 from suspid.signals import as_signal
-from suspid.units import Radian, RadianPerSecond, RealArray
+from suspid.units import Hertz, Radian, RadianPerSecond, RealArray
 from suspid.values import frozen_real
 from suspid.wavelets.morlet import Morlet
 from suspid.wavelets.rows import BLOCK
@@ -60,10 +60,16 @@ class BandwidthSearch(Result):
         """Whether the least entropy lies at an end of the candidates: then their range decides, not the record."""
         return self.best in (np.min(self.candidates), np.max(self.candidates))
 
+    def __str__(self) -> str:
+        low, high = float(np.min(self.candidates)), float(np.max(self.candidates))
+        end = ", an end of the range" if self.at_end else ""
+        return f"least entropy {np.min(self.entropy):.4g} nat at N = {self.best:g}{end}; tried {low:g} to {high:g}"
+
 
 def best_bandwidth(
     response: RecordLike,
     *,
+    fs: Hertz | None = None,
     omega: Sequence[RadianPerSecond] | RealArray | None = None,
     candidates: Iterable[float] = BANDWIDTHS,
     center: Radian = 2 * np.pi,
@@ -83,6 +89,8 @@ def best_bandwidth(
     ----------
     response : control.TimeResponseData, or what `as_record` takes
         The record.
+    fs : float, optional
+        Sampling rate [Hz] of samples that come without a time.
     omega : array_like (row,), optional
         Angular frequencies [rad/s]. Default: as in `cwt`.
     candidates : iterable of float
@@ -108,7 +116,7 @@ def best_bandwidth(
     >>> best_bandwidth(decay, omega=np.geomspace(10, 40, 60), candidates=[1, 8, 64, 512]).best
     64.0
     """
-    signal = as_signal(as_record(response))
+    signal = as_signal(as_record(response, fs=fs))
     rows = row_frequencies(signal) if omega is None else np.atleast_1d(np.asarray(omega, float))
     tried = np.array([float(n) for n in candidates])
     if not tried.size:

@@ -8,7 +8,7 @@ import numpy as np
 
 from suspid.cleaning import RecordLike, as_record
 from suspid.signals import as_signal
-from suspid.units import Radian, RadianPerSecond, RealArray
+from suspid.units import Hertz, Radian, RadianPerSecond, RealArray
 from suspid.wavelets.best_bandwidth import best_bandwidth
 from suspid.wavelets.morlet import Morlet
 from suspid.wavelets.scalogram import Normalization, Scalogram
@@ -18,6 +18,7 @@ from suspid.wavelets.transform import CUT, row_frequencies, transform
 def cwt(
     response: RecordLike,
     *,
+    fs: Hertz | None = None,
     omega: Sequence[RadianPerSecond] | RealArray | None = None,
     bandwidth: float | None = None,
     center: Radian = 2 * np.pi,
@@ -35,6 +36,8 @@ def cwt(
     ----------
     response : control.TimeResponseData, or what `as_record` takes
         The record, uniformly sampled.
+    fs : float, optional
+        Sampling rate [Hz] of samples that come without a time.
     omega : array_like (row,), optional
         Angular frequencies of the rows [rad/s], below the Nyquist frequency; the scale is ``center / omega``. Default:
         24 an octave from four cycles in the record to 0.9 of the Nyquist frequency.
@@ -73,7 +76,7 @@ def cwt(
     >>> float(np.abs(scalogram.rows[0][0, scalogram.inside(0, cones=3)]).mean().round(6))
     3.0
     """
-    record = as_record(response)
+    record = as_record(response, fs=fs)
     signal = as_signal(record)
     rows = row_frequencies(signal) if omega is None else np.atleast_1d(np.asarray(omega, float))
     if bandwidth is None:

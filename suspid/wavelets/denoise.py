@@ -9,7 +9,7 @@ import numpy as np
 from suspid.cleaning import RecordLike, as_record
 from suspid.errors import InputError
 from suspid.signals import as_response, as_signal
-from suspid.units import RealArray
+from suspid.units import Hertz, RealArray
 from suspid.values import nearest_names
 from suspid.wavelets.filter_bank import (
     FilterBank,
@@ -32,6 +32,7 @@ TransformName: TypeAlias = Literal["stationary", "decimated"]
 def denoise(
     response: RecordLike,
     *,
+    fs: Hertz | None = None,
     wavelet: str = "sym8",
     level: int | None = None,
     threshold: ThresholdName = "sure",
@@ -55,6 +56,8 @@ def denoise(
     ----------
     response : control.TimeResponseData, or what `as_record` takes
         One trace, any number of channels, of any length from ``2 (taps - 1)`` samples on (30 for "sym8").
+    fs : float, optional
+        Sampling rate [Hz] of samples that come without a time.
     wavelet : str
         A discrete wavelet of PyWavelets, orthogonal or biorthogonal. "bior3.1" and "rbio3.1" are unsuitable: their
         gain of noise, or of the shrunk coefficients, grows with every level.
@@ -114,7 +117,7 @@ def denoise(
     ):
         if name not in known:
             raise InputError(f"{keyword}={name!r} is unknown.{nearest_names(str(name), known)}")
-    response = as_record(response)
+    response = as_record(response, fs=fs)
     signal = as_signal(response)
     filters = filter_bank(wavelet, signal.values.shape[1])
     depth = _depth(filters, level)

@@ -11,7 +11,7 @@ from suspid.errors import IdentificationError, InputError
 from suspid.levels import CERTAIN
 from suspid.samples import as_samples
 from suspid.signals import Signal, as_signal
-from suspid.units import RealArray
+from suspid.units import Hertz, RealArray
 from suspid.values import check_count, frozen_real
 from suspid.wavelets.cwt import cwt
 from suspid.wavelets.filter_bank import sample_noise
@@ -27,7 +27,9 @@ from suspid.wavelets.transform import transform
 RIDGE_FARTHEST, MISFIT = 0.1, 0.25
 
 
-def find_ridges(scalogram: Scalogram | RecordLike, *, count: int | None = None) -> tuple[Ridge, ...]:
+def find_ridges(
+    scalogram: Scalogram | RecordLike, *, count: int | None = None, fs: Hertz | None = None
+) -> tuple[Ridge, ...]:
     """Return the ridges of a scalogram in order of frequency, each refined between its rows.
 
     Ridges are the maxima over scale of the energy of each row away from the ends of the record, summed over the
@@ -42,6 +44,8 @@ def find_ridges(scalogram: Scalogram | RecordLike, *, count: int | None = None) 
         of its deviation from the mean with the defaults of `cwt` is used.
     count : int, optional
         Number of ridges to return, those of most energy. Default: all that are significant.
+    fs : float, optional
+        Sampling rate [Hz] of a record's samples that come without a time.
 
     Returns
     -------
@@ -66,7 +70,7 @@ def find_ridges(scalogram: Scalogram | RecordLike, *, count: int | None = None) 
     """
     check_count("count", count)
     if not isinstance(scalogram, Scalogram):
-        whole = as_signal(as_record(scalogram))
+        whole = as_signal(as_record(scalogram, fs=fs))
         about = whole.values - whole.values.mean(axis=1, keepdims=True)
         scalogram = cwt(as_samples(whole.timepts, about, whole.channels))
     if len(scalogram.omega) < 3:

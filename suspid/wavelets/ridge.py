@@ -110,3 +110,9 @@ class Ridge:
     def scale(self) -> Second:
         """Scale of the ridge [s]."""
         return self.wavelet.center / self.omega
+
+    def __str__(self) -> str:
+        return (
+            f"ridge at {self.omega:.6g} rad/s ({self.omega / (2 * np.pi):.5g} Hz), from {self.window.start:.4g} to "
+            f"{self.window.stop:.4g} s ({self.window.reason})"
+        )

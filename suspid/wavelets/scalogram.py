@@ -13,6 +13,7 @@ from suspid.results import Result
 from suspid.signals import Signal
 from suspid.units import ComplexArray, RealArray
 from suspid.wavelets.morlet import Morlet
+from suspid.words import count
 
 Normalization = Literal["paper", "amplitude"]
 
@@ -124,3 +125,11 @@ class Scalogram(Result):
             for j, samples in enumerate(np.abs(row)):
                 out[j, i] = np.interp(time, self.timepts(i), samples)
         return out
+
+    def __str__(self) -> str:
+        low, high = (float(end) / (2 * np.pi) for end in (np.min(self.omega), np.max(self.omega)))
+        start, end = self.signal.start, self.signal.start + self.signal.duration
+        return (
+            f"wavelet transform of {count(len(self.channels), 'channel')}: {count(len(self.omega), 'row')} from "
+            f"{low:.4g} to {high:.4g} Hz, {start:.4g} to {end:.4g} s, bandwidth N = {self.wavelet.bandwidth:.4g}"
+        )
