@@ -20,7 +20,8 @@ DECAY = np.exp(-0.5 * np.arange(0, 4, 0.01)) * np.cos(20 * np.arange(0, 4, 0.01)
 # What a next step sounds like: a known name, the right form, a command, an option or a place to look.
 STEP = re.compile(
     r"Did you mean|Known|known|such as|write |give |name |choose|install|see |use |take |read |must |lasts from|"
-    r"Try |--|ask for|is not one of|needs|leave|check|give|describe|remove|positive|as_record|eigenmodes|between|call ",
+    r"Try |--|ask for|pass |is not one of|needs|leave|check|give|describe|remove|positive|as_record|eigenmodes|between|"
+    r"call ",
 )
 
 COMMANDS = [

@@ -122,6 +122,19 @@ def records_of(records: object) -> list[object]:
     return every
 
 
+def _example(channels: Sequence[str], coordinates: Sequence[str]) -> str:
+    """Return how a channel may be renamed: one whose name holds that of a coordinate, or else the first.
+
+    Examples
+    --------
+    >>> _example(["t", "z_seat_m"], ["seat", "chassis"]), _example(["a1"], ["seat"])
+    ('z_seat_m=seat', 'a1=seat')
+    """
+    alike = [(channel, name) for name in coordinates for channel in channels if name in channel]
+    channel, name = alike[0] if alike else (channels[0], coordinates[0])
+    return f"'{channel}'={name}" if " " in channel else f"{channel}={name}"
+
+
 def _trial(one: object, car: Suspension, given: Sequence[str]) -> Trial:
     test = one if isinstance(one, RecordTest) else RecordTest(record=one)
     record = as_record(test.record)
@@ -155,8 +168,9 @@ def _trial(one: object, car: Suspension, given: Sequence[str]) -> Trial:
     use = [row for row in rows if not wheels or not np.any(row[3][still])]
     if not use:
         raise RecordError(
-            f"no channel of the record measures the suspension: {listed(signal.channels)}; name channels as outputs of "
-            f"statespace, such as {car.coordinates[0]!r} or '{car.coordinates[0]}_acceleration' (--rename OLD=NEW)"
+            f"no channel of the record measures the suspension: {listed(signal.channels)}; name channels by what they "
+            f"measure, such as {car.coordinates[0]!r} or '{car.coordinates[0]}_acceleration' "
+            f"(--rename {_example(signal.channels, car.coordinates)})"
         )
     unused += [row[0] for row in rows if wheels and np.any(row[3][still])]
     channels = tuple(row[0] for row in use)

@@ -71,6 +71,7 @@ def _hint(path: Path) -> str:
     marked = marked_format(path)
     if marked is not None and format_of(path) is not marked:
         return f"; it looks like {marked.name}: name it {marked.suffixes[0]}"
-    if path.suffix.lower() in (".toml", ".json"):
-        return f"; a record is needed, and {path.suffix} is a car, limits or a result: give a car by --car"
-    return f"; it was read as text, since records of type {path.suffix!r} are not known" if is_guess(path) else ""
+    if not is_guess(path):
+        return ""
+    other = ": a car is given by --car" if path.suffix.lower() == ".toml" else ""
+    return f"; it was read as text, since records of type {path.suffix!r} are not known{other}"
