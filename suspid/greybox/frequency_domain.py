@@ -9,13 +9,14 @@ import numpy as np
 
 from suspid.greybox.fits import Fit
 from suspid.greybox.identifiability import blind, check_determined, names_in
-from suspid.greybox.measured_causes import WheelProblem, Whitened, first_levels
+from suspid.greybox.measured_causes import WheelProblem, first_levels
 from suspid.greybox.misfit import Misfit, misfit_of
 from suspid.greybox.noise_levels import Levels
 from suspid.greybox.search import SAME_FIT, starts_of
 from suspid.greybox.settling import Point, at_stiff_mounts, from_held, released, settled
 from suspid.greybox.suspects import suspect_of
 from suspid.greybox.trials import signal_of
+from suspid.greybox.whitened import Whitened
 from suspid.signals import Signal
 from suspid.units import Ratio, RealArray
 from suspid.words import Check, Level, Remark
@@ -43,7 +44,7 @@ def fit_in_frequency(problem: WheelProblem) -> Fit:
     point, levels, judged = min(ends, key=lambda end: end[2].chi_square)
     z, every, _ = point
     size = np.concatenate([u.sizes(z[: len(u)]), np.ones(len(extras.names))])
-    data = np.concatenate([w.slope.reshape(-1, len(z)) for w in every]) * size
+    data = np.concatenate([w.rows()[1] for w in every]) * size
     prior = np.hstack([u.prior(z[: len(u)])[1], np.zeros((int(np.sum(u.has_prior)), len(extras.names)))])
     labels = (*u.labels, *extras.names)
     squares = np.asarray(np.linalg.qr(data, mode="r"))
@@ -55,13 +56,13 @@ def fit_in_frequency(problem: WheelProblem) -> Fit:
     checks = [judged.check, *([] if suspect is None else [Check(suspect, Level.DOUBTFUL)])]
     if len(prior) and len(blind(squares)):
         checks.append(Check(Remark(EstimateCheck.BY_NOMINAL, {"names": names_in(blind(squares), labels)}), Level.CARE))
-    signals = sorted((made for i, w in enumerate(every) for made in _in_time(problem, w, i)), key=lambda made: made[0])
     noise = {n: _noise(problem, own, i) for i, own in enumerate(levels) for n in problem.sources[i].numbers}
     whitened = at_stiff_mounts(problem, point, levels, judged.inflation) or every
     covariance = _sandwich(whitened, prior, judged.inflation)
     if not judged.likely:
         apart = from_held(problem, z, levels)
         covariance += np.outer(apart, apart)
+    signals = sorted((made for i, w in enumerate(every) for made in _in_time(problem, w, i)), key=lambda made: made[0])
     return Fit(
         x=z[: len(u)],
         covariance=covariance,
@@ -95,18 +96,20 @@ def _sandwich(every: Sequence[Whitened], prior: RealArray, inflation: Ratio = 1.
     """
     information, scores = prior.T @ prior, prior.T @ prior
     for w in every:
-        flat = w.slope.reshape(-1, w.slope.shape[2])
-        information = information + (flat.T @ flat - w.spurious) / inflation
+        slope = w.rows()[1]
+        information = information + (slope.T @ slope - w.spurious) / inflation
     scale = np.sqrt(np.diag(information))
     inverse = np.linalg.inv(information / np.outer(scale, scale)) / np.outer(scale, scale)
     for w in every:
-        lines, stretches, outputs = w.left.shape
-        leverage = np.sum((w.slope @ inverse) * w.slope, axis=2) / inflation + np.sum(w.basis**2, axis=1)
-        # Of the variance of a residual: where more was fitted, next to nothing is known of its noise.
-        residual = w.residual / np.sqrt(np.maximum(1 - leverage, 0.1))
-        own = (w.slope * residual[:, :, None]).reshape(stretches, 2, lines, outputs, -1).sum(axis=(1, 3))
-        flat = own.reshape(-1, own.shape[2])
-        scores = scores + flat.T @ flat / inflation
+        projected = np.sum(w.basis**2, axis=1)
+        for part in w.parts():
+            slope = w.slope(part)
+            leverage = np.sum((slope @ inverse) * slope, axis=2) / inflation + projected
+            # Of the variance of a residual: where more was fitted, next to nothing is known of its noise.
+            residual = w.residual[part] / np.sqrt(np.maximum(1 - leverage, 0.1))
+            own = (slope * residual[:, :, None]).reshape(len(slope), 2, *w.factor.shape[:2], -1).sum(axis=(1, 3))
+            flat = own.reshape(-1, own.shape[2])
+            scores = scores + flat.T @ flat / inflation
     return np.asarray(inverse @ scores @ inverse)
 
 
@@ -131,14 +134,16 @@ def _in_time(problem: WheelProblem, found: Whitened, number: int) -> list[tuple[
     first = round(spectra.hertz[0] * samples * trial.step)
     made = []
     for shown in (spectra.values - left, left):
-        lines = shown.swapaxes(0, 1)
-        whole = np.zeros((len(lines), samples // 2 + 1, lines.shape[2]), complex)
-        whole[:, first : first + lines.shape[1]] = lines
-        time = np.fft.irfft(whole, samples, axis=1) * np.sqrt(samples)
-        parts = np.split(time, np.cumsum(spectra.counts)[:-1])
+        time = np.empty((shown.shape[2], len(found.residual), samples))
+        for part in found.parts():
+            lines = shown[:, part].transpose(2, 1, 0)
+            whole = np.zeros((*lines.shape[:2], samples // 2 + 1), complex)
+            whole[:, :, first : first + lines.shape[2]] = lines
+            time[:, part] = np.fft.irfft(whole, samples, axis=2) * np.sqrt(samples)
+        parts = np.split(time, np.cumsum(spectra.counts)[:-1], axis=1)
         made.append(
             [
-                replace(signal_of(trial), start=start, values=part.reshape(-1, lines.shape[2]).T)
+                replace(signal_of(trial), start=start, values=part.reshape(len(part), -1))
                 for start, part in zip(source.starts, parts, strict=True)
             ]
         )

@@ -6,11 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from suspid.greybox.measured_causes import Whitened
+from suspid.greybox.whitened import Whitened
 from suspid.levels import EXACT
 from suspid.units import Hertz, Ratio, RealArray
 
-STRETCHES_TOGETHER = 8  # stretches that are varied at a time
+STRETCHES_TOGETHER = 4  # stretches that are varied at a time: there are some 50 columns
 
 
 class Leftover(NamedTuple):
@@ -37,7 +37,7 @@ def coherent_leftover(found: Whitened, hertz: RealArray) -> Leftover:
     at = np.linspace(hertz[0], hertz[-1], nodes)
     hats = np.maximum(0.0, 1 - np.abs(hertz[:, None] - at) / (at[1] - at[0]))
     own, cross, score = _products(found, hats)
-    slope = found.slope.reshape(-1, found.slope.shape[2])
+    residual, slope = found.rows()
     # What the parameters explain is taken out.
     norm, size = np.sqrt(np.diag(own)), np.sqrt(np.einsum("rp,rp->p", slope, slope))
     size[size == 0] = 1.0  # A delay of another record is not seen in this one.
@@ -46,7 +46,7 @@ def coherent_leftover(found: Whitened, hertz: RealArray) -> Leftover:
     values, directions = np.linalg.eigh(own - cross.T @ taken)
     # What carries less information is a variation of the parameters, or of the ends.
     keep = values > EXACT * values[-1]
-    score_left = score - taken.T @ (slope.T @ found.residual.ravel() / size)
+    score_left = score - taken.T @ (slope.T @ residual / size)
     amounts = directions[:, keep].T @ score_left / np.sqrt(values[keep])
     # The variation that explains the residual itself, which follows no parameter at the best fit; if their part were
     # taken out of it, it would be large where one is hardly told from another.
@@ -73,11 +73,10 @@ def _products(found: Whitened, hats: RealArray) -> tuple[RealArray, RealArray, R
 
     The rows are many and the columns few; a few stretches at a time need little memory.
     """
-    lines, stretches = found.motion.shape[:2]
+    lines = len(found.motion)
     outputs = found.factor.shape[1]
     own, cross, score = np.zeros(()), np.zeros(()), np.zeros(())
-    for first in range(0, stretches, STRETCHES_TOGETHER):
-        part = slice(first, first + STRETCHES_TOGETHER)
+    for part in found.parts(STRETCHES_TOGETHER):
         # (stretch, line, row, output, cause, node)
         along = found.motion[:, part].swapaxes(0, 1)[:, :, :, None] * hats[:, None, :]
         moved = found.factor[None, :, :, :, None, None] * along[:, :, None, None]
@@ -89,6 +88,6 @@ def _products(found: Whitened, hats: RealArray) -> tuple[RealArray, RealArray, R
         rows -= found.basis @ (found.basis.T @ rows)
         flat = rows.reshape(-1, rows.shape[2])
         own = own + flat.T @ flat
-        cross = cross + found.slope[part].reshape(len(flat), -1).T @ flat
+        cross = cross + found.slope(part).reshape(len(flat), -1).T @ flat
         score = score + flat.T @ found.residual[part].ravel()
     return own, cross, score

@@ -13,14 +13,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from suspid.greybox.further import label
-from suspid.greybox.noise_levels import Levels, covariance_of, levels_of, shared_of
-from suspid.greybox.problem import squeezed
-from suspid.greybox.small_matrices import inverses, whitening
+from suspid.greybox.noise_levels import Levels, levels_of, shared_of
 from suspid.greybox.spectra import Spectra
-from suspid.greybox.transfers import Layout, Physics, Transfer, transfer
+from suspid.greybox.transfers import Layout, Physics, transfer
 from suspid.greybox.trials import Trial
+from suspid.greybox.whitened import Whitened, precision, turned, whitened
 from suspid.reconstruction import Unknowns
-from suspid.units import ComplexArray, RealArray, Second
+from suspid.units import RealArray, Second
 
 # Least noise, as a share of that at the start: 80 dB below the signal, where what the ends of a stretch leave, held by
 # polynomials, would be taken for an error of the car.
@@ -52,45 +51,6 @@ class Extras:
     scale: RealArray
     lower: RealArray
     upper: RealArray
-
-
-@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
-class Whitened:
-    """Residual and derivatives of one trial, in standard deviations."""
-
-    residual: RealArray  # (stretch, row)
-    slope: RealArray  # (stretch, row, unknown)
-    white: ComplexArray  # (line, stretch, output): the residual as complex numbers
-    motion: ComplexArray  # (line, stretch, cause): best estimate of the causes
-    transfer: Transfer
-    factor: ComplexArray  # (line, output, output): R^(-1/2)
-    basis: RealArray  # (row, column): what was projected out
-    columns: RealArray  # (parameter, unknown): how the parameters of the transfer follow from the unknowns
-    outputs: RealArray  # (line, output): S_o
-    causes: RealArray  # (cause,): S_g
-
-    @property
-    def left(self) -> ComplexArray:
-        """Residual in the units of the outputs, (line, stretch, output)."""
-        return np.asarray(self.white @ _turned(inverses(self.factor)))
-
-    @property
-    def misfit(self) -> ComplexArray:
-        """Outputs less what the best motion explains, (line, stretch, output)."""
-        return np.asarray(self.left @ _turned(precision(self.factor)) * self.outputs[:, None])
-
-    @property
-    def spurious(self) -> RealArray:
-        """Part of the information that is due to noise of the best motion, (unknown, unknown).
-
-        The covariance of the best motion, S_g - S_g T^H R^-1 T S_g, is seen by each pair of parameters.
-        """
-        made, own = self.transfer, self.factor @ self.transfer.left
-        gain = precision(self.factor) @ made.T * self.causes
-        blurred = np.diag(self.causes) - self.causes[:, None] * (_turned(made.T).conj() @ gain)
-        seen = made.right.conj() @ _turned(blurred) @ _turned(made.right)
-        pairs = np.sum((_turned(own).conj() @ own) * seen, axis=0).real
-        return np.asarray(len(self.residual) * self.columns.T @ pairs @ self.columns)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -141,7 +101,10 @@ class WheelProblem:
             source.layout, source.spectra.s, self.physics(z, number), self.unknowns.rows,
             mounts=self.extras.mounts, gains=source.gains, delays=source.delays,
         )  # fmt: skip
-        return _whitened(source, made, levels, self.columns(number))
+        outputs, causes = levels.spectra(source.basis)
+        return whitened(
+            source.spectra.values, source.layout, made, outputs=outputs, causes=causes, columns=self.columns(number)
+        )
 
     def every(self, z: RealArray, levels: Sequence[Levels]) -> list[Whitened]:
         """Return the residuals of all trials at given noise levels."""
@@ -156,7 +119,7 @@ class WheelProblem:
         count = len(self.unknowns)
         prior, slope = self.unknowns.prior(z[:count])
         parts = [(prior, np.hstack([slope, np.zeros((len(prior), len(z) - count))]))]
-        parts += [squeezed(w.residual.ravel(), w.slope.reshape(-1, len(z))) for w in found]
+        parts += [w.rows() for w in found]
         return np.concatenate([r for r, _ in parts]), np.concatenate([s for _, s in parts])
 
     def levels(self, found: Sequence[Whitened], before: Sequence[Levels]) -> list[Levels]:
@@ -167,7 +130,7 @@ class WheelProblem:
             lines, stretches, outputs = left.shape
             # What was projected out is missing from the moments.
             share = np.sum(w.basis.reshape(2, lines, outputs, -1) ** 2, axis=(0, 2, 3)) / (2 * outputs)
-            moments = _turned(left) @ left.conj() / stretches
+            moments = turned(left) @ left.conj() / stretches
             moments /= np.maximum(1 - share, 0.1)[:, None, None]
             anchor = first_levels(source)
             causes = source.spectra.values[:, :, list(source.layout.causes)]
@@ -180,62 +143,6 @@ class WheelProblem:
                 causes=np.maximum(own.causes, anchor.causes + np.log(LEAST_NOISE)),
             )
         return levels
-
-
-def _whitened(source: Source, made: Transfer, levels: Levels, columns: RealArray) -> Whitened:
-    outputs, causes = levels.spectra(source.basis)
-    factor = whitening(covariance_of(made.T, outputs, causes)) * np.sqrt(2)
-    y_o = source.spectra.values[:, :, list(source.layout.outputs)]
-    y_g = source.spectra.values[:, :, list(source.layout.causes)]
-    e = _real((y_o - y_g @ _turned(made.T)) @ _turned(factor))
-    ends = _real((factor @ made.left_by_ends)[:, None])[0]
-    norm = np.sqrt(np.einsum("rn,rn->n", ends, ends))
-    q, upper = np.linalg.qr(ends / norm)
-    found = q.T @ e
-    amounts_of_ends = np.linalg.solve(upper, found)[:, :, 0] / norm
-    e = e - q @ found
-    lines, size = factor.shape[:2]
-    halves = e.reshape(len(e), 2, lines, size)
-    whole = (halves[:, 0] + 1j * halves[:, 1]).swapaxes(0, 1)
-    weights = causes[:, None] * _turned(factor @ made.T).conj() / 2
-    motion = y_g + whole @ _turned(weights)
-    apart = motion - amounts_of_ends @ _turned(made.ends[:, list(source.layout.causes)])
-    amounts = apart @ _turned(made.right) + amounts_of_ends @ _turned(made.ends_right)
-    own = factor @ made.left
-    flat = _real(amounts[:, :, None, :] * -own[:, None]) @ columns
-    flat -= q @ (q.T @ flat)
-    return Whitened(
-        residual=e[:, :, 0],
-        slope=flat,
-        white=whole,
-        motion=motion,
-        transfer=made,
-        factor=factor,
-        basis=q,
-        columns=columns,
-        outputs=outputs,
-        causes=causes,
-    )
-
-
-def _turned(matrices: ComplexArray) -> ComplexArray:
-    """Return the transposes of a stack of matrices."""
-    return np.asarray(matrices.swapaxes(-1, -2))
-
-
-def precision(factor: ComplexArray) -> ComplexArray:
-    """Return R^-1 from its factor, which is in standard deviations of real and imaginary part."""
-    return np.asarray(factor.conj().transpose(0, 2, 1) @ factor / 2)
-
-
-def _real(values: ComplexArray) -> RealArray:
-    """Return values (line, stretch, output, …) as rows (stretch, row, …): real parts, then imaginary parts.
-
-    The last axis may be missing; it then has length 1.
-    """
-    lines, stretches, outputs = values.shape[:3]
-    flat = values.swapaxes(0, 1).reshape(stretches, lines * outputs, -1)
-    return np.concatenate([flat.real, flat.imag], axis=1)
 
 
 def first_levels(source: Source) -> Levels:

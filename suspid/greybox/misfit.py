@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from suspid.greybox.leftover import Leftover, coherent_leftover
-from suspid.greybox.measured_causes import Whitened
+from suspid.greybox.whitened import Whitened
 from suspid.levels import likely
 from suspid.units import Ratio, RealArray
 from suspid.words import Check, Level, Number, Remark

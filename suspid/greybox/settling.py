@@ -8,8 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from suspid.greybox.further import TIMES
-from suspid.greybox.measured_causes import WheelProblem, Whitened
+from suspid.greybox.measured_causes import WheelProblem
 from suspid.greybox.noise_levels import Levels
+from suspid.greybox.whitened import Whitened
 from suspid.levels import CHI_SQUARE_95, LEVEL
 from suspid.reconstruction import descend
 from suspid.units import Ratio, RealArray
@@ -76,7 +77,7 @@ def settled(problem: WheelProblem, z: RealArray, levels: list[Levels]) -> tuple[
         z, every, _ = descended(problem, z, levels, negligible=NEGLIGIBLE_RISE if turn else ROUGH_RISE)
         levels = problem.levels(every, levels)
         # Change of the unknowns, in standard deviations, below which both have settled.
-        if sum(float(np.sum((w.slope @ (z - before)) ** 2)) for w in every) < 0.02**2:
+        if sum(float(np.sum((w.rows()[1] @ (z - before)) ** 2)) for w in every) < 0.02**2:
             break
     return z, levels
 
