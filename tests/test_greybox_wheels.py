@@ -232,7 +232,7 @@ class TestCarAtRest:
     def test_all_information_is_that_of_noise(self) -> None:
         problem, z, levels, _ = at_rest(0.02, 0.3)
         found = problem.whitened(z, 0, levels)
-        slope = found.slope.reshape(-1, len(z))
+        slope = found.slope(slice(None)).reshape(-1, len(z))
         np.testing.assert_allclose(np.sum(slope**2, axis=0), np.diag(found.spurious), rtol=0.1)
 
     def test_levels_of_short_stretches_are_those_of_the_noise(self) -> None:
@@ -259,8 +259,8 @@ class TestIntervals:
             left = (noise - basis @ (basis.T @ noise)).ravel()
             left -= fit @ left
             total += _sandwich([SimpleNamespace(
-                slope=slope, residual=left.reshape(stretches, -1), basis=basis, spurious=np.zeros((2, 2)),
-                left=np.zeros((lines, stretches, 1)),
+                slope=slope.__getitem__, residual=left.reshape(stretches, -1), basis=basis, spurious=np.zeros((2, 2)),
+                rows=lambda: (None, flat), parts=lambda: [slice(0, 3), slice(3, None)], factor=np.zeros((lines, 1, 1)),
             )], np.zeros((0, 2)))  # type: ignore[list-item]  # fmt: skip
         found = np.sqrt(np.diag(total / draws) / np.diag(np.linalg.inv(flat.T @ flat)))
         np.testing.assert_allclose(found, 1.0, atol=0.05)
@@ -350,6 +350,29 @@ class TestDriving:
         ends = found.interval(0.999)
         assert ends["chassis.stiffness"][0] < 22e3 < ends["chassis.stiffness"][1]
         assert ends["chassis.damping"][0] < 1300 < ends["chassis.damping"][1]
+
+    @pytest.mark.parametrize("late", [-300, 70])
+    def test_a_wheel_on_a_clock_of_its_own(self, late: int) -> None:
+        motions, times = driven(QUARTER, 12, noise=NOISE)
+        count = len(times) - abs(late)
+        body, wheel = (row[max(0, shift) :][:count] for row, shift in zip(motions.values(), (late, -late), strict=True))
+        rows = dict(zip(motions, (body, wheel), strict=True))
+        found = estimate(record_of(rows, times[:count]), off(QUARTER), given=("tire",))
+        values = dict(zip(found.parameters, found.values.tolist(), strict=True))
+        std = dict(zip(found.parameters, found.std.tolist(), strict=True))
+        name = "tire_acceleration.delay"
+        assert abs(values[name] - late / 200) < 4 * std[name] < 0.01
+        assert values["chassis.stiffness"] == pytest.approx(22e3, rel=0.02)
+        assert found.explains
+
+    def test_a_wheel_in_millimetres(self) -> None:
+        motions, times = driven(QUARTER, 13, noise=NOISE)
+        rows = dict(zip(motions, np.array(list(motions.values())) * [[1.0], [1000.0]], strict=True))
+        found = estimate(record_of(rows, times), off(QUARTER), given=("tire",))
+        values = dict(zip(found.parameters, found.values.tolist(), strict=True))
+        assert values["tire_acceleration.gain"] == pytest.approx(1000, rel=0.03)
+        assert values["chassis.stiffness"] == pytest.approx(22e3, rel=0.02)
+        assert "units" in str(found)
 
     def test_records_of_two_loggers_are_used_jointly(self) -> None:
         records = [record_of(*driven(QUARTER, seed, noise=NOISE, delay={"tire": 0.001 * seed})) for seed in (1, 2)]

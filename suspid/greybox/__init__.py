@@ -3,11 +3,11 @@
 `estimate` fits the parameters of a `suspid.Suspension` to records by maximum likelihood. `trials` are records as
 data; in the time domain `dynamics` (exact motion and its derivatives), `responses` (output error of one record),
 `problem`, `onset` (decays after a rest), `further` (unknowns: mounts, gains, delays), `search` and `time_domain`; in
-the frequency domain `spectra`, `transfers`, `measured_causes` (errors in variables), `noise_levels`, `wheel_problem`,
-`settling`, `suspects` and
-`frequency_domain`. `whiteness`, `leftover`, `misfit`, `identifiability`, `modal` and `judgement` say how far the
-result can be trusted, `estimates` holds it; `causes` says what may have moved the car. `find_drives` finds the usable
-stretches of long recordings: `speeds`, `blocks`, `stretches`, `drives`.
+the frequency domain `spectra`, `transfers`, `whitened` and `measured_causes` (errors in variables), `noise_levels`,
+`wheel_problem`, `settling`, `suspects`, `frequency_domain` and `late_causes` (clocks). `whiteness`, `leftover`,
+`misfit`, `identifiability`, `modal` and `judgement` say how far the result can be trusted, `estimates`
+holds it; `causes` says what may have moved the car. `find_drives` finds the usable stretches of long recordings:
+`speeds`, `blocks`, `stretches`, `drives`.
 With a model of the road: `rolling`, `wheel_power`, `reach`, `road_model`, `tire_fit`, `whole_car`, `roads`.
 `damper_curve`: `strut_motion`, `latent_splines`, `force_basis`, `curve_fit`, `curve_noise`, `damper_curves`.
 """

@@ -13,16 +13,15 @@ from suspid.errors import EstimationError, InputError
 from suspid.greybox.causes import dies_down
 from suspid.greybox.estimates import Estimate
 from suspid.greybox.fits import Fit
-from suspid.greybox.frequency_domain import fit_in_frequency
 from suspid.greybox.further import further_asked
 from suspid.greybox.judgement import changes, gains_off, on_bounds, rests_on
+from suspid.greybox.late_causes import fit_drives
 from suspid.greybox.modal import modes_with, mounted_car, of_car
 from suspid.greybox.onset import from_onset
 from suspid.greybox.problem import Problem, default_holds
 from suspid.greybox.rolling import Speed, rolling_of, without_speed
 from suspid.greybox.time_domain import fit_in_time
 from suspid.greybox.trials import RecordTest, Trial, trials_of
-from suspid.greybox.wheel_problem import wheel_problem
 from suspid.greybox.whole_car import check_road, fit_with_road
 from suspid.model import Suspension, check_linear, eigenmodes
 from suspid.reconstruction import Bounds, Unknowns, parameter_names, unknowns_of
@@ -173,8 +172,8 @@ def estimate(
             stretch=stretch,
         )  # fmt: skip
     elif any(driven):
-        options = {"gains": gains, "delays": delays, "mounts": mounts}
-        fit = fit_in_frequency(wheel_problem(suspension, trials, unknowns, band=band_hz, stretch=stretch, **options))
+        options = {"gains": gains, "mounts": mounts, "stretch": stretch}
+        fit = fit_drives(suspension, trials, unknowns, delays=delays, band=band_hz, options=options)
     else:
         unknowns = further_asked(unknowns, trials, gains=gains, delays=delays, mounts=mounts)
         fit = fit_in_time(Problem(trials=trials, holds=default_holds(trials), unknowns=unknowns))

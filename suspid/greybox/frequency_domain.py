@@ -43,7 +43,7 @@ def fit_in_frequency(problem: WheelProblem) -> Fit:
             break
     point, levels, judged = min(ends, key=lambda end: end[2].chi_square)
     z, every, _ = point
-    size = np.concatenate([u.sizes(z[: len(u)]), np.ones(len(extras.names))])
+    size = np.concatenate([u.sizes(z[: len(u)]), np.where(extras.positive, z[len(u) :], 1.0)])
     data = np.concatenate([w.rows()[1] for w in every]) * size
     prior = np.hstack([u.prior(z[: len(u)])[1], np.zeros((int(np.sum(u.has_prior)), len(extras.names)))])
     labels = (*u.labels, *extras.names)

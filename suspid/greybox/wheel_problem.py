@@ -40,7 +40,7 @@ def wheel_problem(
     limits = band_of(car) if band is None else band
     lowest = band_of(car)[0] / BELOW
     sources = []
-    for numbers in _by_logger(trials):
+    for numbers in by_logger(trials):
         trial = trials[numbers[0]]
         layout = layout_of(car, trial)
         # The gain of a channel that shows free coordinates too, such as a travel, is that of springs and dampers.
@@ -76,7 +76,7 @@ def wheel_problem(
     )
 
 
-def _by_logger(trials: Sequence[Trial]) -> list[tuple[int, ...]]:
+def by_logger(trials: Sequence[Trial]) -> list[tuple[int, ...]]:
     """Return the numbers of trials in groups that share gains, delays and noise levels."""
     groups: list[list[int]] = []
     for i, trial in enumerate(trials):
