@@ -36,7 +36,7 @@ def _masses(numbers: Numbers) -> str:
 
 def _others(numbers: Numbers) -> str:
     number = numbers["count"]
-    return f"{count(number, 'other set')} of springs and dampers explain{'s' * (number == 1)} the records as well."
+    return f"{count(number, 'other set')} of springs and dampers fit{'s' * (number == 1)} the records as well."
 
 
 def _unexplained(numbers: Numbers) -> str:
