@@ -86,8 +86,7 @@ def estimate(
     gains, delays : sequence of str, optional
         Channels whose gain [1], or delay behind the other channels [s], is unknown. Default: where motion is given, all
         that show nothing but given motion; else none. Of all channels together only ratios of gains and differences of
-        delays can be found, and no delays under known roads and forces. Given motion on a clock of its own may be seconds
-        late or early.
+        delays can be found, and no delays under known roads and forces. Given motion may be seconds late or early.
     mounts : sequence of str, optional
         Struts whose damper may stand on a mount of unknown stiffness: the strut is ``k + c s / (1 + tau s)`` with
         relaxation tau [s]. Default: where motion is given, all that have a damper and act between given and other

@@ -19,12 +19,13 @@ from suspid.model import Suspension
 from suspid.reconstruction import Unknowns
 from suspid.units import Hertz, Ratio, Second
 
-TINY = float(np.finfo(float).tiny)  # instead of no motion at all
 # Agreement of the nominal car with a record at some lag, over that at any other, from which the lag is believed: a
 # periodic motion agrees at many.
-CLEAR: Ratio = 2.0
-LONGEST: Ratio = 0.25  # lag, over a record, that is looked for: the rest must still be worth a fit
-LOOKED: Second = 120.0  # of a record, from its beginning, that lags are looked for in: some 100 periods of the body
+CLEARLY_BEST: Ratio = 2.0
+LONGEST_LAG: Ratio = 0.25  # lag, over a record, that is looked for: the rest must still be worth a fit
+LOOKED_THROUGH: Second = (
+    120.0  # of a record, from its beginning, that lags are looked for in: some 100 periods of the body
+)
 
 
 def fit_drives(
@@ -72,7 +73,7 @@ def _lag(car: Suspension, trial: Trial, delays: Sequence[str] | None, band: tupl
     if known or np.any(layout.on_free[causes]):
         return 0
     low, high = band_of(car) if band is None else band
-    trial = trial.first(round(LOOKED / trial.step))
+    trial = trial.first(round(LOOKED_THROUGH / trial.step))
     # With as many zeros behind the record, its end does not meet its beginning.
     f = np.fft.rfftfreq(2 * trial.count, trial.step)
     inside = (f >= low) & (f <= min(high, HIGHEST_SHARE / trial.step))
@@ -82,13 +83,13 @@ def _lag(car: Suspension, trial: Trial, delays: Sequence[str] | None, band: tupl
     both[:, inside] = shown * lines[outputs].conj()
     power = np.sum(np.abs(shown) ** 2, axis=1) * np.sum(np.abs(lines[outputs]) ** 2, axis=1)
     found = np.fft.irfft(both, 2 * trial.count) ** 2
-    score = np.sum(found / np.maximum(power, TINY)[:, None], axis=0)
+    score = np.sum(found / np.maximum(power, np.finfo(float).tiny)[:, None], axis=0)
     lags = np.fft.fftfreq(2 * trial.count, 1 / (2 * trial.count)).astype(int)
-    looked = np.abs(lags) <= LONGEST * trial.count
+    looked = np.abs(lags) <= LONGEST_LAG * trial.count
     best = int(lags[looked][np.argmax(score[looked])])
     period = 1 / (high * trial.step)
     others = looked & (np.abs(lags - best) > period)
-    clear = score[best] > CLEAR * np.max(score[others], initial=0.0)
+    clear = score[best] > CLEARLY_BEST * np.max(score[others], initial=0.0)
     return best if clear and abs(best) > period else 0
 
 

@@ -13,7 +13,9 @@ from suspid.greybox.small_matrices import inverses, whitening
 from suspid.greybox.transfers import Layout, Transfer
 from suspid.units import ComplexArray, RealArray
 
-TOGETHER = 24  # stretches of which derivatives are held at a time: those of a few minutes fit into a processor's cache
+DERIVED_TOGETHER = (
+    24  # stretches of which derivatives are held at a time: those of a few minutes fit into a processor's cache
+)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -44,7 +46,7 @@ class Whitened:
         flat -= self.basis @ (self.basis.T @ flat)
         return flat
 
-    def parts(self, together: int = TOGETHER) -> Iterator[slice]:
+    def parts(self, together: int = DERIVED_TOGETHER) -> Iterator[slice]:
         """Yield all stretches, some at a time."""
         for first in range(0, len(self.residual), together):
             yield slice(first, first + together)
