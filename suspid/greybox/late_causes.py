@@ -23,9 +23,7 @@ from suspid.units import Hertz, Ratio, Second
 # periodic motion agrees at many.
 CLEARLY_BEST: Ratio = 2.0
 LONGEST_LAG: Ratio = 0.25  # lag, over a record, that is looked for: the rest must still be worth a fit
-LOOKED_THROUGH: Second = (
-    120.0  # of a record, from its beginning, that lags are looked for in: some 100 periods of the body
-)
+LOOKED_THROUGH: Second = 120.0  # of a record, in which lags are looked for: some 100 periods of the body
 
 
 def fit_drives(

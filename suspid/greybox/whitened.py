@@ -13,9 +13,7 @@ from suspid.greybox.small_matrices import inverses, whitening
 from suspid.greybox.transfers import Layout, Transfer
 from suspid.units import ComplexArray, RealArray
 
-DERIVED_TOGETHER = (
-    24  # stretches of which derivatives are held at a time: those of a few minutes fit into a processor's cache
-)
+DERIVED_TOGETHER = 24  # stretches, whose derivatives fit into a processor's cache
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
