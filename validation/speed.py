@@ -70,7 +70,7 @@ def report(
         "### Everyday calls",
         "CPU time of the process, the least of several rounds in turns. The limit is one `numpy.fft.rfft` of the "
         "record: whoever looks at all samples in all frequencies takes as long. Peers that are installed stand below "
-        "the call.",
+        "the call; `before` is the ratio of the report before this one.",
         everyday(max(2, rounds // 2)),
         "### Against the length of the record, three channels",
         "The paper's car; the noise is that of 20 dB over ten seconds, whatever the length. Memory is the peak that "

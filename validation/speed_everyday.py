@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import importlib
+import itertools
 import tempfile
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -13,7 +14,22 @@ from typing import Any
 import numpy as np
 from tabulate import tabulate
 
-from suspid import analyse, cwt, denoise, eigenmodes, find_decays, identify, read_recording, reconstruct, report
+from suspid import (
+    ModalSet,
+    Suspension,
+    add_noise,
+    analyse,
+    cwt,
+    denoise,
+    eigenmodes,
+    find_decays,
+    free_decay,
+    identify,
+    read_recording,
+    reconstruct,
+    report,
+    statespace,
+)
 from suspid.signals import as_response
 from validation import cars
 from validation.peer_methods import mwdi
@@ -21,10 +37,18 @@ from validation.peer_skeletons import RATE
 from validation.peers import missing_module, record, silence
 
 EXAMPLE = Path(__file__).parents[1] / "examples" / "quarter_car.csv"
+# What stands beside a run as what was before it, and the column that is compared.
+REPORT, RATIO = Path(__file__).parent / "report" / "speed.md", "over one rfft"
 # Rows of the text file.
 LINES = 200_000
 # Rows of the transform at full rate.
 ROWS = 100
+# What poles alone leave open in a full car.
+HELD = (
+    "front_antiroll.stiffness",
+    "front_antiroll.damping",
+    *(f"{side}_tire.damping" for side in ("front_left", "front_right", "rear_left", "rear_right")),
+)
 
 
 def everyday_table(rounds: int) -> str:
@@ -38,8 +62,24 @@ def everyday_table(rounds: int) -> str:
             for name in runs:
                 row = [name, f"{1e3 * seconds[name]:.3g}", f"{seconds[name] / limit:.3g}"]
                 parts.append([*row, f"{seconds[name] / first:.2f}"])
-    headers = ["call", "CPU ms", "over one rfft", "over the first of the record"]
+    before = committed(REPORT.read_text(encoding="utf-8")) if REPORT.exists() else {}
+    parts = [[*row[:3], before.get(row[0], ""), row[3]] for row in parts]
+    headers = ["call", "CPU ms", RATIO, "before", "over the first of the record"]
     return tabulate(parts, headers=headers, tablefmt="github", disable_numparse=True)
+
+
+def committed(text: str) -> dict[str, str]:
+    r"""Return what each call took over one transform of its record in an earlier report.
+
+    Examples
+    --------
+    >>> committed("| call | CPU ms | over one rfft |\\n|---|---|---|\\n| cwt | 10.5 | 87 |")
+    {'cwt': '87'}
+    """
+    rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in text.splitlines() if line.startswith("|")]
+    first = next((k for k, row in enumerate(rows) if row[2:3] == [RATIO]), len(rows))
+    table = itertools.takewhile(lambda row: len(row) == len(rows[first]), rows[first + 2 :])
+    return {row[0]: row[2] for row in table}
 
 
 def _groups(folder: Path) -> list[tuple[str, Any, dict[str, Callable[[], object]]]]:
@@ -54,7 +94,10 @@ def _groups(folder: Path) -> list[tuple[str, Any, dict[str, Callable[[], object]
     table = np.column_stack([np.arange(LINES) / RATE, *three])
     np.savetxt(path, table, delimiter=",", header="time [s],a [m],b [m],c [m]", comments="", fmt="%.6g")
     events = _events()
-    modes = eigenmodes(cars.PAPER)
+    from validation.speed import decay
+
+    modes, full = eigenmodes(cars.PAPER), _full_car()
+    times, decays = decay(1_000_000, RATE)
     return [
         (
             "5000 samples",
@@ -64,7 +107,19 @@ def _groups(folder: Path) -> list[tuple[str, Any, dict[str, Callable[[], object]
                 **_if("mwdi", "mwdi, three modes near given frequencies", lambda: mwdi(seat, modes.wn)),
                 "analyse and report, the page of a file": lambda: report(analyse(EXAMPLE)),
                 "reconstruct from poles and shapes": partial(reconstruct, modes, cars.PAPER),
+                "reconstruct from poles alone, half car": _from_poles(cars.TWO_AXLES),
+                "reconstruct from poles alone, full car": _from_poles(cars.FOUR_WHEELS, fixed=HELD),
             },
+        ),
+        (
+            "7 channels of a full car, 3000 samples",
+            np.asarray(full.y),
+            {"identify, full car": partial(identify, full)},
+        ),
+        (
+            "3 channels, 1,000,000 samples, as float32",
+            np.asarray(decays, np.float32),
+            {"identify, 3 channels": partial(identify, as_response(times, decays, ("seat", "chassis", "tire")))},
         ),
         (
             f"5000 samples, {ROWS} rows at full rate",
@@ -102,6 +157,20 @@ def _groups(folder: Path) -> list[tuple[str, Any, dict[str, Callable[[], object]
     ]
 
 
+def _from_poles(car: Suspension, fixed: Sequence[str] = ()) -> Callable[[], object]:
+    """Return the reconstruction from poles that are a thousandth off."""
+    return partial(reconstruct, ModalSet(poles=1.001 * eigenmodes(car).poles), car, fixed=fixed)
+
+
+def _full_car() -> Any:
+    """Return the decay of a heavily damped full car at 40 dB."""
+    system = statespace(cars.FOUR_WHEELS)
+    speeds = [name for name in system.state_labels if name.startswith("v_")]
+    start = dict(zip(speeds, (1.0, -0.4, 0.7, 0.2, -0.9, 0.5, 0.3), strict=True))
+    response = free_decay(system, np.arange(3000) / RATE, initial_state=start)
+    return add_noise(response, snr_db=40.0, rng=np.random.default_rng(40))
+
+
 def _if(module: str, name: str, call: Callable[[], object]) -> dict[str, Callable[[], object]]:
     """Return a call of a peer, if it is installed."""
     return {} if missing_module(module) else {name: call}
@@ -127,8 +196,6 @@ def _pandas(path: Path) -> object:
 
 def _events() -> Any:
     """Return ten minutes in which the saloon is released ten times."""
-    from suspid import free_decay
-
     rate, count = 1000.0, 600_000
     once = np.asarray(free_decay(cars.SALOON, np.arange(8000) / rate, initial_state={"v_tire": 1.0}).y)
     values = 0.01 * np.std(once, axis=1)[:, None] * np.random.default_rng(0).standard_normal((len(once), count))
