@@ -15,6 +15,9 @@ from suspid.words import DecayDoubt, Remark
 LATEST_START = 0.4
 # Delays of the starts that are verified, in quarters of a block.
 QUARTERS = (0, 1, 2, 3, 4, 6, 9, 14, 20)
+# Those at which friction and other forces are looked for too, a block apart. Each search takes most of the time of an
+# identification, and a few samples less show no others.
+WITH_FORCES = (0, 4)
 # Modes with this share of the energy of the strongest must be found again. With a smaller share noise decides.
 STRONG = 0.05
 # A mode is found again within this share of its frequency plus this many of its standard deviations. Wider limits
@@ -36,13 +39,15 @@ def verified(
     """
     first_doubt: Remark | None = None
     usable: int | None = None
-    places = [begin + round(quarter * max(1.0, size / 4)) for quarter in QUARTERS] if moved else [begin]
-    for place in places:
+    for quarter in QUARTERS if moved else (0,):
+        place = begin + round(quarter * max(1.0, size / 4))
         if place - begin > LATEST_START * (last - begin):
             break
         part = signal.values[:, place:last]
         try:
-            found = identify(as_samples(signal.timepts[place:last], part, signal.channels))
+            # Forces are not looked for within a band; this one has all frequencies.
+            band = None if quarter in WITH_FORCES else (1e-6 / signal.step, 0.4999 / signal.step)
+            found = identify(as_samples(signal.timepts[place:last], part, signal.channels), band_hz=band)
         except SuspidError as error:
             doubt: Remark | None = Remark(DecayDoubt.NOT_IDENTIFIED, {"error": str(error)})
         else:

@@ -28,6 +28,7 @@ from suspid.identification.ongoing import without_lines
 from suspid.identification.pulses import without_beginning, without_pulse
 from suspid.identification.selection import Selection, select
 from suspid.identification.steps import FourSteps
+from suspid.levels import NORMAL_95
 from suspid.model import ModalSet
 from suspid.samples import as_samples
 from suspid.signals import Signal, as_signal
@@ -257,6 +258,18 @@ def _modes_of(
     joint = joint_covariance([fit], kept, widening)
     order = np.argsort(np.abs(joint.exponents), kind="stable")
     return joint.modes(step=step, channels=channels), frozen_real(loudness[order])
+
+
+def _without_unknown(selection: Selection, modes: ModalSet) -> Selection:
+    """Return the poles of a record, of which those are no modes whose intervals of frequency reach zero."""
+    if modes.wn_std is None:
+        return selection
+    kept = selection.modes
+    order = kept[np.argsort(np.abs(selection.fit.poles.every[kept]), kind="stable")]
+    reasons = list(selection.reasons)
+    for k in order[(modes.poles.imag > 0) & (modes.wn < NORMAL_95 * modes.wn_std)].tolist():
+        reasons[k] = Reason.UNKNOWN
+    return replace(selection, reasons=tuple(reasons))
 
 
 def _check_clipping(signal: Signal) -> None:

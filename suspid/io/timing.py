@@ -195,8 +195,8 @@ def _magnitudes(plan: _Plan, columns: Mapping[str, RealArray]) -> dict[str, Rema
         with np.errstate(invalid="ignore"):
             apart = float(np.nanmax(np.abs(norm - values), initial=0.0))
         # Largest error of a magnitude that was computed from axes with more digits than the file has, relative to its
-        # largest.
-        if apart <= 1e-3 * float(np.nanmax(values)):
+        # largest: half a unit of the last of three digits.
+        if apart <= 5e-3 * float(np.nanmax(values)):
             found[name] = Remark(LeftOut.MAGNITUDE, {"axes": axes})
     return found
 

@@ -34,6 +34,7 @@ class Reason(Code):
     LINE = "line", "part of a line that goes on: something that turns, at a speed that wanders"
     PULSE = "pulse", "the poles follow a pulse of force, not a decay: their motions cancel each other"
     UNSURE = "unsure", "its decay is not significant beside the residual near it"
+    UNKNOWN = "unknown", "not determined: the interval of its frequency reaches zero"
     UNDER_A_CYCLE = "under a cycle", "less than one cycle in the record"
     A_FEW_SAMPLES = "a few samples", "decayed within a few samples"
     BEGINNING = "beginning", "with others it follows the first samples alone: motion that is not free yet"
