@@ -13,6 +13,7 @@ from suspid import (
     cut,
     estimate,
     free_decay,
+    grip,
     quarter_car,
     read_car,
     read_record,
@@ -53,6 +54,23 @@ def test_a_number_is_a_roughness(car: Path) -> None:
     shown = run("ride", car, "--road", "256e-6", "--speed", "20", "--level", "0.9", "--nominal-std", "0.05")
     assert shown.output.startswith(str(ride(read_car(car), road="C", speed=20.0, nominal_std=0.05)))
     assert "90 % interval" in shown.output
+
+
+def test_grip_of_a_car(car: Path) -> None:
+    shown = run(
+        "grip", car, "--nominal-std", "0.05", "--level", "0.9", "--load", "tire=4000", "--plot",
+        car.with_suffix(".png"), "--json", car.with_suffix(".json"),
+    )  # fmt: skip
+    assert shown.exit_code == 0, shown.output
+    found = grip(read_car(car), nominal_std=0.05, loads={"tire": 4000.0})
+    assert shown.output.startswith(str(found))
+    assert car.with_suffix(".png").stat().st_size > 10_000
+    content = json.loads(car.with_suffix(".json").read_text(encoding="utf-8"))
+    jsonschema.validate(content, json_schema("grip"))
+    wheel = content["wheels"][0]
+    assert (wheel["phase_lower_rad"], wheel["phase_upper_rad"]) == pytest.approx(found.interval(0.9)["tire.phase"])
+    low, high = np.degrees(found.interval(0.9)["tire.phase"])
+    assert f"tire.phase [deg]    {low:.4g}    {high:.4g}" in shown.output
 
 
 def test_an_estimate(car: Path) -> None:
@@ -116,6 +134,7 @@ def test_tuning_by_default(car: Path) -> None:
     ("given", "code", "message"),
     [
         (["ride", "{car}"], 2, "A car needs --road and --speed"),
+        (["grip", "{car}", "--load", "tyre=4000"], 1, "there is no wheel 'tyre'"),
         (["tune", "{car}"], 2, "A car needs --road and --speed"),
         (["ride", "{car}", "--road", "J", "--speed", "20"], 1, "is no class of ISO 8608"),
         (["tune", "{car}", *DRIVE, "--objective", "tire.laod"], 1, "there is no figure 'tire.laod'"),

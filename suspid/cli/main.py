@@ -15,6 +15,7 @@ from suspid.cli.compare import compare_command
 from suspid.cli.drive import drive_command
 from suspid.cli.estimate import estimate_command
 from suspid.cli.fleet import fleet_command
+from suspid.cli.grip import grip_command
 from suspid.cli.measured import channels_command, identify_command
 from suspid.cli.options import FILE
 from suspid.cli.parameters import Outputs, Wanted, conclude, wanting, writing
@@ -47,6 +48,7 @@ main.add_command(drive_command)
 main.add_command(fleet_command)
 main.add_command(simulate_command)
 main.add_command(ride_command)
+main.add_command(grip_command)
 main.add_command(tune_command)
 
 

@@ -18,7 +18,9 @@ def as_plain(form: str, fields: Mapping[str, object]) -> dict[str, object]:
     return plain
 
 
-def json_schema(name: Literal["report", "estimate", "drive", "compare", "damper", "ride", "tune"]) -> dict[str, object]:
+def json_schema(
+    name: Literal["report", "estimate", "drive", "compare", "damper", "ride", "grip", "tune"],
+) -> dict[str, object]:
     """Return the JSON Schema (draft 2020-12) of one kind of result: every field with its unit.
 
     Examples

@@ -1,0 +1,81 @@
+"""The command of a grip: the wheels of a car on a test bench."""
+
+from __future__ import annotations
+
+from contextlib import nullcontext
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+import numpy as np
+
+from suspid.cli.options import FILE, pairs
+from suspid.cli.ride import PICTURE_OF_RIDE, STATED_STD, car_of, drawing
+from suspid.cli.support import Positive, Probability, check_apart, said_warnings, say
+from suspid.files import naming, replacing
+from suspid.levels import LEVEL
+from suspid.values import text_table
+
+if TYPE_CHECKING:
+    from suspid.performance import Grip
+
+
+@click.command("grip")
+@click.argument("source", type=FILE, metavar="CAR")
+@click.option("--load", "loads", metavar="WHEEL=N", multiple=True, help="Static contact force as weighed; repeat.")
+@click.option("--amplitude", type=Positive("metres"), help="Amplitude of the platform. [0.003]")
+@STATED_STD
+@click.option("--level", type=Probability(), help="Print intervals of this probability, as 0.95.")
+@PICTURE_OF_RIDE
+@click.option("--json", "json_file", type=FILE, metavar="FILE", help="Write figures and intervals as JSON.")
+def grip_command(
+    source: Path,
+    loads: tuple[str, ...],
+    amplitude: float | None,
+    nominal_std: float | None,
+    level: float | None,
+    plot: Path | None,
+    json_file: Path | None,
+) -> None:
+    """Show the grip of the wheels of CAR on a test bench.
+
+    Adhesion after EUSAMA and least phase after EGEA of each wheel. CAR is a description (.toml), or the JSON of
+    `suspid estimate`, whose uncertainty is carried through.
+    """
+    from suspid.identification import to_json
+    from suspid.performance import grip
+    from suspid.performance.grip import PLATFORM
+    from suspid.reporting import plot_grip
+    from suspid.reporting.json_schema import as_plain
+    from suspid.reporting.wear_json import grip_to_dict
+
+    check_apart([source], [plot, json_file])
+    with (
+        drawing(plot) as draw,
+        replacing(json_file) if json_file else nullcontext() as json_draft,
+        said_warnings(),
+        naming(source),
+    ):
+        found = grip(
+            car_of(source),
+            amplitude=PLATFORM if amplitude is None else amplitude,
+            loads=pairs(loads, "--load", float) or None,
+            nominal_std=nominal_std,
+        )
+        draw(partial(plot_grip, found, level=level or LEVEL))
+        if json_draft:
+            content = as_plain("suspid grip 1", {"level": level or LEVEL, **grip_to_dict(found, level=level or LEVEL)})
+            json_draft.write_text(to_json(content), encoding="utf-8")
+    say(str(found) if level is None else f"{found}\n\n{_intervals(found, level)}")
+
+
+def _intervals(found: Grip, level: float) -> str:
+    names, scales = [], []
+    for name in found.interval(level):
+        of_phase = name.endswith(".phase")
+        names.append(f"{name} [{'deg' if of_phase else '%'}]")
+        scales.append(float(np.degrees(1.0)) if of_phase else 100.0)
+    ends = np.array(list(found.interval(level).values())) * np.array(scales)[:, None]
+    low, high = ([f"{value:.4g}" for value in side] for side in ends.T.tolist())
+    return text_table({f"{100 * level:g} % interval": names, "lower": low, "upper": high})
