@@ -45,10 +45,7 @@ def grip_command(
     """
     from suspid.identification import to_json
     from suspid.performance import grip
-    from suspid.performance.grip import PLATFORM
-    from suspid.reporting import plot_grip
-    from suspid.reporting.json_schema import as_plain
-    from suspid.reporting.wear_json import grip_to_dict
+    from suspid.reporting import grip_result, plot_grip
 
     check_apart([source], [plot, json_file])
     with (
@@ -59,14 +56,13 @@ def grip_command(
     ):
         found = grip(
             car_of(source),
-            amplitude=PLATFORM if amplitude is None else amplitude,
+            **({} if amplitude is None else {"amplitude": amplitude}),
             loads=pairs(loads, "--load", float) or None,
             nominal_std=nominal_std,
         )
         draw(partial(plot_grip, found, level=level or LEVEL))
         if json_draft:
-            content = as_plain("suspid grip 1", {"level": level or LEVEL, **grip_to_dict(found, level=level or LEVEL)})
-            json_draft.write_text(to_json(content), encoding="utf-8")
+            json_draft.write_text(to_json(grip_result(found, level=level or LEVEL)), encoding="utf-8")
     say(str(found) if level is None else f"{found}\n\n{_intervals(found, level)}")
 
 

@@ -42,7 +42,7 @@ from suspid.reporting.report import report
 from suspid.reporting.report_json import report_to_dict
 from suspid.reporting.ride_json import ride_to_dict, tuning_to_dict
 from suspid.reporting.source import Source, source_of
-from suspid.reporting.wear_json import comparison_to_dict, wear_to_dict
+from suspid.reporting.wear_json import comparison_to_dict, grip_result, wear_to_dict
 
 __all__ = [
     "PAGE",
@@ -58,6 +58,7 @@ __all__ = [
     "drive_to_dict",
     "estimate_from_dict",
     "estimate_to_dict",
+    "grip_result",
     "json_schema",
     "plot_amplitude",
     "plot_comparison",

@@ -88,6 +88,20 @@ def grip_to_dict(found: Grip, *, level: Ratio = LEVEL) -> dict[str, object]:
     return {"wheels": rows, "amplitude_m": found.amplitude, "verdict": found.verdict.to_dict()}
 
 
+def grip_result(found: Grip, *, level: Ratio = LEVEL) -> dict[str, object]:
+    """Return what ``suspid grip --json`` writes: `grip_to_dict` with its format, as ``grip.schema.json`` describes it.
+
+    Examples
+    --------
+    >>> from suspid import grip, quarter_car
+    >>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3,
+    ...                   tire_stiffness=200e3, chassis_damping=1500)
+    >>> grip_result(grip(car))["format"]
+    'suspid grip 1'
+    """
+    return as_plain("suspid grip 1", {"level": level, **grip_to_dict(found, level=level)})
+
+
 def comparison_to_dict(found: Comparison) -> dict[str, object]:
     """Return a comparison of modes or cars as plain lists and numbers.
 
