@@ -64,14 +64,15 @@ def chosen(record: Record, plain: DrivenFit, bent: Bent | None, *, most: int, hi
     # Where no force was found before, more than a few steps must not be needed.
     if best is None or (bent is None and best.bic > highest + WITHIN_REACH * best.residual.size):
         return None
-    # Forces that one mode cannot tell apart may be told apart beside the next.
     best = fitted(best)
+    # Forces that one mode cannot tell apart are told apart beside the next.
+    best = _needed(best) if len(best.theta) > 1 else best
     while _misses(best) and len(best.theta) < most:
         more = _with_mode(best)
         if more is None:
             break
-        best = more
-    best = _needed(best)
+        best = _needed(more)
+    best = _needed(best) if len(best.theta) == 1 else best
     return best if best.forces and best.bic < highest and np.all(stands(best)) else None
 
 
