@@ -64,16 +64,24 @@ def chosen(record: Record, plain: DrivenFit, bent: Bent | None, *, most: int, hi
     # Where no force was found before, more than a few steps must not be needed.
     if best is None or (bent is None and best.bic > highest + WITHIN_REACH * best.residual.size):
         return None
-    best = fitted(best)
-    # Forces that one mode cannot tell apart are told apart beside the next.
-    best = _needed(best) if len(best.theta) > 1 else best
-    while _misses(best) and len(best.theta) < most:
-        more = _with_mode(best)
+    best = _with_modes(fitted(best), most)
+    return best if best.forces and best.bic < highest and np.all(stands(best)) else None
+
+
+def _with_modes(fit: StructureFit, most: int) -> StructureFit:
+    """Return the fit without forces that are not worth their gains, and with more modes as long as each is worth it.
+
+    Forces that one mode cannot tell apart are told apart beside the next. Friction is not kept for that: its motion
+    takes many times longer.
+    """
+    waits = len(fit.theta) == 1 and fit.structures.kind is not ForceKind.FRICTION
+    fit = fit if waits else _needed(fit)
+    while _misses(fit) and len(fit.theta) < most:
+        more = _with_mode(fit)
         if more is None:
             break
-        best = _needed(more)
-    best = _needed(best) if len(best.theta) == 1 else best
-    return best if best.forces and best.bic < highest and np.all(stands(best)) else None
+        fit, waits = _needed(more), False
+    return _needed(fit) if waits else fit
 
 
 def _sticks(bent: Bent) -> bool:
