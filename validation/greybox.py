@@ -22,6 +22,7 @@ from validation.greybox_bounds import value_of
 from validation.greybox_misfits import corner_table, simulator_table
 from validation.greybox_peers import equation_error, era_and_reconstruct, ssi_and_reconstruct, welch_h1
 from validation.greybox_rows import Row, rows
+from validation.tyres import FIRST_SEED
 
 if TYPE_CHECKING:
     import control
@@ -44,16 +45,21 @@ BESIDE_PEERS = (
 HEAD = """# Springs and dampers straight from records
 
 Records come from an independent integrator (`validation/motion.py`), which shares no equation with the library. The
-nominal car is 30 % off in every spring and damper that is judged, up and down in turn. Bias, RMSE and RMSE over the
-Cramér-Rao bound are given for k and c where one strut is judged, else as the range over all parameters. Coverage is
-the mean over all parameters. 'explained' is the share of the draws in which the residual is accepted as noise. Time
+nominal car is 30 % off in every spring and damper that is judged, up and down in turn. Bias, the Cramér-Rao bound, RMSE
+and RMSE over the bound are given for k and c where one strut is judged, else as the range over all parameters. Coverage
+is the mean over all parameters. 'explained' is the share of the draws in which the residual is accepted as noise. Time
 is processor time on this machine.
 
 The bound knows the start as little as the estimator does. Where wheels are given, starts are left out, forces on the
 body are noise of known spectrum, and gain and delay of the wheels' sensors and a mount are unknown to both, unless they
 are said to be known. Without a mount, delay and mount are nearly one thing, and the bound does not know that a mount is
 not negative: c is then found with half its error. The bound of the row with a force on the body knows the spectrum of
-that force; the estimator finds it from the record, as up to 24 levels over frequency.
+that force; the estimator finds it from the record, as up to 24 levels over frequency. Bounds are of 0.5 to 25 Hz, the
+band of the estimator ends at 2.5 times the wheels' modes, 27 to 30 Hz.
+
+Of 60 s of class B 0.3 % are asked of k and c with gain, delay and mount unknown, 0.5 % of half and full cars. Bounds
+are above that in part: 0.32 and 0.93 % without a mount, 0.31 % of c with one of 1e6 N/m, up to 1.23 % for the half car
+and 0.77 % for the full one. What lies below its bound does so because no mount is negative.
 `SUSPID_SEEDS=100 python -m validation greybox` prints these tables."""
 SIMULATOR = """## Records of another simulator
 
@@ -96,7 +102,7 @@ def tally(row: Row, *, seeds: int = SEEDS) -> Tally:
     """Return errors and coverage of a case over many draws."""
     truth = np.array([value_of(row.car, name) for name in row.names])
     errors, holds, spent, explained, failed = [], [], [], 0, 0
-    for seed in range(seeds):
+    for seed in range(FIRST_SEED, FIRST_SEED + seeds):
         record = row.record(np.random.default_rng(seed))
         start = time.process_time()
         try:
@@ -123,25 +129,24 @@ def tally(row: Row, *, seeds: int = SEEDS) -> Tally:
 
 def table(cases: list[Row], *, seeds: int = SEEDS) -> str:
     """Return the table of some cases."""
-    names = ("record", "draws", "failed", "bias [%]", "RMSE [%]", "RMSE / bound", "95 % that hold", "explained")
-    columns: dict[str, list[str]] = {name: [] for name in (*names, "time [ms]")}
-    for row in cases:
-        found = tally(row, seeds=4 * seeds if row.name in OFTEN else seeds)
-        ratio = found.rmse / found.bound
-        cells = (
-            row.name,
-            str(found.draws),
-            str(found.failed),
-            _span(100 * np.mean(found.error, axis=0), "{:+.2f}"),
-            _span(100 * found.rmse, "{:.3g}"),
-            _span(ratio, "{:.2f}"),
-            f"{np.mean(found.coverage):.1%}",
-            f"{found.explained:.0%}",
-            f"{1e3 * found.seconds:.0f}",
-        )
-        for column, cell in zip(columns.values(), cells, strict=True):
-            column.append(cell)
-    return text_table(columns)
+    lines = [cells(row, tally(row, seeds=4 * seeds if row.name in OFTEN else seeds)) for row in cases]
+    return text_table({name: [line[name] for line in lines] for name in lines[0]})
+
+
+def cells(row: Row, found: Tally) -> dict[str, str]:
+    """Return the line of a case, by column."""
+    return {
+        "record": row.name,
+        "draws": str(found.draws),
+        "failed": str(found.failed),
+        "bias [%]": _span(100 * np.mean(found.error, axis=0), "{:+.2f}"),
+        "bound [%]": _span(100 * found.bound, "{:.3g}"),
+        "RMSE [%]": _span(100 * found.rmse, "{:.3g}"),
+        "RMSE / bound": _span(found.rmse / found.bound, "{:.2f}"),
+        "95 % that hold": f"{np.mean(found.coverage):.1%}",
+        "explained": f"{found.explained:.0%}",
+        "time [ms]": f"{1e3 * found.seconds:.0f}",
+    }
 
 
 def _span(values: RealArray, form: str) -> str:
@@ -159,7 +164,7 @@ def peers_table(*, seeds: int = SEEDS) -> str:
 
     def add(row: Row, method: str, one: Callable[[object], RealArray]) -> None:
         truth, errors = np.array([value_of(row.car, name) for name in row.names]), []
-        for seed in range(seeds):
+        for seed in range(FIRST_SEED, FIRST_SEED + seeds):
             try:
                 errors.append(one(row.record(np.random.default_rng(seed))) / truth - 1)
             except (SuspidError, np.linalg.LinAlgError, ValueError):
