@@ -73,7 +73,7 @@ def committed(text: str) -> dict[str, str]:
 
     Examples
     --------
-    >>> committed("| call | CPU ms | over one rfft |\\n|---|---|---|\\n| cwt | 10.5 | 87 |")
+    >>> committed("| call | CPU ms | over one rfft |\n|---|---|---|\n| cwt | 10.5 | 87 |")
     {'cwt': '87'}
     """
     rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in text.splitlines() if line.startswith("|")]
