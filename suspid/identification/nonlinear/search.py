@@ -146,7 +146,11 @@ def _structure(
     plain, _ = _linear_modes(record, modes)
     if plain is None or np.max(1 - plain.squares / np.sum(values**2, axis=1)) < LEAST_EXPLAINED:
         return None
-    structure = chosen(record, plain, found, most=modes, highest=highest)
+    try:
+        structure = chosen(record, plain, found, most=modes, highest=highest)
+    except np.linalg.LinAlgError:
+        # A motion that runs away has no covariance.
+        return None
     # The swings of a single mode are described by the forces as they were measured.
     if structure is None or len(structure.theta) < 2:
         return None
