@@ -15,9 +15,11 @@ from suspid.signals import Signal
 from suspid.units import RealArray
 from suspid.words import DecayDoubt, Reason, Remark
 
-# Fewer cycles than these, of the mode that makes most or of the slowest one, are doubted.
+# Fewer cycles than these, of the mode that makes most or of the slowest one, are doubted. One less than `CYCLES_SEEN`
+# of an identification: this doubts the whole stretch, whose other modes may be well seen; that remarks on one mode.
 DOUBTED_CYCLES = 2.0
-# Modes with this share of the energy of the strongest count. With a smaller share, traces of noise cast doubts.
+# Modes with this share of the energy of the strongest count. With a smaller share, traces of noise cast doubts. Less
+# than `STRONG` of the verification: a mode this weak is in the fit, but other starts need not find it again.
 COUNTING_SHARE = 0.01
 # Blocks that each mode needs, about five cycles of the highest one.
 FEW_BLOCKS = 40

@@ -18,7 +18,8 @@ QUARTERS = (0, 1, 2, 3, 4, 6, 9, 14, 20)
 # Those at which friction and other forces are looked for too, a block apart. Each search takes most of the time of an
 # identification, and a few samples less show no others.
 WITH_FORCES = (0, 4)
-# Modes with this share of the energy of the strongest must be found again. With a smaller share noise decides.
+# Modes with this share of the energy of the strongest must be found again. With a smaller share noise decides: what is
+# weaker, down to `COUNTING_SHARE`, counts where cycles are counted, which needs no second fit.
 STRONG = 0.05
 # A mode is found again within this share of its frequency plus this many of its standard deviations. Wider limits
 # accept another mode, narrower ones refuse weak modes.

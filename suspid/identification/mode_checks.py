@@ -22,6 +22,7 @@ UNKNOWN_ZETA, ROUGH_ZETA, ROUGH_WN = 1.0, 0.25, 0.05
 # Phase collinearity below which the channels of a mode are out of phase.
 OUT_OF_PHASE = 0.5
 # A mode with fewer cycles in the record than this, that has not decayed by as many nepers, is known from few cycles.
+# One more than `DOUBTED_CYCLES` of a decay: a mode seen over two cycles is used, with this remark.
 CYCLES_SEEN = 3.0
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -153,15 +154,34 @@ def dependence(
 ) -> AmplitudeDependence:
     """Return how a mode depends on its amplitude; ``holds`` is the mean of its exponent over the record."""
     strongest = int(np.argmax(np.abs(fit.amplitudes[pole])))
-    covariance, step = covariance_of(fit) * widening, float(timepts[-1] - timepts[0]) / (len(timepts) - 1)
+    covariance = covariance_of(fit) * widening
     parts, amplitude = _parts(fit, pole, size=float(np.abs(fit.amplitudes[pole, strongest])))
     poles, stds = np.empty(len(parts), complex), np.empty((len(parts), 2))
     for i, (theta, slopes, _) in enumerate(parts):
         by_parameter = by_pole(np.asarray(theta)) @ slopes
         poles[i], stds[i] = theta, np.sqrt(np.diag(by_parameter @ covariance @ by_parameter.T))
+    spans = [span for _, _, span in parts]
+    return over_windows(spans, channels[strongest], amplitude, poles, stds, holds=holds, timepts=timepts)
+
+
+def over_windows(
+    spans: Sequence[tuple[float, float]],
+    channel: str,
+    amplitude: RealArray,
+    poles: ComplexArray,
+    stds: RealArray,
+    *,
+    holds: complex,
+    timepts: RealArray,
+) -> AmplitudeDependence:
+    """Return the dependence of a mode on its amplitude, from its pole per sample in each window.
+
+    ``spans`` are in samples; ``stds`` are those of natural frequency and damping ratio, (window, 2).
+    """
+    step = float(timepts[-1] - timepts[0]) / (len(timepts) - 1)
     return AmplitudeDependence(
-        spans=tuple((float(timepts[0] + step * a), float(timepts[0] + step * b)) for _, _, (a, b) in parts),
-        channel=channels[strongest],
+        spans=tuple((float(timepts[0] + step * a), float(timepts[0] + step * b)) for a, b in spans),
+        channel=channel,
         amplitude=frozen_real(amplitude),
         wn=frozen_real(np.abs(poles) / step),
         zeta=frozen_real(-poles.real / np.abs(poles)),

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from suspid.identification.classification import is_tone
+from suspid.identification.fitting import OTHER_FREQUENCY
 from suspid.identification.likelihood import bic_penalty
 from suspid.identification.noise import LOUD, over_channels, power_beside
 from suspid.identification.nonlinear.driven import Drive, DrivenFit, maximize
@@ -26,8 +27,6 @@ REDUCTION = 2.5
 # Steps of the motion up to which structures are fitted where forces were found, and where not, and channels: more take
 # too long.
 LONGEST_FITTED, LONGEST_BLIND, MOST_MASSES = 3000, 1500, 3
-# Ratio of natural frequencies below which two poles of a linear fit may be parts of one mode.
-APART = 1.5
 # Poles that differ by less than this share are the same start: steps of a fit go farther.
 ALIKE = 0.03
 # Loss per sample by which a structure may still be above what it must reach, after the first steps.
@@ -112,7 +111,7 @@ def _strongest(record: Record, plain: DrivenFit) -> DrivenFit:
     size = np.log(np.abs(plain.drive.theta))
     kept = list[int]()
     for index in np.argsort(-energy).tolist():
-        if len(kept) < 2 and np.all(np.abs(size[index] - size[kept]) > np.log(APART)):
+        if len(kept) < 2 and np.all(np.abs(size[index] - size[kept]) > np.log(OTHER_FREQUENCY)):
             kept.append(index)
     fewer = plain.drive
     for index in reversed(range(len(size))):

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from suspid.identification.covariance import estimate_of
 from suspid.identification.noise import loudness, power_beside, shared_noise
-from suspid.identification.nonlinear.amplitude import AmplitudeDependence, where_holds
+from suspid.identification.nonlinear.amplitude import AmplitudeDependence, over_windows
 from suspid.identification.nonlinear.describing import describing
 from suspid.identification.nonlinear.forces import OF_SPEED
 from suspid.identification.nonlinear.motion import Motion, Structures
@@ -147,7 +147,7 @@ def _dependence(
     channels: tuple[str, ...],
 ) -> AmplitudeDependence:
     """Return how a mode depends on its amplitude, over parts of the decay."""
-    strongest, step = int(np.argmax(np.abs(fit.amplitudes[pole]))), float(timepts[-1] - timepts[0]) / (len(timepts) - 1)
+    strongest = int(np.argmax(np.abs(fit.amplitudes[pole])))
     envelope = np.log(np.abs(fit.amplitudes[pole, strongest] * fit.motion.states[0, pole]) + 1e-300)
     cycle = int(np.ceil(2 * np.pi / float(np.min(fit.theta.imag))))
     spans = list(pairwise(cuts_of(envelope, least=max(8, cycle))))
@@ -159,13 +159,4 @@ def _dependence(
         slopes = by_pole(poles[i]) @ np.array([apart.real, apart.imag])
         stds[i] = np.sqrt(np.diag(slopes @ covariance @ slopes.T))
     amplitude = np.array([np.exp(np.mean(envelope[a : b + 1])) for a, b in spans])
-    return AmplitudeDependence(
-        spans=tuple((float(timepts[0] + step * a), float(timepts[0] + step * b)) for a, b in spans),
-        channel=channels[strongest],
-        amplitude=frozen_real(amplitude),
-        wn=frozen_real(np.abs(poles) / step),
-        zeta=frozen_real(-poles.real / np.abs(poles)),
-        wn_std=frozen_real(stds[:, 0] / step),
-        zeta_std=frozen_real(stds[:, 1]),
-        holds_at=where_holds(holds, poles, amplitude),
-    )
+    return over_windows(spans, channels[strongest], amplitude, poles, stds, holds=holds, timepts=timepts)
