@@ -77,6 +77,25 @@ class TestBound:
         # 72 squares of about unit variance: their mean lies within 0.6 and 1.5 but for one time in a thousand.
         assert 0.6 < float(np.mean(np.square(scores))) < 1.5
 
+    def test_few_samples_are_counted_less_their_parameters(self) -> None:
+        """The bound by differences, with the noise that is estimated: power of the residual by degree of freedom."""
+        t, truth = np.arange(40) / 40, np.array([-3.0, 35.0, 0.5, 0.1, 0.6, 0.05, 0.0, 0.0])
+
+        def motion(x: Real) -> Real:
+            first = 2 * complex(*x[2:4]) * np.exp(complex(*x[:2]) * t)
+            return np.stack([first.real + x[6], (first * complex(*x[4:6])).real + x[7]])
+
+        noise = 1e-3 * np.random.default_rng(4).standard_normal((2, t.size))
+        found = identify_repeats(as_response(t, motion(truth) + noise, ("seat", "tire")), [(0.0, 0.975)])
+        assert len(found.modes) == 1
+        assert found.modes.covariance is not None
+        slopes = [(motion(truth + step) - motion(truth - step)) / 2e-6 for step in 1e-6 * np.eye(8)]
+        J = np.stack([(slope / found.noise_std[0][:, None]).ravel() for slope in slopes], axis=1)
+        std = np.sqrt(np.diag(np.linalg.inv(J.T @ J)))
+        # The parameters take a tenth of the samples; without their count, 5 % would be missing.
+        size = np.sqrt(np.diag(found.modes.covariance) / found.loudness[0])
+        np.testing.assert_allclose(size[[0, 1, 4, 5]], std[[0, 1, 4, 5]], rtol=0.02)
+
     def test_shapes_keep_their_intervals(self) -> None:
         truth, clean, scores = eigenmodes(cars.PAPER), decays(), []
         assert truth.shapes is not None
