@@ -395,3 +395,17 @@ class TestReasons:
         fit = evaluate(blocks_of(values), poles(-decay + 0.4j), WhiteNoise(least=np.full(1, std**2)))
         assert fit is not None
         assert reasons_of(fit, (0.0, np.pi), np.ones(1), 1.0) == (reason,)
+
+
+class TestRoundingIsNotShared:
+    """Channels in which nothing but rounding is left share no noise, and one of zeros has no correlation."""
+
+    def test_the_same_rounding_counts_once_it_is_above_the_resolution(self) -> None:
+        same = 1e-3 * white(31, 1, 1000)[[0, 0]]
+        assert shared_noise(same, 1e-3) == 1.0
+        assert shared_noise(same, 1e-5) == pytest.approx(2.0)
+
+    def test_a_channel_of_zeros_shares_nothing(self) -> None:
+        noise = np.vstack([white(32, 1, 1000), np.zeros((1, 1000))])
+        assert shared_noise(noise) == 1.0
+        assert np.isfinite(most_shared(noise)[2])
