@@ -77,7 +77,7 @@ class TestFigures:
         for row in rows:
             name, *figures = (cell.strip() for cell in row.strip("|").split("|"))
             theirs = next(line for line in report.splitlines() if line.strip().startswith(f"{name}  "))
-            _, draws, failed, _, error, ratio, coverage, *_ = re.split(r"\s{2,}", theirs.strip())
+            _, draws, failed, _, _, error, ratio, coverage, *_ = re.split(r"\s{2,}", theirs.strip())
             largest = [max(re.split(r", | to ", cell), key=float) for cell in (error, ratio)]
             assert int(draws) >= 100
             assert failed == "0"
