@@ -144,7 +144,11 @@ class TestReport:
         result = CliRunner().invoke(main, ["report", "examples/quarter_car.csv", "-o", str(page), *options])
         assert result.exit_code == 0, result.output
         assert "3 of 4 limits met, 1 cannot be told" in result.stdout
-        assert "Limits: 3 of 4 limits met, 1 cannot be told." in page.read_text(encoding="utf-8")
+        written = page.read_text(encoding="utf-8")
+        assert "Limits: 3 of 4 limits met, 1 cannot be told." in written
+        # The frame has the colour of what is worse, the sentence on the measurement its own.
+        assert '<section class="verdict care"' in written
+        assert '<p class="said sound">Measurement: sound.' in written
         content = json.loads(plain.read_text(encoding="utf-8"))
         Draft202012Validator(json_schema("report")).validate(content)
         assert [row["state"] for row in content["limits"]] == ["met", "met", "met", "cannot tell"]

@@ -92,6 +92,8 @@ def report(
         colours=list(Colour),
         sources=content.sources,
         limits_said="" if limits is None else f"{limits.verdict.headline}.",
+        frame=min(verdict.level, verdict.level if limits is None else limits.verdict.level).label,
+        limits_level="" if limits is None else limits.verdict.level.label,
         sizes=[_in_bytes(source.size) for source in content.sources],
         car=_car_of(content),
         warnings=[_shown(text) for text in content.warnings],
