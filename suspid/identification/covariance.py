@@ -148,15 +148,21 @@ def inverse_information(information: RealArray) -> RealArray:
     return np.asarray(half @ half.T)
 
 
-def spread_of(fit: DecayFit, kept: NDArray[np.intp], shifts: ComplexArray) -> RealArray:
-    """Return the squares of distances of poles over their standard deviations, (mode,), for distances (mode,)."""
-    squares = np.zeros(len(kept))
-    for k in np.flatnonzero(shifts):
-        chosen = _chosen(fit.poles, kept[k : k + 1])
-        covariance = chosen @ inverse_information(fit.information * (fit.freedom / fit.count)) @ chosen.T
-        away = np.array([shifts[k].real, shifts[k].imag])
-        squares[k] = away @ np.linalg.solve(covariance, away)
-    return squares
+def widened(fit: DecayFit, larger: DecayFit, places: NDArray[np.intp]) -> RealArray:
+    """Return how many times the variances of each pair hold what a fit with more poles says of it, (pair,).
+
+    With P the covariance of a pair, Q that of its place among the pairs of the larger fit, and d the distance between
+    the two estimates, it is the least factor f with ``f P >= Q + d d^T``.
+    """
+    of_poles, of_more = (inverse_information(each.information * (each.freedom / each.count)) for each in (fit, larger))
+    factors = np.zeros(len(places))
+    for k, place in enumerate(places.tolist()):
+        own, more = slice(2 * k, 2 * k + 2), slice(2 * place, 2 * place + 2)
+        away = larger.poles.pairs[place] - fit.poles.pairs[k]
+        d = np.array([away.real, away.imag])
+        both = of_more[more, more] + np.outer(d, d)
+        factors[k] = np.max(np.linalg.eigvals(np.linalg.solve(of_poles[own, own], both)).real)
+    return factors
 
 
 def _parts(poles: Poles, kept: NDArray[np.intp]) -> ComplexArray:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from suspid.identification.candidates import CANDIDATES_TRIED, Candidate
+from suspid.identification.covariance import widened
 from suspid.identification.exponentials import power_sums, project
 from suspid.identification.fitting import BENT, Fit, Problem
 from suspid.identification.poles import Poles
@@ -33,19 +34,20 @@ def divided(problem: Problem, fit: Fit) -> Fit | None:
     return None
 
 
-def unresolved(problem: Problem, fit: Fit) -> tuple[ComplexArray, NDArray[np.bool_], Rejected]:
-    """Return how far each pair lies from the nearer of two that fit better in its place, (pair,), and their partners.
+def unresolved(problem: Problem, fit: Fit) -> tuple[RealArray, NDArray[np.bool_], Rejected]:
+    """Return by how much the variances of each pair are widened where one may be two, (pair,), and the partners.
 
     Between them, whether the residual of each pair bends beyond chance, (pair,).
 
-    The gain of the two is significant at `UNLIKELY`, though not enough for two modes: the record leaves it open. The
-    distance is 0 where one pair suffices.
+    The gain of the two is significant at `UNLIKELY`, though not enough for two modes: the record leaves it open. Then
+    the intervals of all pairs hold what the fit with one more says of them, with its own uncertainty: the nearer of the
+    two, and each neighbour. The variances are widened by 0 where each pair suffices.
     """
     from scipy.special import chdtri
 
-    channels = problem.blocks.channels
+    channels, pairs = problem.blocks.channels, len(fit.poles.pairs)
     needed = float(chdtri(2 + 2 * channels, UNLIKELY))
-    shifts, partners = np.zeros(len(fit.poles.pairs), complex), list[tuple[Candidate, Remark]]()
+    widening, partners = np.zeros(pairs), list[tuple[Candidate, Remark]]()
     promised = apart(fit)
     bends = promised.gains > needed
     for which in np.flatnonzero(bends).tolist():
@@ -57,13 +59,14 @@ def unresolved(problem: Problem, fit: Fit) -> tuple[ComplexArray, NDArray[np.boo
         two, gain = trial.poles.pairs[-2:], fit.loss - trial.loss
         near = np.abs(two - pole) < BENT * np.abs(pole.real)
         if near.all() and gain > needed:
-            nearer, other = two[np.argsort(np.abs(two - pole))]
-            shifts[which] = nearer - pole
+            nearer, other = np.argsort(np.abs(two - pole))
+            places = np.insert(np.arange(pairs - 1), which, pairs - 1 + nearer)
+            widening = np.maximum(widening, widened(fit.solution, trial.solution, places))
             numbers = {"gain": gain, "needed": problem.penalty(real=False)}
             partners.append(
-                (Candidate(theta=complex(other), real=False, gain=gain), Remark(Reason.UNRESOLVED, numbers))
+                (Candidate(theta=complex(two[other]), real=False, gain=gain), Remark(Reason.UNRESOLVED, numbers))
             )
-    return shifts, bends, tuple(partners)
+    return widening, bends, tuple(partners)
 
 
 def apart(fit: Fit) -> Apart:

@@ -69,7 +69,7 @@ def dominant(
         gains=problem.gains(best),
         loudness=best.loudness,
         residual=best.residual,
-        shifts=np.zeros(poles, complex),
+        widening=np.zeros(poles),
         bends=np.ones(poles, bool),
         rejected=kept + selection.rejected,
     )

@@ -11,7 +11,7 @@ import numpy as np
 from suspid.cleaning import RecordLike, as_record, clipped_run
 from suspid.errors import IdentificationError, InputError, RecordError
 from suspid.identification.considered import Considered, beside_bent, considered_of
-from suspid.identification.covariance import joint_covariance, spread_of
+from suspid.identification.covariance import joint_covariance
 from suspid.identification.dominant import dominant
 from suspid.identification.halves import FEWEST_SAMPLES, disagreement
 from suspid.identification.harmonics import without_harmonics
@@ -246,7 +246,7 @@ def _modes_of(
 
     The variances of a mode are widened by its loudness, and by noise that the channels share; or by the square of the
     disagreement of the two halves of the decay where that is more and the residual shows that it is no chance. Where a
-    mode may be two, its interval reaches the nearer of them.
+    mode may be two, its interval and those beside it hold what the fit with both says.
     """
     fit, kept = selection.fit, selection.modes
     loudness = selection.loudness[kept]
@@ -254,7 +254,7 @@ def _modes_of(
     noise_std = np.sqrt(fit.squares / fit.count)
     for k in np.flatnonzero(((loudness > 1) | selection.bends[kept]) & (kept < len(fit.poles.pairs))):
         widening[k] = np.nanmax([widening[k], disagreement(values, fit.poles, int(kept[k]), noise_std) ** 2])
-    widening = np.maximum(widening, spread_of(fit, kept, selection.shifts[kept]))
+    widening = np.maximum(widening, selection.widening[kept])
     joint = joint_covariance([fit], kept, widening)
     order = np.argsort(np.abs(joint.exponents), kind="stable")
     return joint.modes(step=step, channels=channels), frozen_real(loudness[order])

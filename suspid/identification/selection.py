@@ -16,7 +16,7 @@ from suspid.identification.likelihood import DecayFit, evaluate, reweighed
 from suspid.identification.noise import WhiteNoise
 from suspid.identification.poles import Poles
 from suspid.identification.refinement import Rejected, paired, single, straightened, thinned, unbent
-from suspid.units import ComplexArray, RealArray
+from suspid.units import RealArray
 from suspid.words import Reason, Remark
 
 # The largest number of pairs: a bound on time and memory for records that no number of poles explains.
@@ -43,8 +43,9 @@ class Selection:
     gains: RealArray
     loudness: RealArray  # (pole,): power of the residual near each pole over that of the noise; 1 where they agree
     residual: RealArray  # (channel, sample): the record less the fitted motion
-    # (pole,): distance to the nearer of two poles that fit better in its place; 0 where one suffices
-    shifts: ComplexArray
+    # (pole,): factor of its variances by which its interval holds what a fit with one more pole says of it; 0 where the
+    # record leaves no further pole open
+    widening: RealArray
     bends: NDArray[np.bool_]  # (pole,): whether the residual shows beyond chance that each pair is not quite linear
     rejected: Rejected  # poles that were tried and not kept, and why
 
@@ -83,7 +84,7 @@ def select(
     fit = problem.settled(fit)
     # Sums of squares from samples are more accurate than differences of energies.
     solution = reweighed(fit.solution, problem.noise, fit.squares)
-    shifts, bends, open_ones = unresolved(problem, fit)
+    widening, bends, open_ones = unresolved(problem, fit)
     reasons = list(reasons_of(solution, band, fit.loudness, fit.explained))
     pairs = len(solution.poles.pairs)
     for index in pairs + np.flatnonzero(ambiguous(gains[pairs:], pair_gains, channels=blocks.channels)):
@@ -97,7 +98,7 @@ def select(
         gains=gains,
         loudness=fit.loudness,
         residual=fit.residual,
-        shifts=np.concatenate([shifts, np.zeros(len(fit.poles.reals))]),
+        widening=np.concatenate([widening, np.zeros(len(fit.poles.reals))]),
         bends=np.concatenate([bends, np.zeros(len(fit.poles.reals), bool)]),
         rejected=rejected + lost + open_ones,
     )
