@@ -191,7 +191,7 @@ class TestWhatTheNominalValuesTell:
         modes = measured(eigenmodes(car), 6) if noisy else eigenmodes(car)
         answer = reconstruct(modes, car, nominal_std=0.3)
         assert "are determined by the nominal values alone" in answer.status
-        before = answer.status.split(" are told apart")[0].split("; ")[-1]
+        before = answer.status.split(" are determined by")[0].split("; ")[-1]
         assert before == "seat.stiffness, helper.stiffness, seat.damping and helper.damping"
 
     def test_nothing_is_said_where_the_modes_tell(self) -> None:
