@@ -46,7 +46,7 @@ def unresolved(problem: Problem, fit: Fit) -> tuple[RealArray, NDArray[np.bool_]
     from scipy.special import chdtri
 
     channels, pairs = problem.blocks.channels, len(fit.poles.pairs)
-    needed = float(chdtri(2 + 2 * channels, UNLIKELY))
+    needed, penalty = float(chdtri(2 + 2 * channels, UNLIKELY)), problem.penalty(real=False)
     widening, partners = np.zeros(pairs), list[tuple[Candidate, Remark]]()
     promised = apart(fit)
     bends = promised.gains > needed
@@ -57,15 +57,18 @@ def unresolved(problem: Problem, fit: Fit) -> tuple[RealArray, NDArray[np.bool_]
             continue
         trial = problem.settled(trial)
         two, gain = trial.poles.pairs[-2:], fit.loss - trial.loss
+        nearer, other = np.argsort(np.abs(two - pole))
         near = np.abs(two - pole) < BENT * np.abs(pole.real)
-        if near.all() and gain > needed:
-            nearer, other = np.argsort(np.abs(two - pole))
-            places = np.insert(np.arange(pairs - 1), which, pairs - 1 + nearer)
-            widening = np.maximum(widening, widened(fit.solution, trial.solution, places))
-            numbers = {"gain": gain, "needed": problem.penalty(real=False)}
-            partners.append(
-                (Candidate(theta=complex(two[other]), real=False, gain=gain), Remark(Reason.UNRESOLVED, numbers))
-            )
+        if not near.any() or gain <= needed:
+            continue
+        # Wherever the other lies, the neighbours of a weak mode that is left out bend.
+        places = np.insert(np.arange(pairs - 1), which, pairs - 1 + nearer)
+        widening = np.maximum(widening, widened(fit.solution, trial.solution, places))
+        known = any(abs(two[other] - c.theta) < abs(two[other].real) for c, _ in partners)
+        if near.all() or not (known or gain > penalty):
+            reason = Reason.UNRESOLVED if near.all() else Reason.TOO_WEAK
+            remark = Remark(reason, {"gain": gain, "needed": penalty})
+            partners.append((Candidate(theta=complex(two[other]), real=False, gain=gain), remark))
     return widening, bends, tuple(partners)
 
 
