@@ -77,8 +77,9 @@ class StructureFit:
 
     @cached_property
     def squares(self) -> RealArray:
-        """Residual sum of squares, (channel,)."""
-        return np.asarray(np.sum(self.residual**2, axis=1))
+        """Residual sum of squares, (channel,); inf where a motion that runs away is out of the range of numbers."""
+        with np.errstate(over="ignore"):
+            return np.asarray(np.sum(self.residual**2, axis=1))
 
     @property
     def variance(self) -> RealArray:
