@@ -1,11 +1,16 @@
 """Motion that is no free decay has no modes; decays beside it keep theirs."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from numpy.typing import ArrayLike
 
 from suspid import Identification, identify
+from suspid.identification.identify import _fewer
+from suspid.identification.noise import noise_of
 from suspid.identification.pulses import one_shape
+from suspid.identification.selection import select
 from suspid.signals import as_response
 from suspid.units import RealArray
 from suspid.words import Reason
@@ -83,6 +88,21 @@ class TestSquares:
         found = identify(as_response(time, record, ["x", "v", "kinetic", "potential"]))
         np.testing.assert_allclose(found.modes.wn, [wn], rtol=1e-4)
         assert [c.remark.code for c in found.considered].count(Reason.HARMONIC) == 2
+
+
+class TestUnknown:
+    @pytest.mark.parametrize(("widened", "modes"), [(1.0, 2), (1e12, 0)])
+    def test_a_pole_whose_frequency_may_be_zero_is_no_mode(self, widened: float, modes: int) -> None:
+        record = np.exp(-TIME) * np.cos(20 * TIME) + np.exp(-2 * TIME) * np.cos(55 * TIME)
+        centred = (record + 1e-3 * RNG(1).standard_normal(TIME.size))[None]
+        centred -= centred.mean()
+        selection = select(centred, noise=noise_of(centred))
+        found = identify(as_response(TIME, centred, ["y"])).modes
+        assert found.covariance is not None
+        known = dataclasses.replace(found, covariance=widened * found.covariance)
+        fewer = _fewer(selection, known)
+        assert len(fewer.modes) == modes
+        assert (Reason.UNKNOWN in fewer.reasons) == (not modes)
 
 
 class TestPulses:

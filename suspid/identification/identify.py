@@ -180,7 +180,7 @@ def _by_likelihood(
             if not len(selection.modes):
                 selection = dominant(centred, noise=noise, band=limits, selection=selection) or selection
         modes, loudness = _modes_of(selection, centred, noise, step=signal.step, channels=signal.channels)
-        fewer = selection if steps.count is not None else without_harmonics(selection, modes)
+        fewer = selection if steps.count is not None else _fewer(selection, modes)
         if fewer is not selection:
             selection = fewer
             modes, loudness = _modes_of(selection, centred, noise, step=signal.step, channels=signal.channels)
@@ -260,16 +260,17 @@ def _modes_of(
     return joint.modes(step=step, channels=channels), frozen_real(loudness[order])
 
 
-def _without_unknown(selection: Selection, modes: ModalSet) -> Selection:
-    """Return the poles of a record, of which those are no modes whose intervals of frequency reach zero."""
-    if modes.wn_std is None:
-        return selection
+def _fewer(selection: Selection, modes: ModalSet) -> Selection:
+    """Return the poles, of which multiples of a stronger mode, and those whose frequency may be zero, are no modes."""
     kept = selection.modes
+    fewer = without_harmonics(selection, modes)
+    if modes.wn_std is None or not np.any(unknown := (modes.poles.imag > 0) & (modes.wn < NORMAL_95 * modes.wn_std)):
+        return fewer
     order = kept[np.argsort(np.abs(selection.fit.poles.every[kept]), kind="stable")]
-    reasons = list(selection.reasons)
-    for k in order[(modes.poles.imag > 0) & (modes.wn < NORMAL_95 * modes.wn_std)].tolist():
+    reasons = list(fewer.reasons)
+    for k in order[unknown].tolist():
         reasons[k] = Reason.UNKNOWN
-    return replace(selection, reasons=tuple(reasons))
+    return replace(fewer, reasons=tuple(reasons))
 
 
 def _check_clipping(signal: Signal) -> None:
