@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -53,7 +54,7 @@ def without_beginning(selection: Selection) -> Selection:
     amplitudes = np.max(2 * np.abs(fit.amplitudes[:pairs]) / (_noise(selection)[0] + 1e-300), axis=1)
     free = [reason is None or reason in FORCED for reason in selection.reasons[:pairs]]
     # Samples until each meets the noise, but at least those of its time constant.
-    lasts = np.log(np.maximum(amplitudes, np.e)) / np.where(falls > 0, falls, 1e-300)
+    lasts = np.log(np.maximum(amplitudes, math.e)) / np.where(falls > 0, falls, 1e-300)
     order = np.array([k for k in np.argsort(lasts).tolist() if free[k]], np.intp)
     channels = fit.amplitudes.shape[1]
     unknowns = 2 * (1 + channels) * np.arange(1, len(order) + 1)
