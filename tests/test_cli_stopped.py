@@ -13,7 +13,7 @@ import click
 import pytest
 from click.testing import CliRunner
 
-import suspid_command
+from suspid.cli import start
 from suspid.cli.support import Commands
 
 
@@ -59,5 +59,5 @@ def test_ctrl_c_during_the_imports_is_one_line(
     monkeypatch.delitem(sys.modules, "suspid.cli")
     monkeypatch.setattr(sys, "meta_path", [Stopping(), *sys.meta_path])
     with pytest.raises(SystemExit) as told:
-        suspid_command.main()
+        start.main()
     assert (told.value.code, capsys.readouterr().err) == (130, "suspid: stopped\n")

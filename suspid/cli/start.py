@@ -1,4 +1,7 @@
-"""The command ``suspid`` from its first line on: Ctrl-C during the imports ends in one line, too."""
+"""The command ``suspid`` from its first line on: Ctrl-C during the imports ends in one line, too.
+
+It is installed as the module ``suspid_command`` beside the package: to import anything of the package is to import all.
+"""
 
 from __future__ import annotations
 
