@@ -5,12 +5,14 @@ from __future__ import annotations
 import copy
 from typing import TYPE_CHECKING, Self
 
+from suspid.wording import Wording
+
 if TYPE_CHECKING:
     from suspid.model import ModalSet, Suspension
 
 
 class SuspidError(Exception):
-    """Base of all errors that suspid raises.
+    """Base of all errors that suspid raises; its message is made of the parts that it is given.
 
     Attributes
     ----------
@@ -32,10 +34,15 @@ class SuspidError(Exception):
     @property
     def message(self) -> str:
         """What is wrong, without the name of the source."""
-        return super().__str__()
+        return str(Wording(self.args))
+
+    @property
+    def wording(self) -> Wording:
+        """The message in parts, which keep the arguments that it speaks of."""
+        return Wording((f"{self.source}: ", *self.args) if self.source else self.args)
 
     def __str__(self) -> str:
-        return f"{self.source}: {self.message}" if self.source else self.message
+        return str(self.wording)
 
     def about(self, source: str) -> Self:
         """Return this error with the name of its source, unless it has one.
@@ -121,8 +128,8 @@ class IdentificationError(SuspidError):
     3 modes were asked for, 1 could be found, at 20.03 rad/s; nothing else in the record decays like a mode: ... [20.]
     """
 
-    def __init__(self, message: str, *, found: ModalSet | None = None) -> None:
-        super().__init__(message)
+    def __init__(self, *parts: object, found: ModalSet | None = None) -> None:
+        super().__init__(*parts)
         self.found = found
 
 
@@ -135,8 +142,8 @@ class _NoSuspensionError(SuspidError):
         The best suspension found.
     """
 
-    def __init__(self, message: str, *, best: Suspension | None = None) -> None:
-        super().__init__(message)
+    def __init__(self, *parts: object, best: Suspension | None = None) -> None:
+        super().__init__(*parts)
         self.best = best
 
 

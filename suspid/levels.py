@@ -6,6 +6,7 @@ from collections.abc import Callable, Collection
 
 from suspid.errors import InputError
 from suspid.units import Ratio
+from suspid.wording import Argument
 
 # Probability of intervals where no other is asked for.
 LEVEL = 0.95
@@ -48,7 +49,7 @@ def likely(chi_square: float, freedom: float) -> bool:
 def check_level(level: Ratio) -> None:
     """Refuse what is no probability of an interval."""
     if not 0 < level < 1:
-        raise InputError(f"{level=} must lie between 0 and 1, such as {LEVEL}")
+        raise InputError(Argument("level", repr(level)), f" must lie between 0 and 1, such as {LEVEL}")
 
 
 def normal_reach(level: Ratio) -> float:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from suspid.errors import InputError
+from suspid.wording import Argument
 
 Kilogram: TypeAlias = Annotated[float, "kg"]
 Metre: TypeAlias = Annotated[float, "m"]
@@ -64,5 +65,5 @@ def angular(band_hz: tuple[Hertz, Hertz] | None) -> tuple[RadianPerSecond, Radia
     if not known or not all(
         isinstance(edge, int | float | np.number) and np.isfinite(2 * np.pi * edge) for edge in band_hz
     ):
-        raise InputError(f"band_hz={band_hz!r:.60} must be two frequencies in Hz")
+        raise InputError(Argument("band_hz", f"{band_hz!r:.60}"), " must be two frequencies in Hz")
     return 2 * np.pi * band_hz[0], 2 * np.pi * band_hz[1]

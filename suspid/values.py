@@ -13,6 +13,7 @@ from tabulate import tabulate
 
 from suspid.errors import InputError, RecordError
 from suspid.units import ComplexArray, RealArray
+from suspid.wording import Argument
 
 # Names that a message lists; a file may have hundreds of channels.
 MOST_NAMES = 10
@@ -205,4 +206,4 @@ def check_count(name: str, value: object) -> None:
     suspid.errors.InputError: modes=1.5 must be a whole number from 1 on, or left out
     """
     if value is not None and not is_count(value):
-        raise InputError(f"{name}={value!r:.40} must be a whole number from 1 on, or left out")
+        raise InputError(Argument(name, f"{value!r:.40}"), " must be a whole number from 1 on, or left out")

@@ -27,6 +27,7 @@ from suspid.model import Suspension
 from suspid.recordings import Recording
 from suspid.samples import held
 from suspid.signals import cut
+from suspid.wording import Argument
 
 if TYPE_CHECKING:
     import control
@@ -136,7 +137,11 @@ def _of_several(
     """Return the joint analysis of several recordings."""
     check_each_once(sources)
     if settings.method != "likelihood":
-        raise InputError(f"several recordings are joined by likelihood; method={settings.method!r} takes one at a time")
+        raise InputError(
+            "several recordings are joined by likelihood; ",
+            Argument("method", repr(settings.method)),
+            " takes one at a time",
+        )
     names = source_names(sources)
     begin(STEPS[0])
     opened = [_read(source, car, settings) for source in sources]

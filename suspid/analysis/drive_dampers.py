@@ -13,6 +13,7 @@ from suspid.greybox import DamperCurve, Estimate, RecordTest, damper_curve, esti
 from suspid.model import Suspension
 from suspid.performance import Wear, dampers_between, wear
 from suspid.signals import as_response, as_signal
+from suspid.wording import Wording
 from suspid.words import Check, Level, Remark
 from suspid.words.drives import DriveRemark
 
@@ -84,7 +85,7 @@ def wear_of(
     except InputError as error:
         if before:
             raise
-        return None, (Check(Remark(DriveRemark.NO_WEAR, {"why": str(error)}), Level.NOTE),)
+        return None, (Check(Remark(DriveRemark.NO_WEAR, {"why": error.wording}), Level.NOTE),)
 
 
 def longest(records: Sequence[control.TimeResponseData], most: int = ENOUGH_SAMPLES) -> list[control.TimeResponseData]:
@@ -126,14 +127,14 @@ def _without_mounts(car: Suspension) -> Suspension:
 
 def _sought(
     records: Sequence[control.TimeResponseData], car: Suspension, names: Sequence[str]
-) -> tuple[dict[str, DamperCurve], dict[str, list[str]]]:
+) -> tuple[dict[str, DamperCurve], dict[Wording, list[str]]]:
     """Return the curves by strut, and the struts by why there is none."""
-    curves, failed = dict[str, DamperCurve](), dict[str, list[str]]()
+    curves, failed = dict[str, DamperCurve](), dict[Wording, list[str]]()
     for name in names:
         try:
             curves[name] = damper_curve(records, car, strut=name, given=wheels_of(car))
         except SuspidError as error:
-            failed.setdefault(str(error), []).append(name)
+            failed.setdefault(error.wording, []).append(name)
     return curves, failed
 
 
@@ -197,7 +198,7 @@ def _said(
     records: Sequence[control.TimeResponseData],
     part: Sequence[control.TimeResponseData],
     curves: dict[str, DamperCurve],
-    failed: dict[str, list[str]],
+    failed: dict[Wording, list[str]],
     better: tuple[str, ...],
     corrections: dict[str, Correction],
 ) -> Iterator[Check]:

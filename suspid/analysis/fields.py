@@ -12,6 +12,7 @@ import numpy as np
 
 from suspid.errors import InputError
 from suspid.values import FrozenItems, FrozenMapping, is_count
+from suspid.wording import Argument
 
 Check: TypeAlias = Callable[[str, object], object]
 Kind = TypeVar("Kind")
@@ -19,7 +20,7 @@ Kind = TypeVar("Kind")
 
 def wrong(name: str, value: object, what: str) -> InputError:
     """Return the error of a field: its name, its value and what to give."""
-    return InputError(f"{name}={value!r:.80}: {what}")
+    return InputError(Argument(name, f"{value!r:.80}"), f": {what}")
 
 
 def none_or(check: Check) -> Check:

@@ -18,6 +18,7 @@ from suspid.recordings import Recording
 from suspid.samples import held
 from suspid.signals import as_signal, like
 from suspid.values import listed, nearest_names
+from suspid.wording import Argument
 from suspid.words import Note, Remark
 
 if TYPE_CHECKING:
@@ -110,7 +111,8 @@ def _refuse_clock(settings: Settings) -> None:
     for name in ("fs", "time", "dbc", "test"):
         if getattr(settings, name) is not None:
             what = "no frames to decode" if name == "dbc" else "a clock already"
-            raise InputError(f"{name}={getattr(settings, name)!r}: a response has {what}; leave {name} out")
+            given = Argument(name, repr(getattr(settings, name)))
+            raise InputError(given, f": a response has {what}; leave ", Argument(name), " out")
 
 
 def _asked(settings: Settings) -> tuple[str, ...] | None:

@@ -14,6 +14,7 @@ from suspid.levels import LEVEL
 from suspid.reconstruction import Bounds
 from suspid.units import Hertz, Kilogram, Ratio, Second
 from suspid.wavelets import BANDWIDTHS
+from suspid.wording import Argument
 
 Pairs: TypeAlias = Mapping[str, str] | tuple[tuple[str, str], ...]
 Factors: TypeAlias = Mapping[str, float] | tuple[tuple[str, float], ...]
@@ -138,12 +139,17 @@ class Settings:
         for name, check in SETTING_FIELDS.items():
             object.__setattr__(self, name, check(name, getattr(self, name)))
         if self.start is not None and self.stop is not None and not self.start < self.stop:
-            raise InputError(f"start={self.start:g} s must lie before stop={self.stop:g} s")
+            raise InputError(
+                Argument("start", f"{self.start:g}"), " s must lie before ", Argument("stop", f"{self.stop:g}"), " s"
+            )
         if self.decay not in ("auto", "whole") and (self.start is not None or self.stop is not None):
-            raise InputError("give either decay, or start and stop")
+            raise InputError("give either ", Argument("decay"), ", or ", Argument("start"), " and ", Argument("stop"))
         if self.decay == "all" and self.method != "likelihood":
             raise InputError(
-                f"decay='all' fits all decays jointly by likelihood; method={self.method!r} takes one decay at a time"
+                Argument("decay", "'all'"),
+                " fits all decays jointly by likelihood; ",
+                Argument("method", repr(self.method)),
+                " takes one decay at a time",
             )
 
     def to_dict(self) -> dict[str, object]:

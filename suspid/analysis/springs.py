@@ -12,6 +12,7 @@ from suspid.greybox import Estimate, RecordTest, estimate
 from suspid.model import ModalSet, Suspension
 from suspid.reconstruction import Asked, ModalTest, Reconstruction, check_asked, reconstruct
 from suspid.values import nearest_names
+from suspid.wording import Argument
 from suspid.words import Note, Remark
 
 if TYPE_CHECKING:
@@ -37,7 +38,7 @@ def check_springs(how: CarSettings, car: Suspension) -> None:
     """
     for name in how.added_masses:
         if name not in car.coordinates:
-            raise InputError(f"added_masses: there is no mass {name!r}.{nearest_names(name, car.masses)}")
+            raise InputError(Argument("added_masses"), f": there is no mass {name!r}.{nearest_names(name, car.masses)}")
     check_asked(car, Asked(**_unknowns(how), constraints=how.constraints))
 
 
@@ -51,9 +52,9 @@ def springs_of(
     try:
         test = ModalTest(modes=modes, added_masses=how.added_masses)
         settings = {**_unknowns(how), "constraints": how.constraints}
-        found, why = reconstruct([test], car, tolerance=how.tolerance, search=how.search, **settings), ""
+        found, why = reconstruct([test], car, tolerance=how.tolerance, search=how.search, **settings), None
     except (ReconstructionError, InputError) as error:
-        found, why = None, str(error)
+        found, why = None, error.wording
     notes = (Remark(Note.NO_SPRINGS, {"why": why}),) if why else ()
     if how.constraints or (found is not None and found.explains and not found.alternatives):
         return Springs(reconstruction=found, notes=notes)
@@ -61,7 +62,7 @@ def springs_of(
         tests = [RecordTest(record=record, added_masses=how.added_masses) for record in records]
         fitted = estimate(tests, car, **_unknowns(how))
     except SuspidError as error:
-        return Springs(reconstruction=found, notes=(*notes, Remark(Note.NO_ESTIMATE, {"why": str(error)})))
+        return Springs(reconstruction=found, notes=(*notes, Remark(Note.NO_ESTIMATE, {"why": error.wording})))
     return Springs(reconstruction=found, estimate=fitted, notes=(*notes, Remark(Note.ESTIMATED)))
 
 

@@ -15,6 +15,7 @@ from suspid.recordings import Recording
 from suspid.signals import as_response, check_size, real_numbers, uniform_step
 from suspid.units import Hertz, RealArray
 from suspid.values import check_rate
+from suspid.wording import Argument
 
 if TYPE_CHECKING:
     import control
@@ -88,7 +89,7 @@ def as_record(
     values, time, names = _parts(data, None if timepts is None else np.size(timepts))
     if channels is not None:
         if isinstance(channels, str) or len(channels) != len(values):
-            raise RecordError(f"channels={channels!r:.80} must name {len(values)} channels, in order")
+            raise RecordError(Argument("channels", f"{channels!r:.80}"), f" must name {len(values)} channels, in order")
         names = [str(name) for name in channels]
     if timepts is not None:
         time = _real(timepts, "timepts")

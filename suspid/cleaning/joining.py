@@ -16,6 +16,7 @@ from suspid.errors import RecordError
 from suspid.recordings import RawChannel
 from suspid.units import Hertz, RealArray
 from suspid.values import frozen_real
+from suspid.wording import Argument
 from suspid.words import Defect, Number, count
 
 # Relative difference of two rates up to which they are one, of a logger whose clock strays. A slower channel is left
@@ -125,8 +126,10 @@ def whole(placed: Placed) -> tuple[RealArray, dict[str, RealArray], list[Finding
         raise RecordError(
             f"{np.sum(holes)} of {holes.size} samples are missing in {count(begin.size, 'gap')} too long to fill, "
             f"the longest in {', '.join(map(repr, gaps))} from {times[begin[k]]:.6g} to {times[end[k] - 1]:.6g} s; "
-            f"the longest stretch without such a gap is {low:.6g} to {high:.6g} s: "
-            f"take it with start={low:.6g}, stop={high:.6g}"
+            f"the longest stretch without such a gap is {low:.6g} to {high:.6g} s: take it with ",
+            Argument("start", f"{low:.6g}"),
+            ", ",
+            Argument("stop", f"{high:.6g}"),
         )
     inside = np.zeros(holes.size, bool)
     inside[first:last] = True

@@ -128,7 +128,7 @@ def drive_command(
             **road,
             progress=step,
         )
-        text = outputs.words(found.estimate, str(found)) if found.estimate else str(found)
+        text = outputs.words(found.estimate, found)
         step("drawing")
         if not found.explains:
             said.append("the car that was found does not explain these records")

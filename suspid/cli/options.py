@@ -181,7 +181,8 @@ def settings_of(
             band_hz=band,
         )
     except InputError as error:
-        raise click.UsageError(f"{in_options(str(error), click.get_current_context().command)}.") from None
+        with in_options():
+            raise click.UsageError(f"{error}.") from None
 
 
 def names_in(given: Sequence[str]) -> tuple[str, ...]:

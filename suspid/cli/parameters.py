@@ -143,15 +143,16 @@ class Outputs:
                 stack.enter_context(replacing(self.json_file)) if self.json_file else None,
             )
 
-    def words(self, found: Reconstruction | Estimate, text: str | None = None) -> str:
-        """Return what was found as text, by default that of its own, or refuse intervals that there are not."""
-        said = str(found) if text is None else text
-        return said if self.level is None else f"{said}\n\n{_interval_table(found, self.level)}"
+    def words(self, found: Reconstruction | Estimate | None, whole: object = None) -> str:
+        """Return what was found as text, or the whole that it is a part of, or refuse intervals that there are not."""
+        with in_options():
+            said = str(found if whole is None else whole)
+        return said if self.level is None or found is None else f"{said}\n\n{_interval_table(found, self.level)}"
 
 
 def conclude(text: str, *, explains: bool) -> None:
     """Print the result; end with `EXIT_UNEXPLAINED` where it does not explain what it was found from."""
-    say(in_options(text, click.get_current_context().command))
+    say(text)
     if not explains:
         click.get_current_context().exit(EXIT_UNEXPLAINED)
 

@@ -6,13 +6,12 @@ import errno
 import io
 import math
 import os
-import re
 import signal
 import sys
 import threading
 import warnings
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager, suppress
 from pathlib import Path
 from typing import IO, Any
 
@@ -21,6 +20,7 @@ import click
 from suspid.errors import SuspidError
 from suspid.files import printable
 from suspid.values import within_numbers
+from suspid.wording import called
 
 # What the arguments of Python are called on the command line.
 ARGUMENTS_AS_OPTIONS = {
@@ -153,22 +153,20 @@ class _Failure(click.ClickException):
         click.echo(f"suspid: error: {printable(line)}", file=file or sys.stderr)
 
 
-def in_options(message: str, command: click.Command | None) -> str:
-    """Return a message with options of a command in place of the arguments of Python that they set.
+def in_options(command: click.Command | None = None) -> AbstractContextManager[None]:
+    """Write arguments of Python as options of a command, by default that which runs, in the texts made within.
 
     Examples
     --------
-    >>> fixed = click.Option(["--fixed"])
-    >>> in_options("hold it with fixed=…, or set rate=2", click.Command("reconstruct", params=[fixed]))
-    'hold it with --fixed …, or set rate=2'
+    >>> from suspid.wording import Argument
+    >>> error = SuspidError("hold it with ", Argument("fixed", "…"), ", or set ", Argument("rate", "2"))
+    >>> with in_options(click.Command("reconstruct", params=[click.Option(["--fixed"])])):
+    ...     print(error)
+    hold it with --fixed …, or set rate=2
     """
-    known = {name for option in getattr(command, "params", ()) for name in option.opts}
-    for argument, option in ARGUMENTS_AS_OPTIONS.items():
-        if option in known:
-            message = re.sub(rf"(?<![\w.-]){argument}=\(\)", f"{option} none", message)
-            message = re.sub(rf"(?<![\w.-]){argument}=(?!=)", f"{option} ", message)
-            message = re.sub(rf"^{argument}: ", f"{option}: ", message)
-    return message
+    command = command or click.get_current_context().command
+    known = {name for option in command.params for name in option.opts}
+    return called({argument: option for argument, option in ARGUMENTS_AS_OPTIONS.items() if option in known})
 
 
 class Terminated(KeyboardInterrupt):
@@ -252,8 +250,8 @@ class Commands(click.Group):
             click.echo("suspid: stopped", err=True)
             raise click.exceptions.Exit(stopped_code(stop)) from None
         except SuspidError as error:
-            said = in_options(error.message, self.commands.get(ctx.invoked_subcommand or ""))
-            raise _Failure(shown(f"{error.source}: {said}" if error.source else said)) from None
+            with in_options(self.commands.get(ctx.invoked_subcommand or "", self)):
+                raise _Failure(shown(str(error))) from None
 
 
 def shown(text: str) -> str:

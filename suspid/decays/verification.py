@@ -50,7 +50,7 @@ def verified(
             band = None if quarter in WITH_FORCES else (1e-6 / signal.step, 0.4999 / signal.step)
             found = identify(as_samples(signal.timepts[place:last], part, signal.channels), band_hz=band)
         except SuspidError as error:
-            doubt: Remark | None = Remark(DecayDoubt.NOT_IDENTIFIED, {"error": str(error)})
+            doubt: Remark | None = Remark(DecayDoubt.NOT_IDENTIFIED, {"error": error.wording})
         else:
             if found.forces:
                 return place, Remark(DecayDoubt.NONLINEAR, {"share": trial.early})

@@ -13,6 +13,7 @@ from suspid.fleet.tables import DECAYS, Layout, drives_layout
 from suspid.greybox import DriveLimits, wheels_of
 from suspid.model import Suspension, car_from_toml
 from suspid.units import Metre, Second
+from suspid.wording import Argument
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -83,6 +84,8 @@ def check_drive(job: Job, drive: DriveJob, car: Suspension | None) -> None:
         if value:
             raise InputError(f"settings.{name} is of no use in drives; leave it out")
     if drive.road is None and drive.wheel_radius is not None:
-        raise InputError('wheel_radius belongs to a model of the road: give road="iso8608" too')
+        raise InputError(
+            Argument("wheel_radius"), " belongs to a model of the road: give ", Argument("road", '"iso8608"'), " too"
+        )
     if drive.road is not None and (car is None or not wheels_of(car)):
         raise InputError("road needs a car with wheels: give car")

@@ -12,6 +12,7 @@ from suspid.errors import InputError
 from suspid.results import Result, columns_of
 from suspid.units import Hertz, MetrePerSecond, MetrePerSecond2, RealArray, Second
 from suspid.values import text_table
+from suspid.wording import Argument
 from suspid.words import Check, Code, Level, Remark, Verdict
 from suspid.words.drives import DriveRemark
 
@@ -80,9 +81,9 @@ class DriveLimits:
             "stuck",
         ):
             if not getattr(self, name) > 0:
-                raise InputError(f"{name}={getattr(self, name)} must be positive")
+                raise InputError(Argument(name, str(getattr(self, name))), " must be positive")
         if not 0 < self.band_hz[0] < self.band_hz[1]:
-            raise InputError(f"band_hz={self.band_hz} must be a lower and a higher frequency [Hz]")
+            raise InputError(Argument("band_hz", f"{self.band_hz}"), " must be a lower and a higher frequency [Hz]")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -28,6 +28,7 @@ from suspid.reconstruction import Bounds, Unknowns, parameter_names, unknowns_of
 from suspid.signals import as_response
 from suspid.units import Hertz, Metre, RadianPerSecond, Ratio, Second
 from suspid.values import frozen_real
+from suspid.wording import Argument
 from suspid.words import Check, Level, Number, Remark, Verdict
 from suspid.words.greybox import EstimateCheck, EstimateHeadline
 
@@ -151,8 +152,10 @@ def estimate(
     driven = [bool(trial.wheels) for trial in trials]
     if any(driven) and not all(driven):
         raise InputError(
-            f"given: record {driven.index(True) + 1} has a cause that is measured motion of the car and record "
-            f"{driven.index(False) + 1} has none; estimate from either, and give the result of one as nominal_std"
+            Argument("given"),
+            f": record {driven.index(True) + 1} has a cause that is measured motion of the car and record "
+            f"{driven.index(False) + 1} has none; estimate from either, and give the result of one as ",
+            Argument("nominal_std"),
         )
     beyond = _beyond(suspension, trials)
     unknowns = unknowns_of(

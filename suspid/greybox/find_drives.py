@@ -108,7 +108,11 @@ def find_drives(
             if len(parts) == 1:
                 raise
             ends = part[0].timepts[np.isfinite(part[0].timepts)]
-            numbers: dict[str, Number] = {"start": float(np.min(ends)), "stop": float(np.max(ends)), "why": str(error)}
+            numbers: dict[str, Number] = {
+                "start": float(np.min(ends)),
+                "stop": float(np.max(ends)),
+                "why": error.wording,
+            }
             said.append(Check(Remark(DriveRemark.UNREADABLE, numbers), Level.CARE))
             continue
         found, kept, going = stretches_of(blocks, limits, whole.title)

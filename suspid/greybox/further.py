@@ -14,6 +14,7 @@ from suspid.model import Suspension
 from suspid.reconstruction import Unknowns
 from suspid.units import RealArray, Second
 from suspid.values import listed, nearest_names
+from suspid.wording import Argument
 
 TIMES: Second = 0.01  # unit of delays and relaxations
 FIRST_RELAXATION = 0.1  # of `TIMES`: at 0 a mount would begin on its bound
@@ -117,8 +118,9 @@ def further_asked(
     for trial in trials:
         if late and len(trial.inputs):
             raise InputError(
-                f"delays: that of {listed(late)} cannot be found under a known road or force; shift the channels until "
-                f"they agree with the inputs, or give the motion of the wheels instead"
+                Argument("delays"),
+                f": that of {listed(late)} cannot be found under a known road or force; shift the channels until "
+                f"they agree with the inputs, or give the motion of the wheels instead",
             )
         check_delays(late, trial.channels)
 
@@ -177,7 +179,9 @@ def chosen_of(
     chosen = [names] if isinstance(names, str) else list(names)
     for name in chosen:
         if name not in known:
-            raise InputError(f"{argument}: {name!r} is none of those that can be found.{nearest_names(name, known)}")
+            raise InputError(
+                Argument(argument), f": {name!r} is none of those that can be found.{nearest_names(name, known)}"
+            )
     return chosen
 
 
@@ -190,7 +194,9 @@ def check_delays(delays: Sequence[str], channels: Sequence[str]) -> None:
         If no channel is left that the others can be late by.
     """
     if set(channels) <= set(delays):
-        raise InputError("delays: of all channels together only differences can be found; leave one of them out")
+        raise InputError(
+            Argument("delays"), ": of all channels together only differences can be found; leave one of them out"
+        )
 
 
 def label(channel: str, number: int, tests: int) -> str:

@@ -10,6 +10,7 @@ from suspid.errors import EstimationError
 from suspid.levels import EXACT
 from suspid.model import Suspension
 from suspid.units import RealArray
+from suspid.wording import Argument
 
 # Standard deviation of a combination, in the logarithm of springs and masses and in units of a nearly critical damper,
 # from which on it is not determined: not even within a factor of e.
@@ -57,8 +58,11 @@ def check_determined(slope: RealArray, labels: Sequence[str], car: Suspension, *
     raise EstimationError(
         f"{hint}the records do not determine {', '.join(names)}: {len(open_)} of {len(labels)} combinations of the "
         f"unknowns leave all channels as they are within their noise "
-        f"({'; or '.join(_in_words(o, labels) for o in open_)}){scale}; hold one with fixed=…, state nominal_std=…, "
-        f"or measure at more coordinates",
+        f"({'; or '.join(_in_words(o, labels) for o in open_)}){scale}; hold one with ",
+        Argument("fixed", "…"),
+        ", state ",
+        Argument("nominal_std", "…"),
+        ", or measure at more coordinates",
         best=car,
     )
 

@@ -15,6 +15,7 @@ from suspid.greybox.trials import RecordTest, Trial, records_of
 from suspid.signals import as_signal
 from suspid.units import Metre, MetrePerSecond, RealArray
 from suspid.values import frozen_real, listed, nearest_names
+from suspid.wording import Argument
 
 SLOWEST: MetrePerSecond = 1.0  # below it a car counts as moving at this speed; a standing one has no road
 Speed: TypeAlias = MetrePerSecond | str | ArrayLike
@@ -44,7 +45,7 @@ def rolling_of(
         If the speed is no number, channel or array as long as the record, or the radius is not positive.
     """
     if radius is not None and not (np.isfinite(radius) and radius > 0):
-        raise InputError(f"wheel_radius={radius!r} must be a positive number [m]")
+        raise InputError(Argument("wheel_radius", f"{radius!r}"), " must be a positive number [m]")
     if speed is None:
         return Rolling(speeds=None, radius=radius, channels=())
     whole: Any = speed
@@ -56,7 +57,9 @@ def rolling_of(
     )
     every = [whole] * len(trials) if shared else list(whole)
     if len(every) != len(trials):
-        raise InputError(f"speed: {len(every)} given for {len(trials)} records; give one for each, or one for all")
+        raise InputError(
+            Argument("speed"), f": {len(every)} given for {len(trials)} records; give one for each, or one for all"
+        )
     names = tuple(dict.fromkeys(one for one in every if isinstance(one, str)))
     return Rolling(
         speeds=tuple(_samples(r, t, v) for r, t, v in zip(asked, trials, every, strict=True)),
@@ -75,15 +78,16 @@ def _samples(record: object, trial: Trial, speed: Any) -> RealArray:
         signal = as_signal(as_record(record.record if isinstance(record, RecordTest) else record))
         if speed not in signal.channels:
             raise InputError(
-                f"speed: the record has no channel {speed!r}; it has {listed(signal.channels)}."
-                f"{nearest_names(speed, signal.channels)}"
+                Argument("speed"),
+                f": the record has no channel {speed!r}; it has {listed(signal.channels)}."
+                f"{nearest_names(speed, signal.channels)}",
             )
         values = signal.values[signal.channels.index(speed)]
     else:
         values = np.asarray(speed, float)
         values = np.full(trial.count, float(values)) if values.ndim == 0 else values.ravel()
     if len(values) != trial.count:
-        raise InputError(f"speed: {len(values)} values for a record of {trial.count} samples")
+        raise InputError(Argument("speed"), f": {len(values)} values for a record of {trial.count} samples")
     if not np.all(np.isfinite(values)) or np.max(values) <= 0:
         raise InputError("speed must be finite, and positive where the car moves [m/s]")
     return frozen_real(np.maximum(values, SLOWEST))

@@ -13,6 +13,7 @@ from suspid.model import Suspension, output_weights
 from suspid.signals import as_signal
 from suspid.units import RealArray, Second
 from suspid.values import listed, nearest_names
+from suspid.wording import Argument
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -108,7 +109,9 @@ def _statics(car: Suspension, strut: int, given: Sequence[str] | None) -> tuple[
     else:
         for name in given:
             if name not in car.coordinates:
-                raise InputError(f"given: there is no coordinate {name!r}.{nearest_names(name, car.coordinates)}")
+                raise InputError(
+                    Argument("given"), f": there is no coordinate {name!r}.{nearest_names(name, car.coordinates)}"
+                )
         wheels = [car.coordinates.index(name) for name in given]
     body = [i for i in range(n) if i not in wheels]
     acting = [j for j in range(len(arms)) if np.any(arms[j, body])]

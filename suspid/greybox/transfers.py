@@ -21,6 +21,7 @@ from suspid.greybox.trials import Trial
 from suspid.model import Suspension
 from suspid.units import ComplexArray, RealArray
 from suspid.values import listed
+from suspid.wording import Argument
 
 # Terms of the polynomial that the ends of a stretch leave: momentum and motion, and two that sampling folds back. With
 # fewer, k of a car without any noise is off by 2e-5, with these by 1e-7. A damper on a mount needs one more.
@@ -59,14 +60,15 @@ def layout_of(car: Suspension, trial: Trial) -> Layout:
     given = list(trial.wheels)
     free = [i for i in range(len(car.coordinates)) if i not in given]
     if not free:
-        raise InputError("given: the motion of every coordinate is given; nothing is left to explain")
+        raise InputError(Argument("given"), ": the motion of every coordinate is given; nothing is left to explain")
     arms = car.arms(car.coordinates)
     on_road = np.any(car.arms(car.roads) != 0, axis=1)
     for i, strut in enumerate(car.struts):
         if on_road[i] and np.any(arms[i, free]):
             raise InputError(
-                f"given: strut {strut.name!r} connects {listed([car.coordinates[j] for j in free if arms[i, j]])} to a "
-                f"road whose motion is not known; give {listed([car.coordinates[j] for j in free if arms[i, j]])} too"
+                Argument("given"),
+                f": strut {strut.name!r} connects {listed([car.coordinates[j] for j in free if arms[i, j]])} to a "
+                f"road whose motion is not known; give {listed([car.coordinates[j] for j in free if arms[i, j]])} too",
             )
     on_given = trial.weights[:, given]
     mixed = np.any(trial.weights[:, free] != 0, axis=1)
@@ -77,10 +79,14 @@ def layout_of(car: Suspension, trial: Trial) -> Layout:
     missing = [car.coordinates[g] for i, g in enumerate(given) if not np.any(on_given[:, i])]
     if len(causes) < len(given):
         names = listed(missing or [car.coordinates[g] for g in given])
-        raise InputError(f"given: no channel measures the motion of {names}, or channels measure the same twice")
+        raise InputError(
+            Argument("given"), f": no channel measures the motion of {names}, or channels measure the same twice"
+        )
     outputs = [i for i in range(len(trial.channels)) if i not in causes]
     if not any(np.any(trial.weights[i, free]) for i in (*causes, *outputs)) or not outputs:
-        raise InputError(f"given: no channel measures the motion of {listed([car.coordinates[i] for i in free])}")
+        raise InputError(
+            Argument("given"), f": no channel measures the motion of {listed([car.coordinates[i] for i in free])}"
+        )
     return Layout(
         free=tuple(free),
         given=tuple(given),

@@ -17,6 +17,7 @@ from suspid.model import Suspension, added_masses, force_weights, output_weights
 from suspid.signals import Signal, as_signal
 from suspid.units import Kilogram, RealArray, Second
 from suspid.values import frozen_real, listed, nearest_names
+from suspid.wording import Argument
 
 if TYPE_CHECKING:
     import control
@@ -103,7 +104,7 @@ class Trial:
 def trials_of(records: object, suspension: Suspension, given: Sequence[str]) -> tuple[Trial, ...]:
     """Return records as data, checked against the suspension."""
     if isinstance(given, str):
-        raise InputError(f"{given=} is one string; give a sequence of names: [{given!r}]")
+        raise InputError(Argument("given", repr(given)), f" is one string; give a sequence of names: [{given!r}]")
     return tuple(_trial(one, suspension, given) for one in records_of(records))
 
 
@@ -142,7 +143,7 @@ def _trial(one: object, car: Suspension, given: Sequence[str]) -> Trial:
     names = given_names(given if test.given is None else test.given, car)
     for name in test.added_masses:
         if name not in car.coordinates:
-            raise InputError(f"added_masses: there is no mass {name!r}.{nearest_names(name, car.masses)}")
+            raise InputError(Argument("added_masses"), f": there is no mass {name!r}.{nearest_names(name, car.masses)}")
     roads = [name for name in car.roads if name in names]
     wheels = [i for i, name in enumerate(car.coordinates) if name in names]
     forces = [name for name in names if name not in {*roads, *car.coordinates}]
@@ -151,8 +152,9 @@ def _trial(one: object, car: Suspension, given: Sequence[str]) -> Trial:
     for name in (*roads, *forces):
         if name not in known:
             raise InputError(
-                f"given: the record has no input or channel {name!r}; its inputs are {listed(list(causes)) or 'none'}, "
-                f"its channels {listed(signal.channels)}"
+                Argument("given"),
+                f": the record has no input or channel {name!r}; its inputs are {listed(list(causes)) or 'none'}, "
+                f"its channels {listed(signal.channels)}",
             )
     taken = {*roads, *forces}
     rows, unused = [], []
@@ -231,8 +233,9 @@ def _force(car: Suspension, name: str) -> RealArray:
         return force_weights(car, name)
     except InputError as error:
         raise InputError(
-            f"given: {name!r} is no road ({listed(car.roads) or 'there is none'}), no coordinate "
-            f"({listed(car.coordinates)}), none of 'roads' and 'wheels', and no force: {error}"
+            Argument("given"),
+            f": {name!r} is no road ({listed(car.roads) or 'there is none'}), no coordinate "
+            f"({listed(car.coordinates)}), none of 'roads' and 'wheels', and no force: {error}",
         ) from None
 
 

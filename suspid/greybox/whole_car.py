@@ -25,6 +25,7 @@ from suspid.greybox.wheel_power import tracks_of
 from suspid.greybox.wheel_problem import band_of, wheel_problem
 from suspid.reconstruction import QUANTITIES, Unknowns
 from suspid.units import Hertz, Ratio, RealArray, Second
+from suspid.wording import Argument
 from suspid.words import Check, Level, Number, Remark
 from suspid.words.greybox import EstimateCheck
 
@@ -47,12 +48,21 @@ def check_road(trials: Sequence[Trial], *, road: str | None, rolling: Sequence[o
     """
     if road is None:
         if any(one is not None for one in rolling):
-            raise InputError("speed and wheel_radius belong to a model of the road; give road='iso8608' too")
+            raise InputError(
+                Argument("speed"),
+                " and ",
+                Argument("wheel_radius"),
+                " belong to a model of the road; give ",
+                Argument("road", "'iso8608'"),
+                " too",
+            )
         return
     if road not in ROADS:
-        raise InputError(f"{road=} is no model of a road; give {' or '.join(map(repr, ROADS))}")
+        raise InputError(Argument("road", repr(road)), f" is no model of a road; give {' or '.join(map(repr, ROADS))}")
     if not all(trial.wheels for trial in trials):
-        raise InputError("road: its model is for drives in which the motion of the wheels is measured; give them too")
+        raise InputError(
+            Argument("road"), ": its model is for drives in which the motion of the wheels is measured; give them too"
+        )
 
 
 def fit_with_road(
@@ -188,11 +198,20 @@ def _parts(unknowns: Unknowns, trials: Sequence[Trial], beyond: Sequence[str]) -
     second = sorted({c for name, c in zip(u.names, u.column, strict=True) if name in far})
     both = [u.labels[c] for c in first if c in second]
     if both:
-        raise InputError(f"ties: {both[0]} ties the suspension to what only a road tells; tie them apart")
+        raise InputError(Argument("ties"), f": {both[0]} ties the suspension to what only a road tells; tie them apart")
     if not second:
-        raise InputError("road: fixed holds all tires and no wheel's mass is free; leave out road, or free one")
+        raise InputError(
+            Argument("road"),
+            ": ",
+            Argument("fixed"),
+            " holds all tires and no wheel's mass is free; leave out ",
+            Argument("road"),
+            ", or free one",
+        )
     if not first:
-        raise InputError("road: fixed holds every strut of the suspension; at least one must be free")
+        raise InputError(
+            Argument("road"), ": ", Argument("fixed"), " holds every strut of the suspension; at least one must be free"
+        )
     return first, second
 
 

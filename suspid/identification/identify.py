@@ -35,6 +35,7 @@ from suspid.signals import Signal, as_signal
 from suspid.units import ComplexArray, Hertz, RadianPerSecond, RealArray, Second, angular
 from suspid.values import check_count, frozen_real
 from suspid.wavelets import BANDWIDTHS, row_band, sample_noise
+from suspid.wording import Argument
 from suspid.words import Reason, Remark
 
 if TYPE_CHECKING:
@@ -115,7 +116,7 @@ def identify(
     3
     """
     if method not in ("likelihood", "ridge"):
-        raise InputError(f"{method=} is unknown; the methods are 'likelihood' and 'ridge'")
+        raise InputError(Argument("method", repr(method)), " is unknown; the methods are 'likelihood' and 'ridge'")
     check_count("modes", modes)
     response = as_record(response, fs=fs)
     signal = as_signal(response, least=FEWEST_SAMPLES)

@@ -256,16 +256,16 @@ def _cut(name: str, response: control.TimeResponseData, start: Second, stop: Sec
     try:
         return cut(response, start=start, stop=stop)
     except RecordError as error:
-        raise RecordError(f"{name} cannot be used: {error}") from error
+        raise RecordError(f"{name} cannot be used: ", error.wording) from error
 
 
 def _identified(name: str, part: control.TimeResponseData, band_hz: tuple[Hertz, Hertz] | None) -> Identification:
     try:
         return identify(part, band_hz=band_hz)
     except RecordError as error:
-        raise RecordError(f"{name} cannot be used: {error}") from error
+        raise RecordError(f"{name} cannot be used: ", error.wording) from error
     except IdentificationError as error:
-        raise IdentificationError(f"{name}: {error}", found=error.found) from error
+        raise IdentificationError(f"{name}: ", error.wording, found=error.found) from error
 
 
 def _end_to_end(residual: RealArray, *, repeats: int) -> RealArray:

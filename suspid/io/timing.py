@@ -19,6 +19,7 @@ from suspid.levels import SEVEN_DIGITS
 from suspid.recordings import RawChannel, Recording
 from suspid.units import Hertz, RealArray
 from suspid.values import check_rate, listed
+from suspid.wording import Argument
 from suspid.words import LeftOut, Number, Remark
 
 # Stamps whose mean rate is further than this share from a stated one run at another.
@@ -126,9 +127,9 @@ def _check_names(channels: object, time: object) -> None:
         known = isinstance(channels, list | tuple) or hasattr(channels, "__iter__")
         names = list(channels) if known else []  # type: ignore[call-overload]
         if not names or not all(isinstance(name, str) for name in names):
-            raise RecordError(f"channels={channels!r:.80} must be names of channels, or left out")
+            raise RecordError(Argument("channels", f"{channels!r:.80}"), " must be names of channels, or left out")
     if time is not None and not isinstance(time, str):
-        raise RecordError(f"time={time!r:.40} must be the name of the column of time")
+        raise RecordError(Argument("time", f"{time!r:.40}"), " must be the name of the column of time")
 
 
 def _plan(table: Table, channels: Sequence[str] | None, time: str | None, fs: Hertz | None) -> _Plan:

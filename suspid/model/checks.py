@@ -9,6 +9,7 @@ import numpy as np
 
 from suspid.errors import InputError
 from suspid.values import LARGEST_SIZE, SMALLEST_SIZE, FrozenMapping
+from suspid.wording import Argument
 
 
 def finite_number(what: str, value: object, unit: str) -> float:
@@ -48,5 +49,5 @@ def added_masses(given: object) -> FrozenMapping:
         raise InputError(f"added_masses = {given!r} must map coordinates to masses [kg]")
     for name, mass in given.items():
         if not (isinstance(mass, int | float | np.number) and np.isfinite(mass) and mass >= 0):
-            raise InputError(f"added_masses: {name!r} = {mass!r} must be a finite mass >= 0 in kg")
+            raise InputError(Argument("added_masses"), f": {name!r} = {mass!r} must be a finite mass >= 0 in kg")
     return FrozenMapping(given)

@@ -13,6 +13,7 @@ from suspid.performance.uncertain import Uncertain
 from suspid.reconstruction import QUANTITIES, parameter_values
 from suspid.units import Ratio, RealArray
 from suspid.values import is_size, nearest_names
+from suspid.wording import Argument
 
 # Parameters are looked for within this factor of the car's own, both ways.
 REACH_OF_BOUNDS = 4.0
@@ -81,10 +82,11 @@ def choice_of(about: Uncertain, parameters: Sequence[str | Sequence[str]], robus
     return Choice(base=about.car, groups=groups, values=known, scenarios=scenarios)
 
 
-def check_ascent(what: str, ends: object) -> None:
+def check_ascent(ends: object, *, of: str | None = None) -> None:
     """Refuse bounds that are no two positive numbers, the larger one last."""
     if not (isinstance(ends, tuple | list) and len(ends) == 2 and all(map(is_size, ends)) and ends[0] < ends[1]):
-        raise InputError(f"{what}{ends!r} must be two numbers that ascend from above 0")
+        given = repr(ends) if of is None else f"{of!r} = {ends!r}"
+        raise InputError(Argument("bounds"), f": {given} must be two numbers that ascend from above 0")
 
 
 def box_of(choice: Choice, bounds: Mapping[str, tuple[float, float]]) -> tuple[RealArray, RealArray]:
@@ -92,12 +94,12 @@ def box_of(choice: Choice, bounds: Mapping[str, tuple[float, float]]) -> tuple[R
     firsts = [group[0] for group in choice.groups]
     for name in bounds:
         if name not in firsts:
-            raise InputError(f"bounds: {name!r} is not chosen.{nearest_names(name, firsts)}")
+            raise InputError(Argument("bounds"), f": {name!r} is not chosen.{nearest_names(name, firsts)}")
     ends = [
         bounds.get(name, (choice.values[name] / REACH_OF_BOUNDS, choice.values[name] * REACH_OF_BOUNDS))
         for name in firsts
     ]
     for name, pair in zip(firsts, ends, strict=True):
-        check_ascent(f"bounds: {name!r} = ", pair)
+        check_ascent(pair, of=name)
     logs = np.log(np.array(ends) / np.array([[choice.values[name]] for name in firsts]))
     return logs[:, 0], logs[:, 1]

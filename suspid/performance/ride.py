@@ -22,6 +22,7 @@ from suspid.simulation import Road, places_of
 from suspid.simulation import road as road_of
 from suspid.units import Metre, Ratio, RealArray, Second
 from suspid.values import FrozenItems, frozen_real, within_numbers
+from suspid.wording import Argument
 from suspid.words import Check, Level, Number, Remark, Verdict
 from suspid.words.ride import RideCheck, RideHeadline
 
@@ -156,12 +157,18 @@ def driven_road(car: Suspension, road: Road | str | float | None, speed: float |
         return road
     if road is None or speed is None:
         raise InputError(
-            'a car needs a road and a speed: road="C", speed=20.0, or road=road("C", speed=20.0, under=car)'
+            "a car needs a road and a speed: ",
+            Argument("road", '"C"'),
+            ", ",
+            Argument("speed", "20.0"),
+            ", or ",
+            Argument("road", 'road("C", speed=20.0, under=car)'),
         )
     driven = road_of(road, speed=speed, under=places_of(car))
     if not driven.roughness:
         raise InputError(
-            f"{road=} m3 is a road without heights: nothing moves, so there are no figures; give one above 0"
+            Argument("road", repr(road)),
+            " m3 is a road without heights: nothing moves, so there are no figures; give one above 0",
         )
     return driven
 

@@ -114,7 +114,7 @@ def tune_damper(
     if bounds is None and not about.damping:
         raise InputError(f"strut {strut!r} has no damper to begin with; give bounds of its rate [N s/m]")
     ends = (about.damping / REACH_OF_BOUNDS, about.damping * REACH_OF_BOUNDS) if bounds is None else bounds
-    check_ascent("bounds: ", ends)
+    check_ascent(ends)
     low, high = ends
     rates = np.geomspace(low, high, RATES)
     plans = [plan_of(start, one, duration=duration, weightings=weightings, clearance=clearance) for one in driven]

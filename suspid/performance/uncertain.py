@@ -14,6 +14,7 @@ from suspid.model import Suspension
 from suspid.reconstruction import Reconstruction, parameter_names, parameter_values
 from suspid.units import Ratio, RealArray, Second
 from suspid.values import frozen_real, is_size, nearest_names
+from suspid.wording import Argument
 from suspid.words import Level
 
 ALL = "all springs, dampers and masses"
@@ -95,15 +96,20 @@ def _stated(
     if isinstance(given, Mapping):
         for name in given:
             if name not in names:
-                raise InputError(f"nominal_std: there is no parameter {name!r}.{nearest_names(name, names)}")
+                raise InputError(
+                    Argument("nominal_std"), f": there is no parameter {name!r}.{nearest_names(name, names)}"
+                )
             if name not in held:
-                raise InputError(f"nominal_std: {name!r} was estimated; its uncertainty is that of the estimate")
+                raise InputError(
+                    Argument("nominal_std"), f": {name!r} was estimated; its uncertainty is that of the estimate"
+                )
     stds = dict(given) if isinstance(given, Mapping) else {
         name: given for name in held if values[name] and not name.endswith(".mass")
     }  # fmt: skip
     for name, std in stds.items():
         if isinstance(std, bool) or not (is_size(std) or std == 0):
             raise InputError(
-                f"nominal_std: {name!r} = {std!r} must be a relative standard deviation >= 0, such as 0.05"
+                Argument("nominal_std"),
+                f": {name!r} = {std!r} must be a relative standard deviation >= 0, such as 0.05",
             )
     return {name: float(std) for name, std in stds.items()}

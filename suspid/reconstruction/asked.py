@@ -13,6 +13,7 @@ from suspid.model import Suspension
 from suspid.reconstruction.unknowns import QUANTITIES, Unknowns, parameter_names, parameter_vector
 from suspid.units import RadianPerSecond, Ratio, RealArray
 from suspid.values import frozen_real, nearest_names
+from suspid.wording import Argument
 
 LEAST = 1e-6  # of nominal: k > 0 and mass > 0 as closed bounds
 
@@ -40,7 +41,9 @@ def unknowns_of(
     held = _held(car, every, fixed, [*free, *(name for name in named if name in every[2 * len(car.struts) :])])
     for name in named:
         if _index(every, name, "nominal_std") in held:
-            raise InputError(f"nominal_std: {name!r} is held, so it needs no spread; leave out one of the two")
+            raise InputError(
+                Argument("nominal_std"), f": {name!r} is held, so it needs no spread; leave out one of the two"
+            )
     group = _groups(every, ties)
     held, base = _tied_to_held(every, group, held, p)
     rows = [i for i in range(len(every)) if i not in held]
@@ -86,7 +89,7 @@ def _groups(every: Sequence[str], ties: Sequence[Sequence[str]]) -> list[int]:
         members = [_index(every, name, "ties") for name in ([tie] if isinstance(tie, str) else tie)]
         kinds = {every[i].rpartition(".")[2] for i in members}
         if len(members) < 2 or len(kinds) > 1:
-            raise InputError(f"ties: {tuple(tie)!r} must be at least two parameters of one kind")
+            raise InputError(Argument("ties"), f": {tuple(tie)!r} must be at least two parameters of one kind")
         joined = {group[i] for i in members}
         group = [min(joined) if g in joined else g for g in group]
     return group
@@ -103,7 +106,7 @@ def _tied_to_held(
         if not stuck or len(members) == 1:
             continue
         if np.ptp(p[stuck]) > 1e-12 * np.max(np.abs(p[stuck])):
-            raise InputError(f"ties: {', '.join(every[i] for i in stuck)} are held at different values")
+            raise InputError(Argument("ties"), f": {', '.join(every[i] for i in stuck)} are held at different values")
         base[members] = p[stuck[0]]
         held |= set(members)
     return held, base
@@ -130,12 +133,14 @@ def _bounded(
     for name, ends in (bounds or {}).items():
         at = _index(every, name, "bounds")
         if at not in rows:
-            raise InputError(f"bounds: {name!r} is held, so it needs no bounds; leave out one of the two")
+            raise InputError(Argument("bounds"), f": {name!r} is held, so it needs no bounds; leave out one of the two")
         i = column[list(rows).index(at)]
         low, high = _ends(name, ends)
         lower[i], upper[i] = max(lower[i], low / scale[i]), min(upper[i], high / scale[i])
         if not lower[i] < upper[i]:
-            raise InputError(f"bounds: nothing is left for {name!r} between {lower[i] * scale[i]:g} and {high:g}")
+            raise InputError(
+                Argument("bounds"), f": nothing is left for {name!r} between {lower[i] * scale[i]:g} and {high:g}"
+            )
     return lower, upper
 
 
@@ -145,31 +150,43 @@ def _held(car: Suspension, every: Sequence[str], fixed: Sequence[str], free_mass
     for name in [free_masses] if isinstance(free_masses, str) else free_masses:
         mass = name if name in every else f"{name}.mass"
         if mass not in every[2 * len(struts) :]:
-            raise InputError(f"free_masses: there is no mass {name!r}.{nearest_names(name, car.coordinates)}")
+            raise InputError(
+                Argument("free_masses"), f": there is no mass {name!r}.{nearest_names(name, car.coordinates)}"
+            )
         free.add(every.index(mass))
     held = {i for i, s in enumerate(car.struts) if s.stiffness == 0}
     held |= {i for i in range(2 * len(struts), len(every)) if i not in free}
     for name in [fixed] if isinstance(fixed, str) else fixed:
         if name not in every and name not in struts:
-            raise InputError(f"fixed: there is no strut parameter {name!r}.{nearest_names(name, [*every, *struts])}")
+            raise InputError(
+                Argument("fixed"), f": there is no strut parameter {name!r}.{nearest_names(name, [*every, *struts])}"
+            )
         if name in every and every.index(name) in free:
-            raise InputError(f"{name!r} stands in both fixed and free_masses; leave out one of the two")
+            raise InputError(
+                f"{name!r} stands in both ",
+                Argument("fixed"),
+                " and ",
+                Argument("free_masses"),
+                "; leave out one of the two",
+            )
         held |= {every.index(name)} if name in every else {every.index(f"{name}.{q}") for q in QUANTITIES}
     return held
 
 
 def _index(every: Sequence[str], name: str, argument: str) -> int:
     if name not in every:
-        raise InputError(f"{argument}: there is no parameter {name!r}.{nearest_names(str(name), every)}")
+        raise InputError(Argument(argument), f": there is no parameter {name!r}.{nearest_names(str(name), every)}")
     return every.index(name)
 
 
 def _ends(name: str, ends: tuple[float | None, float | None]) -> tuple[float, float]:
     if not isinstance(ends, Sequence) or isinstance(ends, str) or len(ends) != 2:
-        raise InputError(f"bounds: {name!r} has {ends!r}; give (low, high), with None for no bound")
+        raise InputError(Argument("bounds"), f": {name!r} has {ends!r}; give (low, high), with None for no bound")
     low, high = (-np.inf if ends[0] is None else float(ends[0])), (np.inf if ends[1] is None else float(ends[1]))
     if not low < high:
-        raise InputError(f"bounds: {name!r} has low = {low:g} and high = {high:g}; low must be below high")
+        raise InputError(
+            Argument("bounds"), f": {name!r} has low = {low:g} and high = {high:g}; low must be below high"
+        )
     return low, high
 
 
@@ -183,10 +200,18 @@ def _relative_stds(
         named = {_index(every, name, "nominal_std"): float(value) for name, value in given.items()}
         empty = [every[i] for i in named if p[i] == 0]
         if empty:
-            raise InputError(f"nominal_std: {empty[0]!r} is 0, and no share of it is a spread; use bounds or fixed")
+            raise InputError(
+                Argument("nominal_std"),
+                f": {empty[0]!r} is 0, and no share of it is a spread; use ",
+                Argument("bounds"),
+                " or ",
+                Argument("fixed"),
+            )
     else:
         named = {i: float(given) for i in rows if p[i] > 0}
     for i, value in named.items():
         if not (np.isfinite(value) and value > 0):
-            raise InputError(f"nominal_std: {every[i]!r} has {value}; it must be positive, as 0.3 for 30 %")
+            raise InputError(
+                Argument("nominal_std"), f": {every[i]!r} has {value}; it must be positive, as 0.3 for 30 %"
+            )
     return [named.get(i) for i in rows]

@@ -20,6 +20,7 @@ from suspid.reconstruction.unknowns import Unknowns
 from suspid.reconstruction.wishes import null_space
 from suspid.units import Ratio, RealArray
 from suspid.values import frozen_real
+from suspid.wording import Argument
 from suspid.words import Number, ReconstructionNote, Remark
 
 LEAST_MAC = 0.8  # below it a shape is another mode's
@@ -54,8 +55,9 @@ def check_seen(problem: Problem, x: RealArray, car: Suspension) -> list[Remark]:
             return [*notes, Remark(ReconstructionNote.UNSEEN, {"names": tuple(unseen)})]
         raise ReconstructionError(
             f"the modes do not determine {', '.join(unseen)}: {len(blind)} of {len(x)} combinations of the parameters "
-            f"leave them as they are ({_in_words(blind, x, u)}); hold one with fixed=…, add modes, or add shapes at "
-            f"more coordinates",
+            f"leave them as they are ({_in_words(blind, x, u)}); hold one with ",
+            Argument("fixed", "…"),
+            ", add modes, or add shapes at more coordinates",
             best=car,
         )
     return notes
@@ -180,7 +182,9 @@ def remarks(problem: Problem, best: Optimum, cost: float) -> list[Remark]:
         if left > 1e-2 and worth > 1.0:
             raise ReconstructionError(
                 f"the search ended where a further step would still reduce the squared residual by {left:.1%}, so it "
-                f"found no optimum; start from a nearer nominal car, hold parameters with fixed=…, or add shapes",
+                f"found no optimum; start from a nearer nominal car, hold parameters with ",
+                Argument("fixed", "…"),
+                ", or add shapes",
                 best=u.suspension(x),
             )
         # A step at a sharp optimum can take only this share of the squared residual.

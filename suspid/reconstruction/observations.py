@@ -13,6 +13,7 @@ from suspid.model import ModalSet, Suspension, added_masses, check_plain, output
 from suspid.reconstruction.equations import Observed, all_poles, spectral_nodes
 from suspid.units import ComplexArray, Kilogram, RealArray
 from suspid.values import nearest_names
+from suspid.wording import Argument
 from suspid.words import ReconstructionNote, Remark
 
 FEW_DIGITS = 8  # significant digits of printed numbers, at most; computed ones have 15 to 17
@@ -75,7 +76,9 @@ def modal_tests(modes: object, suspension: object) -> tuple[ModalTest, ...]:
     for test in tests:
         for name in test.added_masses:
             if name not in suspension.coordinates:
-                raise InputError(f"added_masses: there is no mass {name!r}.{nearest_names(name, suspension.masses)}")
+                raise InputError(
+                    Argument("added_masses"), f": there is no mass {name!r}.{nearest_names(name, suspension.masses)}"
+                )
     weighted = [test.modes.covariance is not None for test in tests]
     if any(weighted) and not all(weighted):
         raise InputError(
@@ -92,7 +95,9 @@ def observe(test: ModalTest, suspension: Suspension) -> tuple[Observed, list[Rem
     if total > 2 * n:
         raise InputError(
             f"the modes hold {total} poles (a pair counts twice), but {n} masses have {2 * n}; "
-            f"leave out modes that are not the suspension's, or identify no more than {n} (modes={n})"
+            f"leave out modes that are not the suspension's, or identify no more than {n} (",
+            Argument("modes", str(n)),
+            ")",
         )
     moving = modes.poles != 0
     poles = modes.poles[moving]

@@ -19,6 +19,7 @@ from suspid.reconstruction.programs import SOLVER
 from suspid.reconstruction.unknowns import Unknowns
 from suspid.reconstruction.wishes import Constraints, Wishes, wishes_of
 from suspid.units import Ratio, RealArray
+from suspid.wording import Argument
 from suspid.words import ReconstructionNote, Remark
 
 
@@ -113,7 +114,10 @@ def _enough(seen: Sequence[Observed], unknowns: Unknowns, known: int, suspension
     raise ReconstructionError(
         f"{len(names)} unknowns ({', '.join(names)}) but {equations} equations from "
         f"{sum(len(one.poles) for one in seen)} modes: add modes, or shapes at more coordinates, or hold at least "
-        f"{lack} with fixed=…, such as fixed=[{unknowns.names[-1]!r}]",
+        f"{lack} with ",
+        Argument("fixed", "…"),
+        ", such as ",
+        Argument("fixed", f"[{unknowns.names[-1]!r}]"),
         best=suspension,
     )
 

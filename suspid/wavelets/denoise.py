@@ -21,6 +21,7 @@ from suspid.wavelets.filter_bank import (
     stationary_split,
 )
 from suspid.wavelets.thresholds import RuleName, ThresholdName, shrink, threshold_of
+from suspid.wording import Argument
 
 if TYPE_CHECKING:
     import control
@@ -155,8 +156,9 @@ def _depth(filters: FilterBank, level: int | None) -> int:
         return filters.depth
     if isinstance(level, bool) or not isinstance(level, int | np.integer) or not 1 <= level <= filters.depth:
         raise InputError(
-            f"{level=} is out of range: a record of {filters.count} samples has levels 1 to {filters.depth} "
-            f"with {filters.wavelet.name!r}"
+            Argument("level", repr(level)),
+            f" is out of range: a record of {filters.count} samples has levels 1 to {filters.depth} "
+            f"with {filters.wavelet.name!r}",
         )
     return int(level)
 

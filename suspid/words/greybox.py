@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, TypeAlias
 
+from suspid.wording import Argument
 from suspid.words.remarks import Code, count, in_a_row
 
 Numbers: TypeAlias = Mapping[str, Any]
@@ -44,7 +45,8 @@ def _unexplained(numbers: Numbers) -> str:
         f"The residual is not noise alone (chi-square {numbers['chi_square']:.3g} at {numbers['freedom']}, mostly in "
         f"{numbers['channel']}): no springs and dampers let this car explain the records, or the noise is coloured. "
         f"The intervals allow for its colour, not for a wrong topology. Let what may be missing be found too: mounts "
-        f"of dampers, gains and delays of channels (mounts=…, gains=…, delays=…); or describe another mass."
+        f"of dampers, gains and delays of channels ({Argument('mounts', '…')}, {Argument('gains', '…')}, "
+        f"{Argument('delays', '…')}); or describe another mass."
     )
 
 
@@ -85,8 +87,10 @@ class EstimateCheck(Code):
     )
     DRIVEN = (
         "driven",
-        "The motion does not die down, so this is no free decay, and the values above mean nothing: give what "
-        "moved the car (given=…), in a drive the motion of the wheels, which must be measured.",
+        lambda _: (
+            "The motion does not die down, so this is no free decay, and the values above mean nothing: give what "
+            f"moved the car ({Argument('given', '…')}), in a drive the motion of the wheels, which must be measured."
+        ),
     )
     ONSET = (
         "onset",
@@ -124,13 +128,17 @@ class EstimateCheck(Code):
     )
     NO_SPEED = (
         "no speed",
-        "The speed is not known: neither the road's class nor the wheels' rotation. An unbalanced wheel may be taken "
-        "for a mode of the wheel; give speed=… and wheel_radius=….",
+        lambda _: (
+            "The speed is not known: neither the road's class nor the wheels' rotation. An unbalanced wheel may be "
+            f"taken for a mode of the wheel; give {Argument('speed', '…')} and {Argument('wheel_radius', '…')}."
+        ),
     )
     NO_RADIUS = (
         "no radius",
-        "The wheels' radius is not known, so nor is their rotation. An unbalanced wheel may be taken for a mode of the "
-        "wheel; give wheel_radius=….",
+        lambda _: (
+            "The wheels' radius is not known, so nor is their rotation. An unbalanced wheel may be taken for a mode of "
+            f"the wheel; give {Argument('wheel_radius', '…')}."
+        ),
     )
     ALTERNATIVES = "alternatives", _others
     ONE_START = "one start", "Only {count} of {starts} starts ended at this fit; another minimum may be better."

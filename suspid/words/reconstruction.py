@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, TypeAlias
 
+from suspid.wording import Argument
 from suspid.words.remarks import Code, count, in_a_row
 
 Numbers: TypeAlias = Mapping[str, Any]
@@ -89,8 +90,9 @@ class ReconstructionNote(Code):
     LEAST_MAC = "least MAC", "least MAC of the shapes {mac:.4f}"
     VANISHED = (
         "vanished",
-        _listed(
-            "{names} at the least positive value: the modes need none; check the topology, or hold it with fixed=…"
+        lambda numbers: (
+            f"{', '.join(numbers['names'])} at the least positive value: the modes need none; check the topology, or "
+            f"hold it with {Argument('fixed', '…')}"
         ),
     )
     AT_BOUND = "at bound", _listed("at its bound: {names}")
@@ -99,12 +101,17 @@ class ReconstructionNote(Code):
     NOT_SHARP = "not sharp", "no sharp optimum: a further step would reduce the squared residual by {share:.1e} of it"
     FEW_DIGITS = (
         "few digits",
-        "the modes have few digits and count as known to {known_to:.1%}; set tolerance=… to change that",
+        lambda numbers: (
+            f"the modes have few digits and count as known to {numbers['known_to']:.1%}; set "
+            f"{Argument('tolerance', '…')} to change that"
+        ),
     )
     NEAR_MISS = (
         "near miss",
-        "another suspension comes within {distance:.1e} of these modes: give their uncertainty, or tolerance=…, to "
-        "have it judged",
+        lambda numbers: (
+            f"another suspension comes within {numbers['distance']:.1e} of these modes: give their uncertainty, or "
+            f"{Argument('tolerance', '…')}, to have it judged"
+        ),
     )
     CHI_SQUARE = "chi-square", _chi_square
     MISFIT = "misfit", "the modes are met to {misfit:.1e} rms (shapes to ten times that)"

@@ -8,8 +8,9 @@ from enum import Enum
 from typing import Any, TypeAlias
 
 from suspid.values import FrozenItems
+from suspid.wording import Wording
 
-Number: TypeAlias = float | int | str | bool | tuple[float, ...] | tuple[int, ...] | tuple[str, ...] | None
+Number: TypeAlias = float | int | str | bool | tuple[float, ...] | tuple[int, ...] | tuple[str, ...] | Wording | None
 # Things of a kind that one sentence names, and that a list or a picture shows: what fits a screen. The JSON has all.
 MOST_NAMED, MOST_LISTED = 3, 6
 
@@ -91,8 +92,16 @@ class Remark:
 
     def to_dict(self) -> dict[str, object]:
         """Return code, numbers and sentence, for JSON."""
-        numbers = {name: list(n) if isinstance(n, tuple) else n for name, n in self.numbers.items()}
-        return {"code": str(self.code), "numbers": numbers, "text": str(self)}
+        return {
+            "code": str(self.code),
+            "numbers": {name: _plain(number) for name, number in self.numbers.items()},
+            "text": str(self),
+        }
+
+
+def _plain(number: Number) -> object:
+    """Return a number as JSON has it."""
+    return list(number) if isinstance(number, tuple) else str(number) if isinstance(number, Wording) else number
 
 
 def count(number: int, noun: str) -> str:

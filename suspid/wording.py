@@ -1,0 +1,63 @@
+"""Messages that keep the arguments they speak of as data: who shows one calls them as its reader writes them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import dataclass
+
+# What arguments are called in the text that is being written; those that are not in it have the names of Python.
+_CALLED: ContextVar[Mapping[str, str] | None] = ContextVar("called", default=None)
+
+
+@dataclass(frozen=True, slots=True)
+class Argument:
+    """An argument of a function that a message speaks of, with what is given for it.
+
+    Examples
+    --------
+    >>> str(Argument("fixed")), str(Argument("fixed", "…"))
+    ('fixed', 'fixed=…')
+    """
+
+    name: str
+    value: str | None = None
+
+    def __str__(self) -> str:
+        option = (_CALLED.get() or {}).get(self.name)
+        name, between = (self.name, "=") if option is None else (option, " ")
+        return name if self.value is None else f"{name}{between}{self.value}"
+
+
+@dataclass(frozen=True, slots=True)
+class Wording:
+    """A message in parts: text, and the arguments that it speaks of.
+
+    Examples
+    --------
+    >>> str(Wording(("hold one with ", Argument("fixed", "…"))))
+    'hold one with fixed=…'
+    """
+
+    parts: tuple[object, ...]
+
+    def __str__(self) -> str:
+        return "".join(map(str, self.parts))
+
+
+@contextmanager
+def called(options: Mapping[str, str]) -> Iterator[None]:
+    """Write arguments as options of a command in the texts that are made within it.
+
+    Examples
+    --------
+    >>> with called({"fixed": "--fixed"}):
+    ...     print(Argument("fixed", "…"), "or", Argument("modes", "2"))
+    --fixed … or modes=2
+    """
+    before = _CALLED.set(options)
+    try:
+        yield
+    finally:
+        _CALLED.reset(before)
