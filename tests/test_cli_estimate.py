@@ -173,6 +173,11 @@ def test_a_car_that_does_not_explain_ends_with_three(files: Path, monkeypatch: p
         (["decay.csv", "--json", "decay.csv"], 2, "named twice"),
         (["rig.csv", "--given", "rod"], 1, "--given: 'rod' is no road ('road')"),
         (["decay.csv", "--fixed", "tyre"], 1, "--fixed: there is no strut parameter"),
+        (
+            ["decay.csv", "--free-mass", "chassis", "--free-mass", "tire"],
+            1,
+            "hold one with --fixed …, state --nominal-std",
+        ),
         (["decay.csv", "--given", "road"], 1, "the record has no input or channel 'road'"),
         (["decay.csv", "--plot", "e.xyz"], 1, "pictures of type '.xyz' are not known"),
         (["decay.csv", "--page", "e.doc"], 1, "pages are written as .html"),

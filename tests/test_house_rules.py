@@ -11,6 +11,7 @@ from types import FunctionType
 import pytest
 
 import suspid
+from suspid.cli.support import ARGUMENTS_AS_OPTIONS
 
 LIBRARY = Path(suspid.__file__).parent
 MODULES = {
@@ -161,6 +162,29 @@ class TestWords:
             if (names := self.STRUCK.findall(" ".join(path.read_text(encoding="utf-8").replace("\n# ", " ").split())))
         }
         assert found == {}
+
+
+def said(node: ast.AST) -> str:
+    """Return the text of a string, with braces for what is filled in and without calls; empty for anything else."""
+    if isinstance(node, ast.JoinedStr):
+        text = "".join(str(part.value) if isinstance(part, ast.Constant) else "{}" for part in node.values)
+    else:
+        text = node.value if isinstance(node, ast.Constant) and isinstance(node.value, str) else ""
+    return re.sub(r"\w\((?:[^()]|\([^()]*\))*\)", "", text)
+
+
+class TestMessages:
+    """The command writes an argument as its option because errors and remarks hold it as an `Argument`."""
+
+    IN_TEXT = re.compile(rf"(?<![\w.'-])({'|'.join(ARGUMENTS_AS_OPTIONS)})=(?![= ])")
+
+    def test_arguments_are_no_part_of_the_text(self) -> None:
+        docstrings = {id(n.value) for _, n in NODES if isinstance(n, ast.Expr)}
+        strings = [(n, node) for n, node in NODES if isinstance(node, ast.Constant | ast.JoinedStr)]
+        texts = [
+            (f"{place(name)} line {node.lineno}", said(node)) for name, node in strings if id(node) not in docstrings
+        ]
+        assert [where for where, text in texts if self.IN_TEXT.search(text)] == []
 
 
 class TestModules:
