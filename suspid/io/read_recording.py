@@ -63,7 +63,7 @@ def read_recording(
             wanted = [channels] if isinstance(channels, str) else channels
             return as_recording(table, channels=wanted, time=time, fs=fs, title=path.stem, size=path.stat().st_size)
         except RecordError as error:
-            raise RecordError(f"{error.message}{_hint(path)}") from None
+            raise RecordError(*error.args, _hint(path)) from None
 
 
 def _hint(path: Path) -> str:
