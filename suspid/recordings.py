@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -45,8 +45,8 @@ class RawChannel:
 
     name: str
     unit: str
-    timepts: RealArray
-    values: RealArray
+    timepts: RealArray = field(repr=False)
+    values: RealArray = field(repr=False)
     rate: Hertz | None
     test: str = ""
 

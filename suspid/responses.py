@@ -2,13 +2,27 @@
 
 from __future__ import annotations
 
-import control
+from typing import TYPE_CHECKING
 
 from suspid.files import printable
 from suspid.values import samples_in_words
 
+if TYPE_CHECKING:
+    from suspid.units import RealArray
 
-class Response(control.TimeResponseData):  # type: ignore[misc]  # python-control states no types
+    class TimeResponseData:
+        """What is used of `control.TimeResponseData`: python-control states no types."""
+
+        title: str | None
+        time: RealArray
+        output_labels: list[str]
+
+        def __init__(self, *args: object, **kwargs: object) -> None: ...
+else:
+    from control import TimeResponseData
+
+
+class Response(TimeResponseData):
     """A `control.TimeResponseData` whose ``str()`` has its length, rate and channels, where the base class has none."""
 
     def __str__(self) -> str:

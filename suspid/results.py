@@ -53,6 +53,13 @@ class Result:
 
     __slots__ = ()
 
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} {self._brief()}>"
+
+    def _brief(self) -> str:
+        """Return what was found in one line and at no cost, for lists, debuggers and failing tests."""
+        return str(self).partition("\n")[0]
+
     def _table(self) -> Mapping[str, Sequence[object]]:
         """Return the numbers of the result by column, with units in the names."""
         raise InputError(f"{type(self).__name__} has no table; its fields hold what it knows")

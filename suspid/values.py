@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import itertools
 import numbers
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -12,11 +13,15 @@ import numpy as np
 from tabulate import tabulate
 
 from suspid.errors import InputError, RecordError
+from suspid.files import printable
 from suspid.units import ComplexArray, RealArray
 from suspid.wording import Argument
 
 # Names that a message lists; a file may have hundreds of channels.
 MOST_NAMES = 10
+
+# Numbers that a line of text holds with their names and units.
+MOST_NUMBERS = 6
 
 # Magnitudes beyond these are no quantities of mechanics in SI units, and products of several leave the range of floats.
 SMALLEST_SIZE, LARGEST_SIZE = 1e-30, 1e30
@@ -102,6 +107,20 @@ def listed(names: Sequence[str]) -> str:
     """
     more = len(names) - MOST_NAMES
     return ", ".join(map(repr, names[:MOST_NAMES])) + (f" and {more} other{'s' * (more > 1)}" if more > 0 else "")
+
+
+def numbers_in_words(names: Sequence[str], values: Iterable[float], units: Sequence[str] = ()) -> str:
+    """Return named numbers in one line, the first six of many and the number of the others.
+
+    Examples
+    --------
+    >>> numbers_in_words(["seat.stiffness", "seat.damping"], [200002.9, 299.57], ["N/m", "N s/m"])
+    'seat.stiffness = 200003 N/m, seat.damping = 299.57 N s/m'
+    """
+    rows = list(itertools.zip_longest(names, values, units, fillvalue=""))
+    said = [f"{name} = {value:.6g} {unit}".removesuffix(" 1").strip() for name, value, unit in rows[:MOST_NUMBERS]]
+    more = len(rows) - len(said)
+    return printable(", ".join([*said, f"and {more} more"] if more else said))
 
 
 def samples_in_words(timepts: RealArray, channels: Sequence[str]) -> str:

@@ -221,3 +221,18 @@ def test_tables_hold_the_numbers(results: dict[str, Any]) -> None:
 def test_details_say_no_less(results: dict[str, Any]) -> None:
     for result in results.values():
         assert len(result.details()) >= len(str(result))
+
+
+def test_lists_and_failing_tests_show_a_line_of_each(results: dict[str, Any]) -> None:
+    for name, found in results.items():
+        line = repr(found)
+        assert line.startswith(f"<{type(found).__name__} "), name
+        assert len(line) <= 300, name
+        assert "\n" not in line, name
+        assert "array(" not in line, name
+    assert "2 modes, wn = 10, 70 rad/s, zeta = 0.3, 0.2" in repr(results["poles"])
+    wrong = compare(results["poles"], ModalSet.from_wn_zeta([10.0, 71.0], [0.3, 0.2]), rtol=0.01)
+    assert repr(wrong) == "<Comparison 1 of 4 values fail (allowed: 0.01 relative): mode 2 wn 70 for 71>"
+    assert repr(results["estimate"].verdict).startswith("<Verdict sound: 6 parameters")
+    channel = RawChannel(name="seat", unit="m", timepts=np.arange(9.0), values=np.arange(9.0), rate=1.0)
+    assert repr(channel) == "RawChannel(name='seat', unit='m', rate=1.0, test='')"

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from suspid.cleaning import Cleaned
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Analysis(Result):
     """What `analyse` found, step by step.
 
@@ -138,6 +138,10 @@ class Analysis(Result):
 
     def _table(self) -> Mapping[str, Sequence[object]]:
         return self.modes._table()
+
+    def _brief(self) -> str:
+        springs = self.estimate or self.reconstruction
+        return "; ".join([self.modes._brief(), *([springs._brief()] if springs is not None else [])])
 
     def __str__(self) -> str:
         parts = [tables_of(self.identification) if self.repeats is None else tables_of_repeats(self.repeats)]

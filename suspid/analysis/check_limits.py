@@ -57,7 +57,7 @@ class CheckedLimit:
         return Check(Remark(self.state, numbers), WEIGHTS[self.state])
 
 
-@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False, repr=False)
 class CheckedLimits(Result):
     """What `check_limits` found, a row for each limit.
 

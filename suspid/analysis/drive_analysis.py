@@ -17,12 +17,13 @@ from suspid.greybox import (
 )
 from suspid.performance import Wear
 from suspid.results import Result, columns_of
+from suspid.values import numbers_in_words
 from suspid.words import Check, Level, Remark, Verdict
 from suspid.words.drives import DriveHeadline, DriveRemark
 from suspid.words.greybox import EstimateCheck
 
 
-@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False, repr=False)
 class DriveAnalysis(Result):
     """What a recorded drive tells of a car.
 
@@ -107,6 +108,15 @@ class DriveAnalysis(Result):
             every.insert(0, Check(Remark(DriveRemark.BY_CURVES, {"names": self._by_curves}), Level.CARE))
         checks = {str(check): check for check in every}
         return Verdict(Remark(code, numbers), tuple(checks.values()))
+
+    def _brief(self) -> str:
+        if self.estimate is not None:
+            return self.estimate._brief()
+        body = self.body or ()
+        return (
+            numbers_in_words([one.channel for one in body], [one.hertz for one in body], ["Hz"] * len(body))
+            or "nothing"
+        )
 
     def __str__(self) -> str:
         parts = [f"{one.title}: {one.verdict.headline}" for one in self.drives]

@@ -10,7 +10,7 @@ import numpy as np
 
 from suspid.results import Result, columns_of
 from suspid.units import Decibel, RealArray, Second
-from suspid.values import text_table
+from suspid.values import MOST_NAMES, text_table
 from suspid.words import Check, DecayDoubt, DecayKind, DecayRemark, Level, Remark, Verdict
 
 # Doubts that the motion is a free decay at all; the others say that it tells little.
@@ -78,7 +78,7 @@ class Decay:
         return "; ".join([f"{self.start:.6g} … {self.stop:.6g} s: {what}", *map(str, self.doubts)])
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Decays(Sequence[Decay], Result):
     """Free decays of a recording in order of rank, as a sequence, and remarks on the other events.
 
@@ -128,6 +128,11 @@ class Decays(Sequence[Decay], Result):
 
     def _table(self) -> Mapping[str, Sequence[object]]:
         return columns_of(self, ["rank", "start", "stop", "cycles", "level", "strength", "kind", "doubts"])
+
+    def _brief(self) -> str:
+        more = [f"and {len(self) - MOST_NAMES} more"] if len(self) > MOST_NAMES else []
+        spans = ", ".join([f"{one.start:.6g} … {one.stop:.6g} s" for one in self[:MOST_NAMES]] + more)
+        return f"{self.verdict.headline}{': ' if spans else ''}{spans}"
 
     def __str__(self) -> str:
         columns: dict[str, list[str]] = {

@@ -13,7 +13,7 @@ from suspid.greybox import Estimate
 from suspid.model import Suspension
 from suspid.performance import Loss, Rates, WearRule, dampers_between, dampers_of, rates_of
 from suspid.results import Result
-from suspid.values import text_table
+from suspid.values import MOST_NAMES, text_table
 from suspid.words import DamperState
 
 # Between a vehicle and its damper in the name of a trend; no name of a strut has a dot.
@@ -49,7 +49,7 @@ class DamperTrend:
     state: DamperState
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
+@dataclass(frozen=True, kw_only=True, slots=True, repr=False)
 class DamperTrends(Result):
     """Result of `damper_trends`, the gravest first; ``str()`` is the table.
 
@@ -85,6 +85,11 @@ class DamperTrends(Result):
             "loss_upper": [one.loss.high for one in self.trends],
             "scatter": [one.scatter for one in self.trends],
         }
+
+    def _brief(self) -> str:
+        lost = [f"{one.vehicle} {one.damper} {one.state}" for one in self.trends]
+        more = [f"and {len(lost) - MOST_NAMES} more"] if len(lost) > MOST_NAMES else []
+        return ", ".join([*lost[:MOST_NAMES], *more]) or str(self)
 
     def __str__(self) -> str:
         if not self.trends:

@@ -65,7 +65,7 @@ class FailureCount:
     example: str
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
+@dataclass(frozen=True, kw_only=True, slots=True, repr=False)
 class FleetSummary(Result):
     """What a fleet's results say.
 

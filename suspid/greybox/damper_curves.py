@@ -52,7 +52,7 @@ class LineTest:
         return self.accepted
 
 
-@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False, repr=False)
 class DamperCurve(Result):
     """Force of a damper over its velocity, found from records; ``str()`` is the table.
 
@@ -212,6 +212,11 @@ class DamperCurve(Result):
 
         struts = [self.strut if s.name == self.name else s for s in self.suspension.struts]
         return replace(self.suspension, struts=struts)
+
+    def _brief(self) -> str:
+        return (
+            f"{self.name}, {len(self.velocities)} speeds from {self.velocities[0]:.3g} to {self.velocities[-1]:.3g} m/s"
+        )
 
     def __str__(self) -> str:
         return "\n".join([curve_table(self), summary(self), str(self.verdict)])

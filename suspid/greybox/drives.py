@@ -129,7 +129,7 @@ class Drive:
         return f"{self.start:.6g} … {self.stop:.6g} s {'taken' if self.taken else 'left'}: {said}"
 
 
-@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False, repr=False)
 class Drives(Sequence[Drive], Result):
     """The stretches of a recorded drive in order of time, as a sequence.
 
@@ -214,6 +214,9 @@ class Drives(Sequence[Drive], Result):
 
     def _table(self) -> Mapping[str, Sequence[object]]:
         return columns_of(self, ["start", "stop", "taken", "speed", "reasons"])
+
+    def _brief(self) -> str:
+        return str(self.verdict.headline)
 
     def __str__(self) -> str:
         return f"{summary_table(self)}\n{self.verdict}"

@@ -14,7 +14,7 @@ from suspid.model import ModalSet, Suspension
 from suspid.results import Result
 from suspid.signals import as_signal
 from suspid.units import UNITS, Hertz, Ratio, RealArray
-from suspid.values import rounded, spread, text_table
+from suspid.values import numbers_in_words, rounded, spread, text_table
 from suspid.words import Verdict
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 POSITIVE = ("stiffness", "mass", "gain")
 
 
-@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False, repr=False)
 class Estimate(Result):
     """The suspension that explains the records best, and all that is needed to judge it.
 
@@ -155,6 +155,10 @@ class Estimate(Result):
             "nominal": [nominal_value(self.nominal, name) for name in self.parameters],
             "unit": [parameter_unit(name) for name in self.parameters],
         }
+
+    def _brief(self) -> str:
+        units = [parameter_unit(name) for name in self.parameters]
+        return numbers_in_words(self.parameters, self.values.tolist(), units)
 
     def __str__(self) -> str:
         return "\n".join([parameter_table(self), *(str(part) for part in (self.modes, *self.road, self.verdict))])

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 Method = Literal["likelihood", "ridge"]
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Identification(Result):
     """What `identify` found, and all that is needed to judge it.
 
@@ -162,6 +162,9 @@ class Identification(Result):
 
     def _table(self) -> Mapping[str, Sequence[object]]:
         return self.modes._table()
+
+    def _brief(self) -> str:
+        return f"{self.modes._brief()}; {held(self, 'response')}"
 
     def __str__(self) -> str:
         return f"{tables_of(self)}\n\n{self.verdict}"

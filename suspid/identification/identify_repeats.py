@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 LONG_ENOUGH = 0.5
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Repeats(Result):
     """What `identify_repeats` found.
 
@@ -81,6 +81,9 @@ class Repeats(Result):
 
     def _table(self) -> Mapping[str, Sequence[object]]:
         return self.modes._table()
+
+    def _brief(self) -> str:
+        return f"{self.modes._brief()}; {len(self.each)} decays"
 
     def __str__(self) -> str:
         return f"{tables_of_repeats(self)}\n\n{self.verdict}"

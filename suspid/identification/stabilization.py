@@ -23,7 +23,7 @@ SHIFTED_ROWS = 360
 SAMPLES_A_CYCLE = 2.5
 
 
-@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False, repr=False)
 class Stabilization(Result):
     """What `stabilization` found.
 

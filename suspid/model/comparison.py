@@ -8,7 +8,7 @@ from typing import Literal
 
 from suspid.results import Result, columns_of
 from suspid.units import UNITS, RealArray
-from suspid.values import text_table
+from suspid.values import MOST_NUMBERS, text_table
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -50,7 +50,7 @@ class ComparedValue:
         return "ok" if abs(self.error) <= self.allowed else "off"
 
 
-@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False, repr=False)
 class Comparison(Result):
     """Result of `compare`; ``str()`` is the table, and `assert_modes_close` fails with it.
 
@@ -92,9 +92,17 @@ class Comparison(Result):
     def _table(self) -> Mapping[str, Sequence[object]]:
         return columns_of(self.table, ["item", "quantity", "unit", "found", "expected", "error", "allowed", "verdict"])
 
+    def _headline(self) -> str:
+        number, failed = len(self.table), sum(row.verdict != "ok" for row in self.table)
+        return f"{f'{failed} of {number} values fail' if failed else f'all {number} values pass'} ({self.rule})"
+
+    def _brief(self) -> str:
+        headline, failed = self._headline(), [row for row in self.table if row.verdict != "ok"]
+        texts = [f"{row.item} {row.quantity} {_text(row.found, 6)} for {_text(row.expected, 6)}" for row in failed]
+        more = [f"and {len(failed) - MOST_NUMBERS} more"] if len(failed) > MOST_NUMBERS else []
+        return ": ".join([headline, ", ".join([*texts[:MOST_NUMBERS], *more])]) if failed else headline
+
     def __str__(self) -> str:
-        failed = [row for row in self.table if row.verdict != "ok"]
-        headline = f"{len(failed)} of {len(self.table)} values fail" if failed else f"all {len(self.table)} values pass"
         columns: dict[str, Sequence[str]] = {
             "": [row.item for row in self.table],
             "quantity": [f"{row.quantity} [{row.unit}]" for row in self.table],
@@ -109,7 +117,7 @@ class Comparison(Result):
         notes = [f"mean absolute error: {mae}"]
         if self.mac is not None:
             notes.append(f"MAC by expected mode: {', '.join(f'{m:.6f}' for m in self.mac)}")
-        return "\n".join([f"{headline} ({self.rule})", text_table(columns), *notes])
+        return "\n".join([self._headline(), text_table(columns), *notes])
 
 
 def _text(value: float | None, digits: int) -> str:

@@ -14,7 +14,7 @@ from suspid.model.covariance import check_definite, covariance_order, jacobian_o
 from suspid.model.modal_table import modal_table
 from suspid.results import Result
 from suspid.units import ComplexArray, RadianPerSecond, Ratio, RealArray
-from suspid.values import LARGEST_SIZE, SMALLEST_SIZE, frozen_complex, frozen_real
+from suspid.values import LARGEST_SIZE, MOST_NUMBERS, SMALLEST_SIZE, frozen_complex, frozen_real
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -44,7 +44,7 @@ class Interval:
     zeta: RealArray
 
 
-@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False, repr=False)
 class ModalSet(Result):
     """Modes in order of ascending natural frequency, exact or estimated.
 
@@ -287,6 +287,13 @@ class ModalSet(Result):
             std = np.sqrt(np.diag(covariance))
             columns |= {"wn_std_rad_per_s": std[0::2].tolist(), "zeta_std": std[1::2].tolist()}
         return columns
+
+    def _brief(self) -> str:
+        if not len(self):
+            return "no mode"
+        wn, zeta = (", ".join(f"{v:.4g}" for v in row[:MOST_NUMBERS]) for row in (self.wn, self.zeta))
+        more = ", …" if len(self) > MOST_NUMBERS else ""
+        return f"{len(self)} mode{'s' * (len(self) > 1)}, wn = {wn}{more} rad/s, zeta = {zeta}{more}"
 
     def __str__(self) -> str:
         return modal_table(self)

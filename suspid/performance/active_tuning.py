@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 
 from suspid.results import Result
 from suspid.units import RealArray
-from suspid.values import text_table
+from suspid.values import numbers_in_words, text_table
 
 if TYPE_CHECKING:
     import control
 
 
-@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False, repr=False)
 class ActiveTuning(Result):
     """A state feedback and what it does on the road.
 
@@ -56,6 +56,9 @@ class ActiveTuning(Result):
 
     def _table(self) -> Mapping[str, Sequence[object]]:
         return {"output": list(self.rms), "passive": list(self.passive.values()), "active": list(self.rms.values())}
+
+    def _brief(self) -> str:
+        return f"rms {numbers_in_words(list(self.rms), self.rms.values())}"
 
     def __str__(self) -> str:
         names = list(self.rms)

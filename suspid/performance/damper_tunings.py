@@ -15,7 +15,7 @@ from suspid.values import text_table
 from suspid.words import Verdict
 
 
-@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False, repr=False)
 class DamperTuning(Result):
     """A damper's curve for several roads.
 
@@ -88,6 +88,9 @@ class DamperTuning(Result):
             "velocity_m_per_s": self.velocity.tolist(),
         }
         return columns | dict(zip(self.figures, self.values.T.tolist(), strict=True))
+
+    def _brief(self) -> str:
+        return str(self.verdict.headline)
 
     def __str__(self) -> str:
         columns = {

@@ -12,7 +12,7 @@ from suspid.levels import LEVEL, check_level, normal_reach
 from suspid.performance.reaches import reaches, spreads
 from suspid.results import Result
 from suspid.units import Ratio, RealArray
-from suspid.values import text_table
+from suspid.values import numbers_in_words, text_table
 from suspid.words import Verdict
 
 # EUSAMA's classes: least adhesion of each [1], as publications quote its recommendation TS 02-76.
@@ -23,7 +23,7 @@ PHASE_LIMIT = float(np.radians(35.0))
 Figure: TypeAlias = Literal["adhesion", "phase"]
 
 
-@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False, repr=False)
 class Grip(Result):
     """Adhesion and least phase of each wheel on a test bench, as figures and as curves.
 
@@ -146,6 +146,9 @@ class Grip(Result):
                 f"{what}_upper{unit}": [high for _, high in pairs],
             }
         return columns
+
+    def _brief(self) -> str:
+        return f"least adhesion {numbers_in_words(self.wheels, self.least.tolist())}"
 
     def __str__(self) -> str:
         certain = not np.any(self.covariance)

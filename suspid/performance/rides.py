@@ -12,11 +12,11 @@ from suspid.levels import LEVEL, check_level, normal_reach
 from suspid.performance.reaches import reaches, spreads
 from suspid.results import Result
 from suspid.units import Ratio, RealArray, Second
-from suspid.values import nearest_names, rounded, spread, text_table
+from suspid.values import nearest_names, numbers_in_words, rounded, spread, text_table
 from suspid.words import Verdict
 
 
-@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False, repr=False)
 class Ride(Result):
     """Comfort, travel and wheel load of a car on a road, or of a record.
 
@@ -129,6 +129,9 @@ class Ride(Result):
             "lower": [ends[name][0] for name in self.figures],
             "upper": [ends[name][1] for name in self.figures],
         }
+
+    def _brief(self) -> str:
+        return numbers_in_words(self.figures, self.values.tolist(), self.units)
 
     def __str__(self) -> str:
         std, known = self.std, bool(np.nanmax(self.std, initial=0.0) == 0)

@@ -27,7 +27,7 @@ ROAD_LIMITS: Mapping[str, float] = FrozenMapping(
 FEWEST_WAVES, LINES_OF_PIECE = 20, 16
 
 
-@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False, repr=False)
 class RoadClass(Result):
     """Level and exponent of a road's spectrum, with their uncertainty, and its class.
 
@@ -93,6 +93,9 @@ class RoadClass(Result):
             "lower": [ends["roughness"][0], ends["exponent"][0]],
             "upper": [ends["roughness"][1], ends["exponent"][1]],
         }
+
+    def _brief(self) -> str:
+        return str(self.verdict.headline)
 
     def __str__(self) -> str:
         stds = np.sqrt(np.diag(self.covariance)) * [1e6 * self.roughness, 1.0]

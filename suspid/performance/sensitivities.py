@@ -17,10 +17,10 @@ from suspid.reconstruction import parameter_names, parameter_values
 from suspid.results import Result
 from suspid.simulation import Road
 from suspid.units import ComplexArray, Metre, RealArray, Second
-from suspid.values import frozen_real, nearest_names, text_table
+from suspid.values import frozen_real, listed, nearest_names, text_table
 
 
-@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False, repr=False)
 class Sensitivities(Result):
     """Relative change of modes and figures per relative change of parameters.
 
@@ -53,6 +53,9 @@ class Sensitivities(Result):
     def _table(self) -> Mapping[str, Sequence[object]]:
         columns = dict(zip(self.parameters, self.elasticity.T.tolist(), strict=True))
         return {"name": self.names, "value": self.values.tolist(), **columns}
+
+    def _brief(self) -> str:
+        return f"{len(self.names)} figures by {len(self.parameters)} parameters: {listed(self.parameters)}"
 
     def __str__(self) -> str:
         columns = {"% for each %": list(self.names), "value": [f"{value:.4g}" for value in self.values]}

@@ -10,11 +10,11 @@ import numpy as np
 from suspid.model import Suspension
 from suspid.results import Result
 from suspid.units import RealArray
-from suspid.values import text_table
+from suspid.values import numbers_in_words, text_table
 from suspid.words import Verdict
 
 
-@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False, repr=False)
 class Tuning(Result):
     """Cars of which none is better in one objective without being worse in the other.
 
@@ -80,6 +80,12 @@ class Tuning(Result):
     def _table(self) -> Mapping[str, Sequence[object]]:
         chosen = zip(self.parameters, self.choices.T.tolist(), strict=True)
         return {**dict(chosen), **dict(zip(self.figures, self.values.T.tolist(), strict=True))}
+
+    def _brief(self) -> str:
+        if not self.cars:
+            return str(self.verdict.headline)
+        best = self.knee or 0
+        return f"{self.verdict.headline}: {numbers_in_words(self.figures, self.values[best].tolist(), self.units)}"
 
     def __str__(self) -> str:
         knee = self.knee

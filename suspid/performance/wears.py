@@ -90,7 +90,7 @@ class ParameterChange:
         return bool(self.low > -1 or not np.isfinite(self.low))
 
 
-@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False, repr=False)
 class Wear(Result):
     """Result of `wear`; ``str()`` has the changes of springs and dampers, the grip before and after, and the verdict.
 
@@ -144,6 +144,10 @@ class Wear(Result):
 
     def _table(self) -> Mapping[str, Sequence[object]]:
         return columns_of(self.changes, ["name", "unit", "before", "after", "change", "low", "high", "significant"])
+
+    def _brief(self) -> str:
+        lost = ", ".join(f"{one.damper} {one.state} ({one.loss.value:.1%} lost)" for one in self.dampers)
+        return f"{lost or 'no damper'}; against {self.against}"
 
     def __str__(self) -> str:
         reach = f"{100 * LEVEL:g} % interval"

@@ -14,14 +14,14 @@ from suspid.reconstruction.unknowns import QUANTITIES, parameter_values, unit_of
 from suspid.reconstruction.verdict import verdict_of
 from suspid.results import Result
 from suspid.units import Kilogram, NewtonPerMetre, NewtonSecondPerMetre, Ratio, RealArray
-from suspid.values import rounded, spread, text_table
+from suspid.values import numbers_in_words, rounded, spread, text_table
 from suspid.words import (
     Remark,
     Verdict,
 )
 
 
-@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False, repr=False)
 class Reconstruction(Result):
     """The suspension that has the given modes, its uncertainty, and the others that have these modes too.
 
@@ -165,6 +165,10 @@ class Reconstruction(Result):
             nominal = parameter_values(self.nominal)
             columns["nominal"] = [nominal[name] for name in self.parameters]
         return columns
+
+    def _brief(self) -> str:
+        values, units = parameter_values(self.suspension), [unit_of(name) for name in self.parameters]
+        return numbers_in_words(self.parameters, [values[name] for name in self.parameters], units)
 
     def __str__(self) -> str:
         struts = self.suspension.struts

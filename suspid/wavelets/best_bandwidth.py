@@ -24,7 +24,7 @@ BANDWIDTHS = range(1, 51)
 ENTROPY_CUT = 1e-8
 
 
-@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False, repr=False)
 class BandwidthSearch(Result):
     """Wavelet entropy against bandwidth.
 

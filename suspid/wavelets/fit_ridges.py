@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -46,8 +46,8 @@ class SkeletonFit:
     variance: float
     origin: ComplexArray
     onset: Second
-    timepts: RealArray
-    logarithm: ComplexArray
+    timepts: RealArray = field(repr=False)
+    logarithm: ComplexArray = field(repr=False)
 
     @property
     def lines(self) -> ComplexArray:

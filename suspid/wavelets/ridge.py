@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -88,10 +88,10 @@ class Ridge:
 
     omega: RadianPerSecond
     wavelet: Morlet
-    timepts: RealArray
-    skeleton: ComplexArray
-    trace: RealArray
-    floor: RealArray
+    timepts: RealArray = field(repr=False)
+    skeleton: ComplexArray = field(repr=False)
+    trace: RealArray = field(repr=False)
+    floor: RealArray = field(repr=False)
     window: Window
     onset: Second
     channels: tuple[str, ...]

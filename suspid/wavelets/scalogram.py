@@ -18,7 +18,7 @@ from suspid.words import count
 Normalization = Literal["paper", "amplitude"]
 
 
-@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False, repr=False)
 class Scalogram(Result):
     """Wavelet transform of a record, each row at the sampling rate that its bandwidth needs.
 

@@ -115,10 +115,12 @@ class DriveRemark(Code):
     )
     BY_CURVES = (
         "by curves",
-        lambda n: (
-            f"A car of viscous dampers does not explain this drive, but each damper's curve does: {_listed(n)} is not "
-            "viscous. Use the curves and the stiffness beside them; k, c and modes found with viscous dampers may be "
-            "off by more than their intervals."
+        sentence(
+            lambda n: (
+                f"A car of viscous dampers does not explain this drive, but each damper's curve does: {_listed(n)} is "
+                "not viscous. Use the curves and the stiffness beside them; k, c and modes found with viscous dampers "
+                "may be off by more than their intervals."
+            )
         ),
     )
     NO_CURVE = "no curve", sentence(lambda n: f"The curve of the damper of {_listed(n)} was not found: {n['why']}.")

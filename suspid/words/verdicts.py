@@ -70,7 +70,7 @@ class Check:
         return str(self.remark)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Verdict:
     """How far a result can be trusted.
 
@@ -123,6 +123,10 @@ class Verdict:
     def notes(self) -> tuple[Remark, ...]:
         """Notes: neither for nor against the result."""
         return tuple(c.remark for c in self.checks if c.level is Level.NOTE)
+
+    def __repr__(self) -> str:
+        doubts = f"; doubts: {', '.join(str(one.code) for one in self.doubts)}" if self.doubts else ""
+        return f"<{type(self).__name__} {self.level.label}: {self.headline}{doubts}>"
 
     def __str__(self) -> str:
         lines = [f"Verdict: {self.headline}: {self.level.label}. {self.meaning}"]
