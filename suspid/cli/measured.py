@@ -29,7 +29,7 @@ from suspid.files import naming, printable, replacing
 from suspid.samples import held
 from suspid.signals import as_signal
 from suspid.values import samples_in_words
-from suspid.words import DAMAGE, MOST_NAMED, Note, count
+from suspid.words import ASIDE, DAMAGE, MOST_NAMED, Note, count
 
 if TYPE_CHECKING:
     import control
@@ -153,7 +153,8 @@ def said_of(found: Analysis, *, most_left_out: int | None = None, most_findings:
         return [*said, *map(str, found.notes)]
     everything = () if found.recording is None else found.recording.left_out
     selected = found.settings.channels is not None
-    left_out = [(name, why) for name, why in everything if not selected or why.code in DAMAGE]
+    told = [(name, why) for name, why in everything if why.code not in ASIDE]
+    left_out = [(name, why) for name, why in told if not selected or why.code in DAMAGE]
     said = [f"in the file: {name!r} {why}" for name, why in left_out[:most_left_out]]
     if len(left_out) > len(said):
         said.append(f"in the file: {len(left_out) - len(said)} more not used as channels; see `suspid channels`")

@@ -16,10 +16,11 @@ from numpy.typing import NDArray
 from suspid.errors import RecordError
 from suspid.files import printable, read_bytes
 from suspid.io.foreign import sheltered
+from suspid.io.labels import Group, Text, Value, Variable, of_cells
 from suspid.io.limits import most_bytes
 from suspid.io.names import stated_rate
 from suspid.io.tables import Table
-from suspid.io.variables import DEEPEST, Group, Text, Value, Variable, as_table
+from suspid.io.variables import DEEPEST, as_table
 from suspid.units import Hertz
 from suspid.words import LeftOut, Remark
 
@@ -89,7 +90,29 @@ def _value(thing: object, depth: int, count: Iterator[int], around: frozenset[in
         return _structures(thing, depth, count, around) or _group(thing, depth, count, around)
     if not isinstance(thing, h5py.Dataset):
         return Remark(LeftOut.NO_NUMBERS)
+    if _class_of(thing) == "cell" and _refers(thing) and "MATLAB_empty" not in thing.attrs:
+        return of_cells(
+            [
+                _value(thing.file[ref], depth + 1, count, around) if ref else Remark(LeftOut.EMPTY)
+                for ref in _references(thing, count)
+            ]
+        )
     return _dataset(thing)
+
+
+def _class_of(data: h5py.Dataset) -> str:
+    """Return the class that MATLAB states; empty if it states none."""
+    of_class = data.attrs.get("MATLAB_class", b"")
+    return of_class.decode("latin1") if isinstance(of_class, bytes) else str(of_class)
+
+
+def _references(data: h5py.Dataset, count: Iterator[int]) -> NDArray[Any]:
+    """Return the references of a data set, not more of them than a record has variables."""
+    if _in_memory(data) > most_bytes(0):
+        raise RecordError("is damaged: its references take more memory than any record")
+    if next(count) + data.size > MOST_VARIABLES:
+        raise RecordError(f"holds more than {MOST_VARIABLES} variables; save the channels of one record")
+    return np.ravel(data[()])
 
 
 def _structures(group: h5py.Group, depth: int, count: Iterator[int], around: frozenset[int]) -> Group | None:
@@ -131,10 +154,10 @@ def _dataset(data: h5py.Dataset) -> Value:
     import h5py
 
     kind = data.dtype.kind
-    of_class = data.attrs.get("MATLAB_class", b"")
-    of_class = of_class.decode("latin1") if isinstance(of_class, bytes) else str(of_class)
+    of_class = _class_of(data)
     if "MATLAB_object_decode" in data.attrs:
-        return Remark(LeftOut.CLASS_OBJECT, {"name": of_class})
+        numbers = {"name": printable(of_class), "variable": printable(data.name.rpartition("/")[2])}
+        return Remark(LeftOut.CLASS_OBJECT, numbers)
     if kind in "OSU" and _in_memory(data) > most_bytes(data.id.get_storage_size()):
         return Remark(LeftOut.UNFILLED, {"shape": str(data.shape)})
     if "MATLAB_empty" in data.attrs or (data.shape and not data.size):

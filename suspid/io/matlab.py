@@ -20,9 +20,10 @@ import numpy as np
 
 from suspid.errors import RecordError
 from suspid.files import printable, read_bytes
+from suspid.io.labels import Group, Text, Value, Variable, of_cells
 from suspid.io.limits import check_memory, most_bytes
 from suspid.io.tables import Table
-from suspid.io.variables import DEEPEST, Group, Text, Value, Variable, as_table
+from suspid.io.variables import DEEPEST, as_table
 from suspid.words import LeftOut, Remark
 
 # Bytes before the first element.
@@ -55,7 +56,6 @@ ITEMS = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8",
 TEXTS = {2: "latin1", 4: "utf-16", 16: "utf-8", 17: "utf-16", 18: "utf-32"}
 NUMERIC_CLASSES = range(6, 16)
 OTHER_CLASSES = {
-    ArrayClass.CELL: LeftOut.CELLS,
     ArrayClass.OBJECT: LeftOut.OBJECT,
     ArrayClass.SPARSE: LeftOut.SPARSE,
 }
@@ -129,10 +129,11 @@ def _variables(content: bytes) -> Group:
         if kind != Item.MATRIX:
             raise RecordError(f"is damaged: element of type {kind} in place of a variable")
         name, value = _value(body, order, 0)
-        # Data that MATLAB stores for its objects have no name.
-        if name in found and name:
+        if name in found:
             raise RecordError(f"holds two variables named {name!r}")
-        found[name or f"without a name ({len(found) + 1})"] = value
+        # What MATLAB stores for its objects has no name.
+        if name:
+            found[name] = value
     return found
 
 
@@ -150,7 +151,7 @@ def _value(body: bytes, order: str, depth: int) -> tuple[str, Value]:
     if class_code > NUMERIC_CLASSES[-1]:
         name_kind, name = next(parts, (0, b""))
         text = name.decode("latin1") if name_kind in (Item.INT8, Item.UTF8) else ""
-        return text, Remark(LeftOut.OBJECT)
+        return text, _object(text, parts)
     (dims_kind, dims), (name_kind, name) = next(parts, (0, b"")), next(parts, (0, b""))
     if dims_kind != Item.INT32 or len(dims) % 4 or not 8 <= len(dims) <= 128 or name_kind not in (Item.INT8, Item.UTF8):
         raise RecordError("is damaged: a variable lacks its size or its name")
@@ -160,6 +161,8 @@ def _value(body: bytes, order: str, depth: int) -> tuple[str, Value]:
         raise RecordError(f"is damaged: variable {text!r} has the size {shape}")
     if class_code == ArrayClass.STRUCT:
         return text, _structure(parts, shape, order, depth)
+    if class_code == ArrayClass.CELL:
+        return text, _cells(parts, shape, order, depth)
     if class_code == ArrayClass.CHAR:
         kind, letters = next(parts, (0, b""))
         return text, _text(kind, letters, order)
@@ -167,6 +170,27 @@ def _value(body: bytes, order: str, depth: int) -> tuple[str, Value]:
         other = OTHER_CLASSES.get(class_code)
         return text, Remark(LeftOut.CLASS, {"number": class_code}) if other is None else Remark(other)
     return text, _array(text, parts, shape, order, complex_=bool(word >> 8 & 0x08))
+
+
+def _object(name: str, parts: Iterator[tuple[int, bytes]]) -> Remark:
+    """Return what is to be done about an object, of which the file tells the class behind that of its system."""
+    (_, system), (kind, of_class) = next(parts, (0, b"")), next(parts, (0, b""))
+    if system != b"MCOS" or kind not in (Item.INT8, Item.UTF8):
+        return Remark(LeftOut.OBJECT)
+    return Remark(LeftOut.CLASS_OBJECT, {"name": printable(of_class.decode("latin1")), "variable": printable(name)})
+
+
+def _cells(parts: Iterator[tuple[int, bytes]], shape: tuple[int, ...], order: str, depth: int) -> Value:
+    """Return what a cell array holds."""
+    if depth >= DEEPEST:
+        return Remark(LeftOut.TOO_DEEP, {"levels": DEEPEST})
+    cells: list[Value] = []
+    for _ in range(math.prod(shape)):
+        kind, body = next(parts, (0, b""))
+        if kind != Item.MATRIX:
+            raise RecordError("is damaged: a cell array lacks cells")
+        cells.append(_value(body, order, depth + 1)[1])
+    return of_cells(cells)
 
 
 def _array(

@@ -14,9 +14,10 @@ import numpy as np
 from suspid.errors import RecordError
 from suspid.files import printable, read_bytes
 from suspid.io.foreign import sheltered
+from suspid.io.labels import Group, Value, Variable
 from suspid.io.limits import check_memory
 from suspid.io.tables import Table
-from suspid.io.variables import Group, Value, Variable, as_table
+from suspid.io.variables import as_table
 from suspid.words import LeftOut, Remark
 
 HEADERS = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0}

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import functools
-import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Any, TypeAlias
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from suspid.errors import RecordError
+from suspid.io.labels import Group, Text, Texts, Variable, labels_of
 from suspid.io.names import PER_SECOND, is_time, split_unit, stated_rate
 from suspid.io.tables import Table, TimeBase
 from suspid.units import Hertz, RealArray
@@ -22,37 +22,12 @@ from suspid.words import LeftOut, Number, Remark
 DEEPEST = 16
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Variable:
-    """A real array that is read on demand."""
+@dataclass(frozen=True, slots=True)
+class _Labels:
+    """Names and units of the columns of a matrix; empty where they are not stated."""
 
-    shape: tuple[int, ...]
-    read: Callable[[], NDArray[Any]]
-    unit: str = ""
-    # Sampling rates that the file states for it alone [Hz].
-    rates: Mapping[str, Hertz] = field(default_factory=dict)
-
-    @property
-    def size(self) -> int:
-        """Number of numbers."""
-        return math.prod(self.shape)
-
-    @property
-    def is_vector(self) -> bool:
-        """Whether only one side is longer than one."""
-        return self.size > 1 and self.size == max(self.shape)
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Text:
-    """A text, such as the label of a signal."""
-
-    text: str
-
-
-Value: TypeAlias = "Variable | Text | Group | Remark"
-# Content of a group by name: arrays, texts, further groups, or why something is left out.
-Group: TypeAlias = "Mapping[str, Value]"
+    names: Sequence[str] = ()
+    units: Sequence[str] = ()
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -68,8 +43,9 @@ def as_table(variables: Group) -> Table:
     """Return every vector and every column of a matrix as a column of a table.
 
     A variable in a group is named ``group.name``; the columns of a matrix are ``name[1]``, ``name[2]`` …, its
-    longer side being time. A vector of time, or a number that states the rate, holds for all in its group and
-    in the groups below it; a group ``time`` and ``signals.values`` is what Simulink writes.
+    longer side being time; a list of as many names beside it names them. A vector of time, or a number that states the
+    rate, holds for all in its group and in the groups below it; a group ``time`` and ``signals.values`` is what Simulink
+    writes, one with ``x_values`` and ``y_values`` what Simcenter Testlab writes.
 
     Examples
     --------
@@ -82,8 +58,8 @@ def as_table(variables: Group) -> Table:
     top = _stated(variables)
     _collect(variables, "", None, found)
     if not found.sizes:
-        listed = ", ".join(f"{name!r} {why}" for name, why in list(found.unusable.items())[:12])
-        raise RecordError(f"holds no real vector: {listed or 'nothing at all'}")
+        told = [f"{name!r} {why}" for name, why in found.unusable.items()]
+        raise RecordError(f"holds no real vector: {', '.join(told[:12]) or 'nothing at all'}")
 
     def columns(wanted: Sequence[str]) -> list[RealArray]:
         return [found.readers[name]() for name in wanted]
@@ -108,19 +84,23 @@ def _collect(group: Group, prefix: str, above: TimeBase | None, found: _Found) -
     """Add what a group holds; ``above`` is the time base of the group around it."""
     clock = _clock(group, prefix, above) if prefix else None
     time = _time(group)
+    names, units = labels_of(group), labels_of(group, units=True)
     for name, value in group.items():
         full = joined(prefix, name)
         if isinstance(value, Remark):
             found.unusable[full] = value
-        elif isinstance(value, Text):
-            found.unusable[full] = Remark(LeftOut.TEXT)
+        elif isinstance(value, Text | Texts):
+            found.unusable[full] = Remark(LeftOut.NOTE)
         elif isinstance(value, Variable):
             if prefix and time is not None and name == time[0]:
                 found.unusable[full] = Remark(LeftOut.GROUP_TIME)
             else:
-                _add(full, value, clock, time, found)
+                called = [joined(prefix, one) for one in names.get(name, ())]
+                _add(full, value, clock, time, found, _Labels(called, units.get(name, ())))
         elif _signals(value):
             _add_simulink(full, value, found)
+        elif _is_testlab(value):
+            _add_testlab(full, value, found)
         else:
             _collect(value, full, clock, found)
 
@@ -159,7 +139,14 @@ def _stated(group: Group) -> dict[str, Hertz]:
     return rates
 
 
-def _add(name: str, value: Variable, clock: TimeBase | None, time: tuple[str, Variable] | None, found: _Found) -> None:
+def _add(
+    name: str,
+    value: Variable,
+    clock: TimeBase | None,
+    time: tuple[str, Variable] | None,
+    found: _Found,
+    labels: _Labels = _Labels(),
+) -> None:
     """Add the columns of an array."""
     shape = tuple(n for n in value.shape if n > 1)
     if not value.size:
@@ -179,11 +166,17 @@ def _add(name: str, value: Variable, clock: TimeBase | None, time: tuple[str, Va
     elif len(shape) == 1:
         _add_column(name, value, lambda: np.ravel(value.read()), value.size, clock, found)
     else:
-        _add_matrix(name, value, shape, clock, None if time is None else time[1].size, found)
+        _add_matrix(name, value, shape, clock, None if time is None else time[1].size, found, labels)
 
 
 def _add_matrix(
-    name: str, value: Variable, shape: Sequence[int], clock: TimeBase | None, stamps: int | None, found: _Found
+    name: str,
+    value: Variable,
+    shape: Sequence[int],
+    clock: TimeBase | None,
+    stamps: int | None,
+    found: _Found,
+    labels: _Labels,
 ) -> None:
     matching = [axis for axis in (0, 1) if shape[axis] == stamps]
     along = matching[0] if len(matching) == 1 else int(np.argmax(shape))
@@ -194,7 +187,10 @@ def _add_matrix(
     whole = functools.cache(lambda: np.reshape(value.read(), shape))
     for k in range(shape[1 - along]):
         read = lambda k=k: np.take(whole(), k, axis=1 - along)  # noqa: E731
-        _add_column(f"{name}[{k + 1}]", value, read, shape[along], clock, found)
+        called = labels.names[k] if len(labels.names) == shape[1 - along] else ""
+        one = replace(value, unit=labels.units[k]) if len(labels.units) == shape[1 - along] else value
+        full = called if called and called not in found.sizes else f"{name}[{k + 1}]"
+        _add_column(full, one, read, shape[along], clock, found)
 
 
 def _add_column(
@@ -238,3 +234,31 @@ def _add_simulink(prefix: str, group: Group, found: _Found) -> None:
             _add(full, values, clock, None if vector is None else ("time", vector), found)
         else:
             found.unusable[full] = Remark(LeftOut.NO_VALUES)
+
+
+def _is_testlab(group: Group) -> bool:
+    """Whether a group is a signal as Simcenter Testlab writes it, sampled evenly over time in seconds."""
+    abscissa, ordinate = group.get("x_values"), group.get("y_values")
+    if not isinstance(abscissa, Mapping) or not isinstance(ordinate, Mapping):
+        return False
+    values = isinstance(ordinate.get("values"), Variable)
+    return values and _quantity(abscissa).lower() == "s" and bool(_stated(abscissa))
+
+
+def _quantity(group: Group) -> str:
+    """Return the unit that a group of Simcenter Testlab states."""
+    quantity = group.get("quantity")
+    label = quantity.get("label") if isinstance(quantity, Mapping) else None
+    return label.text.strip() if isinstance(label, Text) else ""
+
+
+def _add_testlab(name: str, group: Group, found: _Found) -> None:
+    """Add a signal of Simcenter Testlab by the name of its structure."""
+    abscissa, ordinate = group["x_values"], group["y_values"]
+    assert isinstance(abscissa, Mapping)
+    assert isinstance(ordinate, Mapping)
+    values, start = ordinate["values"], abscissa.get("start_value")
+    assert isinstance(values, Variable)
+    first = float(np.ravel(start.read())[0]) if isinstance(start, Variable) and start.size == 1 else 0.0
+    clock = TimeBase(name=name, start=first, rate=next(iter(_stated(abscissa).values())))
+    _add(name, replace(values, unit=_quantity(ordinate)), clock, None, found)

@@ -12,7 +12,7 @@ from suspid.words.decays import DecayDoubt, DecayKind, DecayRemark
 from suspid.words.fleet import Failure, FleetCheck, FleetHeadline, Step
 from suspid.words.greybox import EstimateCheck, EstimateHeadline
 from suspid.words.identification import Headline, ModeCheck, Reason
-from suspid.words.io import DAMAGE, LeftOut
+from suspid.words.io import ASIDE, DAMAGE, LeftOut
 from suspid.words.next_steps import NextStep, next_steps
 from suspid.words.reconstruction import ReconstructionCheck, ReconstructionHeadline, ReconstructionNote, Suspect
 from suspid.words.remarks import MOST_LISTED, MOST_NAMED, Code, Number, Remark, amount, count, in_a_row
@@ -20,6 +20,7 @@ from suspid.words.verdicts import Check, Level, Verdict
 from suspid.words.wear import DamperState, WearCheck, WearHeadline
 
 __all__ = [
+    "ASIDE",
     "DAMAGE",
     "MOST_LISTED",
     "MOST_NAMED",

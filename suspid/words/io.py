@@ -18,6 +18,29 @@ def _magnitude(numbers: Mapping[str, Number]) -> str:
     return f"is the magnitude of {', '.join(map(repr, axes))}: it is not linear in the motion"
 
 
+# How numbers are taken out of MATLAB's objects of a class, whose variable is {0}.
+TAKEN_OUT = {
+    "timeseries": "t = {0}.Time; y = squeeze({0}.Data)",
+    "timetable": "t = seconds({0}.Properties.RowTimes - {0}.Properties.RowTimes(1)); y = {0}.Variables; "
+    "names = {0}.Properties.VariableNames",
+    "table": "y = {0}.Variables; names = {0}.Properties.VariableNames",
+    "iddata": "y = {0}.OutputData; names = {0}.OutputName; Ts = {0}.Ts",
+    "duration": "{0} = seconds({0})",
+    "datetime": "{0} = seconds({0} - {0}(1))",
+    "Simulink.SimulationData.Dataset": "ts = {0}{{1}}.Values; t = ts.Time; y = squeeze(ts.Data)",
+}
+
+
+def _object(numbers: Mapping[str, Number]) -> str:
+    name, variable = str(numbers["name"]), str(numbers.get("variable") or "x")
+    lines = TAKEN_OUT.get(name)
+    if lines is None:
+        return f"is an object of class {name!r}; save what it holds as vectors, such as ts.Time and ts.Data of a timeseries"
+    saved = [part.split(" = ")[0] for part in lines.format(variable).split("; ")]
+    listed = ", ".join(f"'{one}'" for one in saved if one != "ts")
+    return f"is a {name}; in MATLAB: {lines.format(variable)}; save('record.mat', {listed})"
+
+
 class LeftOut(Code):
     """Why a part of a file is not a channel; the sentence follows the name of the part.
 
@@ -45,14 +68,12 @@ class LeftOut(Code):
     ENUMERATION = "enumeration", "is an enumeration, not numeric"
     TYPE = "type", "is of type {type}"
     CLASS = "class", "is of class {number}"
-    CELLS = "cells", "is a cell array"
+    CELLS = "cells", "is a cell array of different things; save vectors"
+    NOTE = "note", "is text beside the channels"
     PICKLE = "pickle", "is a Python object; pickles are not read"
     SPARSE = "sparse", "is a sparse matrix"
     OBJECT = "object", "is an object; save what it holds as vectors, such as ts.Time and ts.Data of a timeseries"
-    CLASS_OBJECT = (
-        "class_object",
-        "is an object of class {name!r}; save what it holds as vectors, such as ts.Time and ts.Data of a timeseries",
-    )
+    CLASS_OBJECT = "class_object", _object
     EMPTY_STRUCTURE = "empty_structure", "is an empty structure"
     STRUCTURE = "structure", "is an array or a structure"
     NESTED = "nested", "is nested ({type})"
@@ -123,5 +144,7 @@ class LeftOut(Code):
     )
 
 
+# What is no loss: single numbers and texts, which may state rate and names, and times, which are used.
+ASIDE = frozenset({LeftOut.NUMBER, LeftOut.GROUP_TIME, LeftOut.NOTE})
 # What a file has lost: these are warned of, where the others are merely listed.
 DAMAGE = frozenset({LeftOut.CUT_SHORT, LeftOut.CUT_CELL, LeftOut.CUT_NUMBER, LeftOut.NO_END, LeftOut.WINDOWS_1252})
