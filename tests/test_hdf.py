@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import io
 import os
+import re
+import struct
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -39,6 +41,26 @@ def of_structures(fields: dict[str, list[Any]]) -> NDArray[np.void]:
     return array
 
 
+def cells(*items: Any) -> NDArray[np.object_]:
+    """Return a cell array."""
+    found = np.empty((1, len(items)), object)
+    found[0, :] = [None] * len(items)
+    for k, item in enumerate(items):
+        found[0, k] = item
+    return found
+
+
+def opaque(name: str, of_class: str) -> bytes:
+    """Return a variable of a file of v5 that holds an object: flags, name, system, class, and a handle."""
+
+    def element(kind: int, content: bytes) -> bytes:
+        return struct.pack("<II", kind, len(content)) + content + bytes(-len(content) % 8)
+
+    texts = b"".join(element(1, one.encode()) for one in (name, "MCOS", of_class))
+    handle = element(14, element(6, struct.pack("<II", 13, 0)) + element(5, struct.pack("<ii", 1, 1)) + element(1, b""))
+    return element(14, element(6, struct.pack("<II", 17, 0)) + texts + handle)
+
+
 def written_v5(path: Path, variables: dict[str, Any]) -> None:
     savemat(path, variables)
 
@@ -62,6 +84,13 @@ def written_v73(path: Path, variables: dict[str, Any]) -> None:
                         put(refs, f"r{len(refs)}", item)
                         pointers.append([refs[f"r{len(refs) - 1}"].ref])
                     inner.create_dataset(key, data=np.array(pointers, dtype=h5py.ref_dtype))
+            elif isinstance(value, np.ndarray) and value.dtype == object:
+                pointers = []
+                for item in value.ravel():
+                    put(refs, f"r{len(refs)}", item)
+                    pointers.append([refs[f"r{len(refs) - 1}"].ref])
+                data = group.create_dataset(name, data=np.array(pointers, dtype=h5py.ref_dtype))
+                data.attrs["MATLAB_class"] = np.bytes_("cell")
             elif isinstance(value, str):
                 data = group.create_dataset(name, data=np.array([[ord(c)] for c in value], np.uint16))
                 data.attrs["MATLAB_class"] = np.bytes_("char")
@@ -96,6 +125,39 @@ LAYOUTS: dict[str, tuple[dict[str, Any], dict[str, tuple[list[float], float, flo
     "a matrix beside time": (
         {"t": T, "y": np.column_stack([X, 2 * X])},
         {"y[1]": (X.tolist(), 0.4, None), "y[2]": ((2 * X).tolist(), 0.4, None)},
+    ),
+    "a matrix with names": (
+        {"t": T, "y": np.column_stack([X, 2 * X]), "names": cells("seat", "body"), "units": cells("m", "m")},
+        {"seat": (X.tolist(), 0.4, None), "body": ((2 * X).tolist(), 0.4, None)},
+    ),
+    "a structure with time among the names": (
+        {"run": {"y": np.column_stack([T, X]), "names": cells("t", "seat")}},
+        {"run.seat": (X.tolist(), 0.4, None)},
+    ),
+    "names that fit two matrices": (
+        {"Fs": 10.0, "y": np.column_stack([X, 2 * X]), "u": np.column_stack([X, X]), "names": cells("seat", "body")},
+        {
+            f"{name}[{k}]": ((f * X).tolist(), 0.4, 10)
+            for name, k, f in (("y", 1, 1), ("y", 2, 2), ("u", 1, 1), ("u", 2, 1))
+        },
+    ),
+    "a cell array of tests": (
+        {"t": T, "c": cells(np.column_stack([X, 2 * X]), np.column_stack([3 * X, X]))},
+        {
+            f"c[{test}].data[{k}]": ((f * X).tolist(), 0.4, None)
+            for test, k, f in ((1, 1, 1), (1, 2, 2), (2, 1, 3), (2, 2, 1))
+        },
+    ),
+    "Simcenter Testlab's signals": (
+        {
+            f"Signal_{k}": {
+                "x_values": {"start_value": 0.0, "increment": 0.1, "number_of_values": 5.0, "quantity": {"label": "s"}},
+                "y_values": {"values": (k + 1) * X, "quantity": {"label": "m/s^2"}},
+                "function_record": {"name": "seat"},
+            }
+            for k in (0, 1)
+        },
+        {"Signal_0": (X.tolist(), 0.4, 10), "Signal_1": ((2 * X).tolist(), 0.4, 10)},
     ),
     "a matrix on its side": (
         {"Fs": 10.0, "y": np.vstack([X, 2 * X])},
@@ -202,15 +264,34 @@ class TestObjects:
         told = {name: why.code for name, why in read_recording(tmp_path / "r.mat").left_out}
         assert told == {"c": LeftOut.CELLS, "s": LeftOut.SPARSE, "z": LeftOut.COMPLEX}
 
+    @pytest.mark.parametrize(
+        ("of_class", "way"),
+        [
+            (
+                "timetable",
+                "is a timetable; in MATLAB: t = seconds(x.Properties.RowTimes - x.Properties.RowTimes(1)); y = ",
+            ),
+            ("duration", "is a duration; in MATLAB: x = seconds(x); save('record.mat', 'x')"),
+            ("mine", "is an object of class 'mine'; save what it holds as vectors"),
+        ],
+    )
+    def test_an_object_is_named_with_the_lines_that_save_its_numbers(
+        self, tmp_path: Path, of_class: str, way: str
+    ) -> None:
+        savemat(tmp_path / "r.mat", {})
+        with (tmp_path / "r.mat").open("ab") as file:
+            file.write(opaque("x", of_class))
+        with pytest.raises(RecordError, match=re.escape(f"holds no real vector: 'x' {way}")):
+            read_recording(tmp_path / "r.mat")
+
     def test_a_timeseries_has_a_way_out(self, tmp_path: Path) -> None:
         def fill(file: Any) -> None:
             file["ts"] = np.zeros((1, 6), np.uint32)
             file["ts"].attrs["MATLAB_class"] = np.bytes_("timeseries")
             file["ts"].attrs["MATLAB_object_decode"] = np.int32(3)
 
-        with pytest.raises(
-            RecordError, match=r"is a timeseries; in MATLAB: t = ts\.Time; y = squeeze\(ts\.Data\); save\("
-        ):
+        way = "in MATLAB: t = ts.Time; y = squeeze(ts.Data); save('record.mat', 't', 'y')"
+        with pytest.raises(RecordError, match=re.escape(f"'ts' is a timeseries; {way}")):
             plain(tmp_path, fill)
 
 

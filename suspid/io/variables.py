@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from suspid.errors import RecordError
-from suspid.io.labels import Group, Text, Texts, Variable, labels_of
+from suspid.io.labels import Group, Text, Texts, Variable, labelled
 from suspid.io.names import PER_SECOND, is_time, split_unit, stated_rate
 from suspid.io.tables import Table, TimeBase
 from suspid.units import Hertz, RealArray
@@ -20,14 +20,6 @@ from suspid.words import LeftOut, Number, Remark
 
 # Limit of a record; damaged files state deeper structures.
 DEEPEST = 16
-
-
-@dataclass(frozen=True, slots=True)
-class _Labels:
-    """Names and units of the columns of a matrix; empty where they are not stated."""
-
-    names: Sequence[str] = ()
-    units: Sequence[str] = ()
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -43,9 +35,9 @@ def as_table(variables: Group) -> Table:
     """Return every vector and every column of a matrix as a column of a table.
 
     A variable in a group is named ``group.name``; the columns of a matrix are ``name[1]``, ``name[2]`` …, its
-    longer side being time; a list of as many names beside it names them. A vector of time, or a number that states the
-    rate, holds for all in its group and in the groups below it; a group ``time`` and ``signals.values`` is what Simulink
-    writes, one with ``x_values`` and ``y_values`` what Simcenter Testlab writes.
+    longer side being time; a list of as many names beside it names them. A vector of time, or a number that
+    states the rate, holds for all in its group and in the groups below it; a group ``time`` and ``signals.values``
+    is what Simulink writes, one with ``x_values`` and ``y_values`` what Simcenter Testlab writes.
 
     Examples
     --------
@@ -58,8 +50,8 @@ def as_table(variables: Group) -> Table:
     top = _stated(variables)
     _collect(variables, "", None, found)
     if not found.sizes:
-        told = [f"{name!r} {why}" for name, why in found.unusable.items()]
-        raise RecordError(f"holds no real vector: {', '.join(told[:12]) or 'nothing at all'}")
+        listed = ", ".join(f"{name!r} {why}" for name, why in list(found.unusable.items())[:12])
+        raise RecordError(f"holds no real vector: {listed or 'nothing at all'}")
 
     def columns(wanted: Sequence[str]) -> list[RealArray]:
         return [found.readers[name]() for name in wanted]
@@ -82,9 +74,9 @@ def joined(prefix: str, name: str) -> str:
 
 def _collect(group: Group, prefix: str, above: TimeBase | None, found: _Found) -> None:
     """Add what a group holds; ``above`` is the time base of the group around it."""
+    group = labelled(group)
     clock = _clock(group, prefix, above) if prefix else None
     time = _time(group)
-    names, units = labels_of(group), labels_of(group, units=True)
     for name, value in group.items():
         full = joined(prefix, name)
         if isinstance(value, Remark):
@@ -95,8 +87,7 @@ def _collect(group: Group, prefix: str, above: TimeBase | None, found: _Found) -
             if prefix and time is not None and name == time[0]:
                 found.unusable[full] = Remark(LeftOut.GROUP_TIME)
             else:
-                called = [joined(prefix, one) for one in names.get(name, ())]
-                _add(full, value, clock, time, found, _Labels(called, units.get(name, ())))
+                _add(full, value, clock, time, found)
         elif _signals(value):
             _add_simulink(full, value, found)
         elif _is_testlab(value):
@@ -139,14 +130,7 @@ def _stated(group: Group) -> dict[str, Hertz]:
     return rates
 
 
-def _add(
-    name: str,
-    value: Variable,
-    clock: TimeBase | None,
-    time: tuple[str, Variable] | None,
-    found: _Found,
-    labels: _Labels = _Labels(),
-) -> None:
+def _add(name: str, value: Variable, clock: TimeBase | None, time: tuple[str, Variable] | None, found: _Found) -> None:
     """Add the columns of an array."""
     shape = tuple(n for n in value.shape if n > 1)
     if not value.size:
@@ -166,17 +150,11 @@ def _add(
     elif len(shape) == 1:
         _add_column(name, value, lambda: np.ravel(value.read()), value.size, clock, found)
     else:
-        _add_matrix(name, value, shape, clock, None if time is None else time[1].size, found, labels)
+        _add_matrix(name, value, shape, clock, None if time is None else time[1].size, found)
 
 
 def _add_matrix(
-    name: str,
-    value: Variable,
-    shape: Sequence[int],
-    clock: TimeBase | None,
-    stamps: int | None,
-    found: _Found,
-    labels: _Labels,
+    name: str, value: Variable, shape: Sequence[int], clock: TimeBase | None, stamps: int | None, found: _Found
 ) -> None:
     matching = [axis for axis in (0, 1) if shape[axis] == stamps]
     along = matching[0] if len(matching) == 1 else int(np.argmax(shape))
@@ -187,10 +165,7 @@ def _add_matrix(
     whole = functools.cache(lambda: np.reshape(value.read(), shape))
     for k in range(shape[1 - along]):
         read = lambda k=k: np.take(whole(), k, axis=1 - along)  # noqa: E731
-        called = labels.names[k] if len(labels.names) == shape[1 - along] else ""
-        one = replace(value, unit=labels.units[k]) if len(labels.units) == shape[1 - along] else value
-        full = called if called and called not in found.sizes else f"{name}[{k + 1}]"
-        _add_column(full, one, read, shape[along], clock, found)
+        _add_column(f"{name}[{k + 1}]", value, read, shape[along], clock, found)
 
 
 def _add_column(

@@ -18,6 +18,7 @@ def _magnitude(numbers: Mapping[str, Number]) -> str:
     return f"is the magnitude of {', '.join(map(repr, axes))}: it is not linear in the motion"
 
 
+AS_VECTORS = "save what it holds as vectors, such as ts.Time and ts.Data of a timeseries"
 # How numbers are taken out of MATLAB's objects of a class, whose variable is {0}.
 TAKEN_OUT = {
     "timeseries": "t = {0}.Time; y = squeeze({0}.Data)",
@@ -35,7 +36,7 @@ def _object(numbers: Mapping[str, Number]) -> str:
     name, variable = str(numbers["name"]), str(numbers.get("variable") or "x")
     lines = TAKEN_OUT.get(name)
     if lines is None:
-        return f"is an object of class {name!r}; save what it holds as vectors, such as ts.Time and ts.Data of a timeseries"
+        return f"is an object of class {name!r}; {AS_VECTORS}"
     saved = [part.split(" = ")[0] for part in lines.format(variable).split("; ")]
     listed = ", ".join(f"'{one}'" for one in saved if one != "ts")
     return f"is a {name}; in MATLAB: {lines.format(variable)}; save('record.mat', {listed})"
@@ -72,7 +73,7 @@ class LeftOut(Code):
     NOTE = "note", "is text beside the channels"
     PICKLE = "pickle", "is a Python object; pickles are not read"
     SPARSE = "sparse", "is a sparse matrix"
-    OBJECT = "object", "is an object; save what it holds as vectors, such as ts.Time and ts.Data of a timeseries"
+    OBJECT = "object", f"is an object; {AS_VECTORS}"
     CLASS_OBJECT = "class_object", _object
     EMPTY_STRUCTURE = "empty_structure", "is an empty structure"
     STRUCTURE = "structure", "is an array or a structure"
