@@ -70,7 +70,7 @@ class LeftOut(Code):
     TYPE = "type", "is of type {type}"
     CLASS = "class", "is of class {number}"
     CELLS = "cells", "is a cell array of different things; save vectors"
-    NOTE = "note", "is text beside the channels"
+    NOTE = "note", "is text"
     PICKLE = "pickle", "is a Python object; pickles are not read"
     SPARSE = "sparse", "is a sparse matrix"
     OBJECT = "object", f"is an object; {AS_VECTORS}"
