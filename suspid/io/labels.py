@@ -124,6 +124,6 @@ def _column(matrix: Variable, number: int, *, unit: str) -> Variable:
     axis = sides.index(matrix.columns)
 
     def read() -> NDArray[Any]:
-        return np.take(np.reshape(matrix.read(), sides), number, axis=axis)
+        return np.asarray(np.take(np.reshape(matrix.read(), sides), number, axis=axis))
 
     return Variable(shape=(max(sides),), read=read, unit=unit, rates=matrix.rates)
