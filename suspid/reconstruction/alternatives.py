@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +20,25 @@ OFTEN = 3  # the search ends when every minimum was reached this often; at 1 rar
 DECADES = 1.5  # starts lie between 1/30 and 30 times nominal springs and masses, because rare minima are far away
 SAME = 1e-3  # relative difference of parameters below which two suspensions count as one
 COST_ROUNDING = 1e-11  # costs below it count as equal
+ARRIVED = 1e-13  # squared distance from the poles at which a start has converged
 ADDED_SHARE = 0.3  # mass added in the proposed test, relative to that of the coordinate
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Pace:
+    """When the descents from many points end."""
+
+    steps: int  # at most
+    damping: float  # of the first step
+    share: float  # of its cost: a point stops where a step gains less
+    firm: float  # largest damping at which that counts
+    left: float  # share of the points with which all end: waiting for the slowest costs more than it finds
+
+
+# Most starts need 10 to 15 steps.
+FAST = Pace(steps=40, damping=1e-2, share=1e-3, firm=np.inf, left=0.2)
+# From near a minimum steps need next to no damping; a larger one would make every gain small.
+FIRM = Pace(steps=60, damping=1e-4, share=1e-6, firm=1e-3, left=0.0)
 
 
 def even_starts(unknowns: Unknowns, count: int) -> RealArray:
@@ -41,23 +60,36 @@ def spectral_minima(tests: Sequence[Observed], unknowns: Unknowns, *, reach: Rat
     """Return distinct minima of the distance from the poles, nearest first, from starts spread around nominal.
 
     The nominal values are the first start. Starts are added until every minimum was reached `OFTEN` times or a round
-    finds no new one. Minima farther from the poles than ``reach`` are dropped, except the nearest.
+    finds no new one. Minima farther from the poles than ``reach`` are dropped, except the nearest. A minimum that the
+    nominal values alone lead to is not asked for again: a symmetric car keeps its symmetry on the way, and may end
+    between two others that mirror each other.
     """
     equations = polynomial_equations(tests, unknowns)
     # Starts per unknown, of a quarter car at most and of larger ones. Fewer miss rare minima, more cost time.
     count = len(unknowns) * (12 if len(unknowns) <= 6 else 48)
     starts = np.vstack([unknowns.nominal, even_starts(unknowns, ROUNDS * count)])
-    points, costs = descend_together(equations, starts[:count], unknowns)
-    minima, met = gathered(points, costs, unknowns, reach)
-    before = 0
-    for first in range(count, ROUNDS * count, count):
-        if min(met) >= OFTEN or len(minima) == before:
-            break
-        before = len(minima)
+    points, costs, before = np.empty((0, len(unknowns))), np.empty(0), 0
+    for first in range(0, ROUNDS * count, count):
         more, their_costs = descend_together(equations, starts[first : first + count], unknowns)
         points, costs = np.vstack([points, more]), np.append(costs, their_costs)
         minima, met = gathered(points, costs, unknowns, reach)
+        if met_often(met):
+            break
+        # Ends along one flat valley count as many minima until they have reached its lowest point.
+        near = np.flatnonzero((costs <= max(reach**2, float(np.min(costs)))) & (costs >= ARRIVED))
+        near = near[near >= first]
+        if len(near):
+            points[near], costs[near] = descend_together(equations, points[near], unknowns, FIRM)
+        minima, met = gathered(points, costs, unknowns, reach)
+        if met_often(met) or len(minima) == before:
+            break
+        before = len(minima)
     return minima
+
+
+def met_often(met: Sequence[int]) -> bool:
+    """Return whether every minimum that more than the nominal values lead to was reached `OFTEN` times."""
+    return min((times for times in met if times), default=OFTEN) >= OFTEN
 
 
 def polynomial_equations(tests: Sequence[Observed], unknowns: Unknowns) -> Equations:
@@ -80,7 +112,9 @@ def polynomial_equations(tests: Sequence[Observed], unknowns: Unknowns) -> Equat
     return every[0] if len(every) == 1 else together
 
 
-def descend_together(equations: Equations, x: RealArray, unknowns: Unknowns) -> tuple[RealArray, RealArray]:
+def descend_together(
+    equations: Equations, x: RealArray, unknowns: Unknowns, pace: Pace = FAST
+) -> tuple[RealArray, RealArray]:
     """Minimise from many points at once by damped Gauss-Newton steps within bounds; return the ends and their costs.
 
     A point stops when a step reduces its cost little, and the slowest points are cut off: the ends are refined later.
@@ -90,11 +124,9 @@ def descend_together(equations: Equations, x: RealArray, unknowns: Unknowns) -> 
     lower, upper = unknowns.lower, np.minimum(unknowns.upper, 1e4)
     own, count = np.arange(x.shape[1]), len(x)
     residual, slope = equations(x)
-    cost, damping = np.sum(residual**2, axis=1), np.full(len(x), 1e-2)
-    ends: list[RealArray] = []
-    costs: list[RealArray] = []
-    # Most starts need 10 to 15 steps.
-    for _ in range(40):
+    cost, damping = np.sum(residual**2, axis=1), np.full(len(x), pace.damping)
+    ends, costs, place = np.empty_like(x), np.empty(count), np.arange(count)
+    for _ in range(pace.steps):
         scaled = slope * np.where(positive, x, 1.0)[:, None, :]
         gradient = (residual[:, None, :] @ scaled)[:, 0]
         stuck = ((x <= lower) & (gradient > 0)) | ((x >= upper) & (gradient < 0))
@@ -113,37 +145,41 @@ def descend_together(equations: Equations, x: RealArray, unknowns: Unknowns) -> 
         trial_residual, trial_slope = equations(trial)
         trial_cost = (trial_residual * trial_residual).sum(axis=1)
         better = trial_cost < cost
-        # A start has converged at this squared distance from the poles, and stops where a step reduces it by less than
-        # 1e-3.
-        done = (cost < 1e-13) | (better & (cost - trial_cost < 1e-3 * cost)) | (damping > 1e8)
+        little = better & (cost - trial_cost < pace.share * cost) & (damping <= pace.firm)
+        # So small a step that gains nothing is rounding.
+        rounding = ~better & (np.max(np.abs(step), axis=1) < 1e-8)
+        done = (cost < ARRIVED) | little | rounding | (damping > 1e8)
         np.copyto(x, trial, where=better[:, None])
         np.copyto(residual, trial_residual, where=better[:, None])
         np.copyto(slope, trial_slope, where=better[:, None, None])
         cost = np.where(better, trial_cost, cost)
         damping *= np.where(better, 0.2, 4.0)
         if done.any():
-            ends.append(x[done])
-            costs.append(cost[done])
-            x, residual, slope, cost, damping = (a[~done] for a in (x, residual, slope, cost, damping))
-            # A round ends with a fifth of its starts left: waiting for the slowest costs more than it finds.
-            if len(x) <= 0.2 * count:
-                return np.concatenate(ends), np.concatenate(costs)
-    return np.concatenate([*ends, x]), np.concatenate([*costs, cost])
+            ends[place[done]], costs[place[done]] = x[done], cost[done]
+            x, residual, slope, cost, damping, place = (a[~done] for a in (x, residual, slope, cost, damping, place))
+            if len(x) <= pace.left * count:
+                break
+    ends[place], costs[place] = x, cost
+    return ends, costs
 
 
 def gathered(
     points: RealArray, costs: RealArray, unknowns: Unknowns, reach: Ratio
 ) -> tuple[list[RealArray], list[int]]:
-    """Return the distinct points within reach, at least the nearest, by ascending cost, and how often each was met."""
+    """Return the distinct points within reach, at least the nearest, by ascending cost, and how often each was met.
+
+    What the first point alone has met counts as 0.
+    """
     order = np.argsort(np.maximum(costs, COST_ROUNDING**2), kind="stable")
-    left = points[order[costs[order] <= max(reach**2, float(np.min(costs)))]]
+    order = order[costs[order] <= max(reach**2, float(np.min(costs)))]
+    left = points[order]
     minima: list[RealArray] = []
     met: list[int] = []
     while len(left):
         one = same(left[0], left, unknowns)
         minima.append(left[0])
-        met.append(int(np.sum(one)))
-        left = left[~one]
+        met.append(int(np.sum(one)) if np.any(order[one] > 0) else 0)
+        left, order = left[~one], order[~one]
     return minima, met
 
 

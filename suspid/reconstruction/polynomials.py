@@ -30,7 +30,7 @@ class Characteristic:
     """The polynomial of one test at its nodes, as a function of the unknowns."""
 
     real: NDArray[np.bool_]  # nodes whose imaginary part carries no information
-    base: ComplexArray  # force of each strut [N/m]: base + spread @ x, (node, strut)
+    base: ComplexArray  # force of each strut that is not known [N/m]: base + spread @ x, (node, strut)
     spread: ComplexArray  # (node, strut, unknown)
     factors: ComplexArray  # (node, set): value per product of forces
     # (node, set, unknown + 1): derivatives by the unknowns, and the value, per product of forces; of few struts only
@@ -99,11 +99,17 @@ def characteristic(test: Observed, unknowns: Unknowns) -> Characteristic | None:
     spread = (
         unknowns.spread[:struts] + test.nodes[:, None, None] * unknowns.spread[struts : 2 * struts]
     )  # (node, strut, unknown)
+    searched = np.any(spread, axis=(0, 2))
+    for i in np.flatnonzero(~searched)[::-1]:
+        # The force of a known strut is a number.
+        sets = value.reshape(len(value), -1, 2, 1 << i)
+        value = (sets[:, :, 0] + base[:, i, None, None] * sets[:, :, 1]).reshape(len(value), -1)
+    base, spread = base[:, searched], spread[:, searched]
     terms = None
-    if struts <= FEW_STRUTS:
-        terms = np.zeros((len(test.nodes), len(minors), len(unknowns) + 1), complex)
-        every = np.arange(len(minors))
-        for i in range(struts):
+    if spread.shape[1] <= FEW_STRUTS:
+        terms = np.zeros((*value.shape, len(unknowns) + 1), complex)
+        every = np.arange(value.shape[1])
+        for i in range(spread.shape[1]):
             without = every[every >> i & 1 == 0]
             terms[:, without, :-1] += value[:, without + (1 << i), None] * spread[:, i, None, :]
         terms[..., -1] = value
