@@ -14,7 +14,8 @@ from click.testing import CliRunner
 from suspid import InputError, ModalSet, ReconstructionError, Strut, Suspension, eigenmodes
 from suspid.cli.main import main
 from suspid.model import car_to_toml, read_car, read_constraints
-from suspid.reconstruction.alternatives import spectral_minima
+from suspid.reconstruction.alternatives import same, spectral_minima
+from suspid.reconstruction.descent import slope_left
 from suspid.reconstruction.observations import ModalTest
 from suspid.reconstruction.posed import Asked, posed
 from suspid.reconstruction.programs import Limits, least_squares
@@ -22,7 +23,7 @@ from suspid.reconstruction.reconstruct import Reconstruction, reconstruct
 from suspid.reconstruction.unknowns import Unknowns, parameter_names, parameter_vector
 from suspid.units import RealArray
 from suspid.words import ReconstructionCheck, ReconstructionNote
-from validation.cars import HATCHBACK, PAPER
+from validation.cars import FOUR_WHEELS, HATCHBACK, PAPER
 from validation.springs import nominal, with_noise
 
 cp: Any = cvxpy
@@ -68,6 +69,23 @@ def test_a_minimum_that_was_met_less_than_three_times_calls_for_more_starts(
     problem, _ = posed([ModalTest(modes=eigenmodes(PAPER))], PAPER, Asked())
     assert len(spectral_minima(problem.tests, problem.unknowns, reach=1.0)) == 2
     assert len(asked) == rounds
+
+
+def test_what_the_search_counts_are_minima_in_mirrored_pairs() -> None:
+    """A symmetric car has the same poles with left and right exchanged; a flat valley has one minimum."""
+    poles = 1.001 * eigenmodes(FOUR_WHEELS).poles
+    held = [
+        "front_antiroll",
+        *(f"{side}_tire.damping" for side in ("front_left", "front_right", "rear_left", "rear_right")),
+    ]
+    problem, _ = posed([ModalTest(modes=ModalSet(poles=poles))], FOUR_WHEELS, Asked(fixed=held))
+    u = problem.unknowns
+    found = np.array(spectral_minima(problem.tests, u, reach=2e-6))
+    assert len(found) >= 2
+    mirror = [u.names.index(n.replace("left", "?").replace("right", "left").replace("?", "right")) for n in u.names]
+    for x in found:
+        assert slope_left(problem.deciding, x, u.lower, u.upper) < 1e-3
+        assert np.any(same(x[mirror], found, u))
 
 
 class TestInactiveConstraintsDoNothing:

@@ -69,6 +69,7 @@ def spectral_minima(tests: Sequence[Observed], unknowns: Unknowns, *, reach: Rat
     count = len(unknowns) * (12 if len(unknowns) <= 6 else 48)
     starts = np.vstack([unknowns.nominal, even_starts(unknowns, ROUNDS * count)])
     points, costs, before = np.empty((0, len(unknowns))), np.empty(0), 0
+    rough: list[RealArray] = []
     for first in range(0, ROUNDS * count, count):
         more, their_costs = descend_together(equations, starts[first : first + count], unknowns)
         points, costs = np.vstack([points, more]), np.append(costs, their_costs)
@@ -79,12 +80,16 @@ def spectral_minima(tests: Sequence[Observed], unknowns: Unknowns, *, reach: Rat
         near = np.flatnonzero((costs <= max(reach**2, float(np.min(costs)))) & (costs >= ARRIVED))
         near = near[near >= first]
         if len(near):
+            rough += minima
             points[near], costs[near] = descend_together(equations, points[near], unknowns, FIRM)
         minima, met = gathered(points, costs, unknowns, reach)
         if met_often(met) or len(minima) == before:
             break
         before = len(minima)
-    return minima
+    if all(test.whiten is None and test.shapes is None for test in tests):
+        return minima
+    # Weighted, a valley may have a minimum where the poles alone have none.
+    return minima + [x for x in rough if not np.any(same(x, np.array(minima), unknowns))]
 
 
 def met_often(met: Sequence[int]) -> bool:
@@ -117,7 +122,8 @@ def descend_together(
 ) -> tuple[RealArray, RealArray]:
     """Minimise from many points at once by damped Gauss-Newton steps within bounds; return the ends and their costs.
 
-    A point stops when a step reduces its cost little, and the slowest points are cut off: the ends are refined later.
+    A point stops when a step reduces its cost little: the ends are refined later. The slowest points are cut off, at an
+    infinite cost.
     """
     x, positive = x.copy(), unknowns.positive
     # No value in the search is larger, times nominal.
@@ -125,7 +131,7 @@ def descend_together(
     own, count = np.arange(x.shape[1]), len(x)
     residual, slope = equations(x)
     cost, damping = np.sum(residual**2, axis=1), np.full(len(x), pace.damping)
-    ends, costs, place = np.empty_like(x), np.empty(count), np.arange(count)
+    ends, costs, place = x.copy(), np.full(count, np.inf), np.arange(count)
     for _ in range(pace.steps):
         scaled = slope * np.where(positive, x, 1.0)[:, None, :]
         gradient = (residual[:, None, :] @ scaled)[:, 0]
@@ -158,7 +164,7 @@ def descend_together(
             ends[place[done]], costs[place[done]] = x[done], cost[done]
             x, residual, slope, cost, damping, place = (a[~done] for a in (x, residual, slope, cost, damping, place))
             if len(x) <= pace.left * count:
-                break
+                return ends, costs
     ends[place], costs[place] = x, cost
     return ends, costs
 
