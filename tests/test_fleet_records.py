@@ -12,9 +12,13 @@ import pytest
 from click.testing import CliRunner
 from fleets import time_limit
 
+from suspid import Settings
 from suspid.cli.fleet import fleet_command
 from suspid.cli.main import main
+from suspid.fleet.job import Job
 from suspid.fleet.parts import read_table
+from suspid.fleet.records import Entry
+from suspid.fleet.rows import record_rows
 from suspid.identification.modes_json import modes_from_dict
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -79,3 +83,20 @@ def test_the_example(tmp_path: Path) -> None:
 @pytest.mark.skipif(not DATA.exists(), reason="no shared data")
 def test_measured_records(tmp_path: Path) -> None:
     check_same([DATA / name for name in SHARED], tmp_path)
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".h5", ".mat", ".mf4", ".npz", ".parquet", ".tdms", ".uff", ".wav"])
+@pytest.mark.parametrize("content", [b"", b"PK\x03\x04damaged", b"\x89HDF\r\n\x1a\ndamaged", b"TDSm\x0e", None])
+def test_the_reason_does_not_depend_on_where_the_file_lies(tmp_path: Path, suffix: str, content: bytes | None) -> None:
+    said = []
+    for folder in (tmp_path / "here", tmp_path / "over there"):
+        folder.mkdir()
+        path = folder / f"bump{suffix}"
+        if content is None:
+            path.mkdir()
+        else:
+            path.write_bytes(content)
+        (row,) = record_rows(Job(settings=Settings()), Entry(name=path.name, path=str(path)), lambda _: None).failures
+        said.append(row)
+    assert said[0] == said[1]
+    assert str(tmp_path) not in str(said[0])

@@ -11,7 +11,7 @@ import numpy as np
 
 from suspid.analysis import DriveAnalysis, analyse_drive
 from suspid.files import printable
-from suspid.fleet.failures import failure, which, without
+from suspid.fleet.failures import failure, which
 from suspid.fleet.job import DriveJob, Job
 from suspid.fleet.records import Entry, Seen
 from suspid.fleet.tables import Row, Rows, dampers_named, drives_layout
@@ -55,7 +55,7 @@ def drive_rows(
         progress=lambda step: know(replace(began, step=DRIVE_STEPS[step])),
     )
     named = which(job, entry, began)
-    values = _of_drive(found, entry, began.place) | _of_body(found)
+    values = _of_drive(found, entry) | _of_body(found)
     springs: tuple[Row, ...] = ()
     if found.estimate is not None:
         values |= _of_estimate(found.estimate)
@@ -72,7 +72,7 @@ def drive_rows(
     return replace(failure(job, entry, seen, Remark(Failure.NO_STRETCH, {"why": why}), checks), drives=(row,))
 
 
-def _of_drive(found: DriveAnalysis, entry: Entry, place: str) -> dict[str, object]:
+def _of_drive(found: DriveAnalysis, entry: Entry) -> dict[str, object]:
     verdict, stretches = found.verdict, [one for drives in found.drives for one in drives.taken]
     speeds, lengths = (np.array([getattr(one, name) for one in stretches]) for name in ("speed", "length"))
     known = np.isfinite(speeds)
@@ -83,7 +83,7 @@ def _of_drive(found: DriveAnalysis, entry: Entry, place: str) -> dict[str, objec
         "verdict": verdict.level.label,
         "doubts": list(dict.fromkeys(str(doubt.code) for doubt in verdict.doubts)),
         "notes": list(dict.fromkeys(str(note.code) for note in verdict.notes)),
-        "remarks": printable("; ".join(without(one, place) for one in said)),
+        "remarks": printable("; ".join(said)),
         "stretches": len(stretches),
         "used_s": found.usable,
         "length_s": float(sum(one.length for one in found.drives)),

@@ -13,6 +13,11 @@ from suspid.words import Failure, Remark
 
 # A reason longer than this [characters] is cut: some libraries put whole tables into their errors.
 LONGEST_REASON = 600
+CODES = {
+    RecordError: Failure.UNUSABLE,
+    IdentificationError: Failure.NOT_IDENTIFIED,
+    EstimationError: Failure.NOT_ESTIMATED,
+}
 
 
 def failure(job: Job, entry: Entry, seen: Seen, why: Remark, checks: Sequence[str] = ()) -> Rows:
@@ -34,24 +39,14 @@ def which(job: Job, entry: Entry, seen: Seen) -> dict[str, object]:
     return {"record": entry.name, "sha256": seen.sha256, "suspid": job.environment["suspid"]}
 
 
-def why_of(error: Exception, place: str) -> Remark:
-    """Return an error as a code with the words of the error."""
+def why_of(error: Exception) -> Remark:
+    """Return an error as a code with the words of the error, without the path of the file: a copy has another."""
     if isinstance(error, RefusedError):
         return error.remark
     if isinstance(error, MemoryError):
         return Remark(Failure.MEMORY)
-    text = without(error.message if isinstance(error, SuspidError) else str(error), place)
-    if isinstance(error, RecordError):
-        return Remark(Failure.UNUSABLE, {"why": text})
-    if isinstance(error, IdentificationError):
-        return Remark(Failure.NOT_IDENTIFIED, {"why": text})
-    if isinstance(error, EstimationError):
-        return Remark(Failure.NOT_ESTIMATED, {"why": text})
     if isinstance(error, SuspidError):
-        return Remark(Failure.REFUSED, {"why": text})
-    return Remark(Failure.UNEXPECTED, {"kind": type(error).__name__, "why": text})
-
-
-def without(text: str, place: str) -> str:
-    """Return a message without the path of the file: the row has its name, and a copy has another path."""
-    return text.replace(place, "the file") if place else text
+        code = next((code for kind, code in CODES.items() if isinstance(error, kind)), Failure.REFUSED)
+        return Remark(code, {"why": error.message})
+    said = isinstance(error, OSError) and error.strerror
+    return Remark(Failure.UNEXPECTED, {"kind": type(error).__name__, "why": said or str(error)})

@@ -128,11 +128,10 @@ def in_chunks(entries: Iterable[Entry], most: int) -> Iterator[tuple[Entry, ...]
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Seen:
-    """What is known of a record while work on it goes on: the step, the sha256 of its content, and its place."""
+    """What is known of a record while work on it goes on: the step, and the sha256 of its content."""
 
     step: Step = Step.READ
     sha256: str | None = None
-    place: str = ""
 
 
 class RefusedError(Exception):
@@ -155,9 +154,8 @@ def source_of(entry: Entry, know: Callable[[Seen], None]) -> Iterator[Path | con
         return
     assert entry.path is not None
     with _at_hand(entry.path) as path:
-        know(Seen(place=str(path)))
         if path.is_file():
-            know(Seen(place=str(path), sha256=file_hash(path)))
+            know(Seen(sha256=file_hash(path)))
             size = path.stat().st_size
             if entry.size is not None and size != entry.size:
                 raise RefusedError(Remark(Failure.CHANGED, {"then": entry.size, "now": size}))

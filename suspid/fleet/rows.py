@@ -11,7 +11,7 @@ import numpy as np
 from suspid.analysis import STEPS, Analysis, analyse
 from suspid.files import printable
 from suspid.fleet.drive_rows import drive_rows
-from suspid.fleet.failures import failure, which, why_of, without
+from suspid.fleet.failures import failure, which, why_of
 from suspid.fleet.job import Job
 from suspid.fleet.records import Entry, Seen, source_of
 from suspid.fleet.tables import Row, Rows
@@ -49,7 +49,7 @@ def record_rows(job: Job, entry: Entry, tell: Callable[[Seen], None]) -> Rows:
             modes = _mode_rows(job, entry, seen[-1], found)
             springs = _spring_rows(job, entry, seen[-1], found)
     except Exception as error:
-        return failure(job, entry, seen[-1], why_of(error, seen[-1].place))
+        return failure(job, entry, seen[-1], why_of(error))
     if not modes:
         verdict = found.verdict
         why = "; ".join(str(one) for one in (*verdict.doubts, *found.notes)) or str(verdict.headline)
@@ -57,8 +57,7 @@ def record_rows(job: Job, entry: Entry, tell: Callable[[Seen], None]) -> Rows:
         return failure(job, entry, replace(seen[-1], step=Step.IDENTIFY), Remark(Failure.NO_MODE, {"why": why}), checks)
     missing = [note for note in found.notes if note.code is Note.NO_SPRINGS]
     if missing:
-        why = without(str(missing[0].numbers["why"]), seen[-1].place)
-        rows = failure(job, entry, seen[-1], Remark(Failure.NO_SPRINGS, {"why": why}))
+        rows = failure(job, entry, seen[-1], Remark(Failure.NO_SPRINGS, {"why": missing[0].numbers["why"]}))
         return replace(rows, modes=modes)
     return Rows(modes=modes, springs=springs)
 
@@ -85,7 +84,7 @@ def _mode_rows(job: Job, entry: Entry, seen: Seen, found: Analysis) -> tuple[Row
         "channels": [printable(name) for name in signal.channels],
         "explained": single.explained.tolist(),
         "noise_std": single.noise_std.tolist(),
-        **_said(found, seen.place),
+        **_said(found),
     }
     columns: dict[str, Iterable[object]] = {
         "mode": range(1, len(modes) + 1),
@@ -113,7 +112,7 @@ def _mode_rows(job: Job, entry: Entry, seen: Seen, found: Analysis) -> tuple[Row
     return tuple(shared | dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True))
 
 
-def _said(found: Analysis, place: str) -> dict[str, object]:
+def _said(found: Analysis) -> dict[str, object]:
     """Return the verdict, the codes of what was doubted, found and done, and all of it in words."""
     verdict, findings = found.verdict, found.cleaned.findings
     sentences = dict.fromkeys([*map(str, verdict.doubts), *map(str, findings), *map(str, found.notes)])
@@ -122,7 +121,7 @@ def _said(found: Analysis, place: str) -> dict[str, object]:
         "doubts": list(dict.fromkeys(str(one.code) for one in verdict.doubts)),
         "findings": list(dict.fromkeys(str(one.kind) for one in findings)),
         "notes": list(dict.fromkeys(str(one.code) for one in found.notes)),
-        "remarks": printable("; ".join(without(one, place) for one in sentences)),
+        "remarks": printable("; ".join(sentences)),
     }
 
 
