@@ -428,3 +428,16 @@ class TestJudgement:
         assert "The mass of chassis and the mass of tire are taken as known" in text
         changed = next(c.remark for c in found.verdict.checks if c.remark.code is EstimateCheck.CHANGED)
         assert changed.numbers["names"] == ("chassis.damping",)
+
+    @pytest.mark.parametrize("bounds", [None, {"chassis.damping": (1100.0, 1350.0)}])
+    @pytest.mark.parametrize("mounts", [(), ("chassis",)])
+    def test_table_and_verdict_name_the_same_changes(
+        self, bounds: dict[str, tuple[float, float]] | None, mounts: Sequence[str]
+    ) -> None:
+        record = add_noise(TestOptions.RECORD, snr_db=25.0, rng=np.random.default_rng(1))
+        found = estimate(record, QUARTER.with_parameters(damping={"chassis": 1400}), bounds=bounds, mounts=mounts)
+        said = [c.remark for c in found.verdict.checks if c.remark.code is EstimateCheck.CHANGED]
+        apart = found.beyond_chance()
+        assert [c.numbers["names"] for c in said] == [tuple(n for n in found.parameters if n in apart)][: len(apart)]
+        # No value within these bounds is the nominal one.
+        assert bounds is None or "chassis.damping" in apart

@@ -27,7 +27,7 @@ from suspid import (
     write_record,
 )
 from suspid.cli import main
-from suspid.greybox.judgement import changes
+from suspid.greybox.judgement import far_or_vague
 from suspid.greybox.reach import Reach, reach
 from suspid.greybox.road_model import RoadModel, road_model
 from suspid.greybox.tire_fit import TireProblem, _scatter, fit_tires
@@ -356,5 +356,6 @@ class TestDrives:
 
 def test_what_was_known_beforehand_is_not_said_to_be_hardly_known() -> None:
     names, values, wide = ["tire.damping"], np.array([60.0]), np.array([50.0])
-    assert EstimateCheck.VAGUE in {one.remark.code for one in changes(QUARTER, names, values, wide)}
-    assert EstimateCheck.VAGUE not in {one.remark.code for one in changes(QUARTER, names, values, wide, assumed=names)}
+    told, known = (far_or_vague(QUARTER, names, values, wide, assumed=a) for a in ((), names))
+    assert EstimateCheck.VAGUE in {one.remark.code for one in told}
+    assert EstimateCheck.VAGUE not in {one.remark.code for one in known}

@@ -11,10 +11,10 @@ import numpy as np
 from suspid.cleaning import RecordLike
 from suspid.errors import EstimationError, InputError
 from suspid.greybox.causes import dies_down
-from suspid.greybox.estimates import Estimate
+from suspid.greybox.estimates import Estimate, changed
 from suspid.greybox.fits import Fit
 from suspid.greybox.further import further_asked
-from suspid.greybox.judgement import changes, gains_off, on_bounds, rests_on
+from suspid.greybox.judgement import beside_nominal, far_or_vague, gains_off, on_bounds, rests_on
 from suspid.greybox.late_causes import fit_drives
 from suspid.greybox.modal import modes_with, mounted_car, of_car
 from suspid.greybox.onset import from_onset
@@ -194,13 +194,16 @@ def estimate(
     unused = tuple(dict.fromkeys(name for trial in trials for name in trial.unused))
     still = () if road else tuple(suspension.coordinates[i] for i in trials[0].wheels)
     own = of_car(u)
+    ranges = np.vstack([np.column_stack([u.lower, u.upper])[u.column] * u.scale[u.column, None], fit.extra_ranges])
+    apart = changed(suspension, parameters, values, std, ranges)
     said = [one.remark.numbers["names"] for one in fit.checks if one.remark.code is EstimateCheck.TIRE_DAMPING]
     assumed = {str(name) for names in said if isinstance(names, tuple) for name in names}
     checks = [
         *fit.checks,
         *on_bounds(u, fit.x),
         *gains_off(parameters, values),
-        *changes(suspension, u.names[: len(own)], values[: len(own)], std[: len(own)], assumed=assumed),
+        beside_nominal(tuple(name for name in parameters if name in apart)),
+        *far_or_vague(suspension, u.names[: len(own)], values[: len(own)], std[: len(own)], assumed=assumed),
         *rests_on(suspension, u.names, still=still, forced=any(len(trial.forces) for trial in trials)),
         *([Check(Remark(EstimateCheck.STILL, {"names": still}), Level.NOTE)] if still else []),
         *(
@@ -218,9 +221,7 @@ def estimate(
         parameters=parameters,
         values=frozen_real(values),
         covariance=frozen_real(covariance),
-        ranges=frozen_real(
-            np.vstack([np.column_stack([u.lower, u.upper])[u.column] * u.scale[u.column, None], fit.extra_ranges])
-        ),
+        ranges=frozen_real(ranges),
         held=tuple(n for n in parameter_names(suspension) if n not in u.names and not n.endswith(".mass")),
         modes=modes_with(car, u, parameters, covariance, still),
         fitted=tuple(

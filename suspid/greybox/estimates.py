@@ -129,20 +129,12 @@ class Estimate(Result):
             If the level is not between 0 and 1.
         """
         check_level(level)
-        low, high = ends_of(self.parameters, self.values, self.std, level)
-        low, high = (np.clip(end, self.ranges[:, 0], self.ranges[:, 1]) for end in (low, high))
+        low, high = _ends_within(self.parameters, self.values, self.std, self.ranges, level)
         return {name: (float(a), float(b)) for name, a, b in zip(self.parameters, low, high, strict=True)}
 
     def beyond_chance(self, level: Ratio = LEVEL) -> frozenset[str]:
         """Return which parameters differ from nominal: none of them by chance, with probability ``level``."""
-        every = {name: nominal_value(self.nominal, name) for name in self.parameters}
-        old = {name: value for name, value in every.items() if value is not None}
-
-        def outside(level: Ratio) -> list[str]:
-            ends = self.interval(level)
-            return [name for name, value in old.items() if not ends[name][0] <= value <= ends[name][1]]
-
-        return beyond_chance(outside, len(old), level)
+        return changed(self.nominal, self.parameters, self.values, self.std, self.ranges, level)
 
     def _table(self) -> Mapping[str, Sequence[object]]:
         ends = self.interval()
@@ -175,6 +167,33 @@ def ends_of(parameters: Sequence[str], values: RealArray, std: RealArray, level:
     with np.errstate(divide="ignore", over="ignore"):
         factor = np.exp(np.where(ratio, reach / np.where(values > 0, values, 1.0), 0.0))
     return np.where(ratio, values / factor, values - reach), np.where(ratio, values * factor, values + reach)
+
+
+def _ends_within(
+    parameters: Sequence[str], values: RealArray, std: RealArray, ranges: RealArray, level: Ratio
+) -> list[RealArray]:
+    """Return the ends of the intervals of parameters, cut at their bounds, (parameter, 2)."""
+    return [np.clip(end, ranges[:, 0], ranges[:, 1]) for end in ends_of(parameters, values, std, level)]
+
+
+def changed(
+    nominal: Suspension,
+    parameters: Sequence[str],
+    values: RealArray,
+    std: RealArray,
+    ranges: RealArray,
+    level: Ratio = LEVEL,
+) -> frozenset[str]:
+    """Return which parameters differ from nominal: none of them by chance, with probability ``level``."""
+    every = {name: nominal_value(nominal, name) for name in parameters}
+    count = sum(value is not None for value in every.values())
+
+    def outside(level: Ratio) -> list[str]:
+        low, high = _ends_within(parameters, values, std, ranges, level)
+        rows = zip(every.items(), low, high, strict=True)
+        return [name for (name, old), a, b in rows if old is not None and not a <= old <= b]
+
+    return beyond_chance(outside, count, level)
 
 
 def parameter_unit(name: str) -> str:

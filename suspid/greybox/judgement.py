@@ -7,10 +7,10 @@ from collections.abc import Collection, Iterator, Sequence
 import numpy as np
 
 from suspid.greybox.estimates import ends_of, nominal_value
-from suspid.levels import LEVEL, beyond_chance
+from suspid.levels import LEVEL
 from suspid.model import Suspension
 from suspid.reconstruction import Unknowns
-from suspid.units import Ratio, RealArray
+from suspid.units import RealArray
 from suspid.words import Check, Level, Remark
 from suspid.words.greybox import EstimateCheck
 
@@ -53,7 +53,13 @@ def gains_off(parameters: Sequence[str], values: RealArray) -> Iterator[Check]:
         yield Check(Remark(EstimateCheck.GAIN, {"names": tuple(off)}), Level.CARE)
 
 
-def changes(
+def beside_nominal(names: tuple[str, ...]) -> Check:
+    """Return the check of the parameters that differ from nominal."""
+    remark = Remark(EstimateCheck.CHANGED, {"names": names}) if names else Remark(EstimateCheck.UNCHANGED)
+    return Check(remark, Level.NOTE)
+
+
+def far_or_vague(
     nominal: Suspension,
     parameters: Sequence[str],
     values: RealArray,
@@ -61,25 +67,14 @@ def changes(
     *,
     assumed: Collection[str] = (),
 ) -> Iterator[Check]:
-    """Yield which parameters differ from nominal, and which are hardly known beside those that were ``assumed``."""
+    """Yield which springs may be in other units, and which parameters are hardly known beside those ``assumed``."""
     old = np.array([np.nan if one is None else one for one in (nominal_value(nominal, name) for name in parameters)])
-
-    def outside(level: Ratio) -> list[str]:
-        low, high = ends_of(parameters, values, std, level)
-        return [name for name, apart in zip(parameters, (old < low) | (old > high), strict=True) if apart]
-
-    changed = beyond_chance(outside, int(np.sum(np.isfinite(old))))
     low, high = ends_of(parameters, values, std, LEVEL)
     vague = []
     for name, value, a, b, one in zip(parameters, values, low, high, old, strict=True):
         # A ratio is known to be positive; its interval is wider than the value where it spans a factor of 3.
         if np.isfinite(one) and name not in assumed and (b - a > 2 * value if a > 0 else value > 0):
             vague.append(name)
-    if changed:
-        names = tuple(name for name in parameters if name in changed)
-        yield Check(Remark(EstimateCheck.CHANGED, {"names": names}), Level.NOTE)
-    else:
-        yield Check(Remark(EstimateCheck.UNCHANGED), Level.NOTE)
     far = tuple(
         name
         for name, value, a, b in zip(parameters, values.tolist(), low.tolist(), high.tolist(), strict=True)
