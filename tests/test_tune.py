@@ -15,11 +15,12 @@ from suspid.performance.fronts import Front, Search, front_of
 from suspid.performance.relations import relations_of
 from suspid.performance.road_response import grid_of
 from suspid.performance.tuning_checks import tuning_checks
+from suspid.performance.tuning_defaults import equal_groups
 from suspid.performance.uncertain import uncertain
 from suspid.units import RealArray
 from suspid.words import Check, Level
 from suspid.words.ride import TuningCheck
-from validation.cars import TWO_AXLES
+from validation.cars import FOUR_WHEELS, TWO_AXLES
 
 CAR = quarter_car(
     chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3, chassis_damping=1300, tire_damping=60
@@ -272,6 +273,27 @@ class TestScenarios:
         low, high = box_of(choice, {"chassis.damping": (650.0, 5200.0)})
         np.testing.assert_allclose(np.exp(low), [0.25, 0.5])
         np.testing.assert_allclose(np.exp(high), [4.0, 4.0])
+
+
+class TestDefaults:
+    def test_the_strut_off_the_road_is_changed(self) -> None:
+        asked = tune(CAR, parameters=STRUT, objective=BOTH, road="C", speed=20.0, points=2)
+        plain = tune(CAR, road="C", speed=20.0, points=2)
+        assert (plain.parameters, plain.objectives) == (asked.parameters, asked.objectives)
+        np.testing.assert_array_equal(plain.values, asked.values)
+
+    @pytest.mark.parametrize("softer", [None, "front_left", "front_right", "rear_left", "rear_right"])
+    def test_sides_change_by_one_factor_as_long_as_they_are_equal(self, softer: str | None) -> None:
+        springs = {s.name: s.stiffness * (0.9 if s.name == softer else 1.0) for s in FOUR_WHEELS.struts}
+        groups = {tuple(group) for group in equal_groups(FOUR_WHEELS.with_parameters(stiffness=springs))}
+        for axle in ("front", "rear"):
+            pair = (f"{axle}_left.stiffness", f"{axle}_right.stiffness")
+            unequal = softer is not None and softer.startswith(axle)
+            assert (pair in groups) is not unequal
+            assert ({(name,) for name in pair} <= groups) is unequal
+            assert (f"{axle}_left.damping", f"{axle}_right.damping") in groups
+        assert ("front_antiroll.stiffness",) in groups
+        assert sum(map(len, groups)) == 9
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,6 @@ from __future__ import annotations
 from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
@@ -13,10 +12,6 @@ from suspid.cli.options import AT_SPEED, FILE, ON_ROAD, pairs, road_named
 from suspid.cli.ride import GIVEN_STOPS, PICTURE_OF_RIDE, STATED_STD, car_of, drawing
 from suspid.cli.support import Positive, Whole, check_apart, said_warnings, say
 from suspid.files import naming, replacing
-from suspid.reconstruction import QUANTITIES
-
-if TYPE_CHECKING:
-    from suspid.model import Suspension
 
 
 @click.command("tune")
@@ -87,13 +82,12 @@ def tune_command(
         naming(source),
     ):
         what = car_of(source)
-        car = what if isinstance(what, Suspension) else what.suspension
         related += read_constraints(source) if isinstance(what, Suspension) else ()
         constraints: list[dict[str, float] | str] = [pairs(limits, "--limit", float), *related]
         found = tune(
             what,
-            parameters=[name.split("=") for name in parameters] or _struts(car),
-            objective=objectives or _figures(car),
+            parameters=[name.split("=") for name in parameters] or None,
+            objective=objectives or None,
             road=road_named(road) or 0.0,
             speed=speed,
             constraints=constraints,
@@ -109,34 +103,3 @@ def tune_command(
         if car_draft:
             car_draft.write_text(car_to_toml(found.cars[found.knee]), encoding="utf-8")
     say(str(found))
-
-
-def _struts(car: Suspension) -> list[list[str]]:
-    """Return springs and dampers of the struts that are not on the road; left and right ones that are equal as one."""
-    from suspid.performance import wheels_of
-
-    off = [s for s in car.struts if not any(s.arms.get(r) for r in car.roads)]
-    wheels = wheels_of(car).names
-    groups: dict[tuple[object, ...], list[str]] = {}
-    for quantity in QUANTITIES:
-        sides: dict[tuple[object, ...], float] = {}
-        for s in off:
-            value, roll = getattr(s, quantity), s.arms.get("roll", 0.0)
-            # What a mirror leaves as it is.
-            arms = sorted((c, abs(arm) if c == "roll" else arm) for c, arm in s.arms.items() if c not in wheels)
-            key = (quantity, value, *arms)
-            mirrored = key in groups and roll and sides[key] == -roll
-            if value:
-                sides.setdefault(key, roll)
-                groups.setdefault(key if mirrored or key not in groups else (*key, s.name), []).append(
-                    f"{s.name}.{quantity}"
-                )
-    return list(groups.values())
-
-
-def _figures(car: Suspension) -> tuple[str, str]:
-    from suspid.performance import wheels_of
-
-    wheels = wheels_of(car).names
-    felt = next(c for c in car.coordinates if c not in wheels)
-    return f"{felt}_acceleration.Wk", " + ".join(f"{wheel}.load" for wheel in wheels)

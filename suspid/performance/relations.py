@@ -41,7 +41,7 @@ class Relations:
         return np.where(self.equal, np.abs(room), np.maximum(-room, 0.0))
 
 
-def check_limits(limits: Mapping[str, float]) -> None:
+def check_largest(limits: Mapping[str, float]) -> None:
     """Refuse a largest value of a figure that is no positive number."""
     if not isinstance(limits, Mapping):
         raise InputError(f"constraints={limits!r} must map figures to their largest values")

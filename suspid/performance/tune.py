@@ -12,10 +12,11 @@ from suspid.performance.choices import Choice, box_of, choice_of
 from suspid.performance.figure_plan import Plan, plan_of
 from suspid.performance.fronts import SAME_FIGURE, Search, front_of
 from suspid.performance.joined import Joined, joined
-from suspid.performance.relations import Limits, check_limits, relations_of, split
+from suspid.performance.relations import Limits, check_largest, relations_of, split
 from suspid.performance.ride import HOUR, driven_road
 from suspid.performance.road_response import Grid, exact_grid
 from suspid.performance.tuning_checks import tuning_checks
+from suspid.performance.tuning_defaults import comfort_and_load, equal_groups
 from suspid.performance.tunings import Tuning
 from suspid.performance.uncertain import Car, uncertain
 from suspid.simulation import Road
@@ -31,8 +32,8 @@ NO_FIGURE = 1e-300
 def tune(
     car: Car,
     *,
-    parameters: Sequence[str | Sequence[str]],
-    objective: str | Sequence[str],
+    parameters: Sequence[str | Sequence[str]] | None = None,
+    objective: str | Sequence[str] | None = None,
     road: Road | str | float,
     speed: float | None = None,
     constraints: Limits | None = None,
@@ -50,12 +51,13 @@ def tune(
     ----------
     car : Suspension, Estimate or Reconstruction
         The car to begin with.
-    parameters : sequence of str or of sequence of str
+    parameters : sequence of str or of sequence of str, optional
         What may change, such as ``"chassis.stiffness"``; a sequence of names changes by one factor, such as those of
-        both sides of an axle.
-    objective : str or sequence of str
+        both sides of an axle. Default: all struts off the road, left and right ones that are equal by one factor.
+    objective : str or sequence of str, optional
         One or two figures of `ride` to be small, such as ``("chassis_acceleration.Wk", "tire.load")``. Figures of one
         unit joined by +, such as ``"front.load + rear.load"``, are one: the root of the sum of their squares.
+        Default: the weighted acceleration of the first coordinate that is no wheel, and the load of all wheels.
     road, speed, duration, weightings, clearance
         As in `ride`.
     constraints : mapping of str to float, str, callable, or sequence of these, optional
@@ -102,6 +104,7 @@ def tune(
     True
     """
     about = uncertain(car, nominal_std)
+    objective = comfort_and_load(about.car) if objective is None else objective
     wanted = tuple(objective) if isinstance(objective, tuple | list) else (objective,)
     positive_number("duration", duration, "s")
     limits, related = split(constraints)
@@ -110,7 +113,7 @@ def tune(
     figures = (*wanted, *(name for name in limits if name not in wanted))
     plan = plan_of(about.car, driven, duration=duration, weightings=weightings, clearance=clearance)
     asked = joined(plan, figures)
-    choice = choice_of(about, parameters, robust)
+    choice = choice_of(about, equal_groups(about.car) if parameters is None else parameters, robust)
     low, high = box_of(choice, bounds or {})
     grid = _grid_of_box(asked.plan, choice, low, high)
     start = np.clip(np.zeros(len(low)), low, high)
@@ -197,7 +200,7 @@ def _figures_of(asked: Joined, choice: Choice, robust: Ratio, where: Sequence[Re
 def _check(wanted: Sequence[str], limits: Mapping[str, float], points: int, robust: Ratio) -> None:
     if not 1 <= len(wanted) <= 2 or len(set(wanted)) < len(wanted) or not all(isinstance(n, str) for n in wanted):
         raise InputError(f"objective={tuple(wanted)} must be one figure or two different ones")
-    check_limits(limits)
+    check_largest(limits)
     if not (is_count(points) and points >= 2):
         raise InputError(f"{points=} must be a whole number, two or more")
     if isinstance(robust, bool) or not (is_size(robust) or robust == 0):

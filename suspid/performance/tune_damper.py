@@ -13,7 +13,7 @@ from suspid.performance.choices import REACH_OF_BOUNDS, check_ascent
 from suspid.performance.damper_search import OnRoad, Search, on_road
 from suspid.performance.damper_tunings import DamperTuning
 from suspid.performance.figure_plan import plan_of
-from suspid.performance.relations import check_limits
+from suspid.performance.relations import check_largest
 from suspid.performance.ride import HOUR, driven_road
 from suspid.performance.uncertain import Car, uncertain
 from suspid.simulation import Road
@@ -103,7 +103,7 @@ def tune_damper(
     if not isinstance(objective, str):
         raise InputError(f"{objective=} must be the name of a figure such as 'chassis_acceleration.Wk'")
     positive_number("duration", duration, "s")
-    check_limits(constraints or {})
+    check_largest(constraints or {})
     if not is_size(rebound):
         raise InputError(f"{rebound=} must be a positive ratio of forces")
     limits = dict(constraints or {})
