@@ -6,7 +6,7 @@ import numpy as np
 
 from suspid.decays.trials import Trial
 from suspid.errors import SuspidError
-from suspid.identification import FORCED, MOST_PAIRS, Identification, identify
+from suspid.identification import FORCED, MOST_PAIRS, Identification, identify, identify_linear
 from suspid.samples import as_samples
 from suspid.signals import Signal
 from suspid.words import DecayDoubt, Remark
@@ -46,9 +46,8 @@ def verified(
             break
         part = signal.values[:, place:last]
         try:
-            # Forces are not looked for within a band; this one has all frequencies.
-            band = None if quarter in WITH_FORCES else (1e-6 / signal.step, 0.4999 / signal.step)
-            found = identify(as_samples(signal.timepts[place:last], part, signal.channels), band_hz=band)
+            response = as_samples(signal.timepts[place:last], part, signal.channels)
+            found = identify(response) if quarter in WITH_FORCES else identify_linear(response)
         except SuspidError as error:
             doubt: Remark | None = Remark(DecayDoubt.NOT_IDENTIFIED, {"error": error.wording})
         else:

@@ -12,7 +12,7 @@ from suspid.identification.exponentials import synthesize
 from suspid.identification.halves import FEWEST_SAMPLES
 from suspid.identification.identification import Identification, Method, tables_of
 from suspid.identification.identification_json import identification_to_dict
-from suspid.identification.identify import identify
+from suspid.identification.identify import identify, identify_linear
 from suspid.identification.identify_repeats import Repeats, identify_repeats, tables_of_repeats
 from suspid.identification.modes_json import modes_from_dict, modes_to_dict, read_modes, to_json, write_modes
 from suspid.identification.noise import (
@@ -54,6 +54,7 @@ __all__ = [
     "degrees_of_freedom",
     "identification_to_dict",
     "identify",
+    "identify_linear",
     "identify_repeats",
     "lag_one",
     "modes_from_dict",

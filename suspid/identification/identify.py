@@ -120,11 +120,7 @@ def identify(
     check_count("modes", modes)
     response = as_record(response, fs=fs)
     signal = as_signal(response, least=FEWEST_SAMPLES)
-    centred = signal.values - signal.values.mean(axis=1, keepdims=True)
-    for name, samples, about in zip(signal.channels, signal.values, centred, strict=True):
-        if not max(about.max(), -about.min()) > SAME_SHARE * max(samples.max(), -samples.min()):
-            raise IdentificationError(f"channel {name!r} is constant: there is no decay in it; leave it out")
-    _check_clipping(signal)
+    centred = _centred(signal)
     band = angular(band_hz)
     steps = FourSteps(
         signal=replace(signal, values=centred),
@@ -135,7 +131,28 @@ def identify(
     )
     if method == "ridge":
         return _by_ridges(response, signal, steps)
-    return _by_likelihood(response, signal, centred, steps, band)
+    return _by_likelihood(response, signal, centred, steps, band, with_forces=band is None)
+
+
+def identify_linear(response: control.TimeResponseData) -> Identification:
+    """Identify the modes of a free decay by its linear fit alone: friction and other forces are not looked for."""
+    signal = as_signal(response, least=FEWEST_SAMPLES)
+    centred = _centred(signal)
+    steps = FourSteps(
+        signal=replace(signal, values=centred), count=None, band=row_band(signal, None), bandwidth=None,
+        candidates=tuple(map(float, BANDWIDTHS)),
+    )  # fmt: skip
+    return _by_likelihood(response, signal, centred, steps, None, with_forces=False)
+
+
+def _centred(signal: Signal) -> RealArray:
+    """Return the samples less their means, or refuse channels that are constant or clipped."""
+    centred = signal.values - signal.values.mean(axis=1, keepdims=True)
+    for name, samples, about in zip(signal.channels, signal.values, centred, strict=True):
+        if not max(about.max(), -about.min()) > SAME_SHARE * max(samples.max(), -samples.min()):
+            raise IdentificationError(f"channel {name!r} is constant: there is no decay in it; leave it out")
+    _check_clipping(signal)
+    return np.asarray(centred)
 
 
 def _by_ridges(response: control.TimeResponseData, signal: Signal, steps: FourSteps) -> Identification:
@@ -159,13 +176,15 @@ def _by_likelihood(
     centred: RealArray,
     steps: FourSteps,
     band: tuple[RadianPerSecond, RadianPerSecond] | None,
+    *,
+    with_forces: bool,
 ) -> Identification:
     low, high = band or (0.0, np.pi / signal.step)
     noise = noise_of(signal.values)
     limits = (low * signal.step, high * signal.step)
     selection = select(centred, noise=noise, modes=steps.count, band=limits)
     bent = None
-    if band is None and _fades(centred) and unlike_linear(selection):
+    if with_forces and _fades(centred) and unlike_linear(selection):
         bent = find_forces(centred, noise=noise, selection=selection, modes=steps.count)
         if bent is not None and bent.count < (steps.count or 0) <= len(selection.modes):
             bent = None
