@@ -90,9 +90,11 @@ def _sandwich(every: Sequence[Whitened], prior: RealArray, inflation: Ratio = 1.
     """Return the covariance of the unknowns from the scatter of the scores of all lines.
 
     The information is that of the true motion: what the noise of the estimated motion adds is subtracted. A residual is
-    smaller than its noise by what was fitted to it, at few lines a large part: ``1 - h`` of its variance is left, with
-    h its leverage (HC2 of J. G. MacKinnon and H. White, J. Econometrics 29 (1985) 305-325). All variances of the data
-    are ``inflation`` times as large where the car does not explain them.
+    smaller than its noise by what was fitted to it, ``1 - h`` times with h its leverage, and few lines decide, so that
+    their scatter is itself uncertain: each score counts as what its line alone moves the estimate by, the jackknife
+    (HC3 of J. G. MacKinnon and H. White, J. Econometrics 29 (1985) 305-325; J. S. Long and L. H. Ervin, The American
+    Statistician 54 (2000) 217-224). All variances of the data are ``inflation`` times as large where the car does not
+    explain them.
     """
     information, scores = prior.T @ prior, prior.T @ prior
     for w in every:
@@ -105,8 +107,8 @@ def _sandwich(every: Sequence[Whitened], prior: RealArray, inflation: Ratio = 1.
         for part in w.parts():
             slope = w.slope(part)
             leverage = np.sum((slope @ inverse) * slope, axis=2) / inflation + projected
-            # Of the variance of a residual: where more was fitted, next to nothing is known of its noise.
-            residual = w.residual[part] / np.sqrt(np.maximum(1 - leverage, 0.1))
+            # Of a residual: where more was fitted, next to nothing is known of its noise.
+            residual = w.residual[part] / np.maximum(1 - leverage, 0.1)
             own = (slope * residual[:, :, None]).reshape(len(slope), 2, *w.factor.shape[:2], -1).sum(axis=(1, 3))
             flat = own.reshape(-1, own.shape[2])
             scores = scores + flat.T @ flat / inflation
