@@ -381,6 +381,16 @@ class TestReaches:
         assert high[0] == pytest.approx(0.5)
         assert low[0] == pytest.approx(1.96 + 1.96**2 / 2)
 
+    @pytest.mark.parametrize("bend", [-0.5, -3.0, -10.0, 3.0])
+    def test_a_curved_figure_reaches_as_far_as_with_the_parameter_at_its_bound(self, bend: float) -> None:
+        """With x = 0, y reaches 1.96 of its deviation given x, whatever the figure ``x + y + bend x^2 / 2`` does beyond."""
+        covariance = np.array([[1.0, 0.5], [0.5, 1.0]])
+        bends = np.array([[[bend, 0.0], [0.0, 0.0]]])
+        low, high = reaches(np.ones((2, 1)), covariance, np.array([0.0, 9.0]), 1.96, bends)
+        given = 1.96 * np.sqrt(0.75)
+        assert low[0] >= given - 1e-12
+        assert high[0] >= given - 1e-12
+
     @pytest.mark.parametrize(("correlation", "true"), [(0.6, 0.0), (0.95, 0.0), (0.95, 1.0), (-0.9, 0.3)])
     def test_coverage_beside_a_bound(self, correlation: float, true: float) -> None:
         """A figure measured with a parameter that is estimated as zero where it came out negative."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from suspid.greybox.settling import Point, at_stiff_mounts, from_held, released,
 from suspid.greybox.suspects import suspect_of
 from suspid.greybox.trials import signal_of
 from suspid.greybox.whitened import Whitened
+from suspid.levels import LEVEL, NORMAL_95
 from suspid.signals import Signal
 from suspid.units import Ratio, RealArray
 from suspid.words import Check, Level, Remark
@@ -32,23 +34,22 @@ def fit_in_frequency(problem: WheelProblem) -> Fit:
         If the records do not determine a combination of the unknowns.
     """
     u, extras = problem.unknowns, problem.extras
-    ends: list[tuple[Point, list[Levels], Misfit]] = []
+    ends: list[_End] = []
     for start in starts_of(u):
         first = [first_levels(source) for source in problem.sources]
         point, levels = released(problem, *settled(problem, np.concatenate([start, extras.start]), first))
-        ends.append((point, levels, misfit_of(point.every, [source.spectra.hertz for source in problem.sources])))
-        # Two starts that ended at one fit are enough.
-        closest = min(end[2].chi_square for end in ends)
-        if ends[-1][2].likely or sum(end[2].chi_square < closest + SAME_FIT for end in ends) >= 2:
+        judged = misfit_of(point.every, [source.spectra.hertz for source in problem.sources])
+        ends.append(_End(point, levels, judged, bool(len(blind(np.concatenate(_slopes(problem, point)))))))
+        # Two starts that ended at one fit are enough. Where all is taken for noise, unknowns are open: that is none.
+        closed = [end.misfit for end in ends if not end.open]
+        closest = min((misfit.chi_square for misfit in closed), default=0.0)
+        if any(m.likely for m in closed) or sum(m.chi_square < closest + SAME_FIT for m in closed) >= 2:
             break
-    point, levels, judged = min(ends, key=lambda end: end[2].chi_square)
+    point, levels, judged, _ = min(ends, key=lambda end: (end.open, end.misfit.chi_square))
     z, every, _ = point
-    size = np.concatenate([u.sizes(z[: len(u)]), np.where(extras.positive, z[len(u) :], 1.0)])
-    data = np.concatenate([w.rows()[1] for w in every]) * size
-    prior = np.hstack([u.prior(z[: len(u)])[1], np.zeros((int(np.sum(u.has_prior)), len(extras.names)))])
+    squares, prior = _slopes(problem, point)
     labels = (*u.labels, *extras.names)
-    squares = np.asarray(np.linalg.qr(data, mode="r"))
-    slopes = np.concatenate([squares, prior * size])
+    slopes = np.concatenate([squares, prior])
     suspect = None if judged.likely and not len(blind(slopes)) else suspect_of(problem)
     check_determined(
         slopes, labels, u.suspension(z[: len(u)]), hint="" if suspect is None else f"{suspect} As they are, "
@@ -58,7 +59,7 @@ def fit_in_frequency(problem: WheelProblem) -> Fit:
         checks.append(Check(Remark(EstimateCheck.BY_NOMINAL, {"names": names_in(blind(squares), labels)}), Level.CARE))
     noise = {n: _noise(problem, own, i) for i, own in enumerate(levels) for n in problem.sources[i].numbers}
     whitened = at_stiff_mounts(problem, point, levels, judged.inflation) or every
-    covariance = _sandwich(whitened, prior, judged.inflation)
+    covariance = _sandwich(whitened, prior / _sizes(problem, z), judged.inflation)
     if not judged.likely:
         apart = from_held(problem, z, levels)
         covariance += np.outer(apart, apart)
@@ -86,33 +87,71 @@ def fit_in_frequency(problem: WheelProblem) -> Fit:
     )
 
 
+class _End(NamedTuple):
+    """Where a start ended."""
+
+    point: Point
+    levels: list[Levels]
+    misfit: Misfit
+    open: bool  # whether some combination of the unknowns is not determined
+
+
+def _sizes(problem: WheelProblem, z: RealArray) -> RealArray:
+    """Return the size of each unknown, in which it is told whether the records determine it."""
+    u, extras = problem.unknowns, problem.extras
+    return np.concatenate([u.sizes(z[: len(u)]), np.where(extras.positive, z[len(u) :], 1.0)])
+
+
+def _slopes(problem: WheelProblem, point: Point) -> tuple[RealArray, RealArray]:
+    """Return the derivatives of the records and of what is known beforehand per size of each unknown, in few rows."""
+    u, z = problem.unknowns, point.z
+    size = _sizes(problem, z)
+    data = np.concatenate([w.rows()[1] for w in point.every]) * size
+    prior = np.hstack([u.prior(z[: len(u)])[1], np.zeros((int(np.sum(u.has_prior)), len(problem.extras.names)))])
+    return np.asarray(np.linalg.qr(data, mode="r")), prior * size
+
+
 def _sandwich(every: Sequence[Whitened], prior: RealArray, inflation: Ratio = 1.0) -> RealArray:
     """Return the covariance of the unknowns from the scatter of the scores of all lines.
 
     The information is that of the true motion: what the noise of the estimated motion adds is subtracted. A residual is
-    smaller than its noise by what was fitted to it, ``1 - h`` times with h its leverage, and few lines decide, so that
-    their scatter is itself uncertain: each score counts as what its line alone moves the estimate by, the jackknife
-    (HC3 of J. G. MacKinnon and H. White, J. Econometrics 29 (1985) 305-325; J. S. Long and L. H. Ervin, The American
-    Statistician 54 (2000) 217-224). All variances of the data are ``inflation`` times as large where the car does not
-    explain them.
+    smaller than its noise by what was fitted to it, at few lines a large part: ``1 - h`` of its variance is left, with
+    h its leverage (HC2 of J. G. MacKinnon and H. White, J. Econometrics 29 (1985) 305-325). All variances of the data
+    are ``inflation`` times as large where the car does not explain them.
+
+    Where few lines decide, such as those about a resonance, their scatter is uncertain as well. Deviations are larger by
+    Student's factor of 95 % for the freedom of that scatter, by the lines' shares in the variance of an unknown (F. E.
+    Satterthwaite, Biometrics Bulletin 2 (1946) 110-114; R. M. Bell and D. F. McCaffrey, Survey Methodology 28 (2002)
+    169-181).
     """
+    from scipy.special import stdtrit
+
     information, scores = prior.T @ prior, prior.T @ prior
     for w in every:
         slope = w.rows()[1]
         information = information + (slope.T @ slope - w.spurious) / inflation
     scale = np.sqrt(np.diag(information))
     inverse = np.linalg.inv(information / np.outer(scale, scale)) / np.outer(scale, scale)
+    variance, squares = np.sum((prior @ inverse) ** 2, axis=0), np.zeros(len(inverse))
     for w in every:
         projected = np.sum(w.basis**2, axis=1)
         for part in w.parts():
             slope = w.slope(part)
-            leverage = np.sum((slope @ inverse) * slope, axis=2) / inflation + projected
-            # Of a residual: where more was fitted, next to nothing is known of its noise.
-            residual = w.residual[part] / np.maximum(1 - leverage, 0.1)
-            own = (slope * residual[:, :, None]).reshape(len(slope), 2, *w.factor.shape[:2], -1).sum(axis=(1, 3))
+            influence = slope @ inverse
+            leverage = np.sum(influence * slope, axis=2) / inflation + projected
+            # Of the variance of a residual: where more was fitted, next to nothing is known of its noise.
+            residual = w.residual[part] / np.sqrt(np.maximum(1 - leverage, 0.1))
+            shape = len(slope), 2, *w.factor.shape[:2], -1
+            own = (slope * residual[:, :, None]).reshape(shape).sum(axis=(1, 3))
             flat = own.reshape(-1, own.shape[2])
             scores = scores + flat.T @ flat / inflation
-    return np.asarray(inverse @ scores @ inverse)
+            shares = (influence**2).reshape(shape).sum(axis=(1, 3)) / inflation
+            variance = variance + shares.sum(axis=(0, 1))
+            squares = squares + (shares**2).sum(axis=(0, 1))
+    # What nothing moves has no freedom that counts.
+    freedom = variance**2 / np.maximum(squares, np.finfo(float).tiny)
+    wider = stdtrit(np.maximum(freedom, 1.0), (1 + LEVEL) / 2) / NORMAL_95
+    return np.asarray(inverse @ scores @ inverse * np.outer(wider, wider))
 
 
 def _noise(problem: WheelProblem, levels: Levels, number: int) -> RealArray:

@@ -45,17 +45,10 @@ def reaches(
     """
     std = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     near = _near(values, std, reach)
-    sides = []
-    for sign in (-1.0, 1.0):
-        d = _farthest(sign * slopes, covariance, values, near, reach)
-        moved = sign * np.sum(slopes * d, axis=0)
-        if bends is not None:
-            bent = sign * np.einsum("pf,fpq,qf->f", d, bends, d) / 2
-            # A figure that turns on the way is farthest there.
-            turns = -2 * bent > moved
-            share = np.where(turns, moved / np.where(turns, -2 * bent, 1.0), 1.0)
-            moved = share * moved + share**2 * bent
-        sides.append(np.maximum(moved, 0.0))
+    sides = [
+        _farthest(sign * slopes, covariance, values, near, reach, None if bends is None else sign * bends)
+        for sign in (-1.0, 1.0)
+    ]
     return sides[0], sides[1]
 
 
@@ -105,10 +98,12 @@ def _near(values: RealArray, std: RealArray, reach: Ratio) -> list[int]:
     return [int(i) for i in close[np.argsort(values[close] / std[close])]][:MOST_BOUNDS]
 
 
-def _farthest(a: RealArray, S: RealArray, values: RealArray, near: list[int], reach: Ratio) -> RealArray:
-    """Return where ``a' d`` is largest, (parameter, figure): among the ends with some bounds held those inside."""
+def _farthest(
+    a: RealArray, S: RealArray, values: RealArray, near: list[int], reach: Ratio, bends: RealArray | None
+) -> RealArray:
+    """Return the largest ``a' d + d' bends d / 2``, (figure,): among the ends with some bounds held those inside."""
     edge = -values[near] - AT_ZERO * np.sqrt(np.diag(S)[near])
-    best, where = np.full(a.shape[1], -np.inf), np.full(a.shape, np.nan)
+    best = np.where(np.isnan(a).any(axis=0), np.nan, 0.0)
     for size in range(len(near) + 1):
         for held in map(list, combinations(near, size)):
             inverse = np.linalg.pinv(S[np.ix_(held, held)])
@@ -125,7 +120,18 @@ def _farthest(a: RealArray, S: RealArray, values: RealArray, near: list[int], re
             # As far as for a car that is known to have these bounds, and as far as the region goes along them.
             for radius in (reach, np.sqrt(left)) if held else (reach,):
                 d = middle[:, None] + toward * radius
-                moved = np.sum(a * d, axis=0)
-                better = np.all(d[near] >= edge[:, None], axis=0) & (moved > best)
-                best, where = np.where(better, moved, best), np.where(better, d, where)
-    return where
+                moved = _moved(a, bends, d)
+                # Of a curved figure the end that is farthest to first order need not be.
+                best = np.where(np.all(d[near] >= edge[:, None], axis=0) & (moved > best), moved, best)
+    return best
+
+
+def _moved(a: RealArray, bends: RealArray | None, d: RealArray) -> RealArray:
+    """Return how far figures move on the way to an end, at most: one that turns on the way is farthest there."""
+    moved = np.asarray(np.sum(a * d, axis=0))
+    if bends is None:
+        return moved
+    bent = np.einsum("pf,fpq,qf->f", d, bends, d) / 2
+    turns = -2 * bent > moved
+    share = np.where(turns, moved / np.where(turns, -2 * bent, 1.0), 1.0)
+    return np.asarray(np.where(moved > 0, share * moved + share**2 * bent, moved + bent))
