@@ -18,7 +18,7 @@ from suspid.units import ComplexArray, RealArray
 LOOSE = 4.0  # standard deviation of the logarithm of a level about its first value; holds what is not seen
 # That of its change from node to node: where the noise of the causes hides that of an output, the output's is as at the
 # neighbouring nodes. Where it is seen, 100 lines and more know it to 0.1 and a step of any size costs next to nothing.
-SMOOTH = 1.0
+STEP_OF_LEVELS = 1.0
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -141,7 +141,7 @@ def levels_of(
 
 def _held(nodes: int, outputs: int, causes: int) -> RealArray:
     """Return the matrix of what is known of levels beforehand: they are near the first ones, and smooth."""
-    steps = np.diff(np.eye(nodes), axis=0) / SMOOTH
+    steps = np.diff(np.eye(nodes), axis=0) / STEP_OF_LEVELS
     known = np.eye(nodes * outputs + causes) / LOOSE**2
     known[: nodes * outputs, : nodes * outputs] += np.kron(steps.T @ steps, np.eye(outputs))
     return known
