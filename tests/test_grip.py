@@ -383,7 +383,7 @@ class TestReaches:
 
     @pytest.mark.parametrize("bend", [-0.5, -3.0, -10.0, 3.0])
     def test_a_curved_figure_reaches_as_far_as_with_the_parameter_at_its_bound(self, bend: float) -> None:
-        """With x = 0, y reaches 1.96 of its deviation given x, whatever the figure ``x + y + bend x^2 / 2`` does beyond."""
+        """With x = 0, ``x + y + bend x^2 / 2`` reaches 1.96 of the deviation of y given x, whatever it does beyond."""
         covariance = np.array([[1.0, 0.5], [0.5, 1.0]])
         bends = np.array([[[bend, 0.0], [0.0, 0.0]]])
         low, high = reaches(np.ones((2, 1)), covariance, np.array([0.0, 9.0]), 1.96, bends)

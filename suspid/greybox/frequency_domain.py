@@ -119,10 +119,10 @@ def _sandwich(every: Sequence[Whitened], prior: RealArray, inflation: Ratio = 1.
     h its leverage (HC2 of J. G. MacKinnon and H. White, J. Econometrics 29 (1985) 305-325). All variances of the data
     are ``inflation`` times as large where the car does not explain them.
 
-    Where few lines decide, such as those about a resonance, their scatter is uncertain as well. Deviations are larger by
-    Student's factor of 95 % for the freedom of that scatter, by the lines' shares in the variance of an unknown (F. E.
-    Satterthwaite, Biometrics Bulletin 2 (1946) 110-114; R. M. Bell and D. F. McCaffrey, Survey Methodology 28 (2002)
-    169-181).
+    Where few lines decide, such as those about a resonance, their scatter is uncertain as well. Deviations are wider by
+    Student's factor of 95 % for the freedom of that scatter, which follows from the lines' shares in the variance of an
+    unknown (F. E. Satterthwaite, Biometrics Bulletin 2 (1946) 110-114; R. M. Bell and D. F. McCaffrey, Survey
+    Methodology 28 (2002) 169-181).
     """
     from scipy.special import stdtrit
 
