@@ -152,8 +152,19 @@ class TestUnitsAndRest:
         np.savetxt(files / "pushed.csv", table, delimiter=",", header=header, comments="")
         result = run("estimate", files / "pushed.csv", "--car", files / "car.toml", "--json", files / "e.json")
         assert result.exit_code == 0, result.output
-        assert "as --given chassis_force does" in result.stderr
+        assert "chassis_force was taken as the cause, as --given chassis_force does" in result.stderr
+        assert "motion of chassis_force" not in result.stderr
         assert holds(json.loads((files / "e.json").read_text()))
+
+    def test_a_force_of_another_name_is_told_how_to_be_named(self, files: Path) -> None:
+        table = np.column_stack([TIMES, np.sin(TIMES), np.cos(TIMES), np.sin(9 * TIMES)])
+        header = "time [s],shaker [kN],chassis_acceleration [m/s2],tire_acceleration [m/s2]"
+        np.savetxt(files / "pushed.csv", table, delimiter=",", header=header, comments="")
+        result = run("estimate", files / "pushed.csv", "--car", files / "car.toml", "--given", "shaker")
+        assert result.exit_code == 1
+        assert "channel 'shaker [kN]' is a force and was not used" in result.stderr
+        assert "'chassis_force' one mass, 'chassis_travel_force' the ends of a strut apart" in result.stderr
+        assert "--rename 'shaker [kN]'=chassis_force" in result.stderr
 
 
 def test_a_car_that_does_not_explain_ends_with_three(files: Path, monkeypatch: pytest.MonkeyPatch) -> None:

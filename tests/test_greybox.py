@@ -25,6 +25,7 @@ from suspid import (
     free_decay,
     half_car,
     quarter_car,
+    simulate,
 )
 from suspid.greybox.dynamics import plant_of, transition
 from suspid.greybox.modal import modes_of
@@ -314,6 +315,26 @@ class TestGivenRoad:
         found = estimate(record, nominal, given=("chassis_force",), free_masses=["chassis", "tire"])
         assert relative_errors(found.suspension, QUARTER).max() < 1e-4
         assert EstimateCheck.SCALE in {check.remark.code for check in found.verdict.checks}
+
+    def test_units_behind_names_are_obeyed(self) -> None:
+        def force(t: float) -> float:
+            return float(500 * np.sin(2 * np.pi * (0.4 * t + 0.6 * t**2)))
+
+        z, _ = integrated(QUARTER, TIMES, still, np.zeros(4), force)
+        kilonewtons = 1e-3 * np.array([force(t) for t in TIMES])
+        record = record_of({"chassis_force [kN]": kilonewtons, "chassis [mm]": 1e3 * z[0], "tire (cm)": 1e2 * z[1]})
+        found = estimate(record, off(QUARTER), given=("chassis_force",))
+        assert relative_errors(found.suspension, QUARTER).max() < 1e-4
+
+    def test_a_fit_under_another_motion_between_samples_is_no_other_car(self) -> None:
+        """The force moves on straight lines; fits by a cubic spline lie a hundredth and more away, in one place."""
+        times, knots = np.arange(0, 10, 0.005), np.arange(0, 11, 0.06)
+        push = 300 * np.interp(times, knots, np.random.default_rng(5).standard_normal(len(knots)))
+        outputs, given = ["chassis_acceleration", "tire_acceleration"], ("chassis_force",)
+        record = simulate(QUARTER, times, {"chassis_force": push}, outputs=outputs, interpolation="linear")
+        for seed in (24, 25, 26, 27):
+            noisy = add_noise(record, snr_db=20, rng=np.random.default_rng(seed))
+            assert not estimate(noisy, off(QUARTER), given=given).alternatives
 
     @pytest.mark.skipif(not RIZOIT.exists(), reason="the records of an independent simulator are not here")
     def test_chirp_step_and_release_of_an_independent_simulator(self) -> None:

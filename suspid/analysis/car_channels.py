@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from suspid.analysis.reading import Read, in_si
-from suspid.errors import InputError
 from suspid.io import bare_name
-from suspid.model import Suspension, force_weights, output_weights
+from suspid.model import Suspension, names_channel
 from suspid.samples import held
 from suspid.signals import as_signal, like
 from suspid.words import Note
@@ -23,10 +22,10 @@ def in_terms_of(opened: Read, car: Suspension) -> Read:
     channels = as_signal(record).channels
     short = [bare_name(name) for name in channels]
     named = tuple(
-        own if own not in channels and short.count(own) == 1 and _is_of(car, own) else name
+        own if own not in channels and short.count(own) == 1 and names_channel(car, own) else name
         for name, own in zip(channels, short, strict=True)
     )
-    of_car = [name for name in named if _is_of(car, name)]
+    of_car = [name for name in named if names_channel(car, name)]
     if not of_car:
         return opened
     title = str(getattr(record, "title", None) or "")
@@ -35,14 +34,3 @@ def in_terms_of(opened: Read, car: Suspension) -> Read:
     stated = {name for name, unit in zip(named, opened.cleaned.units, strict=True) if unit and name in of_car}
     said = [n for n in notes if n.code is not Note.NOT_CONVERTED or n.numbers["channel"] in stated]
     return replace(opened, cleaned=cleaned, notes=(*opened.notes, *said))
-
-
-def _is_of(car: Suspension, name: str) -> bool:
-    """Return whether a channel measures a car, or is a road or a force of it."""
-    for weights in (output_weights, force_weights):
-        try:
-            weights(car, name)
-        except InputError:
-            continue
-        return True
-    return name in car.roads

@@ -66,8 +66,9 @@ def tests_of(
     said: list[str],
 ) -> list[RecordTest]:
     """Return the records in files as tests, in the terms of a car, and add what was found in them to what is said."""
-    from suspid.greybox import RecordTest
-    from suspid.signals import cut
+    from suspid.greybox import RecordTest, nameless_forces
+    from suspid.samples import held
+    from suspid.signals import as_signal, cut
 
     tests = []
     for file, kg in zip(files, masses, strict=True):
@@ -75,6 +76,8 @@ def tests_of(
             opened = in_terms_of(read(file, settings), suspension)
             said += [f"{file}: {finding}" for finding in opened.cleaned.findings]
             said += [f"{file}: {note}" for note in opened.notes]
+            units = dict(zip(as_signal(held(opened.cleaned, "record")).channels, opened.cleaned.units, strict=True))
+            said += [f"{file}: {text}" for text in nameless_forces(units, suspension)]
             record = cut(opened.cleaned.record, start=settings.start, stop=settings.stop)
         tests.append(RecordTest(record=record, added_masses=kg))
     return tests
@@ -105,9 +108,10 @@ def fitted(
             refused.append(error)
             continue
         if likely and found[-1].explains:
+            moved = any(name in suspension.coordinates for name in likely)
             said.append(
-                f"the motion of {', '.join(likely)} was taken as the cause, as --given {','.join(likely)} does: it "
-                f"explains the rest of the records"
+                f"{'the motion of ' * moved}{', '.join(likely)} was taken as the cause, as --given {','.join(likely)} "
+                f"does: it explains the rest of the records"
             )
         if found[-1].explains:
             return found[-1]

@@ -1,18 +1,19 @@
 """Springs and dampers straight from a recording, whatever moved the car.
 
 `estimate` fits the parameters of a `suspid.Suspension` to records by maximum likelihood. `trials` are records as
-data; in the time domain `dynamics` (exact motion and its derivatives), `responses` (output error of one record),
-`problem`, `onset` (decays after a rest), `further` (unknowns: mounts, gains, delays), `search` and `time_domain`; in
-the frequency domain `spectra`, `transfers`, `whitened` and `measured_causes` (errors in variables), `noise_levels`,
-`wheel_problem`, `settling`, `suspects`, `frequency_domain` and `late_causes` (clocks). `whiteness`, `leftover`,
-`misfit`, `identifiability`, `modal` and `judgement` say how far the result can be trusted, `estimates`
-holds it; `causes` says what may have moved the car. `find_drives` finds the usable stretches of long recordings:
-`speeds`, `blocks`, `stretches`, `drives`.
+data, in the terms of the car (`car_records`); in the time domain `dynamics` (exact motion and its derivatives),
+`responses` (output error of one record), `problem`, `onset` (decays after a rest), `further` (unknowns: mounts,
+gains, delays), `search` and `time_domain`; in the frequency domain `spectra`, `transfers`, `whitened` and
+`measured_causes` (errors in variables), `noise_levels`, `wheel_problem`, `settling`, `suspects`, `frequency_domain`
+and `late_causes` (clocks). `whiteness`, `leftover`, `misfit`, `identifiability`, `modal` and `judgement` say how far
+the result can be trusted, `estimates` holds it; `causes` says what may have moved the car. `find_drives` finds the
+usable stretches of long recordings: `speeds`, `blocks`, `stretches`, `drives`.
 With a model of the road: `rolling`, `wheel_power`, `reach`, `road_model`, `tire_fit`, `whole_car`, `roads`.
 `damper_curve`: `strut_motion`, `latent_splines`, `force_basis`, `curve_fit`, `curve_noise`, `damper_curves`.
 """
 
 from suspid.greybox.body_modes import BodyMode, BodyModes, body_modes
+from suspid.greybox.car_records import nameless_forces
 from suspid.greybox.causes import likely_causes
 from suspid.greybox.damper_curve import damper_curve
 from suspid.greybox.damper_curves import DamperCurve, LineTest
@@ -42,6 +43,7 @@ __all__ = [
     "find_drives",
     "left_for",
     "likely_causes",
+    "nameless_forces",
     "nominal_value",
     "parameter_table",
     "parameter_unit",

@@ -7,8 +7,8 @@ from contextlib import suppress
 
 import numpy as np
 
-from suspid.cleaning import as_record
 from suspid.errors import InputError
+from suspid.greybox.car_records import record_of_car
 from suspid.greybox.trials import RecordTest, given_names
 from suspid.greybox.wheels import wheels_missing
 from suspid.model import FORCE, Suspension, force_weights
@@ -50,7 +50,7 @@ def likely_causes(tests: Sequence[RecordTest], suspension: Suspension) -> list[t
     >>> likely_causes([RecordTest(record=drive)], car)
     [('tire',)]
     """
-    signals = [as_signal(as_record(test.record)) for test in tests]
+    signals = [as_signal(record_of_car(test.record, suspension)) for test in tests]
     found = []
     forces = _forces(suspension, signals)
     if forces:

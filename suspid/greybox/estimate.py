@@ -73,7 +73,7 @@ def estimate(
     ----------
     records : control.TimeResponseData, RecordTest, what `as_record` takes, or a sequence of them
         Measured motions as outputs, named as the outputs of `statespace` or as the sensors of the suspension, in SI
-        units. Causes are inputs or outputs.
+        units; a unit in brackets behind the name, ``"chassis [mm]"``, is converted. Causes are inputs or outputs.
     suspension : Suspension
         Known masses and topology; its k and c are the nominal values: the start, and the value of what is held. A
         strut of nominal stiffness 0 is a damper alone and stays one.

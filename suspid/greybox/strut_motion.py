@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from suspid.cleaning import RecordLike, as_record
+from suspid.cleaning import RecordLike
 from suspid.errors import InputError, RecordError
+from suspid.greybox.car_records import record_of_car
 from suspid.model import Suspension, output_weights
 from suspid.signals import as_signal
 from suspid.units import RealArray, Second
@@ -46,7 +47,7 @@ def strut_motion(record: RecordLike, car: Suspension, strut: str, given: Sequenc
         If channels are missing, or the record is too short.
     """
     # Fewer samples do not fill the ranges of a curve.
-    signal = as_signal(as_record(record), least=1000)
+    signal = as_signal(record_of_car(record, car), least=1000)
     names = [s.name for s in car.struts]
     if strut not in names:
         raise InputError(f"there is no strut {strut!r}.{nearest_names(strut, names)}")

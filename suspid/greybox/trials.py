@@ -9,10 +9,12 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from suspid.cleaning import RecordLike, as_record
+from suspid.cleaning import RecordLike
 from suspid.errors import InputError, RecordError
+from suspid.greybox.car_records import example, force_names, record_of_car, renaming
 from suspid.greybox.wheels import wheels_of
 from suspid.identification import resolution
+from suspid.io import bare_name
 from suspid.model import Suspension, added_masses, force_weights, output_weights
 from suspid.signals import Signal, as_signal
 from suspid.units import Kilogram, RealArray, Second
@@ -123,22 +125,9 @@ def records_of(records: object) -> list[object]:
     return every
 
 
-def _example(channels: Sequence[str], coordinates: Sequence[str]) -> str:
-    """Return how a channel may be renamed: one whose name holds that of a coordinate, or else the first.
-
-    Examples
-    --------
-    >>> _example(["t", "z_seat_m"], ["seat", "chassis"]), _example(["a1"], ["seat"])
-    ('z_seat_m=seat', 'a1=seat')
-    """
-    alike = [(channel, name) for name in coordinates for channel in channels if name in channel]
-    channel, name = alike[0] if alike else (channels[0], coordinates[0])
-    return f"'{channel}'={name}" if " " in channel else f"{channel}={name}"
-
-
 def _trial(one: object, car: Suspension, given: Sequence[str]) -> Trial:
     test = one if isinstance(one, RecordTest) else RecordTest(record=one)
-    record = as_record(test.record)
+    record = record_of_car(test.record, car)
     signal, causes = as_signal(record, least=8), _inputs(record)
     names = given_names(given if test.given is None else test.given, car)
     for name in test.added_masses:
@@ -147,7 +136,7 @@ def _trial(one: object, car: Suspension, given: Sequence[str]) -> Trial:
     roads = [name for name in car.roads if name in names]
     wheels = [i for i, name in enumerate(car.coordinates) if name in names]
     forces = [name for name in names if name not in {*roads, *car.coordinates}]
-    pushes = [_force(car, name) for name in forces]
+    pushes = [_force(car, name, (*causes, *signal.channels)) for name in forces]
     known = {**causes, **dict(zip(signal.channels, signal.values, strict=True))}
     for name in (*roads, *forces):
         if name not in known:
@@ -172,7 +161,7 @@ def _trial(one: object, car: Suspension, given: Sequence[str]) -> Trial:
         raise RecordError(
             f"no channel of the record measures the suspension: {listed(signal.channels)}; name channels by what they "
             f"measure, such as {car.coordinates[0]!r} or '{car.coordinates[0]}_acceleration' "
-            f"(--rename {_example(signal.channels, car.coordinates)})"
+            f"(--rename {example(signal.channels, car.coordinates)})"
         )
     unused += [row[0] for row in rows if wheels and np.any(row[3][still])]
     channels = tuple(row[0] for row in use)
@@ -227,15 +216,19 @@ def _inputs(record: control.TimeResponseData) -> dict[str, RealArray]:
     return dict(zip(names, table, strict=True))
 
 
-def _force(car: Suspension, name: str) -> RealArray:
+def _force(car: Suspension, name: str, channels: Sequence[str]) -> RealArray:
     """Return the weights of a force on each coordinate."""
     try:
         return force_weights(car, name)
-    except InputError as error:
+    except InputError:
+        on_mass, in_strut = force_names(car)
+        own = [channel for channel in channels if name in (channel, bare_name(channel))]
+        how = f" (--rename {renaming(own[0], on_mass)})" if own else ""
         raise InputError(
             Argument("given"),
             f": {name!r} is no road ({listed(car.roads) or 'there is none'}), no coordinate "
-            f"({listed(car.coordinates)}), none of 'roads' and 'wheels', and no force: {error}",
+            f"({listed(car.coordinates)}), none of 'roads' and 'wheels', and no force; a force is named by what it "
+            f"pushes: {on_mass!r} one mass, {in_strut!r} the ends of a strut apart{how}",
         ) from None
 
 

@@ -20,7 +20,7 @@ from suspid.model.half_car import half_car
 from suspid.model.matching import pole_distances
 from suspid.model.modal_table import modal_table
 from suspid.model.modes import Interval, ModalSet
-from suspid.model.outputs import FORCE, OutputRows, force_weights, output_rows, output_weights
+from suspid.model.outputs import FORCE, OutputRows, force_weights, names_channel, output_rows, output_weights
 from suspid.model.quarter_car import quarter_car
 from suspid.model.sensor import Sensor
 from suspid.model.statespace import statespace
@@ -52,6 +52,7 @@ __all__ = [
     "full_car",
     "half_car",
     "modal_table",
+    "names_channel",
     "output_rows",
     "output_weights",
     "piecewise",

@@ -109,6 +109,26 @@ def force_weights(suspension: Suspension, force: str) -> RealArray:
     return weights
 
 
+def names_channel(suspension: Suspension, name: str) -> bool:
+    """Return whether a channel of that name measures a suspension, or is a road or a force of it.
+
+    Examples
+    --------
+    >>> from suspid import quarter_car
+    >>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3,
+    ...                   tire_stiffness=200e3, chassis_damping=1500)
+    >>> [names_channel(car, name) for name in ("chassis_force", "road", "tire_acceleration", "temperature")]
+    [True, True, True, False]
+    """
+    for weights in (output_weights, force_weights):
+        try:
+            weights(suspension, name)
+        except InputError:
+            continue
+        return True
+    return name in suspension.roads
+
+
 def _weights(suspension: Suspension, arms: Mapping[str, float]) -> tuple[RealArray, RealArray]:
     return (
         np.array([arms.get(c, 0.0) for c in suspension.coordinates]),
