@@ -313,3 +313,22 @@ def test_limits_are_judged_and_stand_on_the_page(files: Path) -> None:
     ]  # fmt: skip
     assert "1 of 2 limits met, 1 not met" in result.stdout
     assert "1 of 2 limits met, 1 not met" in page.read_text(encoding="utf-8")
+
+
+def test_a_report_of_a_drive_that_comes_to_a_halt_leads_with_springs_and_dampers(files: Path) -> None:
+    """A drive that dies down may be a decay; its bursts are poor ones, and the measured cause explains it all."""
+    times = np.arange(0, 16, 0.01)
+    slowing = np.clip((15 - times) / 8, 0, 1)
+    heights = 0.004 * np.cumsum(np.random.default_rng(3).standard_normal(len(times))) * 0.2
+    heights = slowing * (heights - np.convolve(heights, np.full(200, 1 / 200), "same"))
+    record = simulate(CAR, times, {"road": heights}, outputs=["chassis_acceleration", "tire_acceleration"])
+    noise = 0.05 * np.random.default_rng(4).standard_normal((2, len(times)))
+    header = "time [s],chassis_acceleration [m/s2],tire_acceleration [m/s2]"
+    table = np.column_stack([times, *(np.asarray(record.y) + noise)])
+    np.savetxt(files / "halt.csv", table, delimiter=",", header=header, comments="")
+    result = run(
+        "report", files / "halt.csv", "--car", files / "car.toml", "-o", files / "p.html", "--json", files / "e"
+    )
+    assert result.exit_code == 0, result.output
+    assert "no clear free decay was found: the motion of tire_acceleration was taken as the cause" in result.stderr
+    assert holds({"parameters": json.loads((files / "e").read_text())["parameters"][:1]})

@@ -108,7 +108,7 @@ def fitted(
             refused.append(error)
             continue
         if likely and found[-1].explains:
-            moved = any(name in suspension.coordinates for name in likely)
+            moved = any(name in {*suspension.coordinates, *suspension.roads} for name in likely)
             said.append(
                 f"{'the motion of ' * moved}{', '.join(likely)} was taken as the cause, as --given {','.join(likely)} "
                 f"does: it explains the rest of the records"

@@ -18,10 +18,10 @@ from suspid.cli.support import Probability, check_apart, said_warnings, say
 from suspid.errors import EstimationError
 from suspid.files import naming, printable, replacing
 from suspid.levels import LEVEL
-from suspid.words import MOST_NAMED, count
+from suspid.words import MOST_NAMED, Level, count
 
 if TYPE_CHECKING:
-    from suspid.greybox import Estimate
+    from suspid.greybox import Estimate, RecordTest
     from suspid.model import Suspension
     from suspid.performance import Ride
     from suspid.reconstruction import Reconstruction
@@ -85,8 +85,7 @@ def report_command(
         settings = replace(settings, level=level, springs=replace(settings.springs, constraints=constraints))
         if suspension is not None:
             check_springs(settings.springs, suspension)
-        driven = None if suspension is None else _driven(files, settings, suspension, given, said)
-        found = driven or _analysed(files, settings, suspension, step)
+        found = _found(files, settings, suspension, given, said, step)
         asked = () if limits is None else read_limits(limits)
         described = None if car is None else source_of(car, text=True)
         step("drawing")
@@ -113,25 +112,60 @@ def report_command(
         say(str(judged))
 
 
-def _driven(
-    files: Sequence[Path], settings: Settings, suspension: Suspension, given: str, said: list[str]
-) -> Estimate | None:
-    """Return the estimate of a car whose cause was named, or measured beside motion that does not die down."""
-    from suspid.greybox import likely_causes
+def _found(
+    files: Sequence[Path],
+    settings: Settings,
+    suspension: Suspension | None,
+    given: str,
+    said: list[str],
+    step: Callable[[str], None],
+) -> Analysis | Estimate:
+    """Return the estimate of a car whose cause was named, or was measured and explains; else the modes of decays.
 
+    Where decays leave springs and dampers in doubt, those under a measured cause that explains the whole record come
+    first; where there is no mode at all, even those under one that does not.
+    """
+    if suspension is None:
+        return _analysed(files, settings, None, step)
     heard: list[str] = []
     tests = tests_of(files, suspension, settings, [{} for _ in files], heard)
-    if not given and () in likely_causes(tests, suspension):
-        return None
-    try:
+    if given:
         found = fitted(tests, suspension, given, heard, {})
+        said += heard
+        return found
+    from suspid.greybox import likely_causes
+
+    likely = likely_causes(tests, suspension)
+    driven = None if () in likely else _driven(tests, suspension, "", heard, said)
+    if driven is not None and driven.explains:
+        said += heard
+        return driven
+    analysis = _analysed(files, settings, suspension, step)
+    causes = [cause for cause in likely if cause]
+    springs = analysis.estimate or analysis.reconstruction
+    if not causes or (springs and springs.explains and analysis.verdict.level > Level.DOUBTFUL):
+        return analysis
+    driven = driven or _driven(tests, suspension, ",".join(causes[-1]), heard, said)
+    if driven is None or (len(analysis.modes) and not driven.explains):
+        return analysis
+    said += [
+        *heard,
+        f"no clear free decay was found: the motion of {', '.join(driven.causes[0])} was taken as the cause"
+        + "; the car that was found does not explain these records" * (not driven.explains)
+        + "; suspid drive uses the stretches of a drive that are fit for it",
+    ]
+    return driven
+
+
+def _driven(
+    tests: Sequence[RecordTest], suspension: Suspension, given: str, heard: list[str], said: list[str]
+) -> Estimate | None:
+    """Return the estimate under a cause, or under the likeliest; None where it is not determined, which is said."""
+    try:
+        return fitted(tests, suspension, given, heard, {})
     except EstimationError as error:
-        if given:
-            raise
         said.append(str(error))
         return None
-    said += heard if given or found.explains else []
-    return found if given or found.explains else None
 
 
 def _analysed(

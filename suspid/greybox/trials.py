@@ -15,7 +15,7 @@ from suspid.greybox.car_records import example, force_names, record_of_car, rena
 from suspid.greybox.wheels import wheels_of
 from suspid.identification import resolution
 from suspid.io import bare_name
-from suspid.model import Suspension, added_masses, force_weights, output_weights
+from suspid.model import FORCE, Suspension, added_masses, force_weights, output_weights
 from suspid.signals import Signal, as_signal
 from suspid.units import Kilogram, RealArray, Second
 from suspid.values import frozen_real, listed, nearest_names
@@ -223,12 +223,14 @@ def _force(car: Suspension, name: str, channels: Sequence[str]) -> RealArray:
     except InputError:
         on_mass, in_strut = force_names(car)
         own = [channel for channel in channels if name in (channel, bare_name(channel))]
-        how = f" (--rename {renaming(own[0], on_mass)})" if own else ""
+        how = f" (--rename {renaming(own[0], on_mass)})." if own else "."
+        close = nearest_names(name, [*car.roads, *car.coordinates, *(f"{c}{FORCE}" for c in car.coordinates)])
+        meant = close if close.startswith(" Did you mean") and not own else ""
         raise InputError(
             Argument("given"),
             f": {name!r} is no road ({listed(car.roads) or 'there is none'}), no coordinate "
             f"({listed(car.coordinates)}), none of 'roads' and 'wheels', and no force; a force is named by what it "
-            f"pushes: {on_mass!r} one mass, {in_strut!r} the ends of a strut apart{how}",
+            f"pushes: {on_mass!r} one mass, {in_strut!r} the ends of a strut apart{how}{meant}",
         ) from None
 
 
