@@ -261,7 +261,8 @@ class TestBodyAlone:
         times, channels = drive(4, 400.0)
         body = {name: values for name, values in channels.items() if "tire" not in name}
         write(folder / "body.mf4", times, body)
-        done = run("drive", folder / "body.mf4", "--car", folder / "car.toml", "--json", folder / "out.json")
+        results = ["--json", folder / "out.json", "--page", folder / "page.html"]
+        done = run("drive", folder / "body.mf4", "--car", folder / "car.toml", *results)
         assert done.exit_code == 0, done.output
         content = json.loads((folder / "out.json").read_text(encoding="utf-8"))
         jsonschema.validate(content, json_schema("drive"))
@@ -273,6 +274,9 @@ class TestBodyAlone:
         assert done.exit_code == 1
         assert "the drive has no springs and dampers" in done.output
         assert content["body"][0]["lower"] < 1.2105 < content["body"][0]["upper"]
+        page = (folder / "page.html").read_text(encoding="utf-8")
+        for text in ("Frequencies of the body", f"{content['body'][0]['hertz']:.3g}", "not reported", "moving at"):
+            assert text in page
 
     @pytest.mark.skipif(not CSS.is_dir(), reason="needs the measured drive in ../shared")
     def test_a_real_car(self, tmp_path: Path) -> None:
@@ -332,11 +336,13 @@ class TestNothingFound:
     def test_an_older_car_is_not_overwritten(self, folder: Path) -> None:
         file, car = write(folder / "drive.csv", *drive()), folder / "kept.toml"
         car.write_text("the car of yesterday", encoding="utf-8")
-        done = run("drive", file, "--car", folder / "car.toml", "--shortest", 1e6, "-o", car)
+        done = run("drive", file, "--car", folder / "car.toml", "--shortest", 1e6, "-o", car,
+                   "--page", folder / "none.html")  # fmt: skip
         assert done.exit_code == 0
+        assert "There is no result" in (folder / "none.html").read_text(encoding="utf-8")
         assert "kept.toml: not written, because no springs and dampers were found" in done.output
         assert car.read_text(encoding="utf-8") == "the car of yesterday"
-        assert sorted(path.name for path in folder.iterdir()) == ["car.toml", "drive.csv", "kept.toml"]
+        assert sorted(path.name for path in folder.iterdir()) == ["car.toml", "drive.csv", "kept.toml", "none.html"]
 
 
 class TestShort:

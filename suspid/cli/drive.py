@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from contextlib import nullcontext
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import click
 
-from suspid.analysis import DriveAnalysis, Settings
+from suspid.analysis import Settings
 from suspid.cli.measured import checked_picture, drafted, save_picture, sources_of
 from suspid.cli.options import FILE, RECORD, packed, progress, reading
 from suspid.cli.parameters import ROAD_MODEL, WHEEL_RADIUS, Outputs, Wanted, conclude, wanting, writing
@@ -99,7 +97,7 @@ def drive_command(
     from suspid.analysis import analyse_drive
     from suspid.identification import to_json
     from suspid.model import car_to_toml, read_car
-    from suspid.reporting import drive_to_dict, plot_drive, read_curves, read_estimate
+    from suspid.reporting import content_of, drive_to_dict, plot_drive, read_curves, read_estimate, report
 
     if len({path.resolve() for path in files}) < len(files):
         raise click.UsageError("One of the FILES is named twice: every drive counts once.")
@@ -137,23 +135,11 @@ def drive_command(
         if json_draft:
             json_draft.write_text(to_json(drive_to_dict(found, level=outputs.probability)), encoding="utf-8")
         if write_page:
-            write_page(_page_of(found, files, outputs.probability, said))
-            said += [] if found.estimate else [_left(page)]
+            content = content_of(found, source=sources_of(files), level=outputs.probability, warnings=said)
+            write_page(report(content))
         if figure_draft:
             save_picture(partial(plot_drive, found), figure_draft)
     conclude("\n\n".join([*map(listed, found.drives), text]), explains=found.explains)
-
-
-def _page_of(found: DriveAnalysis, files: Sequence[Path], level: float, said: list[str]) -> str | None:
-    """Return the page; None where there are no springs and dampers."""
-    from suspid.reporting import content_of, report
-
-    if found.estimate is None:
-        return None
-    content = content_of(
-        found.estimate, source=sources_of(files), level=level, warnings=said, curves=found.curves, wear=found.wear
-    )
-    return report(replace(content, judged=found.verdict))
 
 
 def _write(car: str | None, draft: Path, outputs: Outputs, said: list[str]) -> None:

@@ -194,21 +194,14 @@ def writer(path: Path, kind: str | None) -> Callable[[str, Path], None]:
 
 
 @contextmanager
-def drafted(page: Path | None) -> Iterator[Callable[[str | None], None] | None]:
-    """Give what writes a page, whose name and place are checked first; None leaves the file as it is."""
+def drafted(page: Path | None) -> Iterator[Callable[[str], None] | None]:
+    """Give what writes a page, whose name and place are checked first."""
     if page is None:
         yield None
         return
     write = writer(page, None)
     with replacing(page) as draft:
-
-        def put(text: str | None) -> None:
-            if text is not None:
-                write(text, draft)
-            elif draft.is_file():
-                draft.unlink()
-
-        yield put
+        yield lambda text: write(text, draft)
 
 
 def _write_text(page: str, draft: Path) -> None:

@@ -14,6 +14,7 @@ from suspid.reporting.content_of import content_of
 from suspid.reporting.damper_curve_json import damper_curve_to_dict, read_curves
 from suspid.reporting.drawings import drawing_of
 from suspid.reporting.drive_json import drive_to_dict
+from suspid.reporting.drive_page import DriveContent
 from suspid.reporting.estimate_json import estimate_from_dict, estimate_to_dict, read_estimate
 from suspid.reporting.estimate_page import EstimateContent
 from suspid.reporting.fleet_page import FleetContent
@@ -47,6 +48,7 @@ from suspid.reporting.wear_json import comparison_to_dict, grip_result, wear_to_
 __all__ = [
     "PAGE",
     "Content",
+    "DriveContent",
     "EstimateContent",
     "FleetContent",
     "Source",

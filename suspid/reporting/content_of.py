@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, overload
 
-from suspid.analysis import Analysis, Limit, Settings, check_limits
+from suspid.analysis import Analysis, DriveAnalysis, Limit, Settings, check_limits
 from suspid.cleaning import Cleaned
 from suspid.errors import InputError
 from suspid.fleet import FleetSummary
@@ -14,6 +14,7 @@ from suspid.greybox import DamperCurve, Estimate
 from suspid.levels import LEVEL, check_level
 from suspid.performance import Ride, Wear
 from suspid.reporting.content import Content, used_decay
+from suspid.reporting.drive_page import DriveContent
 from suspid.reporting.estimate_page import EstimateContent
 from suspid.reporting.fleet_page import FleetContent
 from suspid.reporting.source import Source
@@ -67,8 +68,21 @@ def content_of(
 ) -> FleetContent: ...
 
 
+@overload
 def content_of(
-    found: Identification | Analysis | Estimate | FleetSummary,
+    found: DriveAnalysis,
+    *,
+    source: Source | Sequence[Source] | None = ...,
+    level: Ratio = ...,
+    warnings: Sequence[str] = ...,
+    car: Source | None = ...,
+    limits: Sequence[Limit] = ...,
+    ride: Ride | None = ...,
+) -> EstimateContent | DriveContent: ...
+
+
+def content_of(
+    found: Identification | Analysis | Estimate | DriveAnalysis | FleetSummary,
     *,
     source: Source | Sequence[Source] | None = None,
     cleaned: Cleaned | None = None,
@@ -82,14 +96,14 @@ def content_of(
     curves: Sequence[DamperCurve] = (),
     ride: Ride | None = None,
     wear: Wear | None = None,
-) -> Content | EstimateContent | FleetContent:
+) -> Content | EstimateContent | DriveContent | FleetContent:
     """Return what `report` and `report_to_dict` show of an analysis, an estimate, an identification, or a fleet.
 
     Parameters
     ----------
-    found : Identification, Analysis, Estimate or FleetSummary
+    found : Identification, Analysis, Estimate, DriveAnalysis or FleetSummary
         What was found; perhaps no mode. An `Analysis` brings all but source and warnings, an `Estimate` all but these
-        and the level, a `FleetSummary` all but source and warnings.
+        and the level, as a `DriveAnalysis` with its curves and wear; a `FleetSummary` all but source and warnings.
     source : Source, optional
         The file and the command; see `source_of`. Of several records a sequence, one for each.
     cleaned : Cleaned, optional
@@ -134,9 +148,16 @@ def content_of(
     sources = () if source is None else (source,) if isinstance(source, Source) else tuple(source)
     if isinstance(found, FleetSummary):
         return FleetContent(found=found, sources=sources, warnings=warnings)
+    judged = None
+    if isinstance(found, DriveAnalysis):
+        if found.estimate is None:
+            return DriveContent(found=found, sources=sources, level=level, warnings=warnings)
+        curves, wear, judged = curves or found.curves, wear or found.wear, found.verdict
+        found = found.estimate
     if isinstance(found, Estimate):
         return EstimateContent(
             found=found,
+            judged=judged,
             sources=sources,
             level=level,
             warnings=warnings,

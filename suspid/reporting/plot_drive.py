@@ -70,7 +70,7 @@ def plot_drive(found: DriveAnalysis, figure: Figure) -> Figure:
     heights = [1.0] * len(files) + [4.0] * bool(records) + [4.0 / len(curves) ** 0.5 for _ in curves]
     axes = np.atleast_1d(figure.subplots(len(heights), 1, height_ratios=heights))
     for ax, drives in zip(axes, files, strict=False):
-        _draw_stretches(ax, drives)
+        draw_stretches(ax, drives)
     axes[len(files) - 1].set_xlabel("time [s]")
     if records:
         draw_finding(found, axes[len(files)])
@@ -88,10 +88,10 @@ def draw_finding(found: DriveAnalysis, ax: Axes) -> None:
     elif records:
         _draw_body(ax, found, records)
     else:
-        _draw_stretches(ax, found.drives[0])
+        draw_stretches(ax, found.drives[0])
 
 
-def _draw_stretches(ax: Axes, drives: Drives) -> None:
+def draw_stretches(ax: Axes, drives: Drives) -> None:
     """Draw the speed, or where it is not known the vibration, over stretches in the colour of the reason."""
     known = np.any(np.isfinite(drives.course[:, 1]))
     times, shows = drives.course[:, 0], drives.course[:, 1 if known else 2]

@@ -7,7 +7,7 @@ The page is one file without a script. Its policy forbids the network. Its pictu
 from __future__ import annotations
 
 from functools import cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from suspid.model import car_to_toml
 from suspid.reporting.colours import Colour
 from suspid.reporting.content import Content
 from suspid.reporting.content_of import content_of
+from suspid.reporting.drive_page import DriveContent, drive_fields
 from suspid.reporting.estimate_page import EstimateContent, page_fields
 from suspid.reporting.fleet_page import FleetContent, fleet_fields
 from suspid.reporting.limit_rows import limit_rows
@@ -34,17 +35,18 @@ from suspid.words import MOST_LISTED
 if TYPE_CHECKING:
     from jinja2 import Template
 
-    from suspid.analysis import Analysis
+    from suspid.analysis import Analysis, DriveAnalysis
     from suspid.identification import Identification
     from suspid.model import ModalSet
     from suspid.reconstruction import Reconstruction
 
+AnyContent: TypeAlias = Content | EstimateContent | DriveContent | FleetContent
 # Letters of a name that the page shows; the JSON has all.
 MOST_LETTERS = 40
 
 
 def report(
-    found: Identification | Analysis | Estimate | FleetSummary | Content | EstimateContent | FleetContent,
+    found: Identification | Analysis | Estimate | DriveAnalysis | FleetSummary | AnyContent,
     *,
     title: str | None = None,
 ) -> str:
@@ -52,7 +54,7 @@ def report(
 
     Parameters
     ----------
-    found : Identification, Analysis, Estimate, FleetSummary, or what `content_of` returns
+    found : Identification, Analysis, Estimate, DriveAnalysis, FleetSummary, or what `content_of` returns
         What was found; perhaps no mode. `content_of` adds where it comes from, and more to an identification.
     title : str, optional
         Heading. Default: name of the file, or title of the record.
@@ -72,10 +74,14 @@ def report(
     >>> page.startswith("<!doctype html>"), "2 modes found" in page
     (True, True)
     """
-    content = found if isinstance(found, Content | EstimateContent | FleetContent) else content_of(found)
+    content = found if isinstance(found, AnyContent) else content_of(found)
     if isinstance(content, FleetContent):
         file, verdict, limits = content.found.folder.name, content.found.verdict, None
         fields, template = fleet_fields(content), "fleet.html.j2"
+    elif isinstance(content, DriveContent):
+        file = content.sources[0].file if len(content.sources) == 1 else content.found.drives[0].title
+        verdict, limits = content.verdict, None
+        fields, template = drive_fields(content), "drive.html.j2"
     elif isinstance(content, EstimateContent):
         file = content.sources[0].file if len(content.sources) == 1 else ""
         verdict, limits = content.verdict, content.limits
@@ -163,8 +169,10 @@ def _fields(content: Content) -> dict[str, object]:
     }
 
 
-def _car_of(content: Content | EstimateContent | FleetContent) -> Source | None:
+def _car_of(content: AnyContent) -> Source | None:
     """Return the car file with its text, or the description of the nominal car where there is no file."""
+    if isinstance(content, DriveContent):
+        return None
     if isinstance(content, FleetContent):
         nominal, file = content.found.car, None
     else:
