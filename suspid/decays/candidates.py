@@ -22,7 +22,7 @@ from suspid.decays.rests import decay_between
 from suspid.decays.starts import Start, find_start
 from suspid.decays.trials import Trial, block_means, block_size, quiet_variance, tried
 from suspid.decays.verification import LATEST_START, verified
-from suspid.identification import SAME_SHARE
+from suspid.levels import ROUNDING
 from suspid.signals import Signal
 from suspid.units import Decibel, RealArray
 from suspid.values import frozen_real
@@ -123,7 +123,7 @@ def examined(recording: Recording, burst: Burst, *, moved: bool) -> Found:
     later = signal.values[:, first + (last - first) // 2 : last]
     moving = np.zeros(0, np.intp)
     if later.size:
-        moving = np.flatnonzero(np.ptp(later, axis=1) > SAME_SHARE * np.max(np.abs(later), axis=1))
+        moving = np.flatnonzero(np.ptp(later, axis=1) > ROUNDING * np.max(np.abs(later), axis=1))
     chosen = recording.among(moving)
     part = chosen.signal
     size = min(block_size(signal.step, burst.top), max(1, (last - first) // 64))

@@ -11,13 +11,12 @@ from suspid.greybox.further import TIMES
 from suspid.greybox.measured_causes import WheelProblem
 from suspid.greybox.noise_levels import Levels
 from suspid.greybox.whitened import Whitened
-from suspid.levels import CHI_SQUARE_95, LEVEL
+from suspid.levels import CHI_SQUARE_95, EXACT, LEVEL
 from suspid.reconstruction import descend
 from suspid.units import Ratio, RealArray
 
 NEGLIGIBLE_RISE = 1e-3  # gain of chi-square that ends a descent
 ROUGH_RISE = 0.3  # the same where another descent follows, or a decision at a gain of 3.8
-HELD_WITHIN = 1e-9  # distance between the bounds of what is held
 SOFT = (0.2, 0.5)  # relaxations from which softer mounts are looked for, of `TIMES`: 2 and 5 ms
 
 
@@ -119,7 +118,7 @@ def at_stiff_mounts(
     if not problem.extras.mounts:
         return None
     upper = problem.extras.upper.copy()
-    upper[: len(problem.extras.mounts)] = HELD_WITHIN
+    upper[: len(problem.extras.mounts)] = EXACT
     stiff = descended(problem, found.z, levels, extras=(problem.extras.lower, upper))
     by_chance = inflation * float(chdtri(len(problem.extras.mounts), 1 - LEVEL))
     return None if stiff.cost - found.cost > by_chance else stiff.every
@@ -133,7 +132,7 @@ def from_held(problem: WheelProblem, z: RealArray, levels: list[Levels]) -> Real
     u, extras = problem.unknowns, problem.extras
     stated = extras.start.copy()
     stated[: len(extras.mounts)] = [u.car.struts[j].relaxation / TIMES for j in extras.mounts]
-    held = descended(problem, z, levels, extras=(stated - HELD_WITHIN, stated + HELD_WITHIN)).z
+    held = descended(problem, z, levels, extras=(stated - EXACT, stated + EXACT)).z
     positive = np.concatenate([u.positive, extras.positive])
     ratio = np.where(positive, z, 1.0) / np.where(positive, held, 1.0)
     return np.asarray(np.where(positive, z * np.log(ratio), z - held))

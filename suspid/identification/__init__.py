@@ -17,7 +17,6 @@ from suspid.identification.identify_repeats import Repeats, identify_repeats, ta
 from suspid.identification.modes_json import modes_from_dict, modes_to_dict, read_modes, to_json, write_modes
 from suspid.identification.noise import (
     ABOVE_RESOLUTION,
-    SAME_SHARE,
     UNIFORM_STD,
     WhiteNoise,
     correlated,
@@ -37,7 +36,6 @@ __all__ = [
     "FEWEST_SAMPLES",
     "FORCED",
     "MOST_PAIRS",
-    "SAME_SHARE",
     "UNIFORM_STD",
     "AmplitudeDependence",
     "Considered",

@@ -13,12 +13,9 @@ from suspid.identification.exponentials import power_sums, project
 from suspid.identification.fitting import BENT, Fit, Problem
 from suspid.identification.poles import Poles
 from suspid.identification.refinement import Rejected
-from suspid.levels import UNLIKELY
+from suspid.levels import EXACT, UNLIKELY
 from suspid.units import ComplexArray, RealArray
 from suspid.words import Reason, Remark
-
-# Share of the energy of a bend that is orthogonal to all poles, below which it is one of them to rounding.
-LEAST_BEND = 1e-9
 
 
 def divided(problem: Problem, fit: Fit) -> Fit | None:
@@ -95,7 +92,7 @@ def apart(fit: Fit) -> Apart:
     # Directions that rounding of the inner products leaves open promise nothing.
     scale = 1 / np.sqrt(np.einsum("pii->pi", _bend_products(theta, count)).real)
     values, vectors = np.linalg.eigh(beside * (scale[:, :, None] * scale[:, None, :]))
-    least = max(LEAST_BEND, 10 * float(np.max(solution.rounding / fit.problem.blocks.energy)))
+    least = max(EXACT, 10 * float(np.max(solution.rounding / fit.problem.blocks.energy)))
     inverse = np.where(values > least, 1 / np.maximum(values, least), 0.0)
     turned = vectors.conj().swapaxes(1, 2) @ (scale[:, :, None] * amounts)
     bends = scale[:, :, None] * (vectors @ (inverse[:, :, None] * turned))

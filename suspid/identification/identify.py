@@ -16,7 +16,7 @@ from suspid.identification.dominant import dominant
 from suspid.identification.halves import FEWEST_SAMPLES, disagreement
 from suspid.identification.harmonics import without_harmonics
 from suspid.identification.identification import Identification, Method
-from suspid.identification.noise import SAME_SHARE, WhiteNoise, noise_of, shared_noise
+from suspid.identification.noise import WhiteNoise, noise_of, shared_noise
 from suspid.identification.nonlinear import (
     AmplitudeDependence,
     Bent,
@@ -28,7 +28,7 @@ from suspid.identification.ongoing import without_lines
 from suspid.identification.pulses import without_beginning, without_pulse
 from suspid.identification.selection import Selection, select
 from suspid.identification.steps import FourSteps
-from suspid.levels import NORMAL_95
+from suspid.levels import NORMAL_95, ROUNDING
 from suspid.model import ModalSet
 from suspid.samples import as_samples
 from suspid.signals import Signal, as_signal
@@ -149,7 +149,7 @@ def _centred(signal: Signal) -> RealArray:
     """Return the samples less their means, or refuse channels that are constant or clipped."""
     centred = signal.values - signal.values.mean(axis=1, keepdims=True)
     for name, samples, about in zip(signal.channels, signal.values, centred, strict=True):
-        if not max(about.max(), -about.min()) > SAME_SHARE * max(samples.max(), -samples.min()):
+        if not max(about.max(), -about.min()) > ROUNDING * max(samples.max(), -samples.min()):
             raise IdentificationError(f"channel {name!r} is constant: there is no decay in it; leave it out")
     _check_clipping(signal)
     return np.asarray(centred)

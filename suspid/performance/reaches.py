@@ -14,15 +14,13 @@ from itertools import combinations
 
 import numpy as np
 
-from suspid.levels import NORMAL_95
+from suspid.levels import EXACT, NORMAL_95
 from suspid.model import Suspension
 from suspid.performance.uncertain import Uncertain
 from suspid.units import Ratio, RealArray, Second
 
 # Bounds that are looked at together, the nearest ones: a full car has four mounts; each doubles the time.
 MOST_BOUNDS = 8
-# A parameter beyond its bound by less than this share of its standard deviation is at it: rounding.
-AT_ZERO = 1e-9
 # Standard deviations from its bound up to which a parameter has second derivatives: intervals of 99.7 % reach it.
 BENT_WITHIN = 3.0
 
@@ -102,7 +100,7 @@ def _farthest(
     a: RealArray, S: RealArray, values: RealArray, near: list[int], reach: Ratio, bends: RealArray | None
 ) -> RealArray:
     """Return the largest ``a' d + d' bends d / 2``, (figure,): among the ends with some bounds held those inside."""
-    edge = -values[near] - AT_ZERO * np.sqrt(np.diag(S)[near])
+    edge = -values[near] - EXACT * np.sqrt(np.diag(S)[near])
     best = np.where(np.isnan(a).any(axis=0), np.nan, 0.0)
     for size in range(len(near) + 1):
         for held in map(list, combinations(near, size)):
@@ -115,7 +113,7 @@ def _farthest(
             toward[held] = 0.0
             variance = np.sum(a * toward, axis=0)
             # Where nothing is left that moves a figure there is rounding.
-            moves = variance > AT_ZERO**2 * np.sum(a * (S @ a), axis=0)
+            moves = variance > EXACT**2 * np.sum(a * (S @ a), axis=0)
             toward = np.where(moves, toward / np.sqrt(np.where(moves, variance, 1.0)), 0.0)
             # As far as for a car that is known to have these bounds, and as far as the region goes along them.
             for radius in (reach, np.sqrt(left)) if held else (reach,):

@@ -14,14 +14,13 @@ from suspid.identification.noise.colour import (
     over_channels,
     power_beside,
 )
-from suspid.identification.noise.quantisation import ABOVE_RESOLUTION, SAME_SHARE, UNIFORM_STD, resolution
+from suspid.identification.noise.quantisation import ABOVE_RESOLUTION, UNIFORM_STD, resolution
 from suspid.identification.noise.shared import most_shared, shared_noise
 from suspid.identification.noise.white import KnownNoise, WhiteNoise, degrees_of_freedom, loss_growth, noise_of
 
 __all__ = [
     "ABOVE_RESOLUTION",
     "LOUD",
-    "SAME_SHARE",
     "UNIFORM_STD",
     "KnownNoise",
     "WhiteNoise",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from suspid.levels import ROUNDING
 from suspid.units import RealArray
 
 # The samples in which a common step or number of digits shows. More cost time.
@@ -14,8 +15,6 @@ MOST_DIGITS = 12
 # Samples nearer to a rounded number than this share of themselves are it: arithmetic that keeps the digits, such as an
 # offset removed and added again, leaves rounding errors of this size. At a larger one the twelfth digit is chance.
 ARITHMETIC = 1e-13
-# A range below this share of the largest sample is rounding: the samples are the same.
-SAME_SHARE = 1e-12
 # Standard deviation of a variable that is uniform over one step: quantisation.
 UNIFORM_STD = 1 / np.sqrt(12)
 # Residuals within this factor of the resolution are rounding, whose colour says nothing.
@@ -61,9 +60,9 @@ def _coarseness(samples: RealArray, peak: float) -> float:
     if digits is not None:
         # Rounding to significant digits is coarsest at the peak. It is not white where the signal hardly
         # moves, so one whole unit of the last digit counts, not its share as a uniform variable.
-        std = 10.0 ** (np.floor(np.log10(peak * (1 + SAME_SHARE))) - digits + 1)
+        std = 10.0 ** (np.floor(np.log10(peak * (1 + ROUNDING))) - digits + 1)
     gaps = np.diff(np.sort(samples))
-    gaps = gaps[gaps > SAME_SHARE * peak]
+    gaps = gaps[gaps > ROUNDING * peak]
     if gaps.size and gaps.min() > 1e-9 * peak:
         ratio = gaps / gaps.min()
         if np.max(np.abs(ratio - np.round(ratio))) < 1e-3:
