@@ -14,7 +14,7 @@ import pytest
 from click.testing import CliRunner
 
 from suspid.cli import start
-from suspid.cli.support import Commands
+from suspid.cli.commands import Commands
 
 
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])

@@ -13,8 +13,8 @@ from click.testing import CliRunner
 from fleets import CAR, write_decay
 
 from suspid import InputError, eigenmodes, fleet_summary, report
+from suspid.cli.commands import Commands
 from suspid.cli.fleet import fleet_command
-from suspid.cli.support import Commands
 from suspid.fleet import write_csv
 from suspid.fleet.distributions import EDGES, MOST_BARS, distribution
 from suspid.fleet.manifest import FLEET_FORMAT, environment

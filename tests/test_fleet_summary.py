@@ -17,8 +17,8 @@ from fleets import CAR, make_fleet, time_limit, write_decay
 
 from suspid import InputError, ModalSet, eigenmodes
 from suspid.analysis import CarSettings, Settings
+from suspid.cli.commands import Commands
 from suspid.cli.fleet import fleet_command
-from suspid.cli.support import Commands
 from suspid.fleet.distributions import QUANTILES, Distribution
 from suspid.fleet.families import OTHERS, families_by_density, families_of_car
 from suspid.fleet.fleet_summary import fleet_summary

@@ -11,7 +11,7 @@ from types import FunctionType
 import pytest
 
 import suspid
-from suspid.cli.support import ARGUMENTS_AS_OPTIONS
+from suspid.cli.option_names import ARGUMENTS_AS_OPTIONS
 
 LIBRARY = Path(suspid.__file__).parent
 MODULES = {

@@ -11,7 +11,8 @@ import click
 
 from suspid.cli.measured import checked_picture, save_picture
 from suspid.cli.options import FILE
-from suspid.cli.support import Positive, check_apart, said_warnings, say
+from suspid.cli.output import check_apart, said_warnings, say
+from suspid.cli.quantities import Positive
 from suspid.errors import InputError
 from suspid.files import naming, parsed_json, read_text, replacing
 

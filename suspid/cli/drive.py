@@ -12,8 +12,9 @@ import click
 from suspid.analysis import Settings
 from suspid.cli.measured import checked_picture, drafted, save_picture, sources_of
 from suspid.cli.options import FILE, RECORD, packed, progress, reading
+from suspid.cli.output import check_apart, said_warnings
 from suspid.cli.parameters import ROAD_MODEL, WHEEL_RADIUS, Outputs, Wanted, conclude, wanting, writing
-from suspid.cli.support import Positive, check_apart, said_warnings
+from suspid.cli.quantities import Positive
 from suspid.files import printable, replacing
 from suspid.greybox import DriveLimits, Drives
 

@@ -13,8 +13,8 @@ from suspid.analysis import Settings, check_limits, read_limits
 from suspid.cli.fitting import GIVEN, fitted, sensing, tests_of
 from suspid.cli.measured import checked_picture, drafted, save_picture, sources_of
 from suspid.cli.options import FILE, RECORD, packed, progress, reading
+from suspid.cli.output import check_apart, said_warnings
 from suspid.cli.parameters import ROAD_MODEL, WHEEL_RADIUS, Outputs, Wanted, conclude, wanting, writing
-from suspid.cli.support import check_apart, said_warnings
 from suspid.files import replacing
 
 

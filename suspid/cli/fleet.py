@@ -13,11 +13,13 @@ import click
 from click.core import ParameterSource
 
 from suspid.analysis import CarSettings, Settings
+from suspid.cli.commands import stopped_code
 from suspid.cli.drive import LIMITS, WAY, limits_of, road_of, way_of
 from suspid.cli.measured import drafted, sources_of
 from suspid.cli.options import FILE, analysing, packed
+from suspid.cli.output import said_warnings, say
 from suspid.cli.parameters import ROAD_MODEL, WHEEL_RADIUS, Wanted, wanting
-from suspid.cli.support import Positive, Whole, said_warnings, say, stopped_code
+from suspid.cli.quantities import Positive, Whole
 from suspid.files import printable
 from suspid.greybox import DriveLimits
 

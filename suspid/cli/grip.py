@@ -11,8 +11,9 @@ import click
 import numpy as np
 
 from suspid.cli.options import FILE, pairs
+from suspid.cli.output import check_apart, said_warnings, say
+from suspid.cli.quantities import Positive, Probability
 from suspid.cli.ride import PICTURE_OF_RIDE, STATED_STD, car_of, drawing
-from suspid.cli.support import Positive, Probability, check_apart, said_warnings, say
 from suspid.files import naming, replacing
 from suspid.levels import LEVEL
 from suspid.values import text_table

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from suspid.cli.commands import Commands
 from suspid.cli.compare import compare_command
 from suspid.cli.drive import drive_command
 from suspid.cli.estimate import estimate_command
@@ -18,11 +19,12 @@ from suspid.cli.fleet import fleet_command
 from suspid.cli.grip import grip_command
 from suspid.cli.measured import channels_command, identify_command
 from suspid.cli.options import FILE
+from suspid.cli.output import check_apart, said_warnings, say
 from suspid.cli.parameters import Outputs, Wanted, conclude, wanting, writing
+from suspid.cli.quantities import Positive
 from suspid.cli.report import report_command
 from suspid.cli.ride import ride_command
 from suspid.cli.simulate import simulate_command
-from suspid.cli.support import Commands, Positive, check_apart, said_warnings, say
 from suspid.cli.tune import tune_command
 
 if TYPE_CHECKING:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import click
 
 from suspid.analysis import STEPS, Analysis, Settings, analyse
+from suspid.cli.commands import ARGUMENTS
 from suspid.cli.options import (
     DBC_OPTION,
     FILE,
@@ -23,7 +24,7 @@ from suspid.cli.options import (
     analysing,
     progress,
 )
-from suspid.cli.support import ARGUMENTS, check_apart, said_warnings, say, shown
+from suspid.cli.output import check_apart, said_warnings, say, shown
 from suspid.errors import InputError
 from suspid.files import naming, printable, replacing
 from suspid.samples import held

@@ -15,7 +15,9 @@ from typing import Any, Literal, TypeAlias, TypeVar, cast, get_args
 import click
 
 from suspid.analysis import Settings
-from suspid.cli.support import PIPED, STANDARD_INPUT, Finite, Positive, Whole, in_options
+from suspid.cli.option_names import in_options
+from suspid.cli.output import PIPED, STANDARD_INPUT
+from suspid.cli.quantities import Finite, Positive, Whole
 from suspid.errors import InputError
 from suspid.identification import Method, identify
 

@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from suspid.cli.option_names import in_options
 from suspid.cli.options import FILE, Decorator, names_in, packed
-from suspid.cli.support import Positive, Probability, in_options, say
+from suspid.cli.output import say
+from suspid.cli.quantities import Positive, Probability
 from suspid.files import replacing
 from suspid.levels import LEVEL
 

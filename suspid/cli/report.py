@@ -14,7 +14,8 @@ from suspid.analysis import STEPS, Analysis, Settings, analyse, check_springs, r
 from suspid.cli.fitting import GIVEN, fitted, tests_of
 from suspid.cli.measured import MOST_FINDINGS, said_of, sources_of, writer
 from suspid.cli.options import AT_SPEED, FILE, ON_ROAD, RECORD, analysing, progress, road_named
-from suspid.cli.support import Probability, check_apart, said_warnings, say
+from suspid.cli.output import check_apart, said_warnings, say
+from suspid.cli.quantities import Probability
 from suspid.errors import EstimationError
 from suspid.files import naming, printable, replacing
 from suspid.levels import LEVEL

@@ -13,7 +13,8 @@ import click
 from suspid.analysis import Settings, read
 from suspid.cli.measured import checked_picture, save_picture
 from suspid.cli.options import AT_SPEED, FILE, ON_ROAD, pairs, reading, road_named
-from suspid.cli.support import Positive, Probability, check_apart, said_warnings, say
+from suspid.cli.output import check_apart, said_warnings, say
+from suspid.cli.quantities import Positive, Probability
 from suspid.files import naming, replacing
 from suspid.signals import cut
 from suspid.values import text_table

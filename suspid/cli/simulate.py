@@ -12,7 +12,8 @@ import numpy as np
 
 from suspid.cli.measured import record_in_words
 from suspid.cli.options import FILE, pairs
-from suspid.cli.support import Positive, Whole, check_apart, said_warnings, say
+from suspid.cli.output import check_apart, said_warnings, say
+from suspid.cli.quantities import Positive, Whole
 from suspid.files import printable, replacing
 from suspid.units import RealArray
 

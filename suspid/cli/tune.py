@@ -9,8 +9,9 @@ from pathlib import Path
 import click
 
 from suspid.cli.options import AT_SPEED, FILE, ON_ROAD, pairs, road_named
+from suspid.cli.output import check_apart, said_warnings, say
+from suspid.cli.quantities import Positive, Whole
 from suspid.cli.ride import GIVEN_STOPS, PICTURE_OF_RIDE, STATED_STD, car_of, drawing
-from suspid.cli.support import Positive, Whole, check_apart, said_warnings, say
 from suspid.files import naming, replacing
 
 

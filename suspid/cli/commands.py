@@ -1,0 +1,79 @@
+"""The group of commands: how they begin, and how they end after an error or a signal."""
+
+from __future__ import annotations
+
+import io
+import signal
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import click
+
+from suspid.cli.option_names import in_options, named_elsewhere
+from suspid.cli.output import Failed, said_when_full, shown
+from suspid.errors import SuspidError
+from suspid.values import within_numbers
+
+# Where the context keeps the arguments of the command.
+ARGUMENTS = "suspid.arguments"
+
+
+class Terminated(KeyboardInterrupt):
+    """The program was told to end by SIGTERM: it leaves as after Ctrl-C, without half a file or a worker."""
+
+
+@contextmanager
+def ends_when_told() -> Iterator[None]:
+    """Raise `Terminated` on SIGTERM, unless whoever runs this listens already."""
+
+    def end(*_: object) -> None:
+        raise Terminated
+
+    mine = threading.current_thread() is threading.main_thread()
+    if not mine or signal.getsignal(signal.SIGTERM) is not signal.SIG_DFL:
+        yield
+        return
+    signal.signal(signal.SIGTERM, end)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
+
+
+def stopped_code(stop: KeyboardInterrupt) -> int:
+    """Return the exit code that shells give to a program that a signal ended.
+
+    Examples
+    --------
+    >>> stopped_code(KeyboardInterrupt()), stopped_code(Terminated())
+    (130, 143)
+    """
+    return 128 + (signal.SIGTERM if isinstance(stop, Terminated) else signal.SIGINT)
+
+
+class Commands(click.Group):
+    """Commands whose `SuspidError` ends the program with one line instead of a traceback."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Keep the arguments, for reports that show the command they come from."""
+        ctx.meta[ARGUMENTS] = list(args)
+        with said_when_full(), named_elsewhere():
+            return super().parse_args(ctx, args)
+
+    def invoke(self, ctx: click.Context) -> object:
+        """Run the command that was asked for."""
+        for stream in (sys.stdout, sys.stderr):
+            # A terminal that cannot show "±" gets its code, not a traceback.
+            if isinstance(stream, io.TextIOWrapper):
+                stream.reconfigure(errors="backslashreplace")
+        try:
+            with ends_when_told(), within_numbers(), said_when_full(), named_elsewhere():
+                return super().invoke(ctx)
+        except KeyboardInterrupt as stop:
+            click.echo("suspid: stopped", err=True)
+            raise click.exceptions.Exit(stopped_code(stop)) from None
+        except SuspidError as error:
+            with in_options(self.commands.get(ctx.invoked_subcommand or "", self)):
+                raise Failed(shown(str(error))) from None

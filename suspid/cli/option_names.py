@@ -1,0 +1,99 @@
+"""What options are called: those of arguments of Python, and those of other programs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, contextmanager
+
+import click
+
+from suspid.wording import called
+
+# What the arguments of Python are called on the command line.
+ARGUMENTS_AS_OPTIONS = {
+    "added_masses": "--added",
+    "band_hz": "--band",
+    "bounds": "--bound",
+    "channels": "--channel",
+    "dbc": "--dbc",
+    "decay": "--decay",
+    "delays": "--delay",
+    "fixed": "--fixed",
+    "free_masses": "--free-mass",
+    "gains": "--gain",
+    "fs": "--fs",
+    "given": "--given",
+    "level": "--level",
+    "method": "--method",
+    "modes": "--modes",
+    "mounts": "--mount",
+    "nominal_std": "--nominal-std",
+    "rename": "--rename",
+    "road": "--road",
+    "scale": "--scale",
+    "speed": "--speed",
+    "start": "--from",
+    "stop": "--to",
+    "test": "--test",
+    "ties": "--tie",
+    "time": "--time",
+    "tolerance": "--tolerance",
+    "vertical": "--vertical",
+    "wheel_radius": "--wheel-radius",
+    "without": "--without",
+}
+# What those who come from other programs write, and what it is called here.
+CALLED_ELSEWHERE = {
+    "--columns": "--channel",
+    "--cutoff": "--band",
+    "--end": "--to",
+    "--exclude": "--without",
+    "--frequency": "--band",
+    "--html": "--output",
+    "--mass": "--free-mass",
+    "--order": "--modes",
+    "--out": "--output",
+    "--output": "--json",
+    "--pdf": "--page",
+    "--rate": "--fs",
+    "--sampling-rate": "--fs",
+    "--start": "--from",
+    "--stop": "--to",
+    "--unit": "--scale",
+    "--units": "--scale",
+    "-V": "--version",
+    "-o": "--json",
+    "-v": "--version",
+}
+
+
+def in_options(command: click.Command | None = None) -> AbstractContextManager[None]:
+    """Write arguments of Python as options of a command, by default that which runs, in the texts made within.
+
+    Examples
+    --------
+    >>> from suspid import SuspidError
+    >>> from suspid.wording import Argument
+    >>> error = SuspidError("hold it with ", Argument("fixed", "…"), ", or set ", Argument("rate", "2"))
+    >>> with in_options(click.Command("reconstruct", params=[click.Option(["--fixed"])])):
+    ...     print(error)
+    hold it with --fixed …, or set rate=2
+    """
+    command = command or click.get_current_context().command
+    known = {name for option in command.params for name in option.opts}
+    return called({argument: option for argument, option in ARGUMENTS_AS_OPTIONS.items() if option in known})
+
+
+@contextmanager
+def named_elsewhere() -> Iterator[None]:
+    """Name the option that is meant by one of another program."""
+    try:
+        yield
+    except click.NoSuchOption as error:
+        command = None if error.ctx is None else error.ctx.command
+        known = {name for option in getattr(command, "params", ()) for name in option.opts} | {"--version"}
+        meant = CALLED_ELSEWHERE.get(error.option_name)
+        if meant not in known:
+            raise
+        text = f"No such option '{error.option_name}'. Did you mean '{meant}'?"
+        raise click.NoSuchOption(error.option_name, text, ctx=error.ctx) from None

@@ -1,0 +1,98 @@
+"""What the commands print and write: lines on both streams, refusals, warnings."""
+
+from __future__ import annotations
+
+import errno
+import os
+import sys
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import IO, Any
+
+import click
+
+from suspid.files import printable
+
+# How systems say that nothing more can be written.
+NO_SPACE = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
+# Where the context keeps the file that holds the standard input, and what users read in place of its path.
+PIPED, STANDARD_INPUT = "suspid.piped", "standard input"
+
+
+class Failed(click.ClickException):
+    """An error of suspid's, shown as one line."""
+
+    exit_code = 1
+
+    def show(self, file: IO[Any] | None = None) -> None:
+        """Write the line."""
+        line = " ".join(part.strip() for part in self.message.splitlines())
+        click.echo(f"suspid: error: {printable(line)}", file=file or sys.stderr)
+
+
+@contextmanager
+def said_when_full() -> Iterator[None]:
+    """Say in one line that there is no room for output, such as the help that `click` writes."""
+    try:
+        yield
+    except OSError as refusal:
+        if refusal.errno not in NO_SPACE:
+            raise
+        raise _unwritten(refusal) from None
+
+
+def shown(text: str) -> str:
+    """Return a line as it may reach the terminal and files: printable, and without the place of the standard input."""
+    context = click.get_current_context(silent=True)
+    piped = None if context is None else context.meta.get(PIPED)
+    return printable(text if piped is None else text.replace(str(piped), STANDARD_INPUT))
+
+
+def check_apart(inputs: list[Path], outputs: list[Path | None]) -> None:
+    """Refuse an output that is also an input or another output: nothing that is read is ever overwritten."""
+    taken = [path.resolve() for path in inputs]
+    for path in outputs:
+        if path is not None:
+            if path.resolve() in taken:
+                raise click.UsageError(f"{printable(str(path))} is named twice: as an output and for something else.")
+            taken.append(path.resolve())
+
+
+def say(text: str) -> None:
+    """Print text whose names may come from a file: nothing in it reaches the terminal as a command."""
+    try:
+        click.echo("\n".join(shown(line) for line in text.split("\n")))
+    except OSError as refusal:
+        if refusal.errno == errno.EPIPE:
+            raise
+        raise _unwritten(refusal) from None
+
+
+def _unwritten(refusal: OSError) -> Failed:
+    # What is still to be written would fail again at the end of the program.
+    with suppress(OSError, ValueError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    return Failed(f"the output cannot be written: {refusal.strerror or refusal}")
+
+
+@contextmanager
+def said_warnings() -> Iterator[list[str]]:
+    """Collect warnings of the library, and add one's own; at the end, or at an error, each is a line on stderr."""
+    said: list[str] = []
+
+    def add(message: Warning | str, *_: object, **__: object) -> None:
+        said.append(" ".join(str(message).split()))
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("default")
+        for category in (DeprecationWarning, PendingDeprecationWarning, FutureWarning, ResourceWarning):
+            warnings.simplefilter("ignore", category)
+        warnings.showwarning = add
+        try:
+            yield said
+        finally:
+            # What was found in a file may be why the command failed.
+            for text in dict.fromkeys(said):
+                click.echo(f"suspid: warning: {shown(text)}", err=True)
