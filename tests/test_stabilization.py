@@ -51,6 +51,24 @@ class TestPoles:
 
 
 class TestPicture:
+    def test_the_spectrum_behind_a_diagram_peaks_at_the_modes(self) -> None:
+        exact = eigenmodes(cars.PAPER)
+        found = stabilization(free_decay(cars.PAPER, TIMES, initial_state={"v_tire": 1.0}), most=6, highest_hz=20.0)
+        inner = found.decibel[1:-1]
+        peaks = found.hertz[1:-1][(inner > found.decibel[:-2]) & (inner > found.decibel[2:]) & (inner > -40)]
+        line = 1 / (TIMES[-1] + TIMES[1])
+        assert peaks == pytest.approx(exact.wn * np.sqrt(1 - exact.zeta**2) / (2 * np.pi), abs=line)
+        assert found.hertz[-1] <= 20.0
+        assert found.decibel.max() == 0
+
+    def test_damping_stands_below_the_diagram_on_the_same_frequencies(self) -> None:
+        found = stabilization(free_decay(cars.PAPER, TIMES, initial_state={"v_tire": 1.0}), most=8)
+        axes = found.plot().figure.axes
+        lower = next(ax for ax in axes if ax.get_ylabel() == "damping ratio [1]")
+        assert lower.get_xlim() == axes[0].get_xlim()
+        drawn = np.concatenate([np.asarray(line.get_ydata(), float) for line in lower.lines])
+        assert np.min(np.abs(drawn[:, None] - eigenmodes(cars.PAPER).zeta), axis=0) == pytest.approx(0, abs=1e-4)
+
     def test_a_line_marks_each_mode_and_the_numbers_are_those_of_the_poles(self) -> None:
         record = add_noise(
             free_decay(cars.PAPER, TIMES, initial_state={"v_tire": 1.0}), snr_db=30.0, rng=np.random.default_rng(1)

@@ -27,7 +27,7 @@ from suspid.identification.noise import (
 from suspid.identification.nonlinear import AmplitudeDependence, Force, ForceKind
 from suspid.identification.pulses import FORCED
 from suspid.identification.selection import MOST_PAIRS, Selection, select
-from suspid.identification.stabilization import Stabilization, stabilization
+from suspid.identification.stabilization import HIGHEST_VIEW, Stabilization, stabilization
 from suspid.identification.steps import FourSteps
 from suspid.identification.verdict import verdict_of, verdict_of_repeats
 
@@ -35,6 +35,7 @@ __all__ = [
     "ABOVE_RESOLUTION",
     "FEWEST_SAMPLES",
     "FORCED",
+    "HIGHEST_VIEW",
     "MOST_PAIRS",
     "UNIFORM_STD",
     "AmplitudeDependence",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,12 +13,14 @@ from suspid.errors import InputError
 from suspid.results import Result
 from suspid.signals import as_signal
 from suspid.units import ComplexArray, Hertz, RealArray
-from suspid.values import frozen_complex, is_count
+from suspid.values import frozen_complex, frozen_real, is_count
 
 # Relative changes from one order to the next up to which a pole counts as stable: the custom of the field.
 STABLE_WN, STABLE_ZETA = 0.01, 0.05
 # Rows of the matrix of shifted samples, all channels together: more see slower modes, and take more time.
 SHIFTED_ROWS = 360
+# Highest frequency in view by default, over the sampling rate: above it, filters against aliases act.
+HIGHEST_VIEW = 0.4
 # Samples that are kept in a cycle of the highest frequency in view.
 SAMPLES_A_CYCLE = 2.5
 
@@ -36,6 +38,10 @@ class Stabilization(Result):
     stable_wn, stable_zeta : tuple of ndarray of bool
         Whether the order before has a pole of nearly the same natural frequency, and of nearly the same damping ratio
         as well.
+    hertz : ndarray
+        Frequencies of the spectrum, up to the highest in view [Hz].
+    decibel : ndarray
+        Spectrum of the record, all channels together, each of unit power [dB of its peak].
 
     Examples
     --------
@@ -50,6 +56,8 @@ class Stabilization(Result):
     poles: tuple[ComplexArray, ...]
     stable_wn: tuple[NDArray[np.bool_], ...]
     stable_zeta: tuple[NDArray[np.bool_], ...]
+    hertz: RealArray = field(default_factory=lambda: frozen_real([]))
+    decibel: RealArray = field(default_factory=lambda: frozen_real([]))
 
     def _table(self) -> Mapping[str, Sequence[object]]:
         rows = [
@@ -120,11 +128,15 @@ def stabilization(record: RecordLike, *, most: int = 40, highest_hz: Hertz | Non
     orders = tuple(range(2, highest + 1, 2))
     poles = [_poles(vectors[:, :order], channels, step) for order in orders]
     judged = [_stable(now, before) for before, now in zip([np.empty(0, complex), *poles[:-1]], poles, strict=True)]
+    view = HIGHEST_VIEW / signal.step if highest_hz is None else highest_hz
+    hertz, decibel = _spectrum(signal.values, signal.step, view)
     return Stabilization(
         orders=orders,
         poles=tuple(frozen_complex(one) for one in poles),
         stable_wn=tuple(wn for wn, _ in judged),
         stable_zeta=tuple(zeta for _, zeta in judged),
+        hertz=frozen_real(hertz),
+        decibel=frozen_real(decibel),
     )
 
 
@@ -139,6 +151,17 @@ def _thinned(values: RealArray, step: float, highest: Hertz | None) -> tuple[Rea
     values = values - values.mean(axis=1, keepdims=True)
     power = np.sqrt(np.mean(values**2, axis=1, keepdims=True))
     return values / np.where(power > 0, power, 1.0), step * stride
+
+
+def _spectrum(values: RealArray, step: float, highest: Hertz) -> tuple[RealArray, RealArray]:
+    """Return frequencies, and the power of all channels at them, each of unit power [dB of the peak]."""
+    values = values - values.mean(axis=1, keepdims=True)
+    power = np.mean(values**2, axis=1, keepdims=True)
+    spectrum = np.sum(np.abs(np.fft.rfft(values)) ** 2 / np.where(power > 0, power, 1.0), axis=0)
+    frequency = np.fft.rfftfreq(values.shape[1], step)
+    shown = (frequency > 0) & (frequency <= highest)
+    peak = max(float(spectrum[shown].max(initial=0.0)), 1e-300)
+    return frequency[shown], 10 * np.log10(np.maximum(spectrum[shown], 1e-300) / peak)
 
 
 def _subspace(values: RealArray) -> RealArray:

@@ -33,6 +33,10 @@ def keep_apart(figure: Figure) -> None:
         figure.set_layout_engine("constrained")
 
 
+# Room of an entry of a key and its part of the title beside it [inch].
+KEY_WIDTH = 1.1
+
+
 def pieces_across(ax: Axes) -> int:
     """Return how many pieces of a line the figure of some Axes can show."""
     return int(min(PIECES, PIECES_AN_INCH * ax.figure.bbox.width / ax.figure.dpi))
@@ -156,9 +160,15 @@ def plot_residual(ax: Axes, time: RealArray, record: RealArray, fit: RealArray, 
         ax.plot(*thinned(ax, time, values), color=colour, linewidth=width, label=label)
 
 
-def key_above(ax: Axes) -> None:
-    """Put the key to the lines of some Axes above them, at the right, in one line."""
-    ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), fontsize="small", ncols=3, frameon=False, borderaxespad=0.0)
+def key_above(ax: Axes, *, abreast: int = 3) -> None:
+    """Put the key to the lines of some Axes above them, at the right; inside where the title leaves no room."""
+    entries = min(abreast, len(ax.get_legend_handles_labels()[1]))
+    if ax.get_position().width * ax.figure.bbox.width / ax.figure.dpi < KEY_WIDTH * entries:
+        ax.legend(loc="best", fontsize="x-small", framealpha=0.8)
+        return
+    ax.legend(
+        loc="lower right", bbox_to_anchor=(1.0, 1.0), fontsize="small", ncols=abreast, frameon=False, borderaxespad=0.0
+    )
 
 
 def without_legend(ax: Axes) -> Axes:

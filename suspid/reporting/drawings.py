@@ -27,11 +27,14 @@ from suspid.reporting.plot_ride import draw_spectrum, plot_ride
 from suspid.reporting.plot_scalogram import plot_scalogram
 from suspid.reporting.plot_sensitivities import plot_sensitivities
 from suspid.reporting.plot_shapes import plot_shapes
-from suspid.reporting.plot_stabilization import plot_stabilization
+from suspid.reporting.plot_stabilization import plot_stabilization, plot_stabilization_page
 from suspid.reporting.plot_tuning import draw_damper, draw_front, plot_tuning
 from suspid.results import Drawing
 from suspid.results import drawing_of as drawing_of
 from suspid.wavelets import BandwidthSearch, Scalogram
+
+# Width and height of a stabilisation diagram with the damping below it [inch].
+STABILIZATION = (7.0, 5.5)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -84,7 +87,8 @@ def _(found: Comparison) -> Drawing:
 
 @drawing_of.register
 def _(found: Stabilization) -> Drawing:
-    return Drawing(alone=partial(plot_stabilization, found))
+    alone, page = partial(plot_stabilization, found), partial(plot_stabilization_page, found)
+    return Drawing(alone=alone, page=page, size=STABILIZATION)
 
 
 @drawing_of.register(Wear)

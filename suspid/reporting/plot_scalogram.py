@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from suspid.reporting.axes import frequency_ticks, pieces_across, position, shown, thinned
+from suspid.reporting.axes import frequency_ticks, key_above, pieces_across, position, shown, thinned
 from suspid.reporting.colours import Colour
 from suspid.reporting.thinning import pooled, power_weights, row_edges
 from suspid.units import RealArray
@@ -97,7 +97,7 @@ def plot_scalogram(
     ax.set_title("all channels" if channel is None else shown(channel), loc="left")
     if modes is not None:
         _mark_modes(ax, modes)
-    ax.legend(loc="upper right", fontsize="small", framealpha=0.9)
+    key_above(ax, abreast=4)
     if colorbar:
         bar = ax.figure.colorbar(mesh, ax=ax, pad=0.02, aspect=30)
         bar.set_label("modulus [dB of the largest]")

@@ -27,6 +27,9 @@ if TYPE_CHECKING:
 # Stretches that are averaged at least.
 STRETCHES = 8
 
+# Lowest density in view, over the median of the residual: single values of a periodogram fall far below it.
+BELOW_NOISE = 0.01
+
 # Letters of a unit up to which a label has room for it.
 SHORT_UNIT = 10
 
@@ -111,7 +114,7 @@ def draw_spectra(
 
     length = record.size if decay else max(min(record.size, 64), record.size // STRETCHES)
     window = "boxcar" if decay else "hann"
-    top = 0.0
+    top = noise = 0.0
     for values, colour, label, width in (
         (record, Colour.PALE, "record", 2.4),
         (fit, Colour.BLUE, "fit", 1.0),
@@ -121,6 +124,6 @@ def draw_spectra(
         ax.loglog(
             *thinned(ax, frequency[1:], np.maximum(density[1:], 1e-300)), color=colour, linewidth=width, label=label
         )
-        top = max(top, float(np.max(density[1:])))
+        top, noise = max(top, float(np.max(density[1:]))), float(np.median(density[1:]))
     if top > 0:
-        ax.set_ylim(bottom=max(ax.get_ylim()[0], EXACT * top))
+        ax.set_ylim(bottom=max(ax.get_ylim()[0], EXACT * top, BELOW_NOISE * noise))

@@ -7,14 +7,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.cleaning import RecordLike, as_record
-from suspid.identification import Identification, Stabilization, stabilization
+from suspid.identification import HIGHEST_VIEW, Identification, Stabilization, stabilization
 from suspid.reporting.axes import key_above
 from suspid.reporting.colours import Colour
 from suspid.signals import as_signal
 
 if TYPE_CHECKING:
-    import control
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from numpy.typing import NDArray
 
 # Highest frequency in view, over that of the highest mode.
 IN_VIEW = 2.5
@@ -50,22 +51,22 @@ def plot_stabilization(found: Identification | Stabilization | RecordLike, ax: A
     'order: number of poles'
     """
     hertz = found.modes.wn / (2 * np.pi) if isinstance(found, Identification) else np.empty(0)
-    highest = None
     if isinstance(found, Stabilization):
         diagram = found
+    elif isinstance(found, Identification) and len(hertz):
+        highest = min(IN_VIEW * float(hertz.max()), HIGHEST_VIEW / as_signal(found.response).step)
+        diagram = stabilization(found.response, most=most, highest_hz=highest)
     else:
-        record = found.response if isinstance(found, Identification) else as_record(found)
-        rate = 1 / as_signal(record).step
-        highest = float(min(IN_VIEW * hertz.max(), 0.4 * rate)) if len(hertz) else 0.4 * rate
-        diagram = stabilization(record, most=most, highest_hz=highest)
-        _draw_spectrum(ax, record, highest)
+        diagram = stabilization(found.response if isinstance(found, Identification) else as_record(found), most=most)
+    if diagram.hertz.size:
+        _draw_spectrum(ax, diagram)
     for one in hertz.tolist():
         ax.axvline(one, color=Colour.PALE, linewidth=1.0, zorder=0)
     _draw_poles(ax, diagram)
     frequencies = np.abs(np.concatenate(diagram.poles)) / (2 * np.pi)
-    if highest is None:
-        highest = float(frequencies.max(initial=0.0)) * 1.05 or 1.0
-    ax.set(xlabel="frequency [Hz]", ylabel="order: number of poles", xlim=(0.0, highest))
+    end = float(diagram.hertz[-1] if diagram.hertz.size else 1.05 * frequencies.max(initial=0.0)) or 1.0
+    ax.set(xlabel="frequency [Hz]", ylabel="order: number of poles", xlim=(0.0, end))
+    ax.grid(visible=True, axis="x", color=Colour.PALE, linewidth=0.4)
     ax.set_ylim(0, diagram.orders[-1] + 2)
     key_above(ax)
     return ax
@@ -74,26 +75,37 @@ def plot_stabilization(found: Identification | Stabilization | RecordLike, ax: A
 def _draw_poles(ax: Axes, found: Stabilization) -> None:
     order = np.repeat(found.orders, [len(poles) for poles in found.poles])
     hertz = np.abs(np.concatenate(found.poles)) / (2 * np.pi)
-    in_wn, in_zeta = np.concatenate(found.stable_wn), np.concatenate(found.stable_zeta)
-    for chosen, label, marker, colour, face in (
-        (~in_wn, "not stable", "x", Colour.PALE, Colour.PALE),
-        (in_wn & ~in_zeta, "stable in frequency", "o", Colour.BLUE, "none"),
-        (in_zeta, "and damping", "o", Colour.GREEN, Colour.GREEN),
-    ):
+    for chosen, label, marker, colour, face in _kinds(found):
         ax.plot(hertz[chosen], order[chosen], marker, color=colour, markerfacecolor=face, markersize=4.0, label=label)
 
 
-def _draw_spectrum(ax: Axes, record: control.TimeResponseData, highest: float) -> None:
-    """Draw the power of all channels, each of unit power, on an axis of its own behind the poles."""
-    signal = as_signal(record)
-    values = signal.values - signal.values.mean(axis=1, keepdims=True)
-    power = np.mean(values**2, axis=1, keepdims=True)
-    spectrum = np.sum(np.abs(np.fft.rfft(values)) ** 2 / np.where(power > 0, power, 1.0), axis=0)
-    frequency = np.fft.rfftfreq(values.shape[1], signal.step)
-    shown = (frequency > 0) & (frequency <= highest)
-    decibel = 10 * np.log10(np.maximum(spectrum[shown], 1e-300) / max(float(spectrum[shown].max(initial=0.0)), 1e-300))
+def _kinds(found: Stabilization) -> list[tuple[NDArray[np.bool_], str, str, str, str]]:
+    """Return which poles are of each kind, with its label, marker, colour and filling."""
+    in_wn, in_zeta = np.concatenate(found.stable_wn), np.concatenate(found.stable_zeta)
+    return [
+        (~in_wn, "not stable", "x", Colour.PALE, Colour.PALE),
+        (in_wn & ~in_zeta, "stable in frequency", "o", Colour.BLUE, "none"),
+        (in_zeta, "and damping", "o", Colour.GREEN, Colour.GREEN),
+    ]
+
+
+def _draw_spectrum(ax: Axes, found: Stabilization) -> None:
+    """Draw the spectrum of the record on an axis of its own behind the poles."""
     behind = ax.twinx()
-    behind.plot(frequency[shown], decibel, color=Colour.GREY, linewidth=0.5)
+    behind.plot(found.hertz, found.decibel, color=Colour.GREY, linewidth=0.5)
     behind.set(ylabel="spectrum [dB of its peak]", ylim=(-80.0, 3.0))
     ax.set_zorder(behind.get_zorder() + 1)
     ax.patch.set_visible(False)
+
+
+def plot_stabilization_page(found: Stabilization, figure: Figure) -> None:
+    """Draw the diagram, and below it the damping of the poles that are stable in frequency."""
+    upper, lower = figure.subplots(2, sharex=True, height_ratios=(3, 2))
+    plot_stabilization(found, upper)
+    upper.set_xlabel("")
+    hertz = np.abs(np.concatenate(found.poles)) / (2 * np.pi)
+    zeta = -np.cos(np.angle(np.concatenate(found.poles)))
+    for chosen, _, marker, colour, face in _kinds(found)[1:]:
+        lower.plot(hertz[chosen], zeta[chosen], marker, color=colour, markerfacecolor=face, markersize=4.0)
+    lower.set(xlabel="frequency [Hz]", ylabel="damping ratio [1]", yscale="log")
+    lower.grid(visible=True, color=Colour.PALE, linewidth=0.4)
