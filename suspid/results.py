@@ -145,6 +145,24 @@ def _draw(drawing: Drawing, figure: Figure, *, whole: bool) -> None:
         drawing.alone(figure.subplots())
 
 
+def check_kind(found: object, **made_by: str) -> None:
+    """Refuse what is none of the types named, and say which function returns each.
+
+    Examples
+    --------
+    >>> check_kind("seat.csv", Grip="grip", Ride="ride")
+    Traceback (most recent call last):
+    suspid.errors.InputError: a str was given where a Grip or Ride is needed: pass what grip or ride returns
+    """
+    if not any(one.__name__ in made_by for one in type(found).__mro__):
+        needed = " or ".join(made_by)
+        article = "an" if needed[0] in "AEIO" else "a"
+        raise InputError(
+            f"a {type(found).__name__} was given where {article} {needed} is needed: pass what "
+            f"{' or '.join(made_by.values())} returns"
+        )
+
+
 def columns_of(rows: Sequence[object], names: Sequence[str]) -> dict[str, list[object]]:
     """Return fields of rows by column.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import json
 import re
 from collections.abc import Callable
@@ -201,3 +202,17 @@ class TestWhatIsMeant:
     def test_a_shell_can_complete(self) -> None:
         result = CliRunner().invoke(main, [], prog_name="suspid", env={"_SUSPID_COMPLETE": "bash_source"})
         assert "_suspid_completion" in result.output
+
+
+@pytest.mark.parametrize(
+    "name", [name for name in suspid.__all__ if name.startswith("plot_")] + ["report", "statespace"]
+)
+def test_a_file_given_where_a_result_is_needed(name: str) -> None:
+    verb = getattr(suspid, name)
+    parameters = list(inspect.signature(verb).parameters.values())[1:]
+    needed = [one for one in parameters if one.default is inspect.Parameter.empty]
+    named = {one.name: None for one in needed if one.kind is inspect.Parameter.KEYWORD_ONLY}
+    unnamed = [None for one in needed if one.kind is not inspect.Parameter.KEYWORD_ONLY]
+    with pytest.raises(SuspidError) as caught:
+        verb(RECORD, *unnamed, **named)
+    assert STEP.search(str(caught.value))

@@ -16,7 +16,7 @@ from suspid.identification import Identification, Repeats
 from suspid.levels import LEVEL, check_level, normal_reach
 from suspid.model import ModalSet
 from suspid.reconstruction import Reconstruction, parameter_values
-from suspid.results import Result
+from suspid.results import Result, check_kind
 from suspid.units import Ratio
 from suspid.values import nearest_names, text_table
 from suspid.words import Check, Level, Number, Remark, Verdict
@@ -173,6 +173,14 @@ def check_limits(
     >>> [str(row.state) for row in check_limits(found, asked).rows]
     ['met', 'not met']
     """
+    check_kind(
+        found,
+        Analysis="analyse",
+        Estimate="estimate",
+        Reconstruction="reconstruct",
+        Identification="identify",
+        Repeats="identify_repeats",
+    )
     check_level(level)
     springs = _springs_of(found)
     modes = None if isinstance(found, Reconstruction) else found.modes

@@ -38,6 +38,7 @@ from suspid.errors import InputError
 from suspid.files import naming, parsed_json, printable, read_text, replacing
 from suspid.levels import SEVEN_DIGITS
 from suspid.model import ModalSet, check_definite
+from suspid.results import check_kind
 from suspid.toml import parsed_toml
 from suspid.values import LARGEST_SIZE, SMALLEST_SIZE, nearest_names
 
@@ -182,6 +183,7 @@ def write_modes(modes: ModalSet, path: str | os.PathLike[str]) -> None:
     >>> again.poles
     array([-6.+8.j])
     """
+    check_kind(modes, ModalSet="eigenmodes, or identify as .modes,")
     if Path(path).suffix.lower() == ".toml":
         raise InputError("modes are written as JSON; name the file .json").about(printable(str(path)))
     with replacing(path) as draft:

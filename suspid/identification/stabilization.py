@@ -135,8 +135,8 @@ def stabilization(record: RecordLike, *, most: int = 40, highest_hz: Hertz | Non
         poles=tuple(frozen_complex(one) for one in poles),
         stable_wn=tuple(wn for wn, _ in judged),
         stable_zeta=tuple(zeta for _, zeta in judged),
-        hertz=frozen_real(hertz),
-        decibel=frozen_real(decibel),
+        hertz=hertz,
+        decibel=decibel,
     )
 
 
@@ -161,7 +161,7 @@ def _spectrum(values: RealArray, step: float, highest: Hertz) -> tuple[RealArray
     frequency = np.fft.rfftfreq(values.shape[1], step)
     shown = (frequency > 0) & (frequency <= highest)
     peak = max(float(spectrum[shown].max(initial=0.0)), 1e-300)
-    return frequency[shown], 10 * np.log10(np.maximum(spectrum[shown], 1e-300) / peak)
+    return frozen_real(frequency[shown]), frozen_real(10 * np.log10(np.maximum(spectrum[shown], 1e-300) / peak))
 
 
 def _subspace(values: RealArray) -> RealArray:

@@ -59,6 +59,7 @@ from suspid.model.quarter_car import quarter_car
 from suspid.model.sensor import MOTIONS, Sensor
 from suspid.model.strut import Strut
 from suspid.model.suspension import Suspension
+from suspid.results import check_kind
 from suspid.toml import as_number, as_table, check_keys, parsed_toml, refuse
 from suspid.units import UNITS
 
@@ -106,6 +107,7 @@ def write_car(suspension: Suspension, path: str | os.PathLike[str]) -> None:
     ...     read_car(path) == read_car("examples/car.toml")
     True
     """
+    check_kind(suspension, Suspension="read_car or quarter_car")
     with replacing(path) as draft:
         draft.write_text(car_to_toml(suspension), encoding="utf-8")
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from suspid.errors import InputError
 from suspid.model.outputs import FORCE, OutputRows, force_weights, output_rows
 from suspid.model.suspension import Suspension, check_linear
+from suspid.results import check_kind
 from suspid.units import RealArray
 from suspid.values import nearest_names
 
@@ -73,6 +74,7 @@ def statespace(
     >>> statespace(car, forces=["chassis_travel"], roads=car.roads).input_labels
     ['road', 'road_rate', 'chassis_travel_force']
     """
+    check_kind(suspension, Suspension="read_car or quarter_car")
     import control
 
     check_linear(suspension, "statespace")

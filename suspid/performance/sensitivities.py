@@ -14,7 +14,7 @@ from suspid.performance.figure_plan import plan_of
 from suspid.performance.ride import HOUR, driven_road
 from suspid.performance.strut_slopes import strut_slopes
 from suspid.reconstruction import parameter_names, parameter_values
-from suspid.results import Result
+from suspid.results import Result, check_kind
 from suspid.simulation import Road
 from suspid.units import ComplexArray, Metre, RealArray, Second
 from suspid.values import frozen_real, listed, nearest_names, text_table
@@ -114,6 +114,7 @@ def sensitivities(
          mode 2.wn    67.55                +0.05             +0.46              -0.02
        mode 2.zeta   0.1971                -0.03             -0.48              +1.01
     """
+    check_kind(car, Suspension="read_car or quarter_car")
     known = parameter_values(car)
     if parameters is None:
         parameters = [name for name in parameter_names(car) if known[name] and not name.endswith(".mass")]

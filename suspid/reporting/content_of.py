@@ -19,6 +19,7 @@ from suspid.reporting.estimate_page import EstimateContent
 from suspid.reporting.fleet_page import FleetContent
 from suspid.reporting.source import Source
 from suspid.reporting.thinning import drawable
+from suspid.results import check_kind
 from suspid.samples import held
 from suspid.signals import as_signal
 from suspid.units import Ratio
@@ -145,6 +146,7 @@ def content_of(
     0.9
     """
     check_level(level)
+    check_kind(found, Identification="identify", Analysis="analyse", Estimate="estimate", FleetSummary="fleet_summary")
     sources = () if source is None else (source,) if isinstance(source, Source) else tuple(source)
     if isinstance(found, FleetSummary):
         return FleetContent(found=found, sources=sources, warnings=warnings)

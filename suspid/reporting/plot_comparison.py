@@ -14,6 +14,7 @@ from suspid.levels import LEVEL, check_level
 from suspid.model import Comparison, ModalSet, compare
 from suspid.reporting.axes import keep_apart, key_above, shown
 from suspid.reporting.colours import Colour
+from suspid.results import check_kind
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -76,6 +77,8 @@ def plot_comparison(
     ['natural frequency', 'damping ratio']
     """
     check_level(level)
+    for one in (before, after):
+        check_kind(one, Estimate="estimate", ModalSet="eigenmodes, or identify as .modes,")
     keep_apart(figure)
     panels = _panels(before, after, level)
     if not any(panels.values()):

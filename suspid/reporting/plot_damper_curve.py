@@ -9,6 +9,7 @@ import numpy as np
 from suspid.levels import LEVEL, check_level, normal_reach
 from suspid.reporting.axes import key_above
 from suspid.reporting.colours import Colour
+from suspid.results import check_kind
 from suspid.units import Ratio
 
 if TYPE_CHECKING:
@@ -49,6 +50,7 @@ def plot_damper_curve(found: DamperCurve, ax: Axes, *, level: Ratio = LEVEL) -> 
     >>> plot_damper_curve(found, Figure().subplots()).get_ylabel()
     'force of the damper [N]'
     """
+    check_kind(found, DamperCurve="damper_curve")
     check_level(level)
     reach = normal_reach(level)
     nodes = found.velocities

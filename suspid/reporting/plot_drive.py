@@ -11,6 +11,7 @@ from suspid.levels import UNLIKELY
 from suspid.reporting.axes import frequency_ticks, keep_apart, shown
 from suspid.reporting.colours import CHANNEL_COLOURS, Colour
 from suspid.reporting.plot_damper_curve import plot_damper_curve
+from suspid.results import check_kind
 from suspid.signals import as_signal
 from suspid.units import ComplexArray, RealArray, Second
 from suspid.words import Code
@@ -61,6 +62,7 @@ def plot_drive(found: DriveAnalysis, figure: Figure) -> Figure:
     >>> page.axes[0].get_xlabel()
     'time [s]'
     """
+    check_kind(found, DriveAnalysis="analyse_drive")
     keep_apart(figure)
     # Files whose stretches fit on one page.
     files = found.drives[:6]

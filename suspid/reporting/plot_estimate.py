@@ -12,6 +12,7 @@ from suspid.reporting.axes import keep_apart, key_above, plot_residual, shown, u
 from suspid.reporting.channel_units import channel_unit
 from suspid.reporting.colours import Colour
 from suspid.reporting.spring_rows import values_of
+from suspid.results import check_kind
 from suspid.signals import as_signal
 from suspid.units import Ratio
 
@@ -53,6 +54,7 @@ def plot_estimate(found: Estimate, figure: Figure, *, level: Ratio = LEVEL) -> F
     >>> page.axes[0].get_xlabel()
     'change from nominal [%]'
     """
+    check_kind(found, Estimate="estimate")
     keep_apart(figure)
     # Channels on one page; the others are in the JSON by their noise. An estimate that was read has no records.
     channels = as_signal(found.residual[0]).channels[:6] if found.residual else ()

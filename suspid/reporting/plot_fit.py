@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from suspid.reporting.axes import checked_grid, key_above, plot_residual, position, shown, unit_ticks
+from suspid.results import check_kind
 from suspid.samples import held
 from suspid.signals import as_signal
 from suspid.units import Second
@@ -60,6 +61,7 @@ def plot_fit(
     >>> axes[1].get_xlabel()
     'time [s]'
     """
+    check_kind(identification, Identification="identify")
     record, fitted, residual = (as_signal(held(identification, name)) for name in ("response", "fitted", "residual"))
     names = record.channels if channels is None else tuple(channels)
     drawn = checked_grid(axes, (len(names),))

@@ -10,6 +10,7 @@ from suspid.levels import LEVEL, normal_reach
 from suspid.reporting.axes import checked_grid, frequency_ticks, shown
 from suspid.reporting.colours import Colour
 from suspid.reporting.frf import Frf, responses
+from suspid.results import check_kind
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -68,6 +69,7 @@ def plot_frf(
     >>> axes[0, 1].get_title(loc="left"), found.causes
     ('tire', (('road',),))
     """
+    check_kind(found, Estimate="estimate")
     one = responses(found, record=record, cause=cause, channels=channels)
     drawn = checked_grid(axes, (2, len(one)))
     for (above, below), (name, frf) in zip(drawn.T, one.items(), strict=True):

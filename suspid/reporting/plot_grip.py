@@ -10,6 +10,7 @@ from suspid.levels import LEVEL, check_level, normal_reach
 from suspid.performance import CLASSES, PHASE_LIMIT
 from suspid.reporting.axes import frequency_ticks, in_legend, keep_apart, key_above
 from suspid.reporting.colours import CHANNEL_COLOURS, Colour
+from suspid.results import check_kind
 from suspid.units import Ratio, RealArray
 
 if TYPE_CHECKING:
@@ -48,6 +49,7 @@ def plot_grip(found: Grip, figure: Figure, *, level: Ratio = LEVEL) -> Figure:
     >>> [ax.get_ylabel() for ax in page.axes]
     ['least / static force [%]', 'phase [deg]']
     """
+    check_kind(found, Grip="grip")
     check_level(level)
     keep_apart(figure)
     reach, degrees = normal_reach(level), float(np.degrees(1.0))

@@ -16,6 +16,7 @@ from suspid.reporting.plot_scalogram import plot_scalogram
 from suspid.reporting.plot_shapes import plot_shapes
 from suspid.reporting.plot_skeletons import plot_skeletons
 from suspid.reporting.thinning import first_cycles
+from suspid.results import check_kind
 from suspid.samples import held
 from suspid.signals import as_signal
 from suspid.units import Second
@@ -71,6 +72,7 @@ def plot_identification(
     >>> page.axes[1].get_ylabel()
     'frequency [Hz]'
     """
+    check_kind(identification, Identification="identify")
     keep_apart(figure)
     ridges = identification.ridges[:MOST_RIDGES]
     blocks = [ridges[i : i + ABREAST] for i in range(0, len(ridges), ABREAST)]

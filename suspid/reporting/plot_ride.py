@@ -9,6 +9,7 @@ import numpy as np
 from suspid.performance import weighting
 from suspid.reporting.axes import decade_ticks, frequency_ticks, keep_apart, key_above, shown
 from suspid.reporting.colours import CHANNEL_COLOURS, Colour
+from suspid.results import check_kind
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -46,6 +47,7 @@ def plot_ride(found: Ride, figure: Figure) -> Figure:
     >>> [ax.get_title(loc="left") for ax in page.axes]
     ['weightings', 'chassis_acceleration']
     """
+    check_kind(found, Ride="ride")
     keep_apart(figure)
     channels = found.channels[:MOST_SPECTRA]
     axes = np.atleast_1d(figure.subplots(1 + len(channels), 1, sharex=True))

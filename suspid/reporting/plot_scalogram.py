@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from suspid.reporting.axes import frequency_ticks, key_above, pieces_across, position, shown, thinned
 from suspid.reporting.colours import Colour
 from suspid.reporting.thinning import pooled, power_weights, row_edges
+from suspid.results import check_kind
 from suspid.units import RealArray
 from suspid.wavelets import Ridge
 
@@ -73,6 +74,7 @@ def plot_scalogram(
     >>> ax.get_ylabel()
     'frequency [Hz]'
     """
+    check_kind(scalogram, Scalogram="cwt")
     signal = scalogram.signal
     start, end = signal.start, signal.start + signal.duration
     order = np.argsort(scalogram.omega)

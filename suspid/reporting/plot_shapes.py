@@ -11,6 +11,7 @@ from suspid.errors import InputError
 from suspid.reporting.axes import shown
 from suspid.reporting.colours import Colour
 from suspid.reporting.shape_groups import ShapeGroup, shape_groups
+from suspid.results import check_kind
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -60,6 +61,7 @@ def plot_shapes(modes: ModalSet, *, ax: Axes, units: Sequence[str] | None = None
     >>> [label.get_text() for label in ax.get_yticklabels()]
     ['chassis', 'tire']
     """
+    check_kind(modes, ModalSet="eigenmodes, or identify as .modes,")
     if modes.shapes is None:
         raise InputError("these modes have no shapes to draw: poles alone were given")
     groups = shape_groups(modes, units)

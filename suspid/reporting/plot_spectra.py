@@ -12,6 +12,7 @@ from suspid.levels import EXACT
 from suspid.reporting.axes import checked_grid, key_above, position, shown, thinned
 from suspid.reporting.channel_units import channel_unit
 from suspid.reporting.colours import Colour
+from suspid.results import check_kind
 from suspid.signals import as_signal
 from suspid.units import RealArray
 from suspid.words import count
@@ -78,6 +79,7 @@ def plot_spectra(
     >>> axes[1].get_xlabel()
     'frequency [Hz]'
     """
+    check_kind(found, Estimate="estimate", Identification="identify")
     decay = isinstance(found, Identification)
     if not isinstance(found, Identification) and not 0 <= record < len(found.residual):
         raise InputError(f"{record=}: {no_such_record(found)}")

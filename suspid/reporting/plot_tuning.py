@@ -9,6 +9,7 @@ import numpy as np
 from suspid.performance import short
 from suspid.reporting.axes import frequency_ticks, keep_apart, shown
 from suspid.reporting.colours import CHANNEL_COLOURS, Colour
+from suspid.results import check_kind
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -44,6 +45,7 @@ def plot_tuning(found: Tuning, figure: Figure) -> Figure:
     >>> page.axes[0].get_ylabel()
     'tire.load [N]'
     """
+    check_kind(found, Tuning="tune")
     keep_apart(figure)
     upper, lower = figure.subplots(2, 1, sharex=True)
     draw_front(found, upper)

@@ -23,6 +23,7 @@ from suspid.reporting.ride_json import ride_to_dict
 from suspid.reporting.source import Source, versions
 from suspid.reporting.thinning import is_whole
 from suspid.reporting.wear_json import grip_to_dict
+from suspid.results import check_kind
 from suspid.units import Ratio
 
 if TYPE_CHECKING:
@@ -36,7 +37,8 @@ if TYPE_CHECKING:
 def report_to_dict(found: Identification | Analysis | Content) -> dict[str, object]:
     """Return everything that `report` shows as plain lists and numbers; numbers that are not finite are None.
 
-    Takes what `report` takes.
+    Takes an identification, an analysis, or what `content_of` makes of them. For an estimate see
+    `suspid.greybox.estimate_to_dict`.
 
     Examples
     --------
@@ -47,6 +49,7 @@ def report_to_dict(found: Identification | Analysis | Content) -> dict[str, obje
     >>> report_to_dict(found)["verdict"]["level"]
     'sound'
     """
+    check_kind(found, Identification="identify", Analysis="analyse", Content="content_of")
     content = found if isinstance(found, Content) else content_of(found)
     shown, source, analysis = content.identification, content.source, content.analysis
     repeats, car = analysis.repeats, analysis.reconstruction
