@@ -145,12 +145,12 @@ def _draw(drawing: Drawing, figure: Figure, *, whole: bool) -> None:
         drawing.alone(figure.subplots())
 
 
-def check_kind(found: object, **made_by: str) -> None:
+def check_kind(found: object, made_by: Mapping[str, str]) -> None:
     """Refuse what is none of the types named, and say which function returns each.
 
     Examples
     --------
-    >>> check_kind("seat.csv", Grip="grip", Ride="ride")
+    >>> check_kind("seat.csv", {"Grip": "grip", "Ride": "ride"})
     Traceback (most recent call last):
     suspid.errors.InputError: a str was given where a Grip or Ride is needed: pass what grip or ride returns
     """

@@ -175,11 +175,13 @@ def check_limits(
     """
     check_kind(
         found,
-        Analysis="analyse",
-        Estimate="estimate",
-        Reconstruction="reconstruct",
-        Identification="identify",
-        Repeats="identify_repeats",
+        {
+            "Analysis": "analyse",
+            "Estimate": "estimate",
+            "Reconstruction": "reconstruct",
+            "Identification": "identify",
+            "Repeats": "identify_repeats",
+        },
     )
     check_level(level)
     springs = _springs_of(found)

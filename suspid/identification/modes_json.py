@@ -183,7 +183,7 @@ def write_modes(modes: ModalSet, path: str | os.PathLike[str]) -> None:
     >>> again.poles
     array([-6.+8.j])
     """
-    check_kind(modes, ModalSet="eigenmodes, or identify as .modes,")
+    check_kind(modes, {"ModalSet": "eigenmodes, or identify as .modes,"})
     if Path(path).suffix.lower() == ".toml":
         raise InputError("modes are written as JSON; name the file .json").about(printable(str(path)))
     with replacing(path) as draft:

@@ -107,7 +107,7 @@ def write_car(suspension: Suspension, path: str | os.PathLike[str]) -> None:
     ...     read_car(path) == read_car("examples/car.toml")
     True
     """
-    check_kind(suspension, Suspension="read_car or quarter_car")
+    check_kind(suspension, {"Suspension": "read_car or quarter_car"})
     with replacing(path) as draft:
         draft.write_text(car_to_toml(suspension), encoding="utf-8")
 

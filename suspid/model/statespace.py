@@ -74,7 +74,7 @@ def statespace(
     >>> statespace(car, forces=["chassis_travel"], roads=car.roads).input_labels
     ['road', 'road_rate', 'chassis_travel_force']
     """
-    check_kind(suspension, Suspension="read_car or quarter_car")
+    check_kind(suspension, {"Suspension": "read_car or quarter_car"})
     import control
 
     check_linear(suspension, "statespace")

@@ -114,7 +114,7 @@ def sensitivities(
          mode 2.wn    67.55                +0.05             +0.46              -0.02
        mode 2.zeta   0.1971                -0.03             -0.48              +1.01
     """
-    check_kind(car, Suspension="read_car or quarter_car")
+    check_kind(car, {"Suspension": "read_car or quarter_car"})
     known = parameter_values(car)
     if parameters is None:
         parameters = [name for name in parameter_names(car) if known[name] and not name.endswith(".mass")]

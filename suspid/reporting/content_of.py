@@ -146,7 +146,10 @@ def content_of(
     0.9
     """
     check_level(level)
-    check_kind(found, Identification="identify", Analysis="analyse", Estimate="estimate", FleetSummary="fleet_summary")
+    check_kind(
+        found,
+        {"Identification": "identify", "Analysis": "analyse", "Estimate": "estimate", "FleetSummary": "fleet_summary"},
+    )
     sources = () if source is None else (source,) if isinstance(source, Source) else tuple(source)
     if isinstance(found, FleetSummary):
         return FleetContent(found=found, sources=sources, warnings=warnings)

@@ -53,7 +53,7 @@ def plot_amplitude(found: Identification, *, axes: Sequence[Sequence[Axes]] | ND
     >>> axes[1, 0].get_xlabel()
     'amplitude in angle'
     """
-    check_kind(found, Identification="identify")
+    check_kind(found, {"Identification": "identify"})
     grid = checked_grid(axes, (2, len(found.amplitude_dependence)))
     for mode, each in enumerate(found.amplitude_dependence):
         ridges = [ridge for ridge in found.ridges if abs(np.log(ridge.omega / found.modes.wn[mode])) < np.log(1.1)]

@@ -78,7 +78,7 @@ def plot_comparison(
     """
     check_level(level)
     for one in (before, after):
-        check_kind(one, Estimate="estimate", ModalSet="eigenmodes, or identify as .modes,")
+        check_kind(one, {"Estimate": "estimate", "ModalSet": "eigenmodes, or identify as .modes,"})
     keep_apart(figure)
     panels = _panels(before, after, level)
     if not any(panels.values()):

@@ -50,7 +50,7 @@ def plot_damper_curve(found: DamperCurve, ax: Axes, *, level: Ratio = LEVEL) -> 
     >>> plot_damper_curve(found, Figure().subplots()).get_ylabel()
     'force of the damper [N]'
     """
-    check_kind(found, DamperCurve="damper_curve")
+    check_kind(found, {"DamperCurve": "damper_curve"})
     check_level(level)
     reach = normal_reach(level)
     nodes = found.velocities

@@ -62,7 +62,7 @@ def plot_drive(found: DriveAnalysis, figure: Figure) -> Figure:
     >>> page.axes[0].get_xlabel()
     'time [s]'
     """
-    check_kind(found, DriveAnalysis="analyse_drive")
+    check_kind(found, {"DriveAnalysis": "analyse_drive"})
     keep_apart(figure)
     # Files whose stretches fit on one page.
     files = found.drives[:6]

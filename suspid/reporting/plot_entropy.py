@@ -39,7 +39,7 @@ def plot_entropy(search: BandwidthSearch, *, ax: Axes) -> Axes:
     >>> plot_entropy(search, ax=Figure().subplots()).get_title(loc="left")
     'least entropy at N = 8'
     """
-    check_kind(search, BandwidthSearch="best_bandwidth")
+    check_kind(search, {"BandwidthSearch": "best_bandwidth"})
     order = np.argsort(search.candidates)
     tried, entropy = search.candidates[order], search.entropy[order]
     ax.plot(tried, entropy, color=Colour.BLUE, marker=".", markersize=4, linewidth=1.0)

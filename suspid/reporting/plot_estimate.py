@@ -54,7 +54,7 @@ def plot_estimate(found: Estimate, figure: Figure, *, level: Ratio = LEVEL) -> F
     >>> page.axes[0].get_xlabel()
     'change from nominal [%]'
     """
-    check_kind(found, Estimate="estimate")
+    check_kind(found, {"Estimate": "estimate"})
     keep_apart(figure)
     # Channels on one page; the others are in the JSON by their noise. An estimate that was read has no records.
     channels = as_signal(found.residual[0]).channels[:6] if found.residual else ()

@@ -61,7 +61,7 @@ def plot_fit(
     >>> axes[1].get_xlabel()
     'time [s]'
     """
-    check_kind(identification, Identification="identify")
+    check_kind(identification, {"Identification": "identify"})
     record, fitted, residual = (as_signal(held(identification, name)) for name in ("response", "fitted", "residual"))
     names = record.channels if channels is None else tuple(channels)
     drawn = checked_grid(axes, (len(names),))

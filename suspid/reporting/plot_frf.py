@@ -69,7 +69,7 @@ def plot_frf(
     >>> axes[0, 1].get_title(loc="left"), found.causes
     ('tire', (('road',),))
     """
-    check_kind(found, Estimate="estimate")
+    check_kind(found, {"Estimate": "estimate"})
     one = responses(found, record=record, cause=cause, channels=channels)
     drawn = checked_grid(axes, (2, len(one)))
     for (above, below), (name, frf) in zip(drawn.T, one.items(), strict=True):

@@ -49,7 +49,7 @@ def plot_grip(found: Grip, figure: Figure, *, level: Ratio = LEVEL) -> Figure:
     >>> [ax.get_ylabel() for ax in page.axes]
     ['least / static force [%]', 'phase [deg]']
     """
-    check_kind(found, Grip="grip")
+    check_kind(found, {"Grip": "grip"})
     check_level(level)
     keep_apart(figure)
     reach, degrees = normal_reach(level), float(np.degrees(1.0))

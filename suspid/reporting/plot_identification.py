@@ -72,7 +72,7 @@ def plot_identification(
     >>> page.axes[1].get_ylabel()
     'frequency [Hz]'
     """
-    check_kind(identification, Identification="identify")
+    check_kind(identification, {"Identification": "identify"})
     keep_apart(figure)
     ridges = identification.ridges[:MOST_RIDGES]
     blocks = [ridges[i : i + ABREAST] for i in range(0, len(ridges), ABREAST)]

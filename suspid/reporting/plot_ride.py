@@ -47,7 +47,7 @@ def plot_ride(found: Ride, figure: Figure) -> Figure:
     >>> [ax.get_title(loc="left") for ax in page.axes]
     ['weightings', 'chassis_acceleration']
     """
-    check_kind(found, Ride="ride")
+    check_kind(found, {"Ride": "ride"})
     keep_apart(figure)
     channels = found.channels[:MOST_SPECTRA]
     axes = np.atleast_1d(figure.subplots(1 + len(channels), 1, sharex=True))

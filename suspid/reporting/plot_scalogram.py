@@ -74,7 +74,7 @@ def plot_scalogram(
     >>> ax.get_ylabel()
     'frequency [Hz]'
     """
-    check_kind(scalogram, Scalogram="cwt")
+    check_kind(scalogram, {"Scalogram": "cwt"})
     signal = scalogram.signal
     start, end = signal.start, signal.start + signal.duration
     order = np.argsort(scalogram.omega)

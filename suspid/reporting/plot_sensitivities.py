@@ -44,7 +44,7 @@ def plot_sensitivities(found: Sensitivities, ax: Axes) -> Axes:
     >>> [label.get_text() for label in ax.get_yticklabels()]
     ['mode 1.wn', 'mode 1.zeta', 'mode 2.wn', 'mode 2.zeta']
     """
-    check_kind(found, Sensitivities="sensitivities")
+    check_kind(found, {"Sensitivities": "sensitivities"})
     rows, columns = found.elasticity.shape
     for column in range(columns):
         ax.axvline(column, color=Colour.PALE, linewidth=0.8, zorder=0)

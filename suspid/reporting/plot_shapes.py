@@ -61,7 +61,7 @@ def plot_shapes(modes: ModalSet, *, ax: Axes, units: Sequence[str] | None = None
     >>> [label.get_text() for label in ax.get_yticklabels()]
     ['chassis', 'tire']
     """
-    check_kind(modes, ModalSet="eigenmodes, or identify as .modes,")
+    check_kind(modes, {"ModalSet": "eigenmodes, or identify as .modes,"})
     if modes.shapes is None:
         raise InputError("these modes have no shapes to draw: poles alone were given")
     groups = shape_groups(modes, units)

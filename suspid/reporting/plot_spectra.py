@@ -79,7 +79,7 @@ def plot_spectra(
     >>> axes[1].get_xlabel()
     'frequency [Hz]'
     """
-    check_kind(found, Estimate="estimate", Identification="identify")
+    check_kind(found, {"Estimate": "estimate", "Identification": "identify"})
     decay = isinstance(found, Identification)
     if not isinstance(found, Identification) and not 0 <= record < len(found.residual):
         raise InputError(f"{record=}: {no_such_record(found)}")

@@ -45,7 +45,7 @@ def plot_tuning(found: Tuning, figure: Figure) -> Figure:
     >>> page.axes[0].get_ylabel()
     'tire.load [N]'
     """
-    check_kind(found, Tuning="tune")
+    check_kind(found, {"Tuning": "tune"})
     keep_apart(figure)
     upper, lower = figure.subplots(2, 1, sharex=True)
     draw_front(found, upper)

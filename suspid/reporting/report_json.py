@@ -49,7 +49,7 @@ def report_to_dict(found: Identification | Analysis | Content) -> dict[str, obje
     >>> report_to_dict(found)["verdict"]["level"]
     'sound'
     """
-    check_kind(found, Identification="identify", Analysis="analyse", Content="content_of")
+    check_kind(found, {"Identification": "identify", "Analysis": "analyse", "Content": "content_of"})
     content = found if isinstance(found, Content) else content_of(found)
     shown, source, analysis = content.identification, content.source, content.analysis
     repeats, car = analysis.repeats, analysis.reconstruction
