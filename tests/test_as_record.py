@@ -173,6 +173,14 @@ def test_impulse_responses_of_several_inputs_are_one_record_with_the_systems_pol
     assert np.array_equal(record.y[1], response.y[0, 1])
 
 
+@pytest.mark.parametrize("count", [1, 2])
+def test_channels_are_named_after_inputs_where_there_are_several(count: int) -> None:
+    system = statespace(cars.HATCHBACK)[:, :count]
+    labels = as_record(control.impulse_response(system, TIME)).output_labels
+    of_each = [f"{y}_from_{u}" for y in system.output_labels for u in system.input_labels]
+    assert labels == (list(system.output_labels) if count == 1 else of_each)
+
+
 def test_an_input_that_moves_nothing_is_no_trace() -> None:
     """Without damping in the tire the rate of the road moves nothing."""
     car = cars.HATCHBACK.with_parameters(damping={"tire": 0.0})

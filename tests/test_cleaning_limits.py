@@ -56,6 +56,12 @@ class TestOrder:
         times, _, findings = ordered(stamps, values, np.arange(len(stamps)), NONE)
         return times, [finding.kind for finding in findings]
 
+    def swapped(self, rows: int, moved: int) -> RealArray:
+        stamps = np.arange(rows) / 10.0
+        for k in range(20, 20 + 5 * moved, 10):
+            stamps[[k, k + 1]] = stamps[[k + 1, k]]
+        return stamps
+
     @pytest.mark.parametrize(("lost", "fine"), [(10, True), (11, False)])
     def test_a_tenth_of_the_stamps_may_be_missing(self, lost: int, fine: bool) -> None:
         stamps = self.STAMPS.copy()
@@ -84,6 +90,17 @@ class TestOrder:
         times, codes = self.order(stamps)
         assert codes == [defect]
         np.testing.assert_allclose(times, np.arange(1000) / 10.0)
+
+    @pytest.mark.parametrize(("rows", "moved"), [(100, 4), (600, 4), (600, 6)])
+    def test_four_rows_or_a_hundredth_of_them_are_put_back(self, rows: int, moved: int) -> None:
+        times, codes = self.order(self.swapped(rows, moved))
+        assert codes == [Defect.SWAPPED_ROWS]
+        np.testing.assert_array_equal(times, np.arange(rows) / 10.0)
+
+    @pytest.mark.parametrize(("rows", "moved"), [(100, 6), (600, 8)])
+    def test_more_rows_out_of_order_are_refused(self, rows: int, moved: int) -> None:
+        with pytest.raises(RecordError):
+            self.order(self.swapped(rows, moved))
 
     def test_rows_are_not_put_where_they_nearly_double_others(self) -> None:
         """A stamp that lies beside an earlier one is a wrong stamp, not a late row."""

@@ -26,6 +26,7 @@ from suspid import (
     read_record,
     statespace,
 )
+from suspid.reconstruction.alternatives import told_apart
 from suspid.reconstruction.descent import slope_left
 from suspid.reconstruction.equations import linear, sensitivities, spectral
 from suspid.reconstruction.observations import ModalTest, observe
@@ -208,6 +209,17 @@ class TestTwins:
         assert 0 < answer.distances[0] < 15
         assert "sensors at" in str(answer)
         assert "added to" in str(answer)
+
+    def test_sensors_are_proposed_where_one_of_two_is_missing(self) -> None:
+        names = ["seat", "chassis", "tire"]
+        twin = PAPER.with_parameters(
+            stiffness=dict(zip(names, self.twin, strict=True)), damping={"seat": 290.0, "chassis": 0.0, "tire": 250.0}
+        )
+        anywhere = told_apart(PAPER, twin, ())
+        assert {told_apart(PAPER, twin, (name,)) for name in PAPER.coordinates} == {anywhere}
+        for first, second in itertools.combinations(PAPER.coordinates, 2):
+            assert f"sensors at {first} and {second}" not in told_apart(PAPER, twin, (first, second))
+        assert "sensors" not in told_apart(PAPER, twin, PAPER.coordinates)
 
     @pytest.mark.parametrize("stated", ["spread", "tolerance", "digits alone"])
     def test_table_2_belongs_to_both_the_right_one_first(self, stated: str) -> None:
