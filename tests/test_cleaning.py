@@ -311,7 +311,9 @@ class TestSeveralClocks:
         assert kinds(cleaned) == ["slower clock"]
         (finding,) = cleaned.findings
         # One sample a second, beside those of T.
-        assert [finding.remark.numbers["rate"], finding.remark.numbers["onto"]] == pytest.approx([1.0, (T.size - 1) / np.ptp(T)])
+        assert [finding.remark.numbers["rate"], finding.remark.numbers["onto"]] == pytest.approx(
+            [1.0, (T.size - 1) / np.ptp(T)]
+        )
         assert cleaned.record.y[0].tolist() == decay(T).tolist()
         asked = clean(both, channels=["a", "speed"])
         # A cubic spline is exact for a square.
