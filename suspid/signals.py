@@ -52,7 +52,11 @@ class Signal:
     @property
     def timepts(self) -> RealArray:
         """Time of each sample [s]."""
-        return np.asarray(self.start + self.step * np.arange(self.values.shape[1]), float)
+        return self.timepts_of(0, self.values.shape[1])
+
+    def timepts_of(self, first: int, last: int) -> RealArray:
+        """Return the times of the samples from the first to the last (excluded) [s]."""
+        return np.asarray(self.start + self.step * np.arange(first, last), float)
 
     @property
     def duration(self) -> Second:
@@ -74,7 +78,7 @@ class Stretch(Protocol):
         ...
 
 
-def as_signal(response: control.TimeResponseData, *, least: int = 2) -> Signal:
+def as_signal(response: control.TimeResponseData, *, least: int = 2, copied: bool = True) -> Signal:
     """Return the checked samples of a response.
 
     Parameters
@@ -83,6 +87,8 @@ def as_signal(response: control.TimeResponseData, *, least: int = 2) -> Signal:
         One trace, any number of outputs.
     least : int
         Fewest samples that are of use.
+    copied : bool
+        Whether the samples are copied, so that the signal may outlive changes of the response.
 
     Raises
     ------
@@ -114,7 +120,9 @@ def as_signal(response: control.TimeResponseData, *, least: int = 2) -> Signal:
             )
         # What is left of a record of the smallest size is smaller.
         check_size(name, timepts, samples, smallest=SMALLEST_SIZE**2)
-    return Signal(start=float(timepts[0]), step=uniform_step(timepts), values=frozen_real(values), channels=channels)
+    kept = frozen_real(values) if copied else values.view()
+    kept.flags.writeable = False
+    return Signal(start=float(timepts[0]), step=uniform_step(timepts), values=kept, channels=channels)
 
 
 def check_size(name: str, timepts: RealArray, samples: RealArray, *, smallest: float = SMALLEST_SIZE) -> None:

@@ -50,11 +50,12 @@ class Envelopes:
         return float(self.timepts[1] - self.timepts[0])
 
 
-def envelopes(signal: Signal) -> Envelopes:
+def envelopes(signal: Signal, quantum: RealArray | None = None) -> Envelopes:
     """Return the power of each octave band above its background.
 
     The record is mirrored at its end so that its Fourier transform sees no jump. Each band is the transform of its own
-    bins alone, so low bands cost little.
+    bins alone, so low bands cost little. The channels are taken one by one, because of a long record each copy counts.
+    The ``quantum`` of each channel is that of `finest`, if it is known already.
 
     Examples
     --------
@@ -73,13 +74,13 @@ def envelopes(signal: Signal) -> Envelopes:
     # Positions of the points, in samples.
     at = (np.arange(points) + 0.5) * (count / points) - 0.5
     levels = np.full((len(centres), points), -np.inf)
-    quantum, spectra = finest(signal.values), _mirrored(signal.values)
-    for band, centre in enumerate(centres):
-        low, window, length = _window(2 * count * centre * signal.step, count)
-        white = 2 * count * float(window @ window) / length**2
-        place = (at + 0.5) * (length / (2 * count))
-        before = np.minimum(place.astype(int), length // 2 - 1)
-        for spectrum, least in zip(spectra, quantum, strict=True):
+    for samples, least in zip(signal.values, finest(signal.values) if quantum is None else quantum, strict=True):
+        spectrum = _mirrored(samples)
+        for band, centre in enumerate(centres):
+            low, window, length = _window(2 * count * centre * signal.step, count)
+            white = 2 * count * float(window @ window) / length**2
+            place = (at + 0.5) * (length / (2 * count))
+            before = np.minimum(place.astype(int), length // 2 - 1)
             power = _power(spectrum[low : low + len(window)], window, length)
             floor = max(background(power), white * least**2, 1e-300)
             here = power[before] + (place - before) * (power[before + 1] - power[before])
@@ -138,19 +139,18 @@ def _centres(signal: Signal) -> RealArray:
     return np.asarray(top / 2.0 ** np.arange(max(1, int(np.floor(np.log2(top / bottom))) + 1)))
 
 
-def _mirrored(values: RealArray) -> RealArray:
-    """Return the Fourier transforms of mirrored channels without their lines, (channel, bin), up to their phases.
+def _mirrored(samples: RealArray) -> RealArray:
+    """Return the Fourier transform of a mirrored channel without its line, (bin,), up to its phases.
 
-    They are cosine transforms of type II, half as long.
+    It is a cosine transform of type II, half as long.
     """
     from scipy.fft import dct
 
-    trend, out = np.linspace(-1.0, 1.0, values.shape[1]), np.empty(values.shape)
-    for samples, spectrum in zip(values, out, strict=True):
-        about = samples - samples.mean()
-        about -= trend * (float(about @ trend) / float(trend @ trend))
-        spectrum[:] = dct(about, overwrite_x=True)
-    return out
+    trend, about = np.linspace(-1.0, 1.0, len(samples)), samples - samples.mean()
+    slope = float(about @ trend) / float(trend @ trend)
+    trend *= slope
+    about -= trend
+    return np.asarray(dct(about, overwrite_x=True))
 
 
 def _window(centre: float, count: int) -> tuple[int, RealArray, int]:
@@ -182,6 +182,7 @@ def _power(bins: RealArray, window: RealArray, length: int) -> RealArray:
     band = np.zeros(length)
     np.multiply(bins, window, out=band[: len(window)])
     envelope = rfft(band, overwrite_x=True)
+    del band
     real, imag = envelope.real, envelope.imag
     real *= real
     imag *= imag

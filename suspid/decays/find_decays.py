@@ -66,7 +66,7 @@ def find_decays(response: RecordLike, *, given: Sequence[tuple[Second, Second]] 
     >>> [round(decay.start, 1) for decay in decays]
     [12.0]
     """
-    signal = as_signal(as_record(response), least=FEWEST_SAMPLES)
+    signal = as_signal(as_record(response), least=FEWEST_SAMPLES, copied=False)
     if given is not None:
         recording = _recording(signal)
         bursts = [_given(signal, recording.bands, first, last) for first, last in given]
@@ -81,7 +81,8 @@ def find_decays(response: RecordLike, *, given: Sequence[tuple[Second, Second]] 
 
 
 def _recording(signal: Signal) -> Recording:
-    return Recording(signal=signal, bands=envelopes(signal), finest=finest(signal.values))
+    quantum = finest(signal.values)
+    return Recording(signal=signal, bands=envelopes(signal, quantum), finest=quantum)
 
 
 def _found(signal: Signal) -> tuple[list[Decay], list[Remark]]:

@@ -19,7 +19,7 @@ def decay_between(part: Signal, first: int, last: int, *, level: Decibel) -> Dec
     Few cycles that friction stops follow no damped exponentials, so that quick fits refuse them.
     """
     try:
-        found = identify(as_samples(part.timepts[first:last], part.values[:, first:last], part.channels))
+        found = identify(as_samples(part.timepts_of(first, last), part.values[:, first:last], part.channels))
     except SuspidError:
         return None
     if not found.forces:

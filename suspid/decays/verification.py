@@ -46,7 +46,7 @@ def verified(
             break
         part = signal.values[:, place:last]
         try:
-            response = as_samples(signal.timepts[place:last], part, signal.channels)
+            response = as_samples(signal.timepts_of(place, last), part, signal.channels)
             found = identify(response) if quarter in WITH_FORCES else identify_linear(response)
         except SuspidError as error:
             doubt: Remark | None = Remark(DecayDoubt.NOT_IDENTIFIED, {"error": error.wording})
