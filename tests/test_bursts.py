@@ -1,5 +1,7 @@
 """Events: the background of a band, the levels above it, and where an event begins and ends."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -19,6 +21,22 @@ def signal(values: Real) -> Signal:
 
 def noise(seed: int, samples: int = 20000, channels: int = 1) -> Real:
     return np.random.default_rng(seed).standard_normal((channels, samples))
+
+
+def test_more_channels_take_no_more_memory() -> None:
+    """They are taken one by one, so that a long record needs a few copies of one channel."""
+
+    def peak(channels: int) -> int:
+        values = noise(0, samples=100_000, channels=channels)
+        tracemalloc.start()
+        try:
+            envelopes(signal(values), np.zeros(channels))
+            return tracemalloc.get_traced_memory()[1]
+        finally:
+            tracemalloc.stop()
+
+    peak(1)
+    assert peak(6) < peak(1) + 100_000
 
 
 class TestBackground:

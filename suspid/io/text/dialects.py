@@ -21,7 +21,7 @@ from suspid.io.text.cells import Kind, kind_of
 
 # Digits with marks between them, in a cell that is not a number.
 NUMERIC = re.compile(r"[+-]?[\d.,][\d.,;\t '+\-eE]*")
-ONES, MANY_ONES = str.maketrans("023456789", "111111111"), re.compile("1{6,}")
+ONES = str.maketrans("023456789", "111111111")
 COMMENTS = ("#", "%", "//")
 DELIMITERS = {"\t": "tabs", ";": "semicolons", ",": "commas", "|": "bars", " ": "blanks"}
 
@@ -95,7 +95,12 @@ def shapes(lines: Sequence[str]) -> Counter[str]:
     >>> shapes(["0.002,-3", "0.004,-5", "0.123456789,12"])
     Counter({'1.111,-1': 2, '1.11111,11': 1})
     """
-    return Counter(MANY_ONES.sub("11111", "\n".join(lines).translate(ONES)).split("\n"))
+    text = "\n".join(lines).translate(ONES)
+    # The long ones first: a run of any length then takes few turns.
+    for many in ("1" * 100, "1" * 10, "1" * 6):
+        while many in text:
+            text = text.replace(many, "11111")
+    return Counter(text.split("\n"))
 
 
 def find_dialect(head: Sequence[str], sample: Sequence[str], counted: Mapping[str, int]) -> tuple[Dialect, int]:

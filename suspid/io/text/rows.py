@@ -6,6 +6,7 @@ too short with NaN, so that it needs the same scan, and its import takes as long
 
 from __future__ import annotations
 
+import io
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -43,26 +44,41 @@ class Rows:
         """Yield the rows piece by piece, with the numbers of their lines."""
         line = self.first
         for piece in _pieces(self.body):
-            rows = piece.decode().split("\n")[:-1]
-            numbers = list(range(line, line + len(rows)))
-            line += len(rows)
-            if not self.skipped.isdisjoint(numbers):
-                kept = [k for k, n in enumerate(numbers) if n not in self.skipped]
-                numbers, rows = [numbers[k] for k in kept], [rows[k] for k in kept]
+            numbers, rows = self._of(piece, line)
+            line += piece.count(b"\n")
             if rows:
                 yield numbers, rows
+
+    def _of(self, piece: bytes, line: int) -> tuple[list[int], list[str]]:
+        """Return the rows of a piece whose first line has this number, with the numbers of their lines."""
+        rows = piece.decode().split("\n")[:-1]
+        numbers = list(range(line, line + len(rows)))
+        if self.skipped.isdisjoint(numbers):
+            return numbers, rows
+        kept = [k for k, n in enumerate(numbers) if n not in self.skipped]
+        return [numbers[k] for k in kept], [rows[k] for k in kept]
 
     def columns(self, wanted: Sequence[str]) -> list[RealArray]:
         """Return the numbers of the named columns, NaN where one is missing."""
         use = [self.layout.names.index(name) for name in wanted]
         values = np.empty((len(use), self.size))
-        done = 0
-        for lines, rows in self.pieces() if use else ():
-            for part in _numbers(lines, rows, use, self.layout):
+        done, line = 0, self.first
+        for piece in _pieces(self.body) if use else ():
+            count = piece.count(b"\n")
+            whole = self._whole(piece, line, count, use)
+            for part in _numbers(*self._of(piece, line), use, self.layout) if whole is None else (whole,):
                 values[:, done : done + part.shape[1]] = part
                 done += part.shape[1]
+            line += count
         values.flags.writeable = False
         return list(values)
+
+    def _whole(self, piece: bytes, line: int, count: int, use: Sequence[int]) -> RealArray | None:
+        """Return the numbers of a piece all of whose lines are rows, (column, row); None if it has others."""
+        # A quote may hold the end of a line.
+        if b'"' in piece or any(line <= n < line + count for n in self.skipped):
+            return None
+        return _loaded(piece.decode(), count, use, self.layout)
 
     def cells(self, name: str) -> Iterator[str]:
         """Yield the cells of a column."""
@@ -131,9 +147,8 @@ def _suspects(piece: bytes, layout: Layout) -> list[int]:
     mark, trailing = delimiter.encode(), not layout.names[-1]
     # Without the characters of numbers, a row of numbers is its delimiters.
     left = piece.translate(None, NUMERALS + b"," if layout.dialect.comma and delimiter != "," else NUMERALS)
-    count = piece.count(b"\n")
-    plain = left == (mark * (width - 1) + b"\n") * count
-    if plain and width > 1 and (not trailing or piece.count(mark + b"\n") == count):
+    plain = left == (mark * (width - 1) + b"\n") * (len(left) // width)
+    if plain and width > 1 and (not trailing or piece.count(mark + b"\n") == len(left) // width):
         return []
     codes = np.frombuffer(piece, np.uint8)
     ends = np.flatnonzero(codes == ord("\n"))
@@ -181,7 +196,9 @@ def _why(text: str, layout: Layout, line: int, last: int) -> Remark:
 
 def _numbers(lines: Sequence[int], rows: Sequence[str], use: Sequence[int], layout: Layout) -> Iterator[RealArray]:
     """Yield the numbers of some columns (column, row) by blocks of rows."""
-    values = _loaded(rows, use, layout)
+    if not rows:
+        return
+    values = _loaded(rows, len(rows), use, layout)
     if values is not None:
         yield values
     # So few rows are read cell by cell as soon as numpy refuses one of them.
@@ -193,20 +210,23 @@ def _numbers(lines: Sequence[int], rows: Sequence[str], use: Sequence[int], layo
         yield from _numbers(lines[middle:], rows[middle:], use, layout)
 
 
-def _loaded(rows: Sequence[str], use: Sequence[int], layout: Layout) -> RealArray | None:
-    """Return the numbers of rows as numpy reads them, None if it refuses one."""
+def _loaded(rows: str | Sequence[str], count: int, use: Sequence[int], layout: Layout) -> RealArray | None:
+    """Return the numbers of so many rows, a text or one text each, as numpy reads them; None if it refuses one."""
     delimiter = None if layout.dialect.delimiter == " " else layout.dialect.delimiter
     if layout.dialect.comma:
-        whole = "\n".join(rows)
+        whole = rows if isinstance(rows, str) else "\n".join(rows)
         # A point beside decimal commas marks thousands, and a comma that separates cells is no decimal sign.
         if "." in whole or delimiter == ",":
             return None
-        rows = whole.replace(",", ".").split("\n")
+        whole = whole.replace(",", ".")
+        rows = whole if isinstance(rows, str) else whole.split("\n")
+    # A text as a file: to split it takes as long as half of its numbers.
+    lines = io.StringIO(rows) if isinstance(rows, str) else rows
     try:
-        values = np.loadtxt(rows, delimiter=delimiter, comments=None, quotechar='"', usecols=use, ndmin=2)
+        values = np.loadtxt(lines, delimiter=delimiter, comments=None, quotechar='"', usecols=use, ndmin=2)
     except ValueError:
         return None
-    return values.T if len(values) == len(rows) else None
+    return values.T if len(values) == count else None
 
 
 def _row(line: int, row: str, use: Sequence[int], layout: Layout) -> list[float]:
