@@ -211,7 +211,7 @@ def _numbers(lines: Sequence[int], rows: Sequence[str], use: Sequence[int], layo
 
 
 def _loaded(rows: str | Sequence[str], count: int, use: Sequence[int], layout: Layout) -> RealArray | None:
-    """Return the numbers of so many rows, a text or one text each, as numpy reads them; None if it refuses one."""
+    """Return the numbers of ``count`` rows, a text or one text each, as numpy reads them; None if it refuses one."""
     delimiter = None if layout.dialect.delimiter == " " else layout.dialect.delimiter
     if layout.dialect.comma:
         whole = rows if isinstance(rows, str) else "\n".join(rows)
