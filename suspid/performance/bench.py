@@ -12,6 +12,7 @@ from suspid.model import positive_number
 from suspid.performance.contact import Wheels, contact, static_loads
 from suspid.units import ComplexArray, Hertz, Metre, Newton, RealArray
 from suspid.values import nearest_names
+from suspid.wording import Argument
 
 GRID: Hertz = 0.05  # of the curves; a least value is refined between its neighbours
 
@@ -83,11 +84,11 @@ def check_loads(given: object, wheels: Sequence[str]) -> None:
     if given is None:
         return
     if not isinstance(given, Mapping):
-        raise InputError(f"loads = {given!r} must map wheels to forces [N], as in {{'tire': 3500.0}}")
+        raise InputError(Argument("loads", repr(given)), " must map wheels to forces [N], as in {'tire': 3500.0}")
     for name, value in given.items():
         if name not in wheels:
-            raise InputError(f"loads: there is no wheel {name!r}.{nearest_names(str(name), wheels)}")
-        positive_number(f"loads: {name!r}", value, "N")
+            raise InputError(Argument("loads"), f": there is no wheel {name!r}.{nearest_names(str(name), wheels)}")
+        positive_number(f"load of {name!r}", value, "N")
 
 
 def _loads(

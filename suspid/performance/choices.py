@@ -56,7 +56,9 @@ def choice_of(about: Uncertain, parameters: Sequence[str | Sequence[str]], robus
     known = parameter_values(about.car)
     listed = isinstance(parameters, tuple | list) and all(isinstance(one, str | tuple | list) for one in parameters)
     if not (listed and parameters):
-        raise InputError(f"{parameters=} must be a sequence of names such as ['chassis.damping']")
+        raise InputError(
+            Argument("parameters", repr(parameters)), " must be a sequence of names such as ['chassis.damping']"
+        )
     groups = tuple((one,) if isinstance(one, str) else tuple(one) for one in parameters)
     names = [name for group in groups for name in group]
     for name in names:
@@ -71,7 +73,11 @@ def choice_of(about: Uncertain, parameters: Sequence[str | Sequence[str]], robus
     if robust:
         rows = [i for i, name in enumerate(about.parameters) if name in known and name not in names and known[name]]
         if not rows:
-            raise InputError("robust: nothing is uncertain beside what is chosen; give an Estimate or nominal_std")
+            raise InputError(
+                Argument("robust"),
+                ": nothing is uncertain beside what is chosen; take an estimated car, or state ",
+                Argument("nominal_std"),
+            )
         uncertain_names = [about.parameters[i] for i in rows]
         at = np.array([known[name] for name in uncertain_names])
         relative = about.covariance[np.ix_(rows, rows)] / np.outer(at, at)

@@ -28,6 +28,7 @@ from suspid.performance.weightings import weighting_named
 from suspid.simulation import Road
 from suspid.units import Metre, RealArray, Second
 from suspid.values import is_size, nearest_names
+from suspid.wording import Argument
 
 # ISO 2631-1: of seat and floor, vertical vibration counts by Wk, its slow part by Wf (motion sickness), rotation by We.
 VERTICAL, ROTATION = ("Wk", "Wf"), ("We",)
@@ -203,7 +204,7 @@ def checked_weightings(given: Mapping[str, str | Sequence[str]]) -> dict[str, tu
         for kind in kinds:
             weighting_named(kind)
         if not kinds:
-            raise InputError(f"weightings: {channel!r} has none; leave the channel out")
+            raise InputError(Argument("weightings"), f": {channel!r} has none; leave the channel out")
     return chosen
 
 
@@ -211,9 +212,13 @@ def _limits(given: Mapping[str, Metre | tuple[Metre, Metre]], struts: Sequence[s
     limits: dict[str, tuple[Metre, Metre]] = {}
     for name, ends in given.items():
         if name not in struts:
-            raise InputError(f"clearance: there is no strut {name!r} off the road.{nearest_names(name, struts)}")
+            raise InputError(
+                Argument("clearance"), f": there is no strut {name!r} off the road.{nearest_names(name, struts)}"
+            )
         both = tuple(ends) if isinstance(ends, tuple | list) else (ends, ends)
         if len(both) != 2 or not all(is_size(end) for end in both):
-            raise InputError(f"clearance: {name!r} = {ends!r} must be positive distances to the stops [m]")
+            raise InputError(
+                Argument("clearance"), f": {name!r} = {ends!r} must be positive distances to the stops [m]"
+            )
         limits[name] = float(both[0]), float(both[1])
     return limits

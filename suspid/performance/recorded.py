@@ -27,6 +27,7 @@ from suspid.performance.weightings import weighted, weighting_named
 from suspid.signals import Signal, as_signal
 from suspid.units import RealArray, Second
 from suspid.values import FrozenItems, frozen_real, nearest_names
+from suspid.wording import Argument
 from suspid.words import Check, Level, Number, Remark, Verdict
 from suspid.words.ride import RideCheck, RideHeadline
 
@@ -104,7 +105,8 @@ def _chosen(signal: Signal, given: Mapping[str, str | Sequence[str]] | None) -> 
         for channel in given:
             if channel not in signal.channels:
                 raise InputError(
-                    f"weightings: there is no channel {channel!r}.{nearest_names(channel, signal.channels)}"
+                    Argument("weightings"),
+                    f": there is no channel {channel!r}.{nearest_names(channel, signal.channels)}",
                 )
         return checked_weightings(given)
     named: dict[str, tuple[str, ...]] = {
@@ -114,7 +116,9 @@ def _chosen(signal: Signal, given: Mapping[str, str | Sequence[str]] | None) -> 
     }
     if not named:
         raise InputError(
-            f"no channel is named like an acceleration; name them: weightings={{{signal.channels[0]!r}: 'Wk'}}"
+            "no channel is named like an acceleration; name those that are with ",
+            Argument("weightings"),
+            f", such as Wk for {signal.channels[0]!r}",
         )
     return named
 

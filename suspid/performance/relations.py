@@ -15,6 +15,7 @@ from suspid.performance.choices import Choice
 from suspid.reconstruction import Constraints, parameter_names, unknowns_of, wishes_of
 from suspid.units import RealArray
 from suspid.values import is_size
+from suspid.wording import Argument
 
 # What a tuning is bound to: largest values of figures by name, and relations.
 Limits: TypeAlias = Mapping[str, float] | Constraints | Sequence[Mapping[str, float] | str | Callable[..., Any]]
@@ -44,10 +45,10 @@ class Relations:
 def check_largest(limits: Mapping[str, float]) -> None:
     """Refuse a largest value of a figure that is no positive number."""
     if not isinstance(limits, Mapping):
-        raise InputError(f"constraints={limits!r} must map figures to their largest values")
+        raise InputError(Argument("constraints", repr(limits)), " must map figures to their largest values")
     for name, limit in limits.items():
         if not is_size(limit):
-            raise InputError(f"constraints: {name!r} = {limit!r} must be a positive number of usual size")
+            raise InputError(Argument("constraints"), f": {name!r} = {limit!r} must be a positive number of usual size")
 
 
 def split(given: Limits | None) -> tuple[dict[str, float], list[object]]:
@@ -85,10 +86,10 @@ def relations_of(choice: Choice, car: Suspension, given: Sequence[object]) -> Re
     made = wishes_of(given, None, unknowns)  # type: ignore[arg-type]
     assert made is not None
     if made.curved:
-        raise InputError(f"constraints: {made.labels[made.curved[0]]!r} is not linear in k and c; write linear ones")
+        raise InputError(f"constraint {made.labels[made.curved[0]]!r} is not linear in k and c; write linear ones")
     for number, label in enumerate(made.labels):
         if number not in made.owner:
-            raise InputError(f"constraints: {label!r} holds nothing that is chosen, which is {', '.join(chosen)}")
+            raise InputError(f"constraint {label!r} holds nothing that is chosen, which is {', '.join(chosen)}")
     order = [unknowns.names.index(name) for name in chosen]
     now = np.array([choice.values[name] for name in chosen])
     matrix = made.matrix[:, order] / unknowns.scale[order] * now

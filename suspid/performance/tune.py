@@ -22,6 +22,7 @@ from suspid.performance.uncertain import Car, uncertain
 from suspid.simulation import Road
 from suspid.units import Metre, Ratio, RealArray, Second
 from suspid.values import frozen_real, is_count, is_size
+from suspid.wording import Argument
 from suspid.words import Remark, Verdict
 from suspid.words.ride import TuningHeadline
 
@@ -199,9 +200,9 @@ def _figures_of(asked: Joined, choice: Choice, robust: Ratio, where: Sequence[Re
 
 def _check(wanted: Sequence[str], limits: Mapping[str, float], points: int, robust: Ratio) -> None:
     if not 1 <= len(wanted) <= 2 or len(set(wanted)) < len(wanted) or not all(isinstance(n, str) for n in wanted):
-        raise InputError(f"objective={tuple(wanted)} must be one figure or two different ones")
+        raise InputError(Argument("objective", str(tuple(wanted))), " must be one figure or two different ones")
     check_largest(limits)
     if not (is_count(points) and points >= 2):
-        raise InputError(f"{points=} must be a whole number, two or more")
+        raise InputError(Argument("points", repr(points)), " must be a whole number, two or more")
     if isinstance(robust, bool) or not (is_size(robust) or robust == 0):
-        raise InputError(f"{robust=} must be a number of standard deviations, 0 or more")
+        raise InputError(Argument("robust", repr(robust)), " must be a number of standard deviations, 0 or more")

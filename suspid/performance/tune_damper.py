@@ -19,6 +19,7 @@ from suspid.performance.uncertain import Car, uncertain
 from suspid.simulation import Road
 from suspid.units import Metre, NewtonSecondPerMetre, Ratio, RealArray, Second
 from suspid.values import frozen_real, is_size, nearest_names
+from suspid.wording import Argument
 from suspid.words import Check, Level, Remark, Verdict
 from suspid.words.ride import DamperTuningCheck, DamperTuningHeadline
 
@@ -101,7 +102,9 @@ def tune_damper(
     if about is None:
         raise InputError(f"there is no strut {strut!r}.{nearest_names(strut, [one.name for one in start.struts])}")
     if not isinstance(objective, str):
-        raise InputError(f"{objective=} must be the name of a figure such as 'chassis_acceleration.Wk'")
+        raise InputError(
+            Argument("objective", repr(objective)), " must be the name of a figure such as 'chassis_acceleration.Wk'"
+        )
     positive_number("duration", duration, "s")
     check_largest(constraints or {})
     if not is_size(rebound):
