@@ -55,7 +55,7 @@ class TestFront:
         assert len(found.cars) == 9
         made = road("C", speed=20.0, under=CAR)
         plan = plan_of(CAR, made, duration=3600.0).only(BOTH)
-        fine = grid_of(plan.signals, made, 64)
+        fine = grid_of(plan.signals, made, 2)
         grid = [
             plan.values(CAR.with_parameters(stiffness={"chassis": k}, damping={"chassis": c}), grid=fine)[0]
             for k in np.geomspace(10e3, 60e3, 16)

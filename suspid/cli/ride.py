@@ -92,6 +92,8 @@ def ride_command(
         raise click.UsageError("A car needs --road and --speed; a record takes none of them.")
     if of_car and settings != Settings(decay=settings.decay):
         raise click.UsageError("A car has no channels and no time: options of records do not apply.")
+    if not of_car and (clearance or nominal_std is not None):
+        raise click.UsageError("A record has no struts: --clearance and --nominal-std go with a car.")
     if tables and source.suffix.lower() != ".toml":
         raise click.UsageError("--sensitivities need the description of a car (.toml).")
     kinds = {c: tuple(w.split(",")) for c, w in pairs(weightings, "--weighting", str).items()} or None

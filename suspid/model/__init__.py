@@ -23,7 +23,7 @@ from suspid.model.modes import Interval, ModalSet
 from suspid.model.outputs import FORCE, OutputRows, force_weights, names_channel, output_rows, output_weights
 from suspid.model.quarter_car import quarter_car
 from suspid.model.sensor import Sensor
-from suspid.model.statespace import statespace
+from suspid.model.statespace import state_matrix, statespace
 from suspid.model.strut import Strut
 from suspid.model.suspension import Suspension, check_linear, check_plain
 
@@ -63,6 +63,7 @@ __all__ = [
     "read_constraints",
     "scaled_shapes",
     "slopes",
+    "state_matrix",
     "statespace",
     "write_car",
 ]

@@ -13,16 +13,22 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from suspid.model import OutputRows, Suspension
+from suspid.errors import InputError
+from suspid.model import OutputRows, Suspension, state_matrix
 from suspid.performance.strut_slopes import strut_slopes
 from suspid.performance.weightings import weighting
 from suspid.simulation import Road
-from suspid.units import ComplexArray, Ratio, RealArray, Second
+from suspid.units import ComplexArray, Hertz, Ratio, RealArray, Second
 
-# Gauss points of each panel, panels to begin with, and at most: a mode with a damping ratio of 1e-4 needs some 4000.
-GAUSS_POINTS, PANELS, MOST_PANELS = 8, 32, 8192
+# Gauss points of each panel, and panels of the same ratio of frequencies over the band; about a weakly damped mode they
+# halve until they are as narrow as its resonance. All are cut into parts, at most 256.
+GAUSS_POINTS, PANELS, MOST_PARTS = 8, 32, 256
+# Half width of the narrowest resonance that panels follow, over its frequency: modes without damping have no variance.
+NARROWEST: Ratio = 1e-6
 # Relative change of every variance by twice as many panels up to which the integral is exact.
 EXACT_VARIANCE = 1e-8
+# The same up to which a variance exists at all, if not yet exactly.
+SMALL_CHANGE = 0.1
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -44,25 +50,49 @@ class Moments:
     rate_slopes: RealArray  # (signal, parameter)
 
 
-def nodes(road: Road, panels: int) -> tuple[RealArray, RealArray]:
-    """Return frequencies [Hz] in the band of a road, and weights of an integral over it [Hz]."""
+def nodes(road: Road, parts: int, car: Suspension | None = None) -> tuple[RealArray, RealArray]:
+    """Return frequencies [Hz] in the band of a road, and weights of an integral over it [Hz].
+
+    With a car its resonances have panels of their own.
+    """
     low, high = np.log(road.band)
+    panels = np.linspace(low, high, PANELS + 1)
+    if car is not None:
+        near = np.log(_about_resonances(car, (high - low) / PANELS))
+        panels = np.union1d(panels, near[(near > low) & (near < high)])
     x, w = np.polynomial.legendre.leggauss(GAUSS_POINTS)
-    width = (high - low) / panels
-    f = np.exp(low + width * (np.arange(panels)[:, None] + (x + 1) / 2)).ravel()
-    return f, f * np.tile(w * width / 2, panels)
+    width = np.repeat(np.diff(panels) / parts, parts)
+    start = (panels[:-1, None] + np.diff(panels)[:, None] * np.arange(parts) / parts).ravel()
+    f = np.exp(start[:, None] + width[:, None] * (x + 1) / 2).ravel()
+    return f, f * np.ravel(width[:, None] * w / 2)
 
 
-def enough_panels(variances: Callable[[int], RealArray], change: Ratio = EXACT_VARIANCE) -> int:
-    """Return a number of panels at which variances no longer change by a share."""
-    panels, before = PANELS, variances(PANELS)
-    while panels < MOST_PANELS:
-        panels *= 2
-        now = variances(panels)
+def _about_resonances(car: Suspension, widest: Ratio) -> RealArray:
+    """Return ends of panels about the resonances of a car [Hz], from half their half width on twice as far each time.
+
+    The panels are at most as wide as ``widest`` times the frequency. A panel is no wider than its distance from the
+    pole, so that points of Gauss converge fast.
+    """
+    found = [np.zeros(0)]
+    for pole in np.linalg.eigvals(state_matrix(car)):
+        hertz = abs(float(pole.imag)) / (2 * np.pi)
+        half = max(abs(float(pole.real)) / (2 * np.pi), NARROWEST * hertz) / 2
+        if pole.imag > 0 and half < widest * hertz:
+            steps = half * 2.0 ** np.arange(np.ceil(np.log2(widest * hertz / half)) + 1)
+            found.append(np.concatenate([hertz - steps[steps < hertz], [hertz], hertz + steps]))
+    return np.concatenate(found)
+
+
+def enough_parts(variances: Callable[[int], RealArray], change: Ratio = EXACT_VARIANCE) -> int:
+    """Return a number of parts of each panel at which variances no longer change by a share."""
+    parts, before = 1, variances(1)
+    while parts < MOST_PARTS:
+        parts *= 2
+        now = variances(parts)
         if np.all(np.abs(now - before) <= change * np.abs(now)):
-            return panels // 2
+            return parts // 2
         before = now
-    return panels
+    return parts
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -131,21 +161,39 @@ class Grid:
     shares: ComplexArray  # (frequency, road, road)
 
 
-def grid_of(wanted: Signals, road: Road, panels: int) -> Grid:
-    """Return the grid of some signals on a road."""
-    f, weights = nodes(road, panels)
+def grid_of(wanted: Signals, road: Road, parts: int, car: Suspension | None = None) -> Grid:
+    """Return the grid of some signals on a road, with panels about the resonances of a car."""
+    f, weights = nodes(road, parts, car)
     level = weights * road.spectrum(f) * _filters(wanted, f)
     return Grid(hertz=f, level=np.stack([level, level * (2 * np.pi * f) ** 2]), shares=road.shares(f))
 
 
-def exact_grid(car: Suspension, wanted: Signals, road: Road, change: Ratio = EXACT_VARIANCE) -> Grid:
-    """Return a grid that is fine enough for a car: variances on twice as many panels differ by less than a share."""
+def exact_parts(car: Suspension, wanted: Signals, road: Road, change: Ratio = EXACT_VARIANCE) -> int:
+    """Return parts of panels fine enough for a car: with twice as many, variances differ by less than a share."""
 
-    def variances(panels: int) -> RealArray:
-        grid = grid_of(wanted, road, panels)
-        return moments(car, wanted, grid).variance
+    def variances(parts: int) -> RealArray:
+        return moments(car, wanted, grid_of(wanted, road, parts, car)).variance
 
-    return grid_of(wanted, road, enough_panels(variances, change))
+    endless = _without_damping(car, road)
+    # What a mode without damping adds to a sum over lines doubles with their number.
+    if endless and np.any(np.abs(variances(2) - variances(1)) > SMALL_CHANGE * variances(2)):
+        raise InputError(
+            f"the mode at {endless[0]:.3g} Hz has no damping: on a random road it grows without end, so there are no "
+            f"figures; give a strut that moves in it a damping"
+        )
+    return enough_parts(variances, change)
+
+
+def _without_damping(car: Suspension, road: Road) -> list[Hertz]:
+    """Return the frequencies, in the band of a road, of modes that have next to no damping."""
+    poles = np.linalg.eigvals(state_matrix(car))
+    free = poles[(poles.imag > 0) & (np.abs(poles.real) < NARROWEST * poles.imag)].imag / (2 * np.pi)
+    return sorted(free[(free > road.band[0]) & (free < road.band[1])].tolist())
+
+
+def exact_grid(car: Suspension, wanted: Signals, road: Road) -> Grid:
+    """Return a grid that is fine enough for a car."""
+    return grid_of(wanted, road, exact_parts(car, wanted, road), car)
 
 
 def moments(

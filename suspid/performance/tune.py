@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
 from suspid.errors import InputError
-from suspid.model import positive_number
+from suspid.model import Suspension, positive_number
 from suspid.performance.choices import Choice, box_of, choice_of
 from suspid.performance.figure_plan import Plan, plan_of
 from suspid.performance.fronts import SAME_FIGURE, Search, front_of
 from suspid.performance.joined import Joined, joined
 from suspid.performance.relations import Limits, check_largest, relations_of, split
 from suspid.performance.ride import HOUR, driven_road
-from suspid.performance.road_response import Grid, exact_grid
+from suspid.performance.road_response import Grid, exact_grid, exact_parts, grid_of
 from suspid.performance.tuning_checks import tuning_checks
 from suspid.performance.tuning_defaults import comfort_and_load, equal_groups
 from suspid.performance.tunings import Tuning
@@ -116,13 +116,16 @@ def tune(
     asked = joined(plan, figures)
     choice = choice_of(about, equal_groups(about.car) if parameters is None else parameters, robust)
     low, high = box_of(choice, bounds or {})
-    grid = _grid_of_box(asked.plan, choice, low, high)
+    parts = _parts_of_box(asked.plan, choice, low, high)
     start = np.clip(np.zeros(len(low)), low, high)
     # An objective that is limited too stands once more, as a figure of its own.
     order = [*range(len(wanted)), *(figures.index(name) for name in limits)]
 
+    def grid_for(one: Suspension) -> Grid:
+        return grid_of(asked.plan.signals, driven, parts, one)
+
     def evaluate(x: RealArray) -> tuple[RealArray, RealArray]:
-        values, slopes = _figures(asked, choice, grid, x, robust)
+        values, slopes = _figures(asked, choice, grid_for, x, robust)
         return np.log(np.maximum(values, NO_FIGURE))[order], (slopes / np.maximum(values, NO_FIGURE)[:, None])[order]
 
     search = Search(
@@ -135,13 +138,14 @@ def tune(
     )
     front = front_of(search, start, points)
     if not front.points:
+        asked_for = [*search.relations.labels, *(f"{name} <= {value:g}" for name, value in limits.items())]
         raise InputError(
-            f"no car within the bounds meets the constraints {', '.join([*search.relations.labels, str(limits)])}: "
+            f"no car within the bounds meets the constraints {', '.join(asked_for)}: "
             f"widen the bounds or the limits, or let more parameters change"
         )
     cars = tuple(choice.car(point.x, {}) for point in front.points)
     exact = _figures_of(asked, choice, robust, [point.x for point in front.points])
-    now, _ = _figures(asked, choice, exact_grid(about.car, asked.plan.signals, driven), np.zeros(len(low)), robust)
+    now, _ = _figures(asked, choice, _exactly(asked.plan), np.zeros(len(low)), robust)
     chosen = [choice.chosen(point.x) for point in front.points]
     return Tuning(
         objectives=wanted,
@@ -160,8 +164,8 @@ def tune(
     )
 
 
-def _grid_of_box(plan: Plan, choice: Choice, low: RealArray, high: RealArray) -> Grid:
-    """Return a grid that is fine enough for all cars of the box.
+def _parts_of_box(plan: Plan, choice: Choice, low: RealArray, high: RealArray) -> int:
+    """Return parts of panels that are fine enough for all cars of the box.
 
     The sharpest resonances are those of the stiffest springs, with the weakest dampers or with dampers so strong that
     the body moves on its tires alone.
@@ -169,13 +173,20 @@ def _grid_of_box(plan: Plan, choice: Choice, low: RealArray, high: RealArray) ->
     springs = np.array([all(name.endswith(".stiffness") for name in group) for group in choice.groups])
     corners = (np.zeros(len(low)), np.where(springs, high, low), high)
     # Variances to this share, figures to half of it; those of the cars that are found are exact.
-    grids = [exact_grid(choice.car(x, {}), plan.signals, plan.road, SAME_FIGURE) for x in corners]
-    return max(grids, key=lambda grid: len(grid.hertz))
+    return max(exact_parts(choice.car(x, {}), plan.signals, plan.road, SAME_FIGURE) for x in corners)
 
 
-def _figures(asked: Joined, choice: Choice, grid: Grid, x: RealArray, robust: Ratio) -> tuple[RealArray, RealArray]:
+def _exactly(plan: Plan) -> Callable[[Suspension], Grid]:
+    """Return what makes the grid of a car that is fine enough for it."""
+    return lambda car: exact_grid(car, plan.signals, plan.road)
+
+
+def _figures(
+    asked: Joined, choice: Choice, grid_for: Callable[[Suspension], Grid], x: RealArray, robust: Ratio
+) -> tuple[RealArray, RealArray]:
     """Return figures at a choice and their derivatives by the logarithms of its factors, (figure, group)."""
-    pairs = [asked.values(choice.car(x, each), choice.names, grid) for each in choice.scenarios]
+    cars = [choice.car(x, each) for each in choice.scenarios]
+    pairs = [asked.values(car, choice.names, grid_for(car)) for car in cars]
     values, jacobians = np.array([one for one, _ in pairs]), np.array([two for _, two in pairs])
     at = np.array([choice.chosen(x)[name] for name in choice.names])
     member = np.array([[name in group for group in choice.groups] for name in choice.names], float)
@@ -191,16 +202,13 @@ def _figures(asked: Joined, choice: Choice, grid: Grid, x: RealArray, robust: Ra
 
 def _figures_of(asked: Joined, choice: Choice, robust: Ratio, where: Sequence[RealArray]) -> RealArray:
     """Return the figures at choices, each on a grid that is fine enough for it."""
-    rows = []
-    for x in where:
-        grid = exact_grid(choice.car(x, {}), asked.plan.signals, asked.plan.road)
-        rows.append(_figures(asked, choice, grid, x, robust)[0])
-    return np.array(rows)
+    return np.array([_figures(asked, choice, _exactly(asked.plan), x, robust)[0] for x in where])
 
 
 def _check(wanted: Sequence[str], limits: Mapping[str, float], points: int, robust: Ratio) -> None:
     if not 1 <= len(wanted) <= 2 or len(set(wanted)) < len(wanted) or not all(isinstance(n, str) for n in wanted):
-        raise InputError(Argument("objective", str(tuple(wanted))), " must be one figure or two different ones")
+        given = " and ".join(map(str, wanted)) or "nothing"
+        raise InputError(Argument("objective"), f" must be one figure or two different ones, not {given}")
     check_largest(limits)
     if not (is_count(points) and points >= 2):
         raise InputError(Argument("points", repr(points)), " must be a whole number, two or more")
