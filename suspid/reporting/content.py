@@ -10,12 +10,12 @@ from suspid.analysis import Analysis, CheckedLimits
 from suspid.cleaning import Cleaned
 from suspid.greybox import Estimate
 from suspid.performance import Grip, Ride, grip_if_any
+from suspid.reporting.limit_rows import limit_steps
 from suspid.reporting.source import Source
 from suspid.samples import held
 from suspid.signals import as_signal
 from suspid.units import Ratio
-from suspid.words import NextStep, Note, Remark, next_steps
-from suspid.words.limits import LimitState
+from suspid.words import Note, Remark, next_steps
 
 if TYPE_CHECKING:
     import control
@@ -75,7 +75,8 @@ class Content:
     def steps(self) -> tuple[Remark, ...]:
         """What to do next."""
         given = self.springs is not None or self._no_springs
-        return (*_limit_steps(self.limits), *next_steps(self.analysis.verdict, car=given))
+        meant = [] if self.grip is None else [self.grip.verdict]
+        return (*limit_steps(self.limits), *next_steps(self.analysis.verdict, car=given, further=meant))
 
     @property
     def _no_springs(self) -> bool:
@@ -105,14 +106,6 @@ class Content:
     def remarks(self) -> tuple[str, ...]:
         """What was said of stretches that are no decay, if the decays come with remarks."""
         return tuple(str(remark) for remark in getattr(self.analysis.decays, "remarks", ()))
-
-
-def _limit_steps(limits: CheckedLimits | None) -> tuple[Remark, ...]:
-    """Return what follows from limits that are not met, or not known to be."""
-    if limits is None:
-        return ()
-    steps = ((NextStep.LIMITS_MISSED, LimitState.MISSED), (NextStep.LIMITS_OPEN, LimitState.OPEN))
-    return tuple(Remark(step, {"names": limits.named(state)}) for step, state in steps if limits.named(state))
 
 
 def used_decay(response: control.TimeResponseData, decays: Sequence[Decay]) -> int | None:

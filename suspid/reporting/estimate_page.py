@@ -12,7 +12,7 @@ from suspid.performance import Ride, grip_if_any
 from suspid.reporting.axes import plot_residual, unit_ticks
 from suspid.reporting.channel_units import channel_unit
 from suspid.reporting.frf import Frf, responses
-from suspid.reporting.limit_rows import limit_rows
+from suspid.reporting.limit_rows import limit_rows, limit_steps
 from suspid.reporting.performance_part import performance_fields
 from suspid.reporting.pictures import Picture, picture, shape_pictures
 from suspid.reporting.plot_damper_curve import plot_damper_curve
@@ -95,6 +95,7 @@ def page_fields(content: EstimateContent) -> dict[str, object]:
     """Return what the template of an estimate shows beside what every page does."""
     found, level, grip = content.found, content.level, grip_if_any(content.found)
     meant = [one.verdict for one in (content.wear, grip) if one is not None]
+    steps = next_steps(content.verdict, car=True, further=meant)
     records = found.residual
     samples = sum(as_signal(residual).timepts.size for residual in records)
     seconds = sum(as_signal(residual).duration for residual in records)
@@ -106,7 +107,7 @@ def page_fields(content: EstimateContent) -> dict[str, object]:
             "limits": limit_rows(content.limits),
             "springs": spring_rows(found, level),
             "found_others": len(found.alternatives),
-            "steps": [str(step) for step in next_steps(content.verdict, car=True, further=meant)],
+            "steps": [str(step) for step in (*limit_steps(content.limits), *steps)],
             "masses": masses_of(found),
             "chi_square": tested if found.freedom else "was not tested: the residual is rounding",
             "changed": _changes(found, level),

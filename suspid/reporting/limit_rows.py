@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from suspid.files import printable
 from suspid.reporting.rows import NOTHING, Quantity, quantity
+from suspid.words import NextStep, Remark
 from suspid.words.limits import LimitState
 
 if TYPE_CHECKING:
@@ -47,3 +48,11 @@ def _row(one: CheckedLimit) -> LimitRow:
         style=STYLES[one.state],
         why=printable(str(one.why or "")),
     )
+
+
+def limit_steps(limits: CheckedLimits | None) -> tuple[Remark, ...]:
+    """Return what follows from limits that are not met, or not known to be."""
+    if limits is None:
+        return ()
+    steps = ((NextStep.LIMITS_MISSED, LimitState.MISSED), (NextStep.LIMITS_OPEN, LimitState.OPEN))
+    return tuple(Remark(step, {"names": limits.named(state)}) for step, state in steps if limits.named(state))

@@ -66,7 +66,9 @@ def plot_stabilization(found: Identification | Stabilization | RecordLike, ax: A
     frequencies = np.abs(np.concatenate(diagram.poles)) / (2 * np.pi)
     end = float(diagram.hertz[-1] if diagram.hertz.size else 1.05 * frequencies.max(initial=0.0)) or 1.0
     ax.set(xlabel="frequency [Hz]", ylabel="order: number of poles", xlim=(0.0, end))
-    ax.grid(visible=True, axis="x", color=Colour.PALE, linewidth=0.4)
+    if not len(hertz):
+        # Beside lines that mark modes, lines of a grid would be taken for more of them.
+        ax.grid(visible=True, axis="x", color=Colour.PALE, linewidth=0.4)
     ax.set_ylim(0, diagram.orders[-1] + 2)
     key_above(ax)
     return ax
