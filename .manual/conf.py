@@ -132,6 +132,7 @@ def _make_pages(source: Path) -> None:
             body += "\n## Reports\n\nWhat `python -m validation` wrote:\n\n"
             body += "```{toctree}\n:glob:\n:maxdepth: 1\n\nreports/*\n```\n"
         if name == "matlab":
+            body += (source / "more_of_matlab.inc").read_text(encoding="utf-8")
             body = _indexed(body) + body
         (source / f"{name}.md").write_text(f"# {heading}\n{body}", encoding="utf-8")
     reports = source / "reports"
