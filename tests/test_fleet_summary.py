@@ -26,7 +26,7 @@ from suspid.fleet.identify_many import identify_many
 from suspid.fleet.manifest import FLEET_FORMAT, environment
 from suspid.fleet.parts import as_part, write_part
 from suspid.fleet.summary import FleetSummary
-from suspid.fleet.summary_text import _distribution_table
+from suspid.fleet.summary_text import distribution_table
 from suspid.fleet.tables import TABLE_COLUMNS, Rows
 from suspid.fleet.trends import trends_of
 from suspid.fleet.vehicles import read_vehicles, vehicles_from_names
@@ -103,7 +103,7 @@ class TestDistributionsAndOutliers:
         one = Distribution(
             quantity="f", unit="Hz", count=1, median=1.2, quantiles=(1.2,) * len(QUANTILES), scatter=0.0, stated=np.nan
         )
-        assert "nan" not in _distribution_table([one])
+        assert "nan" not in distribution_table([one])
 
     def test_scatter_beside_what_is_stated(self, tmp_path: Path) -> None:
         """1000 normal values: median and robust scatter within five of their standard deviations."""

@@ -68,11 +68,9 @@ def grip_command(
 
 
 def _intervals(found: Grip, level: float) -> str:
-    names, scales = [], []
-    for name in found.interval(level):
-        of_phase = name.endswith(".phase")
-        names.append(f"{name} [{'deg' if of_phase else '%'}]")
-        scales.append(float(np.degrees(1.0)) if of_phase else 100.0)
-    ends = np.array(list(found.interval(level).values())) * np.array(scales)[:, None]
+    intervals = found.interval(level)
+    units = [("deg", float(np.degrees(1.0))) if name.endswith(".phase") else ("%", 100.0) for name in intervals]
+    names = [f"{name} [{unit}]" for name, (unit, _) in zip(intervals, units, strict=True)]
+    ends = np.array(list(intervals.values())) * np.array([[scale] for _, scale in units])
     low, high = ([f"{value:.4g}" for value in side] for side in ends.T.tolist())
     return text_table({f"{100 * level:g} % interval": names, "lower": low, "upper": high})

@@ -16,6 +16,7 @@ from suspid.cli.output import say
 from suspid.cli.quantities import Positive, Probability
 from suspid.files import replacing
 from suspid.levels import LEVEL
+from suspid.simulation import ROUGHNESS
 
 if TYPE_CHECKING:
     from suspid.greybox import Estimate
@@ -112,7 +113,7 @@ class RoadModel(click.Choice[str]):
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
         """Return the name of the model."""
-        if str(value).upper() in ("A", "B", "C", "D", "E", "F", "G", "H"):
+        if str(value).upper() in ROUGHNESS:
             self.fail(f"{value!r} is a class, which is found here, not given; write --road iso8608.", param, ctx)
         return super().convert(value, param, ctx)
 

@@ -11,13 +11,13 @@ from suspid.fleet.damper_trends import DamperTrends
 from suspid.fleet.distributions import Distribution, Outlier
 from suspid.fleet.summary_text import (
     MOST_SHOWN,
-    _dampers_in_words,
-    _distribution_table,
-    _more,
-    _no_outlier,
-    _trends_in_words,
-    _verdict_table,
-    _wear_table,
+    dampers_in_words,
+    distribution_table,
+    more_than_shown,
+    no_outlier,
+    trends_in_words,
+    verdict_table,
+    wear_table,
 )
 from suspid.fleet.trends import Trend
 from suspid.model import Suspension
@@ -178,11 +178,11 @@ class FleetSummary(Result):
             }
             parts.append(text_table(columns) + "\nThe table of failures lists all of them with their reasons.")
         if self.verdicts:
-            parts.append(_verdict_table(self.verdicts, self.doubts))
+            parts.append(verdict_table(self.verdicts, self.doubts))
         if self.wear:
-            parts.append(_wear_table(self.wear))
+            parts.append(wear_table(self.wear))
         if self.distributions:
-            parts.append(f"{_distribution_table(self.distributions)}\n{LEGEND}")
+            parts.append(f"{distribution_table(self.distributions)}\n{LEGEND}")
         if self.others:
             parts.append(
                 f"{count(self.others, 'mode')} {'belongs' if self.others == 1 else 'belong'} to no family: "
@@ -197,11 +197,11 @@ class FleetSummary(Result):
                 "median": [f"{one.median:.5g}" for one in shown],
                 "off [sd]": [f"{one.z:+.1f}" for one in shown],
             }
-            parts.append(text_table(columns) + _more(len(self.outliers)))
+            parts.append(text_table(columns) + more_than_shown(len(self.outliers)))
         else:
-            parts.append(_no_outlier(self.distributions))
+            parts.append(no_outlier(self.distributions))
         if self.unplaced is not None:
-            parts.append(_trends_in_words(self.trends, self.unplaced))
+            parts.append(trends_in_words(self.trends, self.unplaced))
         if self.dampers is not None and (self.dampers.trends or self.wear):
-            parts.append(_dampers_in_words(self.dampers, self.untrusted))
+            parts.append(dampers_in_words(self.dampers, self.untrusted))
         return "\n\n".join(parts)

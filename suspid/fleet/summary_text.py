@@ -20,21 +20,24 @@ from suspid.words import (
 MOST_SHOWN = 20
 
 
-def _verdict_table(verdicts: Mapping[str, int], doubts: Mapping[str, int]) -> str:
+def verdict_table(verdicts: Mapping[str, int], doubts: Mapping[str, int]) -> str:
+    """Return the table of verdicts, and that of doubts if there are any."""
     levels = text_table({"verdict": list(verdicts), "records": [str(number) for number in verdicts.values()]})
     if not doubts:
         return levels
     shown = list(doubts.items())[:MOST_SHOWN]
     table = text_table({"doubt": [code for code, _ in shown], "records": [str(number) for _, number in shown]})
-    return f"{levels}\n\n{table}{_more(len(doubts))}"
+    return f"{levels}\n\n{table}{more_than_shown(len(doubts))}"
 
 
-def _wear_table(wear: Mapping[str, Mapping[str, int]]) -> str:
+def wear_table(wear: Mapping[str, Mapping[str, int]]) -> str:
+    """Return the table of drives by wear against nominal, a row per damper."""
     columns = {f"{state}": [str(states.get(str(state), 0)) for states in wear.values()] for state in DamperState}
     return text_table({"drives by wear against nominal": list(wear), **columns})
 
 
-def _distribution_table(distributions: Sequence[Distribution]) -> str:
+def distribution_table(distributions: Sequence[Distribution]) -> str:
+    """Return the table of distributions, empty where a number is not known."""
     return text_table(
         {
             "quantity": [f"{one.quantity} [{one.unit}]" for one in distributions],
@@ -54,7 +57,8 @@ def _or_empty(value: float | None, form: str) -> str:
     return "" if value is None or math.isnan(value) else format(value, form)
 
 
-def _no_outlier(distributions: Sequence[Distribution]) -> str:
+def no_outlier(distributions: Sequence[Distribution]) -> str:
+    """Return the sentence that no record stands out, or why none could."""
     enough = sum(one.count >= FEWEST_RECORDS for one in distributions)
     few = f"fewer than {FEWEST_RECORDS} records do not tell which stands out"
     if not enough:
@@ -62,7 +66,8 @@ def _no_outlier(distributions: Sequence[Distribution]) -> str:
     return "no record stands out" + (f"; {few}" if enough < len(distributions) else "")
 
 
-def _trends_in_words(trends: Sequence[Trend], unplaced: int) -> str:
+def trends_in_words(trends: Sequence[Trend], unplaced: int) -> str:
+    """Return which vehicles change, with the table of changes."""
     changing = [one for one in trends if one.changes]
     vehicles = len({one.vehicle for one in trends})
     are = "is" if len(changing) == 1 else "are"
@@ -85,10 +90,11 @@ def _trends_in_words(trends: Sequence[Trend], unplaced: int) -> str:
         "95 % of the change": [f"{one.change[0]:+.3g} … {one.change[1]:+.3g}" for one in shown],
         "p": [f"{one.p_adjusted:.1g}" for one in shown],
     }
-    return f"{said}\n\n{text_table(columns)}{_more(len(changing))}"
+    return f"{said}\n\n{text_table(columns)}{more_than_shown(len(changing))}"
 
 
-def _dampers_in_words(dampers: DamperTrends, untrusted: int) -> str:
+def dampers_in_words(dampers: DamperTrends, untrusted: int) -> str:
+    """Return which dampers change, with the table of those and the drives left out."""
     left_out = ""
     if untrusted:
         left_out = (
@@ -107,8 +113,9 @@ def _dampers_in_words(dampers: DamperTrends, untrusted: int) -> str:
     said = "\n".join(filter(None, [said, left_out]))
     if not doubtful.trends:
         return said
-    return f"{said}\n\n{replace(doubtful, trends=doubtful.trends[:MOST_SHOWN])}{_more(len(doubtful.trends))}"
+    return f"{said}\n\n{replace(doubtful, trends=doubtful.trends[:MOST_SHOWN])}{more_than_shown(len(doubtful.trends))}"
 
 
-def _more(number: int) -> str:
+def more_than_shown(number: int) -> str:
+    """Return the line that says how many rows of a table are not shown."""
     return f"\n… and {number - MOST_SHOWN} more" if number > MOST_SHOWN else ""

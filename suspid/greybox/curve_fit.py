@@ -97,9 +97,7 @@ class CurveFit:
 
 
 def first_spline(motion: StrutMotion) -> RealArray:
-    """Return the spline to begin with: the travel, or the integral of accelerations above `LOWEST`."""
-    if motion.travel:
-        return spline_through(motion.motion - np.mean(motion.motion))
+    """Return the spline to begin with: the integral of accelerations above `LOWEST`."""
     acceleration = motion.motion - motion.share * motion.force
     f = np.fft.rfftfreq(len(acceleration), motion.step)
     lines = np.fft.rfft(acceleration - np.mean(acceleration))
@@ -156,7 +154,7 @@ def linearised(motion: StrutMotion, shape: Shape, theta: RealArray, spline: Real
 def equations_of(motion: StrutMotion, shape: Shape, theta: RealArray, spline: RealArray, noise: Noise) -> Equations:
     """Return derivatives and residuals of both signals."""
     h, count = motion.step, len(motion.force)
-    x, v = at_samples(spline, 0, h), at_samples(spline, 1, h)
+    v = at_samples(spline, 1, h)
     fine = shape.columns(between_samples(spline, 0, h), between_samples(spline, 1, h), noise.velocity)
     columns, ends = filtered(fine, h, CORNER_SHARE / h), _ends(count)
     columns[ends] = fine[::FINE_POINTS][ends]
@@ -166,22 +164,18 @@ def equations_of(motion: StrutMotion, shape: Shape, theta: RealArray, spline: Re
         slope = slope + theta[-1] * sign_slope(v, SMOOTH * noise.velocity)
     at, per_step = stencils(0)[0, :SPLINE_DEGREE], stencils(1)[0, :SPLINE_DEGREE] / h
     strut = theta[0] * at + slope[:, None] * per_step
-    if motion.travel:
-        other, own = smoothed(motion.motion, h) - x, np.tile(at, (count, 1))
-        level = (np.ones(count) / noise.force, np.zeros(count))
-    else:
-        other = motion.motion - at_samples(spline, 2, h) - motion.share * force
-        own = stencils(2)[0, :SPLINE_DEGREE] / h**2 + motion.share * strut
-        level = (np.zeros(count), np.ones(count) / noise.motion)
+    other = motion.motion - at_samples(spline, 2, h) - motion.share * force
+    own = stencils(2)[0, :SPLINE_DEGREE] / h**2 + motion.share * strut
+    level = np.ones(count) / noise.motion
     first, second = (smoothed(motion.force, h) - force) / noise.force, other / noise.motion
-    offset = (level[0] @ first + level[1] @ second) / (level[0] @ level[0] + level[1] @ level[1])
+    offset = (level @ second) / (level @ level)
     return Equations(
         wide=(strut / noise.force, own / noise.motion),
         narrow=(
-            np.column_stack([columns / noise.force, level[0]]),
-            np.column_stack([motion.share * columns / noise.motion, level[1]]),
+            np.column_stack([columns / noise.force, np.zeros(count)]),
+            np.column_stack([motion.share * columns / noise.motion, level]),
         ),
-        residuals=(first - offset * level[0], second - offset * level[1]),
+        residuals=(first, second - offset * level),
     )
 
 

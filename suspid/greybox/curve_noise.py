@@ -48,20 +48,30 @@ def residual_of(
         drawn = rng.standard_normal((2, count, PROBES))
         still = np.zeros((count, PROBES))
         first = np.column_stack([smoothed(one, h) for one in drawn[0].T])
-        second = np.column_stack([smoothed(one, h) for one in drawn[1].T]) if motion.travel else drawn[1]
-        dense = [np.hstack([first, still]), np.hstack([still, second])]
+        dense = [np.hstack([first, still]), np.hstack([still, drawn[1]])]
         bands, right = spline_equations(equations, dense, len(spline))
         solved = solveh_banded(bands, right, lower=True)
         left = (dense[0] - of_spline(equations.wide[0], solved)) * noise.force
         power.append(by_bands(part.force_residual[:, None], h)[:, 0])
         expected.append(by_bands(left, h).reshape(-1, 2, PROBES).mean(axis=2))
-        squares.append(np.mean([at_samples(solved[:, i], 1, h) ** 2 for i in range(PROBES)]))
+        squares.append(float(np.mean([at_samples(solved[:, i], 1, h) ** 2 for i in range(PROBES)])))
         weights.append(count)
+    return averaged(motions, power, expected, squares, weights)
+
+
+def averaged(
+    motions: Sequence[StrutMotion],
+    power: Sequence[RealArray],
+    expected: Sequence[RealArray],
+    squares: Sequence[float],
+    weights: Sequence[int],
+) -> Residual:
+    """Return the spectra of several records, weighted; ``squares`` are those of the errors of the velocity."""
     share = np.array(weights) / np.sum(weights)
     return Residual(
         power=np.einsum("r,rb->b", share, power),
         expected=np.einsum("r,rbs->bs", share, expected),
-        independent=independent(motions),
+        independent=_independent(motions),
         velocity=float(np.sqrt(share @ np.array(squares))),
     )
 
@@ -100,7 +110,7 @@ def by_bands(signals: RealArray, step: Second) -> RealArray:
     return np.array([np.mean(band, axis=0) for band in np.array_split(density[use], SPECTRUM_BANDS)])
 
 
-def independent(motions: Sequence[StrutMotion]) -> RealArray:
+def _independent(motions: Sequence[StrutMotion]) -> RealArray:
     """Return how many independent values each band averages."""
     total = np.zeros(SPECTRUM_BANDS)
     for motion in motions:

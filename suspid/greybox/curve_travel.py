@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from suspid.greybox.curve_fit import SCORE_BLOCK, CurveFit, Linearised, Noise, Shape, smoothed
-from suspid.greybox.curve_noise import PROBES, SPECTRUM_STRETCH, Residual, by_bands, independent, noise_of
+from suspid.greybox.curve_noise import PROBES, SPECTRUM_STRETCH, Residual, averaged, by_bands, noise_of
 from suspid.greybox.force_basis import node_slope, sign_between, smooth_weights
 from suspid.greybox.latent_splines import CORNER_SHARE, FILTER_STEPS, FINE_POINTS, filtered
 from suspid.greybox.strut_motion import StrutMotion
@@ -202,13 +202,7 @@ def _residual(
         expected.append(both.reshape(-1, 2, PROBES).mean(axis=2))
         squares.append(one.error**2)
         weights.append(len(part.force_residual))
-    share = np.array(weights) / np.sum(weights)
-    return Residual(
-        power=np.einsum("r,rb->b", share, power),
-        expected=np.einsum("r,rbs->bs", share, expected),
-        independent=independent(motions),
-        velocity=float(np.sqrt(share @ np.array(squares))),
-    )
+    return averaged(motions, power, expected, squares, weights)
 
 
 def _force(velocity: RealArray, shape: Shape, forces: RealArray) -> RealArray:

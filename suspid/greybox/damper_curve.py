@@ -127,11 +127,11 @@ def damper_curve(
     start = next(s for s in suspension.struts if s.name == strut)
     wide = Shape(nodes=np.array([-1.0, 0.0, 1.0]), friction=False)
     theta = np.array([start.stiffness, -start.damping, start.damping])
-    noise = _first_noise(motions)
     try:
         if motions[0].travel:
             fit, shape, noise, left = travel_fit(motions, lambda v: _shape(motions, v, nodes, friction), _probes())
             return _result(left, suspension, strut, shape, fit, noise, level)
+        noise = _first_noise(motions)
         fit = fitted_curve(motions, wide, theta, [first_spline(m) for m in motions], noise)
         velocity = np.concatenate([part.velocity for part in fit.records])
         shape = _shape(motions, velocity, nodes, friction)

@@ -84,13 +84,14 @@ def apart(fit: Fit) -> Apart:
     own = np.stack([np.arange(pairs), pairs + np.arange(pairs)], axis=1)
     crossed = np.moveaxis(np.concatenate([solution.tilt[:, own], solution.bend[:, own]], axis=2), 1, 0)
     fixed = np.linalg.solve(solution.gram, crossed)
-    beside = _bend_products(theta, count) - crossed.conj().swapaxes(1, 2) @ fixed
+    products = _bend_products(theta, count)
+    beside = products - crossed.conj().swapaxes(1, 2) @ fixed
     time = np.arange(count) / count
     timed = fit.residual * time
     left = project(np.concatenate([timed, timed * time]), theta).reshape(2, -1, pairs)
     amounts = np.stack([left[0], left[0].conj(), left[1], left[1].conj()]).transpose(2, 0, 1)
     # Directions that rounding of the inner products leaves open promise nothing.
-    scale = 1 / np.sqrt(np.einsum("pii->pi", _bend_products(theta, count)).real)
+    scale = 1 / np.sqrt(np.einsum("pii->pi", products).real)
     values, vectors = np.linalg.eigh(beside * (scale[:, :, None] * scale[:, None, :]))
     least = max(EXACT, 10 * float(np.max(solution.rounding / fit.problem.blocks.energy)))
     inverse = np.where(values > least, 1 / np.maximum(values, least), 0.0)

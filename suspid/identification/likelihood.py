@@ -16,7 +16,7 @@ from typing import TypeAlias
 import numpy as np
 
 from suspid.identification.exponentials import Blocks, gram_sums, real_powers
-from suspid.identification.noise import WhiteNoise, degrees_of_freedom
+from suspid.identification.noise import ROUNDING_OF_SAMPLES, WhiteNoise, degrees_of_freedom
 from suspid.identification.poles import Poles
 from suspid.units import ComplexArray, RealArray
 from suspid.values import frozen_real
@@ -85,25 +85,18 @@ def evaluate(blocks: Blocks, poles: Poles, noise: WhiteNoise) -> DecayFit | None
     # The inverse magnifies the rounding of the explained energy; a residual below that is meaningless.
     # Relative rounding error of inner products.
     rounding = 4e-15 / pivot**2 * blocks.energy
-    squares = np.maximum(blocks.energy - explained, rounding)
-    variance = noise.variance(squares, count)
-    if not 0 < variance.min() < np.inf:
-        return None
-    sharpness = bend - tilt @ inverse @ tilt
-    weighted = amplitudes.conj() / variance
-    slope = (weighted * (first - tilt @ amplitudes)).sum(axis=1)
-    return DecayFit(
-        poles=poles,
+    return _weighed(
+        poles,
+        noise,
         count=count,
         amplitudes=amplitudes,
-        squares=squares,
+        squares=blocks.energy - explained,
         rounding=rounding,
-        information=_information(poles, sharpness, amplitudes, variance, count),
-        gradient=(poles.chart.conj().T @ slope).real * count,
+        pull=first - tilt @ amplitudes,
         gram=gram,
         tilt=tilt,
         bend=bend,
-        sharpness=sharpness,
+        sharpness=bend - tilt @ inverse @ tilt,
     )
 
 
@@ -124,15 +117,45 @@ def evaluate_samples(values: RealArray, poles: Poles, noise: WhiteNoise) -> Deca
     amplitudes, left = turn @ amounts, values.T - powers @ amounts
     bent = powers * (np.arange(count)[:, None] / count)
     beside = bent - basis @ (basis.T @ bent)
-    squares, energy = np.sum(left**2, axis=0), np.sum(values**2, axis=1)
-    # Relative rounding error of a mean square computed from samples.
-    rounding = 1e-28 * energy
+    return _weighed(
+        poles,
+        noise,
+        count=count,
+        amplitudes=amplitudes,
+        squares=np.sum(left**2, axis=0),
+        rounding=ROUNDING_OF_SAMPLES * np.sum(values**2, axis=1),
+        pull=turn @ (beside.T @ left),
+        gram=turn @ (powers.T @ powers) @ turn.conj().T,
+        tilt=turn @ (powers.T @ bent) @ turn.conj().T,
+        bend=turn @ (bent.T @ bent) @ turn.conj().T,
+        sharpness=turn @ (beside.T @ beside) @ turn.conj().T,
+    )
+
+
+def _weighed(
+    poles: Poles,
+    noise: WhiteNoise,
+    *,
+    count: int,
+    amplitudes: ComplexArray,
+    squares: RealArray,
+    rounding: RealArray,
+    pull: ComplexArray,
+    gram: ComplexArray,
+    tilt: ComplexArray,
+    bend: ComplexArray,
+    sharpness: ComplexArray,
+) -> DecayFit | None:
+    """Return the fit with its channels weighed by the noise, None where that has no variance.
+
+    ``pull`` are the inner products of the residual with the parts of the derivatives that are orthogonal to the
+    exponentials, (exponent, channel).
+    """
     squares = np.maximum(squares, rounding)
     variance = noise.variance(squares, count)
     if not 0 < variance.min() < np.inf:
         return None
-    sharpness = turn @ (beside.T @ beside) @ turn.conj().T
-    slope = (amplitudes.conj() / variance * (turn @ (beside.T @ left))).sum(axis=1)
+    slope = (amplitudes.conj() / variance * pull).sum(axis=1)
     return DecayFit(
         poles=poles,
         count=count,
@@ -141,9 +164,9 @@ def evaluate_samples(values: RealArray, poles: Poles, noise: WhiteNoise) -> Deca
         rounding=rounding,
         information=_information(poles, sharpness, amplitudes, variance, count),
         gradient=(poles.chart.conj().T @ slope).real * count,
-        gram=turn @ (powers.T @ powers) @ turn.conj().T,
-        tilt=turn @ (powers.T @ bent) @ turn.conj().T,
-        bend=turn @ (bent.T @ bent) @ turn.conj().T,
+        gram=gram,
+        tilt=tilt,
+        bend=bend,
         sharpness=sharpness,
     )
 

@@ -62,9 +62,7 @@ class Poles:
         """Return which real parameters are at a bound of `moved_within` and would leave it uphill, None for none."""
         pairs, highest = len(self.pairs), MOST_GROWTH / count
         rates = np.concatenate([self.pairs.real, self.reals])
-        if pairs and (self.pairs.imag >= np.pi).any():
-            pass
-        elif not (rates.max() >= highest or rates.min() <= -FASTEST):
+        if not (np.any(self.pairs.imag >= np.pi) or rates.max() >= highest or rates.min() <= -FASTEST):
             return None
         uphill = gradient > 0
         where = np.concatenate([np.arange(pairs) * 2, np.arange(2 * pairs, len(gradient))])

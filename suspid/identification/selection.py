@@ -148,7 +148,7 @@ def _found(problem: Problem, most: int) -> tuple[Fit, Rejected]:
         if not again:
             seen = searched(fit.solution, fit.residual, fit.variance)
             found = ranked(fit.solution, fit.variance, seen)
-        better, lost = _extended(problem, fit, found)
+        better, lost = _extended(problem, fit, found, most)
         rejected += lost
         better = divided(problem, fit) if better is None else better
         if better is None:
@@ -188,9 +188,9 @@ def _refined(problem: Problem, fit: Fit) -> tuple[Fit, RealArray, RealArray, Rej
     return fit, gains, pair_gains, rejected + lost
 
 
-def _extended(problem: Problem, fit: Fit, found: list[Candidate]) -> tuple[Fit | None, Rejected]:
+def _extended(problem: Problem, fit: Fit, found: list[Candidate], most: int) -> tuple[Fit | None, Rejected]:
     """Return the fit with one more pole or several, None if no candidate decreases BIC; and those rejected."""
-    together = _together(problem, fit, found)
+    together = _together(problem, fit, found, most)
     if together is not None:
         return together, ()
     rejected: Rejected = ()
@@ -217,8 +217,8 @@ def _extended(problem: Problem, fit: Fit, found: list[Candidate]) -> tuple[Fit |
     return None, rejected
 
 
-def _together(problem: Problem, fit: Fit, found: list[Candidate]) -> Fit | None:
-    """Return the fit with several strong pairs that lie far apart, or None if there are no two."""
+def _together(problem: Problem, fit: Fit, found: list[Candidate], most: int) -> Fit | None:
+    """Return the fit with several strong pairs that lie far apart, up to ``most``, or None if there are no two."""
     penalty = problem.penalty(real=False)
     strong = [c for c in found if not c.real and c.gain > TOGETHER_GAIN * penalty]
     reach = [TOGETHER_APART * (2 * abs(c.theta.real) + 2 * np.pi / problem.blocks.count) for c in strong]
@@ -226,7 +226,7 @@ def _together(problem: Problem, fit: Fit, found: list[Candidate]) -> Fit | None:
         c.theta
         for i, c in enumerate(strong)
         if all(abs(c.theta.imag - strong[j].theta.imag) > max(reach[i], reach[j]) for j in range(i))
-    ][: MOST_PAIRS - len(fit.poles.pairs)]
+    ][: most - len(fit.poles.pairs)]
     if len(taken) < 2:
         return None
     while taken:

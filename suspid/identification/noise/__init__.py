@@ -16,11 +16,19 @@ from suspid.identification.noise.colour import (
 )
 from suspid.identification.noise.quantisation import ABOVE_RESOLUTION, UNIFORM_STD, resolution
 from suspid.identification.noise.shared import most_shared, shared_noise
-from suspid.identification.noise.white import KnownNoise, WhiteNoise, degrees_of_freedom, loss_growth, noise_of
+from suspid.identification.noise.white import (
+    ROUNDING_OF_SAMPLES,
+    KnownNoise,
+    WhiteNoise,
+    degrees_of_freedom,
+    loss_growth,
+    noise_of,
+)
 
 __all__ = [
     "ABOVE_RESOLUTION",
     "LOUD",
+    "ROUNDING_OF_SAMPLES",
     "UNIFORM_STD",
     "KnownNoise",
     "WhiteNoise",

@@ -9,6 +9,9 @@ import numpy as np
 from suspid.identification.noise.quantisation import resolution
 from suspid.units import RealArray
 
+# Relative rounding error of a residual's mean square that is computed from samples.
+ROUNDING_OF_SAMPLES = 1e-28
+
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class WhiteNoise:
@@ -43,9 +46,8 @@ class WhiteNoise:
         They are those of a record of given energy (channel,), where residual sums of squares are sums over samples or
         differences of energies.
         """
-        # Relative rounding error of a residual's mean square: computed from samples, and as energy less explained
-        # energy.
-        share = 1e-15 if of_energies else 1e-28
+        # As energy less explained energy.
+        share = 1e-15 if of_energies else ROUNDING_OF_SAMPLES
         return self.at_least(share * energy / count)
 
 
