@@ -27,6 +27,7 @@ from suspid.model import Suspension
 from suspid.recordings import Recording
 from suspid.samples import held
 from suspid.signals import cut
+from suspid.threads import in_one_thread
 from suspid.wording import Argument
 
 if TYPE_CHECKING:
@@ -39,6 +40,7 @@ Source: TypeAlias = "str | os.PathLike[str] | Recording | RecordLike"
 STEPS = ("reading", "finding decays", "identifying", "reconstructing")
 
 
+@in_one_thread
 def analyse(
     source: Source | Sequence[Source],
     *,

@@ -29,6 +29,7 @@ from suspid.greybox import (
 from suspid.model import Suspension
 from suspid.recordings import Recording
 from suspid.signals import as_signal
+from suspid.threads import in_one_thread
 from suspid.units import Metre
 from suspid.words import Check, Level, Remark
 from suspid.words.drives import DriveRemark
@@ -37,6 +38,7 @@ LOGGER = "drive"  # all files of a drive come from one logger
 Step = Callable[[str], None]
 
 
+@in_one_thread
 def analyse_drive(
     sources: Sequence[str | os.PathLike[str] | Recording] | str | os.PathLike[str] | Recording,
     *,

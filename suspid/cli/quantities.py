@@ -59,6 +59,6 @@ class Probability(click.FloatRange):
 
 
 class Whole(click.IntRange):
-    """A whole number from one on, up to another if one is given."""
+    """A whole number between bounds."""
 
     name = "n"

@@ -17,6 +17,7 @@ from suspid.decays.envelopes import Envelopes, envelopes, finest
 from suspid.errors import RecordError
 from suspid.identification import FEWEST_SAMPLES
 from suspid.signals import Signal, as_signal
+from suspid.threads import in_one_thread
 from suspid.units import Decibel, Second
 from suspid.words import DecayDoubt, DecayRemark, Remark
 
@@ -27,6 +28,7 @@ MOST_BURSTS, MOST_IN_VAIN = 16, 8
 FEW_BURSTS = 4
 
 
+@in_one_thread
 def find_decays(response: RecordLike, *, given: Sequence[tuple[Second, Second]] | None = None) -> Decays:
     """Return the free decays in a recording, the best first.
 

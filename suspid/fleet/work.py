@@ -69,16 +69,12 @@ def check_versions(job: Job) -> None:
 @contextmanager
 def one_thread(job: Job) -> Iterator[None]:
     """Hold the threads of BLAS: workers must not fight, and sums must come in one order."""
+    from threadpoolctl import threadpool_limits
+
     # Those of a library that is loaded later would run free.
     for name in ("scipy.linalg", "control", *(["cvxpy"] if job.car and job.drive is None else [])):
         importlib.import_module(name)
-    try:
-        threads = importlib.import_module("threadpoolctl")
-    except ImportError:
-        # Then the environment of the workers alone holds them.
-        yield
-        return
-    with threads.threadpool_limits(limits=1):
+    with threadpool_limits(limits=1):
         yield
 
 

@@ -19,6 +19,7 @@ from suspid.greybox.strut_motion import StrutMotion, strut_motion
 from suspid.greybox.trials import records_of
 from suspid.levels import NORMAL_95, check_level, likely
 from suspid.model import Suspension
+from suspid.threads import in_one_thread
 from suspid.units import Ratio, RealArray
 from suspid.values import frozen_real
 from suspid.words import Check, Level, Remark, Verdict
@@ -45,6 +46,7 @@ MOST_ASKED = 100
 CURVE_ROUNDS = 3
 
 
+@in_one_thread
 def damper_curve(
     records: RecordLike | Sequence[RecordLike],
     suspension: Suspension,

@@ -26,6 +26,7 @@ from suspid.greybox.whole_car import check_road, fit_with_road
 from suspid.model import Suspension, check_linear, eigenmodes
 from suspid.reconstruction import Bounds, Unknowns, parameter_names, unknowns_of
 from suspid.signals import as_response
+from suspid.threads import in_one_thread
 from suspid.units import Hertz, Metre, RadianPerSecond, Ratio, Second
 from suspid.values import frozen_real
 from suspid.wording import Argument
@@ -33,6 +34,7 @@ from suspid.words import Check, Level, Number, Remark, Verdict
 from suspid.words.greybox import EstimateCheck, EstimateHeadline
 
 
+@in_one_thread
 def estimate(
     records: RecordLike | RecordTest | Sequence[RecordLike | RecordTest],
     suspension: Suspension,

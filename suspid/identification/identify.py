@@ -32,6 +32,7 @@ from suspid.levels import NORMAL_95, ROUNDING
 from suspid.model import ModalSet
 from suspid.samples import as_samples
 from suspid.signals import Signal, as_signal
+from suspid.threads import in_one_thread
 from suspid.units import ComplexArray, Hertz, RadianPerSecond, RealArray, Second, angular
 from suspid.values import check_count, frozen_real
 from suspid.wavelets import BANDWIDTHS, row_band, sample_noise
@@ -42,6 +43,7 @@ if TYPE_CHECKING:
     import control
 
 
+@in_one_thread
 def identify(
     response: RecordLike,
     *,

@@ -24,6 +24,7 @@ from suspid.model import ModalSet
 from suspid.results import Result
 from suspid.samples import held
 from suspid.signals import Stretch, as_signal, cut
+from suspid.threads import in_one_thread
 from suspid.units import Hertz, RealArray, Second, angular
 from suspid.values import check_count, frozen_real, text_table
 from suspid.words import Verdict
@@ -112,6 +113,7 @@ def tables_of_repeats(found: Repeats) -> str:
     return f"{found.modes}\n\n{text_table(agreement)}\n\n{singles}"
 
 
+@in_one_thread
 def identify_repeats(
     response: RecordLike | Sequence[RecordLike],
     decays: Sequence[Stretch | tuple[Second, Second]] | None = None,

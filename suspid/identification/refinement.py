@@ -23,6 +23,9 @@ Rejected: TypeAlias = tuple[tuple[Candidate, Remark], ...]
 # energy of a pole must exceed its BIC penalty this many times the loudness. A lower value splits modes that friction
 # bends; a higher one loses weak modes beside strong ones.
 WORTHWHILE = 20.0
+# A pair whose damped frequency is below the first number times its decay rate is tried as two real poles. They begin at
+# that rate times and over the second number. Higher numbers cost fits.
+NEAR_REAL, APART = 0.3, 2.0
 
 
 def thinned(problem: Problem, fit: Fit) -> tuple[Fit, RealArray, Rejected]:
@@ -158,6 +161,23 @@ def single(problem: Problem, fit: Fit) -> Fit:
                 fit, index = trial, 0
                 continue
         index += 1
+    return fit
+
+
+def parted(problem: Problem, fit: Fit, least: float) -> Fit:
+    """Return the fit with pairs that have come near the real axis replaced by two real poles where those fit better.
+
+    Pairs whose modulus over the record is below ``least`` are left as they are: a drift does not tell.
+
+    Two real poles that meet leave the axis as a pair, and a pair that meets it parts along it. Steps in frequency and
+    decay rate do not lead over the axis.
+    """
+    for index in reversed(range(len(fit.poles.pairs))):
+        theta = fit.poles.pairs[index]
+        if abs(theta.imag) < NEAR_REAL * -theta.real and abs(theta) * problem.blocks.count >= least:
+            apart = fit.poles.without(index).with_real(APART * theta.real).with_real(theta.real / APART)
+            trial = problem.fitted(apart, rough=True)
+            fit = trial if trial is not None and trial.loss < fit.loss else fit
     return fit
 
 

@@ -12,6 +12,7 @@ from suspid.cleaning import RecordLike, as_record
 from suspid.errors import InputError
 from suspid.results import Result
 from suspid.signals import as_signal
+from suspid.threads import in_one_thread
 from suspid.units import ComplexArray, Hertz, RealArray
 from suspid.values import frozen_complex, frozen_real, is_count
 
@@ -77,6 +78,7 @@ class Stabilization(Result):
         )
 
 
+@in_one_thread
 def stabilization(record: RecordLike, *, most: int = 40, highest_hz: Hertz | None = None) -> Stabilization:
     """Fit a free decay with 2, 4, 6, … poles, and tell which of them stay from one order to the next.
 

@@ -30,6 +30,7 @@ from suspid.reconstruction.results import Reconstruction
 from suspid.reconstruction.suspects import suspects
 from suspid.reconstruction.unknowns import parameter_names
 from suspid.reconstruction.wishes import Constraints
+from suspid.threads import in_one_thread
 from suspid.units import Ratio, RealArray
 from suspid.values import FrozenMapping, frozen_real
 from suspid.words import ReconstructionNote, Remark
@@ -37,6 +38,7 @@ from suspid.words import ReconstructionNote, Remark
 __all__ = ["Reconstruction", "reconstruct"]
 
 
+@in_one_thread
 def reconstruct(
     modes: ModalSet | Sequence[ModalTest | ModalSet],
     suspension: Suspension,
