@@ -26,6 +26,17 @@ def _names(names: Number, form: str = "") -> str:
     return ", ".join(format(name, form) for name in names)
 
 
+def _driven(numbers: Mapping[str, Number]) -> str:
+    share, channel = numbers["share"], numbers["channel"]
+    assert isinstance(share, float)
+    if share > 2.0:
+        return (
+            f"{channel!r} hardly decays with the others: {share:.2g} times the power of its decaying part remains as a "
+            f"coloured residual; if it is a force or a road, leave it out (--without)"
+        )
+    return f"{_percent(share)} of the motion of {channel!r} remains as a coloured residual: still driven, or nonlinear"
+
+
 class DecayKind(StrEnum):
     """What set a decay off."""
 
@@ -57,12 +68,7 @@ class DecayDoubt(Code):
     )
     DRIVEN = (
         "driven",
-        sentence(
-            lambda n: (
-                f"{_percent(n['share'])} of the motion of {n['channel']!r} remains as a coloured residual: still "
-                f"driven, or nonlinear"
-            )
-        ),
+        _driven,
     )
     NONLINEAR = (
         "nonlinear",
