@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import itertools
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -81,6 +82,11 @@ class TestPage:
         assert codes[FleetCheck.FAILED]["failed"] == 1
         assert codes[FleetCheck.DAMPERS] == {"worn": 1, "dampers": 2}
         assert str(DamperState.WORN) in str(verdict)
+
+    def test_too_few_records_are_not_said_to_be_alike(self, results: Path) -> None:
+        page = report(replace(fleet_summary(results), distributions=(), outliers=(), others=6))
+        assert "Fewer than 8 records do not tell which stands out." in page
+        assert "6 modes in too few records to be compared" in page
 
     def test_without_a_result_it_is_a_page_as_well(self, tmp_path: Path) -> None:
         (tmp_path / "manifest.json").write_text(json.dumps({"format": FLEET_FORMAT, "environment": environment()}))

@@ -15,7 +15,7 @@ from suspid.fleet.fleet_summary import fleet_summary
 from suspid.fleet.identify_many import CHUNK, identify_many
 from suspid.fleet.run import FleetRun, Progress
 from suspid.fleet.summary import LEGEND, FleetSummary
-from suspid.fleet.summary_text import MOST_SHOWN
+from suspid.fleet.summary_text import MOST_SHOWN, no_outlier
 from suspid.fleet.trends import Trend
 
 __all__ = [
@@ -36,6 +36,7 @@ __all__ = [
     "estimate_many",
     "fleet_summary",
     "identify_many",
+    "no_outlier",
     "trends_of_rates",
     "write_csv",
 ]

@@ -8,7 +8,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from suspid.files import printable
-from suspid.fleet import LEGEND, MOST_SHOWN
+from suspid.fleet import LEGEND, MOST_SHOWN, no_outlier
 from suspid.levels import LEVEL
 from suspid.reporting import fleet_tables as tables
 from suspid.reporting.pictures import Picture, picture
@@ -70,6 +70,7 @@ def fleet_fields(content: FleetContent) -> dict[str, object]:
             "histograms": [_histogram(one, k) for k, one in enumerate(drawn)],
             "undrawn": len(found.distributions) - len(drawn),
             "others": count(found.others, "mode") if found.others else "",
+            "no_outlier": no_outlier(found.distributions),
             "outliers": tables.outlier_table(found.outliers, units),
             "followed": len(found.trends),
             "vehicles": count(len({one.vehicle for one in found.trends}), "vehicle"),
