@@ -9,10 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.files import printable
-from suspid.levels import normal_reach
 from suspid.reporting.pictures import Picture, picture
 from suspid.reporting.plot_grip import plot_grip
-from suspid.reporting.rows import NOTHING, Quantity, quantity
+from suspid.reporting.rows import NOTHING, Quantity, decimals, fixed, quantity
 from suspid.reporting.svg import page_style
 
 if TYPE_CHECKING:
@@ -24,7 +23,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class WheelRow:
-    """A wheel on the bench: adhesion [%] with its class, least phase [deg]."""
+    """A wheel on the bench: adhesion [%] with its class, least phase [deg], each with the ends of its interval."""
 
     name: str
     load: str
@@ -55,33 +54,38 @@ def performance_fields(grip: Grip | None, ride: Ride | None, level: Ratio) -> di
 
 
 def _wheels(found: Grip, level: Ratio) -> list[WheelRow]:
-    reach, degrees = normal_reach(level), float(np.degrees(1.0))
+    ends, degrees = found.interval(level), float(np.degrees(1.0))
     return [
         WheelRow(
             name=printable(wheel),
             load=f"{load:.0f}",
-            # A wheel that surely leaves the platform has no adhesion.
-            adhesion=Quantity(value="0") if least + reach * std < 0
-            else quantity(100 * max(least, 0.0), 100 * reach * std or None, digits=3),
+            adhesion=_between(100.0, adhesion, ends[f"{wheel}.adhesion"], digits=3),
             classed=classed,
-            phase=Quantity(value=NOTHING)
-            if np.isnan(phase)
-            else quantity(degrees * phase, degrees * reach * phase_std or None, digits=3),
+            phase=_between(degrees, phase, ends[f"{wheel}.phase"], digits=3),
         )
-        for wheel, load, least, std, classed, phase, phase_std in zip(
-            found.wheels, found.load.tolist(), found.least.tolist(), found.adhesion_std.tolist(), found.classes,
-            found.phase.tolist(), found.phase_std.tolist(), strict=True,
+        for wheel, load, adhesion, classed, phase in zip(
+            found.wheels, found.load.tolist(), found.adhesion.tolist(), found.classes, found.phase.tolist(), strict=True
         )
-    ]  # fmt: skip
+    ]
 
 
 def _figures(found: Ride, level: Ratio) -> list[FigureRow]:
-    reach = normal_reach(level)
-    rows = zip(found.figures, found.units, found.values.tolist(), found.std.tolist(), strict=True)
+    ends = found.interval(level)
     return [
-        FigureRow(name=printable(name), value=quantity(value, reach * std or None, digits=4), unit=unit)
-        for name, unit, value, std in rows
+        FigureRow(name=printable(name), value=_between(1.0, value, ends[name], digits=4), unit=unit)
+        for name, unit, value in zip(found.figures, found.units, found.values.tolist(), strict=True)
     ]
+
+
+def _between(factor: float, value: float, ends: tuple[float, float], *, digits: int) -> Quantity:
+    """Return a figure in another unit with the ends of its interval, which need not be as far from it on both sides."""
+    if np.isnan(value):
+        return Quantity(value=NOTHING)
+    low, high = factor * ends[0], factor * ends[1]
+    if not high > low:
+        return quantity(factor * value, None, digits=digits)
+    places = decimals((high - low) / 2)
+    return Quantity(value=fixed(factor * value, places), reach=f"{fixed(low, places)} to {fixed(high, places)}")
 
 
 def _bench(found: Grip, level: Ratio) -> Picture:
