@@ -28,6 +28,7 @@ from suspid import (
 )  # fmt: skip
 from suspid.performance.contact import contact, static_loads, wheels_of
 from suspid.performance.reaches import reaches
+from suspid.reporting.performance_part import performance_fields
 from suspid.units import STANDARD_GRAVITY as GRAVITY
 from suspid.units import RealArray
 from suspid.words import Check, Level, Remark, Verdict
@@ -423,3 +424,17 @@ class TestReaches:
         of_ride = [ride(one, road="C", speed=20.0) for one in (found, wider)]
         ends = [one.interval()["chassis_acceleration.Wk"] for one in of_ride]
         assert sum(a == pytest.approx(b, rel=1e-9) for a, b in zip(*ends, strict=True)) == 1
+
+
+class TestOnAPage:
+    def test_the_ends_of_an_interval_need_not_be_as_far_on_both_sides(self) -> None:
+        """A mount that may be softer moves the figures to one side: the page shows the ends, which `interval` gives."""
+        found = grip(quarter(1300.0), nominal_std=0.05)
+        fields: Any = performance_fields(found, None, 0.9)
+        row = fields["wheels"][0]
+        for quantity, name, scale in (
+            (row.adhesion, "tire.adhesion", 100.0),
+            (row.phase, "tire.phase", np.degrees(1)),
+        ):
+            ends = [float(end) for end in quantity.reach.split(" to ")]
+            assert ends == pytest.approx(scale * np.array(found.interval(0.9)[name]), rel=2e-2)

@@ -148,7 +148,13 @@ def content_of(
     check_level(level)
     check_kind(
         found,
-        {"Identification": "identify", "Analysis": "analyse", "Estimate": "estimate", "FleetSummary": "fleet_summary"},
+        {
+            "Identification": "identify",
+            "Analysis": "analyse",
+            "Estimate": "estimate",
+            "DriveAnalysis": "analyse_drive",
+            "FleetSummary": "fleet_summary",
+        },
     )
     sources = () if source is None else (source,) if isinstance(source, Source) else tuple(source)
     if isinstance(found, FleetSummary):
