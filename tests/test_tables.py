@@ -393,6 +393,13 @@ class TestHeader:
 class TestAnyText:
     """Whatever stands in a text, it gives a table or a `RecordError`."""
 
+    @pytest.mark.parametrize("line", [f"0.1,{'1' * 9999}x", f"0.1,{'1:' * 9999}"])
+    def test_an_error_quotes_the_beginning_of_a_long_cell(self, scratch: Path, line: str) -> None:
+        for lines in (["t,seat", "0.0,1", "0.05,2", line, "0.15,4"], ["t,seat", line, "0.2,1", "0.3,2"]):
+            with pytest.raises(RecordError) as refusal:
+                read(scratch, "\n".join(lines))
+            assert len(str(refusal.value)) < 300 + len(str(scratch))
+
     @FUZZ
     @given(
         lines=st.lists(

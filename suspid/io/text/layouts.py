@@ -131,7 +131,7 @@ def _refuse_misfit(line: str, number: int, columns: Columns) -> None:
         odd = next((k for k, kind in enumerate(kinds) if kind == "text"), 0)
         hint = "; write numbers without a mark between the thousands" if NUMERIC.fullmatch(cells[odd]) else ""
         raise RecordError(
-            f"line {number} is neither a header nor data: cell {odd + 1} is {cells[odd]!r}, but "
+            f"line {number} is neither a header nor data: cell {odd + 1} is {shortened(cells[odd])}, but "
             f"cell {kinds.index('number') + 1} is a number{hint}"
         )
     if 1 < len(cells) != width and set(kinds) <= {"text"} and not re.match(r"[^:=]*[:=]", cells[0]):

@@ -238,6 +238,6 @@ def _row(line: int, row: str, use: Sequence[int], layout: Layout) -> list[float]
         if value is None:
             hint = "; write decimals with a point" if COMMA_NUMBER.fullmatch(cells[k]) else ""
             hint = "; decimals have a comma here, and thousands have no mark" if comma else hint
-            raise RecordError(f"line {line}, column {layout.names[k]!r}: {cells[k]!r} is not a number{hint}")
+            raise RecordError(f"line {line}, column {layout.names[k]!r}: {shortened(cells[k])} is not a number{hint}")
         values.append(value)
     return values
