@@ -58,7 +58,7 @@ def travel_fit(
             samples = [one.velocity[::FINE_POINTS][_inside(m)] for one, m in zip(moved, motions, strict=True)]
             shape = shaped(np.concatenate(samples))
         columns = [_columns(m, one, shape) for m, one in zip(motions, moved, strict=True)]
-        fit = _fitted(motions, moved, columns)
+        fit = _fitted(motions, moved, columns, friction=shape.friction)
         left = _residual(motions, moved, columns, shape, fit, noise, rng)
         shown = noise_of(left, noise)
         noise = noise if last else Noise(force=shown.force, motion=min(shown.motion, most), velocity=left.velocity)
@@ -146,10 +146,31 @@ def _centred(signals: RealArray, moved: _Expected) -> RealArray:
     return np.asarray((signals - mean) * moved.moves[:, None])
 
 
-def _fitted(motions: Sequence[StrutMotion], moved: Sequence[_Expected], columns: Sequence[RealArray]) -> CurveFit:
+def _late(motion: StrutMotion, moved: _Expected) -> RealArray:
+    """Return what friction adds at turns that the travel does not tell, but for two factors, (sample, 2).
+
+    Friction bends the velocity where it passes through zero: it is steeper before than after. The smooth velocity that
+    the travel tells therefore passes late, by an error of velocity that is the same at every turn, and friction changes
+    its sign late; and the damper's force lacks a pulse that is the same at every turn.
+    """
+    slope = np.gradient(moved.velocity)
+    turning = moved.error * np.sign(slope)
+    before, after = (sign_between(moved.velocity + side * turning, moved.error) for side in (1, -1))
+    made = np.column_stack([before - after, (before - after) * np.abs(slope) / np.max(np.abs(slope))])
+    return _behind(made, motion, moved)
+
+
+def _fitted(
+    motions: Sequence[StrutMotion], moved: Sequence[_Expected], columns: Sequence[RealArray], *, friction: bool
+) -> CurveFit:
     forces = [
         _centred(smoothed(m.force, m.step)[_inside(m), None], one)[:, 0] for m, one in zip(motions, moved, strict=True)
     ]
+    if friction:
+        # Both factors are unknown in each record, and eliminated.
+        late = [np.linalg.qr(_late(m, one))[0] for m, one in zip(motions, moved, strict=True)]
+        forces = [f - q @ (q.T @ f) for f, q in zip(forces, late, strict=True)]
+        columns = [c - q @ (q.T @ c) for c, q in zip(columns, late, strict=True)]
     inverse = np.linalg.inv(sum(one.T @ one for one in columns))
     theta = inverse @ sum(c.T @ f for c, f in zip(columns, forces, strict=True))
     records = []
