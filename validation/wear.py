@@ -55,7 +55,8 @@ GRIP = """## Grip of cars identified from one drive
 Class B, 20 m/s ±15 %. Adhesion after EUSAMA and least phase after EGEA of all wheels against those of the true car.
 Tires and masses are known. 'stated' is the median standard deviation; coverage is that of 95 % intervals, of the
 adhesion before it is cut at 0: at 400 N s/m the wheel leaves the platform, the adhesion is 0 and so are both ends of
-its interval. Where there is no mount, its relaxation is estimated as zero in half of the drives."""
+its interval. Where there is no mount, its relaxation is estimated as zero in half of the drives. The
+drives were not used in development."""
 PAIRS = """## Verdicts from two drives
 
 A quarter car, 1300 N s/m when new. From drive to drive its damper varies by {damper:.0%} (temperature), its spring by
