@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import ArrayLike
 
 from suspid import Identification, identify
-from suspid.identification.identify import _fewer
+from suspid.identification.by_likelihood import _fewer
 from suspid.identification.noise import noise_of
 from suspid.identification.pulses import one_shape
 from suspid.identification.selection import select

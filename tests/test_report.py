@@ -43,9 +43,10 @@ from suspid.identification.modes_json import read_modes
 from suspid.reporting import Source, content_of, json_schema, report, report_to_dict, source_of
 from suspid.reporting.axes import shown
 from suspid.reporting.colours import Colour
+from suspid.reporting.numerals import quantity
 from suspid.reporting.pictures import NARROW, Picture, Pictures, pictures_of
 from suspid.reporting.report import view_of
-from suspid.reporting.rows import pole_rows, quantity
+from suspid.reporting.rows import pole_rows
 from suspid.reporting.spring_rows import spring_rows
 from suspid.reporting.svg import page_style, svg_of
 from suspid.reporting.thinning import MOST_SAMPLES, drawable, is_whole

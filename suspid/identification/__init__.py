@@ -1,10 +1,11 @@
 """Identify modes from records of free decay.
 
 `identify` fits damped exponentials to all channels jointly by maximum likelihood and selects the number of poles by
-BIC, or runs the wavelet steps. `identify_repeats` fits several decays jointly. Below them: `exponentials` and `poles`
-(inner products), `noise` (least variance, likelihood, colour), `likelihood` and `joint_fit` (fits of one decay and of
-several), `candidates`, `fitting`, `refinement`, `classification`, `selection` (number of poles), `covariance`,
-`halves` (linearity), `modes_json` (files). Samples are (channel, sample), poles per sample.
+BIC, or runs the wavelet steps (`by_likelihood`, `by_ridges`). `identify_repeats` fits several decays jointly. Below
+them: `exponentials` and `poles` (inner products), `noise` (least variance, likelihood, colour), `likelihood` and
+`joint_fit` (fits of one decay and of several), `candidates`, `fitting`, `refinement`, `classification`, `selection`
+(number of poles), `covariance`, `halves` (linearity), `modes_json` (files). Samples are (channel, sample), poles per
+sample.
 """
 
 from suspid.identification.considered import Considered

@@ -11,9 +11,9 @@ import numpy as np
 
 from suspid.files import printable
 from suspid.reporting.fleet_tables import FleetTable, Heading
+from suspid.reporting.numerals import NOTHING
 from suspid.reporting.pictures import Picture, picture
 from suspid.reporting.plot_drive import draw_finding, draw_stretches
-from suspid.reporting.rows import NOTHING
 from suspid.reporting.svg import page_style
 from suspid.words import Verdict, count
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from suspid.files import printable
 from suspid.fleet import MOST_SHOWN, QUANTILES
-from suspid.reporting.rows import NOTHING, signed
+from suspid.reporting.numerals import NOTHING, signed
 from suspid.words import DamperState
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from suspid.files import printable
-from suspid.reporting.rows import NOTHING, Quantity, quantity
+from suspid.reporting.numerals import NOTHING, Quantity, quantity
 from suspid.words import NextStep, Remark
 from suspid.words.limits import LimitState
 

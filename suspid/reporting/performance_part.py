@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.files import printable
+from suspid.reporting.numerals import NOTHING, Quantity, decimals, fixed, quantity
 from suspid.reporting.pictures import Picture, picture
 from suspid.reporting.plot_grip import plot_grip
-from suspid.reporting.rows import NOTHING, Quantity, decimals, fixed, quantity
 from suspid.reporting.svg import page_style
 
 if TYPE_CHECKING:

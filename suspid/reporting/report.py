@@ -22,9 +22,10 @@ from suspid.reporting.drive_page import DriveContent, drive_fields
 from suspid.reporting.estimate_page import EstimateContent, page_fields
 from suspid.reporting.fleet_page import FleetContent, fleet_fields
 from suspid.reporting.limit_rows import limit_rows
+from suspid.reporting.numerals import digits
 from suspid.reporting.performance_part import performance_fields
 from suspid.reporting.pictures import MOST_CHANNELS, pictures_of
-from suspid.reporting.rows import channel_rows, digits, mode_quantities, mode_rows, pole_rows, repeat_rows
+from suspid.reporting.rows import channel_rows, mode_quantities, mode_rows, pole_rows, repeat_rows
 from suspid.reporting.source import Source, versions
 from suspid.reporting.spring_rows import masses_of, spring_rows
 from suspid.reporting.thinning import is_whole

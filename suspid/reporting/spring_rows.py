@@ -11,7 +11,7 @@ from suspid.files import printable
 from suspid.greybox import Estimate, nominal_value, parameter_unit
 from suspid.levels import normal_reach
 from suspid.reconstruction import parameter_values
-from suspid.reporting.rows import NOTHING, Quantity, digits, plain, quantity, signed
+from suspid.reporting.numerals import NOTHING, Quantity, digits, plain, quantity, signed
 from suspid.units import Ratio
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.files import printable
-from suspid.reporting.rows import NOTHING, signed
+from suspid.reporting.numerals import NOTHING, signed
 from suspid.words import Level
 
 if TYPE_CHECKING:

@@ -10,7 +10,8 @@ from suspid.identification.nonlinear.estimates import modes_of_bent
 from suspid.identification.nonlinear.feedback import Bent
 from suspid.identification.nonlinear.forces import Force, ForceKind
 from suspid.identification.nonlinear.own import MULTIPLE
-from suspid.identification.nonlinear.search import find_forces, unlike_linear
+from suspid.identification.nonlinear.search import find_forces
+from suspid.identification.nonlinear.signs import unlike_linear
 
 __all__ = [
     "MULTIPLE",

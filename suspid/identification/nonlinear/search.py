@@ -27,63 +27,19 @@ from suspid.identification.nonlinear.feedback import (
     without_forces,
 )
 from suspid.identification.nonlinear.own import UNKNOWN, next_poles, repeated
+from suspid.identification.nonlinear.signs import distorted
 from suspid.identification.nonlinear.swings import swings_of
 from suspid.identification.refinement import WORTHWHILE
 from suspid.identification.selection import Selection
 from suspid.units import RealArray
-from suspid.words import Reason
 
 # Forces that explain this share of what a multiple of a mode does are preferred to it: a mode there would be chance.
 NEARLY = 0.9
 # Modes at most where their number is not given.
 MOST_MODES = 6
-# A linear fit with none of these multiples of a mode has no higher ones from forces either: those are weaker. A pole at
-# four times another is a mode.
-FIRST_MULTIPLES = 3
-# Unless its damping ratio is above this: what dies within a cycle belongs to the start of the motion.
-RINGS = 0.5
 # Largest number of entries of the derivatives in the search; longer records are thinned to this many samples per cycle
 # of the fastest mode, and cut.
 MOST_ENTRIES, PER_CYCLE = 4e4, 10.0
-
-
-def unlike_linear(selection: Selection) -> bool:
-    """Return whether a linear fit leaves signs of a decay that is not linear, so that forces are worth looking for.
-
-    Its poles look like distortion, or poles were rejected as parts of others.
-    """
-    codes = {remark.code for _, remark in selection.rejected}
-    return Reason.SPLIT in codes or _distorted(selection) or _swerves(selection)
-
-
-def _swerves(selection: Selection) -> bool:
-    """Return whether the centre of the motion moves with it: a weak real pole beside pairs, and no drift.
-
-    So it does under a damper or a spring that differs in compression and rebound.
-    """
-    fit, pairs = selection.fit, len(selection.fit.poles.pairs)
-    sizes = np.sqrt(np.sum(np.abs(fit.amplitudes[fit.poles.rows]) ** 2 / (fit.squares + 1e-300), axis=1))
-    sizes[:pairs] *= 2
-    moves = np.array([reason not in (Reason.DRIFT, Reason.GROWING) for reason in selection.reasons[pairs:]], bool)
-    return bool(pairs and np.any(moves & (sizes[pairs:] < WEAK * np.max(sizes[:pairs]))))
-
-
-def _distorted(selection: Selection) -> bool:
-    """Return whether pairs of a linear fit are parts or harmonics of others, or none of them is a mode."""
-    fit, pairs = selection.fit, selection.fit.poles.pairs
-    if all(reason is not None for reason in selection.reasons[: len(pairs)]):
-        return True
-    amplitudes = fit.amplitudes[: len(pairs)] / np.sqrt(fit.squares + 1e-300)
-    return any(
-        repeated(
-            complex(pairs[k]),
-            amplitudes[k],
-            np.delete(pairs, k),
-            np.delete(amplitudes, k, axis=0),
-            most=FIRST_MULTIPLES if -pairs[k].real < RINGS * abs(pairs[k]) else np.inf,
-        )
-        for k in range(len(pairs))
-    )
 
 
 def find_forces(values: RealArray, *, noise: WhiteNoise, selection: Selection, modes: int | None = None) -> Bent | None:
@@ -130,7 +86,7 @@ def _found(sought: _Sought) -> Bent | None:
     bent = _structure(values, noise, linear, found, modes=modes or MOST_MODES, highest=highest)
     if bent is not None:
         return bent
-    if found is None or modes is not None or _distorted(selection):
+    if found is None or modes is not None or distorted(selection):
         return found
     return found if found.fit.bic < bic else None
 

@@ -1,0 +1,162 @@
+"""Identify a decay by maximum likelihood, with forces that are not linear where they explain it better."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from suspid.errors import IdentificationError
+from suspid.identification.considered import Considered, beside_bent, considered_of
+from suspid.identification.covariance import joint_covariance
+from suspid.identification.dominant import dominant
+from suspid.identification.halves import disagreement
+from suspid.identification.harmonics import without_harmonics
+from suspid.identification.identification import Identification
+from suspid.identification.noise import WhiteNoise, noise_of, shared_noise
+from suspid.identification.nonlinear import (
+    AmplitudeDependence,
+    Bent,
+    find_forces,
+    modes_of_bent,
+    unlike_linear,
+)
+from suspid.identification.ongoing import without_lines
+from suspid.identification.pulses import without_beginning, without_pulse
+from suspid.identification.selection import Selection, select
+from suspid.identification.steps import FourSteps
+from suspid.levels import NORMAL_95
+from suspid.model import ModalSet
+from suspid.samples import as_samples
+from suspid.signals import Signal
+from suspid.units import RadianPerSecond, RealArray, Second
+from suspid.values import frozen_real
+from suspid.words import Reason, Remark
+
+if TYPE_CHECKING:
+    import control
+
+
+def by_likelihood(
+    response: control.TimeResponseData,
+    signal: Signal,
+    centred: RealArray,
+    steps: FourSteps,
+    band: tuple[RadianPerSecond, RadianPerSecond] | None,
+    *,
+    with_forces: bool,
+) -> Identification:
+    """Return the modes of the fit that is most likely; forces are looked for where they are asked for."""
+    low, high = band or (0.0, np.pi / signal.step)
+    noise = noise_of(signal.values)
+    limits = (low * signal.step, high * signal.step)
+    selection = select(centred, noise=noise, modes=steps.count, band=limits)
+    bent = None
+    if with_forces and _fades(centred) and unlike_linear(selection):
+        bent = find_forces(centred, noise=noise, selection=selection, modes=steps.count)
+        if bent is not None and bent.count < (steps.count or 0) <= len(selection.modes):
+            bent = None
+    described = None if bent is None else _described(bent, signal, steps.count)
+    if bent is not None and described is not None:
+        modes, loudness, dependence, growing = described
+        _check_count(modes, steps.count)
+        left, freedom, forces = bent.residual, bent.freedom, bent.forces
+        considered = (*growing, *beside_bent(selection, modes, signal.step))
+    else:
+        if steps.count is None:
+            selection = without_pulse(without_beginning(without_lines(selection)), centred)
+            if not len(selection.modes):
+                selection = dominant(centred, noise=noise, band=limits, selection=selection) or selection
+        modes, loudness = _modes_of(selection, centred, noise, step=signal.step, channels=signal.channels)
+        fewer = selection if steps.count is not None else _fewer(selection, modes)
+        if fewer is not selection:
+            selection = fewer
+            modes, loudness = _modes_of(selection, centred, noise, step=signal.step, channels=signal.channels)
+        _check_count(modes, steps.count)
+        left, freedom, forces = selection.residual, selection.fit.freedom, ()
+        considered, dependence = considered_of(selection, modes, signal.step), ()
+    return Identification(
+        response=response,
+        method="likelihood",
+        modes=modes,
+        fitted=as_samples(signal.timepts, signal.values - left, signal.channels, title="Fitted decay"),
+        residual=as_samples(signal.timepts, left, signal.channels, title="Residual"),
+        noise_std=frozen_real(np.sqrt(np.sum(left**2, axis=1) / freedom)),
+        loudness=loudness,
+        considered=considered,
+        steps=steps,
+        amplitude_dependence=dependence,
+        forces=forces,
+    )
+
+
+def _described(
+    bent: Bent, signal: Signal, count: int | None
+) -> tuple[ModalSet, RealArray, tuple[AmplitudeDependence, ...], tuple[Considered, ...]] | None:
+    """Return the modes under forces, how loud the residual is near each, their amplitudes, and the poles that grow.
+
+    Without a number of modes, one that grows over most of its amplitudes is none; None if no other is left.
+    """
+    modes, loudness, dependence = modes_of_bent(bent, timepts=signal.timepts, channels=signal.channels)
+    falls = np.array([count is not None or np.median(each.zeta) >= 0 for each in dependence], bool)
+    if falls.all():
+        return modes, loudness, dependence, ()
+    if not falls.any():
+        return None
+    growing = [Considered(pole=complex(p), remark=Remark(Reason.GROWING), removed=True) for p in modes.poles[~falls]]
+    kept = tuple(each for each, fall in zip(dependence, falls, strict=True) if fall)
+    return modes[falls], frozen_real(loudness[falls]), kept, tuple(growing)
+
+
+def _check_count(modes: ModalSet, count: int | None) -> None:
+    """Refuse fewer modes than were asked for."""
+    if count is not None and len(modes) < count:
+        where = f", at {', '.join(f'{wn:.4g}' for wn in modes.wn)} rad/s" if len(modes) else ""
+        raise IdentificationError(
+            f"{count} modes were asked for, {len(modes)} could be found{where}; "
+            f"nothing else in the record decays like a mode: ask for fewer, or leave their number open",
+            found=modes if len(modes) else None,
+        )
+
+
+def _fades(values: RealArray) -> bool:
+    """Return whether the last third of a record moves less than the first, each about its own mean."""
+    third = values.shape[1] // 3
+    first, last = np.var(values[:, :third], axis=1), np.var(values[:, -third:], axis=1)
+    # A larger ratio spends more time on noise, with a smaller one slow decays stay linear.
+    return bool(np.sum(last / np.var(values, axis=1)) < 0.9 * np.sum(first / np.var(values, axis=1)))
+
+
+def _modes_of(
+    selection: Selection, values: RealArray, noise: WhiteNoise, *, step: Second, channels: tuple[str, ...]
+) -> tuple[ModalSet, RealArray]:
+    """Return the modes of one decay and how loud the residual is near each, (mode,).
+
+    The variances of a mode are widened by its loudness, and by noise that the channels share; or by the square of the
+    disagreement of the two halves of the decay where that is more and the residual shows that it is no chance. Where a
+    mode may be two, its interval and those beside it hold what the fit with both says.
+    """
+    fit, kept = selection.fit, selection.modes
+    loudness = selection.loudness[kept]
+    widening = loudness * shared_noise(selection.residual, np.sqrt(noise.least))
+    noise_std = np.sqrt(fit.squares / fit.count)
+    for k in np.flatnonzero(((loudness > 1) | selection.bends[kept]) & (kept < len(fit.poles.pairs))):
+        widening[k] = np.nanmax([widening[k], disagreement(values, fit.poles, int(kept[k]), noise_std) ** 2])
+    widening = np.maximum(widening, selection.widening[kept])
+    joint = joint_covariance([fit], kept, widening)
+    order = np.argsort(np.abs(joint.exponents), kind="stable")
+    return joint.modes(step=step, channels=channels), frozen_real(loudness[order])
+
+
+def _fewer(selection: Selection, modes: ModalSet) -> Selection:
+    """Return the poles, of which multiples of a stronger mode, and those whose frequency may be zero, are no modes."""
+    kept = selection.modes
+    fewer = without_harmonics(selection, modes)
+    if modes.wn_std is None or not np.any(unknown := (modes.poles.imag > 0) & (modes.wn < NORMAL_95 * modes.wn_std)):
+        return fewer
+    order = kept[np.argsort(np.abs(selection.fit.poles.every[kept]), kind="stable")]
+    reasons = list(fewer.reasons)
+    for k in order[unknown].tolist():
+        reasons[k] = Reason.UNKNOWN
+    return replace(fewer, reasons=tuple(reasons))

@@ -1,0 +1,55 @@
+"""Signs in a linear fit that a decay is not linear."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from suspid.identification.harmonics import WEAK
+from suspid.identification.nonlinear.own import repeated
+from suspid.identification.selection import Selection
+from suspid.words import Reason
+
+# A linear fit with none of these multiples of a mode has no higher ones from forces either: those are weaker. A pole at
+# four times another is a mode.
+FIRST_MULTIPLES = 3
+# Unless its damping ratio is above this: what dies within a cycle belongs to the start of the motion.
+RINGS = 0.5
+
+
+def unlike_linear(selection: Selection) -> bool:
+    """Return whether a linear fit leaves signs of a decay that is not linear, so that forces are worth looking for.
+
+    Its poles look like distortion, or poles were rejected as parts of others.
+    """
+    codes = {remark.code for _, remark in selection.rejected}
+    return Reason.SPLIT in codes or distorted(selection) or _swerves(selection)
+
+
+def _swerves(selection: Selection) -> bool:
+    """Return whether the centre of the motion moves with it: a weak real pole beside pairs, and no drift.
+
+    So it does under a damper or a spring that differs in compression and rebound.
+    """
+    fit, pairs = selection.fit, len(selection.fit.poles.pairs)
+    sizes = np.sqrt(np.sum(np.abs(fit.amplitudes[fit.poles.rows]) ** 2 / (fit.squares + 1e-300), axis=1))
+    sizes[:pairs] *= 2
+    moves = np.array([reason not in (Reason.DRIFT, Reason.GROWING) for reason in selection.reasons[pairs:]], bool)
+    return bool(pairs and np.any(moves & (sizes[pairs:] < WEAK * np.max(sizes[:pairs]))))
+
+
+def distorted(selection: Selection) -> bool:
+    """Return whether pairs of a linear fit are parts or harmonics of others, or none of them is a mode."""
+    fit, pairs = selection.fit, selection.fit.poles.pairs
+    if all(reason is not None for reason in selection.reasons[: len(pairs)]):
+        return True
+    amplitudes = fit.amplitudes[: len(pairs)] / np.sqrt(fit.squares + 1e-300)
+    return any(
+        repeated(
+            complex(pairs[k]),
+            amplitudes[k],
+            np.delete(pairs, k),
+            np.delete(amplitudes, k, axis=0),
+            most=FIRST_MULTIPLES if -pairs[k].real < RINGS * abs(pairs[k]) else np.inf,
+        )
+        for k in range(len(pairs))
+    )
