@@ -193,6 +193,14 @@ class TestModules:
             if isinstance(node, ast.Call):
                 assert ast.unparse(node.func) != "print", f"{place(name)} prints in line {node.lineno}"
 
+    def test_words_that_are_functions_have_a_known_type(self) -> None:
+        for name, node in NODES:
+            if name.startswith("words.") and isinstance(node, ast.Tuple):
+                bare = [one.lineno for one in node.elts if isinstance(one, ast.Lambda)]
+                assert not bare, (
+                    f"{place(name)}: pass the lambda of line {bare[0]} to `sentence`, which states its type"
+                )
+
     def test_matplotlib_is_imported_by_plots_alone(self) -> None:
         helpers = {"reporting.axes", "reporting.pictures", "reporting.svg", "results", "cli.measured"}
         others = [name for name in MODULES if not name.startswith("reporting.plot_") and name not in helpers]

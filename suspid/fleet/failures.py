@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from suspid.errors import EstimationError, IdentificationError, RecordError, SuspidError
 from suspid.files import printable
@@ -13,7 +13,7 @@ from suspid.words import Failure, Remark
 
 # A reason longer than this [characters] is cut: some libraries put whole tables into their errors.
 LONGEST_REASON = 600
-CODES = {
+CODES: Mapping[type[SuspidError], Failure] = {
     RecordError: Failure.UNUSABLE,
     IdentificationError: Failure.NOT_IDENTIFIED,
     EstimationError: Failure.NOT_ESTIMATED,

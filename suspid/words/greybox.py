@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, TypeAlias
 
 from suspid.wording import Argument
-from suspid.words.remarks import Code, count, in_a_row
+from suspid.words.remarks import Code, count, in_a_row, sentence
 
 Numbers: TypeAlias = Mapping[str, Any]
 
@@ -87,9 +87,11 @@ class EstimateCheck(Code):
     )
     DRIVEN = (
         "driven",
-        lambda _: (
-            "The motion does not die down, so this is no free decay, and the values above mean nothing: give what "
-            f"moved the car ({Argument('given', '…')}), in a drive the motion of the wheels, which must be measured."
+        sentence(
+            lambda _: (
+                "The motion does not die down, so this is no free decay, and the values above mean nothing: give what "
+                f"moved the car ({Argument('given', '…')}), in a drive the motion of the wheels, which must be measured."
+            )
         ),
     )
     ONSET = (
@@ -128,16 +130,20 @@ class EstimateCheck(Code):
     )
     NO_SPEED = (
         "no speed",
-        lambda _: (
-            "The speed is not known: neither the road's class nor the wheels' rotation. An unbalanced wheel may be "
-            f"taken for a mode of the wheel; give {Argument('speed', '…')} and {Argument('wheel_radius', '…')}."
+        sentence(
+            lambda _: (
+                "The speed is not known: neither the road's class nor the wheels' rotation. An unbalanced wheel may be "
+                f"taken for a mode of the wheel; give {Argument('speed', '…')} and {Argument('wheel_radius', '…')}."
+            )
         ),
     )
     NO_RADIUS = (
         "no radius",
-        lambda _: (
-            "The wheels' radius is not known, so nor is their rotation. An unbalanced wheel may be taken for a mode of "
-            f"the wheel; give {Argument('wheel_radius', '…')}."
+        sentence(
+            lambda _: (
+                "The wheels' radius is not known, so nor is their rotation. An unbalanced wheel may be taken for a mode of "
+                f"the wheel; give {Argument('wheel_radius', '…')}."
+            )
         ),
     )
     ALTERNATIVES = "alternatives", _others

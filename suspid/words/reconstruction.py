@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, TypeAlias
 
 from suspid.wording import Argument
-from suspid.words.remarks import Code, count, in_a_row
+from suspid.words.remarks import Code, count, in_a_row, sentence
 
 Numbers: TypeAlias = Mapping[str, Any]
 
@@ -90,9 +90,11 @@ class ReconstructionNote(Code):
     LEAST_MAC = "least MAC", "least MAC of the shapes {mac:.4f}"
     VANISHED = (
         "vanished",
-        lambda numbers: (
-            f"{', '.join(numbers['names'])} at the least positive value: the modes need none; check the topology, or "
-            f"hold it with {Argument('fixed', '…')}"
+        sentence(
+            lambda numbers: (
+                f"{', '.join(numbers['names'])} at the least positive value: the modes need none; check the topology, or "
+                f"hold it with {Argument('fixed', '…')}"
+            )
         ),
     )
     AT_BOUND = "at bound", _listed("at its bound: {names}")
@@ -101,16 +103,20 @@ class ReconstructionNote(Code):
     NOT_SHARP = "not sharp", "no sharp optimum: a further step would reduce the squared residual by {share:.1e} of it"
     FEW_DIGITS = (
         "few digits",
-        lambda numbers: (
-            f"the modes have few digits and count as known to {numbers['known_to']:.1%}; set "
-            f"{Argument('tolerance', '…')} to change that"
+        sentence(
+            lambda numbers: (
+                f"the modes have few digits and count as known to {numbers['known_to']:.1%}; set "
+                f"{Argument('tolerance', '…')} to change that"
+            )
         ),
     )
     NEAR_MISS = (
         "near miss",
-        lambda numbers: (
-            f"another suspension comes within {numbers['distance']:.1e} of these modes: give their uncertainty, or "
-            f"{Argument('tolerance', '…')}, to have it judged"
+        sentence(
+            lambda numbers: (
+                f"another suspension comes within {numbers['distance']:.1e} of these modes: give their uncertainty, or "
+                f"{Argument('tolerance', '…')}, to have it judged"
+            )
         ),
     )
     CHI_SQUARE = "chi-square", _chi_square
