@@ -197,9 +197,7 @@ class TestModules:
         for name, node in NODES:
             if name.startswith("words.") and isinstance(node, ast.Tuple):
                 bare = [one.lineno for one in node.elts if isinstance(one, ast.Lambda)]
-                assert not bare, (
-                    f"{place(name)}: pass the lambda of line {bare[0]} to `sentence`, which states its type"
-                )
+                assert not bare, f"{place(name)}: pass the lambda of line {bare[0]} to `sentence`"
 
     def test_matplotlib_is_imported_by_plots_alone(self) -> None:
         helpers = {"reporting.axes", "reporting.pictures", "reporting.svg", "results", "cli.measured"}

@@ -89,8 +89,9 @@ class EstimateCheck(Code):
         "driven",
         sentence(
             lambda _: (
-                "The motion does not die down, so this is no free decay, and the values above mean nothing: give what "
-                f"moved the car ({Argument('given', '…')}), in a drive the motion of the wheels, which must be measured."
+                "The motion does not die down, so this is no free decay, and the values above mean nothing: give "
+                f"what moved the car ({Argument('given', '…')}), in a drive the motion of the wheels, which must be "
+                "measured."
             )
         ),
     )
@@ -141,8 +142,8 @@ class EstimateCheck(Code):
         "no radius",
         sentence(
             lambda _: (
-                "The wheels' radius is not known, so nor is their rotation. An unbalanced wheel may be taken for a mode of "
-                f"the wheel; give {Argument('wheel_radius', '…')}."
+                "The wheels' radius is not known, so nor is their rotation. An unbalanced wheel may be taken for a mode "
+                f"of the wheel; give {Argument('wheel_radius', '…')}."
             )
         ),
     )

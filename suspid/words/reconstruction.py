@@ -92,8 +92,8 @@ class ReconstructionNote(Code):
         "vanished",
         sentence(
             lambda numbers: (
-                f"{', '.join(numbers['names'])} at the least positive value: the modes need none; check the topology, or "
-                f"hold it with {Argument('fixed', '…')}"
+                f"{', '.join(numbers['names'])} at the least positive value: the modes need none; check the topology, "
+                f"or hold it with {Argument('fixed', '…')}"
             )
         ),
     )
