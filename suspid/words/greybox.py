@@ -142,8 +142,8 @@ class EstimateCheck(Code):
         "no radius",
         sentence(
             lambda _: (
-                "The wheels' radius is not known, so nor is their rotation. An unbalanced wheel may be taken for a mode "
-                f"of the wheel; give {Argument('wheel_radius', '…')}."
+                "The wheels' radius is not known, so nor is their rotation. An unbalanced wheel may be taken for a "
+                f"mode of the wheel; give {Argument('wheel_radius', '…')}."
             )
         ),
     )
