@@ -12,9 +12,11 @@ from scipy.signal import lfilter
 from suspid import Identification, identify
 from suspid.identification.candidates import ranked, searched
 from suspid.identification.exponentials import blocks_of
+from suspid.identification.fitting import Problem
 from suspid.identification.likelihood import bic_penalty, evaluate, maximize
 from suspid.identification.noise import WhiteNoise, noise_colour
 from suspid.identification.poles import Poles
+from suspid.identification.refinement import about_the_axis
 from suspid.identification.selection import Selection, select
 from suspid.signals import as_response, as_signal
 from suspid.words import Level, Reason
@@ -363,3 +365,37 @@ def test_many_modes_are_all_found(count: int, channels: int) -> None:
     assert len(found) == count
     ends = found.interval(1 - 1e-6).wn
     assert np.all((ends[:, 0] < wn) & (wn < ends[:, 1]))
+
+
+class TestNearTheRealAxis:
+    """The poles of an overdamped car: a pair between two real poles, of which a search first meets one pair."""
+
+    POLES: Complex = np.array([-15.17 + 16.27j, -4.895, -134.8]) / 500
+
+    def values(self, seed: int, std: float) -> Real:
+        amplitudes = np.array([[0.4 - 0.3j, -0.5, 0.12], [-0.8 + 0.5j, 0.1, 0.7]])
+        return decays(self.POLES, amplitudes) + white(seed, std, 2)
+
+    @pytest.mark.parametrize("std", [1e-3, 1e-5])
+    def test_both_real_poles_are_found(self, std: float) -> None:
+        for seed in range(4):
+            values = self.values(seed, std)
+            found = selected(values)
+            assert found.reasons == (None, None, None)
+            # No poles fit better than the best near the true ones, and those fit better than the true ones.
+            assert np.all(np.sum(found.residual**2, axis=1) < 1.001 * left_over(values, np.append(self.POLES, 0.0)))
+
+    def test_a_pair_at_the_axis_parts(self) -> None:
+        values = self.values(0, 1e-4)
+        centred = values - values.mean(axis=1, keepdims=True)
+        problem = Problem(values=centred, blocks=blocks_of(centred), noise=WhiteNoise(least=np.full(2, 1e-22)))
+        meeting = problem.fitted(
+            Poles(pairs=np.array([self.POLES[0], -0.06 + 0.001j]), reals=np.zeros(0), nuisances=np.zeros(1))
+        )
+        assert meeting is not None
+        assert len(meeting.poles.pairs) == 2
+        assert about_the_axis(problem, meeting, 1e9) is meeting
+        apart = about_the_axis(problem, meeting, 3.0)
+        assert len(apart.poles.reals) == 2
+        np.testing.assert_allclose(np.sort(apart.poles.reals), np.sort(self.POLES[1:].real), rtol=0.02)
+        assert apart.loss < meeting.loss - 1000

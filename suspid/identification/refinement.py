@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TypeAlias
 
 import numpy as np
@@ -24,8 +25,11 @@ Rejected: TypeAlias = tuple[tuple[Candidate, Remark], ...]
 # bends; a higher one loses weak modes beside strong ones.
 WORTHWHILE = 20.0
 # A pair whose damped frequency is below the first number times its decay rate is tried as two real poles. They begin at
-# that rate times and over the second number. Higher numbers cost fits.
+# that rate times and over the second number; two real poles whose rates differ by less are tried as a pair. Higher
+# numbers cost fits.
 NEAR_REAL, APART = 0.3, 2.0
+# So often poles cross the axis after a pole was added.
+MOST_CROSSINGS = 4
 
 
 def thinned(problem: Problem, fit: Fit) -> tuple[Fit, RealArray, Rejected]:
@@ -164,21 +168,36 @@ def single(problem: Problem, fit: Fit) -> Fit:
     return fit
 
 
-def parted(problem: Problem, fit: Fit, least: float) -> Fit:
-    """Return the fit with pairs that have come near the real axis replaced by two real poles where those fit better.
-
-    Pairs whose modulus over the record is below ``least`` are left as they are: a drift does not tell.
+def about_the_axis(problem: Problem, fit: Fit, least: float) -> Fit:
+    """Return the fit with pairs near the real axis as two real poles, or two real poles as a pair, if that fits better.
 
     Two real poles that meet leave the axis as a pair, and a pair that meets it parts along it. Steps in frequency and
-    decay rate do not lead over the axis.
+    decay rate do not lead over the axis. Poles whose modulus over the record is below ``least`` are left as they are: a
+    drift does not tell.
     """
-    for index in reversed(range(len(fit.poles.pairs))):
-        theta = fit.poles.pairs[index]
-        if abs(theta.imag) < NEAR_REAL * -theta.real and abs(theta) * problem.blocks.count >= least:
-            apart = fit.poles.without(index).with_real(APART * theta.real).with_real(theta.real / APART)
-            trial = problem.fitted(apart, rough=True)
-            fit = trial if trial is not None and trial.loss < fit.loss else fit
+    for _ in range(MOST_CROSSINGS):
+        for poles in _crossings(fit.poles, least / problem.blocks.count):
+            trial = problem.fitted(poles, rough=True)
+            if trial is not None and fit.loss - trial.loss > problem.penalty(real=True):
+                fit = trial
+                break
+        else:
+            break
     return fit
+
+
+def _crossings(poles: Poles, least: float) -> Iterator[Poles]:
+    """Yield the poles with each pair near the axis parted, and with each two neighbours on it joined."""
+    for index, theta in enumerate(poles.pairs):
+        if abs(theta.imag) < NEAR_REAL * -theta.real and abs(theta) >= least:
+            yield poles.without(index).with_real(APART * theta.real).with_real(theta.real / APART)
+    pairs, order = len(poles.pairs), np.argsort(poles.reals)
+    for one, other in pairwise(order.tolist()):
+        slow, fast = -poles.reals[other], -poles.reals[one]
+        if least <= slow and fast < APART * slow:
+            middle = (slow + fast) / 2
+            rest = poles.without(pairs + max(one, other)).without(pairs + min(one, other))
+            yield rest.with_pair(complex(-middle, middle / APART))
 
 
 def paired(problem: Problem, fit: Fit) -> tuple[Fit, RealArray]:

@@ -15,7 +15,7 @@ from suspid.identification.fitting import OTHER_FREQUENCY, Fit, Problem, linewid
 from suspid.identification.likelihood import DecayFit, evaluate, reweighed
 from suspid.identification.noise import WhiteNoise
 from suspid.identification.poles import Poles
-from suspid.identification.refinement import Rejected, paired, parted, single, straightened, thinned, unbent
+from suspid.identification.refinement import Rejected, about_the_axis, paired, single, straightened, thinned, unbent
 from suspid.units import RealArray
 from suspid.words import Reason, Remark
 
@@ -153,7 +153,7 @@ def _found(problem: Problem, most: int) -> tuple[Fit, Rejected]:
         better = divided(problem, fit) if better is None else better
         if better is None:
             break
-        fit, lost = straightened(problem, parted(problem, better, CREEPING), STILL)
+        fit, lost = straightened(problem, about_the_axis(problem, better, CREEPING), STILL)
         rejected, seen = rejected + lost, None if again else seen
     return fit, rejected
 
