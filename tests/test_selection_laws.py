@@ -370,10 +370,10 @@ def test_many_modes_are_all_found(count: int, channels: int) -> None:
 class TestNearTheRealAxis:
     """The poles of an overdamped car: a pair between two real poles, of which a search first meets one pair."""
 
-    POLES: Complex = np.array([-15.17 + 16.27j, -4.895, -134.8]) / 500
+    POLES: Complex = np.array([-0.03034 + 0.03254j, -0.00979, -0.2696], complex)
 
     def values(self, seed: int, std: float) -> Real:
-        amplitudes = np.array([[0.4 - 0.3j, -0.5, 0.12], [-0.8 + 0.5j, 0.1, 0.7]])
+        amplitudes = np.array([[0.4 - 0.3j, -0.5, 0.12], [-0.8 + 0.5j, 0.1, 0.7]], complex)
         return decays(self.POLES, amplitudes) + white(seed, std, 2)
 
     @pytest.mark.parametrize("std", [1e-3, 1e-5])
