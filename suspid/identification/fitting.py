@@ -11,15 +11,7 @@ from numpy.typing import NDArray
 
 from suspid.identification.classification import MOST_DECAY
 from suspid.identification.exponentials import Blocks, synthesize
-from suspid.identification.likelihood import (
-    NEGLIGIBLE_STEP,
-    DecayFit,
-    bic_penalty,
-    evaluate,
-    evaluate_samples,
-    maximize,
-    settled,
-)
+from suspid.identification.likelihood import DecayFit, bic_penalty, evaluate, evaluate_samples, maximize, settled
 from suspid.identification.noise import KnownNoise, WhiteNoise, loss_growth, loudness, over_channels, power_beside
 from suspid.identification.poles import Poles
 from suspid.identification.shapes import same_shape
@@ -56,26 +48,13 @@ class Problem:
     def fitted(self, start: Poles | DecayFit, *, rough: bool = False) -> Fit | None:
         """Return the fit of greatest likelihood near given poles, or None if they are linearly dependent."""
         noise = self._inner_noise
-        # Until all poles are found, they are fitted to a twentieth of their standard deviations, in at most 20
-        # steps: a pole that exists comes near in fewer. A smaller share costs time.
-        steps, negligible = (20, 0.05**2) if rough else (60, NEGLIGIBLE_STEP)
-        solution = maximize(self.blocks, start, noise, steps=steps, negligible=negligible)
-        if solution is not None and self._rounded(solution) and self.blocks.count <= MOST_BY_SAMPLES:
-
-            def evaluated(poles: Poles) -> DecayFit | None:
-                return evaluate_samples(self.values, poles, self.noise)
-
-            # Nearly dependent exponentials: a residual from energies is too coarse to tell which step is better.
-            closer = maximize(
-                self.blocks, solution.poles, self.noise, steps=steps, negligible=negligible, evaluated=evaluated
-            )
-            solution = solution if closer is None else closer
+        if rough:
+            # Until all poles are found, they are fitted to a twentieth of their standard deviations, in at most 20
+            # steps: a pole that exists comes near in fewer. A smaller share costs time.
+            solution = maximize(self.blocks, start, noise, steps=20, negligible=0.05**2)
+        else:
+            solution = maximize(self.blocks, start, noise)
         return None if solution is None else Fit(problem=self, solution=solution)
-
-    @staticmethod
-    def _rounded(solution: DecayFit) -> bool:
-        """Return whether rounding is more than a negligible share of a residual sum of squares."""
-        return bool(np.any(solution.rounding >= ROUNDED * solution.squares))
 
     def settled(self, fit: Fit) -> Fit:
         """Return the fit after the last steps, which move its poles by shares of a standard deviation."""
@@ -92,7 +71,7 @@ class Problem:
                 return None
             return evaluate(self.blocks, poles, KnownNoise(least=Fit(problem=self, solution=first).variance))
 
-        if not self._rounded(fit.solution):
+        if np.all(fit.solution.rounding < ROUNDED * fit.solution.squares):
             solution: DecayFit | None = settled(fit.solution, evaluated)
         else:
             solution = evaluated_closely(fit.poles)
