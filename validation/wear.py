@@ -171,10 +171,10 @@ def grip_table(seeds: int) -> str:
     many = max(seeds, 200)
     rows = [
         *(row for c, car in damped.items() for row in grip_rows(f"{c} N s/m", car, many)),
-        *grip_rows("650 N s/m, gain, delay, mount known", damped[650], seeds, options=KNOWN),
+        *grip_rows("650 N s/m, gain, delay, mount known", damped[650], many, options=KNOWN),
         *grip_rows("1300 N s/m, mount 1e6 N/m", MOUNTED, many),
         *grip_rows("half car", half(0.1), many),
-        *grip_rows("half car, gain, delay, mount known", half(0.1), seeds, options=KNOWN),
+        *grip_rows("half car, gain, delay, mount known", half(0.1), many, options=KNOWN),
     ]
     return text_table({head: [row[i] for row in rows] for i, head in enumerate(heads)})
 
