@@ -73,6 +73,13 @@ def test_grip_of_a_car(car: Path) -> None:
     assert f"tire.phase [deg]    {low:.4g}    {high:.4g}" in shown.output
 
 
+@pytest.mark.parametrize("command", [("grip",), ("ride", *DRIVE)])
+def test_no_interval_of_a_car_without_uncertainty(car: Path, command: tuple[str, ...]) -> None:
+    shown = run(command[0], car, *command[1:], "--level", "0.9")
+    assert shown.exit_code == 2
+    assert "--nominal-std" in shown.output
+
+
 def test_an_estimate(car: Path) -> None:
     decay = free_decay(CAR, np.arange(0, 2, 0.005), initial_state={"v_tire": 1.0})
     found = estimate(add_noise(decay, snr_db=30.0, rng=np.random.default_rng(1)), CAR, fixed=["tire.damping"])

@@ -13,7 +13,7 @@ import numpy as np
 from suspid.cli.options import FILE, pairs
 from suspid.cli.output import check_apart, said_warnings, say
 from suspid.cli.quantities import Positive, Probability
-from suspid.cli.ride import PICTURE_OF_RIDE, STATED_STD, car_of, drawing
+from suspid.cli.ride import NO_UNCERTAINTY, PICTURE_OF_RIDE, STATED_STD, car_of, drawing
 from suspid.files import naming, replacing
 from suspid.levels import LEVEL
 from suspid.values import text_table
@@ -61,6 +61,8 @@ def grip_command(
             loads=pairs(loads, "--load", float) or None,
             nominal_std=nominal_std,
         )
+        if level is not None and not np.any(found.covariance):
+            raise click.UsageError(NO_UNCERTAINTY)
         draw(partial(plot_grip, found, level=level or LEVEL))
         if json_draft:
             json_draft.write_text(to_json(grip_result(found, level=level or LEVEL)), encoding="utf-8")

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
+import numpy as np
 
 from suspid.analysis import Settings, read
 from suspid.cli.measured import checked_picture, save_picture
@@ -25,6 +26,8 @@ if TYPE_CHECKING:
     from suspid.greybox import Estimate
     from suspid.model import Suspension
     from suspid.performance import Ride, Sensitivities
+
+NO_UNCERTAINTY = "--level: this car states no uncertainty. Give --nominal-std, or the JSON of an estimate."
 
 STATED_STD = click.option(
     "--nominal-std",
@@ -109,6 +112,8 @@ def ride_command(
         if of_car:
             about["nominal_std"] = nominal_std
         found = ride(what, duration=duration, weightings=kinds, **about)
+        if level is not None and not np.any(found.std):
+            raise click.UsageError(NO_UNCERTAINTY)
         text = str(found) if level is None else f"{found}\n\n{_intervals(found, level)}"
         turned = None
         if tables:
