@@ -37,5 +37,4 @@ def test_a_random_walk_turns_by_no_mode_or_a_doubtful_one() -> None:
         found = identify(as_response(np.arange(800) / 100, walk[None], ["y"]))
         turns += "pair" in found.modes.kinds
         assert not len(found.modes) or found.verdict.level is Level.DOUBTFUL
-    # 4 of 60 others do.
     assert turns <= 2

@@ -28,7 +28,7 @@ WORTHWHILE = 20.0
 # that rate times and over the second number; two real poles whose rates differ by less are tried as a pair. Higher
 # numbers cost fits.
 NEAR_REAL, APART = 0.3, 2.0
-# At most this many times poles cross the axis after one was added; two were seen. More cost fits.
+# At most this many times poles cross the axis after one was added. More cost fits.
 MOST_CROSSINGS = 4
 
 
