@@ -34,11 +34,14 @@ class Drawing:
         Draws all of its pictures on an empty figure. Default: the main picture.
     size : (float, float)
         Size of the page [inch].
+    cell : (float, float)
+        Size of the main picture in a notebook [inch].
     """
 
     alone: Callable[[Axes], object]
     page: Callable[[Figure], object] | None = None
     size: tuple[float, float] = NOTEBOOK
+    cell: tuple[float, float] = NOTEBOOK
 
 
 @singledispatch
@@ -130,7 +133,7 @@ class Result:
             return text
         from matplotlib.figure import Figure
 
-        figure = Figure(figsize=NOTEBOOK, layout="constrained")
+        figure = Figure(figsize=drawing.cell, layout="constrained")
         _draw(drawing, figure, whole=False)
         with io.BytesIO() as stream:
             figure.savefig(stream, format="png", dpi=NOTEBOOK_DOTS)

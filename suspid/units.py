@@ -4,6 +4,7 @@ A parameter annotated ``stiffness: NewtonPerMetre`` is a plain float in that uni
 are in radians and damping ratios are ratios, not percent.
 """
 
+import re
 from typing import Annotated, TypeAlias
 
 import numpy as np
@@ -46,6 +47,22 @@ UNITS = {
     "delay": "s",
     "relaxation": "s",
 }
+
+# Digits and signs of exponents in print.
+SUPERSCRIPT = str.maketrans("-0123456789.", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹·")
+# Exponents behind the names of units, in text as it is typed.
+POWER_OF_UNIT = re.compile(r"(?<=[a-zA-Z]/s)\d(?:\.\d+)?\b|(?<=\d m)\d\b|(?<=\bkg m)2\b")
+
+
+def in_print(text: str) -> str:
+    """Return a unit, or a sentence with units, with exponents as they are printed.
+
+    Examples
+    --------
+    >>> in_print("m/s2"), in_print("0.61 m/s2, ISO 2631-1"), in_print("m/s1.75"), in_print("256e-6 m3")
+    ('m/s²', '0.61 m/s², ISO 2631-1', 'm/s¹·⁷⁵', '256e-6 m³')
+    """
+    return POWER_OF_UNIT.sub(lambda found: found[0].translate(SUPERSCRIPT), text)
 
 
 def angular(band_hz: tuple[Hertz, Hertz] | None) -> tuple[RadianPerSecond, RadianPerSecond] | None:

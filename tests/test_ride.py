@@ -343,7 +343,7 @@ class TestRequests:
         from matplotlib.figure import Figure
 
         page = plot_ride(ride(TWO_AXLES, road="B", speed=20.0), Figure())
-        assert [ax.get_ylabel() for ax in page.axes] == ["[dB]", "[(m/s²)²/Hz]", "[(rad/s²)²/Hz]"]
+        assert [ax.get_ylabel() for ax in page.axes] == ["gain [dB]", "PSD [(m/s²)²/Hz]", "PSD [(rad/s²)²/Hz]"]
 
     def test_table(self) -> None:
         found = ride(CAR, road="B", speed=20.0)

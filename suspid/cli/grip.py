@@ -16,7 +16,7 @@ from suspid.cli.quantities import Positive, Probability
 from suspid.cli.ride import NO_UNCERTAINTY, PICTURE_OF_RIDE, STATED_STD, car_of, drawing
 from suspid.files import naming, replacing
 from suspid.levels import LEVEL
-from suspid.values import text_table
+from suspid.values import figures_of, text_table
 
 if TYPE_CHECKING:
     from suspid.performance import Grip
@@ -63,7 +63,7 @@ def grip_command(
         )
         if level is not None and not np.any(found.covariance):
             raise click.UsageError(NO_UNCERTAINTY)
-        draw(partial(plot_grip, found, level=level or LEVEL))
+        draw(partial(plot_grip, found, level=level or LEVEL), found)
         if json_draft:
             json_draft.write_text(to_json(grip_result(found, level=level or LEVEL)), encoding="utf-8")
     say(str(found) if level is None else f"{found}\n\n{_intervals(found, level)}")
@@ -74,5 +74,5 @@ def _intervals(found: Grip, level: float) -> str:
     units = [("deg", float(np.degrees(1.0))) if name.endswith(".phase") else ("%", 100.0) for name in intervals]
     names = [f"{name} [{unit}]" for name, (unit, _) in zip(intervals, units, strict=True)]
     ends = np.array(list(intervals.values())) * np.array([[scale] for _, scale in units])
-    low, high = ([f"{value:.4g}" for value in side] for side in ends.T.tolist())
+    low, high = ([figures_of(value) for value in side] for side in ends.T.tolist())
     return text_table({f"{100 * level:g} % interval": names, "lower": low, "upper": high})

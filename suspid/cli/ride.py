@@ -18,7 +18,7 @@ from suspid.cli.output import check_apart, said_warnings, say
 from suspid.cli.quantities import Positive, Probability
 from suspid.files import naming, replacing
 from suspid.signals import cut
-from suspid.values import text_table
+from suspid.values import figures_of, text_table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from suspid.greybox import Estimate
     from suspid.model import Suspension
     from suspid.performance import Ride, Sensitivities
+    from suspid.results import Result
 
 NO_UNCERTAINTY = "--level: this car states no uncertainty. Give --nominal-std, or the JSON of an estimate."
 
@@ -128,7 +129,7 @@ def ride_command(
                 clearance=gaps,
             )
             text += f"\n\n{turned}"
-        draw(_picture(found, turned))
+        draw(_picture(found, turned, level or LEVEL), turned or found)
         if json_draft:
             json_draft.write_text(to_json(ride_to_dict(found, level=level or LEVEL)), encoding="utf-8")
     say(text)
@@ -157,26 +158,34 @@ def _intervals(found: Ride, level: float) -> str:
     return text_table(
         {
             f"{100 * level:g} % interval": [f"{n} [{u}]" for n, u in zip(found.figures, found.units, strict=True)],
-            "lower": [f"{low:.4g}" for low, _ in ends.values()],
-            "upper": [f"{high:.4g}" for _, high in ends.values()],
+            "lower": [figures_of(low) for low, _ in ends.values()],
+            "upper": [figures_of(high) for _, high in ends.values()],
         }
     )
 
 
 @contextmanager
-def drawing(plot: Path | None) -> Iterator[Callable[[Callable[[Figure], object]], None]]:
-    """Give a function that saves a picture, or does nothing where none is wanted."""
+def drawing(plot: Path | None) -> Iterator[Callable[[Callable[[Figure], object], Result], None]]:
+    """Give a function that saves a picture of a result in its size, or does nothing where none is wanted."""
     if plot is None:
-        yield lambda _: None
+        yield lambda _, __: None
         return
     with replacing(checked_picture(plot)) as draft:
-        yield lambda draw: save_picture(draw, draft)
+        yield lambda draw, found: save_picture(draw, draft, size=size_of_picture(found))
 
 
-def _picture(found: Ride, turned: Sensitivities | None) -> Callable[[Figure], object]:
+def size_of_picture(found: Result) -> tuple[float, float] | None:
+    """Return the size that a result's own picture has."""
+    from suspid.reporting import drawing_of
+
+    drawn = drawing_of(found)
+    return None if drawn is None else drawn.size
+
+
+def _picture(found: Ride, turned: Sensitivities | None, level: float) -> Callable[[Figure], object]:
     from suspid.reporting import plot_ride, plot_sensitivities
 
     if turned is None:
-        return partial(plot_ride, found)
+        return partial(plot_ride, found, level=level)
     shown = turned
     return lambda figure: plot_sensitivities(shown, figure.subplots())

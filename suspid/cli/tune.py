@@ -98,7 +98,7 @@ def tune_command(
             clearance=pairs(clearance, "--clearance", float),
             nominal_std=nominal_std,
         )
-        draw(partial(plot_tuning, found))
+        draw(partial(plot_tuning, found), found)
         if json_draft:
             json_draft.write_text(to_json(tuning_to_dict(found)), encoding="utf-8")
         if car_draft:

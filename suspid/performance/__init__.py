@@ -18,7 +18,7 @@ from suspid.performance.losses import Loss, Rates, WearRule, loss_of
 from suspid.performance.ride import ride
 from suspid.performance.rides import Ride
 from suspid.performance.road_classes import ROAD_LIMITS, RoadClass, classify_road
-from suspid.performance.sensitivities import Sensitivities, sensitivities
+from suspid.performance.sensitivities import Sensitivities, per_cent, sensitivities
 from suspid.performance.tune import tune
 from suspid.performance.tune_active import tune_active
 from suspid.performance.tune_damper import tune_damper
@@ -51,6 +51,7 @@ __all__ = [
     "grip",
     "grip_if_any",
     "loss_of",
+    "per_cent",
     "rates_of",
     "ride",
     "sensitivities",

@@ -83,9 +83,9 @@ def grip(
     >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3,
     ...                   chassis_damping=650, tire_damping=60)
     >>> print(grip(car))
-      wheel    load [N]    adhesion [%]    class    at [Hz]    least phase [deg]    at [Hz]
-    -------  ----------  --------------  -------  ---------  -------------------  ----------
-       tire        3923            29.6     fair       11.0                 35.9        1.80
+    wheel  load [N]  adhesion [%]  class  at [Hz]  least phase [deg]  at [Hz]
+    -----  --------  ------------  -----  -------  -----------------  -------
+     tire      3923          29.6   fair     11.0               35.9     1.80
     Verdict: grip of tire: sound. Every check that could be made was passed.
     note: Taken as known, without any error in the intervals: all springs, dampers and masses.
     """

@@ -12,7 +12,7 @@ from suspid.levels import LEVEL, check_level, normal_reach
 from suspid.performance.reaches import reaches, spreads
 from suspid.results import Result
 from suspid.units import Ratio, RealArray
-from suspid.values import numbers_in_words, text_table
+from suspid.values import TERMINAL, numbers_in_words, rounded, spread, text_table
 from suspid.words import Verdict
 
 # EUSAMA's classes: least adhesion of each [1], as publications quote its recommendation TS 02-76.
@@ -151,12 +151,10 @@ class Grip(Result):
         return f"least adhesion {numbers_in_words(self.wheels, self.least.tolist())}"
 
     def __str__(self) -> str:
-        certain = not np.any(self.covariance)
-        adhesion = {"adhesion [%]": [f"{100 * one:.1f}" for one in self.adhesion]}
-        phase = {"least phase [deg]": ["none" if np.isnan(one) else f"{np.degrees(one):.1f}" for one in self.phase]}
-        if not certain:
-            adhesion["±"] = [f"{100 * one:.1f}" for one in self.adhesion_std]
-            phase["± "] = ["" if np.isnan(one) else f"{np.degrees(one):.1f}" for one in self.phase_std]
+        certain, degrees = not np.any(self.covariance), float(np.degrees(1.0))
+        adhesion = _beside("adhesion [%]", 100 * self.adhesion, 100 * self.adhesion_std, certain, 1)
+        # Headings of a table differ, so the second of equal ones has a space.
+        phase = _beside("least phase [deg]", degrees * self.phase, degrees * self.phase_std, certain, 2)
         columns = {
             "wheel": list(self.wheels),
             "load [N]": [f"{load:.0f}" for load in self.load],
@@ -166,4 +164,17 @@ class Grip(Result):
             **phase,
             "at [Hz] ": ["" if np.isnan(one) else f"{one:.2f}" for one in self.phase_hertz],
         }
-        return f"{text_table(columns)}\n{self.verdict}"
+        return f"{text_table(columns, widest=TERMINAL)}\n{self.verdict}"
+
+
+def _beside(heading: str, values: RealArray, stds: RealArray, certain: bool, which: int) -> dict[str, list[str]]:
+    """Return columns of figures and of their standard deviations, none for a car that is known."""
+    if certain:
+        return {heading: ["none" if np.isnan(one) else f"{one:.1f}" for one in values]}
+    return {
+        heading: [
+            "none" if np.isnan(one) else rounded(np.array([one]), np.array([std]))[0] if std > 0 else f"{one:.1f}"
+            for one, std in zip(values, stds, strict=True)
+        ],
+        "±" + " " * (which - 1): ["" if np.isnan(one) else spread(std) for one, std in zip(values, stds, strict=True)],
+    }

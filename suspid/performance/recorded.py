@@ -33,6 +33,11 @@ from suspid.words.ride import RideCheck, RideHeadline
 
 # ISO 2631-1, 6.2.1 and 6.3.3, as publications quote them: above these the weighted rms understates shocks.
 MOST_CREST, MOST_DOSE = 9.0, 1.75
+# Segments of a record whose spectra are averaged: sixteenths resolve the modes of a car in a record of a minute.
+SEGMENTS = 16
+# What neighbours that share half their samples under Hann windows add to the variance of their mean: twice the square
+# of the correlation, a sixth (P. D. Welch, IEEE Trans. Audio Electroacoust. 15, 1967, 70-73).
+SHARED_HALF = 2 / 6**2
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -74,10 +79,9 @@ def recorded(
         if channel.endswith(TRAVEL) and channel not in chosen:
             found += _of_travel(channel, about[channel])
     channels = tuple(chosen)
-    # Segments of a sixteenth resolve the modes of a car in a record of a minute.
-    hertz, density = welch(
-        np.array([about[c] for c in channels]), 1 / signal.step, nperseg=max(len(about[channels[0]]) // 16, 16)
-    )
+    length = max(len(about[channels[0]]) // SEGMENTS, 16)
+    hertz, density = welch(np.array([about[c] for c in channels]), 1 / signal.step, nperseg=length)
+    averaged = (len(about[channels[0]]) - length // 2) // (length - length // 2)
     checks += _band(signal, {kind for kinds in chosen.values() for kind in kinds})
     none = np.zeros((len(found), 0))
     return Ride(
@@ -94,6 +98,7 @@ def recorded(
         hertz=frozen_real(hertz[1:]),
         channels=channels,
         density=frozen_real(density[:, 1:]),
+        density_band=frozen_real(density[:, 1:] * ((1 + SHARED_HALF) / averaged) ** 0.5),
         weightings=FrozenItems(chosen),
         verdict=Verdict(Remark(RideHeadline.RECORDED, {"seconds": signal.duration}), tuple(checks)),
     )

@@ -10,7 +10,7 @@ from suspid.cleaning import RecordLike
 from suspid.errors import InputError
 from suspid.model import Suspension, output_rows, positive_number
 from suspid.performance.figure_plan import ROTATION, SICKNESS, Plan, comfort_of, plan_of
-from suspid.performance.reaches import bends_of
+from suspid.performance.reaches import bends_of, spreads
 from suspid.performance.reactions import reaction
 from suspid.performance.recorded import recorded
 from suspid.performance.rides import Ride
@@ -111,6 +111,9 @@ def ride(
         hertz = np.geomspace(*driven.band, 1024)
         plain = Signals(rows=output_rows(about.car, channels), weightings=(None,) * len(channels), loads=0)
         figures = tuple(plan.formulas)
+        density, slopes = densities(
+            about.car, plain, driven, hertz, parameters=about.parameters, relaxations=about.relaxations
+        )
         return Ride(
             figures=figures,
             values=frozen_real(values),
@@ -124,7 +127,12 @@ def ride(
             scatter=frozen_real(np.zeros(len(figures))),
             hertz=frozen_real(hertz),
             channels=channels,
-            density=frozen_real(densities(about.car, plain, driven, hertz)),
+            density=frozen_real(density),
+            density_band=frozen_real(
+                spreads(slopes.reshape(len(slopes), density.size), about.covariance, about.values).reshape(
+                    density.shape
+                )
+            ),
             weightings=FrozenItems(plan.weightings),
             verdict=_judged(plan, dict(zip(figures, values.tolist(), strict=True)), about),
         )

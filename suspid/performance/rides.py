@@ -12,7 +12,7 @@ from suspid.levels import LEVEL, check_level, normal_reach
 from suspid.performance.reaches import reaches, spreads
 from suspid.results import Result
 from suspid.units import Ratio, RealArray, Second
-from suspid.values import nearest_names, numbers_in_words, rounded, spread, text_table
+from suspid.values import TERMINAL, nearest_names, numbers_in_words, text_table, values_beside
 from suspid.words import Verdict
 
 
@@ -51,6 +51,9 @@ class Ride(Result):
         The accelerations.
     density : ndarray (channel, frequency)
         Spectral density of each, not weighted [m2/s4/Hz or rad2/s4/Hz].
+    density_band : ndarray (channel, frequency)
+        Standard deviations of these: of the car's parameters, and of a record those of Welch's method by the number of
+        its segments; 0 for a car that is known.
     weightings : mapping of str to tuple of str
         Weightings of each channel, the first that of comfort.
     verdict : Verdict
@@ -79,6 +82,7 @@ class Ride(Result):
     hertz: RealArray
     channels: tuple[str, ...]
     density: RealArray
+    density_band: RealArray
     weightings: Mapping[str, tuple[str, ...]]
     verdict: Verdict
 
@@ -134,14 +138,5 @@ class Ride(Result):
         return numbers_in_words(self.figures, self.values.tolist(), self.units)
 
     def __str__(self) -> str:
-        std, known = self.std, bool(np.nanmax(self.std, initial=0.0) == 0)
-        rows = {"figure": list(self.figures), "unit": list(self.units)}
-        if known:
-            rows["value"] = [f"{value:.4g}" for value in self.values]
-        else:
-            rows["value"] = [
-                rounded(np.array([value]), np.array([one]))[0] if one > 0 else f"{value:.4g}"
-                for value, one in zip(self.values.tolist(), std.tolist(), strict=True)
-            ]
-            rows["±"] = [spread(one) if one > 0 else "" for one in std.tolist()]
-        return f"{text_table(rows)}\n{self.verdict}"
+        rows = {"figure": list(self.figures), "unit": list(self.units), **values_beside(self.values, self.std)}
+        return f"{text_table(rows, widest=TERMINAL)}\n{self.verdict}"

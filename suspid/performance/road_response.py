@@ -8,7 +8,7 @@ integral of ``G |W|^2 y S y^H`` over the band of the road, G its density and S w
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -145,11 +145,23 @@ def response(
     )
 
 
-def densities(car: Suspension, wanted: Signals, road: Road, hertz: RealArray) -> RealArray:
-    """Return the spectral density of each signal with its weighting, (signal, frequency)."""
-    y = response(car, wanted, hertz).signals
-    power = np.einsum("fyr,frs,fys->yf", y, road.shares(hertz), y.conj(), optimize=True).real
-    return np.asarray(power * road.spectrum(hertz) * _filters(wanted, hertz))
+def densities(
+    car: Suspension,
+    wanted: Signals,
+    road: Road,
+    hertz: RealArray,
+    *,
+    parameters: Sequence[str] = (),
+    relaxations: Mapping[str, Second] | None = None,
+) -> tuple[RealArray, RealArray]:
+    """Return the spectral density of each signal with its weighting, (signal, frequency), and derivatives of it.
+
+    These are by parameters, (parameter, signal, frequency).
+    """
+    found = response(car, wanted, hertz, parameters=parameters, relaxations=relaxations)
+    level = road.spectrum(hertz) * _filters(wanted, hertz)
+    power, slopes = _powers(found, road.shares(hertz), car, parameters)
+    return np.asarray(power * level), np.array([slope * level for slope in slopes]).reshape(-1, *power.shape)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -206,12 +218,23 @@ def moments(
 ) -> Moments:
     """Return the variances of signals on a road, and of their rates, with derivatives by parameters."""
     found = response(car, wanted, grid.hertz, parameters=parameters, relaxations=relaxations)
-    shared = grid.shares @ found.signals.conj().transpose(0, 2, 1)
-    power = np.sum(found.signals * shared.transpose(0, 2, 1), axis=2).real.T
+    power, changes = _powers(found, grid.shares, car, parameters)
     variance, rate = np.sum(grid.level * power, axis=2)
     slopes = np.zeros((2, len(power), len(parameters)))
+    for p, change in enumerate(changes):
+        slopes[:, :, p] = np.sum(grid.level * change, axis=2)
+    return Moments(variance=variance, rate=rate, variance_slopes=slopes[0], rate_slopes=slopes[1])
+
+
+def _powers(
+    found: Response, shares: ComplexArray, car: Suspension, parameters: Sequence[str]
+) -> tuple[RealArray, Iterator[RealArray]]:
+    """Return the power of each signal on a road of density one, (signal, frequency), and its derivatives."""
+    shared = shares @ found.signals.conj().transpose(0, 2, 1)
+    power = np.sum(found.signals * shared.transpose(0, 2, 1), axis=2).real.T
     along = found.elongation @ shared
-    for p, name in enumerate(parameters):
+
+    def slope_of(p: int, name: str) -> RealArray:
         slope = found.slopes[p]
         owner, _, quantity = name.rpartition(".")
         if slope is not None:
@@ -221,9 +244,10 @@ def moments(
             i = car.coordinates.index(owner)
             moved = found.by_mass[:, :, i] * (found.motion[:, i : i + 1] @ shared)[:, 0]
         else:
-            continue
-        slopes[:, :, p] = 2 * np.sum(grid.level * moved.real.T, axis=2)
-    return Moments(variance=variance, rate=rate, variance_slopes=slopes[0], rate_slopes=slopes[1])
+            return np.zeros_like(power)
+        return np.asarray(2 * moved.real.T)
+
+    return power, (slope_of(p, name) for p, name in enumerate(parameters))
 
 
 def _filters(wanted: Signals, hertz: RealArray) -> RealArray:

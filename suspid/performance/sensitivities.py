@@ -17,7 +17,7 @@ from suspid.reconstruction import parameter_names, parameter_values
 from suspid.results import Result, check_kind
 from suspid.simulation import Road
 from suspid.units import ComplexArray, Metre, RealArray, Second
-from suspid.values import frozen_real, listed, nearest_names, text_table
+from suspid.values import TERMINAL, figures_of, frozen_real, listed, nearest_names, text_table
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False, repr=False)
@@ -58,10 +58,23 @@ class Sensitivities(Result):
         return f"{len(self.names)} figures by {len(self.parameters)} parameters: {listed(self.parameters)}"
 
     def __str__(self) -> str:
-        columns = {"% for each %": list(self.names), "value": [f"{value:.4g}" for value in self.values]}
+        columns = {"% for each %": list(self.names), "value": [figures_of(value) for value in self.values.tolist()]}
         for name, column in zip(self.parameters, self.elasticity.T, strict=True):
-            columns[name] = ["" if np.isnan(one) else f"{one:+.2f}" for one in column.tolist()]
-        return text_table(columns)
+            columns[name] = [per_cent(one) for one in column.tolist()]
+        return text_table(columns, widest=TERMINAL)
+
+
+def per_cent(elasticity: float) -> str:
+    """Return per cent for each per cent as text; nothing for what is not known.
+
+    Examples
+    --------
+    >>> per_cent(0.447), per_cent(-0.004), per_cent(-12.345), per_cent(float("nan"))
+    ('+0.45', '0.00', '-12.35', '')
+    """
+    if np.isnan(elasticity):
+        return ""
+    return f"{elasticity:+.2f}" if f"{abs(elasticity):.2f}" != "0.00" else "0.00"
 
 
 def sensitivities(
@@ -107,12 +120,12 @@ def sensitivities(
     >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3,
     ...                   chassis_damping=1300)
     >>> print(sensitivities(car))
-      % for each %    value    chassis.stiffness    tire.stiffness    chassis.damping
-    --------------  -------  -------------------  ----------------  -----------------
-         mode 1.wn    7.606                +0.45             +0.04              +0.02
-       mode 1.zeta   0.2025                -0.65             +0.14              +1.01
-         mode 2.wn    67.55                +0.05             +0.46              -0.02
-       mode 2.zeta   0.1971                -0.03             -0.48              +1.01
+    % for each %   value  chassis.stiffness  tire.stiffness  chassis.damping
+    ------------  ------  -----------------  --------------  ---------------
+       mode 1.wn   7.606              +0.45           +0.04            +0.02
+     mode 1.zeta  0.2025              -0.65           +0.14            +1.01
+       mode 2.wn   67.55              +0.05           +0.46            -0.02
+     mode 2.zeta  0.1971              -0.03           -0.48            +1.01
     """
     check_kind(car, {"Suspension": "read_car or quarter_car"})
     known = parameter_values(car)

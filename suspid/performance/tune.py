@@ -157,6 +157,7 @@ def tune(
         choices=frozen_real([[one[name] for name in choice.names] for one in chosen]),
         described=frozen_real([choice.values[name] for name in choice.names]),
         cars=cars,
+        robust=float(robust),
         verdict=Verdict(
             Remark(TuningHeadline.FRONT, {"points": len(front.points), "parameters": choice.names}),
             tuple(tuning_checks(front, choice, search, robust, about, tuple(bounds or ()))),

@@ -9,8 +9,8 @@ import numpy as np
 
 from suspid.model import Suspension
 from suspid.results import Result
-from suspid.units import RealArray
-from suspid.values import numbers_in_words, text_table
+from suspid.units import Ratio, RealArray
+from suspid.values import TERMINAL, figures_of, numbers_in_words, text_table
 from suspid.words import Verdict
 
 
@@ -38,6 +38,8 @@ class Tuning(Result):
         Their values for the car as it was.
     cars : tuple of Suspension
         The cars.
+    robust : float
+        Standard deviations over what is uncertain that each figure has above its mean; 0: the car is taken as known.
     verdict : Verdict
         How far they can be trusted to be best.
 
@@ -60,6 +62,7 @@ class Tuning(Result):
     choices: RealArray
     described: RealArray
     cars: tuple[Suspension, ...]
+    robust: Ratio
     verdict: Verdict
 
     @property
@@ -77,6 +80,11 @@ class Tuning(Result):
         columns = np.vstack([self.choices, self.described]).T.tolist()
         return tuple(i for i, column in enumerate(columns) if column not in columns[:i])
 
+    def heading(self, figure: int) -> str:
+        """Return what a figure is with its unit, such as ``"tire.load [N]"``; of a robust tuning with its margin."""
+        margin = f", mean + {self.robust:.3g} sd" if self.robust else ""
+        return f"{short(self.figures[figure])}{margin} [{self.units[figure]}]"
+
     def _table(self) -> Mapping[str, Sequence[object]]:
         chosen = zip(self.parameters, self.choices.T.tolist(), strict=True)
         return {**dict(chosen), **dict(zip(self.figures, self.values.T.tolist(), strict=True))}
@@ -93,10 +101,10 @@ class Tuning(Result):
         columns = {"car": [*labels, "now"]}
         for i in self.distinct:
             values = (*self.choices[:, i].tolist(), float(self.described[i]))
-            columns[self.parameters[i]] = [f"{value:.4g}" for value in values]
-        for name, unit, column, now in zip(self.figures, self.units, self.values.T, self.present, strict=True):
-            columns[f"{short(name)} [{unit}]"] = [f"{value:.4g}" for value in (*column.tolist(), float(now))]
-        return f"{text_table(columns)}\n{self._same()}{self.verdict}"
+            columns[self.parameters[i]] = [figures_of(value) for value in values]
+        for k, (column, now) in enumerate(zip(self.values.T.tolist(), self.present.tolist(), strict=True)):
+            columns[self.heading(k)] = [figures_of(value) for value in (*column, now)]
+        return f"{text_table(columns, widest=TERMINAL)}\n{self._same()}{self.verdict}"
 
     def _same(self) -> str:
         """Return the line that names the parameters whose values are those of a column."""

@@ -12,7 +12,7 @@ from suspid.errors import InputError
 from suspid.files import printable
 from suspid.reporting.colours import Colour
 from suspid.reporting.thinning import PIECES, extremes
-from suspid.units import RealArray
+from suspid.units import SUPERSCRIPT, RealArray
 from suspid.values import nearest_names
 
 if TYPE_CHECKING:
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 # Pieces of a long line for each inch of the figure's width, each drawn by its two extremes: about one for each pixel
 # of a screen. Fewer show steps; more make the file larger.
 PIECES_AN_INCH = 100
-SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def keep_apart(figure: Figure) -> None:

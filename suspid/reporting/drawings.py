@@ -23,9 +23,9 @@ from suspid.reporting.plot_estimate import draw_changes, plot_estimate
 from suspid.reporting.plot_fleet import draw_fleet, draw_losses, losses_of
 from suspid.reporting.plot_grip import draw_adhesion, plot_grip
 from suspid.reporting.plot_identification import PAGE, plot_identification
-from suspid.reporting.plot_ride import draw_spectrum, plot_ride
+from suspid.reporting.plot_ride import draw_spectrum, plot_ride, size_of_ride
 from suspid.reporting.plot_scalogram import plot_scalogram
-from suspid.reporting.plot_sensitivities import plot_sensitivities
+from suspid.reporting.plot_sensitivities import plot_sensitivities, size_of
 from suspid.reporting.plot_shapes import plot_shapes
 from suspid.reporting.plot_stabilization import plot_stabilization, plot_stabilization_page
 from suspid.reporting.plot_tuning import draw_damper, draw_front, plot_tuning
@@ -118,8 +118,12 @@ def _(found: Grip) -> Drawing:
 
 
 @drawing_of.register
-def _(found: Ride) -> Drawing:
-    return Drawing(alone=partial(draw_spectrum, found, found.channels[0]), page=partial(plot_ride, found), size=PAGE)
+def _(found: Ride) -> Drawing | None:
+    if not found.channels:
+        return None
+    return Drawing(
+        alone=partial(draw_spectrum, found, found.channels[0]), page=partial(plot_ride, found), size=size_of_ride(found)
+    )
 
 
 @drawing_of.register
@@ -137,7 +141,8 @@ def _(found: Sensitivities) -> Drawing:
     return Drawing(
         alone=lambda ax: plot_sensitivities(found, ax),
         page=lambda figure: plot_sensitivities(found, figure.subplots()),
-        size=(7.0, 1.0 + 0.3 * len(found.names)),
+        size=size_of(found),
+        cell=size_of(found),
     )
 
 

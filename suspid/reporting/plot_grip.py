@@ -47,7 +47,7 @@ def plot_grip(found: Grip, figure: Figure, *, level: Ratio = LEVEL) -> Figure:
     ...                   chassis_damping=650, tire_damping=60)
     >>> page = plot_grip(grip(car), Figure())
     >>> [ax.get_ylabel() for ax in page.axes]
-    ['least / static force [%]', 'phase [deg]']
+    ['least / static force [%]', 'phase of contact force [deg]']
     """
     check_kind(found, {"Grip": "grip"})
     check_level(level)
@@ -59,10 +59,12 @@ def plot_grip(found: Grip, figure: Figure, *, level: Ratio = LEVEL) -> Figure:
     for i, colour in zip(range(len(found.wheels)), _colours(found), strict=True):
         lower.plot(found.phase_hertz[i], degrees * found.phase[i], "o", color=colour, markersize=4)
     lower.axhline(degrees * PHASE_LIMIT, color=Colour.GREY, linewidth=0.8, linestyle=":")
-    lower.annotate("limit", (1.0, degrees * PHASE_LIMIT), xycoords=("axes fraction", "data"), xytext=(3, -3),
+    lower.annotate(f"limit\n{degrees * PHASE_LIMIT:.0f} deg", (1.0, degrees * PHASE_LIMIT), xycoords=("axes fraction", "data"), xytext=(3, -3),
                    textcoords="offset points", fontsize="small", color=Colour.GREY)  # fmt: skip
     lower.axvspan(found.resonances[0, 0], float(np.max(found.resonances[:, 1])), color=Colour.SHADE, zorder=0)
-    lower.set(xlabel="frequency [Hz]", ylabel="phase [deg]", ylim=(0.0, 180.0), yticks=range(0, 181, 45))
+    lower.set(
+        xlabel="frequency [Hz]", ylabel="phase of contact force [deg]", ylim=(0.0, 180.0), yticks=range(0, 181, 45)
+    )
     lower.set_title("EGEA; grey: between the resonances", loc="left")
     upper.set_xlabel("")
     return figure
@@ -76,7 +78,7 @@ def draw_adhesion(found: Grip, ax: Axes, *, level: Ratio = LEVEL) -> None:
         ax.plot(hertz, 100 * least, "o", color=colour, markersize=4)
     for name, share in CLASSES.items():
         ax.axhline(100 * share, color=Colour.GREY, linewidth=0.8, linestyle=":")
-        ax.annotate(name, (1.0, 100 * share), xycoords=("axes fraction", "data"), xytext=(3, 3),
+        ax.annotate(f"{name}\n{100 * share:.0f} %" if share else name, (1.0, 100 * share), xycoords=("axes fraction", "data"), xytext=(3, 3),
                     textcoords="offset points", fontsize="small", color=Colour.GREY)  # fmt: skip
     # What a wheel would pull by more than its load tells no more: it has left the platform.
     low = min(-5.0, max(-105.0, 105 * float(np.min(found.least))))

@@ -6,23 +6,31 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from suspid.levels import LEVEL, check_level, normal_reach
 from suspid.performance import weighting
 from suspid.reporting.axes import decade_ticks, frequency_ticks, keep_apart, key_above, shown
 from suspid.reporting.colours import CHANNEL_COLOURS, Colour
+from suspid.reporting.plot_spectra import density_label
 from suspid.results import check_kind
+from suspid.units import Ratio, RealArray
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-    from numpy.typing import NDArray
 
     from suspid.performance import Ride
 
 # Accelerations on one page, and decades of a spectrum below its peak that are drawn.
 MOST_SPECTRA, DECADES_DRAWN = 5, 5
+# Frequencies that are drawn, those that a weighting can feel [Hz].
+LOWEST_FELT, HIGHEST_FELT = 0.05, 200.0
+# Points of the curve of a weighting, which bends smoothly.
+WEIGHTING_POINTS = 400
+# Bands of an octave over which lines of a record's spectrum are averaged: finer than a mode with a damping of 2 %.
+BANDS_AN_OCTAVE = 24
 
 
-def plot_ride(found: Ride, figure: Figure) -> Figure:
+def plot_ride(found: Ride, figure: Figure, *, level: Ratio = LEVEL) -> Figure:
     """Draw the weightings of ISO 2631-1 and, of each acceleration, its spectral density with and without them.
 
     Parameters
@@ -31,6 +39,8 @@ def plot_ride(found: Ride, figure: Figure) -> Figure:
         What was found.
     figure : matplotlib.figure.Figure
         An empty figure.
+    level : float
+        Probability of the bands and of the intervals of the figures [1].
 
     Returns
     -------
@@ -48,42 +58,54 @@ def plot_ride(found: Ride, figure: Figure) -> Figure:
     ['weightings', 'chassis_acceleration']
     """
     check_kind(found, {"Ride": "ride"})
+    check_level(level)
     keep_apart(figure)
     channels = found.channels[:MOST_SPECTRA]
     axes = np.atleast_1d(figure.subplots(1 + len(channels), 1, sharex=True))
-    kinds = list(dict.fromkeys(kind for kinds in found.weightings.values() for kind in kinds))
-    colours = dict(zip(kinds, CHANNEL_COLOURS, strict=False))
-    use = _drawn(found)
-    hertz = found.hertz[use]
-    for kind, colour in colours.items():
-        decibel = 20 * np.log10(np.maximum(np.abs(weighting(kind, hertz)), 1e-6))
-        axes[0].plot(hertz, decibel, color=colour, linewidth=1.2, label=kind)
     axes[0].plot([], [], color=Colour.PALE, linewidth=1.6, label="not weighted")
-    axes[0].set(ylabel="[dB]", ylim=(-50, 5))
+    for kind, colour in _colours(found).items():
+        hertz = np.geomspace(LOWEST_FELT, HIGHEST_FELT, WEIGHTING_POINTS)
+        axes[0].plot(hertz, 20 * np.log10(np.abs(weighting(kind, hertz))), color=colour, linewidth=1.2, label=kind)
+    axes[0].set(ylabel="gain [dB]", ylim=(-50, 5))
     axes[0].set_title("weightings", loc="left")
-    key_above(axes[0])
+    key_above(axes[0], abreast=MOST_SPECTRA)
     for ax, channel in zip(axes[1:], channels, strict=True):
-        draw_spectrum(found, channel, ax)
+        draw_spectrum(found, channel, ax, level=level)
         ax.set_xlabel("")
     axes[0].grid(color=Colour.SHADE, linewidth=0.6)
     axes[-1].set_xlabel("frequency [Hz]")
     return figure
 
 
-def draw_spectrum(found: Ride, channel: str, ax: Axes) -> None:
-    """Draw the spectral density of an acceleration with and without its weightings."""
-    kinds = list(dict.fromkeys(kind for kinds in found.weightings.values() for kind in kinds))
-    colours = dict(zip(kinds, CHANNEL_COLOURS, strict=False))
-    use = _drawn(found)
-    hertz, row = found.hertz[use], found.density[found.channels.index(channel), use]
-    ax.plot(hertz, row, color=Colour.PALE, linewidth=1.6)
-    for kind in found.weightings[channel]:
-        ax.plot(hertz, row * np.abs(weighting(kind, hertz)) ** 2, color=colours[kind], linewidth=1.2)
+def size_of_ride(found: Ride) -> tuple[float, float]:
+    """Return width and height of a figure that holds all spectra [inch]."""
+    return 7.0, 0.6 + 2.1 * (1 + min(len(found.channels), MOST_SPECTRA))
+
+
+def draw_spectrum(found: Ride, channel: str, ax: Axes, *, level: Ratio = LEVEL) -> None:
+    """Draw the spectral density of an acceleration with and without its weightings, with bands."""
+    colours, at = _colours(found), found.channels.index(channel)
+    hertz, row, std = _smooth(found.hertz, found.density[at], found.density_band[at])
+    reach = normal_reach(level) * std
+    share = np.divide(reach, row, out=np.zeros_like(row), where=row > 0)
+    # Downward by the logarithm: a density is positive.
+    low, high = row * np.exp(-share), row + reach
+    kinds: list[tuple[str | None, Colour, float]] = [(None, Colour.PALE, 1.6)]
+    kinds += [(kind, colours[kind], 1.2) for kind in found.weightings[channel]]
+    for kind, colour, width in kinds:
+        gain = np.ones_like(row) if kind is None else np.abs(weighting(kind, hertz)) ** 2
+        if np.any(share > 0):
+            ax.fill_between(hertz, low * gain, high * gain, color=colour, alpha=0.3, linewidth=0.0)
+        ax.plot(hertz, row * gain, color=colour, linewidth=width)
     _logarithmic(ax, float(np.max(row)))
     ax.set_title(shown(channel), loc="left")
     turn = found.units[found.figures.index(f"{channel}.{found.weightings[channel][0]}")].removesuffix("/s2")
-    ax.set_ylabel(f"[({turn}/s²)²/Hz]")
-    text = ", ".join(f"{kind} {found[f'{channel}.{kind}']:.2g}" for kind in found.weightings[channel])
+    ax.set_ylabel(density_label(f"{turn}/s²"))
+    ends = found.interval(level)
+    text = ", ".join(
+        f"{kind} {_with_ends(found[f'{channel}.{kind}'], ends[f'{channel}.{kind}'])}"
+        for kind in found.weightings[channel]
+    )
     ax.annotate(f"rms {text}", (1.0, 1.0), xycoords="axes fraction", xytext=(0, 3), textcoords="offset points",
                 ha="right", fontsize="small")  # fmt: skip
     ax.set_xscale("log")
@@ -92,9 +114,34 @@ def draw_spectrum(found: Ride, channel: str, ax: Axes) -> None:
     frequency_ticks(ax.xaxis, float(hertz[-1] / hertz[0]))
 
 
-def _drawn(found: Ride) -> NDArray[np.bool_]:
-    """Return which frequencies are drawn: those that a weighting can feel."""
-    return np.asarray((found.hertz >= 0.05) & (found.hertz <= 200))
+def _colours(found: Ride) -> dict[str, Colour]:
+    """Return the colour of each weighting."""
+    kinds = dict.fromkeys(kind for kinds in found.weightings.values() for kind in kinds)
+    return dict(zip(kinds, CHANNEL_COLOURS, strict=False))
+
+
+def _with_ends(value: float, ends: tuple[float, float]) -> str:
+    """Return a figure with the ends of its interval, if it has one."""
+    low, high = ends
+    return f"{value:.2g}" if not high > low else f"{value:.3g} ({low:.3g} to {high:.3g})"
+
+
+def _smooth(hertz: RealArray, density: RealArray, std: RealArray) -> tuple[RealArray, RealArray, RealArray]:
+    """Return the frequencies that are drawn, density and band; lines nearer than a part of an octave as their mean.
+
+    Lines of a record are independent, so the band of their mean shrinks with the root of their number; those of a car
+    are points of one curve, farther apart than that.
+    """
+    use = (hertz >= LOWEST_FELT) & (hertz <= HIGHEST_FELT)
+    hertz, density, std = hertz[use], density[use], std[use]
+    even = len(hertz) > 2 and bool(np.isclose(hertz[-1] - hertz[-2], hertz[1] - hertz[0]))
+    if not even:
+        return hertz, density, std
+    band = np.floor(BANDS_AN_OCTAVE * np.log2(hertz / hertz[0]))
+    first = np.flatnonzero(np.diff(band, prepend=-1.0))
+    count = np.diff(first, append=len(hertz))
+    mean, middle = np.add.reduceat(density, first) / count, np.add.reduceat(hertz, first) / count
+    return middle, mean, np.sqrt(np.add.reduceat(std**2, first)) / count
 
 
 def _logarithmic(ax: Axes, top: float) -> None:

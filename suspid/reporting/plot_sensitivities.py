@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from suspid.performance import per_cent
 from suspid.reporting.axes import shown
 from suspid.reporting.colours import Colour
 from suspid.results import check_kind
@@ -17,6 +18,8 @@ if TYPE_CHECKING:
 
 # Changes of a figure that fill a cell [% for each %]; larger ones are cut and their number tells.
 FULL_CELL = 1.0
+# Longest bar, in widths of a cell: those of neighbours do not touch.
+HALF_CELL = 0.46
 
 
 def plot_sensitivities(found: Sensitivities, ax: Axes) -> Axes:
@@ -47,21 +50,31 @@ def plot_sensitivities(found: Sensitivities, ax: Axes) -> Axes:
     check_kind(found, {"Sensitivities": "sensitivities"})
     rows, columns = found.elasticity.shape
     for column in range(columns):
-        ax.axvline(column, color=Colour.PALE, linewidth=0.8, zorder=0)
+        ax.vlines([column] * rows, np.arange(rows) + 0.12, np.arange(rows) + 0.48, color=Colour.GREY, linewidth=0.6)
         for row in range(rows):
             value = float(found.elasticity[row, column])
             if np.isnan(value):
                 continue
-            reach = 0.46 * float(np.clip(value / FULL_CELL, -1, 1))
-            ax.barh(row, reach, left=column, height=0.6, color=Colour.SKY if value > 0 else Colour.ORANGE)
-            ax.annotate(f"{value:+.2f}", (column, row), ha="center", va="center", fontsize="x-small")
-    ax.set_yticks(range(rows), [shown(name) for name in found.names])
-    ax.set_xticks(range(columns), [shown(name).replace(".", "\n", 1) for name in found.parameters], fontsize="small")
+            reach = HALF_CELL * float(np.clip(value / FULL_CELL, -1, 1))
+            # The number stands above its bar.
+            ax.barh(row + 0.3, reach, left=column, height=0.26, color=Colour.SKY if value > 0 else Colour.ORANGE)
+            ax.text(column, row - 0.14, per_cent(value).replace("-", "−"), ha="center", va="center",
+                    fontsize="x-small")  # fmt: skip
+    ax.set_yticks(range(rows), [shown(name) for name in found.names], fontsize="small")
+    names = [shown(name).rpartition(".") for name in found.parameters]
+    # A long name of a strut would run into its neighbour.
+    ax.set_xticks(range(columns), ["\n".join([*owner.split("_"), last]) for owner, _, last in names], fontsize="small")
     ax.set_ylim(rows - 0.5, -0.5)
     ax.set_xlim(-0.55, columns - 0.45)
     ax.tick_params(length=0)
     ax.xaxis.tick_top()
     for row in range(1, rows):
         ax.axhline(row - 0.5, color=Colour.SHADE, linewidth=0.6, zorder=0)
-    ax.set_xlabel(f"per cent for each per cent; a full cell is {FULL_CELL:g}")
+    ax.set_xlabel(f"change [%] for each % more; a bar of half a cell: {FULL_CELL:g}", fontsize="small")
     return ax
+
+
+def size_of(found: Sensitivities) -> tuple[float, float]:
+    """Return width and height of a figure that holds all [inch]."""
+    rows, columns = found.elasticity.shape
+    return max(7.0, 2.4 + 0.6 * columns), 1.2 + 0.27 * rows

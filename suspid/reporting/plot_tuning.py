@@ -6,16 +6,23 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from suspid.performance import short
+from suspid.reconstruction import unit_of
 from suspid.reporting.axes import frequency_ticks, keep_apart, shown
 from suspid.reporting.colours import CHANNEL_COLOURS, Colour
 from suspid.results import check_kind
+from suspid.units import in_print
+from suspid.values import figures_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from suspid.performance import DamperTuning, Tuning
+
+# Letters of a figure's name along an axis.
+MOST_OF_LABEL = 60
+# Width of the first of several lines of parameters [point].
+WIDEST_LINE = 3.0
 
 
 def plot_tuning(found: Tuning, figure: Figure) -> Figure:
@@ -50,12 +57,15 @@ def plot_tuning(found: Tuning, figure: Figure) -> Figure:
     upper, lower = figure.subplots(2, 1, sharex=True)
     draw_front(found, upper)
     first, knee = found.values[:, 0], found.knee
-    for i, colour in zip(found.distinct, CHANNEL_COLOURS * len(found.parameters), strict=False):
+    # Lines may lie on each other: earlier ones are wider, so that both are seen.
+    widths = np.linspace(WIDEST_LINE, 1.0, len(found.distinct)) if len(found.distinct) > 1 else [1.2]
+    for i, colour, width in zip(found.distinct, CHANNEL_COLOURS * len(found.parameters), widths, strict=False):
         name, row = found.parameters[i], found.choices[:, i]
-        lower.plot(first, row / row[knee], "o-", color=colour, markersize=4, linewidth=1.2,
-                   label=f"{shown(name)} ({row[knee]:.4g})")  # fmt: skip
+        values = f"{figures_of(float(row[knee]))}, now {figures_of(float(found.described[i]))} {unit_of(name)}"
+        lower.plot(first, row / row[knee], "o-", color=colour, markersize=3 + width, linewidth=width,
+                   label=f"{shown(name)} ({values})")  # fmt: skip
     lower.axvline(float(first[knee]), color=Colour.PALE, linewidth=0.8)
-    lower.set(xlabel=_label(found, 0), ylabel="parameters over those of the knee [1]")
+    lower.set(xlabel=_label(found, 0), ylabel="parameters / those of the knee [1]")
     lower.legend(fontsize="small", frameon=False)
     upper.set_xlabel("")
     lower.grid(color=Colour.SHADE, linewidth=0.6)
@@ -98,7 +108,7 @@ def draw_front(found: Tuning, upper: Axes) -> None:
     if np.all(near) or len(first) == 1:
         upper.plot(now[0], now[1], "s", color=Colour.GREY, markersize=6, label="now")
     else:
-        upper.plot([], [], " ", label=f"now, off the picture: {now[0]:.4g}, {now[1]:.4g}")
+        upper.plot([], [], " ", label=f"now, off the picture: {figures_of(float(now[0]))}, {figures_of(float(now[1]))}")
     upper.set(xlabel=_label(found, 0), ylabel=_label(found, other))
     upper.legend(fontsize="small", frameon=False)
     upper.grid(color=Colour.SHADE, linewidth=0.6)
@@ -106,4 +116,4 @@ def draw_front(found: Tuning, upper: Axes) -> None:
 
 
 def _label(found: Tuning, figure: int) -> str:
-    return f"{shown(short(found.figures[figure]))} [{found.units[figure]}]"
+    return shown(in_print(found.heading(figure)), most=MOST_OF_LABEL)
