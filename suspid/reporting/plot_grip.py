@@ -59,8 +59,15 @@ def plot_grip(found: Grip, figure: Figure, *, level: Ratio = LEVEL) -> Figure:
     for i, colour in zip(range(len(found.wheels)), _colours(found), strict=True):
         lower.plot(found.phase_hertz[i], degrees * found.phase[i], "o", color=colour, markersize=4)
     lower.axhline(degrees * PHASE_LIMIT, color=Colour.GREY, linewidth=0.8, linestyle=":")
-    lower.annotate(f"limit\n{degrees * PHASE_LIMIT:.0f} deg", (1.0, degrees * PHASE_LIMIT), xycoords=("axes fraction", "data"), xytext=(3, -3),
-                   textcoords="offset points", fontsize="small", color=Colour.GREY)  # fmt: skip
+    lower.annotate(
+        f"limit\n{degrees * PHASE_LIMIT:.0f} deg",
+        (1.0, degrees * PHASE_LIMIT),
+        xycoords=("axes fraction", "data"),
+        xytext=(3, -3),
+        textcoords="offset points",
+        fontsize="small",
+        color=Colour.GREY,
+    )
     lower.axvspan(found.resonances[0, 0], float(np.max(found.resonances[:, 1])), color=Colour.SHADE, zorder=0)
     lower.set(
         xlabel="frequency [Hz]", ylabel="phase of contact force [deg]", ylim=(0.0, 180.0), yticks=range(0, 181, 45)
@@ -78,8 +85,15 @@ def draw_adhesion(found: Grip, ax: Axes, *, level: Ratio = LEVEL) -> None:
         ax.plot(hertz, 100 * least, "o", color=colour, markersize=4)
     for name, share in CLASSES.items():
         ax.axhline(100 * share, color=Colour.GREY, linewidth=0.8, linestyle=":")
-        ax.annotate(f"{name}\n{100 * share:.0f} %" if share else name, (1.0, 100 * share), xycoords=("axes fraction", "data"), xytext=(3, 3),
-                    textcoords="offset points", fontsize="small", color=Colour.GREY)  # fmt: skip
+        ax.annotate(
+            f"{name}\n{100 * share:.0f} %" if share else name,
+            (1.0, 100 * share),
+            xycoords=("axes fraction", "data"),
+            xytext=(3, 3),
+            textcoords="offset points",
+            fontsize="small",
+            color=Colour.GREY,
+        )
     # What a wheel would pull by more than its load tells no more: it has left the platform.
     low = min(-5.0, max(-105.0, 105 * float(np.min(found.least))))
     ax.set(xlabel="frequency [Hz]", ylabel="least / static force [%]", ylim=(low, 105.0))
