@@ -191,7 +191,8 @@ def text_table(columns: Mapping[str, Sequence[str]], *, widest: int | None = Non
         widths = [max(map(len, [*head, *column])) for head, column in zip(heads, cells, strict=True)]
         if sum(widths) + COLUMN_GAP * (len(widths) - 1) <= widest:
             break
-    parts, left = [], list(range(1, len(heads)))
+    parts: list[list[int]] = []
+    left = list(range(1, len(heads)))
     while left or not parts:
         use, room = [0], widest - widths[0]
         while left and (len(use) == 1 or room >= widths[left[0]] + COLUMN_GAP):
