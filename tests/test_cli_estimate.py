@@ -330,5 +330,5 @@ def test_a_report_of_a_drive_that_comes_to_a_halt_leads_with_springs_and_dampers
         "report", files / "halt.csv", "--car", files / "car.toml", "-o", files / "p.html", "--json", files / "e"
     )
     assert result.exit_code == 0, result.output
-    assert "no clear free decay was found: the motion of tire_acceleration was taken as the cause" in result.stderr
+    assert "no clear free decay was found: the motion of tire was taken as the cause" in result.stderr
     assert holds({"parameters": json.loads((files / "e").read_text())["parameters"][:1]})

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from suspid.analysis.settings import CarSettings
 from suspid.errors import InputError, ReconstructionError, SuspidError
-from suspid.greybox import Estimate, RecordTest, estimate
+from suspid.greybox import Estimate, RecordTest, estimate_by_cause, likely_causes
 from suspid.model import ModalSet, Suspension
 from suspid.reconstruction import Asked, ModalTest, Reconstruction, check_asked, reconstruct
 from suspid.values import nearest_names
@@ -45,9 +45,10 @@ def check_springs(how: CarSettings, car: Suspension) -> None:
 def springs_of(
     modes: ModalSet, records: Sequence[control.TimeResponseData], car: Suspension, how: CarSettings
 ) -> Springs:
-    """Return springs and dampers from modes; where these do not settle them, from the free decays as well.
+    """Return springs and dampers from modes; where these do not settle them, from the records as well.
 
-    An estimate knows no constraints: with some, there is none.
+    The records are free decays, or motion under a road or a force that was measured. An estimate knows no constraints:
+    with some, there is none.
     """
     try:
         test = ModalTest(modes=modes, added_masses=how.added_masses)
@@ -60,10 +61,13 @@ def springs_of(
         return Springs(reconstruction=found, notes=notes)
     try:
         tests = [RecordTest(record=record, added_masses=how.added_masses) for record in records]
-        fitted = estimate(tests, car, **_unknowns(how))
+        # Wheels that were measured are part of a decay: as a cause they would hide the tires.
+        causes = [cause for cause in likely_causes(tests, car) if not {*cause} & {*car.coordinates}]
+        fitted, cause = estimate_by_cause(tests, car, causes=causes or [()], **_unknowns(how))
     except SuspidError as error:
         return Springs(reconstruction=found, notes=(*notes, Remark(Note.NO_ESTIMATE, {"why": error.wording})))
-    return Springs(reconstruction=found, estimate=fitted, notes=(*notes, Remark(Note.ESTIMATED)))
+    moved = (Remark(Note.MOVED, {"names": ", ".join(cause)}),) if cause else ()
+    return Springs(reconstruction=found, estimate=fitted, notes=(*notes, Remark(Note.ESTIMATED), *moved))
 
 
 def _unknowns(how: CarSettings) -> dict[str, Any]:

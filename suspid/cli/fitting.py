@@ -10,7 +10,6 @@ import click
 
 from suspid.analysis import Settings, in_terms_of, read
 from suspid.cli.options import Decorator, names_in, packed
-from suspid.errors import EstimationError, RecordError
 from suspid.files import naming
 
 if TYPE_CHECKING:
@@ -84,37 +83,35 @@ def tests_of(
 
 
 def fitted(
-    tests: Sequence[RecordTest], suspension: Suspension, given: str, said: list[str], options: Mapping[str, Any]
+    tests: Sequence[RecordTest],
+    suspension: Suspension,
+    given: str,
+    said: list[str],
+    options: Mapping[str, Any],
+    *,
+    likely: Sequence[tuple[str, ...]] | None = None,
 ) -> Estimate:
     """Return the estimate under the causes that are named, or under those that explain the records.
+
+    ``likely`` are the causes to try, in order. Default: all that the records show.
 
     Raises
     ------
     EstimationError, RecordError
         If no cause leads to an estimate.
     """
-    from suspid.greybox import estimate, likely_causes
+    from suspid.greybox import estimate, estimate_by_cause
 
     causes = [name.strip() for name in given.split(",") if name.strip()]
     if causes or options.get("road"):
         causes = [] if causes == ["none"] else causes or ["wheels"]
         return estimate(tests, suspension, given=causes, **options)
-    found: list[Estimate] = []
-    refused: list[EstimationError | RecordError] = []
-    for likely in likely_causes(tests, suspension):
-        try:
-            found.append(estimate(tests, suspension, given=likely, **options))
-        except (EstimationError, RecordError) as error:
-            refused.append(error)
-            continue
-        if likely and found[-1].explains:
-            moved = any(name in {*suspension.coordinates, *suspension.roads} for name in likely)
-            said.append(
-                f"{'the motion of ' * moved}{', '.join(likely)} was taken as the cause, as --given {','.join(likely)} "
-                f"does: it explains the rest of the records"
-            )
-        if found[-1].explains:
-            return found[-1]
-    if not found:
-        raise refused[0]
-    return found[0]
+    found, cause = estimate_by_cause(tests, suspension, causes=likely, **options)
+    if cause:
+        moved = any(name in {*suspension.coordinates, *suspension.roads} for name in cause)
+        explains = ": it explains the rest of the records" if found.explains else ""
+        said.append(
+            f"{'the motion of ' * moved}{', '.join(cause)} was taken as the cause, as --given {','.join(cause)} "
+            f"does{explains}"
+        )
+    return found

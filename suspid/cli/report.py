@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
+from itertools import takewhile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -137,36 +138,41 @@ def _found(
     from suspid.greybox import likely_causes
 
     likely = likely_causes(tests, suspension)
-    driven = None if () in likely else _driven(tests, suspension, "", heard, said)
+    measured, first = [cause for cause in likely if cause], list(takewhile(bool, likely))
+    driven, moved = _driven(tests, suspension, first) if first else (None, [])
     if driven is not None and driven.explains:
-        said += heard
+        said += [*heard, *moved]
         return driven
     analysis = _analysed(files, settings, suspension, step)
-    causes = [cause for cause in likely if cause]
     springs = analysis.estimate or analysis.reconstruction
-    if not causes or (springs and springs.explains and analysis.verdict.level > Level.DOUBTFUL):
+    if not measured or (springs and springs.explains and analysis.verdict.level > Level.DOUBTFUL):
         return analysis
-    driven = driven or _driven(tests, suspension, ",".join(causes[-1]), heard, said)
+    if first != measured:
+        driven, moved = _driven(tests, suspension, measured)
     if driven is None or (len(analysis.modes) and not driven.explains):
+        said += [] if driven else moved
         return analysis
     said += [
         *heard,
-        f"no clear free decay was found: the motion of {', '.join(driven.causes[0])} was taken as the cause"
+        f"no clear free decay was found: {'; '.join(moved)}"
         + "; the car that was found does not explain these records" * (not driven.explains)
-        + "; suspid drive uses the stretches of a drive that are fit for it",
+        + "; suspid drive uses the stretches of a drive that are fit for it" * (driven.band_hz is not None),
     ]
     return driven
 
 
 def _driven(
-    tests: Sequence[RecordTest], suspension: Suspension, given: str, heard: list[str], said: list[str]
-) -> Estimate | None:
-    """Return the estimate under a cause, or under the likeliest; None where it is not determined, which is said."""
+    tests: Sequence[RecordTest], suspension: Suspension, likely: Sequence[tuple[str, ...]]
+) -> tuple[Estimate | None, list[str]]:
+    """Return the estimate under the first of some causes that explains, and what is to be said of it.
+
+    None where none is determined, with the reason.
+    """
+    moved: list[str] = []
     try:
-        return fitted(tests, suspension, given, heard, {})
+        return fitted(tests, suspension, "", moved, {}, likely=likely), moved
     except EstimationError as error:
-        said.append(str(error))
-        return None
+        return None, [str(error)]
 
 
 def _analysed(

@@ -6,13 +6,14 @@ data, in the terms of the car (`car_records`); in the time domain `dynamics` (ex
 gains, delays), `search` and `time_domain`; in the frequency domain `spectra`, `transfers`, `whitened` and
 `measured_causes` (errors in variables), `noise_levels`, `wheel_problem`, `settling`, `suspects`, `frequency_domain`
 and `late_causes` (clocks). `whiteness`, `leftover`, `misfit`, `identifiability`, `modal` and `judgement` say how far
-the result can be trusted, `estimates` holds it; `causes` says what may have moved the car. `find_drives` finds the
-usable stretches of long recordings: `speeds`, `blocks`, `stretches`, `drives`.
+the result can be trusted, `estimates` holds it; `causes` says what may have moved the car, and `by_cause` tries it in
+turn. `find_drives` finds the usable stretches of long recordings: `speeds`, `blocks`, `stretches`, `drives`.
 With a model of the road: `rolling`, `wheel_power`, `reach`, `road_model`, `tire_fit`, `whole_car`, `roads`.
 `damper_curve`: `strut_motion`, `latent_splines`, `force_basis`, `curve_fit`, `curve_noise`, `damper_curves`.
 """
 
 from suspid.greybox.body_modes import BodyMode, BodyModes, body_modes
+from suspid.greybox.by_cause import estimate_by_cause
 from suspid.greybox.car_records import nameless_forces
 from suspid.greybox.causes import likely_causes
 from suspid.greybox.damper_curve import damper_curve
@@ -40,6 +41,7 @@ __all__ = [
     "body_modes",
     "damper_curve",
     "estimate",
+    "estimate_by_cause",
     "find_drives",
     "left_for",
     "likely_causes",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 
 import numpy as np
@@ -11,8 +11,10 @@ from suspid.errors import InputError
 from suspid.greybox.car_records import record_of_car
 from suspid.greybox.trials import RecordTest, given_names
 from suspid.greybox.wheels import wheels_missing
+from suspid.greybox.whiteness import portmanteau
+from suspid.levels import likely
 from suspid.model import FORCE, Suspension, force_weights
-from suspid.signals import Signal, as_signal
+from suspid.signals import as_signal, inputs_of
 from suspid.units import RealArray
 
 
@@ -24,40 +26,59 @@ def dies_down(values: RealArray) -> bool:
     return bool(np.any(last < 0.5 * first))
 
 
-def _forces(car: Suspension, signals: Sequence[Signal]) -> tuple[str, ...]:
+def _forces(car: Suspension, channels: Sequence[Mapping[str, RealArray]]) -> tuple[str, ...]:
     """Return the channels of all records that are named as forces on the car."""
     found = []
-    for name in signals[0].channels:
-        if name.endswith(FORCE) and all(name in signal.channels for signal in signals):
+    for name in channels[0]:
+        if name.endswith(FORCE) and all(name in known for known in channels):
             with suppress(InputError):
                 force_weights(car, name)
                 found.append(name)
     return tuple(found)
 
 
+def _known(test: RecordTest, car: Suspension) -> dict[str, RealArray]:
+    """Return inputs and channels of a test by name."""
+    record = record_of_car(test.record, car)
+    signal = as_signal(record)
+    return {**inputs_of(record), **dict(zip(signal.channels, signal.values, strict=True))}
+
+
+def _moves(values: RealArray) -> bool:
+    """Return whether a measured cause moves by more than a sensor's noise, which is white."""
+    rest = values - np.mean(values)
+    statistics, lags = portmanteau(rest[None])
+    return bool(np.ptp(values) > 0) and not likely(float(statistics[0]), lags)
+
+
 def likely_causes(tests: Sequence[RecordTest], suspension: Suspension) -> list[tuple[str, ...]]:
     """Return what `estimate` may take as given, the likeliest first; ``()`` is a free decay.
 
-    A free decay comes first, but is none of them where the motion does not die down and roads or wheels were measured.
+    Roads and forces that were measured come first if they move: what follows a road that moves is no free decay. One
+    that stands still is no cause. A free decay comes next, but is none of them where the motion does not die down and
+    other causes were measured.
 
     Examples
     --------
     >>> from suspid import quarter_car, simulate
     >>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3,
     ...                   tire_stiffness=200e3, chassis_damping=1500)
-    >>> times, heights = np.arange(0, 10, 0.005), 0.01 * np.random.default_rng(1).standard_normal(2000)
-    >>> drive = simulate(car, times, {"road": heights}, outputs=["chassis", "tire"])
+    >>> times = np.arange(0, 10, 0.005)
+    >>> drive = simulate(car, times, {"road": 0.01 * np.sin(9 * times)}, outputs=["chassis", "tire"])
     >>> likely_causes([RecordTest(record=drive)], car)
-    [('tire',)]
+    [('road',), ('tire',)]
     """
+    known = [_known(test, suspension) for test in tests]
+    roads = tuple(name for name in suspension.roads if all(name in own for own in known))
+    forces = _forces(suspension, known)
+    exact = [(*roads, *forces)] if forces else []
+    if roads and len(roads) == len(suspension.roads):
+        exact.append(roads)
+    exact = [cause for cause in exact if any(np.ptp(own[name]) > 0 for own in known for name in cause)]
+    first = [cause for cause in exact if any(_moves(own[name]) for own in known for name in cause)]
+    found = [cause for cause in exact if cause not in first]
     signals = [as_signal(record_of_car(test.record, suspension)) for test in tests]
-    found = []
-    forces = _forces(suspension, signals)
-    if forces:
-        roads = [name for name in suspension.roads if all(name in signal.channels for signal in signals)]
-        found.append((*roads, *forces))
-    if suspension.roads and all(set(suspension.roads) <= set(signal.channels) for signal in signals):
-        found.append(given_names(("roads",), suspension))
     if all(not wheels_missing(suspension, signal.channels) for signal in signals):
         found.append(given_names(("wheels",), suspension))
-    return [(), *found] if not found or any(dies_down(signal.values) for signal in signals) else found
+    free = not (first or found) or any(dies_down(signal.values) for signal in signals)
+    return [*first, *([()] if free else []), *found]

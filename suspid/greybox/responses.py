@@ -52,10 +52,11 @@ def output_error(
     seen = _seen(plant, trial, n, sensing)
     C, D = seen.C, seen.D
     count, size, channels = trial.count, plant.states, len(trial.channels)
-    linear = np.zeros((channels, count, size + channels))
-    linear[:, :, :size] = recursion(step.E.T, None, C.T, count).transpose(2, 1, 0)
-    linear[np.arange(channels), :, size + np.arange(channels)] = 1.0
-    basis, back = _orthonormal((linear / std[:, None, None]).reshape(channels * count, -1))
+    free = recursion(step.E.T, None, C.T, count).transpose(2, 1, 0) / std[:, None, None]
+    basis, back = _orthonormal(
+        _without_offsets(free).reshape(channels * count, size), np.sqrt(np.einsum("ijk,ijk->k", free, free))
+    )
+    linear = basis.shape[1] + channels
     forcing, pieces, jumps = None, np.zeros((count, 0)), np.zeros((count, 0))
     y = trial.values.copy()
     if len(trial.inputs):
@@ -63,11 +64,11 @@ def output_error(
         strokes = plant.F[:, size + 1 :: DEGREE]
         forcing = (step.G @ pieces.T + strokes @ jumps.T)[:, :, None]
         y -= C @ recursion(step.E, forcing, np.zeros((size, 1)), count)[:, :, 0] + D @ pieces.T
-    left = (y / std[:, None]).ravel()
+    left = (_without_offsets(y) / std[:, None]).ravel()
     amounts = basis.T @ left
     rest = (left - basis @ amounts).reshape(channels, count) * std[:, None]
     if not len(rows):
-        return OutputError(residual=rest, slope=np.zeros((channels, count, 0)), linear=basis.shape[1])
+        return OutputError(residual=rest, slope=np.zeros((channels, count, 0)), linear=linear)
     start = (back @ amounts)[:size]
     x = recursion(step.E, forcing, start[:, None], count)[:, :, 0]
     whole = np.concatenate([x.T, pieces], axis=1)
@@ -83,9 +84,9 @@ def output_error(
         direct = whole @ seen.slopes.reshape(-1, whole.shape[1]).T
         slope += direct.reshape(count, channels, len(own)).swapaxes(0, 1)
     slope = np.concatenate([slope, _by_sensing(seen, whole, sensing)], axis=2)
-    flat = (slope / -std[:, None, None]).reshape(channels * count, len(rows))
+    flat = (_without_offsets(slope) / -std[:, None, None]).reshape(channels * count, len(rows))
     flat -= basis @ (basis.T @ flat)
-    return OutputError(residual=rest, slope=flat.reshape(slope.shape) * std[:, None, None], linear=basis.shape[1])
+    return OutputError(residual=rest, slope=flat.reshape(slope.shape) * std[:, None, None], linear=linear)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -139,12 +140,19 @@ def _by_sensing(seen: _Seen, whole: RealArray, sensing: Sensing) -> RealArray:
     return slope
 
 
-def _orthonormal(columns: RealArray) -> tuple[RealArray, RealArray]:
-    """Return an orthonormal basis of columns (sample, column), and how it gives their coefficients."""
-    norm = np.sqrt(np.einsum("ij,ij->j", columns, columns))
-    norm[norm == 0] = 1.0
+def _without_offsets(rows: RealArray) -> RealArray:
+    """Return channels (channel, sample, …) without their means: what an unknown offset leaves."""
+    return np.asarray(rows - np.mean(rows, axis=1, keepdims=True))
+
+
+def _orthonormal(columns: RealArray, norm: RealArray) -> tuple[RealArray, RealArray]:
+    """Return an orthonormal basis of columns (sample, column), and how it gives their coefficients.
+
+    ``norm`` is that of each column with its offsets: what is left of a constant is rounding.
+    """
+    norm = np.where(norm > 0, norm, 1.0)
     q, r = np.linalg.qr(columns / norm)
     u, s, v = np.linalg.svd(r)
     # Columns of the unknown start, of unit length, that add less than this to the others are not seen by the channels.
-    keep = s > 1e-10 * s[0]
+    keep = s > 1e-10
     return q @ u[:, keep], (v[keep].T / s[keep]) / norm[:, None]

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from suspid.greybox.problem import Problem
+from suspid.greybox.whiteness import correlations
 from suspid.levels import NEGLIGIBLE_GAIN
 from suspid.model import eigenmodes
 from suspid.reconstruction import Unknowns, descend, even_starts
@@ -16,6 +17,9 @@ from suspid.units import RealArray
 NOISE_ROUNDS = 30  # of fits and noise levels in turn; some 4 are needed, with exact records 10
 LOOSE_NOMINAL = 0.5  # standard deviation of nominal values, in the logarithm, while a stretch is short
 STRETCH_GROWTH = 3.0  # of the stretch, from one to the next: a mode then is off by less than half a cycle
+# Share of a channel's power that is left, and correlation of neighbouring samples of what is left, from which on
+# nothing of the channel is explained: more than half of it, and it is motion.
+UNMOVED = 0.5
 FIRST_CYCLES = 2.0  # of the fastest mode, in the first stretch
 STARTS = 6  # at most
 SAME_FIT = 1.0  # difference of minus twice the log likelihood up to which two fits count as one
@@ -28,11 +32,12 @@ class Found:
     x: RealArray
     noise: tuple[RealArray, ...]  # by test, (channel,)
     loss: float
+    lost: bool = False  # whether it explains nothing
 
 
 def descended(problem: Problem, x: RealArray, noise: Sequence[RealArray], *, rounds: int = NOISE_ROUNDS) -> Found:
     """Return the most likely unknowns and noise levels near a start."""
-    u, levels = problem.unknowns, list(noise)
+    u, levels, lost = problem.unknowns, list(noise), False
     for _ in range(rounds):
         x = descend(
             lambda z, at=tuple(levels): problem.equations(z, at),  # type: ignore[misc]
@@ -40,11 +45,12 @@ def descended(problem: Problem, x: RealArray, noise: Sequence[RealArray], *, rou
         )  # fmt: skip
         before, levels = levels, problem.noise(x, levels)
         change = max(float(np.max(np.abs(np.log(a / b)))) for a, b in zip(levels, before, strict=True))
-        # Relative change of noise levels below which they have settled.
-        if change < 1e-3:
+        lost = _unmoved(problem, x, levels)
+        # Relative change of noise levels below which they have settled; where nothing is explained, none need to.
+        if change < 1e-3 or lost:
             break
     prior = problem.unknowns.prior(x)[0]
-    return Found(x=x, noise=tuple(levels), loss=problem.loss(levels) + float(prior @ prior))
+    return Found(x=x, noise=tuple(levels), loss=problem.loss(levels) + float(prior @ prior), lost=lost)
 
 
 def search(problem: Problem) -> tuple[Found, list[Found]]:
@@ -54,8 +60,9 @@ def search(problem: Problem) -> tuple[Found, list[Found]]:
     for start in starts_of(u):
         ends.append(_along(problem, start))
         best = min(end.loss for end in ends)
-        # Two starts that end in one place are enough.
-        if sum(end.loss < best + SAME_FIT for end in ends) >= 2:
+        # Two starts that end in one place are enough, and two that lead nowhere.
+        agreed = sum(end.loss < best + SAME_FIT for end in ends)
+        if max(agreed, len(ends) * all(end.lost for end in ends)) >= 2:
             break
     return min(ends, key=lambda end: end.loss), ends
 
@@ -84,6 +91,18 @@ def _along(problem: Problem, x: RealArray) -> Found:
         x = descended(stage, x, _first_noise(stage, x), rounds=3).x
         length *= STRETCH_GROWTH
     return descended(problem, x, _first_noise(problem, x))
+
+
+def _unmoved(problem: Problem, x: RealArray, noise: Sequence[RealArray]) -> bool:
+    """Return whether unknowns leave most channels nearly as they are, by a residual that is no noise."""
+    power = [np.var(trial.values, axis=1) for trial in problem.trials]
+    share = [
+        std**2 / np.maximum(own, trial.least) for std, own, trial in zip(noise, power, problem.trials, strict=True)
+    ]
+    if np.median(np.concatenate(share)) < UNMOVED:
+        return False
+    alike = [correlations(error.residual, 1)[:, 0] for error in problem.errors(x, noise, slopes=False)]
+    return bool(np.median(np.concatenate(alike)) > UNMOVED)
 
 
 def _first_noise(problem: Problem, x: RealArray) -> list[RealArray]:

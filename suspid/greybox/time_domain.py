@@ -26,6 +26,9 @@ from suspid.words.greybox import EstimateCheck
 
 # Share of a channel's power beyond which a residual that is not white is no mere colour of the noise: 10 dB below it.
 MOST_COLOURED = 0.1
+# Share of a channel's power below which a residual says nothing against a car: 1e-4 of the motion. Sensors are linear
+# to 1e-3 at best; what is left of simulated motion is that inputs between samples are not known.
+LEAST_SEEN = 1e-8
 
 
 def fit_in_time(problem: Problem) -> Fit:
@@ -54,8 +57,8 @@ def fit_in_time(problem: Problem) -> Fit:
     prior = u.prior(best.x)[1]
     whole = np.concatenate([data, prior]) * size
     check_determined(whole, u.labels, u.suspension(best.x))
-    chi_square, freedom, judged = _judged(problem, errors, noise)
-    checks = [*judged]
+    chi_square, freedom, explains, judged = _judged(problem, errors, noise)
+    checks = [judged]
     if len(prior) and len(blind(data * size)):
         checks.append(
             Check(Remark(EstimateCheck.BY_NOMINAL, {"names": names_in(blind(data * size), u.labels)}), Level.CARE)
@@ -75,7 +78,7 @@ def fit_in_time(problem: Problem) -> Fit:
         noise=tuple(noise),
         chi_square=chi_square,
         freedom=freedom,
-        explains=likely(chi_square, freedom),
+        explains=explains,
         alternatives=tuple(u.suspension(other.x) for other in others),
         checks=tuple(checks),
     )
@@ -146,7 +149,7 @@ def _strut_parameters(car: Suspension) -> list[str]:
     return [f"{s.name}.{quantity}" for quantity, s in product(QUANTITIES, car.struts)]
 
 
-def _judged(problem: Problem, errors: list[OutputError], noise: list[RealArray]) -> tuple[float, int, list[Check]]:
+def _judged(problem: Problem, errors: list[OutputError], noise: list[RealArray]) -> tuple[float, int, bool, Check]:
     """Return the statistic of whiteness of all channels that stand above their rounding, and what it says."""
     total, freedom, worst, where = 0.0, 0, 0.0, ""
     for i, (trial, error, std) in enumerate(zip(problem.trials, errors, noise, strict=True)):
@@ -159,11 +162,15 @@ def _judged(problem: Problem, errors: list[OutputError], noise: list[RealArray])
                     worst, where = float(statistic), channel + f" of record {i + 1}" * (len(errors) > 1)
     numbers: dict[str, Number] = {"chi_square": total, "freedom": freedom, "channel": where}
     if not freedom:
-        return total, freedom, [Check(Remark(EstimateCheck.ROUNDING), Level.SOUND)]
+        return total, freedom, True, Check(Remark(EstimateCheck.ROUNDING), Level.SOUND)
     if likely(total, freedom):
-        return total, freedom, [Check(Remark(EstimateCheck.EXPLAINS, numbers), Level.SOUND)]
-    level = Level.DOUBTFUL if _largest_share(problem, errors) > MOST_COLOURED else Level.CARE
-    return total, freedom, [Check(Remark(EstimateCheck.UNEXPLAINED, numbers), level)]
+        return total, freedom, True, Check(Remark(EstimateCheck.EXPLAINS, numbers), Level.SOUND)
+    share = _largest_share(problem, errors)
+    if share < LEAST_SEEN:
+        exact = Remark(EstimateCheck.NEARLY_EXACT, {**numbers, "share": float(np.sqrt(share))})
+        return total, freedom, True, Check(exact, Level.SOUND)
+    level = Level.DOUBTFUL if share > MOST_COLOURED else Level.CARE
+    return total, freedom, False, Check(Remark(EstimateCheck.UNEXPLAINED, numbers), level)
 
 
 def _largest_share(problem: Problem, errors: list[OutputError]) -> float:

@@ -152,6 +152,8 @@ def _judged(found: Grip, about: Uncertain) -> Grip:
     checks = [*_against_limits(found)]
     if about.doubt is not None:
         checks.append(Check(Remark(GripCheck.UNTRUSTED, {"level": about.doubt.label}), about.doubt))
+    if about.nominal:
+        checks.append(Check(Remark(GripCheck.STAYED_NOMINAL, {"names": about.nominal}), Level.CARE))
     if about.known:
         checks.append(Check(Remark(GripCheck.KNOWN, {"names": about.known}), Level.NOTE))
     return replace(found, verdict=Verdict(found.verdict.headline, tuple(checks)))

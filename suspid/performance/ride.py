@@ -191,6 +191,8 @@ def _judged(plan: Plan, values: Mapping[str, float], about: Uncertain) -> Verdic
         checks.append(Check(Remark(RideCheck.LONG_WAVES, numbers), Level.NOTE))
     if about.doubt is not None:
         checks.append(Check(Remark(RideCheck.UNTRUSTED, {"level": about.doubt.label}), about.doubt))
+    if about.nominal:
+        checks.append(Check(Remark(RideCheck.STAYED_NOMINAL, {"names": about.nominal}), Level.CARE))
     if about.known:
         checks.append(Check(Remark(RideCheck.KNOWN, {"names": about.known}), Level.NOTE))
     headline = Remark(

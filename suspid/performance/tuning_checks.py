@@ -39,6 +39,8 @@ def tuning_checks(
         yield Check(Remark(TuningCheck.ROBUST, reached), Level.NOTE)
     if about.doubt is not None:
         yield Check(Remark(RideCheck.UNTRUSTED, {"level": about.doubt.label}), about.doubt)
+    if about.nominal:
+        yield Check(Remark(RideCheck.STAYED_NOMINAL, {"names": about.nominal}), Level.CARE)
 
 
 def _at_bounds(front: Front, choice: Choice, search: Search, given: Collection[str]) -> Iterator[Check]:

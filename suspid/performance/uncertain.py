@@ -11,11 +11,11 @@ import numpy as np
 from suspid.errors import InputError
 from suspid.greybox import Estimate
 from suspid.model import Suspension
-from suspid.reconstruction import Reconstruction, parameter_names, parameter_values
+from suspid.reconstruction import QUANTITIES, Reconstruction, parameter_names, parameter_values
 from suspid.units import Ratio, RealArray, Second
 from suspid.values import frozen_real, is_size, nearest_names
 from suspid.wording import Argument
-from suspid.words import Level
+from suspid.words import EstimateCheck, Level
 
 ALL = "all springs, dampers and masses"
 # What figures are computed of: a car as described, or as found with its uncertainty.
@@ -32,6 +32,7 @@ class Uncertain:
     covariance: RealArray
     relaxations: Mapping[str, Second]  # of mounts that are parameters
     known: tuple[str, ...]
+    nominal: tuple[str, ...]  # what of it the records could not tell, so that it stayed nominal
     doubt: Level | None  # the level of the estimate's verdict, where it is below sound
 
 
@@ -69,8 +70,19 @@ def uncertain(car: Car, nominal_std: Ratio | Mapping[str, Ratio] | None = None) 
         covariance=frozen_real(covariance),
         relaxations=relaxations,
         known=known if parameters else (ALL,),
+        nominal=tuple(name for name in known if name in _cancelled(found)),
         doubt=level if level is not None and level < Level.SOUND else None,
     )
+
+
+def _cancelled(found: Estimate | Reconstruction | None) -> set[str]:
+    """Return the springs and dampers beyond the wheels whose motion was given: of them the records tell nothing."""
+    if not isinstance(found, Estimate):
+        return set()
+    codes = [check.remark for check in found.verdict.checks if check.remark.code is EstimateCheck.CANCELS]
+    said = [remark.numbers["names"] for remark in codes]
+    struts = [str(name) for names in said if isinstance(names, tuple) for name in names]
+    return {f"{strut}.{quantity}" for strut in struts for quantity in QUANTITIES}
 
 
 def _check(car: object) -> None:

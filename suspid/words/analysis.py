@@ -75,6 +75,7 @@ class Note(Code):
     )
     NO_SPRINGS = "no springs", "springs and dampers were not found from the modes: {why}"
     ESTIMATED = "estimated", "the modes alone do not settle springs and dampers: these are fitted to the record itself"
+    MOVED = "moved", "{names} was taken as the cause of the motion, not a free decay"
     NO_ESTIMATE = "no estimate", "springs and dampers were not found from the record itself: {why}"
 
 

@@ -65,6 +65,11 @@ class EstimateCheck(Code):
         "{chi_square:.3g} at {freedom}).",
     )
     ROUNDING = "rounding", "The records are met to their rounding."
+    NEARLY_EXACT = (
+        "nearly exact",
+        "With the springs and dampers found, the car explains the records: at most {share:.1g} of a channel's motion "
+        "is left, less than the error of any sensor. It is not white; the intervals allow for its colour.",
+    )
     UNEXPLAINED = "unexplained", _unexplained
     NOTHING_FOLLOWS = (
         "nothing follows",

@@ -41,5 +41,12 @@ class GripCheck(Code):
         "{wheel}: the wheel leaves the platform near {hertz:.3g} Hz, where the linear force would be negative; its "
         "adhesion is 0.",
     )
+    STAYED_NOMINAL = (
+        "stayed nominal",
+        _named(
+            "Grip rests on nominal values that the records do not tell, because the motion of the wheels was given: "
+            "{names}. State their error, or find them on a road that is known or modelled."
+        ),
+    )
     KNOWN = "known", _named("Taken as known, without any error in the intervals: {names}.")
     UNTRUSTED = "untrusted", "The estimate of the car is {level}: its verdict says why."

@@ -77,6 +77,13 @@ class RideCheck(Code):
         "filter is part of its figures.",
     )
     UNTRUSTED = "untrusted", "The estimate that the figures rest on is {level}: read its verdict first."
+    STAYED_NOMINAL = (
+        "stayed nominal",
+        _listed(
+            "The figures rest on nominal values that the records do not tell, because the motion of the wheels was "
+            "given: {names}. State their error, or find them on a road that is known or modelled."
+        ),
+    )
     KNOWN = "known", _listed("Taken as known, without any error in the intervals: {names}.")
 
 

@@ -1,0 +1,58 @@
+"""Estimates where nobody has said what moved the car: of the causes that records show, the first that explains them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from suspid.errors import EstimationError, RecordError
+from suspid.greybox.causes import likely_causes
+from suspid.greybox.estimate import estimate
+from suspid.greybox.estimates import Estimate
+from suspid.greybox.trials import RecordTest
+from suspid.model import Suspension
+
+
+def estimate_by_cause(
+    tests: Sequence[RecordTest],
+    suspension: Suspension,
+    *,
+    causes: Sequence[tuple[str, ...]] | None = None,
+    **options: Any,
+) -> tuple[Estimate, tuple[str, ...]]:
+    """Return the estimate under the first cause that explains the tests, and the cause; ``()`` is a free decay.
+
+    Where none explains them it is that of the best verdict, and of equal ones the first. ``causes`` are those to try,
+    in order (default: `likely_causes`), ``options`` are arguments of `estimate`.
+
+    Raises
+    ------
+    EstimationError, RecordError
+        If no cause leads to an estimate: what was raised under the first.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from suspid import add_noise, quarter_car, simulate
+    >>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3,
+    ...                   tire_stiffness=200e3, chassis_damping=1500)
+    >>> times = np.arange(0, 5, 0.005)
+    >>> rig = simulate(car, times, {"road": 0.01 * np.sin(6 * times**2)}, outputs=["chassis", "tire"])
+    >>> noisy = add_noise(rig, snr_db=40.0, rng=np.random.default_rng(1))
+    >>> found, cause = estimate_by_cause([RecordTest(record=noisy)], car, fixed=["tire.damping"])
+    >>> cause, found.explains
+    (('road',), True)
+    """
+    found: list[tuple[Estimate, tuple[str, ...]]] = []
+    refused: list[EstimationError | RecordError] = []
+    for cause in likely_causes(tests, suspension) if causes is None else causes:
+        try:
+            found.append((estimate(tests, suspension, given=cause, **options), cause))
+        except (EstimationError, RecordError) as error:
+            refused.append(error)
+            continue
+        if found[-1][0].explains:
+            return found[-1]
+    if not found:
+        raise refused[0]
+    return max(found, key=lambda one: one[0].verdict.level)
