@@ -107,7 +107,7 @@ class TestOrder:
         rows = np.asarray(record.y).copy()
         rows[1] += 2e-4 * np.sin(40 * TIMES) * np.sin(TIMES)
         spoilt = RecordTest(record=as_response(TIMES, rows, record.output_labels))
-        found, cause = estimate_by_cause([spoilt], NOMINAL, causes=[(), ("road",)], fixed=["tire.damping"])
+        found, cause = estimate_by_cause([spoilt], NOMINAL, causes=[(), ("road",)], options={"fixed": ["tire.damping"]})
         assert (cause, found.explains) == (("road",), False)
         assert error_of(found.suspension) < 0.05
 

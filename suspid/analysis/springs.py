@@ -63,7 +63,7 @@ def springs_of(
         tests = [RecordTest(record=record, added_masses=how.added_masses) for record in records]
         # Wheels that were measured are part of a decay: as a cause they would hide the tires.
         causes = [cause for cause in likely_causes(tests, car) if not {*cause} & {*car.coordinates}]
-        fitted, cause = estimate_by_cause(tests, car, causes=causes or [()], **_unknowns(how))
+        fitted, cause = estimate_by_cause(tests, car, causes=causes or [()], options=_unknowns(how))
     except SuspidError as error:
         return Springs(reconstruction=found, notes=(*notes, Remark(Note.NO_ESTIMATE, {"why": error.wording})))
     moved = (Remark(Note.MOVED, {"names": ", ".join(cause)}),) if cause else ()

@@ -106,7 +106,7 @@ def fitted(
     if causes or options.get("road"):
         causes = [] if causes == ["none"] else causes or ["wheels"]
         return estimate(tests, suspension, given=causes, **options)
-    found, cause = estimate_by_cause(tests, suspension, causes=likely, **options)
+    found, cause = estimate_by_cause(tests, suspension, causes=likely, options=options)
     if cause:
         moved = any(name in {*suspension.coordinates, *suspension.roads} for name in cause)
         explains = ": it explains the rest of the records" if found.explains else ""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from suspid.errors import EstimationError, RecordError
@@ -18,7 +18,7 @@ def estimate_by_cause(
     suspension: Suspension,
     *,
     causes: Sequence[tuple[str, ...]] | None = None,
-    **options: Any,
+    options: Mapping[str, Any] | None = None,
 ) -> tuple[Estimate, tuple[str, ...]]:
     """Return the estimate under the first cause that explains the tests, and the cause; ``()`` is a free decay.
 
@@ -39,7 +39,7 @@ def estimate_by_cause(
     >>> times = np.arange(0, 5, 0.005)
     >>> rig = simulate(car, times, {"road": 0.01 * np.sin(6 * times**2)}, outputs=["chassis", "tire"])
     >>> noisy = add_noise(rig, snr_db=40.0, rng=np.random.default_rng(1))
-    >>> found, cause = estimate_by_cause([RecordTest(record=noisy)], car, fixed=["tire.damping"])
+    >>> found, cause = estimate_by_cause([RecordTest(record=noisy)], car)
     >>> cause, found.explains
     (('road',), True)
     """
@@ -47,7 +47,7 @@ def estimate_by_cause(
     refused: list[EstimationError | RecordError] = []
     for cause in likely_causes(tests, suspension) if causes is None else causes:
         try:
-            found.append((estimate(tests, suspension, given=cause, **options), cause))
+            found.append((estimate(tests, suspension, given=cause, **(options or {})), cause))
         except (EstimationError, RecordError) as error:
             refused.append(error)
             continue
