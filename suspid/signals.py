@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
+from suspid.arguments import explained
 from suspid.errors import RecordError
 from suspid.samples import Samples, as_samples
 from suspid.units import RealArray, Second
@@ -244,6 +245,7 @@ def inputs_of(response: control.TimeResponseData) -> dict[str, RealArray]:
     return dict(zip(labels or [f"u[{i}]" for i in range(len(table))], table, strict=True))
 
 
+@explained
 def cut(
     response: control.TimeResponseData, *, start: Second | None = None, stop: Second | None = None
 ) -> control.TimeResponseData:

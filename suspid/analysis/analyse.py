@@ -15,6 +15,7 @@ from suspid.analysis.settings import Settings
 from suspid.analysis.several import Part, alike, check_each_once, source_names
 from suspid.analysis.springs import Springs, check_springs, springs_of
 from suspid.analysis.stretch import Used, stretch_of
+from suspid.arguments import explained
 from suspid.cleaning import RecordLike
 from suspid.errors import InputError
 from suspid.files import naming
@@ -40,6 +41,7 @@ Source: TypeAlias = "str | os.PathLike[str] | Recording | RecordLike"
 STEPS = ("reading", "finding decays", "identifying", "reconstructing")
 
 
+@explained
 @in_one_thread
 def analyse(
     source: Source | Sequence[Source],

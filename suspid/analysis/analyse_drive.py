@@ -12,6 +12,7 @@ from suspid.analysis.drive_analysis import DriveAnalysis
 from suspid.analysis.drive_dampers import curves_of, wear_of
 from suspid.analysis.drive_reading import read_drive
 from suspid.analysis.settings import Settings
+from suspid.arguments import explained
 from suspid.errors import InputError
 from suspid.files import naming, printable
 from suspid.greybox import (
@@ -38,6 +39,7 @@ LOGGER = "drive"  # all files of a drive come from one logger
 Step = Callable[[str], None]
 
 
+@explained
 @in_one_thread
 def analyse_drive(
     sources: Sequence[str | os.PathLike[str] | Recording] | str | os.PathLike[str] | Recording,

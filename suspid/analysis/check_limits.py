@@ -10,6 +10,7 @@ import numpy as np
 
 from suspid.analysis.analysis import Analysis
 from suspid.analysis.limits import OF_STRUTS, Limit
+from suspid.arguments import explained
 from suspid.errors import InputError
 from suspid.greybox import Estimate
 from suspid.identification import Identification, Repeats
@@ -131,6 +132,7 @@ def _interval(row: CheckedLimit) -> str:
     return f"{row.lower / row.limit.scale:.5g} to {row.upper / row.limit.scale:.5g}"
 
 
+@explained
 def check_limits(
     found: Analysis | Estimate | Reconstruction | Identification | Repeats,
     limits: Sequence[Limit],

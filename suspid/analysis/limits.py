@@ -24,6 +24,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from suspid.arguments import explained
 from suspid.errors import InputError
 from suspid.files import naming, read_text
 from suspid.toml import as_number, as_table, check_keys, parsed_toml
@@ -78,8 +79,8 @@ class Limit:
     unit: str = ""
 
     def __post_init__(self) -> None:
-        if self.quantity not in SCALES:
-            raise InputError(f"quantity={self.quantity!r} must be one of {', '.join(SCALES)}")
+        if not isinstance(self.quantity, str) or self.quantity not in SCALES:
+            raise InputError(f"quantity={self.quantity!r:.40} must be one of {', '.join(SCALES)}")
         units = SCALES[self.quantity]
         object.__setattr__(self, "unit", self.unit or next(iter(units)))
         if self.unit not in units:
@@ -108,6 +109,7 @@ class Limit:
         return f"at most {most:.6g}" if math.isinf(least) else f"{least:.6g} to {most:.6g}"
 
 
+@explained
 def read_limits(path: str | os.PathLike[str]) -> tuple[Limit, ...]:
     """Return the limits in a TOML file; its form is that of the module docstring.
 

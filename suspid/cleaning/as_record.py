@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
+from suspid.arguments import explained
 from suspid.cleaning.conversions import to_si
 from suspid.errors import RecordError
 from suspid.files import printable
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 RecordLike: TypeAlias = Any
 
 
+@explained
 def as_record(
     data: RecordLike,
     *,

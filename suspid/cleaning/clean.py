@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from suspid.arguments import explained
 from suspid.cleaning.cleaned import Cleaned
 from suspid.cleaning.constant import alive, stilled
 from suspid.cleaning.joining import by_clock, one_clock, placed, whole
@@ -18,6 +19,7 @@ from suspid.units import Hertz, Second
 from suspid.values import check_rate
 
 
+@explained
 def clean(
     recording: Recording,
     *,

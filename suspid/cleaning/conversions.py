@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from suspid.arguments import explained
 from suspid.errors import InputError
 from suspid.files import printable
 from suspid.signals import as_signal, like
@@ -49,6 +50,7 @@ SPELLINGS = (
 )  # fmt: skip
 
 
+@explained
 def to_si(values: ArrayLike, unit: str) -> tuple[RealArray, str]:
     """Return values in SI units, and that unit.
 
@@ -83,6 +85,7 @@ def to_si(values: ArrayLike, unit: str) -> tuple[RealArray, str]:
     return np.array(np.asarray(values, float) * factor), si
 
 
+@explained
 def scaled(response: control.TimeResponseData, factors: Mapping[str, float]) -> control.TimeResponseData:
     """Return a record with some channels multiplied: a sign, a sensitivity, a unit.
 

@@ -7,6 +7,7 @@ import warnings
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from suspid.arguments import explained
 from suspid.cleaning.clean import clean
 from suspid.errors import RecordWarning
 from suspid.files import naming, printable
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     import control
 
 
+@explained
 def read_record(
     path: str | os.PathLike[str],
     *,

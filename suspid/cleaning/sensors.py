@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from suspid.arguments import explained
 from suspid.cleaning.conversions import to_si as to_si
 from suspid.errors import InputError, RecordError
 from suspid.files import printable
@@ -110,6 +111,7 @@ class Vertical:
         return "\n".join(lines)
 
 
+@explained
 def vertical(
     response: control.TimeResponseData,
     axes: Sequence[str] | None = None,

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from suspid.arguments import explained
 from suspid.cleaning import RecordLike, as_record
 from suspid.decays.bursts import RINGING, RISE, Burst, died_down, find_bursts
 from suspid.decays.candidates import Recording, decays_after, examined
@@ -28,6 +29,7 @@ MOST_BURSTS, MOST_IN_VAIN = 16, 8
 FEW_BURSTS = 4
 
 
+@explained
 @in_one_thread
 def find_decays(response: RecordLike, *, given: Sequence[tuple[Second, Second]] | None = None) -> Decays:
     """Return the free decays in a recording, the best first.

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from suspid.arguments import explained
 from suspid.errors import InputError
 from suspid.fleet.trends import Measured, trends_of
 from suspid.greybox import Estimate
@@ -109,6 +110,7 @@ class DamperTrends(Result):
         )
 
 
+@explained
 def damper_trends(drives: Iterable[tuple[str, float, Estimate]], *, rule: WearRule | None = None) -> DamperTrends:
     """Return what each damper of each vehicle has lost over its drives.
 

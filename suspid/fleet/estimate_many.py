@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from suspid.analysis import Settings
+from suspid.arguments import explained
 from suspid.errors import InputError
 from suspid.fleet.job import DriveJob, check_drive, check_job
 from suspid.fleet.listing import Records
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
 DRIVES_CHUNK = 4
 
 
+@explained
 def estimate_many(
     drives: Records,
     *,

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from suspid.arguments import explained
 from suspid.fleet.damper_trends import DamperTrends, trends_of_table
 from suspid.fleet.distributions import Distribution, Outlier, distribution, outliers_of
 from suspid.fleet.drive_summary import body_quantities, drive_dampers, placed_drives, untrusted_drives, wear_counts
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
+@explained
 def fleet_summary(
     folder: str | os.PathLike[str],
     *,

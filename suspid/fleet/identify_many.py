@@ -6,6 +6,7 @@ import os
 from typing import TYPE_CHECKING
 
 from suspid.analysis import Settings
+from suspid.arguments import explained
 from suspid.fleet.job import check_job
 from suspid.fleet.listing import Records
 from suspid.fleet.manifest import require_fleet
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 CHUNK = 32
 
 
+@explained
 def identify_many(
     records: Records,
     *,

@@ -8,6 +8,7 @@ from typing import overload
 
 import numpy as np
 
+from suspid.arguments import explained
 from suspid.cleaning import RecordLike, as_record
 from suspid.errors import InputError, RecordError
 from suspid.greybox.body_spectra import (
@@ -152,6 +153,7 @@ class BodyModes(Sequence[BodyMode]):
         return f"{self.table()}\n{self.verdict}"
 
 
+@explained
 def body_modes(
     records: RecordLike | Sequence[RecordLike],
     *,

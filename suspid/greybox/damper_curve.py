@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from suspid.arguments import explained
 from suspid.cleaning import RecordLike
 from suspid.errors import EstimationError, InputError, RecordError
 from suspid.greybox.curve_fit import CurveFit, Noise, Shape, first_spline, fitted_curve
@@ -46,6 +47,7 @@ MOST_ASKED = 100
 CURVE_ROUNDS = 3
 
 
+@explained
 @in_one_thread
 def damper_curve(
     records: RecordLike | Sequence[RecordLike],

@@ -8,6 +8,7 @@ from typing import Literal
 
 import numpy as np
 
+from suspid.arguments import explained
 from suspid.cleaning import RecordLike
 from suspid.errors import EstimationError, InputError
 from suspid.greybox.causes import dies_down
@@ -34,6 +35,7 @@ from suspid.words import Check, Level, Number, Remark, Verdict
 from suspid.words.greybox import EstimateCheck, EstimateHeadline
 
 
+@explained
 @in_one_thread
 def estimate(
     records: RecordLike | RecordTest | Sequence[RecordLike | RecordTest],

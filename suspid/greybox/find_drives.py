@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from suspid.arguments import explained
 from suspid.cleaning import RecordLike, as_record, parts_of, to_si
 from suspid.errors import InputError, RecordError
 from suspid.greybox.blocks import examined
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
 ORDERS = {"m": 0, "m/s": 1, "m/s2": 2, "rad": 0, "rad/s": 1}
 
 
+@explained
 def find_drives(
     recording: Recording | RecordLike,
     *,
@@ -147,6 +149,8 @@ def _opened(recording: Recording | RecordLike) -> Recording:
 def _needed(recording: Recording, car: Suspension | None, channels: Sequence[str] | None) -> tuple[str, ...] | None:
     """Return the channels that must be usable; None where neither they nor a car say."""
     if channels is not None:
+        if not len(channels):
+            raise InputError("channels is empty; name those that must be usable, or leave it out")
         return tuple(recording[name].name for name in channels)
     if car is None:
         return None

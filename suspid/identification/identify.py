@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from suspid.arguments import explained
 from suspid.cleaning import RecordLike, as_record, clipped_run
 from suspid.errors import IdentificationError, InputError, RecordError
 from suspid.identification.by_likelihood import by_likelihood
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     import control
 
 
+@explained
 @in_one_thread
 def identify(
     response: RecordLike,

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from suspid.arguments import explained
 from suspid.cleaning import RecordLike, as_record
 from suspid.errors import IdentificationError, InputError, RecordError
 from suspid.identification.covariance import joint_covariance
@@ -113,6 +114,7 @@ def tables_of_repeats(found: Repeats) -> str:
     return f"{found.modes}\n\n{text_table(agreement)}\n\n{singles}"
 
 
+@explained
 @in_one_thread
 def identify_repeats(
     response: RecordLike | Sequence[RecordLike],

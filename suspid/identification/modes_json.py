@@ -34,6 +34,7 @@ from pathlib import Path
 
 import numpy as np
 
+from suspid.arguments import explained
 from suspid.errors import InputError
 from suspid.files import naming, parsed_json, printable, read_text, replacing
 from suspid.levels import SEVEN_DIGITS
@@ -122,6 +123,7 @@ def modes_from_dict(content: Mapping[str, object]) -> ModalSet:
     return ModalSet(poles=poles, shapes=shape, channels=channels, covariance=covariance)
 
 
+@explained
 def read_modes(path: str | os.PathLike[str]) -> ModalSet:
     r"""Return the modes in a file that `write_modes` or ``suspid identify --json`` wrote, or that was written by hand.
 
@@ -158,6 +160,7 @@ def read_modes(path: str | os.PathLike[str]) -> ModalSet:
         return modes_from_dict(content)
 
 
+@explained
 def write_modes(modes: ModalSet, path: str | os.PathLike[str]) -> None:
     """Write modes as JSON, every bit kept: frequencies, damping ratios, poles, shapes and covariance.
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from suspid.arguments import explained
 from suspid.cleaning import RecordLike, as_record
 from suspid.errors import InputError
 from suspid.results import Result
@@ -78,6 +79,7 @@ class Stabilization(Result):
         )
 
 
+@explained
 @in_one_thread
 def stabilization(record: RecordLike, *, most: int = 40, highest_hz: Hertz | None = None) -> Stabilization:
     """Fit a free decay with 2, 4, 6, … poles, and tell which of them stay from one order to the next.

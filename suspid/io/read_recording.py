@@ -6,6 +6,7 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
+from suspid.arguments import explained
 from suspid.errors import RecordError
 from suspid.files import naming
 from suspid.io.formats import format_of, is_guess, marked_format, reader_of
@@ -14,6 +15,7 @@ from suspid.recordings import Recording
 from suspid.units import Hertz
 
 
+@explained
 def read_recording(
     path: str | os.PathLike[str],
     *,

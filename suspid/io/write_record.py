@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from suspid.arguments import explained
 from suspid.errors import RecordError
 from suspid.files import printable, replacing
 from suspid.io.names import is_time
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 WRITTEN = (".csv", ".parquet", ".pq")
 
 
+@explained
 def write_record(
     response: control.TimeResponseData,
     path: str | os.PathLike[str],

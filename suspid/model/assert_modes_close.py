@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Protocol
 
+from suspid.arguments import explained
 from suspid.errors import InputError
 from suspid.model.compare import compare
 from suspid.model.eigenmodes import eigenmodes
@@ -20,6 +21,7 @@ class HasModes(Protocol):
         """The modes."""
 
 
+@explained
 def assert_modes_close(
     found: ModalSet | Suspension | HasModes,
     expected: ModalSet | Suspension | HasModes,

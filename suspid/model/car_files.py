@@ -49,6 +49,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
+from suspid.arguments import explained
 from suspid.errors import InputError
 from suspid.files import naming, read_text, replacing
 from suspid.model.car_parts import body_arms
@@ -72,6 +73,7 @@ PRESETS: Mapping[str, Callable[..., Suspension]] = {
 }
 
 
+@explained
 def read_car(path: str | os.PathLike[str]) -> Suspension:
     """Return the suspension that a TOML file describes.
 
@@ -90,6 +92,7 @@ def read_car(path: str | os.PathLike[str]) -> Suspension:
         return car_from_toml(read_text(Path(path)))
 
 
+@explained
 def write_car(suspension: Suspension, path: str | os.PathLike[str]) -> None:
     """Write a suspension as TOML; the file is replaced only after everything is written.
 

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from suspid.arguments import explained
 from suspid.errors import InputError
 from suspid.levels import EXACT, NORMAL_95, ROUNDING
 from suspid.model.comparison import ComparedValue, Comparison
@@ -20,6 +21,7 @@ from suspid.values import FrozenMapping, frozen_real
 WN_ZETA = ("wn", "zeta")
 
 
+@explained
 def compare(
     found: ModalSet | Suspension,
     expected: ModalSet | Suspension,

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from suspid.arguments import explained
 from suspid.errors import InputError
 from suspid.model.modes import ModalSet
 from suspid.model.statespace import state_matrix
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     import control
 
 
+@explained
 def eigenmodes(system: control.LTI | Suspension) -> ModalSet:
     """Return the exact modes of a model: its eigenvalues, and its eigenvectors at the outputs.
 

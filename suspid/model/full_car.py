@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from suspid.arguments import explained
 from suspid.model.car_parts import (
     KilogramSquareMetre,
     PerSide,
@@ -16,6 +17,7 @@ from suspid.model.suspension import Suspension
 from suspid.units import Kilogram, Metre, NewtonPerMetre, NewtonSecondPerMetre
 
 
+@explained
 def full_car(
     *,
     seat_mass: Kilogram | None = None,

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from suspid.arguments import explained
 from suspid.model.car_parts import KilogramSquareMetre, between, body_arms, seat_arguments, seated
 from suspid.model.checks import positive_number
 from suspid.model.suspension import Suspension
 from suspid.units import Kilogram, Metre, NewtonPerMetre, NewtonSecondPerMetre
 
 
+@explained
 def half_car(
     *,
     seat_mass: Kilogram | None = None,

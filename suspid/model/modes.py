@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from suspid.arguments import explained
 from suspid.errors import InputError
 from suspid.levels import LEVEL, check_level, normal_reach
 from suspid.model.covariance import check_definite, covariance_order, jacobian_of
@@ -125,6 +126,7 @@ class ModalSet(Result):
             object.__setattr__(self, "covariance", frozen_real(covariance[np.ix_(index, index)]))
 
     @classmethod
+    @explained
     def from_wn_zeta(
         cls,
         wn: Sequence[RadianPerSecond] | RealArray,

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from suspid.arguments import explained
 from suspid.model.car_parts import between, seat_arguments, seated
 from suspid.model.suspension import Suspension
 from suspid.units import Kilogram, NewtonPerMetre, NewtonSecondPerMetre
 
 
+@explained
 def quarter_car(
     *,
     seat_mass: Kilogram | None = None,

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from suspid.arguments import explained
 from suspid.errors import InputError
 from suspid.model.outputs import FORCE, OutputRows, force_weights, output_rows
 from suspid.model.suspension import Suspension, check_linear
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     import control
 
 
+@explained
 def statespace(
     suspension: Suspension,
     *,

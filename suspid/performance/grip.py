@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from suspid.arguments import explained
 from suspid.errors import InputError
 from suspid.levels import LEVEL
 from suspid.model import Suspension, check_linear, positive_number
@@ -25,6 +26,7 @@ SWEEP_TOP: Hertz = 25.0  # where it begins
 MOST_TOP: Hertz = 1000.0  # no car description holds that far
 
 
+@explained
 def grip(
     car: Car,
     *,

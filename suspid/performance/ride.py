@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
+from suspid.arguments import explained
 from suspid.cleaning import RecordLike
 from suspid.errors import InputError
 from suspid.model import Suspension, output_rows, positive_number
@@ -30,6 +31,7 @@ from suspid.words.ride import RideCheck, RideHeadline
 HOUR: Second = 3600.0
 
 
+@explained
 def ride(
     car: Car | RecordLike,
     *,

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from suspid.arguments import explained
 from suspid.cleaning import RecordLike, as_record
 from suspid.errors import InputError
 from suspid.levels import LEVEL, check_level, likely, normal_reach
@@ -108,6 +109,7 @@ class RoadClass(Result):
         return f"{text_table(rows)}\n{self.verdict}"
 
 
+@explained
 def classify_road(
     record: RecordLike,
     *,

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from suspid.arguments import explained
 from suspid.errors import InputError
 from suspid.levels import ROUNDING
 from suspid.model import Suspension, statespace
@@ -77,6 +78,7 @@ def per_cent(elasticity: float) -> str:
     return f"{elasticity:+.2f}" if f"{abs(elasticity):.2f}" != "0.00" else "0.00"
 
 
+@explained
 def sensitivities(
     car: Suspension,
     *,

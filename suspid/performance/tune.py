@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
+from suspid.arguments import explained
 from suspid.errors import InputError
 from suspid.model import Suspension, positive_number
 from suspid.performance.choices import Choice, box_of, choice_of
@@ -30,6 +31,7 @@ from suspid.words.ride import TuningHeadline
 NO_FIGURE = 1e-300
 
 
+@explained
 def tune(
     car: Car,
     *,

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from suspid.arguments import explained
 from suspid.errors import InputError, SuspidError
 from suspid.model import FORCE, Suspension, statespace
 from suspid.performance.active_tuning import ActiveTuning
@@ -22,6 +23,7 @@ ACTUATOR = "force"
 WHITE_SLOPES = 2.0
 
 
+@explained
 def tune_active(
     car: Suspension,
     *,

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from suspid.arguments import explained
 from suspid.errors import InputError
 from suspid.model import Strut, positive_number
 from suspid.performance.choices import REACH_OF_BOUNDS, check_ascent
@@ -31,6 +32,7 @@ RATES = 33
 FINE = 2001
 
 
+@explained
 def tune_damper(
     car: Car,
     *,

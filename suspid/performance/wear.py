@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
+from suspid.arguments import explained
 from suspid.errors import InputError
 from suspid.greybox import DamperCurve, Estimate, nominal_value, parameter_unit
 from suspid.levels import NORMAL_95, beyond_chance, normal_reach
@@ -20,6 +21,7 @@ from suspid.units import Ratio
 from suspid.words import DamperState
 
 
+@explained
 def wear(
     now: Estimate,
     *,

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from suspid.arguments import explained
 from suspid.errors import InputError
 from suspid.units import ComplexArray, Hertz, Ratio, RealArray, Second
 from suspid.values import nearest_names
@@ -50,6 +51,7 @@ WEIGHTINGS: Mapping[str, Weighting] = MappingProxyType(
 BUTTERWORTH = 2**0.5
 
 
+@explained
 def weighting(name: str, hertz: ArrayLike) -> ComplexArray:
     """Return the frequency response of a weighting of ISO 2631-1 at frequencies [1], in the shape of ``hertz``.
 

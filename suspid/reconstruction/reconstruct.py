@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from suspid.arguments import explained
 from suspid.errors import ReconstructionError
 from suspid.levels import CHI_SQUARE_95
 from suspid.model import ModalSet, Suspension
@@ -38,6 +39,7 @@ from suspid.words import ReconstructionNote, Remark
 __all__ = ["Reconstruction", "reconstruct"]
 
 
+@explained
 @in_one_thread
 def reconstruct(
     modes: ModalSet | Sequence[ModalTest | ModalSet],

@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, overload
 
 from suspid.analysis import Analysis, DriveAnalysis, Limit, Settings, check_limits
+from suspid.arguments import explained
 from suspid.cleaning import Cleaned
 from suspid.errors import InputError
 from suspid.fleet import FleetSummary
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
     from suspid.reconstruction import Reconstruction
 
 
+@explained
 @overload
 def content_of(
     found: Identification | Analysis,
@@ -82,6 +84,7 @@ def content_of(
 ) -> EstimateContent | DriveContent: ...
 
 
+@explained
 def content_of(
     found: Identification | Analysis | Estimate | DriveAnalysis | FleetSummary,
     *,

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from suspid.arguments import explained
 from suspid.errors import InputError
 from suspid.files import parsed_json, printable, read_text
 from suspid.greybox import DamperCurve, LineTest
@@ -24,6 +25,7 @@ from suspid.values import frozen_real
 from suspid.words import Check, EstimateCheck, Level, Remark, Verdict
 
 
+@explained
 def damper_curve_to_dict(found: DamperCurve, *, level: Ratio = LEVEL) -> dict[str, object]:
     """Return a damper's curve as plain lists and numbers, every bit kept; numbers that are not finite are None.
 

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from suspid.analysis import CheckedLimits
+from suspid.arguments import explained
 from suspid.errors import InputError
 from suspid.files import naming, parsed_json, printable, read_text
 from suspid.greybox import Estimate, nominal_value, parameter_unit
@@ -111,6 +112,7 @@ def estimate_from_dict(content: Mapping[str, object]) -> Estimate:
         ) from None
 
 
+@explained
 def read_estimate(path: str | os.PathLike[str]) -> Estimate:
     """Return the estimate that ``suspid estimate --json`` or ``suspid drive --json`` wrote, without its records.
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from suspid.arguments import explained
 from suspid.identification import AmplitudeDependence, Identification
 from suspid.levels import NORMAL_95
 from suspid.reporting.axes import checked_grid, in_legend
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
+@explained
 def plot_amplitude(found: Identification, *, axes: Sequence[Sequence[Axes]] | NDArray[np.object_]) -> None:
     """Draw natural frequency and damping ratio of each mode against its amplitude, with 95 % bands.
 

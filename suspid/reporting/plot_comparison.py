@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from suspid.arguments import explained
 from suspid.errors import InputError
 from suspid.greybox import Estimate
 from suspid.levels import LEVEL, check_level
@@ -35,6 +36,7 @@ class Compared:
     after: tuple[float, float, float]
 
 
+@explained
 def plot_comparison(
     before: Estimate | ModalSet,
     after: Estimate | ModalSet,

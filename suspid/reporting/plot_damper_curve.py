@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from suspid.arguments import explained
 from suspid.levels import LEVEL, check_level, normal_reach
 from suspid.reporting.axes import key_above
 from suspid.reporting.colours import Colour
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from suspid.greybox import DamperCurve
 
 
+@explained
 def plot_damper_curve(found: DamperCurve, ax: Axes, *, level: Ratio = LEVEL) -> Axes:
     """Draw the force of a damper over its velocity with friction, its band, and the viscous damper of equal work.
 

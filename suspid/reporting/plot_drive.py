@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from suspid.arguments import explained
 from suspid.greybox import body_channels, wheels_of
 from suspid.levels import UNLIKELY
 from suspid.reporting.axes import frequency_ticks, keep_apart, shown
@@ -37,6 +38,7 @@ REASON_COLOURS: dict[Code, Colour] = {
 WELCH_WINDOW: Second = 8.0  # of the spectra that are drawn
 
 
+@explained
 def plot_drive(found: DriveAnalysis, figure: Figure) -> Figure:
     """Draw the stretches of each file over time, spectra of the channels with what was fitted, and curves of dampers.
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from suspid.arguments import explained
 from suspid.reporting.colours import Colour
 from suspid.results import check_kind
 
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
     from suspid.wavelets import BandwidthSearch
 
 
+@explained
 def plot_entropy(search: BandwidthSearch, *, ax: Axes) -> Axes:
     """Draw wavelet entropy against bandwidth with its minimum; warn if the minimum lies at an end of the range.
 

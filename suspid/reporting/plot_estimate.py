@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from suspid.arguments import explained
 from suspid.greybox import nominal_value
 from suspid.levels import LEVEL
 from suspid.reporting.axes import keep_apart, key_above, plot_residual, shown, unit_ticks
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from suspid.reconstruction import Reconstruction
 
 
+@explained
 def plot_estimate(found: Estimate, figure: Figure, *, level: Ratio = LEVEL) -> Figure:
     """Draw the change of each parameter from nominal with its interval, and the first record with its residual.
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from suspid.arguments import explained
 from suspid.reporting.axes import checked_grid, key_above, plot_residual, position, shown, unit_ticks
 from suspid.results import check_kind
 from suspid.samples import held
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from suspid.identification import Identification
 
 
+@explained
 def plot_fit(
     identification: Identification,
     *,

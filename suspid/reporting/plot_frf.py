@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from suspid.arguments import explained
 from suspid.levels import LEVEL, normal_reach
 from suspid.reporting.axes import checked_grid, frequency_ticks, shown
 from suspid.reporting.colours import Colour
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from suspid.greybox import Estimate
 
 
+@explained
 def plot_frf(
     found: Estimate,
     *,

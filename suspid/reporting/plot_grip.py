@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from suspid.arguments import explained
 from suspid.levels import LEVEL, check_level, normal_reach
 from suspid.performance import CLASSES, PHASE_LIMIT
 from suspid.reporting.axes import frequency_ticks, in_legend, keep_apart, key_above
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from suspid.performance import Grip
 
 
+@explained
 def plot_grip(found: Grip, figure: Figure, *, level: Ratio = LEVEL) -> Figure:
     """Draw least contact force and phase of each wheel over frequency, with bands and the limits of EUSAMA and EGEA.
 

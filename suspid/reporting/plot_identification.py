@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from suspid.arguments import explained
 from suspid.model import modal_table
 from suspid.reporting.axes import keep_apart, shown, without_legend
 from suspid.reporting.plot_entropy import plot_entropy
@@ -39,6 +40,7 @@ MODES_ON_PAGE = 12
 PAGE = (8.27, 11.69)
 
 
+@explained
 def plot_identification(
     identification: Identification, figure: Figure, *, units: Sequence[str] | None = None
 ) -> Figure:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from suspid.arguments import explained
 from suspid.levels import LEVEL, check_level, normal_reach
 from suspid.performance import weighting
 from suspid.reporting.axes import decade_ticks, frequency_ticks, keep_apart, key_above, shown
@@ -30,6 +31,7 @@ WEIGHTING_POINTS = 400
 BANDS_AN_OCTAVE = 24
 
 
+@explained
 def plot_ride(found: Ride, figure: Figure, *, level: Ratio = LEVEL) -> Figure:
     """Draw the weightings of ISO 2631-1 and, of each acceleration, its spectral density with and without them.
 

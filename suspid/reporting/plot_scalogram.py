@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from suspid.arguments import explained
 from suspid.reporting.axes import frequency_ticks, key_above, pieces_across, position, shown, thinned
 from suspid.reporting.colours import Colour
 from suspid.reporting.thinning import pooled, power_weights, row_edges
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from suspid.wavelets import Scalogram
 
 
+@explained
 def plot_scalogram(
     scalogram: Scalogram,
     *,

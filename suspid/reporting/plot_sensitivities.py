@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from suspid.arguments import explained
 from suspid.performance import per_cent
 from suspid.reporting.axes import shown
 from suspid.reporting.colours import Colour
@@ -22,6 +23,7 @@ FULL_CELL = 1.0
 HALF_CELL = 0.46
 
 
+@explained
 def plot_sensitivities(found: Sensitivities, ax: Axes) -> Axes:
     """Draw a row for each mode and figure and a column for each parameter: per cent for each per cent, as bars.
 

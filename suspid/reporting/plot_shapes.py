@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from suspid.arguments import explained
 from suspid.errors import InputError
 from suspid.reporting.axes import shown
 from suspid.reporting.colours import Colour
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 FULL_BAR = 0.42
 
 
+@explained
 def plot_shapes(modes: ModalSet, *, ax: Axes, units: Sequence[str] | None = None) -> Axes:
     """Draw mode shapes: a column for each mode, with a bar for each channel.
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from suspid.arguments import explained
 from suspid.reporting.axes import checked_grid, decade_ticks, in_legend, thinned
 from suspid.reporting.colours import CHANNEL_COLOURS, Colour
 from suspid.wavelets import ABOVE_NOISE, Ridge, SkeletonFit, fit_skeleton
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
+@explained
 def plot_skeletons(ridges: Sequence[Ridge], *, axes: Sequence[Sequence[Axes]] | NDArray[np.object_]) -> None:
     r"""Draw modulus and phase along each ridge with the fitted lines.
 

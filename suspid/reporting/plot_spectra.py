@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from suspid.arguments import explained
 from suspid.errors import InputError
 from suspid.identification import Identification
 from suspid.levels import EXACT
@@ -35,6 +36,7 @@ BELOW_NOISE = 0.01
 SHORT_UNIT = 10
 
 
+@explained
 def plot_spectra(
     found: Estimate | Identification,
     *,

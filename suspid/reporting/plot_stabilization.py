@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from suspid.arguments import explained
 from suspid.cleaning import RecordLike, as_record
 from suspid.identification import HIGHEST_VIEW, Identification, Stabilization, stabilization
 from suspid.reporting.axes import key_above
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
 IN_VIEW = 2.5
 
 
+@explained
 def plot_stabilization(found: Identification | Stabilization | RecordLike, ax: Axes, *, most: int = 40) -> Axes:
     """Draw the poles of every model order over frequency, marked where they are stable; see `stabilization`.
 

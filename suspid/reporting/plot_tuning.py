@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from suspid.arguments import explained
 from suspid.reconstruction import unit_of
 from suspid.reporting.axes import frequency_ticks, keep_apart, shown
 from suspid.reporting.colours import CHANNEL_COLOURS, Colour
@@ -25,6 +26,7 @@ MOST_OF_LABEL = 60
 WIDEST_LINE = 3.0
 
 
+@explained
 def plot_tuning(found: Tuning, figure: Figure) -> Figure:
     """Draw the front of a tuning beside the car as it was, and the parameters along it.
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
+from suspid.arguments import explained
 from suspid.files import printable
 from suspid.fleet import FleetSummary
 from suspid.greybox import Estimate
@@ -46,6 +47,7 @@ AnyContent: TypeAlias = Content | EstimateContent | DriveContent | FleetContent
 MOST_LETTERS = 40
 
 
+@explained
 def report(
     found: Identification | Analysis | Estimate | DriveAnalysis | FleetSummary | AnyContent,
     *,

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from suspid.arguments import explained
 from suspid.identification import identification_to_dict, modes_to_dict, to_json
 from suspid.model import car_to_toml
 from suspid.reconstruction import reconstruction_to_dict
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
     from suspid.reconstruction import Reconstruction
 
 
+@explained
 def report_to_dict(found: Identification | Analysis | Content) -> dict[str, object]:
     """Return everything that `report` shows as plain lists and numbers; numbers that are not finite are None.
 

@@ -8,6 +8,7 @@ import platform
 from dataclasses import dataclass
 from pathlib import Path
 
+from suspid.arguments import explained
 from suspid.errors import InputError
 from suspid.files import printable, read_text
 
@@ -50,6 +51,7 @@ class Source:
     text: str = ""
 
 
+@explained
 def source_of(path: str | os.PathLike[str], *, command: str = "", created: str = "", text: bool = False) -> Source:
     """Return the source that a file is, with its hash, and its text where that is asked for.
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from suspid.arguments import explained
 from suspid.errors import InputError
 from suspid.signals import as_response, as_signal, inputs_of
 from suspid.units import Decibel
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
     import control
 
 
+@explained
 def add_noise(
     response: control.TimeResponseData, *, snr_db: Decibel, rng: np.random.Generator
 ) -> control.TimeResponseData:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from suspid.arguments import explained
 from suspid.errors import InputError
 from suspid.model import Suspension, statespace
 from suspid.signals import as_response
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     import control
 
 
+@explained
 def free_decay(
     system: control.StateSpace | Suspension,
     timepts: ArrayLike,

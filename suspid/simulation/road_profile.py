@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
+from suspid.arguments import explained
 from suspid.errors import InputError
 from suspid.units import Metre, Ratio, RealArray
 from suspid.values import FrozenMapping, is_size
@@ -31,6 +32,7 @@ def road_class(roughness: float) -> str:
     return next((name for name, mean in ROUGHNESS.items() if roughness <= 2 * mean), list(ROUGHNESS)[-1])
 
 
+@explained
 def road_profile(
     distance: ArrayLike,
     *,

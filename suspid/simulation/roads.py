@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from suspid.arguments import explained
 from suspid.errors import InputError
 from suspid.model import Suspension, positive_number
 from suspid.signals import as_response
@@ -140,6 +141,7 @@ class Road:
         return as_response(np.asarray(timepts, float), np.array(list(drawn.values())), list(drawn), title="Road")
 
 
+@explained
 def road(
     roughness: str | float,
     *,

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from suspid.arguments import explained
 from suspid.errors import InputError, RecordError
 from suspid.model import FORCE, Suspension, statespace
 from suspid.signals import as_response, uniform_step
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 RATE = "_rate"
 
 
+@explained
 def simulate(
     system: control.StateSpace | Suspension,
     timepts: ArrayLike,

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from suspid.arguments import explained
 from suspid.cleaning import RecordLike, as_record
 from suspid.errors import InputError
 from suspid.results import Result
@@ -66,6 +67,7 @@ class BandwidthSearch(Result):
         return f"least entropy {np.min(self.entropy):.4g} nat at N = {self.best:g}{end}; tried {low:g} to {high:g}"
 
 
+@explained
 def best_bandwidth(
     response: RecordLike,
     *,

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from suspid.arguments import explained
 from suspid.cleaning import RecordLike, as_record
 from suspid.signals import as_signal
 from suspid.units import Hertz, Radian, RadianPerSecond, RealArray
@@ -15,6 +16,7 @@ from suspid.wavelets.scalogram import Normalization, Scalogram
 from suspid.wavelets.transform import CUT, row_frequencies, transform
 
 
+@explained
 def cwt(
     response: RecordLike,
     *,

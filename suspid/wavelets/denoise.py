@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Literal, TypeAlias, get_args
 
 import numpy as np
 
+from suspid.arguments import explained
 from suspid.cleaning import RecordLike, as_record
 from suspid.errors import InputError
 from suspid.signals import as_response, as_signal
@@ -30,6 +31,7 @@ NoiseName: TypeAlias = Literal["once", "per-level"]
 TransformName: TypeAlias = Literal["stationary", "decimated"]
 
 
+@explained
 def denoise(
     response: RecordLike,
     *,

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from suspid.arguments import explained
 from suspid.cleaning import RecordLike, as_record
 from suspid.errors import IdentificationError, InputError
 from suspid.levels import CERTAIN
@@ -27,6 +28,7 @@ from suspid.wavelets.transform import transform
 RIDGE_FARTHEST, MISFIT = 0.1, 0.25
 
 
+@explained
 def find_ridges(
     scalogram: Scalogram | RecordLike, *, count: int | None = None, fs: Hertz | None = None
 ) -> tuple[Ridge, ...]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from suspid.arguments import explained
 from suspid.errors import InputError
 from suspid.model import ModalSet, scaled_shapes
 from suspid.units import ComplexArray, RealArray, Second
@@ -55,6 +56,7 @@ class SkeletonFit:
         return np.asarray(self.origin[:, None] + self.pole * (self.timepts - self.onset))
 
 
+@explained
 def fit_ridges(ridges: Sequence[Ridge]) -> ModalSet:
     """Return the modes from the slopes along the ridges, Eq. (21).
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import get_args
+
 import numpy as np
 
 from suspid.errors import InputError
@@ -56,6 +58,8 @@ def transform(
     _check_rows(signal, omega, wavelet)
     if not CUT / 10 <= precision < 0.1:
         raise InputError(f"{precision=} must be a share between {CUT / 10:g} and 0.1, such as {CUT:g}")
+    if normalization not in get_args(Normalization):
+        raise InputError(f"{normalization=} must be one of {', '.join(map(repr, get_args(Normalization)))}")
     scale = wavelet.center / omega
     plan = RowPlan(
         wavelet=wavelet,
