@@ -82,7 +82,7 @@ def parsed_json(text: str) -> dict[str, object]:
     try:
         content = json.loads(text)
     except (ValueError, RecursionError) as error:
-        raise InputError(f"is not JSON: {printable(str(error))}; give what --json wrote") from None
+        raise InputError(f"is not JSON: {printable(str(error))}; give JSON that suspid wrote") from None
     if not isinstance(content, dict):
         raise InputError(f"must contain a JSON object, not {type(content).__name__}")
     return content

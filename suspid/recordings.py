@@ -10,9 +10,8 @@ from suspid.errors import RecordError
 from suspid.stamps import rate_and_gaps
 from suspid.units import Hertz, RealArray, Second
 from suspid.values import listed, nearest_names, text_table
+from suspid.wording import Argument
 from suspid.words import Remark
-
-SEVERAL = "The file holds {number} tests. Choose one with --test, such as --test '{first}'; --test all joins them."
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -153,4 +152,5 @@ class Recording:
             table = f"{table}\n\n{text_table({'left out': names, 'because it': reasons})}"
         if not self.tests:
             return table
-        return f"{table}\n\n{SEVERAL.format(number=len(self.tests), first=self.tests[0])}"
+        first, together = Argument("test", repr(self.tests[0])), Argument("test", "'all'")
+        return f"{table}\n\nThe file holds {len(self.tests)} tests. Choose one, such as {first}; {together} joins them."

@@ -17,6 +17,7 @@ from suspid.errors import RecordError
 from suspid.samples import Samples, as_samples
 from suspid.units import RealArray, Second
 from suspid.values import LARGEST_SIZE, SMALLEST_SIZE, frozen_real
+from suspid.wording import Argument
 
 if TYPE_CHECKING:
     import control
@@ -108,7 +109,7 @@ def as_signal(response: control.TimeResponseData, *, least: int = 2, copied: boo
     if len(timepts) < least:
         raise RecordError(
             f"the record has {len(timepts)} samples; at least {least} are needed: "
-            f"record longer, or use a longer stretch (start, stop)"
+            f"record longer, or use a longer stretch ({Argument('start')}, {Argument('stop')})"
         )
     labels = response.output_labels
     channels = tuple(labels) if labels else tuple(f"y[{i}]" for i in range(len(values)))
@@ -194,7 +195,8 @@ def uniform_step(timepts: RealArray) -> Second:
     if astray[worst] > JITTER:
         raise RecordError(
             f"time is irregular: the stamp t = {timepts[worst]:g} s lies {astray[worst]:.2g} steps off a uniform grid "
-            f"of {step:g} s; resample the record, or give fs if the stamps are merely rounded"
+            f"of {step:g} s; resample the record, or give "
+            f"{Argument('fs')} if the stamps are merely rounded"
         )
     return step
 

@@ -31,6 +31,28 @@ class Argument:
 
 
 @dataclass(frozen=True, slots=True)
+class AtCommandLine:
+    """An option with an example, in brackets, where its likeness in Python is another text or none.
+
+    Examples
+    --------
+    >>> print("name it by what it measures", AtCommandLine("rename", "a1=seat"), sep="")
+    name it by what it measures
+    >>> with called({"rename": "--rename"}):
+    ...     print("name it by what it measures", AtCommandLine("rename", "a1=seat"), sep="")
+    name it by what it measures (--rename a1=seat)
+    """
+
+    name: str
+    value: str
+    otherwise: str = ""
+
+    def __str__(self) -> str:
+        option = (_CALLED.get() or {}).get(self.name)
+        return self.otherwise if option is None else f" ({option} {self.value})"
+
+
+@dataclass(frozen=True, slots=True)
 class Wording:
     """A message in parts: text, and the arguments that it speaks of.
 

@@ -178,13 +178,25 @@ class TestMessages:
 
     IN_TEXT = re.compile(rf"(?<![\w.'-])({'|'.join(ARGUMENTS_AS_OPTIONS)})=(?![= ])")
 
-    def test_arguments_are_no_part_of_the_text(self) -> None:
+    OPTION = re.compile(rf"(?<![\w-])({'|'.join(set(ARGUMENTS_AS_OPTIONS.values()))})(?![\w-])")
+
+    def texts(self) -> list[tuple[str, str, str]]:
+        """Return module, place and text of all strings but docstrings."""
         docstrings = {id(n.value) for _, n in NODES if isinstance(n, ast.Expr)}
         strings = [(n, node) for n, node in NODES if isinstance(node, ast.Constant | ast.JoinedStr)]
-        texts = [
-            (f"{place(name)} line {node.lineno}", said(node)) for name, node in strings if id(node) not in docstrings
+        return [
+            (name, f"{place(name)} line {node.lineno}", said(node))
+            for name, node in strings
+            if id(node) not in docstrings
         ]
-        assert [where for where, text in texts if self.IN_TEXT.search(text)] == []
+
+    def test_arguments_are_no_part_of_the_text(self) -> None:
+        assert [where for _, where, text in self.texts() if self.IN_TEXT.search(text)] == []
+
+    def test_options_are_no_part_of_the_text(self) -> None:
+        """In Python there are none; the commands alone may write them."""
+        found = [where for name, where, text in self.texts() if self.OPTION.search(text) and package_of(name) != "cli"]
+        assert found == []
 
 
 class TestModules:

@@ -15,6 +15,7 @@ from click.testing import CliRunner
 import suspid
 from suspid import Limit, ModalSet, Settings, SuspidError
 from suspid.cli import main
+from suspid.cli.option_names import ARGUMENTS_AS_OPTIONS
 
 RECORD, CAR = "examples/quarter_car.csv", "examples/car.toml"
 DECAY = np.exp(-0.5 * np.arange(0, 4, 0.01)) * np.cos(20 * np.arange(0, 4, 0.01))
@@ -23,6 +24,12 @@ STEP = re.compile(
     r"Did you mean|Known|known|such as|write |give |name |choose|install|see |use |take |read |must |lasts from|"
     r"Try |--|ask for|pass |is not one of|needs|leave|check|give|describe|remove|positive|as_record|eigenmodes|between|"
     r"call ",
+)
+
+# Arguments and functions as they are written in Python.
+IN_PYTHON = [name for name in (*ARGUMENTS_AS_OPTIONS, *suspid.__all__) if "_" in name and name.islower()]
+PYTHON = re.compile(
+    rf"\b[a-z_]+=[('\[]|(?<![\w./'-])({'|'.join(IN_PYTHON)})(?!\w)|\(({'|'.join(ARGUMENTS_AS_OPTIONS)})[,)]"
 )
 
 COMMANDS = [
@@ -136,8 +143,28 @@ def test_a_command_that_is_wrong_names_the_next_step(line: str) -> None:
     # A wrong command line comes with the command that helps.
     last = result.stderr if result.exit_code == 2 else result.stderr.strip().splitlines()[-1]
     assert STEP.search(last), last
-    # On the command line arguments of Python have no place.
-    assert not re.search(r"\b[a-z_]+=[('\[]", last), last
+    # On the command line arguments and functions of Python have no place.
+    assert not PYTHON.search(last), last
+
+
+@pytest.mark.parametrize("record", [RECORD, "late", "twice", "nameless"])
+@pytest.mark.parametrize("command", ["identify", "channels", "identify --decay whole"])
+def test_a_command_speaks_of_its_options_alone(record: str, command: str, tmp_path: Path) -> None:
+    path = tmp_path / f"{record}.csv"
+    late = np.concatenate([1e-3 * np.sin(np.arange(150)), DECAY])
+    kinds = {
+        "late": ("time [s],seat [m]", np.arange(late.size) / 100),
+        "twice": ("time [s],seat [m]", np.arange(late.size) // 2 / 50),
+        "nameless": ("force,seat [m]", late),
+    }
+    if record in kinds:
+        head, first = kinds[record]
+        path.write_text("\n".join([head, *(f"{t},{y}" for t, y in zip(first, late, strict=True))]))
+    first_word, *rest = command.split()
+    result = CliRunner().invoke(main, [first_word, str(path) if record in kinds else record, *rest])
+    assert result.exit_code in (0, 1), result.output
+    found = [line for line in result.output.replace(str(path), "").splitlines() if PYTHON.search(line)]
+    assert found == []
 
 
 @pytest.mark.parametrize("call", CALLS)

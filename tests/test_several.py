@@ -146,7 +146,8 @@ class TestSeveralInOneFile:
         recording = read_recording(path)
         assert recording.tests == ("Fe", "Al")
         assert recording.of_test("Al").names == ("Al.Out.Acc[1]", "Al.Out.Acc[2]")
-        assert "--test 'Fe'" in str(recording)
+        assert "Choose one, such as test='Fe'; test='all' joins them." in str(recording)
+        assert "Choose one, such as --test 'Fe'" in CliRunner().invoke(main, ["channels", str(path)]).output
         found = analyse(path)
         assert as_signal(found.record).channels == ("Fe.Out.Acc[1]", "Fe.Out.Acc[2]")
         assert RecordCheck.ONE_OF_TESTS in codes(found)

@@ -214,7 +214,7 @@ def _check_types(car: object, settings: object) -> None:
     if not isinstance(settings, Settings):
         raise InputError(f"settings={settings!r:.80} must be Settings, such as Settings(modes=1)")
     if car is not None and not isinstance(car, Suspension):
-        raise InputError(f"car={car!r:.80} must be a Suspension; read_car reads one from a file")
+        raise InputError(Argument("car", f"{car!r:.80}"), " must be a Suspension; read_car reads one from a file")
 
 
 def _identified(opened: Read, stretch: Used, settings: Settings) -> tuple[Identification, Repeats | None]:

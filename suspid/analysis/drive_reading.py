@@ -14,6 +14,7 @@ from suspid.cleaning import to_si, unmarked
 from suspid.errors import InputError, RecordError
 from suspid.io import bare_name, read_recording
 from suspid.recordings import RawChannel, Recording
+from suspid.wording import Argument
 
 
 def read_drive(source: str | os.PathLike[str] | Recording, settings: Settings) -> Recording:
@@ -77,8 +78,8 @@ def _between(channels: list[RawChannel], settings: Settings) -> list[RawChannel]
     if not any(np.sum(there) > 1 for there in inside.values()):
         ends = [end for c in channels for end in (np.nanmin(c.timepts), np.nanmax(c.timepts)) if c.timepts.size]
         raise RecordError(
-            f"there are no samples between {low:g} and {high:g} s (start, stop): the recording runs from "
-            f"{min(ends):.6g} to {max(ends):.6g} s"
+            f"there are no samples between {low:g} and {high:g} s ({Argument('start')}, {Argument('stop')}): the "
+            f"recording runs from {min(ends):.6g} to {max(ends):.6g} s"
         )
     return [
         replace(c, timepts=stamps[id(c.timepts)], values=c.values[inside[id(c.timepts)]])

@@ -132,7 +132,8 @@ def _kept(channels: tuple[str, ...], settings: Settings) -> tuple[str, ...]:
     kept = tuple(name for name in wanted if name not in dropped)
     if wanted and not kept:
         raise RecordError(
-            f"leaving {listed(settings.without)} out (without) leaves no channel; keep at least one of {listed(wanted)}"
+            f"leaving {listed(settings.without)} out ({Argument('without')}) leaves no channel; keep at least one of "
+            f"{listed(wanted)}"
         )
     return kept
 
@@ -206,7 +207,7 @@ def _renamed(cleaned: Cleaned, renames: dict[str, str]) -> Cleaned:
     if len(set(names)) < len(names):
         raise InputError(
             f"renaming leaves two channels of the same name: {', '.join(map(repr, names))}; "
-            f"choose a new name, or leave one out (without, --without)"
+            f"choose a new name, or leave one out ({Argument('without')})"
         )
     return replace(
         cleaned,

@@ -17,6 +17,7 @@ from suspid.recordings import Recording
 from suspid.signals import as_signal, like
 from suspid.units import RealArray
 from suspid.values import listed
+from suspid.wording import Argument
 from suspid.words import Check, Level, Note, Number, RecordCheck, Remark
 
 if TYPE_CHECKING:
@@ -81,7 +82,7 @@ def alike(parts: Sequence[Part]) -> tuple[list[Part], list[Remark]]:
         if missing or other:
             raise InputError(
                 f"{part.name} does not belong to {first.name}: it has the channels {listed(signal.channels)}, "
-                f"{first.name} has {listed(wanted.channels)}; name those that they share (channels, --channel), or "
+                f"{first.name} has {listed(wanted.channels)}; name those that they share ({Argument('channels')}), or "
                 f"identify them one by one"
             )
         apart = abs(signal.step / wanted.step - 1)

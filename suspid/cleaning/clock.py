@@ -10,6 +10,7 @@ from suspid.cleaning.findings import Finding, found
 from suspid.errors import RecordError
 from suspid.stamps import Indices
 from suspid.units import Hertz, RealArray, Second
+from suspid.wording import Argument
 from suspid.words import Defect, Number
 
 # Relative difference of two clocks that are meant to be one: that of cheap crystals. Larger values accept a wrong
@@ -78,7 +79,7 @@ def _empty(step: Second, places: Indices, times: RealArray) -> str:
     return (
         f"the time stamps of {times.size} rows span {places[-1] + 1} samples of {step:.3g} s, most of them in a gap of "
         f"{times[row + 1] - times[row]:.6g} s after row {row + 1}, {times[row]:.9g} s; correct the stamps beside it, "
-        f"or take the part before or after it (start, stop)"
+        f"or take the part before or after it ({Argument('start')}, {Argument('stop')})"
     )
 
 
@@ -92,8 +93,9 @@ def check_rate(rate: Hertz, mean: Hertz, allowed: float, stamps: RealArray, off:
     if abs(mean - rate) <= allowed * rate:
         return
     worst = int(np.argmax(off))
+    lies = abs(stamps[worst] - stamps[0] - worst / rate) * rate
     raise RecordError(
-        f"fs = {rate:.9g} Hz and the column of time disagree: the stamps run at {mean:.9g} Hz on average, and "
-        f"stamp {worst + 1}, {stamps[worst]:.9g} s, lies {abs(stamps[worst] - stamps[0] - worst / rate) * rate:.3g} "
-        f"samples off"
+        Argument("fs", f"{rate:.9g}"),
+        f" Hz and the column of time disagree: the stamps run at {mean:.9g} Hz on average, and stamp {worst + 1}, "
+        f"{stamps[worst]:.9g} s, lies {lies:.3g} samples off",
     )

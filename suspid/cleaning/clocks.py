@@ -17,6 +17,7 @@ from suspid.signals import JITTER
 from suspid.stamps import FEW, SHORTEST, Grid, Indices, grid_of, is_uniform, multiples_of, rate_and_gaps
 from suspid.stamps import resolution as resolution_of
 from suspid.units import Hertz, RealArray, Second
+from suspid.wording import Argument
 from suspid.words import Defect, Number
 
 
@@ -55,8 +56,9 @@ def read_clock(stamps: RealArray, values: RealArray, *, rate: Hertz | None = Non
     """
     if rate is not None and not 1 / LATEST < rate < 1 / SHORTEST:
         raise RecordError(
-            f"fs = {rate:g} Hz and the {stamps.size} time stamps disagree: they run at "
-            f"{(stamps.size - 1) / max(SHORTEST, abs(float(stamps[-1]) - float(stamps[0]))):.9g} Hz"
+            Argument("fs", f"{rate:g}"),
+            f" Hz and the {stamps.size} time stamps disagree: they run at "
+            f"{(stamps.size - 1) / max(SHORTEST, abs(float(stamps[-1]) - float(stamps[0]))):.9g} Hz",
         )
     if rate is not None and override:
         # Stamps that agree with the rate still tell which rows are missing; only others are replaced.

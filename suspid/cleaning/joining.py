@@ -104,7 +104,7 @@ def whole(placed: Placed) -> tuple[RealArray, dict[str, RealArray], list[Finding
         if share > MOST_FILLED:
             raise RecordError(
                 f"channel {name!r} has gaps in {100 * share:.2g} % of its samples; up to {100 * MOST_FILLED:.0f} % are "
-                f"filled; leave it out or take a better stretch (start, stop)"
+                f"filled; leave it out or take a better stretch ({Argument('start')}, {Argument('stop')})"
             )
         better.append(filled.values)
     table = np.array(better)

@@ -12,6 +12,7 @@ from suspid.signals import JITTER
 from suspid.stamps import FEW, HOLE, SHORTEST, Indices, line, nearest_grid
 from suspid.stamps import resolution as resolution_of
 from suspid.units import Hertz, RealArray, Second
+from suspid.wording import Argument
 from suspid.words import Defect, Number
 
 # Steps between samples above which nothing is interpolated, and share of the time that such holes may take. Wider
@@ -112,5 +113,5 @@ def _hollow(steps: RealArray, wide: Second) -> str:
         f"the time stamps are too irregular for a uniform record: half of the steps are below "
         f"{np.median(steps):.3g} s, but {share:.2g} % of the time is in steps above {wide:.3g} s, the longest "
         f"{steps[longest]:.3g} s after row {longest + 1}; record at a constant rate, or take a stretch without such "
-        f"holes (start, stop)"
+        f"holes ({Argument('start')}, {Argument('stop')})"
     )

@@ -10,6 +10,7 @@ from suspid.cleaning.findings import Finding, found
 from suspid.errors import RecordError
 from suspid.stamps import FEW, Indices, line, resolution
 from suspid.units import Ratio, RealArray
+from suspid.wording import Argument
 from suspid.words import Defect, Number
 
 # Latest possible time stamp [s].
@@ -24,7 +25,8 @@ def stamped(stamps: RealArray) -> tuple[Indices, tuple[Finding, ...]]:
         raise RecordError(f"there is only {stamps.size} sample; a record needs two at least")
     if rows.size < 2 or lost > max(1, 0.1 * stamps.size):
         raise RecordError(
-            f"{lost} of {stamps.size} time stamps are not numbers; correct the time column, or give fs alone"
+            f"{lost} of {stamps.size} time stamps are not numbers; correct the time column, or give {Argument('fs')} "
+            f"alone"
         )
     findings: tuple[Finding, ...] = ()
     if lost:
@@ -121,7 +123,7 @@ def _disordered(times: RealArray) -> str:
         same = np.flatnonzero(np.diff(times) == 0)
         return (
             f"{same.size} time stamps occur twice with different samples, the first at t = {times[same[0]]:g} s, and "
-            f"no uniform clock rounds to them; remove one row of each, or give fs if the rows are regular"
+            f"no uniform clock rounds to them; remove one row of each, or give {Argument('fs')} if the rows are regular"
         )
     edges = np.concatenate([[0], back + 1, [times.size]])
     longest = int(np.argmax(np.diff(edges)))

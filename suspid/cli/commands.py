@@ -53,6 +53,10 @@ def stopped_code(stop: KeyboardInterrupt) -> int:
     return 128 + (signal.SIGTERM if isinstance(stop, Terminated) else signal.SIGINT)
 
 
+# Commands whose output is read for the options of another one.
+FOLLOWED_BY = {"channels": "identify"}
+
+
 class Commands(click.Group):
     """Commands whose `SuspidError` ends the program with one line instead of a traceback."""
 
@@ -75,5 +79,13 @@ class Commands(click.Group):
             click.echo("suspid: stopped", err=True)
             raise click.exceptions.Exit(stopped_code(stop)) from None
         except SuspidError as error:
-            with in_options(self.commands.get(ctx.invoked_subcommand or "", self)):
-                raise Failed(shown(str(error))) from None
+            raise Failed(shown(str(error))) from None
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """Return the command that was asked for; until it ends, all texts name its options instead of arguments."""
+        name, command, rest = super().resolve_command(ctx, args)
+        if command is not None:
+            ctx.with_resource(in_options(command, self.commands.get(FOLLOWED_BY.get(name or "", ""))))
+        return name, command, rest

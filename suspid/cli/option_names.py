@@ -13,7 +13,9 @@ from suspid.wording import called
 ARGUMENTS_AS_OPTIONS = {
     "added_masses": "--added",
     "band_hz": "--band",
+    "before": "--before",
     "bounds": "--bound",
+    "car": "--car",
     "channels": "--channel",
     "clearance": "--clearance",
     "constraints": "--limit",
@@ -25,6 +27,9 @@ ARGUMENTS_AS_OPTIONS = {
     "gains": "--gain",
     "fs": "--fs",
     "given": "--given",
+    "impulse": "--impulse",
+    "initial_state": "--initial",
+    "lateral": "--lateral",
     "level": "--level",
     "loads": "--load",
     "method": "--method",
@@ -75,8 +80,8 @@ CALLED_ELSEWHERE = {
 }
 
 
-def in_options(command: click.Command | None = None) -> AbstractContextManager[None]:
-    """Write arguments of Python as options of a command, by default that which runs, in the texts made within.
+def in_options(*commands: click.Command | None) -> AbstractContextManager[None]:
+    """Write arguments of Python as options of commands, by default that which runs, in the texts made within.
 
     Examples
     --------
@@ -87,8 +92,8 @@ def in_options(command: click.Command | None = None) -> AbstractContextManager[N
     ...     print(error)
     hold it with --fixed …, or set rate=2
     """
-    command = command or click.get_current_context().command
-    known = {name for option in command.params for name in option.opts}
+    meant = [command for command in commands if command is not None] or [click.get_current_context().command]
+    known = {name for command in meant for option in command.params for name in option.opts}
     return called({argument: option for argument, option in ARGUMENTS_AS_OPTIONS.items() if option in known})
 
 

@@ -12,6 +12,7 @@ from suspid.errors import InputError
 from suspid.io import bare_name, bracketed_unit
 from suspid.model import FORCE, Suspension, names_channel
 from suspid.signals import as_signal, inputs_of, like
+from suspid.wording import AtCommandLine
 
 if TYPE_CHECKING:
     import control
@@ -72,6 +73,10 @@ def example(channels: Sequence[str], coordinates: Sequence[str]) -> str:
     return renaming(channel, name + MEANT.get(si_unit(bracketed_unit(channel)), ""))
 
 
+def _how(channel: str, name: str) -> AtCommandLine:
+    return AtCommandLine("rename", renaming(channel, name))
+
+
 def renaming(channel: str, name: str) -> str:
     """Return a channel and its new name as the option --rename takes them."""
     return f"'{channel}'={name}" if " " in channel else f"{channel}={name}"
@@ -91,7 +96,7 @@ def nameless_forces(units: Mapping[str, str], car: Suspension) -> list[str]:
     on_mass, in_strut = force_names(car)
     return [
         f"channel {name!r} is a force and was not used; if it moved the car, name it by what it pushes: one mass "
-        f"(--rename {renaming(name, on_mass)}), or the ends of a strut apart (--rename {renaming(name, in_strut)})"
+        f"{on_mass!r}{_how(name, on_mass)}, or the ends of a strut apart, {in_strut!r}{_how(name, in_strut)}"
         for name, unit in units.items()
         if si_unit(unit) == "N" and not names_channel(car, name)
     ]

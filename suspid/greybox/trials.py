@@ -19,7 +19,7 @@ from suspid.model import FORCE, Suspension, added_masses, force_weights, output_
 from suspid.signals import Signal, as_signal
 from suspid.units import Kilogram, RealArray, Second
 from suspid.values import frozen_real, listed, nearest_names
-from suspid.wording import Argument
+from suspid.wording import Argument, AtCommandLine
 
 if TYPE_CHECKING:
     import control
@@ -160,8 +160,8 @@ def _trial(one: object, car: Suspension, given: Sequence[str]) -> Trial:
     if not use:
         raise RecordError(
             f"no channel of the record measures the suspension: {listed(signal.channels)}; name channels by what they "
-            f"measure, such as {car.coordinates[0]!r} or '{car.coordinates[0]}_acceleration' "
-            f"(--rename {example(signal.channels, car.coordinates)})"
+            f"measure, such as {car.coordinates[0]!r} or '{car.coordinates[0]}_acceleration'",
+            AtCommandLine("rename", example(signal.channels, car.coordinates)),
         )
     unused += [row[0] for row in rows if wheels and np.any(row[3][still])]
     channels = tuple(row[0] for row in use)
@@ -223,7 +223,7 @@ def _force(car: Suspension, name: str, channels: Sequence[str]) -> RealArray:
     except InputError:
         on_mass, in_strut = force_names(car)
         own = [channel for channel in channels if name in (channel, bare_name(channel))]
-        how = f" (--rename {renaming(own[0], on_mass)})." if own else "."
+        how = f"{AtCommandLine('rename', renaming(own[0], on_mass))}." if own else "."
         close = nearest_names(name, [*car.roads, *car.coordinates, *(f"{c}{FORCE}" for c in car.coordinates)])
         meant = close if close.startswith(" Did you mean") and not own else ""
         raise InputError(

@@ -96,8 +96,8 @@ def modes_from_dict(content: Mapping[str, object]) -> ModalSet:
         if {"masses", "struts", "quarter_car", "half_car", "full_car"} & set(content):
             raise InputError("is a car, and modes are needed: name modes first and the car last")
         raise InputError(
-            f"modes is missing or empty; write it with suspid identify --json, or give a list of objects with "
-            f"{', '.join(MODE_KEYS[:3])}"
+            f"modes is missing or empty; write it with write_modes or suspid identify --json, or give a list of "
+            f"objects with {', '.join(MODE_KEYS[:3])}"
         )
     found, shapes, stds = zip(*[_mode(f"mode {k}", entry) for k, entry in enumerate(entries, start=1)], strict=True)
     channels = content.get("channels") or ()

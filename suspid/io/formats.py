@@ -22,6 +22,7 @@ from typing import TypeAlias
 
 from suspid.errors import RecordError
 from suspid.io.tables import Table
+from suspid.wording import Argument
 
 Reader: TypeAlias = Callable[[Path], Table]
 
@@ -76,7 +77,7 @@ def reader_of(path: Path, dbc: str | os.PathLike[str] | None) -> Reader:
     if dbc is None:
         return kind.read
     if kind is not MDF:
-        raise RecordError("dbc decodes CAN frames; only MDF files hold them: leave it out")
+        raise RecordError(Argument("dbc"), " decodes CAN frames; only MDF files hold them: leave it out")
     return lambda file: importlib.import_module("suspid.io.mdf.mdf").read_mdf(file, dbc=dbc)
 
 

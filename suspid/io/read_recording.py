@@ -75,5 +75,5 @@ def _hint(path: Path) -> str:
         return f"; it looks like {marked.name}: name it {marked.suffixes[0]}"
     if not is_guess(path):
         return ""
-    other = ": a car is given by --car" if path.suffix.lower() == ".toml" else ""
+    other = ": a .toml file describes a car" if path.suffix.lower() == ".toml" else ""
     return f"; it was read as text, since records of type {path.suffix!r} are not known{other}"

@@ -13,6 +13,7 @@ from suspid.io.names import counts_rows, is_abscissa, is_count, is_time, may_be_
 from suspid.io.tables import Table, TimeBase
 from suspid.io.time_units import FEW_STAMPS, in_seconds
 from suspid.units import Hertz, RealArray
+from suspid.wording import Argument
 from suspid.words import LeftOut, Remark
 
 # Of the steps of a clock, this share lies this near to the usual one, relative to it: loggers that wait between two
@@ -50,8 +51,8 @@ def time_column(
         pairs = _pairs(table, times)
         if pairs and fs is None:
             return None, pairs, {**dict.fromkeys(kept, Remark(LeftOut.GROUP_TIME)), **said}
-        also = "" if fs is None else ", even beside fs: it must agree"
-        raise RecordError(f"{', '.join(map(repr, kept))} all read like a time; name one (time){also}")
+        also = "" if fs is None else f", even beside {Argument('fs')}: it must agree"
+        raise RecordError(f"{', '.join(map(repr, kept))} all read like a time; name one ({Argument('time')}){also}")
     return (kept[0] if kept else None), {}, said
 
 

@@ -8,6 +8,7 @@ from suspid.errors import RecordError
 from suspid.io.names import KNOWN_UNITS, PER_SECOND, TIME_NAMES, is_time, is_time_in_unknown_unit, split_unit
 from suspid.io.tables import Table
 from suspid.units import RealArray
+from suspid.wording import Argument
 from suspid.words import LeftOut, Remark
 
 # Fewer stamps show neither their unit nor that they are a clock's.
@@ -63,7 +64,8 @@ def seconds_in(name: str, stamps: RealArray) -> RealArray | None:
 
 def unknown_unit(time: str) -> str:
     """Return what is wrong with a column of time in an unknown unit."""
-    return f"the unit of time in {time!r} is not known; known: {KNOWN_UNITS}; rename it, or ignore it and give fs"
+    ignoring = f"ignore it and give {Argument('fs')}"
+    return f"the unit of time in {time!r} is not known; known: {KNOWN_UNITS}; rename it, or {ignoring}"
 
 
 def epoch_unit(stamps: RealArray) -> str:

@@ -168,7 +168,7 @@ def _plan(table: Table, channels: Sequence[str] | None, time: str | None, fs: He
 def _without_counter(plan: _Plan, time: str) -> _Plan:
     """Return the plan without a column of time that counts the rows, or refuse it where no rate is known."""
     if plan.rate is None:
-        raise RecordError(f"{time!r} counts the rows and states no time; give the sampling rate (fs, --fs)")
+        raise RecordError(f"{time!r} counts the rows and states no time; give the sampling rate ({Argument('fs')})")
     return replace(plan, time=None, left_out={**plan.left_out, time: Remark(LeftOut.ROW_COUNTER)})
 
 
@@ -210,8 +210,8 @@ def _check_followers(table: Table, names: Sequence[str], time: str | None, rate:
     if names and time is None and rate is None:
         odd = "".join(f"; {name!r} {why}" for name, why in table.unusable.items() if is_time(name))
         raise RecordError(
-            f"no column is named like a time: {listed(list(table.sizes))}; name one (time, --time), or give the "
-            f"sampling rate (fs, --fs){odd or increasing(table)}"
+            f"no column is named like a time: {listed(list(table.sizes))}; name one ({Argument('time')}), or give the "
+            f"sampling rate ({Argument('fs')}){odd or increasing(table)}"
         )
     for name in names:
         reference = names[0] if time is None else time
@@ -247,7 +247,7 @@ def _stamps(clock: TimeBase, size: int, fs: Hertz | None) -> RealArray:
         return stamps
     rate = clock.rate if fs is None else fs
     if rate is None:
-        raise RecordError(f"the rate of {clock.name!r} is not known; give the sampling rate (fs, --fs)")
+        raise RecordError(f"the rate of {clock.name!r} is not known; give the sampling rate ({Argument('fs')})")
     stamps = np.asarray(clock.start + np.arange(size) / rate)
     stamps.flags.writeable = False
     return stamps

@@ -16,6 +16,7 @@ from suspid.simulation.piecewise import Driving, machine_of, state_labels
 from suspid.simulation.stepping import motion, observed
 from suspid.units import RealArray, Second
 from suspid.values import nearest_names
+from suspid.wording import Argument
 
 if TYPE_CHECKING:
     import control
@@ -81,7 +82,7 @@ def free_decay(
     if np.any(np.diff(time) <= 0) or not np.all(np.isfinite(time)):
         raise InputError("timepts must be finite and increase strictly")
     if (initial_state is None) == (impulse is None):
-        raise InputError("give either initial_state or impulse")
+        raise InputError("give either ", Argument("initial_state"), " or ", Argument("impulse"))
     if isinstance(system, Suspension):
         return _piecewise_decay(system, time, initial_state)
     A, C = np.asarray(system.A, float), np.asarray(system.C, float)
@@ -111,7 +112,9 @@ def _piecewise_decay(
     if given is None:
         raise InputError(
             "the suspension has friction or curves, so its response is not in proportion to an impulse; give the state "
-            "after it as initial_state, such as {'v_tire': 1.0}"
+            "after it: ",
+            Argument("initial_state"),
+            ", such as v_tire = 1 m/s",
         )
     machine = machine_of(car, Driving())
     states, choices = motion(machine, np.zeros((0, len(time))), state_of(state_labels(car), given), time)
@@ -138,7 +141,7 @@ def state_of(labels: Sequence[str], given: Mapping[str, float] | ArrayLike | Non
     else:
         state = np.asarray(given, float)
         if state.shape != (len(labels),):
-            raise InputError(f"initial_state has shape {state.shape}; the states are {', '.join(labels)}")
+            raise InputError(f"{Argument('initial_state')} has shape {state.shape}; the states are {', '.join(labels)}")
     if not np.all(np.isfinite(state)):
         raise InputError(f"initial_state {state} is not finite")
     return state
@@ -153,7 +156,7 @@ def _impulse_state(system: control.StateSpace, name: str) -> RealArray:
         output = system.output_labels[int(np.flatnonzero(direct)[0])]
         raise InputError(
             f"an impulse on {name!r} passes directly to output {output!r} and is infinite there; "
-            f"choose other outputs, or give the state after the impulse as initial_state"
+            f"choose other outputs, or give the state after the impulse ({Argument('initial_state')})"
         )
     return np.asarray(system.B, float)[:, labels.index(name)]
 

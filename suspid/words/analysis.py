@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from suspid.wording import Argument
 from suspid.words.remarks import MOST_LISTED, Code, Number, count, sentence
 
 
@@ -36,7 +37,7 @@ class Note(Code):
         sentence(
             lambda n: (
                 f"the decay from {n['start']:.6g} to {n['stop']:.6g} s is used"
-                + (f"; {n['others']} more were found: see --decay" if n["others"] else "")
+                + (f"; {n['others']} more were found: see {Argument('decay')}" if n["others"] else "")
             )
         ),
     )
@@ -66,7 +67,12 @@ class Note(Code):
     STILL_CHANNEL = "still channel", "channel {channel!r} is constant in this decay; left out"
     ONE_OF_TESTS = (
         "one of tests",
-        sentence(lambda n: f"the {_tests(n)}; {n['used']!r} is used: choose with --test, or join them with --test all"),
+        sentence(
+            lambda n: (
+                f"the {_tests(n)}; {n['used']!r} is used: choose with {Argument('test')}, or join them with "
+                f"{Argument('test', repr('all'))}"
+            )
+        ),
     )
     RESAMPLED = (
         "resampled",

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TypeAlias, cast
 
+from suspid.wording import Argument
 from suspid.words.remarks import Code, Number, Words, count, in_a_row, sentence
 
 Numbers: TypeAlias = Mapping[str, Number]
@@ -53,7 +54,8 @@ def _overridden_stamps(numbers: Numbers) -> str:
     off = f" ({_plain(percent)} % off)" if percent >= 0.01 else ""
     ends = f" and ends {abs(apart):.3g} s {'later' if apart > 0 else 'earlier'}" if apart else ""
     missing = (
-        f"; by the time column, {_count(numbers, 'row', 'missing')} are missing; leave fs out to keep their places"
+        f"; by the time column, {_count(numbers, 'row', 'missing')} are missing; leave {Argument('fs')} out to keep "
+        f"their places"
         if numbers.get("missing")
         else ""
     )

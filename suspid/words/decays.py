@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from enum import StrEnum
 
+from suspid.wording import Argument
 from suspid.words.remarks import Code, Number, count, sentence
 
 
@@ -32,7 +33,7 @@ def _driven(numbers: Mapping[str, Number]) -> str:
     if share > 2.0:
         return (
             f"{channel!r} hardly decays with the others: {share:.2g} times the power of its decaying part remains as a "
-            f"coloured residual; if it is a force or a road, leave it out (--without)"
+            f"coloured residual; if it is a force or a road, leave it out ({Argument('without')})"
         )
     return f"{_percent(share)} of the motion of {channel!r} remains as a coloured residual: still driven, or nonlinear"
 

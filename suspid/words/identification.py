@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from suspid.wording import AtCommandLine
 from suspid.words.remarks import Code, Number, amount, count, in_a_row, sentence
 
 
@@ -102,8 +103,13 @@ class ModeCheck(Code):
     )
     LATE_MOTION = (
         "late motion",
-        "The largest motion comes {delay:.3g} s after the start, at {time:.6g} s: the record may not decay from its "
-        "first sample on. find_decays looks for the decay; analyse uses it.",
+        sentence(
+            lambda n: (
+                f"The largest motion comes {n['delay']:.3g} s after the start, at {n['time']:.6g} s: the record may "
+                f"not decay from its first sample on. Look for the decay in it"
+                f"{AtCommandLine('decay', 'auto', otherwise=' (find_decays, analyse)')}."
+            )
+        ),
     )
     EXPLAINED = (
         "explained",

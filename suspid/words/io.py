@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from suspid.words.remarks import Code, Number
+from suspid.wording import Argument
+from suspid.words.remarks import Code, Number, sentence
 
 
 def _blank(numbers: Mapping[str, Number]) -> str:
@@ -96,7 +97,10 @@ class LeftOut(Code):
     BROKEN_LINK = "broken_link", "is a link to nothing"
     LOOP = "loop", "is a link to a group around it"
     UNFILLED = "unfilled", "has the size {shape}, but no data"
-    FRAMES = "frames", "holds raw CAN frames ({ids}); decode them with --dbc FILE"
+    FRAMES = (
+        "frames",
+        sentence(lambda n: f"holds raw CAN frames ({n['ids']}); decode them with {Argument('dbc', '…')}"),
+    )
     UNKNOWN_FRAMES = "unknown_frames", "holds frames that the CAN database does not know ({ids})"
     NO_FRAMES = "no_frames", "has nothing to decode, since there are no raw CAN frames"
     # Time.
@@ -115,12 +119,22 @@ class LeftOut(Code):
     DAYS = "days", "is not stated; numbers of this size are dates in {unit}"
     FINER_UNIT = (
         "finer_unit",
-        "is not stated; taken as {unit}, as steps of {step:.4g} s are too slow for a suspension; give fs if they are s",
+        sentence(
+            lambda n: (
+                f"is not stated; taken as {n['unit']}, as steps of {n['step']:.4g} s are too slow for a suspension; "
+                f"give {Argument('fs')} if they are s"
+            )
+        ),
     )
     OTHER_RATE = "other_rate", "is {rate:.9g} Hz; the given {fs:.9g} Hz replaces it"
     OUTVOTED = (
         "outvoted",
-        "is {rate:.9g} Hz, but the time stamps run at {stamps:.9g} Hz and are used; give fs if they are wrong",
+        sentence(
+            lambda n: (
+                f"is {n['rate']:.9g} Hz, but the time stamps run at {n['stamps']:.9g} Hz and are used; give "
+                f"{Argument('fs')} if they are wrong"
+            )
+        ),
     )
     MAGNITUDE = "magnitude", _magnitude
     ROW_COUNTER = "row_counter", "counts the rows"

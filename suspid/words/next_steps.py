@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from suspid.wording import Argument
 from suspid.words.analysis import Note, RecordCheck
 from suspid.words.drives import DriveRemark
 from suspid.words.greybox import EstimateCheck
@@ -37,9 +38,22 @@ class NextStep(Code):
     RECORD_LONGER = "record longer", "Record until the motion has died away in the noise."
     WHICH_PART = (
         "which part",
-        "Look at the decays found, and choose one with --decay N, or a stretch with --from and --to.",
+        sentence(
+            lambda _: (
+                f"Look at the decays found, and choose one with {Argument('decay', 'N')}, or a stretch with "
+                f"{Argument('start')} and {Argument('stop')}."
+            )
+        ),
     )
-    CHOOSE_TEST = "choose test", "Choose one of the tests in the file with --test NAME, or join them with --test all."
+    CHOOSE_TEST = (
+        "choose test",
+        sentence(
+            lambda _: (
+                f"Choose one of the tests in the file with {Argument('test', 'NAME')}, or join them with "
+                f"{Argument('test', repr('all'))}."
+            )
+        ),
+    )
     LEAVE_OUT = "leave out", "Leave out the test that does not belong to the others, or look for what was different."
     REPEAT = (
         "repeat",
@@ -52,13 +66,17 @@ class NextStep(Code):
     )
     CHANNELS = (
         "channels",
-        "Look at the channels in their table; leave out with --without those that show other motion.",
+        sentence(
+            lambda _: (
+                f"Look at the channels in their table; leave out those that show other motion ({Argument('without')})."
+            )
+        ),
     )
     QUIET = "quiet", "Switch off what turns (engine, fans), or leave the stretch out in which it runs."
     CLEANING = "cleaning", "Look at the defects in the table of the cleaning, and record anew what was clipped or lost."
     ADD_MASS = (
         "add mass",
-        "Test again with a known mass added (suspid reconstruct --added), or with a sensor on another mass: this test "
+        "Test again with a known mass added, reconstruct from both tests, or put a sensor on another mass: this test "
         "leaves springs and dampers open.",
     )
     CHECK_CAR = (
@@ -85,12 +103,16 @@ class NextStep(Code):
     )
     DRIVE_AGAIN = (
         "drive again",
-        "Drive again after some weeks, and compare (--before): a loss that goes on shows in the trend.",
+        "Drive again after some weeks, and compare with this result: a loss that goes on shows in the trend.",
     )
     KEEP = (
         "keep",
-        "Keep this result (--json) and give it to the next drive (--before): against an earlier drive wear is told "
-        "much better than against nominal values.",
+        sentence(
+            lambda _: (
+                f"Keep this result as JSON for the next drive ({Argument('before')}): against an earlier drive wear is "
+                f"told much better than against nominal values."
+            )
+        ),
     )
     USE_CURVES = (
         "use curves",
@@ -98,13 +120,21 @@ class NextStep(Code):
     )
     RECORD_WAY = (
         "record way",
-        "Record speed (CAN or GPS) and lateral acceleration or yaw rate, or name their channels (--speed, --lateral).",
+        sentence(
+            lambda _: (
+                f"Record speed (CAN or GPS) and lateral acceleration or yaw rate, or name their channels "
+                f"({Argument('speed')}, {Argument('lateral')})."
+            )
+        ),
     )
     MEASURE_WHEELS = (
         "measure wheels",
         "Measure the acceleration of each wheel as well: springs, dampers and damping need it.",
     )
-    GIVE_CAR = "give car", "Give the masses and nominal struts (--car car.toml) to find springs and dampers."
+    GIVE_CAR = (
+        "give car",
+        sentence(lambda _: f"Give the masses and nominal struts ({Argument('car')}) to find springs and dampers."),
+    )
 
 
 # What follows from each check that speaks against a result, or is worth a note.
