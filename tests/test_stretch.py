@@ -1,12 +1,16 @@
 """Which stretch of a record is identified: a clear decay, or none."""
 
+import control
 import numpy as np
+import pytest
 from scipy.signal import lfilter
 
-from suspid import analyse
-from suspid.signals import as_response
+from suspid import Level, analyse, free_decay
+from suspid.identification import by_likelihood
+from suspid.signals import as_response, as_signal, late_start
 from suspid.units import RealArray
 from suspid.words import DecayDoubt, Note
+from validation import cars
 
 
 def people_in_a_parked_car(seed: int) -> tuple[RealArray, RealArray]:
@@ -34,3 +38,36 @@ def test_one_of_many_events_that_looks_like_a_short_decay_is_a_coincidence() -> 
     assert not found.used
     assert not len(found.modes)
     assert next(str(note) for note in found.notes if note.code is Note.WHOLE_RECORD).startswith("no clear decay")
+
+
+def decay_of(seed: int, *, rest: int) -> control.TimeResponseData:
+    """Decay of a car after a kick at its wheel, after samples of rest: every coordinate moves most later than that."""
+    rng = np.random.default_rng(seed)
+    moved = free_decay(cars.random_car(rng), np.arange(2000 - rest) / 500, initial_state={"v_tire": 1.0})
+    values = np.hstack([np.zeros((3, rest)), moved.y.reshape(3, -1)])
+    noise = 0.1 if rest == 0 else 0.01
+    values += noise * np.sqrt(np.mean(values**2, axis=1))[:, None] * rng.standard_normal(values.shape)
+    return as_response(np.arange(2000) / 500, values, ["tire", "chassis", "seat"])
+
+
+class TestLaterThanTheFirstSample:
+    @pytest.mark.parametrize("seed", [4, 11, 19])
+    def test_a_decay_from_the_first_sample_on_is_used_whole(self, seed: int) -> None:
+        record = decay_of(seed, rest=0)
+        assert late_start(as_signal(record)) is not None
+        found = analyse(record)
+        assert not found.used
+        assert found.verdict.level is Level.SOUND
+        assert len(found.modes) == 3
+
+    @pytest.mark.parametrize("rest", [10, 50])
+    def test_friction_is_not_looked_for_across_a_release(self, rest: int, monkeypatch: pytest.MonkeyPatch) -> None:
+        sought = []
+
+        def find_forces(values: RealArray, **_: object) -> None:
+            sought.append(values.shape[1])
+
+        monkeypatch.setattr(by_likelihood, "find_forces", find_forces)
+        found = analyse(decay_of(4, rest=rest))
+        assert found.used[0].start == pytest.approx(rest / 500, abs=0.004)
+        assert max(sought, default=0) < 2000

@@ -9,7 +9,7 @@ import numpy as np
 from suspid.analysis.settings import Settings
 from suspid.decays import GRAVE, Decay
 from suspid.errors import SuspidError
-from suspid.identification import FORCED, Identification, identify, lag_one
+from suspid.identification import FORCED, Identification, identify, identify_linear, lag_one
 from suspid.levels import likely
 from suspid.signals import as_signal
 from suspid.words import Check, DecayDoubt, Level, ModeCheck, RecordCheck, Remark
@@ -48,6 +48,16 @@ def tried(record: control.TimeResponseData, settings: Settings) -> Identificatio
     """Return what `identify` finds, or None if it refuses the record or finds fewer modes than asked for."""
     try:
         return identified(record, settings)
+    except SuspidError:
+        return None
+
+
+def tried_linear(record: control.TimeResponseData, settings: Settings) -> Identification | None:
+    """Return what `identify` finds where its linear fit is all that is needed, else None."""
+    if (settings.modes, settings.method, settings.band_hz, settings.bandwidth) != (None, "likelihood", None, None):
+        return tried(record, settings)
+    try:
+        return identify_linear(record, strict=True)
     except SuspidError:
         return None
 

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from suspid.analysis.choice import explains, settled, tried
+from suspid.analysis.choice import explains, settled, tried, tried_linear
 from suspid.analysis.held import without_held
 from suspid.analysis.settings import Settings
-from suspid.decays import GRAVE, Decay, Decays, find_decays
+from suspid.decays import GRAVE, LOOK_BLOCKS, Decay, Decays, clearly_driven, find_decays
 from suspid.errors import RecordError
 from suspid.identification import Identification
 from suspid.signals import as_signal, cut, late_start, like
@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 
 # Shares of the best decay after which it is tried again where no mode is found in it, and decays tried after it.
 LATER_SHARES, NEXT_DECAYS = (0.05, 0.1, 0.2, 0.4), 2
+# The largest motion of a decay that begins with the record is within this part of it: with less than two cycles after
+# it, its decay would not be known.
+EARLY_PART = 0.25
 # Doubts that a stretch is long enough for its modes.
 LITTLE = frozenset({DecayDoubt.FEW_CYCLES, DecayDoubt.TOO_SHORT, DecayDoubt.FEW_SAMPLES})
 # Remarks on stretches that are no decay which are repeated where no decay is used; `Decays.remarks` has all of them.
@@ -69,8 +72,8 @@ def _best(record: control.TimeResponseData, settings: Settings) -> Used:
     Where neither has a mode, the best decay is tried from later on, and then the next ones.
     """
     late = late_start(as_signal(record)) is not None
-    whole = None if late else tried(record, settings)
-    if whole is not None and settled(whole):
+    whole = (tried_linear(record, settings) if _may_decay(record) else None) if late else tried(record, settings)
+    if whole is not None and settled(whole) and (not late or _holds_later(whole, record, settings)):
         return Used(record=record, decays=(), used=(), notes=(), identification=whole)
     decays = find_decays(record)
     clear = [decay for decay in decays if not _chance(decay)]
@@ -79,13 +82,14 @@ def _best(record: control.TimeResponseData, settings: Settings) -> Used:
         if late and not clear[0].doubts:
             return best
         part = tried(best.record, settings)
-        whole = tried(record, settings) if late else whole
+        if late and not (part is not None and settled(part)):
+            whole = tried(record, settings)
         if part is not None and (whole is None or not explains(whole, part)):
             return replace(best, identification=part)
         again = None if whole is not None and len(whole.modes) else _again(record, decays, clear, settings)
         if again is not None:
             return again
-    whole = tried(record, settings) if late and whole is None else whole
+    whole = tried(record, settings) if late and not clear else whole
     said: dict[str, Number] = {
         "found": len(decays),
         "clear": len(clear),
@@ -95,6 +99,32 @@ def _best(record: control.TimeResponseData, settings: Settings) -> Used:
     }
     note = Remark(Note.WHOLE_RECORD, said)
     return Used(record=record, decays=decays, used=(), notes=(note,), identification=whole)
+
+
+def _may_decay(record: control.TimeResponseData) -> bool:
+    """Return whether a record that moves most after its beginning may be a decay from its first sample on.
+
+    A coordinate that starts at rest moves most within half a period of the slowest mode, and a decay has cycles after.
+    """
+    signal = as_signal(record)
+    samples, late = signal.values.shape[1], late_start(signal)
+    early = late is None or late - signal.start < EARLY_PART * samples * signal.step
+    return early and not clearly_driven(signal.values, size=max(1, samples // LOOK_BLOCKS))
+
+
+def _holds_later(whole: Identification, record: control.TimeResponseData, settings: Settings) -> bool:
+    """Return whether the fit to a record also explains what follows the first of its channels' largest motions.
+
+    Where the release is later than the first sample, short modes stand for the rest before it, and go with it. A
+    channel that begins near its largest motion may be held there, and does not tell.
+    """
+    signal = as_signal(record)
+    about = np.abs(signal.values - signal.values.mean(axis=1, keepdims=True))
+    peaks = np.argmax(about, axis=1)
+    begun = 2 * about[:, 0] < np.max(about, axis=1)
+    first = signal.start + signal.step * int(np.min(peaks[begun] if begun.any() else np.max(peaks)))
+    later = tried_linear(cut(record, start=first), settings)
+    return later is not None and explains(whole, later)
 
 
 def _again(record: control.TimeResponseData, decays: Decays, clear: Sequence[Decay], settings: Settings) -> Used | None:

@@ -8,5 +8,6 @@ decay), `refusals`, `doubts` and `kinds` (what is said of it) and `candidates` (
 
 from suspid.decays.decay import GRAVE, Decay, Decays
 from suspid.decays.find_decays import find_decays
+from suspid.decays.sketches import LOOK_BLOCKS, clearly_driven
 
-__all__ = ["GRAVE", "Decay", "Decays", "find_decays"]
+__all__ = ["GRAVE", "LOOK_BLOCKS", "Decay", "Decays", "clearly_driven", "find_decays"]

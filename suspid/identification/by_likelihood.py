@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from enum import Enum
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -38,6 +39,14 @@ if TYPE_CHECKING:
     import control
 
 
+class Forces(Enum):
+    """What is done about friction and other forces where the linear fit gives reason to look for them."""
+
+    SOUGHT = "sought"
+    IGNORED = "ignored"
+    REFUSED = "refused"
+
+
 def by_likelihood(
     response: control.TimeResponseData,
     signal: Signal,
@@ -45,15 +54,17 @@ def by_likelihood(
     steps: FourSteps,
     band: tuple[RadianPerSecond, RadianPerSecond] | None,
     *,
-    with_forces: bool,
+    forces: Forces,
 ) -> Identification:
-    """Return the modes of the fit that is most likely; forces are looked for where they are asked for."""
+    """Return the modes of the fit that is most likely; friction and other forces are treated as asked for."""
     low, high = band or (0.0, np.pi / signal.step)
     noise = noise_of(signal.values)
     limits = (low * signal.step, high * signal.step)
     selection = select(centred, noise=noise, modes=steps.count, band=limits)
     bent = None
-    if with_forces and _fades(centred) and unlike_linear(selection):
+    if forces is not Forces.IGNORED and _fades(centred) and unlike_linear(selection):
+        if forces is Forces.REFUSED:
+            raise IdentificationError("the motion may not be linear: friction and other forces have to be looked for")
         bent = find_forces(centred, noise=noise, selection=selection, modes=steps.count)
         if bent is not None and bent.count < (steps.count or 0) <= len(selection.modes):
             bent = None
@@ -61,7 +72,7 @@ def by_likelihood(
     if bent is not None and described is not None:
         modes, loudness, dependence, growing = described
         _check_count(modes, steps.count)
-        left, freedom, forces = bent.residual, bent.freedom, bent.forces
+        left, freedom, found = bent.residual, bent.freedom, bent.forces
         considered = (*growing, *beside_bent(selection, modes, signal.step))
     else:
         if steps.count is None:
@@ -74,7 +85,7 @@ def by_likelihood(
             selection = fewer
             modes, loudness = _modes_of(selection, centred, noise, step=signal.step, channels=signal.channels)
         _check_count(modes, steps.count)
-        left, freedom, forces = selection.residual, selection.fit.freedom, ()
+        left, freedom, found = selection.residual, selection.fit.freedom, ()
         considered, dependence = considered_of(selection, modes, signal.step), ()
     return Identification(
         response=response,
@@ -87,7 +98,7 @@ def by_likelihood(
         considered=considered,
         steps=steps,
         amplitude_dependence=dependence,
-        forces=forces,
+        forces=found,
     )
 
 

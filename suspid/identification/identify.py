@@ -11,7 +11,7 @@ import numpy as np
 from suspid.arguments import explained
 from suspid.cleaning import RecordLike, as_record, clipped_run
 from suspid.errors import IdentificationError, InputError, RecordError
-from suspid.identification.by_likelihood import by_likelihood
+from suspid.identification.by_likelihood import Forces, by_likelihood
 from suspid.identification.by_ridges import by_ridges
 from suspid.identification.halves import FEWEST_SAMPLES
 from suspid.identification.identification import Identification, Method
@@ -119,18 +119,22 @@ def identify(
     )
     if method == "ridge":
         return by_ridges(response, signal, steps)
-    return by_likelihood(response, signal, centred, steps, band, with_forces=band is None)
+    forces = Forces.SOUGHT if band is None else Forces.IGNORED
+    return by_likelihood(response, signal, centred, steps, band, forces=forces)
 
 
-def identify_linear(response: control.TimeResponseData) -> Identification:
-    """Identify the modes of a free decay by its linear fit alone: friction and other forces are not looked for."""
+def identify_linear(response: control.TimeResponseData, *, strict: bool = False) -> Identification:
+    """Identify the modes of a free decay by its linear fit alone: friction and other forces are not looked for.
+
+    With ``strict``, a record whose fit gives reason to look for them is refused.
+    """
     signal = as_signal(response, least=FEWEST_SAMPLES)
     centred = _centred(signal)
     steps = FourSteps(
         signal=replace(signal, values=centred), count=None, band=row_band(signal, None), bandwidth=None,
         candidates=tuple(map(float, BANDWIDTHS)),
     )  # fmt: skip
-    return by_likelihood(response, signal, centred, steps, None, with_forces=False)
+    return by_likelihood(response, signal, centred, steps, None, forces=Forces.REFUSED if strict else Forces.IGNORED)
 
 
 def _centred(signal: Signal) -> RealArray:
