@@ -100,6 +100,7 @@ def recorded(
         density=frozen_real(density[:, 1:]),
         density_band=frozen_real(density[:, 1:] * ((1 + SHARED_HALF) / averaged) ** 0.5),
         weightings=FrozenItems(chosen),
+        road=None,
         verdict=Verdict(Remark(RideHeadline.RECORDED, {"seconds": signal.duration}), tuple(checks)),
     )
 

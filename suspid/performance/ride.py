@@ -136,6 +136,7 @@ def ride(
                 )
             ),
             weightings=FrozenItems(plan.weightings),
+            road=driven,
             verdict=_judged(plan, dict(zip(figures, values.tolist(), strict=True)), about),
         )
 

@@ -11,6 +11,7 @@ from suspid.errors import InputError
 from suspid.levels import LEVEL, check_level, normal_reach
 from suspid.performance.reaches import reaches, spreads
 from suspid.results import Result
+from suspid.simulation import Road
 from suspid.units import Ratio, RealArray, Second
 from suspid.values import TERMINAL, nearest_names, numbers_in_words, text_table, values_beside
 from suspid.words import Verdict
@@ -56,6 +57,8 @@ class Ride(Result):
         its segments; 0 for a car that is known.
     weightings : mapping of str to tuple of str
         Weightings of each channel, the first that of comfort.
+    road : Road or None
+        The road under a car; None of a record.
     verdict : Verdict
         What the figures mean and how far they can be trusted.
 
@@ -84,6 +87,7 @@ class Ride(Result):
     density: RealArray
     density_band: RealArray
     weightings: Mapping[str, tuple[str, ...]]
+    road: Road | None
     verdict: Verdict
 
     def __getitem__(self, figure: str) -> float:

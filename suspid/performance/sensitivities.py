@@ -11,7 +11,10 @@ from suspid.arguments import explained
 from suspid.errors import InputError
 from suspid.levels import ROUNDING
 from suspid.model import Suspension, statespace
+from suspid.performance.bench import bench as bench_of
+from suspid.performance.contact import wheels_of
 from suspid.performance.figure_plan import plan_of
+from suspid.performance.grip import PLATFORM, SWEEP_TOP
 from suspid.performance.ride import HOUR, driven_road
 from suspid.performance.strut_slopes import strut_slopes
 from suspid.reconstruction import parameter_names, parameter_values
@@ -28,7 +31,8 @@ class Sensitivities(Result):
     Parameters
     ----------
     names : tuple of str
-        Modes, as ``"mode 1.wn"`` and ``"mode 1.zeta"`` in ascending frequency, then figures of a `Ride`.
+        Modes, as ``"mode 1.wn"`` and ``"mode 1.zeta"`` in ascending frequency, then figures of a `Ride`, then of wheels
+        on a test bench ``"tire.adhesion"`` and ``"tire.phase"``.
     values : ndarray (name,)
         Their values, in SI units.
     parameters : tuple of str
@@ -88,6 +92,7 @@ def sensitivities(
     duration: Second = HOUR,
     weightings: Mapping[str, str | Sequence[str]] | None = None,
     clearance: Mapping[str, Metre | tuple[Metre, Metre]] | None = None,
+    bench: bool = False,
 ) -> Sensitivities:
     """Return which spring and which damper moves which mode, and on a road which figure of the ride.
 
@@ -100,6 +105,9 @@ def sensitivities(
         zero.
     road, speed, duration, weightings, clearance
         As in `ride`; without a road only modes are looked at.
+
+    bench : bool
+        Whether adhesion and least phase of the wheels on a test bench are looked at too, see `grip`.
 
     Returns
     -------
@@ -155,14 +163,26 @@ def sensitivities(
         figures, jacobian = plan.values(car, parameters=parameters)
         names += list(plan.formulas)
         values += figures.tolist()
-        with np.errstate(divide="ignore", invalid="ignore"):
-            rows += list(np.where(figures[:, None] > 0, jacobian * at / figures[:, None], np.nan))
+        rows += list(_relative(figures, jacobian * at))
+    if bench:
+        tested = bench_of(wheels_of(car), parameters, None, PLATFORM, SWEEP_TOP)
+        names += [f"{wheel}.{figure}" for figure in ("adhesion", "phase") for wheel in tested.wheels.names]
+        count = len(tested.wheels.names)
+        # A wheel that leaves the platform has no adhesion, as in `grip`.
+        values += [*np.maximum(tested.figures[:count], 0.0).tolist(), *tested.figures[count:].tolist()]
+        rows += list(_relative(tested.figures, tested.jacobian * at))
     return Sensitivities(
         names=tuple(names),
         values=frozen_real(values),
         parameters=tuple(parameters),
         elasticity=frozen_real(np.array(rows).reshape(len(names), len(parameters))),
     )
+
+
+def _relative(figures: RealArray, slopes: RealArray) -> RealArray:
+    """Return slopes over figures, (figure, parameter); NaN where a figure is zero, negative or missing."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(figures[:, None] > 0, slopes / figures[:, None], np.nan)
 
 
 def pole_slopes(car: Suspension, parameters: Sequence[str]) -> tuple[ComplexArray, ComplexArray]:

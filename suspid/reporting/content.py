@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 from suspid.analysis import Analysis, CheckedLimits
 from suspid.cleaning import Cleaned
 from suspid.greybox import Estimate
-from suspid.performance import Grip, Ride, grip_if_any
+from suspid.performance import Grip, Ride, Sensitivities, grip_if_any
 from suspid.reporting.limit_rows import limit_steps
+from suspid.reporting.sensitivity_part import sensitivities_of
 from suspid.reporting.source import Source
 from suspid.samples import held
 from suspid.signals import as_signal
@@ -57,6 +59,11 @@ class Content:
     def grip(self) -> Grip | None:
         """Grip of the car that was found, if there is one and it has wheels."""
         return None if self.springs is None else grip_if_any(self.springs)
+
+    @cached_property
+    def sensitivities(self) -> Sensitivities | None:
+        """Which spring and damper of the car that was found moves which mode and figure."""
+        return sensitivities_of(self.springs, self.ride)
 
     car: Source | None = None
     limits: CheckedLimits | None = None

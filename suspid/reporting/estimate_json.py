@@ -86,7 +86,7 @@ def estimate_to_dict(
 
 
 def estimate_from_dict(content: Mapping[str, object]) -> Estimate:
-    """Return an estimate from what `estimate_to_dict` or `drive_to_dict` returned, without its records.
+    """Return an estimate without its records from what `estimate_to_dict` returned, alone or in a drive or report.
 
     Raises
     ------
@@ -97,6 +97,11 @@ def estimate_from_dict(content: Mapping[str, object]) -> Estimate:
         within = content.get("estimate")
         if not isinstance(within, dict):
             raise InputError("the drive has no springs and dampers: no motion of wheels, or nothing usable")
+        content = within
+    if "report" in content:
+        within = content.get("estimate")
+        if not isinstance(within, dict):
+            raise InputError("the report has no springs and dampers that were fitted to the record: give it a car")
         content = within
     if content.get("format") != ESTIMATE_FORMAT:
         raise InputError(
@@ -114,7 +119,7 @@ def estimate_from_dict(content: Mapping[str, object]) -> Estimate:
 
 @explained
 def read_estimate(path: str | os.PathLike[str]) -> Estimate:
-    """Return the estimate that ``suspid estimate --json`` or ``suspid drive --json`` wrote, without its records.
+    """Return the estimate that ``suspid estimate``, ``drive`` or ``report`` wrote with ``--json``, without its records.
 
     Parameters
     ----------

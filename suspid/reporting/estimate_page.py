@@ -14,13 +14,14 @@ from suspid.reporting.channel_units import channel_unit
 from suspid.reporting.frf import Frf, responses
 from suspid.reporting.limit_rows import limit_rows, limit_steps
 from suspid.reporting.numerals import signed
-from suspid.reporting.performance_part import performance_fields
+from suspid.reporting.performance_part import performance_fields, tuning_commands
 from suspid.reporting.pictures import Picture, picture, shape_pictures
 from suspid.reporting.plot_damper_curve import plot_damper_curve
 from suspid.reporting.plot_estimate import draw_changes, lively, time_label
 from suspid.reporting.plot_frf import draw_gain, draw_phase
 from suspid.reporting.plot_spectra import density_label, draw_spectra
 from suspid.reporting.rows import mode_quantities
+from suspid.reporting.sensitivity_part import sensitivities_of, sensitivity_fields
 from suspid.reporting.spring_rows import masses_of, spring_rows
 from suspid.reporting.svg import page_style
 from suspid.reporting.wear_part import wear_fields
@@ -119,6 +120,8 @@ def page_fields(content: EstimateContent) -> dict[str, object]:
                        for k, one in enumerate(content.curves)],
             "records": [_part(content, k) for k in range(min(len(records), MOST_LISTED))],
             **performance_fields(grip, content.ride, level),
+            **sensitivity_fields(sensitivities_of(found, content.ride), content.ride),
+            "tuning": tuning_commands(content.ride, None),
             "hidden": count(hidden, "further record") if hidden else "",
         }  # fmt: skip
 

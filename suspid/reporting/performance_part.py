@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING
@@ -9,10 +10,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.files import printable
+from suspid.reporting.axes import without_legend
 from suspid.reporting.numerals import NOTHING, Quantity, decimals, fixed, quantity
 from suspid.reporting.pictures import Picture, picture
 from suspid.reporting.plot_grip import plot_grip
+from suspid.reporting.plot_ride import MOST_SPECTRA, colours_of, plot_ride
 from suspid.reporting.svg import page_style
+from suspid.simulation import ROUGHNESS
+from suspid.units import in_print
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -49,8 +54,32 @@ def performance_fields(grip: Grip | None, ride: Ride | None, level: Ratio) -> di
             "grip_verdict": None if grip is None else grip.verdict,
             "grip_picture": None if grip is None else _bench(grip, level),
             "ride_figures": [] if ride is None else _figures(ride, level),
+            "ride_keys": [] if ride is None else [(c.css, kind) for kind, c in colours_of(ride).items()],
+            "ride_picture": None if ride is None else _spectra(ride, level),
             "ride_verdict": None if ride is None else ride.verdict,
         }
+
+
+def tuning_commands(ride: Ride | None, car: str | None) -> tuple[str, ...]:
+    """Return the commands that tune the car of the JSON of `suspid report`.
+
+    A car that was found from modes alone, ``car`` is its file, is made of them anew; an estimate is read as it is.
+
+    Examples
+    --------
+    >>> tuning_commands(None, None)
+    ('suspid tune found.json --road C --speed 20',)
+    >>> tuning_commands(None, "car.toml")
+    ('suspid reconstruct found.json car.toml -o found.toml', 'suspid tune found.toml --road C --speed 20')
+    """
+    road = None if ride is None else ride.road
+    driven = "--road C --speed 20"
+    if road is not None:
+        named = next((name for name, g in ROUGHNESS.items() if g == road.roughness), f"{road.roughness:g}")
+        driven = f"--road {named} --speed {road.speed:g}"
+    if car is None:
+        return (f"suspid tune found.json {driven}",)
+    return f"suspid reconstruct found.json {shlex.quote(car)} -o found.toml", f"suspid tune found.toml {driven}"
 
 
 def _wheels(found: Grip, level: Ratio) -> list[WheelRow]:
@@ -72,7 +101,7 @@ def _wheels(found: Grip, level: Ratio) -> list[WheelRow]:
 def _figures(found: Ride, level: Ratio) -> list[FigureRow]:
     ends = found.interval(level)
     return [
-        FigureRow(name=printable(name), value=_between(1.0, value, ends[name], digits=4), unit=unit)
+        FigureRow(name=printable(name), value=_between(1.0, value, ends[name], digits=4), unit=in_print(unit))
         for name, unit, value in zip(found.figures, found.units, found.values.tolist(), strict=True)
     ]
 
@@ -91,6 +120,19 @@ def _between(factor: float, value: float, ends: tuple[float, float], *, digits: 
 def _bench(found: Grip, level: Ratio) -> Picture:
     described = "Least contact force and phase of each wheel over the frequency of the platform"
     return picture(partial(_draw, found, level), name="bench", described=described, height=4.2, wide_height=4.2)
+
+
+def _spectra(found: Ride, level: Ratio) -> Picture | None:
+    if not found.channels:
+        return None
+    described = "Weightings of ISO 2631-1, and the spectral density of each acceleration with and without them"
+    height = 0.4 + 1.45 * (1 + min(len(found.channels), MOST_SPECTRA))
+    return picture(partial(_draw_ride, found, level), name="felt", described=described, height=height,
+                   wide_height=height)  # fmt: skip
+
+
+def _draw_ride(found: Ride, level: Ratio, figure: Figure) -> None:
+    without_legend(plot_ride(found, figure, level=level).axes[0])
 
 
 def _draw(found: Grip, level: Ratio, figure: Figure) -> None:

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 MOST_SPECTRA, DECADES_DRAWN = 5, 5
 # Frequencies that are drawn, those that a weighting can feel [Hz].
 LOWEST_FELT, HIGHEST_FELT = 0.05, 200.0
+# Width of a figure from which on figures fit beside the name of a channel [inch].
+ROOM_FOR_FIGURES = 6.0
 # Points of the curve of a weighting, which bends smoothly.
 WEIGHTING_POINTS = 400
 # Bands of an octave over which lines of a record's spectrum are averaged: finer than a mode with a damping of 2 %.
@@ -65,7 +67,7 @@ def plot_ride(found: Ride, figure: Figure, *, level: Ratio = LEVEL) -> Figure:
     channels = found.channels[:MOST_SPECTRA]
     axes = np.atleast_1d(figure.subplots(1 + len(channels), 1, sharex=True))
     axes[0].plot([], [], color=Colour.PALE, linewidth=1.6, label="not weighted")
-    for kind, colour in _colours(found).items():
+    for kind, colour in colours_of(found).items():
         hertz = np.geomspace(LOWEST_FELT, HIGHEST_FELT, WEIGHTING_POINTS)
         axes[0].plot(hertz, 20 * np.log10(np.abs(weighting(kind, hertz))), color=colour, linewidth=1.2, label=kind)
     axes[0].set(ylabel="gain [dB]", ylim=(-50, 5))
@@ -85,8 +87,11 @@ def size_of_ride(found: Ride) -> tuple[float, float]:
 
 
 def draw_spectrum(found: Ride, channel: str, ax: Axes, *, level: Ratio = LEVEL) -> None:
-    """Draw the spectral density of an acceleration with and without its weightings, with bands."""
-    colours, at = _colours(found), found.channels.index(channel)
+    """Draw the spectral density of an acceleration with and without its weightings, with bands.
+
+    Its weighted rms stand above it where the figure is wide enough.
+    """
+    colours, at = colours_of(found), found.channels.index(channel)
     hertz, row, std = _smooth(found.hertz, found.density[at], found.density_band[at])
     reach = normal_reach(level) * std
     share = np.divide(reach, row, out=np.zeros_like(row), where=row > 0)
@@ -103,6 +108,12 @@ def draw_spectrum(found: Ride, channel: str, ax: Axes, *, level: Ratio = LEVEL) 
     ax.set_title(shown(channel), loc="left")
     turn = found.units[found.figures.index(f"{channel}.{found.weightings[channel][0]}")].removesuffix("/s2")
     ax.set_ylabel(density_label(f"{turn}/s²"))
+    ax.set_xscale("log")
+    ax.grid(color=Colour.SHADE, linewidth=0.6)
+    ax.set(xlabel="frequency [Hz]", xlim=(float(hertz[0]), float(hertz[-1])))
+    frequency_ticks(ax.xaxis, float(hertz[-1] / hertz[0]))
+    if ax.figure.bbox.width / ax.figure.dpi < ROOM_FOR_FIGURES:
+        return
     ends = found.interval(level)
     text = ", ".join(
         f"{kind} {_with_ends(found[f'{channel}.{kind}'], ends[f'{channel}.{kind}'])}"
@@ -110,13 +121,9 @@ def draw_spectrum(found: Ride, channel: str, ax: Axes, *, level: Ratio = LEVEL) 
     )
     ax.annotate(f"rms {text}", (1.0, 1.0), xycoords="axes fraction", xytext=(0, 3), textcoords="offset points",
                 ha="right", fontsize="small")  # fmt: skip
-    ax.set_xscale("log")
-    ax.grid(color=Colour.SHADE, linewidth=0.6)
-    ax.set(xlabel="frequency [Hz]", xlim=(float(hertz[0]), float(hertz[-1])))
-    frequency_ticks(ax.xaxis, float(hertz[-1] / hertz[0]))
 
 
-def _colours(found: Ride) -> dict[str, Colour]:
+def colours_of(found: Ride) -> dict[str, Colour]:
     """Return the colour of each weighting."""
     kinds = dict.fromkeys(kind for kinds in found.weightings.values() for kind in kinds)
     return dict(zip(kinds, CHANNEL_COLOURS, strict=False))

@@ -24,14 +24,16 @@ from suspid.reporting.estimate_page import EstimateContent, page_fields
 from suspid.reporting.fleet_page import FleetContent, fleet_fields
 from suspid.reporting.limit_rows import limit_rows
 from suspid.reporting.numerals import digits
-from suspid.reporting.performance_part import performance_fields
+from suspid.reporting.performance_part import performance_fields, tuning_commands
 from suspid.reporting.pictures import MOST_CHANNELS, pictures_of
 from suspid.reporting.rows import channel_rows, mode_quantities, mode_rows, pole_rows, repeat_rows
+from suspid.reporting.sensitivity_part import sensitivity_fields
 from suspid.reporting.source import Source, versions
 from suspid.reporting.spring_rows import masses_of, spring_rows
 from suspid.reporting.thinning import is_whole
 from suspid.samples import held
 from suspid.signals import as_signal
+from suspid.units import in_print
 from suspid.words import MOST_LISTED
 
 if TYPE_CHECKING:
@@ -124,6 +126,7 @@ def _template(name: str) -> Template:
         lstrip_blocks=True,
     )
     environment.filters["safe_text"] = _shown
+    environment.filters["said"] = _said
     environment.filters["safe_lines"] = _lines
     return environment.get_template(name)
 
@@ -165,11 +168,18 @@ def _fields(content: Content) -> dict[str, object]:
         "reconstruction": car,
         "from_modes": [] if car is None or best is car else spring_rows(car, level),
         **performance_fields(content.grip, content.ride, level),
+        **sensitivity_fields(content.sensitivities, content.ride),
+        "tuning": tuning_commands(content.ride, _file_of(content) if analysis.estimate is None else None),
         "chi_square": "" if car is None else _chi_square(car),
         "status": "" if car is None else _sentence(car.status),
         "steps": [str(step) for step in content.steps],
         "twins": [] if car is None else _twins(car),
     }
+
+
+def _file_of(content: Content) -> str:
+    """Return the name of the car file, or a name for it."""
+    return content.car.file if content.car is not None and content.car.file else "car.toml"
 
 
 def _car_of(content: AnyContent) -> Source | None:
@@ -189,6 +199,11 @@ def _car_of(content: AnyContent) -> Source | None:
 def _shown(text: object) -> str:
     """Return a text on one line, with nothing in it that a reader does not see; the template escapes it."""
     return printable(" ".join(str(text).split()))
+
+
+def _said(text: object) -> str:
+    """Return a sentence of the library's own as `_shown`, with units as they are printed."""
+    return in_print(_shown(text))
 
 
 def _lines(text: str) -> str:

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from suspid.cleaning import Cleaned
     from suspid.greybox import Estimate
     from suspid.identification import Identification, Repeats
+    from suspid.performance import Sensitivities
     from suspid.reconstruction import Reconstruction
 
 
@@ -73,6 +74,7 @@ def report_to_dict(found: Identification | Analysis | Content) -> dict[str, obje
         "estimate": None if analysis.estimate is None else estimate_to_dict(analysis.estimate, level=content.level),
         "grip": None if content.grip is None else grip_to_dict(content.grip, level=content.level),
         "ride": None if content.ride is None else ride_to_dict(content.ride, level=content.level),
+        "sensitivities": _sensitivities(content.sensitivities),
         "limits": limits_to_dict(content.limits),
         "next_steps": [step.to_dict() for step in content.steps],
         "car": car_to_plain(content.car, content.springs),
@@ -82,6 +84,15 @@ def report_to_dict(found: Identification | Analysis | Content) -> dict[str, obje
     }
     plain: dict[str, object] = json.loads(to_json(fields))
     return plain
+
+
+def _sensitivities(found: Sensitivities | None) -> dict[str, object] | None:
+    return None if found is None else {
+        "names": list(found.names),
+        "values": found.values.tolist(),
+        "parameters": list(found.parameters),
+        "elasticity": found.elasticity.tolist(),
+    }  # fmt: skip
 
 
 def _quality(shown: Identification, level: Ratio) -> list[dict[str, object]]:

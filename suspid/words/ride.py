@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, TypeAlias
 
+from suspid.values import figures_of
 from suspid.words.remarks import Code, amount, count, in_a_row, sentence
 
 Numbers: TypeAlias = Mapping[str, Any]
@@ -13,6 +14,14 @@ Numbers: TypeAlias = Mapping[str, Any]
 def _listed(text: str) -> Callable[[Numbers], str]:
     """Return words with the names in place of ``{names}``, the last after an "and"."""
     return lambda numbers: text.format_map({**numbers, "names": in_a_row(numbers["names"])})
+
+
+def _plainly(text: str) -> Callable[[Numbers], str]:
+    """Return words with a count in place of ``{times}`` and a value in place of ``{value}``, without exponents."""
+    shown = {"times": amount, "value": figures_of}
+    return lambda numbers: text.format_map(
+        {name: shown[name](number) if name in shown else number for name, number in numbers.items()}
+    )
 
 
 def _driven(numbers: Numbers) -> str:
@@ -54,13 +63,17 @@ class RideCheck(Code):
     )
     LIFTS = (
         "lifts",
-        "{wheel}: the linear force would pull at the road {times:.2g} times in {seconds:.4g} s; there the wheel leaves "
-        "it, and the figures are those of a wheel that does not.",
+        _plainly(
+            "{wheel}: the linear force would pull at the road {times} times in {seconds:.4g} s; there the wheel leaves "
+            "it, and the figures are those of a wheel that does not."
+        ),
     )
     STOPS = (
         "stops",
-        "{strut}: the travel reaches the stops {times:.2g} times in {seconds:.4g} s; the figures are those of a car "
-        "without stops.",
+        _plainly(
+            "{strut}: the travel reaches the stops {times} times in {seconds:.4g} s; the figures are those of a car "
+            "without stops."
+        ),
     )
     LONG_WAVES = (
         "long waves",
@@ -121,12 +134,14 @@ class TuningCheck(Code):
     UNFINISHED = "unfinished", "{count} of {points} points did not converge and were left out."
     AT_BOUND = (
         "at bound",
-        "{name} is at its {side} value, {value:.4g} {unit}, in {count} of {cars} cars: there the bound decides.",
+        _plainly("{name} is at its {side} value, {value} {unit}, in {count} of {cars} cars: there the bound decides."),
     )
     AT_REACH = (
         "at reach",
-        "{name} is at the end of the search, {value:.4g} {unit}, in {count} of {cars} cars: there the default bound "
-        "decides, a quarter or four times the car's own; state the {side} value that can be built.",
+        _plainly(
+            "{name} is at the end of the search, {value} {unit}, in {count} of {cars} cars: there the default bound "
+            "decides, a quarter or four times the car's own; state the {side} value that can be built."
+        ),
     )
     RELATED = "related", "The constraint {label} decides in {count} of {cars} cars."
     ROBUST = (
