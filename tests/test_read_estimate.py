@@ -49,6 +49,12 @@ class TestRoundTrip:
         content.pop("records")
         assert json.loads(to_json(again)) == content
 
+    def test_within_a_report(self, found: Estimate, content: dict[str, Any]) -> None:
+        report = {"format": "suspid modes 1", "report": "suspid report 3"}
+        assert estimate_from_dict({**report, "estimate": content}).suspension == found.suspension
+        with pytest.raises(InputError, match="no springs and dampers that were fitted"):
+            estimate_from_dict({**report, "estimate": None})
+
     def test_details_of_an_estimate_without_records(self, content: dict[str, Any]) -> None:
         assert "lag-1" in estimate_from_dict(content).details()
 

@@ -34,6 +34,7 @@ from suspid import (
     quarter_car,
     reconstruct,
     ride,
+    sensitivities,
 )
 from suspid.analysis import analyse
 from suspid.cleaning import Cleaned, Finding
@@ -311,6 +312,22 @@ class TestVerdict:
         assert quantity(value, value - low).value in text
         assert report_to_dict(found)["grip"] is None
         assert "test bench" not in Page(report(found)).text
+
+    def test_what_moves_what_stands_in_the_page(self, found: Identification, springs: Reconstruction) -> None:
+        """Names, values and the strongest parameter of each row are those of `sensitivities`."""
+        content = content_of(found, reconstruction=springs, ride=ride(springs, road="C", speed=20.0))
+        expected = sensitivities(springs.suspension, road="C", speed=20.0, bench=True)
+        plain = report_to_dict(content)["sensitivities"]
+        assert plain["names"] == list(expected.names)  # type: ignore[index]
+        text = Page(report(content)).text
+        row = expected.elasticity[expected.names.index("seat_acceleration.Wk")]
+        at = int(np.argmax(np.abs(row)))
+        assert f"{expected.parameters[at]} {row[at]:+.2f}".replace("-", "−") in text
+        assert "suspid tune found.toml --road C --speed 20" in text
+        assert "seat_acceleration.Wk" in text
+        assert "m/s²" in text
+        assert "m/s2" not in text
+        assert report_to_dict(found)["sensitivities"] is None
 
 
 class TestRounding:

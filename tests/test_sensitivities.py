@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from suspid import InputError, Suspension, eigenmodes, quarter_car, ride, sensitivities
+from suspid import InputError, Suspension, eigenmodes, grip, quarter_car, ride, sensitivities
 from suspid.reconstruction import parameter_names, parameter_values
 from validation.cars import FOUR_WHEELS, TWO_AXLES
 
@@ -42,10 +42,30 @@ def test_equal_finite_differences(car: Suspension) -> None:
 def test_the_same_car_twice_as_large() -> None:
     """All masses, springs and dampers by one factor move no mode and no acceleration; loads by that factor."""
     names = [name for name in parameter_names(CAR) if parameter_values(CAR)[name]]
-    found = sensitivities(CAR, parameters=names, road="B", speed=20.0)
+    found = sensitivities(CAR, parameters=names, road="B", speed=20.0, bench=True)
     total = dict(zip(found.names, found.elasticity.sum(axis=1), strict=True))
     for name, value in total.items():
         assert value == pytest.approx(1.0 if name == "tire.load" else 0.0, abs=1e-9), name
+
+
+@pytest.mark.parametrize("car", [CAR, MOUNTED], ids=["quarter", "mounts"])
+def test_wheels_on_a_bench(car: Suspension) -> None:
+    names = [name for name in parameter_names(car) if parameter_values(car)[name]]
+    found = sensitivities(car, parameters=names, bench=True)
+    use = [i for i, name in enumerate(found.names) if name.endswith((".adhesion", ".phase"))]
+    h = 1e-4
+    for p, name in enumerate(names):
+        ends = [grip(changed(car, name, factor)) for factor in (1 - h, 1 + h)]
+        logs = [np.log([*one.adhesion, *one.phase]) for one in ends]
+        expected = (logs[1] - logs[0]) / np.log((1 + h) / (1 - h))
+        np.testing.assert_allclose(found.elasticity[use, p], expected, atol=1e-5, err_msg=name)
+
+
+def test_a_wheel_that_leaves_the_bench_has_no_relative_change() -> None:
+    found = sensitivities(CAR.with_parameters(damping={"chassis": 200.0}), bench=True)
+    at = found.names.index("tire.adhesion")
+    assert found.values[at] == 0
+    assert np.all(np.isnan(found.elasticity[at]))
 
 
 def test_time_scales() -> None:

@@ -88,7 +88,7 @@ def draw_adhesion(found: Grip, ax: Axes, *, level: Ratio = LEVEL) -> None:
     for name, share in CLASSES.items():
         ax.axhline(100 * share, color=Colour.GREY, linewidth=0.8, linestyle=":")
         ax.annotate(
-            f"{name}\n{100 * share:.0f} %" if share else name,
+            name,
             (1.0, 100 * share),
             xycoords=("axes fraction", "data"),
             xytext=(3, 3),

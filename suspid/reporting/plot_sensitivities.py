@@ -61,7 +61,7 @@ def plot_sensitivities(found: Sensitivities, ax: Axes) -> Axes:
             # The number stands above its bar.
             ax.barh(row + 0.3, reach, left=column, height=0.26, color=Colour.SKY if value > 0 else Colour.ORANGE)
             ax.text(column, row - 0.14, per_cent(value).replace("-", "−"), ha="center", va="center",
-                    fontsize="x-small")  # fmt: skip
+                    fontsize="small")  # fmt: skip
     ax.set_yticks(range(rows), [shown(name) for name in found.names], fontsize="small")
     names = [shown(name).rpartition(".") for name in found.parameters]
     # A long name of a strut would run into its neighbour.

@@ -32,7 +32,7 @@ MOST_MOVERS, LEAST_MOVE = 3, 0.05
 # Columns of a picture beside each other, of the width of a phone and of the page.
 MOST_ABREAST = {NARROW: 5, WIDE: 12}
 # Heights of a row of a picture and of what stands around each part of it [inch].
-ROW, AROUND = 0.19, 0.75
+ROW, AROUND = 0.24, 0.75
 # Units of figures on a test bench, as test benches show them, in SI units; those of a ride come with it.
 OF_BENCH = {"adhesion": ("%", 0.01), "phase": ("deg", float(np.radians(1.0)))}
 # Room beside the names of rows, which a browser may set wider than matplotlib does [inch].
