@@ -14,7 +14,7 @@ from suspid.reporting.channel_units import channel_unit
 from suspid.reporting.frf import Frf, responses
 from suspid.reporting.limit_rows import limit_rows, limit_steps
 from suspid.reporting.numerals import signed
-from suspid.reporting.performance_part import performance_fields, tuning_commands
+from suspid.reporting.performance_part import drive_to_tune, performance_fields
 from suspid.reporting.pictures import Picture, picture, shape_pictures
 from suspid.reporting.plot_damper_curve import plot_damper_curve
 from suspid.reporting.plot_estimate import draw_changes, lively, time_label
@@ -121,7 +121,8 @@ def page_fields(content: EstimateContent) -> dict[str, object]:
             "records": [_part(content, k) for k in range(min(len(records), MOST_LISTED))],
             **performance_fields(grip, content.ride, level),
             **sensitivity_fields(sensitivities_of(found, content.ride), content.ride),
-            "tuning": tuning_commands(content.ride, None),
+            "tuning": drive_to_tune(content.ride),
+            "remade_of": "",
             "hidden": count(hidden, "further record") if hidden else "",
         }  # fmt: skip
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING
@@ -60,26 +59,19 @@ def performance_fields(grip: Grip | None, ride: Ride | None, level: Ratio) -> di
         }
 
 
-def tuning_commands(ride: Ride | None, car: str | None) -> tuple[str, ...]:
-    """Return the commands that tune the car of the JSON of `suspid report`.
-
-    A car that was found from modes alone, ``car`` is its file, is made of them anew; an estimate is read as it is.
+def drive_to_tune(ride: Ride | None) -> tuple[str, str]:
+    """Return road and speed, as the commands take them, for which the car that was found is tuned.
 
     Examples
     --------
-    >>> tuning_commands(None, None)
-    ('suspid tune found.json --road C --speed 20',)
-    >>> tuning_commands(None, "car.toml")
-    ('suspid reconstruct found.json car.toml -o found.toml', 'suspid tune found.toml --road C --speed 20')
+    >>> drive_to_tune(None)
+    ('C', '20')
     """
     road = None if ride is None else ride.road
-    driven = "--road C --speed 20"
-    if road is not None:
-        named = next((name for name, g in ROUGHNESS.items() if g == road.roughness), f"{road.roughness:g}")
-        driven = f"--road {named} --speed {road.speed:g}"
-    if car is None:
-        return (f"suspid tune found.json {driven}",)
-    return f"suspid reconstruct found.json {shlex.quote(car)} -o found.toml", f"suspid tune found.toml {driven}"
+    if road is None:
+        return "C", "20"
+    named = next((name for name, g in ROUGHNESS.items() if g == road.roughness), f"{road.roughness:g}")
+    return named, f"{road.speed:g}"
 
 
 def _wheels(found: Grip, level: Ratio) -> list[WheelRow]:

@@ -6,6 +6,7 @@ The page is one file without a script. Its policy forbids the network. Its pictu
 
 from __future__ import annotations
 
+import shlex
 from functools import cache
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -24,7 +25,7 @@ from suspid.reporting.estimate_page import EstimateContent, page_fields
 from suspid.reporting.fleet_page import FleetContent, fleet_fields
 from suspid.reporting.limit_rows import limit_rows
 from suspid.reporting.numerals import digits
-from suspid.reporting.performance_part import performance_fields, tuning_commands
+from suspid.reporting.performance_part import drive_to_tune, performance_fields
 from suspid.reporting.pictures import MOST_CHANNELS, pictures_of
 from suspid.reporting.rows import channel_rows, mode_quantities, mode_rows, pole_rows, repeat_rows
 from suspid.reporting.sensitivity_part import sensitivity_fields
@@ -169,7 +170,8 @@ def _fields(content: Content) -> dict[str, object]:
         "from_modes": [] if car is None or best is car else spring_rows(car, level),
         **performance_fields(content.grip, content.ride, level),
         **sensitivity_fields(content.sensitivities, content.ride),
-        "tuning": tuning_commands(content.ride, _file_of(content) if analysis.estimate is None else None),
+        "tuning": drive_to_tune(content.ride),
+        "remade_of": "" if analysis.estimate is not None else _file_of(content),
         "chi_square": "" if car is None else _chi_square(car),
         "status": "" if car is None else _sentence(car.status),
         "steps": [str(step) for step in content.steps],
@@ -178,8 +180,8 @@ def _fields(content: Content) -> dict[str, object]:
 
 
 def _file_of(content: Content) -> str:
-    """Return the name of the car file, or a name for it."""
-    return content.car.file if content.car is not None and content.car.file else "car.toml"
+    """Return the name of the car file, or a name for it, as a shell takes it."""
+    return shlex.quote(content.car.file) if content.car is not None and content.car.file else "car.toml"
 
 
 def _car_of(content: AnyContent) -> Source | None:

@@ -32,11 +32,11 @@ MOST_MOVERS, LEAST_MOVE = 3, 0.05
 # Columns of a picture beside each other, of the width of a phone and of the page.
 MOST_ABREAST = {NARROW: 5, WIDE: 12}
 # Heights of a row of a picture and of what stands around each part of it [inch].
-ROW, AROUND = 0.24, 0.75
+ROW_HEIGHT, PART_HEIGHT = 0.24, 0.75
 # Units of figures on a test bench, as test benches show them, in SI units; those of a ride come with it.
 OF_BENCH = {"adhesion": ("%", 0.01), "phase": ("deg", float(np.radians(1.0)))}
 # Room beside the names of rows, which a browser may set wider than matplotlib does [inch].
-BESIDE = 0.1
+ROOM_BESIDE_ROWS = 0.1
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -110,7 +110,7 @@ def _rows(found: Sensitivities, ride: Ride | None) -> list[MoverRow]:
 
 def _picture(found: Sensitivities) -> Picture:
     described = "Change of each mode and figure by each spring and damper, in per cent for each per cent"
-    narrow, wide = (_parts(found, width) * (AROUND + ROW * len(found.names)) for width in MOST_ABREAST)
+    narrow, wide = (_parts(found, width) * (PART_HEIGHT + ROW_HEIGHT * len(found.names)) for width in MOST_ABREAST)
     return picture(partial(_draw, found), name="movers", described=described, height=narrow, wide_height=wide)
 
 
@@ -119,7 +119,7 @@ def _parts(found: Sensitivities, width: float) -> int:
 
 
 def _draw(found: Sensitivities, figure: Figure) -> None:
-    figure.set_layout_engine("constrained", w_pad=BESIDE)
+    figure.set_layout_engine("constrained", w_pad=ROOM_BESIDE_ROWS)
     parts = _parts(found, float(figure.get_size_inches()[0]))
     axes = figure.subplots(parts, 1, squeeze=False)[:, 0]
     for ax, part in zip(axes, np.array_split(np.arange(len(found.parameters)), parts), strict=True):
