@@ -21,6 +21,7 @@ from suspid.values import numbers_in_words
 from suspid.words import Check, Level, Remark, Verdict
 from suspid.words.drives import DriveHeadline, DriveRemark
 from suspid.words.greybox import EstimateCheck
+from suspid.words.grip import GripCheck
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False, repr=False)
@@ -101,7 +102,12 @@ class DriveAnalysis(Result):
             none = Remark(DriveRemark.NONE, {**numbers, "why": why})
             return Verdict(none, (Check(none, Level.NONE), *self.remarks))
         code = DriveHeadline.SPRINGS if self.estimate else DriveHeadline.FREQUENCIES
-        every = [*self.remarks, *found.verdict.checks]
+        beside = () if self.wear is None else self.wear.verdict.checks
+        every = [
+            *self.remarks,
+            *found.verdict.checks,
+            *(check for check in beside if check.remark.code is GripCheck.STAYED_NOMINAL),
+        ]
         if self._by_curves:
             # The residual follows the wheels because the dampers bend, and not because a part of the car is missing.
             every = [check for check in every if check.remark.code not in (EstimateCheck.FOLLOWS, DriveRemark.BENT)]

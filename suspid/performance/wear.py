@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -15,7 +16,7 @@ from suspid.performance.curve_wear import bent, curve_named, said_of_bent, wear_
 from suspid.performance.damper_rates import dampers_of, nominal_rates, rates_of
 from suspid.performance.grip import grip_if_any
 from suspid.performance.losses import ENOUGH_DRIVES, TESTS, WearRule, loss_of
-from suspid.performance.wear_checks import said_of_loss, said_of_phase, untrusted, verdict_of, worst
+from suspid.performance.wear_checks import said_of_loss, said_of_phase, stayed_nominal, untrusted, verdict_of, worst
 from suspid.performance.wears import DamperWear, ParameterChange, Wear
 from suspid.units import Ratio
 from suspid.words import DamperState
@@ -131,6 +132,7 @@ def wear(
     if not dampers:
         raise InputError("no damper above a wheel was estimated in all of these estimates: there is nothing to judge")
     against = "nominal" if not earlier else "history" if len(earlier) >= ENOUGH_DRIVES else "earlier"
+    judged = verdict_of(dampers, doubts, rule, against, by_curve=by_curve)
     return Wear(
         dampers=tuple(dampers),
         changes=tuple(_changes(now, earlier)),
@@ -138,7 +140,7 @@ def wear(
         after=after,
         rule=rule,
         against=against,
-        verdict=verdict_of(dampers, doubts, rule, against, by_curve=by_curve),
+        verdict=replace(judged, checks=(*judged.checks, *stayed_nominal(after))),
     )
 
 

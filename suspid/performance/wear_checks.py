@@ -11,6 +11,7 @@ from suspid.performance.grips import PHASE_LIMIT, Grip
 from suspid.performance.losses import Loss, Rates, WearRule
 from suspid.performance.wears import DamperWear
 from suspid.words import Check, DamperState, Level, Number, Remark, Verdict, WearCheck, WearHeadline
+from suspid.words.grip import GripCheck
 
 # What a state says of the result; worn is as much a finding as good, and both are read with their reasons.
 LEVELS = {
@@ -26,6 +27,13 @@ def untrusted(now: Estimate, earlier: Sequence[Estimate]) -> Iterator[Check]:
     for which, one in (("now", now), *(("before", old) for old in earlier)):
         if one.verdict.level <= Level.DOUBTFUL:
             yield Check(Remark(WearCheck.UNTRUSTED, {"which": which, "level": one.verdict.level.label}), Level.DOUBTFUL)
+
+
+def stayed_nominal(after: Grip | None) -> Iterator[Check]:
+    """Yield what the grip beside the wear rests on that was not found."""
+    for check in () if after is None else after.verdict.checks:
+        if check.remark.code is GripCheck.STAYED_NOMINAL:
+            yield Check(check.remark, Level.NOTE)
 
 
 def said_of_loss(
