@@ -47,6 +47,32 @@ def test_a_road_is_driven_and_written(tmp_path: Path) -> None:
     np.testing.assert_array_equal(found.values[0], again.y[0])
 
 
+def test_a_speed_that_changes_meets_the_same_road(tmp_path: Path) -> None:
+    """From 10 to 20 m/s in 5 s, and back: ``s = 10 t + t^2`` up to there; the speed is a channel."""
+    options = [
+        "--road",
+        "C",
+        "--speed",
+        "0:10,5:20,10:10",
+        "--seed",
+        3,
+        "--fs",
+        200,
+        "--channel",
+        "chassis_acceleration",
+    ]
+    result = run("simulate", CAR, "-o", tmp_path / "drive.csv", *options)
+    assert result.exit_code == 0, result.output
+    found = np.genfromtxt(tmp_path / "drive.csv", delimiter=",", skip_header=1).T
+    assert (tmp_path / "drive.csv").read_text().splitlines()[0].endswith("chassis_acceleration,road,speed [m/s]")
+    t = np.arange(2000) / 200
+    speed, waves = 20 - 2 * abs(t - 5), (2 * 20 / 200, 100.0)
+    where = np.where(t < 5, 10 * t + t**2, 75 + 20 * (t - 5) - (t - 5) ** 2)
+    road = road_profile(where, roughness="C", rng=np.random.default_rng(3), wavelengths=waves)
+    np.testing.assert_allclose(found[2], road - road[0], atol=1e-9)
+    np.testing.assert_allclose(found[3], speed, rtol=1e-9)
+
+
 def test_the_rear_axle_meets_what_the_front_has_met(tmp_path: Path) -> None:
     (tmp_path / "half.toml").write_text(HALF)
     options = ["--road", "B", "--speed", 20, "--seed", 1, "--fs", 200, "--behind", "road_rear=road_front:2.7"]
@@ -91,6 +117,8 @@ def test_a_force_is_swept(tmp_path: Path) -> None:
         (["--step", "1", "--sweep", "1", "2", "1"], "Give one of"),
         (["--road", "A", "--seed", "1"], "--road needs --speed"),
         (["--step", "1", "--speed", "3"], "--road needs --speed"),
+        (["--road", "A", "--speed", "5:20,2:10", "--seed", "1"], "must ascend"),
+        (["--road", "A", "--speed", "0:20,9:fast", "--seed", "1"], "'fast' is not a number"),
         (["--road", "A", "--speed", "20"], "Give --seed with --snr or --road"),
         (["--impulse", "road", "--input", "road"], "--input goes with --sweep or --step"),
         (["--road", "A", "--speed", "20", "--seed", "1", "--behind", "road=rod:1"], "write ROAD=OTHER:METRES"),

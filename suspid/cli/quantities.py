@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import click
 
@@ -56,6 +57,27 @@ class Probability(click.FloatRange):
 
     def __init__(self) -> None:
         super().__init__(0, 1, min_open=True, max_open=True)
+
+
+class Profile(click.ParamType[tuple[tuple[float, float], ...]]):
+    """A positive number over time: one for all times, or ``SECONDS:NUMBER,…`` with straight lines between."""
+
+    def __init__(self, unit: str) -> None:
+        self.name = unit
+
+    def convert(
+        self, value: object, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[tuple[float, float], ...]:
+        """Return times and numbers, or refuse them as a usage error."""
+        if isinstance(value, tuple):
+            return value
+        number, points = Positive(self.name), []
+        for part in str(value).split(","):
+            time, colon, at = part.rpartition(":")
+            points.append((Finite("s").convert(time, param, ctx) if colon else 0.0, number.convert(at, param, ctx)))
+        if any(later[0] <= first[0] for first, later in pairwise(points)):
+            self.fail(f"the times in '{value}' must ascend: SECONDS:NUMBER,SECONDS:NUMBER.", param, ctx)
+        return tuple(points)
 
 
 class Whole(click.IntRange):

@@ -13,8 +13,9 @@ import numpy as np
 from suspid.cli.measured import record_in_words
 from suspid.cli.options import FILE, pairs
 from suspid.cli.output import check_apart, said_warnings, say
-from suspid.cli.quantities import Positive, Whole
+from suspid.cli.quantities import Positive, Profile, Whole
 from suspid.files import printable, replacing
+from suspid.signals import as_response, as_signal, inputs_of
 from suspid.units import RealArray
 
 if TYPE_CHECKING:
@@ -36,7 +37,12 @@ REST = 0.5
 @click.option("--impulse", metavar="INPUT", help="Free decay after a unit impulse on an input, such as road.")
 @click.option("--initial", metavar="STATE=VALUE", multiple=True, help="Start, such as v_tire=1 [m/s]; repeat.")
 @click.option("--road", "road_class", metavar="A..H", help="Drive on a random road of this class of ISO 8608.")
-@click.option("--speed", type=Positive("m/s"), help="Speed on that road; needed with --road.")
+@click.option(
+    "--speed",
+    type=Profile("m/s"),
+    metavar="M/S",
+    help="Speed on that road, needed with --road; or SECONDS:M/S,… to change it, which writes a channel of speed.",
+)
 @click.option(
     "--behind",
     metavar="ROAD=OTHER:METRES",
@@ -60,7 +66,7 @@ def simulate_command(
     impulse: str | None,
     initial: tuple[str, ...],
     road_class: str | None,
-    speed: float | None,
+    speed: tuple[tuple[float, float], ...] | None,
     behind: tuple[str, ...],
     sweep: tuple[float, float, float] | None,
     step: float | None,
@@ -101,7 +107,10 @@ def simulate_command(
         timepts = np.arange(count) / fs
         if any(driven):
             if road_class is not None and speed is not None:
-                given = _heights(suspension, speed * timepts, road_class, behind, rng, 2 * speed / fs)
+                fast = np.interp(timepts, *np.array(speed).T)
+                gained = (fast[1:] + fast[:-1]) / 2 - fast[0]
+                distance = fast[0] * timepts + np.append(0.0, np.cumsum(gained)) / fs
+                given = _heights(suspension, distance, road_class, behind, rng, 2 * float(np.max(fast)) / fs)
             else:
                 shape: RealArray = _sweep(timepts, sweep) if sweep else np.where(timepts < REST, 0.0, step or 0.0)
                 given = dict.fromkeys(inputs or suspension.roads, shape)
@@ -116,6 +125,10 @@ def simulate_command(
             record = _decay(suspension, timepts, channels, state, impulse)
         if snr is not None:
             record = add_noise(record, snr_db=snr, rng=rng)
+        if speed is not None and len(speed) > 1:
+            known = {**inputs_of(record), "speed [m/s]": fast}
+            signal = as_signal(record)
+            record = as_response(timepts, signal.values, signal.channels, inputs=known)
         poles = eigenmodes(suspension.linearised()).poles
         highest = float(np.max(np.abs(poles.imag), initial=0.0)) / (2 * math.pi)
         if highest >= fs / 2:
