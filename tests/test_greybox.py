@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
@@ -384,6 +385,10 @@ class TestOptions:
         assert isinstance(refused.value.best, Suspension)
         for name in ("chassis.stiffness", "tire.mass"):
             assert name in str(refused.value)
+        # All forces and masses times one factor move nothing.
+        shares = re.findall(r"(?:stiffness|damping|mass) ([+-]\d+) %", str(refused.value))
+        assert len(shares) >= 5
+        assert {abs(int(share) - 100) <= 1 for share in shares} == {True}
 
     def test_channels_that_do_not_see_a_damper_say_so(self) -> None:
         legs = [

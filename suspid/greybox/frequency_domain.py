@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from suspid.greybox.fits import Fit
-from suspid.greybox.identifiability import blind, check_determined, names_in
+from suspid.greybox.identifiability import blind, check_determined, names_in, shares_of
 from suspid.greybox.measured_causes import WheelProblem, first_levels
 from suspid.greybox.misfit import Misfit, misfit_of
 from suspid.greybox.noise_levels import Levels
@@ -52,8 +52,9 @@ def fit_in_frequency(problem: WheelProblem) -> Fit:
     slopes = np.concatenate([squares, prior])
     suspect = None if judged.likely and not len(blind(slopes)) else suspect_of(problem)
     check_determined(
-        slopes, labels, u.suspension(z[: len(u)]), hint="" if suspect is None else f"{suspect} As they are, "
-    )
+        slopes, labels, u.suspension(z[: len(u)]), relative=shares_of(_sizes(problem, z), z),
+        hint="" if suspect is None else f"{suspect} As they are, ",
+    )  # fmt: skip
     checks = [judged.check, *([] if suspect is None else [Check(suspect, Level.DOUBTFUL)])]
     if len(prior) and len(blind(squares)):
         checks.append(Check(Remark(EstimateCheck.BY_NOMINAL, {"names": names_in(blind(squares), labels)}), Level.CARE))

@@ -15,6 +15,7 @@ from suspid.wording import Argument
 # Standard deviation of a combination, in the logarithm of springs and masses and in units of a nearly critical damper,
 # from which on it is not determined: not even within a factor of e.
 UNDETERMINED = 1.0
+NEXT_TO_NOTHING = 1e-3  # of what 1 means of an unknown: shares of smaller values would be all that is named
 NAMED_SHARE = 0.05  # of a combination: below it a parameter is not named
 
 
@@ -41,8 +42,12 @@ def names_in(directions: RealArray, labels: Sequence[str]) -> tuple[str, ...]:
     return tuple(label for label, w in zip(labels, weight, strict=True) if w > NAMED_SHARE)
 
 
-def check_determined(slope: RealArray, labels: Sequence[str], car: Suspension, *, hint: str = "") -> None:
+def check_determined(
+    slope: RealArray, labels: Sequence[str], car: Suspension, *, relative: RealArray, hint: str = ""
+) -> None:
     """Raise if data and nominal values leave a combination of the unknowns open.
+
+    ``relative`` is what 1 changes of each unknown, relative to its value; see `shares_of`.
 
     Raises
     ------
@@ -58,13 +63,24 @@ def check_determined(slope: RealArray, labels: Sequence[str], car: Suspension, *
     raise EstimationError(
         f"{hint}the records do not determine {', '.join(names)}: {len(open_)} of {len(labels)} combinations of the "
         f"unknowns leave all channels as they are within their noise "
-        f"({'; or '.join(_in_words(o, labels) for o in open_)}){scale}; hold one with ",
+        f"({'; or '.join(_in_words(o * relative, labels) for o in open_)}){scale}; hold one with ",
         Argument("fixed", "…"),
         ", state ",
         Argument("nominal_std", "…"),
         ", or measure at more coordinates",
         best=car,
     )
+
+
+def shares_of(size: RealArray, value: RealArray) -> RealArray:
+    """Return the relative change of values by their sizes; of a damper next to nothing its size is the share.
+
+    Examples
+    --------
+    >>> shares_of(np.array([3.0, 1.0, 1.0]), np.array([3.0, 0.25, 0.0]))
+    array([1., 4., 1.])
+    """
+    return np.asarray(np.divide(size, value, out=np.ones_like(size), where=value > NEXT_TO_NOTHING))
 
 
 def _in_words(direction: RealArray, labels: Sequence[str]) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 
 from suspid.errors import ReconstructionError
 from suspid.greybox.fits import Fit
-from suspid.greybox.identifiability import blind, check_determined, names_in
+from suspid.greybox.identifiability import blind, check_determined, names_in, shares_of
 from suspid.greybox.problem import Problem
 from suspid.greybox.responses import OutputError
 from suspid.greybox.search import SAME_FIT, Found, descended, search
@@ -56,7 +56,7 @@ def fit_in_time(problem: Problem) -> Fit:
     size = u.sizes(best.x)
     prior = u.prior(best.x)[1]
     whole = np.concatenate([data, prior]) * size
-    check_determined(whole, u.labels, u.suspension(best.x))
+    check_determined(whole, u.labels, u.suspension(best.x), relative=shares_of(size, best.x))
     chi_square, freedom, explains, judged = _judged(problem, errors, noise)
     checks = [judged]
     if len(prior) and len(blind(data * size)):
