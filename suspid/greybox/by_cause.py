@@ -5,12 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
 from suspid.errors import EstimationError, RecordError
 from suspid.greybox.causes import likely_causes
 from suspid.greybox.estimate import estimate
 from suspid.greybox.estimates import Estimate
 from suspid.greybox.trials import RecordTest
 from suspid.model import Suspension
+from suspid.signals import as_signal
 
 
 def estimate_by_cause(
@@ -22,8 +25,8 @@ def estimate_by_cause(
 ) -> tuple[Estimate, tuple[str, ...]]:
     """Return the estimate under the first cause that explains the tests, and the cause; ``()`` is a free decay.
 
-    Where none explains them it is that of the best verdict, and of equal ones the first. ``causes`` are those to try,
-    in order (default: `likely_causes`), ``options`` are arguments of `estimate`.
+    Where none explains them it is that of the best verdict, and of equal ones that which leaves least. ``causes`` are
+    those to try, in order (default: `likely_causes`), ``options`` are arguments of `estimate`.
 
     Raises
     ------
@@ -55,4 +58,15 @@ def estimate_by_cause(
             return found[-1]
     if not found:
         raise refused[0]
-    return max(found, key=lambda one: one[0].verdict.level)
+    return max(found, key=lambda one: (one[0].verdict.level, -_left(one[0])))
+
+
+def _left(found: Estimate) -> float:
+    """Return the share of a channel's power that an estimate leaves, where most is left."""
+    pairs = [
+        (as_signal(fit).values, as_signal(left).values) for fit, left in zip(found.fitted, found.residual, strict=True)
+    ]
+    return max(
+        float(np.max(np.var(left, axis=1) / np.maximum(np.var(fit + left, axis=1), np.finfo(float).tiny)))
+        for fit, left in pairs
+    )

@@ -9,7 +9,7 @@ import numpy as np
 
 from suspid.greybox.problem import Problem
 from suspid.greybox.whiteness import correlations
-from suspid.levels import NEGLIGIBLE_GAIN
+from suspid.levels import CHI_SQUARE_95, NEGLIGIBLE_GAIN
 from suspid.model import eigenmodes
 from suspid.reconstruction import Unknowns, descend, even_starts
 from suspid.units import RealArray
@@ -20,6 +20,7 @@ STRETCH_GROWTH = 3.0  # of the stretch, from one to the next: a mode then is off
 # Share of a channel's power that is left, and correlation of neighbouring samples of what is left, from which on
 # nothing of the channel is explained: more than half of it, and it is motion.
 UNMOVED = 0.5
+DENSE = 20.0  # samples in a cycle of the fastest mode, twice as many as tell its damping; more are for the noise alone
 FIRST_CYCLES = 2.0  # of the fastest mode, in the first stretch
 STARTS = 6  # at most
 SAME_FIT = 1.0  # difference of minus twice the log likelihood up to which two fits count as one
@@ -54,17 +55,51 @@ def descended(problem: Problem, x: RealArray, noise: Sequence[RealArray], *, rou
 
 
 def search(problem: Problem) -> tuple[Found, list[Found]]:
-    """Return the best fit, and the ends of all starts."""
+    """Return the best fit, and the ends of all starts.
+
+    Of decays that are sampled densely few samples are searched; the ends are refined with all of them.
+    """
     u = problem.unknowns
+    searched = _thinned(problem)
     ends: list[Found] = []
     for start in starts_of(u):
-        ends.append(_along(problem, start))
-        best = min(end.loss for end in ends)
+        ends.append(_along(searched, start))
+        best = min(ends, key=lambda end: end.loss)
         # Two starts that end in one place are enough, and two that lead nowhere.
-        agreed = sum(end.loss < best + SAME_FIT for end in ends)
+        agreed = sum(end.loss < best.loss + SAME_FIT for end in ends)
         if max(agreed, len(ends) * all(end.lost for end in ends)) >= 2:
             break
-    return min(ends, key=lambda end: end.loss), ends
+    return (best, ends) if searched is problem else _refined(problem, best, ends)
+
+
+def _thinned(problem: Problem) -> Problem:
+    """Return the problem with every n-th sample of decays alone, where these are dense; known inputs need all."""
+    u = problem.unknowns
+    fastest = float(np.max(eigenmodes(u.suspension(u.nominal)).wn))
+    steps = [int(2 * np.pi / (fastest * DENSE * trial.step)) for trial in problem.trials]
+    if max(steps) < 2 or any(len(trial.inputs) for trial in problem.trials):
+        return problem
+    thin = tuple(
+        replace(t, step=t.step * max(n, 1), values=t.values[:, :: max(n, 1)], inputs=t.inputs[:, :: max(n, 1)])
+        for t, n in zip(problem.trials, steps, strict=True)
+    )
+    return replace(problem, trials=thin)
+
+
+def _refined(problem: Problem, best: Found, ends: Sequence[Found]) -> tuple[Found, list[Found]]:
+    """Return the best fit and all ends with all samples; those far from the best one stay as far as they are."""
+    fine = [
+        descended(problem, end.x, end.noise) if end is best or SAME_FIT <= end.loss - best.loss < CHI_SQUARE_95 else end
+        for end in ends
+    ]
+    whole = fine[ends.index(best)]
+    moved = [
+        whole if end.loss < best.loss + SAME_FIT
+        else one if one is not end
+        else replace(end, loss=whole.loss + end.loss - best.loss)
+        for end, one in zip(ends, fine, strict=True)
+    ]  # fmt: skip
+    return min(moved, key=lambda end: end.loss), moved
 
 
 def starts_of(unknowns: Unknowns) -> list[RealArray]:
