@@ -9,6 +9,7 @@ import os
 import time
 from dataclasses import replace
 
+import control
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -19,11 +20,14 @@ from suspid import (
     classify_road,
     estimate,
     free_decay,
+    grip,
     quarter_car,
     ride,
     road,
     sensitivities,
+    statespace,
     tune,
+    tune_active,
     tune_damper,
     weighting,
 )
@@ -43,6 +47,9 @@ QUARTER = quarter_car(
     chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3, chassis_damping=1300
 )
 HALF = TWO_AXLES
+# Figures worked out for this car before `grip` was written: damper [N s/m], adhesion [%], least phase [deg].
+BENCH_TIRE = 60.0
+EXPECTED_GRIP = ((1300.0, 60.0, 63.9), (900.0, None, 47.8), (650.0, 29.0, 35.9), (400.0, 0.0, 22.7))
 LEVEL = 0.95
 
 
@@ -309,6 +316,41 @@ def derivative_text() -> str:
     return f"Half car, {rows} modes and figures by {len(found.parameters)} parameters: largest difference {worst:.1e}."
 
 
+def bench_table() -> str:
+    """Return adhesion and least phase by `grip` beside figures that were worked out apart."""
+    rows: dict[str, list[str]] = {
+        "damper [N s/m]": [], "adhesion, expected [%]": [], "grip": [], "least phase, expected [deg]": [], "grip ": [],
+    }  # fmt: skip
+    for damping, adhesion, phase in EXPECTED_GRIP:
+        found = grip(QUARTER.with_parameters(damping={"chassis": damping, "tire": BENCH_TIRE}))
+        cells = (
+            f"{damping:.0f}",
+            "-" if adhesion is None else f"{adhesion:.0f}",
+            f"{100 * found.adhesion[0]:.1f}",
+            f"{phase:.1f}",
+            f"{np.degrees(found.phase[0]):.1f}",
+        )
+        for column, cell in zip(rows.values(), cells, strict=True):
+            column.append(cell)
+    return text_table(rows)
+
+
+def active_text() -> str:
+    """Return how far the convex program for an active strut is from `control.lqr`, where nothing is limited."""
+    objective = {"chassis_acceleration": 1.0, "tire_travel": 0.004, "chassis_travel": 0.02}
+    found = tune_active(QUARTER, actuator="chassis_travel", objective=objective, road="C", speed=20.0)
+    system = statespace(QUARTER, outputs=list(objective), forces=["chassis_travel"])
+    scale = np.array(list(objective.values()))
+    C, D = np.asarray(system.C) / scale[:, None], np.asarray(system.D)[:, 0] / scale
+    gain, _, _ = control.lqr(system.A, system.B, C.T @ C, np.array([[D @ D]]), (C.T @ D)[:, None])
+    off = float(np.max(np.abs(found.gain - gain[0])) / np.max(np.abs(gain)))
+    return (
+        f"Force of an actuator beside the strut of the quarter car, by `tune_active`: the largest difference of a gain "
+        f"from that of `control.lqr` is {off:.1e} of the largest gain, the cost is above its lower bound by "
+        f"{found.cost / found.bound - 1:.1e}."
+    )
+
+
 def coverage_text(draws: int) -> str:
     """Return the share of intervals that hold where the car was estimated from a decay."""
     car = QUARTER
@@ -358,6 +400,12 @@ def report() -> str:
         f"```\n{optimum_table()}\n```",
         "## Fronts",
         front_text(),
+        "## Wheels on a test bench",
+        "Adhesion after EUSAMA (platform 3 mm, 25 to 0 Hz) and least phase after EGEA SPECSUS2018 of the quarter car with "
+        f"{BENCH_TIRE:g} N s/m in the tire. How well they are known from drives stands in [wear](wear.md).",
+        f"```\n{bench_table()}\n```",
+        "## An active strut",
+        active_text(),
         "## A damper's curve for three roads",
         curve_text(SEEDS),
         "## Sensitivities beside central differences",

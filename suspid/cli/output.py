@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import errno
 import os
+import shutil
 import sys
+import textwrap
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -62,12 +64,35 @@ def check_apart(inputs: list[Path], outputs: list[Path | None]) -> None:
 
 def say(text: str) -> None:
     """Print text whose names may come from a file: nothing in it reaches the terminal as a command."""
+    lines = [shown(line) for line in text.split("\n")]
+    if sys.stdout.isatty():
+        lines = broken(lines, shutil.get_terminal_size().columns)
     try:
-        click.echo("\n".join(shown(line) for line in text.split("\n")))
+        click.echo("\n".join(lines))
     except OSError as refusal:
         if refusal.errno == errno.EPIPE:
             raise
         raise _unwritten(refusal) from None
+
+
+def broken(lines: list[str], width: int) -> list[str]:
+    """Return lines for a terminal: sentences that are longer are broken between words, tables are not.
+
+    Examples
+    --------
+    >>> broken(["- the wheel leaves the road", "figure      unit    value of it"], 20)
+    ['- the wheel leaves', '  the road', 'figure      unit    value of it']
+    """
+    return [
+        part
+        for line in lines
+        for part in (
+            # Columns stand two spaces apart.
+            textwrap.wrap(line, width, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False)
+            if len(line) > width and "  " not in line.strip()
+            else [line]
+        )
+    ]
 
 
 def _unwritten(refusal: OSError) -> Failed:

@@ -49,7 +49,11 @@ PICTURE_OF_RIDE = click.option("--plot", type=FILE, metavar="FILE", help="Write 
 @AT_SPEED
 @click.option("--duration", type=Positive("seconds"), help="Time of doses and peaks. [3600; the record's]")
 @click.option(
-    "--weighting", "weightings", metavar="CHANNEL=Wk,…", multiple=True, help="Weightings; repeat. [Wk and Wf]"
+    "--weighting",
+    "weightings",
+    metavar="CHANNEL=Wk,…",
+    multiple=True,
+    help="Weightings; repeat. [Wk and Wf; We of rotation]",
 )
 @GIVEN_STOPS
 @STATED_STD
@@ -58,7 +62,9 @@ PICTURE_OF_RIDE = click.option("--plot", type=FILE, metavar="FILE", help="Write 
     type=Probability(),
     help="Print intervals of this probability, as 0.95.",
 )
-@click.option("--sensitivities", "tables", is_flag=True, help="Show which spring and damper moves which figure.")
+@click.option(
+    "--sensitivities", "tables", is_flag=True, help="Show which spring and damper moves which mode and figure."
+)
 @PICTURE_OF_RIDE
 @click.option("--json", "json_file", type=FILE, metavar="FILE", help="Write figures and intervals as JSON.")
 def ride_command(
@@ -79,14 +85,15 @@ def ride_command(
 
     Of a car on a road, or comfort and travel of a record.
 
-    CAR is a description (.toml), or the JSON of `suspid estimate`, whose uncertainty is carried through; both need
+    CAR is a description (.toml), or the JSON of `suspid estimate` or `report`, whose uncertainty is carried through; both need
     --road and --speed. Any other file is a RECORD with channels such as seat_acceleration, or named by --weighting; the
     options on channels and time are those of `suspid estimate`.
 
-    With --sensitivities, which need a description, --plot draws these.
+    With --sensitivities, of modes, figures and grip, --plot draws these.
     """
     from suspid.identification import to_json
     from suspid.levels import LEVEL
+    from suspid.model import Suspension
     from suspid.performance import ride, sensitivities
     from suspid.reporting import ride_to_dict
 
@@ -98,8 +105,8 @@ def ride_command(
         raise click.UsageError("A car has no channels and no time: options of records do not apply.")
     if not of_car and (clearance or nominal_std is not None):
         raise click.UsageError("A record has no struts: --clearance and --nominal-std go with a car.")
-    if tables and source.suffix.lower() != ".toml":
-        raise click.UsageError("--sensitivities need the description of a car (.toml).")
+    if tables and not of_car:
+        raise click.UsageError("--sensitivities need a car; this is a record.")
     kinds = {c: tuple(w.split(",")) for c, w in pairs(weightings, "--weighting", str).items()} or None
     gaps = pairs(clearance, "--clearance", float) or None
     with (
@@ -118,15 +125,14 @@ def ride_command(
         text = str(found) if level is None else f"{found}\n\n{_intervals(found, level)}"
         turned = None
         if tables:
-            from suspid.model import read_car
-
             turned = sensitivities(
-                read_car(source),
+                what if isinstance(what, Suspension) else what.suspension,
                 road=road_named(road),
                 speed=speed,
                 duration=found.duration,
                 weightings=kinds,
                 clearance=gaps,
+                bench=True,
             )
             text += f"\n\n{turned}"
         draw(_picture(found, turned, level or LEVEL), turned or found)

@@ -25,7 +25,8 @@ from suspid.files import naming, replacing
 )  # fmt: skip
 @click.option(
     "--objective", "objectives", metavar="FIGURE[+FIGURE…]", multiple=True,
-    help="One or two figures of suspid ride; those joined by + are one, the root of the sum of squares.",
+    help="One or two figures of suspid ride; those joined by + are one, the root of the sum of squares. "
+    "[comfort and wheel load]",
 )  # fmt: skip
 @click.option("--limit", "limits", metavar="FIGURE=VALUE", multiple=True, help="Largest value of a figure; repeat.")
 @click.option(
@@ -37,7 +38,12 @@ from suspid.files import naming, replacing
     help="Least and largest value of a parameter; repeat. [a quarter to four times]",
 )  # fmt: skip
 @click.option("--points", type=Whole(2, 200), default=11, show_default=True, help="Cars on the front.")
-@click.option("--robust", type=Positive("sd"), default=None, help="Standard deviations added to each figure. [0]")
+@click.option(
+    "--robust",
+    type=Positive("sd"),
+    default=None,
+    help="Standard deviations, of what is uncertain, that each figure has above its mean. [0]",
+)
 @GIVEN_STOPS
 @STATED_STD
 @PICTURE_OF_RIDE
@@ -62,10 +68,10 @@ def tune_command(
 ) -> None:
     """Find springs and dampers of the best compromises.
 
-    The compromises are those between two figures of CAR (.toml or estimate .json).
+    The compromises are those between two figures of CAR (.toml, or JSON of estimate or report).
 
-    Without --objective these are the weighted acceleration of the first coordinate and the dynamic load of all
-    wheels; without --parameter all struts off the road change, left and right ones that are equal by one factor.
+    Without --objective these are the weighted acceleration of the first coordinate that is no wheel and the dynamic
+    load of all wheels; without --parameter all struts off the road change, left and right ones that are equal by one factor.
     """
     from suspid.identification import to_json
     from suspid.model import Suspension, car_to_toml, read_constraints

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -147,6 +147,27 @@ def unit_ticks(ax: Axes, unit: str) -> None:
     ax.yaxis.set_major_locator(MaxNLocator(3))
     ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value / 10.0**power:.10g}".replace("-", "−")))
     ax.set_ylabel(f"[{power_of_ten(power)} {unit}]" if power else f"[{unit}]")
+
+
+def label_below(axes: Iterable[Axes], label: str) -> None:
+    """Label the horizontal axis of each panel with none of the others below it, as of panels side by side.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> axes = list(Figure().subplots(2, 2).flat)
+    >>> label_below(axes[:3], "time [s]")
+    >>> [ax.get_xlabel() for ax in axes]
+    ['', 'time [s]', 'time [s]', '']
+    """
+    drawn = list(axes)
+    for ax in drawn:
+        own = ax.get_position()
+        # A hundredth of a panel is less than any gap between two.
+        slack = 0.01 * min(own.width, own.height)
+        below = [one.get_position() for one in drawn if one is not ax and one.figure is ax.figure]
+        if not any(one.y1 < own.y0 + slack and one.x0 < own.x1 - slack and own.x0 < one.x1 - slack for one in below):
+            ax.set_xlabel(label)
 
 
 def plot_residual(ax: Axes, time: RealArray, record: RealArray, fit: RealArray, residual: RealArray) -> None:

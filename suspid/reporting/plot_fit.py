@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from suspid.arguments import explained
-from suspid.reporting.axes import checked_grid, key_above, plot_residual, position, shown, unit_ticks
+from suspid.reporting.axes import checked_grid, key_above, label_below, plot_residual, position, shown, unit_ticks
 from suspid.results import check_kind
 from suspid.samples import held
 from suspid.signals import as_signal
@@ -77,5 +77,5 @@ def plot_fit(
         ax.set_xlim(low, high)
         unit_ticks(ax, (shown(units[i], most=8) if units else "") or "unit")
     if len(names):
-        drawn[-1].set_xlabel("time [s]")
+        label_below(drawn, "time [s]")
         key_above(drawn[0])

@@ -10,7 +10,7 @@ from suspid.arguments import explained
 from suspid.errors import InputError
 from suspid.identification import Identification
 from suspid.levels import EXACT
-from suspid.reporting.axes import checked_grid, key_above, position, shown, thinned
+from suspid.reporting.axes import checked_grid, key_above, label_below, position, shown, thinned
 from suspid.reporting.channel_units import channel_unit
 from suspid.reporting.colours import Colour
 from suspid.results import check_kind
@@ -96,7 +96,7 @@ def plot_spectra(
         known = unit if isinstance(found, Identification) or unit else channel_unit(found.suspension, name)
         ax.set_ylabel(density_label(shown(known) if len(known) <= SHORT_UNIT else ""))
         ax.set_title(shown(name), loc="left")
-    drawn[-1].set_xlabel("frequency [Hz]")
+    label_below(drawn, "frequency [Hz]")
     key_above(drawn[0])
 
 
