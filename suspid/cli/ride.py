@@ -85,9 +85,9 @@ def ride_command(
 
     Of a car on a road, or comfort and travel of a record.
 
-    CAR is a description (.toml), or the JSON of `suspid estimate` or `report`, whose uncertainty is carried through; both need
-    --road and --speed. Any other file is a RECORD with channels such as seat_acceleration, or named by --weighting; the
-    options on channels and time are those of `suspid estimate`.
+    CAR is a description (.toml), or the JSON of `suspid estimate` or `report`, whose uncertainty is carried through;
+    both need --road and --speed. Any other file is a RECORD with channels such as seat_acceleration, or named by
+    --weighting; the options on channels and time are those of `suspid estimate`.
 
     With --sensitivities, of modes, figures and grip, --plot draws these.
     """

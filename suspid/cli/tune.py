@@ -71,7 +71,8 @@ def tune_command(
     The compromises are those between two figures of CAR (.toml, or JSON of estimate or report).
 
     Without --objective these are the weighted acceleration of the first coordinate that is no wheel and the dynamic
-    load of all wheels; without --parameter all struts off the road change, left and right ones that are equal by one factor.
+    load of all wheels; without --parameter all struts off the road change, left and right ones that are equal by one
+    factor.
     """
     from suspid.identification import to_json
     from suspid.model import Suspension, car_to_toml, read_constraints
