@@ -310,6 +310,24 @@ def values_beside(values: RealArray, stds: RealArray) -> dict[str, list[str]]:
     }
 
 
+def ends_beside(ends: Sequence[tuple[float, float]]) -> dict[str, list[str]]:
+    """Return columns of lower and upper ends, with the digits that tell them apart.
+
+    Examples
+    --------
+    >>> ends_beside([(0.017991, 0.018003), (63.73, 64.09), (np.nan, np.nan)])
+    {'lower': ['0.0179910', '63.73', '–'], 'upper': ['0.0180030', '64.09', '–']}
+    """
+    half = np.array([max((high - low) / 2, 0.0) for low, high in ends])
+    rows = [
+        (rounded(np.array([low]), np.array([one]))[0], rounded(np.array([high]), np.array([one]))[0])
+        if one > 0 or np.isnan(one)
+        else (figures_of(low), figures_of(high))
+        for (low, high), one in zip(ends, half.tolist(), strict=True)
+    ]
+    return {"lower": [low for low, _ in rows], "upper": [high for _, high in rows]}
+
+
 def is_size(value: object) -> TypeGuard[float]:
     """Return whether a value is a positive number of a size that is computed with; True is none.
 

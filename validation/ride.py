@@ -357,8 +357,8 @@ def active_text() -> str:
     off = float(np.max(np.abs(found.gain - gain[0])) / np.max(np.abs(gain)))
     return (
         f"Force of an actuator beside the strut of the quarter car, by `tune_active`: the largest difference of a gain "
-        f"from that of `control.lqr` is {off:.1e} of the largest gain, the cost is above its lower bound by "
-        f"{found.cost / found.bound - 1:.1e}."
+        f"from that of `control.lqr` is {off:.1e} of the largest gain; cost and lower bound differ by "
+        f"{abs(found.cost / found.bound - 1):.1e}."
     )
 
 

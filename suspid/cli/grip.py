@@ -16,7 +16,7 @@ from suspid.cli.quantities import Positive, Probability
 from suspid.cli.ride import NO_UNCERTAINTY, PICTURE_OF_RIDE, STATED_STD, car_of, drawing
 from suspid.files import naming, replacing
 from suspid.levels import LEVEL
-from suspid.values import figures_of, text_table
+from suspid.values import ends_beside, text_table
 
 if TYPE_CHECKING:
     from suspid.performance import Grip
@@ -73,6 +73,5 @@ def _intervals(found: Grip, level: float) -> str:
     intervals = found.interval(level)
     units = [("deg", float(np.degrees(1.0))) if name.endswith(".phase") else ("%", 100.0) for name in intervals]
     names = [f"{name} [{unit}]" for name, (unit, _) in zip(intervals, units, strict=True)]
-    ends = np.array(list(intervals.values())) * np.array([[scale] for _, scale in units])
-    low, high = ([figures_of(value) for value in side] for side in ends.T.tolist())
-    return text_table({f"{100 * level:g} % interval": names, "lower": low, "upper": high})
+    ends = [(low * scale, high * scale) for (low, high), (_, scale) in zip(intervals.values(), units, strict=True)]
+    return text_table({f"{100 * level:g} % interval": names, **ends_beside(ends)})

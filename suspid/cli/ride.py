@@ -18,7 +18,7 @@ from suspid.cli.output import check_apart, said_warnings, say
 from suspid.cli.quantities import Positive, Probability
 from suspid.files import naming, replacing
 from suspid.signals import cut
-from suspid.values import figures_of, text_table
+from suspid.values import ends_beside, text_table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -164,8 +164,7 @@ def _intervals(found: Ride, level: float) -> str:
     return text_table(
         {
             f"{100 * level:g} % interval": [f"{n} [{u}]" for n, u in zip(found.figures, found.units, strict=True)],
-            "lower": [figures_of(low) for low, _ in ends.values()],
-            "upper": [figures_of(high) for _, high in ends.values()],
+            **ends_beside(list(ends.values())),
         }
     )
 
