@@ -30,12 +30,11 @@ if TYPE_CHECKING:
 SEEDS = int(os.environ.get("SUSPID_SEEDS", "100"))
 CORNERS = 20  # draws of each corner: its error is that of the car that is left out, the same in all
 LEVEL = 0.95
-# Rows of which four times as many draws are made: the RMSE of 100 draws scatters by 7 %, and the largest of a row's
-# parameters lies above the bound by more than that without any loss.
+# Rows of which four times as many draws are made: the RMSE of 100 draws scatters by 7 %, and of many parameters at
+# their bounds the largest lies above its own by more than that without any loss.
 OFTEN = (
-    "quarter car with a seat, 20 dB", "half car, modes 2% apart, 40 dB", "force on the body, 20 s",
-    "force on the body 0.1 m/s2", "mount 4e5 N/m", "full car, 60 s at 100 Hz, gain, delay, mount known",
-    "full car, 60 s at 100 Hz", "wheel sensor 2 ms late, delay alone unknown",
+    "half car, modes 10% apart, 40 dB", "half car, modes 2% apart, 40 dB",
+    "full car, 60 s at 100 Hz, gain, delay, mount known",
 )  # fmt: skip
 BESIDE_PEERS = (
     "class B, 60 s, gain, delay, mount known", "wheel sensor 2 ms late", "mount 1e6 N/m",
@@ -59,7 +58,8 @@ band of the estimator ends at 2.5 times the wheels' modes, 27 to 30 Hz.
 
 Of 60 s of class B 0.3 % are asked of k and c with gain, delay and mount unknown, 0.5 % of half and full cars. Bounds
 are above that in part: 0.32 and 0.93 % without a mount, 0.31 % of c with one of 1e6 N/m, up to 1.23 % for the half car
-and 0.77 % for the full one. What lies below its bound does so because no mount is negative.
+and 0.77 % for the full one. What lies below its bound does so because no mount is negative. Where the true mount is
+rigid, at the end of its range, more than 95 % of the intervals hold, most in short, quiet or bumpy records.
 `SUSPID_SEEDS=100 python -m validation greybox` prints these tables."""
 SIMULATOR = """## Records of another simulator
 
