@@ -11,9 +11,10 @@ from suspid.identification.candidates import CANDIDATES_TRIED, Candidate
 from suspid.identification.covariance import widened
 from suspid.identification.exponentials import power_sums, project
 from suspid.identification.fitting import BENT, Fit, Problem
+from suspid.identification.neighbours import neighbours
 from suspid.identification.poles import Poles
 from suspid.identification.refinement import Rejected
-from suspid.levels import EXACT, UNLIKELY
+from suspid.levels import EXACT, LEVEL, UNLIKELY
 from suspid.units import ComplexArray, RealArray
 from suspid.words import Reason, Remark
 
@@ -32,37 +33,40 @@ def divided(problem: Problem, fit: Fit) -> Fit | None:
 
 
 def unresolved(problem: Problem, fit: Fit) -> tuple[RealArray, NDArray[np.bool_], Rejected]:
-    """Return by how much the variances of each pair are widened where one may be two, (pair,), and the partners.
+    """Return by how much the variances of each pair are widened where one more may be beside it, (pair,), and those.
 
     Between them, whether the residual of each pair bends beyond chance, (pair,).
 
-    The gain of the two is significant at `UNLIKELY`, though not enough for two modes: the record leaves it open. Then
-    the intervals of all pairs hold what the fit with one more says of them, with its own uncertainty: the nearer of the
-    two, and each neighbour. The variances are widened by 0 where each pair suffices.
+    Where the record does not exclude a further pair at `LEVEL`, though its gain is not enough for a mode, it leaves
+    open whether there is one. Then the intervals of all pairs hold what the fit with one more says of them, with its
+    own uncertainty: the nearer of the two, and each neighbour. The variances are widened by 0 where each pair suffices.
+    A further pair is named where its gain is significant at `UNLIKELY`.
     """
     from scipy.special import chdtri
 
-    channels, pairs = problem.blocks.channels, len(fit.poles.pairs)
-    needed, penalty = float(chdtri(2 + 2 * channels, UNLIKELY)), problem.penalty(real=False)
+    pairs, penalty = len(fit.poles.pairs), problem.penalty(real=False)
+    freedom = 2 + 2 * problem.blocks.channels
+    leaves_open, needed = (float(chdtri(freedom, chance)) for chance in (1 - LEVEL, UNLIKELY))
     widening, partners = np.zeros(pairs), list[tuple[Candidate, Remark]]()
-    promised = apart(fit)
+    promised, beside = apart(fit), neighbours(fit)
     bends = promised.gains > needed
-    for which in np.flatnonzero(bends).tolist():
+    for which in np.flatnonzero(bends | (beside.gains > leaves_open)).tolist():
         pole = fit.poles.pairs[which]
-        trial = problem.fitted(promised.with_two(which))
+        both = np.array([pole, beside.theta[which]])
+        trial = problem.fitted(promised.with_two(which) if bends[which] else fit.poles.with_two(which, both))
         if trial is None:
             continue
         trial = problem.settled(trial)
         two, gain = trial.poles.pairs[-2:], fit.loss - trial.loss
         nearer, other = np.argsort(np.abs(two - pole))
         near = np.abs(two - pole) < BENT * np.abs(pole.real)
-        if not near.any() or gain <= needed:
+        if not near.any() or gain <= leaves_open:
             continue
         # Wherever the other lies, the neighbours of a weak mode that is left out bend.
         places = np.insert(np.arange(pairs - 1), which, pairs - 1 + nearer)
         widening = np.maximum(widening, widened(fit.solution, trial.solution, places))
         known = any(abs(two[other] - c.theta) < abs(two[other].real) for c, _ in partners)
-        if near.all() or not (known or gain > penalty):
+        if gain > needed and (near.all() or not (known or gain > penalty)):
             reason = Reason.UNRESOLVED if near.all() else Reason.TOO_WEAK
             remark = Remark(reason, {"gain": gain, "needed": penalty})
             partners.append((Candidate(theta=complex(two[other]), real=False, gain=gain), remark))
@@ -121,9 +125,7 @@ class Apart:
 
     def with_two(self, which: int) -> Poles:
         """Return the poles with two pairs in place of one, within bounds."""
-        poles, two = self.fit.poles, self.two(which)
-        pairs = np.append(np.delete(poles.pairs, which), two.real + 1j * np.abs(two.imag))
-        both = Poles(pairs=pairs, reals=poles.reals, nuisances=poles.nuisances)
+        both = self.fit.poles.with_two(which, self.two(which))
         return both.moved_within(np.zeros(both.free), self.fit.residual.shape[1])
 
 

@@ -85,6 +85,11 @@ class Poles:
         """Return the poles with one more pair."""
         return Poles(pairs=np.append(self.pairs, theta), reals=self.reals, nuisances=self.nuisances)
 
+    def with_two(self, which: int, two: ComplexArray) -> Poles:
+        """Return the poles with two pairs, the last ones, in place of one."""
+        pairs = np.append(np.delete(self.pairs, which), two.real + 1j * np.abs(two.imag))
+        return Poles(pairs=pairs, reals=self.reals, nuisances=self.nuisances)
+
     def with_real(self, theta: float) -> Poles:
         """Return the poles with one more real pole."""
         return Poles(pairs=self.pairs, reals=np.append(self.reals, theta), nuisances=self.nuisances)
