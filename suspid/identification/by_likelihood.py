@@ -80,7 +80,12 @@ def by_likelihood(
             if not len(selection.modes):
                 selection = dominant(centred, noise=noise, band=limits, selection=selection) or selection
         modes, loudness = _modes_of(selection, centred, noise, step=signal.step, channels=signal.channels)
-        fewer = selection if steps.count is not None else _fewer(selection, modes)
+        # Whether a frequency may be zero is asked of the fit itself, not of what a further pole would say.
+        alone = replace(selection, widening=np.zeros_like(selection.widening))
+        own = modes
+        if np.any(selection.widening > 1):
+            own, _ = _modes_of(alone, centred, noise, step=signal.step, channels=signal.channels)
+        fewer = selection if steps.count is not None else _fewer(selection, own)
         if fewer is not selection:
             selection = fewer
             modes, loudness = _modes_of(selection, centred, noise, step=signal.step, channels=signal.channels)

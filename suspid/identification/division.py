@@ -12,6 +12,7 @@ from suspid.identification.covariance import widened
 from suspid.identification.exponentials import power_sums, project
 from suspid.identification.fitting import BENT, Fit, Problem
 from suspid.identification.neighbours import neighbours
+from suspid.identification.noise import shared_noise
 from suspid.identification.poles import Poles
 from suspid.identification.refinement import Rejected
 from suspid.levels import EXACT, LEVEL, UNLIKELY
@@ -37,19 +38,23 @@ def unresolved(problem: Problem, fit: Fit) -> tuple[RealArray, NDArray[np.bool_]
 
     Between them, whether the residual of each pair bends beyond chance, (pair,).
 
-    Where the record does not exclude a further pair at `LEVEL`, though its gain is not enough for a mode, it leaves
-    open whether there is one. Then the intervals of all pairs hold what the fit with one more says of them, with its
-    own uncertainty: the nearer of the two, and each neighbour. The variances are widened by 0 where each pair suffices.
-    A further pair is named where its gain is significant at `UNLIKELY`.
+    Where a further pair beside one of them gains more than chance gives to any of them at `LEVEL`, though not enough
+    for a mode, the record leaves open whether there is one. Then the intervals of all pairs hold what the fit with one
+    more says of them, with its own uncertainty: the nearer of the two, and each neighbour. The variances are widened by
+    0 where each pair suffices. A further pair is named where its gain is significant at `UNLIKELY`.
     """
     from scipy.special import chdtri
 
     pairs, penalty = len(fit.poles.pairs), problem.penalty(real=False)
     freedom = 2 + 2 * problem.blocks.channels
-    leaves_open, needed = (float(chdtri(freedom, chance)) for chance in (1 - LEVEL, UNLIKELY))
+    needed = float(chdtri(freedom, UNLIKELY))
+    # Noise that is not white, or that channels share, gives more by chance.
+    loud = fit.beside[:pairs] * shared_noise(fit.residual, np.sqrt(problem.noise.least))
+    leaves_open = loud * float(chdtri(freedom, (1 - LEVEL) / max(pairs, 1)))
     widening, partners = np.zeros(pairs), list[tuple[Candidate, Remark]]()
     promised, beside = apart(fit), neighbours(fit)
     bends = promised.gains > needed
+    leaves_open[bends] = np.minimum(leaves_open[bends], needed)
     for which in np.flatnonzero(bends | (beside.gains > leaves_open)).tolist():
         pole = fit.poles.pairs[which]
         both = np.array([pole, beside.theta[which]])
@@ -60,7 +65,7 @@ def unresolved(problem: Problem, fit: Fit) -> tuple[RealArray, NDArray[np.bool_]
         two, gain = trial.poles.pairs[-2:], fit.loss - trial.loss
         nearer, other = np.argsort(np.abs(two - pole))
         near = np.abs(two - pole) < BENT * np.abs(pole.real)
-        if not near.any() or gain <= leaves_open:
+        if not near.any() or gain <= leaves_open[which]:
             continue
         # Wherever the other lies, the neighbours of a weak mode that is left out bend.
         places = np.insert(np.arange(pairs - 1), which, pairs - 1 + nearer)
