@@ -56,7 +56,7 @@ def test_an_interval_holds_a_second_mode_that_is_not_excluded() -> None:
     clean = sampled(poles, amplitudes, noise=0.0, seed=0)
     alone = fitted(clean - clean.mean(axis=1, keepdims=True), poles[:1], np.zeros(0))
     noise = float(np.sqrt(alone.squares[0] / 15.0))
-    held, times = 0, np.arange(SAMPLES) * 1.0
+    held, times = 0, np.arange(SAMPLES, dtype=np.float64)
     for seed in range(20):
         values = sampled(poles, amplitudes, noise=noise, seed=seed)
         # With a band, no forces are looked for.
