@@ -15,7 +15,7 @@ from suspid.units import ComplexArray, RealArray
 
 # Where a further pair is tried: this far from a fitted one, in its decay rates, in as many directions. Between them
 # a refit finds the way; more places cost time.
-RADII, DIRECTIONS = (0.5, 1.0), 8
+RADII, AROUND = (0.5, 1.0), 8
 # Numbers that the places tried at once hold: more only cost memory.
 AT_ONCE = 1_000_000
 
@@ -34,7 +34,7 @@ def neighbours(fit: Fit) -> Neighbours:
     All amplitudes and all poles answer to the further one by a Gauss-Newton step.
     """
     pairs = fit.poles.pairs
-    turns = np.exp(2j * np.pi * np.arange(DIRECTIONS) / DIRECTIONS)
+    turns = np.exp(2j * np.pi * np.arange(AROUND) / AROUND)
     theta = pairs[:, None] + np.abs(pairs.real)[:, None] * np.outer(RADII, turns).ravel()
     usable = (theta.imag > 0) & (theta.real < 0)
     gains = np.full(theta.shape, -np.inf)
