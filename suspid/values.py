@@ -186,7 +186,8 @@ def text_table(columns: Mapping[str, Sequence[str]], *, widest: int | None = Non
     if widest is None or len(whole.partition("\n")[0]) <= widest:
         return whole
     cells = list(columns.values())
-    for cut in range(4):
+    # Headings are cut no further than one part needs; where several are needed names stay whole.
+    for cut in (0, 1, 2, 3, 2):
         heads = [_heading(name, cut) for name in columns]
         widths = [max(map(len, [*head, *column])) for head, column in zip(heads, cells, strict=True)]
         if sum(widths) + COLUMN_GAP * (len(widths) - 1) <= widest:

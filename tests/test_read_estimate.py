@@ -4,12 +4,13 @@ import json
 from pathlib import Path
 from typing import Any
 
+import jsonschema
 import numpy as np
 import pytest
 
-from suspid import Estimate, InputError, add_noise, estimate, free_decay, quarter_car, read_estimate
+from suspid import Estimate, InputError, add_noise, estimate, free_decay, grip, quarter_car, read_estimate, ride
 from suspid.identification import to_json
-from suspid.reporting import estimate_from_dict, estimate_to_dict
+from suspid.reporting import content_of, estimate_from_dict, estimate_to_dict, json_schema, report_to_dict
 from suspid.words import EstimateCheck
 
 
@@ -54,6 +55,16 @@ class TestRoundTrip:
         assert estimate_from_dict({**report, "estimate": content}).suspension == found.suspension
         with pytest.raises(InputError, match="no springs and dampers that were fitted"):
             estimate_from_dict({**report, "estimate": None})
+
+    def test_what_the_page_shows_of_the_car(self, found: Estimate) -> None:
+        """The JSON of a page is that of the estimate, with grip, ride and what moves them, and is read back."""
+        driven = ride(found, road="C", speed=20.0)
+        content = report_to_dict(content_of(found, ride=driven))
+        jsonschema.validate(content, json_schema("estimate"))
+        assert content["grip"]["wheels"][0]["phase_rad"] == grip(found).phase[0]  # type: ignore[index]
+        assert content["ride"]["figures"][0]["value"] == driven.values[0]  # type: ignore[index]
+        assert "tire.phase" in content["sensitivities"]["names"]  # type: ignore[index]
+        assert estimate_from_dict(content).suspension == found.suspension
 
     def test_details_of_an_estimate_without_records(self, content: dict[str, Any]) -> None:
         assert "lag-1" in estimate_from_dict(content).details()

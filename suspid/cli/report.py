@@ -71,7 +71,7 @@ def report_command(
     """
     from suspid.identification import to_json
     from suspid.model import read_car, read_constraints
-    from suspid.reporting import content_of, estimate_to_dict, report, report_to_dict, source_of
+    from suspid.reporting import content_of, report, report_to_dict, source_of
 
     if (road is None) != (speed is None) or (road is not None and car is None):
         raise click.UsageError("--road and --speed belong together, and need --car.")
@@ -102,7 +102,7 @@ def report_command(
             content = content_of(
                 found, source=sources, level=level, warnings=said, car=described, limits=asked, ride=ride
             )
-            page, plain = report(content, title=title), estimate_to_dict(found, level=level, limits=content.limits)
+            page, plain = report(content, title=title), report_to_dict(content)
             judged = content.limits
         write(page, draft)
         if json_draft:

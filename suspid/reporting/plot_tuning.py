@@ -67,7 +67,7 @@ def plot_tuning(found: Tuning, figure: Figure) -> Figure:
         lower.plot(first, row / row[knee], "o-", color=colour, markersize=3 + width, linewidth=width,
                    label=f"{shown(name)} ({values})")  # fmt: skip
     lower.axvline(float(first[knee]), color=Colour.PALE, linewidth=0.8)
-    lower.set(xlabel=_label(found, 0), ylabel="parameters / those of the knee [1]")
+    lower.set(xlabel=_label(found, 0), ylabel="value / at the knee [1]")
     lower.legend(fontsize="small", frameon=False)
     upper.set_xlabel("")
     lower.grid(color=Colour.SHADE, linewidth=0.6)

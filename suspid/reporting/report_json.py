@@ -15,12 +15,15 @@ import numpy as np
 from suspid.arguments import explained
 from suspid.identification import identification_to_dict, modes_to_dict, to_json
 from suspid.model import car_to_toml
+from suspid.performance import grip_if_any
 from suspid.reconstruction import reconstruction_to_dict
 from suspid.reporting.content import Content
 from suspid.reporting.content_of import content_of
 from suspid.reporting.estimate_json import estimate_to_dict
+from suspid.reporting.estimate_page import EstimateContent
 from suspid.reporting.limits_json import limits_to_dict
 from suspid.reporting.ride_json import ride_to_dict
+from suspid.reporting.sensitivity_part import sensitivities_of
 from suspid.reporting.source import Source, versions
 from suspid.reporting.thinning import is_whole
 from suspid.reporting.wear_json import grip_to_dict
@@ -37,11 +40,11 @@ if TYPE_CHECKING:
 
 
 @explained
-def report_to_dict(found: Identification | Analysis | Content) -> dict[str, object]:
+def report_to_dict(found: Identification | Analysis | Content | EstimateContent) -> dict[str, object]:
     """Return everything that `report` shows as plain lists and numbers; numbers that are not finite are None.
 
-    Takes an identification, an analysis, or what `content_of` makes of them. For an estimate see
-    `suspid.greybox.estimate_to_dict`.
+    Takes an identification, an analysis, or what `content_of` makes of them or of an estimate: the file is then that of
+    `estimate_to_dict` with grip, ride and sensitivities.
 
     Examples
     --------
@@ -52,6 +55,8 @@ def report_to_dict(found: Identification | Analysis | Content) -> dict[str, obje
     >>> report_to_dict(found)["verdict"]["level"]
     'sound'
     """
+    if isinstance(found, EstimateContent):
+        return _of_estimate(found)
     check_kind(found, {"Identification": "identify", "Analysis": "analyse", "Content": "content_of"})
     content = found if isinstance(found, Content) else content_of(found)
     shown, source, analysis = content.identification, content.source, content.analysis
@@ -81,6 +86,17 @@ def report_to_dict(found: Identification | Analysis | Content) -> dict[str, obje
         "source": None if source is None else _source(source),
         "sources": [_source(one) for one in content.sources],
         "versions": versions(),
+    }
+    plain: dict[str, object] = json.loads(to_json(fields))
+    return plain
+
+
+def _of_estimate(content: EstimateContent) -> dict[str, object]:
+    grip, level = grip_if_any(content.found), content.level
+    fields = estimate_to_dict(content.found, level=level, limits=content.limits) | {
+        "grip": None if grip is None else grip_to_dict(grip, level=level),
+        "ride": None if content.ride is None else ride_to_dict(content.ride, level=level),
+        "sensitivities": _sensitivities(sensitivities_of(content.found, content.ride)),
     }
     plain: dict[str, object] = json.loads(to_json(fields))
     return plain
