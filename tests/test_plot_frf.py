@@ -13,8 +13,11 @@ from suspid import (
     Estimate,
     InputError,
     add_noise,
+    as_record,
+    eigenmodes,
     estimate,
     free_decay,
+    identify,
     plot_estimate,
     plot_frf,
     plot_spectra,
@@ -49,6 +52,35 @@ def rig() -> Estimate:
 @pytest.fixture(scope="module")
 def drive() -> Estimate:
     return driven("wheels", noise_db=15.0, seconds=120)
+
+
+class TestView:
+    """Spectra end where there is nothing but noise."""
+
+    def test_a_decay_is_shown_up_to_its_modes_and_an_estimate_too(self) -> None:
+        car = quarter_car(
+            chassis_mass=400, tire_mass=40, chassis_stiffness=20e3, tire_stiffness=200e3, chassis_damping=300
+        )
+        decay = free_decay(car, np.arange(0, 4, 0.0005), initial_state={"v_tire": 1.0})
+        record = add_noise(decay, snr_db=30.0, rng=np.random.default_rng(1))
+        highest = float(eigenmodes(car).wn[-1]) / (2 * np.pi)
+        for found in (identify(record), estimate(record, car, fixed=["tire.damping"])):
+            axes = Figure().subplots(2)
+            plot_spectra(found, axes=axes)
+            for ax in axes:
+                low, high = ax.get_xlim()
+                assert 0 < low <= 2.0
+                # Half the sampling rate is 1000 Hz.
+                assert 2 * highest < high < 4 * highest
+
+    def test_a_line_above_the_modes_stays_in_view(self) -> None:
+        t = np.arange(0, 10, 0.002)
+        noise = 1e-3 * np.random.default_rng(2).standard_normal(t.size)
+        record = as_record(np.exp(-t) * np.cos(20 * t) + 0.01 * np.cos(700 * t + 5 * np.sin(t)) + noise, timepts=t)
+        found = identify(record, modes=1)
+        ax = Figure().subplots()
+        plot_spectra(found, axes=[ax])
+        assert 110 < ax.get_xlim()[1] < 150
 
 
 class TestTransferFunction:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shlex
+from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
@@ -30,7 +31,7 @@ from suspid.files import naming, printable, replacing
 from suspid.samples import held
 from suspid.signals import as_signal
 from suspid.values import samples_in_words
-from suspid.words import ASIDE, DAMAGE, MOST_NAMED, Note, count
+from suspid.words import ASIDE, DAMAGE, MOST_NAMED, OTHER_LENGTHS, Note, Remark, count
 
 if TYPE_CHECKING:
     import control
@@ -155,7 +156,7 @@ def said_of(found: Analysis, *, most_left_out: int | None = None, most_findings:
     everything = () if found.recording is None else found.recording.left_out
     selected = found.settings.channels is not None
     told = [(name, why) for name, why in everything if why.code not in ASIDE]
-    left_out = [(name, why) for name, why in told if not selected or why.code in DAMAGE]
+    left_out = _without_tables([(name, why) for name, why in told if not selected or why.code in DAMAGE])
     said = [f"in the file: {name!r} {why}" for name, why in left_out[:most_left_out]]
     if len(left_out) > len(said):
         said.append(f"in the file: {len(left_out) - len(said)} more not used as channels; see `suspid channels`")
@@ -163,7 +164,16 @@ def said_of(found: Analysis, *, most_left_out: int | None = None, most_findings:
     shown = [str(finding) for finding in findings[:most_findings]]
     if len(findings) > len(shown):
         shown.append(f"{count(len(findings) - len(shown), 'further finding')}; see the report")
-    return [*said, *shown, *map(str, found.notes)]
+    # The doubts about a decay are part of the verdict.
+    return [*said, *shown, *(str(note) for note in found.notes if note.code is not Note.DECAY_DOUBT)]
+
+
+def _without_tables(left_out: Sequence[tuple[str, Remark]]) -> list[tuple[str, Remark]]:
+    """Return what was left out but columns of another length that several have: tables beside that of the record."""
+    lengths = Counter(why.numbers["samples"] for _, why in left_out if why.code in OTHER_LENGTHS)
+    return [
+        (name, why) for name, why in left_out if why.code not in OTHER_LENGTHS or lengths[why.numbers["samples"]] == 1
+    ]
 
 
 def record_in_words(record: control.TimeResponseData) -> str:

@@ -32,6 +32,8 @@ def keep_apart(figure: Figure) -> None:
         figure.set_layout_engine("constrained")
 
 
+# Highest frequency in view, over that of the highest mode.
+IN_VIEW = 2.5
 # Room of an entry of a key and its part of the title beside it [inch].
 KEY_WIDTH = 1.1
 

@@ -215,6 +215,6 @@ def _draw_spectra(found: Estimate, which: int, channel: int, figure: Figure) -> 
     fitted, residual = as_signal(found.fitted[which]), as_signal(found.residual[which])
     fit, left = fitted.values[channel], residual.values[channel]
     ax = figure.subplots()
-    draw_spectra(ax, fit + left, fit, left, 1 / residual.step)
+    draw_spectra(ax, fit + left, fit, left, 1 / residual.step, modes=found.modes)
     ax.set_ylabel(density_label(channel_unit(found.suspension, fitted.channels[channel])))
     ax.set_xlabel("frequency [Hz]")

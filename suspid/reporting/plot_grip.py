@@ -96,8 +96,8 @@ def draw_adhesion(found: Grip, ax: Axes, *, level: Ratio = LEVEL) -> None:
             fontsize="small",
             color=Colour.GREY,
         )
-    # What a wheel would pull by more than its load tells no more: it has left the platform.
-    low = min(-5.0, max(-105.0, 105 * float(np.min(found.least))))
+    # How far below zero a wheel would pull tells no more: it has left the platform. The classes keep their room.
+    low = min(-5.0, max(-20.0, 105 * float(np.min(found.least))))
     ax.set(xlabel="frequency [Hz]", ylabel="least / static force [%]", ylim=(low, 105.0))
     ax.set_title("EUSAMA", loc="left")
     ax.set_xscale("log")

@@ -10,7 +10,7 @@ from suspid.arguments import explained
 from suspid.errors import InputError
 from suspid.identification import Identification
 from suspid.levels import EXACT
-from suspid.reporting.axes import checked_grid, key_above, label_below, position, shown, thinned
+from suspid.reporting.axes import IN_VIEW, checked_grid, key_above, label_below, position, shown, thinned
 from suspid.reporting.channel_units import channel_unit
 from suspid.reporting.colours import Colour
 from suspid.results import check_kind
@@ -25,12 +25,19 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from suspid.greybox import Estimate
+    from suspid.model import ModalSet
 
 # Stretches that are averaged at least.
 STRETCHES = 8
 
 # Lowest density in view, over the median of the residual: single values of a periodogram fall far below it.
 BELOW_NOISE = 0.01
+
+# Lowest frequency in view, below the lowest mode, and highest, above a line of the residual: both beside the axis.
+BELOW_MODES, BESIDE_LINE = 20.0, 1.2
+
+# Chance of white noise to widen the view by its highest value.
+CHANCE = 1e-3
 
 # Letters of a unit up to which a label has room for it.
 SHORT_UNIT = 10
@@ -92,12 +99,37 @@ def plot_spectra(
     for ax, name, unit in zip(drawn, names, units or [""] * len(names), strict=True):
         k = position(name, left.channels)
         fit, residual = fitted.values[k], left.values[k]
-        draw_spectra(ax, fit + residual, fit, residual, 1 / left.step, decay=decay)
+        draw_spectra(ax, fit + residual, fit, residual, 1 / left.step, decay=decay, modes=found.modes)
         known = unit if isinstance(found, Identification) or unit else channel_unit(found.suspension, name)
         ax.set_ylabel(density_label(shown(known) if len(known) <= SHORT_UNIT else ""))
         ax.set_title(shown(name), loc="left")
     label_below(drawn, "frequency [Hz]")
     key_above(drawn[0])
+
+
+def in_view(frequency: RealArray, residual: RealArray, modes: RealArray) -> tuple[float, float]:
+    """Return the ends of the frequencies [Hz] that hold modes, or lines of a residual that its noise does not make.
+
+    Examples
+    --------
+    >>> hertz, noise = np.arange(1, 1001) / 10, np.random.default_rng(1).exponential(size=1000)
+    >>> in_view(hertz, noise, np.array([1.5, 12.0]))
+    (0.1, 30.0)
+    >>> in_view(hertz, np.where(hertz == 50.0, 1e3, noise), np.array([1.5, 12.0]))
+    (0.1, 60.0)
+    >>> in_view(hertz, noise, np.array([]))
+    (0.1, 100.0)
+    """
+    first, last = float(frequency[0]), float(frequency[-1])
+    if not len(modes):
+        return first, last
+    # Single values of white noise are exponential; the highest of n is as likely above this.
+    mean = float(np.median(residual)) / np.log(2)
+    lines = frequency[residual > mean * np.log(residual.size / CHANCE)]
+    low, high = float(np.min(modes)) / BELOW_MODES, IN_VIEW * float(np.max(modes))
+    if lines.size:
+        low, high = min(low, float(lines[0])), max(high, BESIDE_LINE * float(lines[-1]))
+    return max(first, low), min(last, high)
 
 
 def density_label(unit: str) -> str:
@@ -111,23 +143,37 @@ def no_such_record(found: Estimate) -> str:
 
 
 def draw_spectra(
-    ax: Axes, record: RealArray, fit: RealArray, residual: RealArray, rate: float, *, decay: bool = False
+    ax: Axes,
+    record: RealArray,
+    fit: RealArray,
+    residual: RealArray,
+    rate: float,
+    *,
+    modes: ModalSet,
+    decay: bool = False,
 ) -> None:
-    """Draw the densities of one channel on logarithmic axes; those of a decay without a window."""
+    """Draw the densities of one channel on logarithmic axes; those of a decay without a window.
+
+    The frequencies in view are those of the modes and of what stands out of the residual: above them there is noise.
+    """
     from scipy.signal import welch
 
     length = record.size if decay else max(min(record.size, 64), record.size // STRETCHES)
     window = "boxcar" if decay else "hann"
-    top = noise = 0.0
-    for values, colour, label, width in (
+    drawn = (
         (record, Colour.PALE, "record", 2.4),
         (fit, Colour.BLUE, "fit", 1.0),
         (residual, Colour.VERMILION, "residual", 0.9),
-    ):
-        frequency, density = welch(values, fs=rate, nperseg=length, window=window)
-        ax.loglog(
-            *thinned(ax, frequency[1:], np.maximum(density[1:], 1e-300)), color=colour, linewidth=width, label=label
-        )
-        top, noise = max(top, float(np.max(density[1:]))), float(np.median(density[1:]))
+    )
+    frequency, densities = welch(np.array([values for values, *_ in drawn]), fs=rate, nperseg=length, window=window)
+    frequency, densities = frequency[1:], densities[:, 1:]
+    low, high = in_view(frequency, densities[-1], modes.wn / (2 * np.pi))
+    # Neighbours of the view stay, so that lines reach its ends.
+    kept = slice(max(np.searchsorted(frequency, low) - 1, 0), np.searchsorted(frequency, high, side="right") + 1)
+    for (_, colour, label, width), density in zip(drawn, densities, strict=True):
+        x, y = thinned(ax, frequency[kept], np.maximum(density[kept], 1e-300))
+        ax.loglog(x, y, color=colour, linewidth=width, label=label)
+    ax.set_xlim(low, high)
+    top, noise = float(np.max(densities)), float(np.median(densities[-1]))
     if top > 0:
         ax.set_ylim(bottom=max(ax.get_ylim()[0], EXACT * top, BELOW_NOISE * noise))

@@ -9,7 +9,7 @@ import numpy as np
 from suspid.arguments import explained
 from suspid.cleaning import RecordLike, as_record
 from suspid.identification import HIGHEST_VIEW, Identification, Stabilization, stabilization
-from suspid.reporting.axes import key_above
+from suspid.reporting.axes import IN_VIEW, key_above
 from suspid.reporting.colours import Colour
 from suspid.signals import as_signal
 
@@ -17,9 +17,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
-
-# Highest frequency in view, over that of the highest mode.
-IN_VIEW = 2.5
 
 
 @explained

@@ -12,7 +12,7 @@ from suspid.words.decays import DecayDoubt, DecayKind, DecayRemark
 from suspid.words.fleet import Failure, FleetCheck, FleetHeadline, Step
 from suspid.words.greybox import EstimateCheck, EstimateHeadline
 from suspid.words.identification import Headline, ModeCheck, Reason
-from suspid.words.io import ASIDE, DAMAGE, LeftOut
+from suspid.words.io import ASIDE, DAMAGE, OTHER_LENGTHS, LeftOut
 from suspid.words.next_steps import NextStep, next_steps
 from suspid.words.reconstruction import ReconstructionCheck, ReconstructionHeadline, ReconstructionNote, Suspect
 from suspid.words.remarks import MOST_LISTED, MOST_NAMED, Code, Number, Remark, amount, count, in_a_row
@@ -24,6 +24,7 @@ __all__ = [
     "DAMAGE",
     "MOST_LISTED",
     "MOST_NAMED",
+    "OTHER_LENGTHS",
     "Check",
     "Cleaning",
     "Code",

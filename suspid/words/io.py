@@ -160,6 +160,8 @@ class LeftOut(Code):
 
 
 # What is no loss: single numbers and texts, which may state rate and names, and times, which are used.
-ASIDE = frozenset({LeftOut.NUMBER, LeftOut.GROUP_TIME, LeftOut.NOTE})
+ASIDE = frozenset({LeftOut.NUMBER, LeftOut.GROUP_TIME, LeftOut.NOTE, LeftOut.COMPLEX})
+# What does not fit the time in its number of samples.
+OTHER_LENGTHS = frozenset({LeftOut.SIZE, LeftOut.LENGTH})
 # What a file has lost: these are warned of, where the others are merely listed.
 DAMAGE = frozenset({LeftOut.CUT_SHORT, LeftOut.CUT_CELL, LeftOut.CUT_NUMBER, LeftOut.NO_END, LeftOut.WINDOWS_1252})
