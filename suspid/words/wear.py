@@ -57,7 +57,16 @@ class WearCheck(Code):
         "{damper}: lost {loss:.0%} of its damping; a loss is certain, but not that it is more than {small:.0%} (at "
         "most {high:.0%}).",
     )
-    HOLDS = "holds", "{damper}: lost no more than {high:.0%} of its damping."
+    HOLDS = (
+        "holds",
+        sentence(
+            lambda n: (
+                f"{n['damper']}: lost no more than {n['high']:.0%} of its damping."
+                if n["high"] > 0
+                else f"{n['damper']}: lost none of its damping."
+            )
+        ),
+    )
     WIDE = (
         "wide",
         "{damper}: may have lost nothing or as much as {high:.0%}, too wide to tell a good damper from one that lost "
