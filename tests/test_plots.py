@@ -14,6 +14,7 @@ from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
+from matplotlib.text import Text
 
 from suspid import (
     BandwidthSearch,
@@ -29,6 +30,7 @@ from suspid import (
 )
 from suspid.reporting import (
     PAGE,
+    drawing_of,
     plot_entropy,
     plot_fit,
     plot_identification,
@@ -180,6 +182,25 @@ class TestScalogram:
     def test_an_unknown_channel_is_named(self, scalogram: Scalogram) -> None:
         with pytest.raises(InputError, match="no channel 'seet'. Did you mean 'seat'"):
             plot_scalogram(scalogram, ax=one_axes(), channel="seet")
+
+    @pytest.mark.parametrize("size", [(7.0, 3.2), (10.0, 5.0), (8.27, 6.0)])
+    def test_the_key_stays_in_the_picture_and_off_the_title(
+        self, identification: Identification, size: tuple[float, float]
+    ) -> None:
+        figure = Figure(figsize=size, layout="constrained")
+        drawing = drawing_of(identification)
+        assert drawing is not None
+        drawing.alone(ax := figure.subplots())
+        figure.draw_without_rendering()
+        legend = ax.get_legend()
+        assert legend is not None
+        titles = [one for one in ax.get_children() if isinstance(one, Text) and one.get_text() == "all channels"]
+        key, title = legend.get_window_extent(), titles[0].get_window_extent()
+        assert key.x0 >= 0
+        assert key.y0 >= 0
+        assert key.x1 <= figure.bbox.x1
+        assert not key.overlaps(title)
+        assert not key.overlaps(ax.xaxis.label.get_window_extent())
 
 
 def near(hertz: RealArray, omega: float) -> bool:

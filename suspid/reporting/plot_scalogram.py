@@ -22,6 +22,10 @@ if TYPE_CHECKING:
     from suspid.model import ModalSet
     from suspid.wavelets import Scalogram
 
+# Width of Axes that leaves room for the key beside the title, with a bar of colours, and height of the label and the
+# ticks below [inch].
+KEY_ABOVE, LABEL_HEIGHT = 6.0, 0.55
+
 
 @explained
 def plot_scalogram(
@@ -101,11 +105,21 @@ def plot_scalogram(
     ax.set_title("all channels" if channel is None else shown(channel), loc="left")
     if modes is not None:
         _mark_modes(ax, modes)
-    key_above(ax, abreast=4)
+    _key(ax)
     if colorbar:
         bar = ax.figure.colorbar(mesh, ax=ax, pad=0.02, aspect=30)
         bar.set_label("modulus [dB of the largest]")
     return ax
+
+
+def _key(ax: Axes) -> None:
+    """Put the key above the Axes where it fits beside their title, else below them in two columns."""
+    box = ax.get_window_extent()
+    if box.width >= KEY_ABOVE * ax.figure.dpi:
+        key_above(ax, abreast=4)
+    elif ax.get_legend_handles_labels()[1]:
+        below = (0.0, -LABEL_HEIGHT * ax.figure.dpi / box.height)
+        ax.legend(loc="upper left", bbox_to_anchor=below, fontsize="small", ncols=2, frameon=False, borderaxespad=0.0)
 
 
 def _draw_cone(ax: Axes, hertz: RealArray, cone: RealArray, start: float, end: float) -> None:
