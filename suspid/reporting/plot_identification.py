@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from suspid.arguments import explained
 from suspid.model import modal_table
-from suspid.reporting.axes import keep_apart, shown, without_legend
+from suspid.reporting.axes import keep_apart, key_above, shown, without_legend
 from suspid.reporting.plot_entropy import plot_entropy
 from suspid.reporting.plot_fit import plot_fit
 from suspid.reporting.plot_scalogram import plot_scalogram
@@ -83,12 +83,14 @@ def plot_identification(
     places = _places(figure, _heights(identification, len(blocks), len(names), last))
 
     _write_modes(identification, figure.add_subplot(places["modes"]))
-    plot_scalogram(
+    scalogram = plot_scalogram(
         identification.scalogram,
         ax=figure.add_subplot(places["scalogram"]),
         ridges=identification.ridges,
         modes=identification.modes,
     )
+    # The widths of the page leave it more room than it has alone.
+    key_above(scalogram, abreast=4)
     explained: dict[str, Axes] = {}
     for i, block in enumerate(blocks):
         skeletons = _subplots(places[f"skeletons {i}"], 2, len(block))

@@ -22,9 +22,8 @@ if TYPE_CHECKING:
     from suspid.model import ModalSet
     from suspid.wavelets import Scalogram
 
-# Width of Axes that leaves room for the key beside the title, with a bar of colours, and height of the label and the
-# ticks below [inch].
-KEY_ABOVE, LABEL_HEIGHT = 6.0, 0.55
+# Room of the title beside the key, and height of the label and the ticks below the Axes [inch].
+TITLE_WIDTH, LABEL_HEIGHT = 0.8, 0.55
 
 
 @explained
@@ -114,11 +113,12 @@ def plot_scalogram(
 
 def _key(ax: Axes) -> None:
     """Put the key above the Axes where it fits beside their title, else below them in two columns."""
-    box = ax.get_window_extent()
-    if box.width >= KEY_ABOVE * ax.figure.dpi:
-        key_above(ax, abreast=4)
-    elif ax.get_legend_handles_labels()[1]:
-        below = (0.0, -LABEL_HEIGHT * ax.figure.dpi / box.height)
+    if not ax.get_legend_handles_labels()[1]:
+        return
+    key_above(ax, abreast=4)
+    legend, box, inch = ax.get_legend(), ax.get_window_extent(), ax.figure.dpi
+    if legend is not None and legend.get_window_extent().width + TITLE_WIDTH * inch > box.width:
+        below = (0.0, -LABEL_HEIGHT * inch / box.height)
         ax.legend(loc="upper left", bbox_to_anchor=below, fontsize="small", ncols=2, frameon=False, borderaxespad=0.0)
 
 
