@@ -46,10 +46,23 @@ def likely(chi_square: float, freedom: float) -> bool:
     return freedom <= 0 or bool(chdtrc(freedom, max(chi_square, 0.0)) >= UNLIKELY)
 
 
+# Largest probability of an interval that is computed, seven standard deviations; its rest to one is still no rounding.
+MOST_LEVEL = 1 - 1e-12
+
+
 def check_level(level: Ratio) -> None:
-    """Refuse what is no probability of an interval."""
-    if not 0 < level < 1:
+    """Refuse what is no probability of an interval.
+
+    Examples
+    --------
+    >>> check_level(95)
+    Traceback (most recent call last):
+    suspid.errors.InputError: level=95 must lie between 0 and 1, such as 0.95
+    """
+    if isinstance(level, str | bool) or not 0 < level < 1:
         raise InputError(Argument("level", repr(level)), f" must lie between 0 and 1, such as {LEVEL}")
+    if level > MOST_LEVEL:
+        raise InputError(Argument("level", repr(level)), " is 1 to rounding; an interval for sure has no ends")
 
 
 def normal_reach(level: Ratio) -> float:
@@ -88,7 +101,7 @@ def beyond_chance(outside: Callable[[Ratio], Collection[str]], count: int, level
     """
     named: frozenset[str] = frozenset()
     while len(named) < count:
-        more = frozenset(outside(1 - (1 - level) / (count - len(named))))
+        more = frozenset(outside(min(1 - (1 - level) / (count - len(named)), MOST_LEVEL)))
         if more == named:
             break
         named = more

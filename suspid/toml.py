@@ -8,7 +8,7 @@ from collections.abc import Collection
 from typing import NoReturn
 
 from suspid.errors import InputError
-from suspid.files import printable
+from suspid.files import parsed_json, printable
 from suspid.values import nearest_names
 
 
@@ -17,10 +17,21 @@ def parsed_toml(text: str) -> dict[str, object]:
     try:
         return tomllib.loads(text)
     except (ValueError, RecursionError) as error:
+        why = printable(str(error))
+        if text.lstrip().startswith("{"):
+            why = _json_instead(text)
         raise InputError(
-            f"is not TOML: {printable(str(error))}; examples/car.toml and examples/limits.toml show the form, such as "
-            f"damping = 300"
+            f"is not TOML: {why}; examples/car.toml and examples/limits.toml show the form, such as damping = 300"
         ) from None
+
+
+def _json_instead(text: str) -> str:
+    """Return what a text is that begins as JSON does."""
+    try:
+        parsed_json(text)
+    except InputError as error:
+        return f"it begins as JSON, and as such it {error.message}"
+    return "it is JSON; name it .json where that is taken"
 
 
 def as_table(where: str, value: object) -> dict[str, object]:

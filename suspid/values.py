@@ -371,3 +371,20 @@ def check_count(name: str, value: object) -> None:
     """
     if value is not None and not is_count(value):
         raise InputError(Argument(name, f"{value!r:.40}"), " must be a whole number from 1 on, or left out")
+
+
+def check_names(argument: str, names: object, such: str) -> None:
+    """Refuse what is no list of different names.
+
+    Examples
+    --------
+    >>> check_names("parameters", "damping", "chassis.damping")
+    Traceback (most recent call last):
+    suspid.errors.InputError: parameters='damping' must be a list of names such as ['chassis.damping']
+    """
+    listed_names = list(names) if isinstance(names, list | tuple) else []
+    if not listed_names or not all(isinstance(name, str) for name in listed_names):
+        raise InputError(Argument(argument, f"{names!r:.60}"), f" must be a list of names such as [{such!r}]")
+    twice = next((name for name in listed_names if listed_names.count(name) > 1), None)
+    if twice is not None:
+        raise InputError(Argument(argument), f": {twice!r} is named twice")

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from suspid import ActiveTuning, InputError, SuspidError, quarter_car, road, statespace, tune_active
+from suspid.words.active import ActiveCheck
 from validation.cars import TWO_AXLES
 
 CAR = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3, chassis_damping=1300)
@@ -118,6 +119,22 @@ def test_the_gain_does_not_depend_on_the_level_of_the_road_or_the_objective(leve
         assert two.bound == pytest.approx(one.bound * factor, rel=1e-5)
 
 
+@pytest.mark.parametrize(
+    ("given", "codes"),
+    [
+        ({"objective": {"tire_travel": 0.003}}, {ActiveCheck.UNBOUNDED, ActiveCheck.FAST}),
+        ({"objective": {"tire_travel": 0.003}, "limits": {"force": 500.0}}, set()),
+        ({"objective": {"chassis_acceleration": 1.0, "tire_travel": 0.004}}, set()),
+        ({"objective": {"chassis_acceleration": 1.0, "tire_travel": 1e-9}}, {ActiveCheck.FAST}),
+    ],
+)
+def test_feedback_that_nothing_holds_is_no_result(given: dict[str, object], codes: set[ActiveCheck]) -> None:
+    """Without a cost of the force the least is an infimum, which only infinite gains reach."""
+    found = tune_active(CAR, actuator="chassis_travel", road="C", speed=20.0, **given)  # type: ignore[arg-type]
+    assert {doubt.code for doubt in found.verdict.doubts} == codes
+    assert str(found.verdict) in str(found)
+
+
 @pytest.mark.parametrize("given", [{"limits": {"force": 1e-30}}, {"peaks": {"chassis_travel": 1e-30}}])
 def test_limits_that_no_solver_can_tell_from_zero(given: dict[str, object]) -> None:
     with pytest.raises(SuspidError, match=r"^[^\n]+$"):
@@ -130,6 +147,11 @@ def test_limits_that_no_solver_can_tell_from_zero(given: dict[str, object]) -> N
         ({"road": 1e300}, "roughness=1e+300 must be"),
         ({"objective": {"force": 1.0}}, "the least force is none"),
         ({"objective": {}}, "objective is empty"),
+        ({"objective": ["chassis_acceleration"]}, "objective=['chassis_acceleration'] must map outputs to numbers"),
+        ({"objective": {5: 1.0}}, "5 is no name of an output"),
+        ({"limits": 5}, "limits=5 must map outputs"),
+        ({"actuator": 5}, "actuator=5 must be the name"),
+        ({"car": "x.toml"}, "read_car('x.toml')"),
         ({"objective": {"chassis_acceleration": -1.0}}, "must be a positive number"),
         ({"objective": {"chassis": 1.0}}, "grows without end"),
         ({"limits": {"chassis_travel": 1e-5, "force": 10.0}}, "no state feedback keeps the limits"),

@@ -267,7 +267,8 @@ class TestSeveralTestsGiveTheCar:
             (("--level", 1), 2, "--level"),
             (("--level", 0.9, "--json", "f.json"), 1, "carried no covariance"),
             (("--json", "n.toml"), 2, "named twice"),
-            (("-o", "m.json"), 2, "named twice"),
+            (("-o", "n.toml"), 2, "named twice"),
+            (("-o", "car.json"), 2, "a car is written as TOML; name it car.toml"),
         ],
     )
     def test_refused_clearly(

@@ -250,7 +250,7 @@ class TestDerivatives:
             held += [ends[name][0] < truth[name] < ends[name][1] for name in use]
         assert np.mean(held) > 0.87
 
-    @pytest.mark.parametrize("std", [1e-20, 1.0, 10.0])
+    @pytest.mark.parametrize("std", [1e-20, 0.5, 1.0])
     def test_springs_that_are_hardly_known(self, std: float) -> None:
         """No car without springs is looked at, however wide the interval."""
         found = ride(CAR, road="C", speed=20.0, nominal_std={"chassis.stiffness": std, "chassis.damping": std})

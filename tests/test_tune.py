@@ -317,6 +317,7 @@ class TestDefaults:
         ({"constraints": {"chassis.travel": True}}, "must be a positive number"),
         ({"robust": "x"}, "must be a number of standard deviations"),
         ({"robust": 1.0}, "nothing is uncertain"),
+        ({"robust": 50.0}, "at most 5 standard deviations"),
         ({"robust": -1.0}, "must be a number of standard deviations"),
     ],
 )

@@ -81,6 +81,9 @@ def test_directions_share_the_work() -> None:
     ("given", "message"),
     [
         ({"strut": "chasis"}, "there is no strut 'chasis'"),
+        ({"strut": "tire"}, "strut 'tire' stands on the road"),
+        ({"rebound": 1e9}, "from 0.1 to 10"),
+        ({"roads": "C"}, "must be a list of pairs"),
         ({"roads": []}, "roads is empty"),
         ({"roads": ["C"]}, "must be a pair of class and speed"),
         ({"rebound": 0.0}, "positive ratio"),

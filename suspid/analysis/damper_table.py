@@ -49,7 +49,7 @@ def _grip_cells(wear: Wear, wheel: str | None) -> tuple[str, str]:
     i = wear.after.wheels.index(wheel)
     phase, std = (float(np.degrees(part[i])) for part in (wear.after.phase, wear.after.phase_std))
     adhesion = f"{100 * wear.after.adhesion[i]:.1f} ± {100 * wear.after.adhesion_std[i]:.1f}"
-    return adhesion, "none" if np.isnan(phase) else f"{phase:.1f} ± {std:.1f}"
+    return adhesion, f"{phase:.1f} ± {std:.1f}"
 
 
 def _curve_cells(curve: DamperCurve | None) -> Mapping[str, str]:

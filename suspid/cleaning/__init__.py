@@ -10,7 +10,7 @@ from suspid.cleaning.aligned import Aligned, aligned, parts_of
 from suspid.cleaning.as_record import RecordLike, as_record
 from suspid.cleaning.clean import clean
 from suspid.cleaning.cleaned import Cleaned
-from suspid.cleaning.clipping import CLIPPED, clipped_run
+from suspid.cleaning.clipping import CLIPPED, clipped_run, clipping
 from suspid.cleaning.clock import DRIFT
 from suspid.cleaning.conversions import scaled, to_si
 from suspid.cleaning.faults import clipped_times, stuck_times, unmarked
@@ -36,6 +36,7 @@ __all__ = [
     "clean",
     "clipped_run",
     "clipped_times",
+    "clipping",
     "halving_error",
     "interpolate",
     "parts_of",

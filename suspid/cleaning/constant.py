@@ -11,6 +11,7 @@ from suspid.cleaning.inspection import possible
 from suspid.errors import RecordError
 from suspid.recordings import RawChannel
 from suspid.units import RealArray
+from suspid.values import LARGEST_SIZE
 from suspid.words import Defect, Number, dead
 
 
@@ -24,6 +25,9 @@ def alive(channels: list[RawChannel], *, by_name: bool) -> tuple[list[RawChannel
         # Half the samples must be numbers. Less could not be repaired: at most a tenth is filled.
         if some.size < max(2, 0.5 * channel.values.size):
             why: dict[str, Number] = {"finite": some.size}
+            huge = int(np.sum(np.isfinite(channel.values) & (np.abs(channel.values) >= LARGEST_SIZE)))
+            if huge:
+                why |= {"huge": huge, "limit": LARGEST_SIZE}
         elif _is_constant(some):
             why = {"constant": float(some[0])}
         else:

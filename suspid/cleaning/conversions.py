@@ -35,6 +35,7 @@ FACTORS: dict[str, tuple[float, str]] = {
     "rad": (1.0, "rad"), "mrad": (1e-3, "rad"), "deg": (np.pi / 180, "rad"), "°": (np.pi / 180, "rad"),
     "rad/s": (1.0, "rad/s"), "deg/s": (np.pi / 180, "rad/s"), "°/s": (np.pi / 180, "rad/s"),
     "dps": (np.pi / 180, "rad/s"), "rpm": (np.pi / 30, "rad/s"),
+    "rad/s2": (1.0, "rad/s2"), "deg/s2": (np.pi / 180, "rad/s2"), "°/s2": (np.pi / 180, "rad/s2"),
     "strain": (1.0, "strain"), "ε": (1.0, "strain"), "m/m": (1.0, "strain"), "mm/m": (1e-3, "strain"),
     "uε": (1e-6, "strain"), "ue": (1e-6, "strain"), "ustrain": (1e-6, "strain"), "microstrain": (1e-6, "strain"),
     "um/m": (1e-6, "strain"),

@@ -10,6 +10,7 @@ import click
 
 from suspid.analysis import Settings, in_terms_of, read
 from suspid.cli.options import Decorator, names_in, packed
+from suspid.cli.ridden import damage_of
 from suspid.files import naming
 
 if TYPE_CHECKING:
@@ -73,6 +74,7 @@ def tests_of(
     for file, kg in zip(files, masses, strict=True):
         with naming(file):
             opened = in_terms_of(read(file, settings), suspension)
+            said += [f"{file}: {text}" for text in damage_of(opened.recording)]
             said += [f"{file}: {finding}" for finding in opened.cleaned.findings]
             said += [f"{file}: {note}" for note in opened.notes]
             units = dict(zip(as_signal(held(opened.cleaned, "record")).channels, opened.cleaned.units, strict=True))

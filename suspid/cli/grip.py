@@ -13,7 +13,8 @@ import numpy as np
 from suspid.cli.options import FILE, pairs
 from suspid.cli.output import check_apart, said_warnings, say
 from suspid.cli.quantities import Positive, Probability
-from suspid.cli.ride import NO_UNCERTAINTY, PICTURE_OF_RIDE, STATED_STD, car_of, drawing
+from suspid.cli.ridden import car_of
+from suspid.cli.ride import NO_UNCERTAINTY, PICTURE_OF_RIDE, STATED_STD, drawing
 from suspid.files import naming, replacing
 from suspid.levels import LEVEL
 from suspid.values import ends_beside, text_table

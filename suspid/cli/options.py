@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import inspect
+import itertools
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -53,7 +54,20 @@ class Record(click.Path):
         return path
 
 
+class CarFile(click.Path):
+    """A file that a car is written to: named .toml, as only such a name is read as a car again; or a device."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the path."""
+        path: Any = super().convert(value, param, ctx)
+        device = path.exists() and not path.is_file() and not path.is_dir()
+        if path.suffix.lower() != ".toml" and not device:
+            self.fail(f"{str(path)!r}: a car is written as TOML; name it {path.stem}.toml.", param, ctx)
+        return path
+
+
 RECORD = Record(path_type=Path)
+CAR_FILE = CarFile(path_type=Path)
 TIME_OPTION = click.option(
     "--time", metavar="NAME", help="Column of time, if it is not named like one; none ignores times in the file."
 )
@@ -90,7 +104,11 @@ READING = (
     ),
     click.option("--without", metavar="NAME", multiple=True, help="Channel to leave out; repeat, or NAME,NAME."),
     click.option(
-        "--rename", "renames", metavar="OLD=NEW", multiple=True, help="Call a channel by another name; repeat."
+        "--rename",
+        "renames",
+        metavar="OLD=NEW",
+        multiple=True,
+        help="Call a channel by another name; repeat, or A=B,C=D.",
     ),
     click.option(
         "--scale",
@@ -242,9 +260,15 @@ Value = TypeVar("Value", str, float)
 
 
 def pairs(given: Sequence[str], option: str, kind: Callable[[str], Value]) -> dict[str, Value]:
-    """Return values by name from texts ``NAME=VALUE``; each name may stand once."""
+    """Return values by name from texts ``NAME=VALUE``, or several with commas between them; each name may stand once.
+
+    Examples
+    --------
+    >>> pairs(["front=1,rear=2"], "--load", float), pairs(["az=Wk,Wf,ax=Wd"], "--weighting", str)
+    ({'front': 1.0, 'rear': 2.0}, {'az': 'Wk,Wf', 'ax': 'Wd'})
+    """
     found: dict[str, Value] = {}
-    for text in given:
+    for text in itertools.chain.from_iterable(map(_apart, given)):
         name, equals, value = text.rpartition("=")
         try:
             made = kind(value)
@@ -254,6 +278,22 @@ def pairs(given: Sequence[str], option: str, kind: Callable[[str], Value]) -> di
             raise click.BadParameter(f"{text!r}: write NAME=VALUE, each name once.", param_hint=f"'{option}'")
         found[name] = made
     return found
+
+
+def _apart(text: str) -> list[str]:
+    """Return the pairs in a text, each a name with what follows its ``=`` up to the next name.
+
+    A name with a comma, alone or in quotes, stays whole.
+    """
+    parts: list[str] = []
+    for part in next(csv.reader([text], skipinitialspace=True), []):
+        if "=" in part:
+            parts.append(part.strip())
+        elif parts and part.strip():
+            parts[-1] += f",{part.strip()}"
+        else:
+            return [text]
+    return parts or [text]
 
 
 def road_named(text: str | None) -> str | float | None:

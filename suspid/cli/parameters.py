@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from suspid.cli.option_names import in_options
-from suspid.cli.options import FILE, Decorator, names_in, packed
+from suspid.cli.options import CAR_FILE, FILE, Decorator, names_in, packed
 from suspid.cli.output import say
 from suspid.cli.quantities import Positive, Probability
 from suspid.files import replacing
@@ -168,7 +168,7 @@ writing: Decorator = packed(
             type=Probability(),
             help="Print intervals of this probability, as 0.95.",
         ),
-        click.option("-o", "--output", type=FILE, metavar="FILE", help="Write the car that was found as TOML."),
+        click.option("-o", "--output", type=CAR_FILE, metavar="FILE", help="Write the car that was found as TOML."),
         click.option(
             "--json", "json_file", type=FILE, metavar="FILE", help="Write parameters and uncertainty as JSON."
         ),

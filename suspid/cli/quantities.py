@@ -50,13 +50,18 @@ class Positive(Finite):
         return number > 0 and math.isfinite(number)
 
 
+# Probability of intervals up to which tables print it as it is; beyond, the tail of the normal law decides, which no
+# record shows.
+MOST_PRINTED = 0.999999
+
+
 class Probability(click.FloatRange):
-    """A probability between 0 and 1."""
+    """A probability above 0, below 1 by more than tables round."""
 
     name = "share"
 
     def __init__(self) -> None:
-        super().__init__(0, 1, min_open=True, max_open=True)
+        super().__init__(0, MOST_PRINTED, min_open=True)
 
 
 class Profile(click.ParamType[tuple[tuple[float, float], ...]]):

@@ -11,20 +11,18 @@ from typing import TYPE_CHECKING, Any
 import click
 import numpy as np
 
-from suspid.analysis import Settings, read
+from suspid.analysis import Settings
 from suspid.cli.measured import checked_picture, save_picture
-from suspid.cli.options import AT_SPEED, FILE, ON_ROAD, pairs, reading, road_named
+from suspid.cli.options import AT_SPEED, FILE, ON_ROAD, RECORD, pairs, reading, road_named
 from suspid.cli.output import check_apart, said_warnings, say
 from suspid.cli.quantities import Positive, Probability
-from suspid.files import naming, replacing
-from suspid.signals import cut
+from suspid.cli.ridden import OF_CARS, car_of, record_of
+from suspid.files import naming, printable, replacing
 from suspid.values import ends_beside, text_table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from suspid.greybox import Estimate
-    from suspid.model import Suspension
     from suspid.performance import Ride, Sensitivities
     from suspid.results import Result
 
@@ -43,7 +41,7 @@ PICTURE_OF_RIDE = click.option("--plot", type=FILE, metavar="FILE", help="Write 
 
 
 @click.command("ride")
-@click.argument("source", type=FILE, metavar="CAR|RECORD")
+@click.argument("source", type=RECORD, metavar="CAR|RECORD")
 @reading
 @ON_ROAD
 @AT_SPEED
@@ -87,20 +85,24 @@ def ride_command(
 
     CAR is a description (.toml), or the JSON of `suspid estimate` or `report`, whose uncertainty is carried through;
     both need --road and --speed. Any other file is a RECORD with channels such as seat_acceleration, or named by
-    --weighting; the options on channels and time are those of `suspid estimate`.
+    --weighting; the options on channels and time are those of `suspid estimate`. Channels in other units become SI. -
+    is the standard input.
 
     With --sensitivities, of modes, figures and grip, --plot draws these.
     """
     from suspid.identification import to_json
     from suspid.levels import LEVEL
-    from suspid.model import Suspension
     from suspid.performance import ride, sensitivities
     from suspid.reporting import ride_to_dict
 
     check_apart([source], [plot, json_file])
-    of_car = source.suffix.lower() in (".toml", ".json")
+    of_car = source.suffix.lower() in OF_CARS
     if of_car != (road is not None) or (road is None) != (speed is None):
-        raise click.UsageError("A car needs --road and --speed; a record takes none of them.")
+        what_it_is = "a car" if of_car else "a record, as cars are .toml or .json"
+        raise click.UsageError(
+            f"A car needs --road and --speed, such as --road C --speed 20; a record takes none of them. "
+            f"{printable(source.name)} is {what_it_is}."
+        )
     if of_car and settings != Settings(decay=settings.decay):
         raise click.UsageError("A car has no channels and no time: options of records do not apply.")
     if not of_car and (clearance or nominal_std is not None):
@@ -115,7 +117,7 @@ def ride_command(
         said_warnings() as said,
         naming(source),
     ):
-        what = car_of(source) if of_car else _record_of(source, settings, said)
+        what: Any = car_of(source) if of_car else record_of(source, settings, said)
         about: dict[str, Any] = {"road": road_named(road), "speed": speed, "clearance": gaps} if of_car else {}
         if of_car:
             about["nominal_std"] = nominal_std
@@ -126,7 +128,7 @@ def ride_command(
         turned = None
         if tables:
             turned = sensitivities(
-                what if isinstance(what, Suspension) else what.suspension,
+                what,
                 road=road_named(road),
                 speed=speed,
                 duration=found.duration,
@@ -139,24 +141,6 @@ def ride_command(
         if json_draft:
             json_draft.write_text(to_json(ride_to_dict(found, level=level or LEVEL)), encoding="utf-8")
     say(text)
-
-
-def car_of(source: Path) -> Suspension | Estimate:
-    """Return the car of a description, or the estimate of its JSON."""
-    if source.suffix.lower() == ".json":
-        from suspid.reporting import read_estimate
-
-        return read_estimate(source)
-    from suspid.model import read_car
-
-    return read_car(source)
-
-
-def _record_of(source: Path, settings: Settings, said: list[str]) -> Any:
-    """Return the stretch of a record that the settings ask for; what was done to it is added to what is said."""
-    opened = read(source, settings)
-    said += map(str, [*opened.cleaned.findings, *opened.notes])
-    return cut(opened.cleaned.record, start=settings.start, stop=settings.stop)
 
 
 def _intervals(found: Ride, level: float) -> str:

@@ -11,7 +11,7 @@ import click
 import numpy as np
 
 from suspid.cli.measured import record_in_words
-from suspid.cli.options import FILE, pairs
+from suspid.cli.options import FILE, names_in, pairs
 from suspid.cli.output import check_apart, said_warnings, say
 from suspid.cli.quantities import Positive, Profile, Whole
 from suspid.files import printable, replacing
@@ -53,8 +53,12 @@ REST = 0.5
     "--sweep", type=(Positive("Hz"), Positive("Hz"), float), metavar="FROM TO AMPLITUDE", help="Sweep [Hz, Hz, m or N]."
 )
 @click.option("--step", type=float, metavar="HEIGHT", help=f"Step after {REST:g} s [m or N].")
-@click.option("--input", "inputs", metavar="NAME", multiple=True, help="What is swept or stepped; repeat. [all roads]")
-@click.option("--channel", "channels", metavar="NAME", multiple=True, help="Output; repeat. [all displacements]")
+@click.option(
+    "--input", "inputs", metavar="NAME", multiple=True, help="Swept or stepped; repeat, or NAME,NAME. [all roads]"
+)
+@click.option(
+    "--channel", "channels", metavar="NAME", multiple=True, help="Output; repeat, or NAME,NAME. [all displacements]"
+)
 @click.option("--snr", type=float, metavar="dB", help="Add white noise at this ratio to every output.")
 @click.option("--seed", type=Whole(0), help="Seed of noise and road; needed with --snr or --road.")
 @click.option("--digits", type=Whole(1, 17), help="Significant digits of the samples. [every bit]")
@@ -100,6 +104,7 @@ def simulate_command(
     if count < 2:
         raise click.UsageError(f"{fs:g} Hz for {duration:g} s must be between 2 and {MOST_SIMULATED} samples.")
     state = pairs(initial, "--initial", float)
+    channels, inputs = names_in(channels), names_in(inputs)
     check_record_name(output)
     check_apart([car], [output])
     with replacing(output) as draft, said_warnings() as said:

@@ -8,10 +8,11 @@ from pathlib import Path
 
 import click
 
-from suspid.cli.options import AT_SPEED, FILE, ON_ROAD, pairs, road_named
+from suspid.cli.options import AT_SPEED, CAR_FILE, FILE, ON_ROAD, names_in, pairs, road_named
 from suspid.cli.output import check_apart, said_warnings, say
 from suspid.cli.quantities import Positive, Whole
-from suspid.cli.ride import GIVEN_STOPS, PICTURE_OF_RIDE, STATED_STD, car_of, drawing
+from suspid.cli.ridden import car_of
+from suspid.cli.ride import GIVEN_STOPS, PICTURE_OF_RIDE, STATED_STD, drawing
 from suspid.files import naming, replacing
 
 
@@ -48,7 +49,7 @@ from suspid.files import naming, replacing
 @STATED_STD
 @PICTURE_OF_RIDE
 @click.option("--json", "json_file", type=FILE, metavar="FILE", help="Write the cars and their figures as JSON.")
-@click.option("-o", "--output", type=FILE, metavar="FILE", help="Write the car at the knee of the front as TOML.")
+@click.option("-o", "--output", type=CAR_FILE, metavar="FILE", help="Write the car at the knee of the front as TOML.")
 def tune_command(
     source: Path,
     road: str | None,
@@ -94,8 +95,8 @@ def tune_command(
         constraints: list[dict[str, float] | str] = [pairs(limits, "--limit", float), *related]
         found = tune(
             what,
-            parameters=[name.split("=") for name in parameters] or None,
-            objective=objectives or None,
+            parameters=[name.split("=") for name in names_in(parameters)] or None,
+            objective=names_in(objectives) or None,
             road=road_named(road) or 0.0,
             speed=speed,
             constraints=constraints,

@@ -11,6 +11,7 @@ from suspid.performance.active_tuning import ActiveTuning
 from suspid.performance.contact import wheels_of
 from suspid.performance.damper_rates import dampers_between, dampers_of, rates_of, spring_beside
 from suspid.performance.damper_tunings import DamperTuning
+from suspid.performance.felt import ACCELERATIONS
 from suspid.performance.figure_plan import ANGLES
 from suspid.performance.grip import grip, grip_if_any
 from suspid.performance.grips import CLASSES, PHASE_LIMIT, Grip
@@ -28,6 +29,7 @@ from suspid.performance.wears import DamperWear, ParameterChange, Wear
 from suspid.performance.weightings import weighting
 
 __all__ = [
+    "ACCELERATIONS",
     "ANGLES",
     "CLASSES",
     "PHASE_LIMIT",

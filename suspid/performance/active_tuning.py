@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from suspid.results import Result
 from suspid.units import RealArray
 from suspid.values import numbers_in_words, text_table
+from suspid.words import Verdict
 
 if TYPE_CHECKING:
     import control
@@ -34,6 +35,8 @@ class ActiveTuning(Result):
         What no state feedback can fall below, by the convex program.
     closed : control.StateSpace
         The car with its feedback, from the road's slope in time [m/s] to the outputs and the force.
+    verdict : Verdict
+        How near the cost is to its bound, and whether an actuator can do it.
 
     Examples
     --------
@@ -53,6 +56,7 @@ class ActiveTuning(Result):
     cost: float
     bound: float
     closed: control.StateSpace
+    verdict: Verdict
 
     def _table(self) -> Mapping[str, Sequence[object]]:
         return {"output": list(self.rms), "passive": list(self.passive.values()), "active": list(self.rms.values())}
@@ -68,4 +72,4 @@ class ActiveTuning(Result):
             "active": [f"{self.rms[name]:.4g}" for name in names],
         }
         gains = {"state": list(self.states), "gain": [f"{value:.6g}" for value in self.gain.tolist()]}
-        return f"{text_table(table)}\n{text_table(gains)}"
+        return f"{text_table(table)}\n{text_table(gains)}\n{self.verdict}"

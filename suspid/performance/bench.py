@@ -9,7 +9,7 @@ import numpy as np
 
 from suspid.errors import InputError
 from suspid.model import positive_number
-from suspid.performance.contact import Wheels, contact, static_loads
+from suspid.performance.contact import Wheels, contact, contact_by_hertz, resonance_slopes, static_loads
 from suspid.units import ComplexArray, Hertz, Metre, Newton, RealArray
 from suspid.values import nearest_names
 from suspid.wording import Argument
@@ -56,7 +56,14 @@ def bench(
     (least, least_slopes), (phase, phase_slopes) = least_at(hertz), phase_at(hertz)
     everywhere = np.array([[0.0, highest]] * len(high))
     lowest = [_least_of(least_at, hertz, least[i], everywhere[i], i) for i in range(len(high))]
-    turned = [_least_of(phase_at, hertz, phase[i], ends[i], i, inside=True) for i in range(len(high))]
+    by_body, by_wheel = resonance_slopes(wheels, parameters)
+    turned = [
+        _least_phase(
+            wheels, _least_of(phase_at, hertz, phase[i], ends[i], i, inside=True), ends[i], i, parameters,
+            (by_body, by_wheel[:, i]),
+        )
+        for i in range(len(high))
+    ]  # fmt: skip
     found = (*lowest, *turned)
     return Bench(
         wheels=wheels,
@@ -122,6 +129,25 @@ def _phase(G: ComplexArray, slopes: ComplexArray) -> tuple[RealArray, RealArray]
     A car without a source of energy has phases between 0 and pi.
     """
     return np.angle(G), np.imag(slopes / G)
+
+
+def _least_phase(
+    wheels: Wheels,
+    inner: tuple[Hertz, float, RealArray],
+    ends: RealArray,
+    wheel: int,
+    parameters: Sequence[str],
+    end_slopes: tuple[RealArray, RealArray],
+) -> tuple[Hertz, float, RealArray]:
+    """Return the least phase between two resonances, at a local minimum or at one of them, which parameters move."""
+    best = inner
+    for end, by_parameter in zip(ends.tolist(), end_slopes, strict=True):
+        G, slopes = contact(wheels, np.array([end]), parameters)
+        value, held = _phase(G, slopes)
+        if not best[1] <= value[wheel, 0]:
+            along = float(np.imag(contact_by_hertz(wheels, end)[wheel] / G[wheel, 0]))
+            best = end, float(value[wheel, 0]), held[:, wheel, 0] + along * by_parameter
+    return best
 
 
 def _least_of(

@@ -98,9 +98,14 @@ def check_ascent(ends: object, *, of: str | None = None) -> None:
 def box_of(choice: Choice, bounds: Mapping[str, tuple[float, float]]) -> tuple[RealArray, RealArray]:
     """Return the bounds of the logarithms of factors, of each group."""
     firsts = [group[0] for group in choice.groups]
+    if not isinstance(bounds, Mapping):
+        raise InputError(
+            Argument("bounds", f"{bounds!r:.60}"),
+            " must map parameters to pairs, as in {'chassis.damping': (500, 4000)}",
+        )
     for name in bounds:
         if name not in firsts:
-            raise InputError(Argument("bounds"), f": {name!r} is not chosen.{nearest_names(name, firsts)}")
+            raise InputError(Argument("bounds"), f": {name!r} is not chosen.{nearest_names(str(name), firsts)}")
     ends = [
         bounds.get(name, (choice.values[name] / REACH_OF_BOUNDS, choice.values[name] * REACH_OF_BOUNDS))
         for name in firsts

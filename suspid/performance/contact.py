@@ -42,6 +42,29 @@ class Wheels:
         return float(np.sqrt(max(lowest, 0.0))) / (2 * np.pi), np.sqrt(wheel) / (2 * np.pi)
 
 
+def resonance_slopes(wheels: Wheels, parameters: Sequence[str]) -> tuple[RealArray, RealArray]:
+    """Return derivatives of `Wheels.resonances`, (parameter,) and (parameter, wheel); both know no dampers."""
+    from scipy.linalg import eigh
+
+    car = wheels.car
+    (lowest, wheel), K, mass = wheels.resonances(), car.K, np.diag(car.M)
+    square, shape = eigh(K, car.M, subset_by_index=(0, 0))
+    arms, at = car.arms(car.coordinates), wheels.index
+    names = [strut.name for strut in car.struts]
+    by_body, by_wheel = np.zeros(len(parameters)), np.zeros((len(parameters), len(at)))
+    for row, name in enumerate(parameters):
+        owner, _, quantity = name.rpartition(".")
+        if quantity == "stiffness":
+            arm = arms[names.index(owner)]
+            by_body[row] = float(arm @ shape[:, 0]) ** 2 / max(2 * float(square[0]), np.finfo(float).tiny) * lowest
+            by_wheel[row] = arm[at] ** 2 / (2 * K[at, at]) * wheel
+        elif quantity == "mass":
+            i = car.coordinates.index(owner)
+            by_body[row] = -(float(shape[i, 0]) ** 2) / 2 * lowest
+            by_wheel[row] = np.where(np.array(at) == i, -wheel / (2 * mass[i]), 0.0)
+    return by_body, by_wheel
+
+
 def wheels_of(car: Suspension, relaxations: Mapping[str, Second] | None = None) -> Wheels:
     """Return the wheels of a car: the coordinate that the struts on each road hold, in the order of the roads.
 
@@ -95,6 +118,21 @@ def contact(wheels: Wheels, hertz: RealArray, parameters: Sequence[str] = ()) ->
     return G, slopes
 
 
+def contact_by_hertz(wheels: Wheels, hertz: Hertz) -> ComplexArray:
+    """Return the derivative of each wheel's dynamic stiffness by the frequency [N/m/Hz], (wheel,).
+
+    ``dG/ds = sum_j E_j^2 db_j/ds + sum_i 2 s m_i q_i^2``, with ``db/ds = c / (1 + rho s)^2``.
+    """
+    car, s = wheels.car, 2j * np.pi * hertz
+    arms, road_arms = car.arms(car.coordinates), car.arms(car.roads)
+    c = np.array([strut.damping for strut in car.struts])
+    by_s = c / (1 + wheels.relaxation * s) ** 2
+    b = np.array([strut.stiffness for strut in car.struts]) + c * s / (1 + wheels.relaxation * s)
+    q = -np.linalg.solve((arms.T * b) @ arms + s**2 * car.M, (arms.T * b) @ road_arms)
+    E = arms @ q + road_arms
+    return np.asarray(2j * np.pi * (by_s @ E**2 + 2 * s * np.diag(car.M) @ q**2))
+
+
 def static_loads(wheels: Wheels, parameters: Sequence[str] = ()) -> tuple[RealArray, RealArray]:
     """Return the static contact force of each wheel [N], (wheel,), and its derivatives, (parameter, wheel).
 
@@ -103,13 +141,62 @@ def static_loads(wheels: Wheels, parameters: Sequence[str] = ()) -> tuple[RealAr
     InputError
         If the springs do not hold the car, or it cannot be lifted as a whole without a strut being stretched.
     """
+    car, lift = wheels.car, _lift(wheels)
+    arms, road_arms, k = car.arms(car.coordinates), car.arms(car.roads), _springs(car)
+    by_road = -np.linalg.solve(car.K, arms.T @ (k[:, None] * road_arms))
+    stretch, unit = _stretch(wheels, lift), arms @ by_road + road_arms
+    slopes = np.zeros((len(parameters), len(car.roads)))
+    for row, name in enumerate(parameters):
+        owner, _, quantity = name.rpartition(".")
+        if quantity == "mass":
+            i = car.coordinates.index(owner)
+            slopes[row] = by_road[i] * lift[i] * STANDARD_GRAVITY
+        for j, strut in enumerate(car.struts):
+            if strut.name == owner and quantity == "stiffness":
+                slopes[row] = unit[j] * stretch[j]
+    return _weight(car, lift) @ by_road, slopes
+
+
+def static_stretch(wheels: Wheels) -> tuple[RealArray, RealArray]:
+    """Return the force of each strut's spring [N] and how far the weight stretches the strut [m], (strut,).
+
+    Raises
+    ------
+    InputError
+        As `static_loads`.
+
+    Examples
+    --------
+    >>> from suspid import quarter_car
+    >>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3, tire_stiffness=200e3,
+    ...                   chassis_damping=1500)
+    >>> force, stretch = static_stretch(wheels_of(car))
+    >>> force.round(1).tolist(), stretch.round(4).tolist()
+    ([-3922.7, -4314.9], [-0.1961, -0.0216])
+    """
+    stretch = _stretch(wheels, _lift(wheels))
+    return _springs(wheels.car) * stretch, stretch
+
+
+def _springs(car: Suspension) -> RealArray:
+    return np.array([strut.stiffness for strut in car.struts])
+
+
+def _weight(car: Suspension, lift: RealArray) -> RealArray:
+    return np.asarray(np.diag(car.M) * lift * STANDARD_GRAVITY)
+
+
+def _stretch(wheels: Wheels, lift: RealArray) -> RealArray:
+    car = wheels.car
+    return np.asarray(-car.arms(car.coordinates) @ np.linalg.solve(car.K, _weight(car, lift)))
+
+
+def _lift(wheels: Wheels) -> RealArray:
+    """Return the rise of each coordinate where all roads rise by 1 m: 1 of a displacement, 0 of pitch and roll."""
     car = wheels.car
     arms, road_arms = car.arms(car.coordinates), car.arms(car.roads)
-    k = np.array([strut.stiffness for strut in car.struts])
-    K = car.K
-    if np.linalg.matrix_rank(K) < len(K):
+    if np.linalg.matrix_rank(car.K) < len(car.K):
         raise InputError("the springs do not hold the car: static loads need a spring under every mass")
-    # The rise of each coordinate where all roads rise by 1 m: 1 of a displacement, 0 of pitch and roll.
     lift = np.linalg.lstsq(arms, -np.sum(road_arms, axis=1), rcond=None)[0]
     stretched = np.abs(arms @ lift + np.sum(road_arms, axis=1))
     # Elongation of a strut [m] under a lift of the whole car by 1 m up to which the lift counts as free: rounding of
@@ -120,16 +207,4 @@ def static_loads(wheels: Wheels, parameters: Sequence[str] = ()) -> tuple[RealAr
             f"static loads: strut {name!r} is stretched where the whole car is lifted, so its weight cannot be told; "
             f"check its arms, or give the loads"
         )
-    weight = np.diag(car.M) * lift * STANDARD_GRAVITY
-    by_road = -np.linalg.solve(K, arms.T @ (k[:, None] * road_arms))
-    stretch, unit = -arms @ np.linalg.solve(K, weight), arms @ by_road + road_arms
-    slopes = np.zeros((len(parameters), len(car.roads)))
-    for row, name in enumerate(parameters):
-        owner, _, quantity = name.rpartition(".")
-        if quantity == "mass":
-            i = car.coordinates.index(owner)
-            slopes[row] = by_road[i] * lift[i] * STANDARD_GRAVITY
-        for j, strut in enumerate(car.struts):
-            if strut.name == owner and quantity == "stiffness":
-                slopes[row] = unit[j] * stretch[j]
-    return weight @ by_road, slopes
+    return np.asarray(lift)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from suspid.errors import InputError
-from suspid.model import Suspension, check_linear, output_rows
+from suspid.model import Suspension, check_linear, output_rows, output_weights
 from suspid.performance.contact import static_loads, wheels_of
 from suspid.performance.figures import (
     Formula,
@@ -34,6 +34,8 @@ from suspid.wording import Argument
 VERTICAL, ROTATION = ("Wk", "Wf"), ("We",)
 SICKNESS = "Wf"
 ANGLES = ("pitch", "roll")
+# Largest distance to a stop that any vehicle has room for [m].
+MOST_CLEARANCE = 1.5
 ACCELERATION, TRAVEL = "_acceleration", "_travel"
 
 
@@ -132,6 +134,13 @@ def plan_of(
     names: list[str] = []
     filters: list[str | None] = []
     formulas: dict[str, tuple[str, int, Formula]] = {}
+    for channel in chosen:
+        if output_weights(car, channel)[0] != 2:
+            raise InputError(
+                Argument("weightings"),
+                f": {channel!r} is no acceleration, which alone is weighted; name one such as "
+                f"'{channel.partition('_')[0]}{ACCELERATION}'",
+            )
     for channel, kinds in chosen.items():
         turn = "rad" if channel.removesuffix(ACCELERATION) in ANGLES else "m"
         formulas[f"{channel}.rms"] = f"{turn}/s2", len(names), rms
@@ -199,6 +208,17 @@ def comfort_of(kinds: Sequence[str]) -> str | None:
 
 def checked_weightings(given: Mapping[str, str | Sequence[str]]) -> dict[str, tuple[str, ...]]:
     """Return the weightings of each channel, checked."""
+    form = ' must map channels to weightings, as in {"seat_acceleration": "Wk"} or ["Wk", "Wf"]'
+    if not isinstance(given, Mapping):
+        raise InputError(Argument("weightings", f"{given!r:.80}"), form)
+    for channel, kinds in given.items():
+        if not isinstance(channel, str):
+            raise InputError(Argument("weightings"), f": {channel!r} is no name of a channel; it", form)
+        listed = [kinds] if isinstance(kinds, str) else kinds
+        if not (isinstance(listed, list | tuple) and all(isinstance(kind, str) for kind in listed)):
+            raise InputError(Argument("weightings"), f": {channel!r} has {kinds!r:.40}; it", form)
+        if len(set(listed)) < len(listed):
+            raise InputError(Argument("weightings"), f": {channel!r} has one weighting twice, {', '.join(listed)}")
     chosen = {channel: (kinds,) if isinstance(kinds, str) else tuple(kinds) for channel, kinds in given.items()}
     for channel, kinds in chosen.items():
         for kind in kinds:
@@ -210,12 +230,21 @@ def checked_weightings(given: Mapping[str, str | Sequence[str]]) -> dict[str, tu
 
 def _limits(given: Mapping[str, Metre | tuple[Metre, Metre]], struts: Sequence[str]) -> dict[str, tuple[Metre, Metre]]:
     limits: dict[str, tuple[Metre, Metre]] = {}
+    if not isinstance(given, Mapping):
+        raise InputError(
+            Argument("clearance", f"{given!r:.80}"), ' must map struts to distances [m], as in {"chassis": 0.08}'
+        )
     for name, ends in given.items():
         if name not in struts:
             raise InputError(
                 Argument("clearance"), f": there is no strut {name!r} off the road.{nearest_names(name, struts)}"
             )
         both = tuple(ends) if isinstance(ends, tuple | list) else (ends, ends)
+        if all(is_size(end) for end in both) and max(both) > MOST_CLEARANCE:
+            raise InputError(
+                Argument("clearance"),
+                f": {name!r} = {max(both):g} m is more than any suspension has, {MOST_CLEARANCE:g} m; give it in m",
+            )
         if len(both) != 2 or not all(is_size(end) for end in both):
             raise InputError(
                 Argument("clearance"), f": {name!r} = {ends!r} must be positive distances to the stops [m]"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -12,8 +13,9 @@ from suspid.errors import InputError
 from suspid.levels import LEVEL
 from suspid.model import Suspension, check_linear, positive_number
 from suspid.performance.bench import Bench, bench, check_loads
-from suspid.performance.contact import wheels_of
+from suspid.performance.contact import Wheels, static_loads, wheels_of
 from suspid.performance.grips import PHASE_LIMIT, Grip
+from suspid.performance.plausibility import plausible, plausible_loads
 from suspid.performance.reaches import bends_of, spreads
 from suspid.performance.uncertain import Car, Uncertain, uncertain
 from suspid.units import Hertz, Metre, Newton, Ratio, RealArray, Second
@@ -22,6 +24,8 @@ from suspid.words import Check, Level, Number, Remark, Verdict
 from suspid.words.grip import GripCheck, GripHeadline
 
 PLATFORM: Metre = 0.003  # EUSAMA: a stroke of 6 mm
+# Smaller platforms move a tire within its noise, larger ones lift every wheel.
+LEAST_AMPLITUDE, MOST_AMPLITUDE = 1e-4, 0.1
 SWEEP_TOP: Hertz = 25.0  # where it begins
 MOST_TOP: Hertz = 1000.0  # no car description holds that far
 
@@ -74,10 +78,13 @@ def grip(
     Intervals are to first order with exact derivatives: those of the curves at the frequency of the least value, which
     itself does not matter to first order. They hold no car with a negative spring, damper or relaxation of a mount; by
     relaxations near zero they are to second order, and a mount that may be rigid is taken as rigid too. The least
-    phase is the lowest of the local minima between the lowest natural frequency of the car and that of the wheel under
-    a body held still, both undamped. With strong dampers there is none; the phase then falls steadily. The classes of
-    EUSAMA and the limit of EGEA, 35 deg, are those that publications quote, not taken from the recommendations
-    themselves.
+    phase is "the lowest value of the phase shift determined during the test between the sprung and unsprung mass
+    resonant frequencies" (EGEA SWG6, suspension tester specification, AICA, 14 November 2017, which became
+    SPECSUS2018), here from the lowest natural frequency of the car to that of the wheel under a body held still, both
+    undamped. It rises with the damper as long as it is met at a local minimum. With a strong damper it is met at the
+    wheel's resonance, and falls as the damper gets stronger still: a seized one holds the body to the wheel. So the
+    figure is continuous in the damper, but not monotone, and the verdict tells where it falls. The classes of EUSAMA
+    and the limit of EGEA, 35 deg, are those that publications quote, not taken from the recommendations themselves.
 
     Examples
     --------
@@ -96,6 +103,7 @@ def grip(
         _check(amplitude, highest)
         check_linear(about.car, "grip")
         check_loads(loads, wheels_of(about.car).names)
+        _check_sweep(wheels_of(about.car), highest)
 
         def tested(one: Suspension, relaxations: Mapping[str, Second]) -> Bench:
             return bench(wheels_of(one, relaxations), about.parameters, loads, amplitude, highest)
@@ -124,7 +132,7 @@ def grip(
             bends=frozen_real(bends),
             verdict=Verdict(Remark(GripHeadline.GRIP, {"names": own.wheels.names})),
         )
-        return _judged(found, about)
+        return _judged(found, about, loads or {})
 
 
 def grip_if_any(car: Car, nominal_std: Ratio | Mapping[str, Ratio] | None = None) -> Grip | None:
@@ -137,10 +145,26 @@ def grip_if_any(car: Car, nominal_std: Ratio | Mapping[str, Ratio] | None = None
 
 
 def _check(amplitude: object, highest: object) -> None:
-    positive_number("amplitude", amplitude, "m")
+    stroke = positive_number("amplitude", amplitude, "m")
+    if not LEAST_AMPLITUDE <= stroke <= MOST_AMPLITUDE:
+        raise InputError(
+            f"amplitude = {stroke:g} m is outside of {LEAST_AMPLITUDE:g} to {MOST_AMPLITUDE:g} m, in which benches "
+            f"move a wheel; EUSAMA has {PLATFORM:g} m"
+        )
     top = positive_number("highest", highest, "Hz")
     if top > MOST_TOP:
         raise InputError(f"highest = {top:g} Hz is beyond {MOST_TOP:g} Hz; test benches sweep from {SWEEP_TOP:g} Hz")
+
+
+def _check_sweep(wheels: Wheels, highest: Hertz) -> None:
+    """Refuse a sweep from less than usual that does not pass the resonance of each wheel."""
+    _, high = wheels.resonances()
+    i = int(np.argmax(high))
+    if highest <= high[i] and highest < SWEEP_TOP:
+        raise InputError(
+            f"highest = {highest:g} Hz is not above the resonance of wheel {wheels.names[i]!r}, {high[i]:.3g} Hz, that "
+            f"the sweep must pass; test benches sweep from {SWEEP_TOP:g} Hz"
+        )
 
 
 def _stds(slopes: RealArray, about: Uncertain) -> RealArray:
@@ -149,9 +173,12 @@ def _stds(slopes: RealArray, about: Uncertain) -> RealArray:
     return spreads(flat, about.covariance, about.values).reshape(slopes.shape[1:])
 
 
-def _judged(found: Grip, about: Uncertain) -> Grip:
+def _judged(found: Grip, about: Uncertain, weighed: Mapping[str, Newton]) -> Grip:
     """Return the grip with its verdict."""
-    checks = [*_against_limits(found)]
+    checks = [*plausible(about.car), *_weighed(found, about.car, weighed), *_against_limits(found)]
+    if found.amplitude != PLATFORM:
+        numbers: dict[str, Number] = {"amplitude": found.amplitude, "usual": PLATFORM}
+        checks.append(Check(Remark(GripCheck.AMPLITUDE, numbers), Level.CARE))
     if about.doubt is not None:
         checks.append(Check(Remark(GripCheck.UNTRUSTED, {"level": about.doubt.label}), about.doubt))
     if about.nominal:
@@ -161,6 +188,14 @@ def _judged(found: Grip, about: Uncertain) -> Grip:
     return replace(found, verdict=Verdict(found.verdict.headline, tuple(checks)))
 
 
+def _weighed(found: Grip, car: Suspension, weighed: Mapping[str, Newton]) -> Iterator[Check]:
+    """Yield weighed loads that are far from those of the masses, where these can be told."""
+    if weighed:
+        with suppress(InputError):
+            own = static_loads(wheels_of(car))[0]
+            yield from plausible_loads(dict(zip(found.wheels, own.tolist(), strict=True)), weighed)
+
+
 def _against_limits(found: Grip) -> Iterator[Check]:
     """Yield what the limit of the phase says of each wheel, and which wheels leave the platform."""
     ends, limit = found.interval(LEVEL), float(np.degrees(PHASE_LIMIT))
@@ -168,15 +203,20 @@ def _against_limits(found: Grip) -> Iterator[Check]:
         phase = float(np.degrees(found.phase[i]))
         low, high = (float(np.degrees(end)) for end in ends[f"{wheel}.phase"])
         numbers: dict[str, Number] = {"wheel": wheel, "phase": phase, "low": low, "high": high, "limit": limit}
-        if np.isnan(phase):
-            yield Check(Remark(GripCheck.NO_LEAST, {"wheel": wheel}), Level.NOTE)
-        elif low <= limit <= high and low < high:
+        if low <= limit <= high and low < high:
             yield Check(Remark(GripCheck.NEAR, numbers), Level.CARE)
         else:
             passes = phase >= limit
             yield Check(
                 Remark(GripCheck.PASSES if passes else GripCheck.FAILS, numbers), Level.SOUND if passes else Level.CARE
             )
+        if found.resonances[i, 1] > found.hertz[-1]:
+            top: dict[str, Number] = {
+                "wheel": wheel, "hertz": float(found.resonances[i, 1]), "highest": float(found.hertz[-1]),
+            }  # fmt: skip
+            yield Check(Remark(GripCheck.BEYOND, top), Level.CARE)
+        if found.stiff[i]:
+            yield Check(Remark(GripCheck.STIFF, {"wheel": wheel}), Level.NOTE)
         if found.least[i] <= 0:
             hertz = float(found.adhesion_hertz[i])
-            yield Check(Remark(GripCheck.LIFTS, {"wheel": wheel, "hertz": hertz}), Level.NOTE)
+            yield Check(Remark(GripCheck.LIFTS, {"wheel": wheel, "hertz": hertz}), Level.CARE)

@@ -36,8 +36,7 @@ class Grip(Result):
     least : ndarray (wheel,)
         Least over static contact force during the sweep [1]; negative where the linear force is, see `adhesion`.
     phase : ndarray (wheel,)
-        Least phase of the contact force against the platform between the resonances of body and wheel [rad]; NaN where
-        the phase has no least value there.
+        Least phase of the contact force against the platform between the resonances of body and wheel [rad].
     adhesion_hertz, phase_hertz : ndarray (wheel,)
         Where these are met [Hz].
     hertz : ndarray (frequency,)
@@ -114,13 +113,21 @@ class Grip(Result):
         return tuple(next(name for name, least in CLASSES.items() if one >= least) for one in self.adhesion)
 
     @property
+    def stiff(self) -> tuple[bool, ...]:
+        """Whether the least phase of each wheel is met at its resonance: a damper so strong that a stronger has less.
+
+        Where it is, the phase tells nothing of a loss of damping.
+        """
+        return tuple((self.phase_hertz == self.resonances[:, 1]).tolist())
+
+    @property
     def _std(self) -> RealArray:
         return spreads(self.jacobian.T, self.covariance, self.parameter_values, self.bends)
 
     def interval(self, level: Ratio = LEVEL) -> dict[str, tuple[float, float]]:
         """Return the ends between which each figure lies with probability ``level``, as of ``"tire.adhesion"``.
 
-        Cut at 0 and 1 and at 0 and pi; NaN where there is no least phase. No car with a negative parameter counts.
+        Cut at 0 and 1 and at 0 and pi. No car with a negative parameter counts.
 
         Raises
         ------
@@ -162,7 +169,7 @@ class Grip(Result):
             "class": list(self.classes),
             "at [Hz]": [f"{one:.1f}" for one in self.adhesion_hertz],
             **phase,
-            "at [Hz] ": ["" if np.isnan(one) else f"{one:.2f}" for one in self.phase_hertz],
+            "at [Hz] ": [f"{one:.2f}" for one in self.phase_hertz],
         }
         return f"{text_table(columns, widest=TERMINAL)}\n{self.verdict}"
 
@@ -170,11 +177,11 @@ class Grip(Result):
 def _beside(heading: str, values: RealArray, stds: RealArray, certain: bool, which: int) -> dict[str, list[str]]:
     """Return columns of figures and of their standard deviations, none for a car that is known."""
     if certain:
-        return {heading: ["none" if np.isnan(one) else f"{one:.1f}" for one in values]}
+        return {heading: [f"{one:.1f}" for one in values]}
     return {
         heading: [
-            "none" if np.isnan(one) else rounded(np.array([one]), np.array([std]))[0] if std > 0 else f"{one:.1f}"
+            rounded(np.array([one]), np.array([std]))[0] if std > 0 else f"{one:.1f}"
             for one, std in zip(values, stds, strict=True)
         ],
-        "±" + " " * (which - 1): ["" if np.isnan(one) else spread(std) for one, std in zip(values, stds, strict=True)],
+        "±" + " " * (which - 1): [spread(std) for std in stds],
     }

@@ -59,6 +59,11 @@ def split(given: Limits | None) -> tuple[dict[str, float], list[object]]:
     >>> split(["front.damping == 1.2 * rear.damping", {"front.travel": 0.02}])
     ({'front.travel': 0.02}, ['front.damping == 1.2 * rear.damping'])
     """
+    if given is not None and not (isinstance(given, Mapping | str | list | tuple) or callable(given)):
+        raise InputError(
+            Argument("constraints", f"{given!r:.60}"),
+            " must map figures to their largest values, or hold relations such as 'front.damping >= rear.damping'",
+        )
     parts = [given] if isinstance(given, Mapping | str) or callable(given) else list(given or ())
     limits: dict[str, float] = {}
     for one in parts:

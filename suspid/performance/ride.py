@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
@@ -9,8 +10,10 @@ import numpy as np
 from suspid.arguments import explained
 from suspid.cleaning import RecordLike
 from suspid.errors import InputError
-from suspid.model import Suspension, output_rows, positive_number
+from suspid.files import printable
+from suspid.model import ModalSet, Suspension, output_rows, positive_number
 from suspid.performance.figure_plan import ROTATION, SICKNESS, Plan, comfort_of, plan_of
+from suspid.performance.plausibility import plausible
 from suspid.performance.reaches import bends_of, spreads
 from suspid.performance.reactions import reaction
 from suspid.performance.recorded import recorded
@@ -19,7 +22,8 @@ from suspid.performance.road_classes import class_of
 from suspid.performance.road_response import Signals, densities
 from suspid.performance.uncertain import Car, Uncertain, uncertain
 from suspid.performance.weightings import weighting_named
-from suspid.simulation import Road, places_of
+from suspid.results import Result
+from suspid.simulation import ROUGHNESS, Road, places_of
 from suspid.simulation import road as road_of
 from suspid.units import Metre, Ratio, RealArray, Second
 from suspid.values import FrozenItems, frozen_real, within_numbers
@@ -27,6 +31,10 @@ from suspid.wording import Argument
 from suspid.words import Check, Level, Number, Remark, Verdict
 from suspid.words.ride import RideCheck, RideHeadline
 
+# Speeds of vehicles on wheels [m/s]: below, a car stands; above, no wheel holds.
+LEAST_SPEED, MOST_SPEED = 0.1, 350.0
+# G_d(n_0) [m3] above which there is no road: twice the mean of class H, the last.
+ROUGHEST = 2 * ROUGHNESS["H"]
 # Time on the road for which dose values hold, where no other is given.
 HOUR: Second = 3600.0
 
@@ -93,9 +101,15 @@ def ride(
     >>> round(found["chassis_acceleration.Wk"], 3), round(found["tire.load_share"], 3)
     (1.066, 0.24)
     """
+    if car is None or (
+        isinstance(car, str | os.PathLike | Mapping | Road | Result | ModalSet) and not isinstance(car, Car)
+    ):
+        raise _not_taken(car)
     if not isinstance(car, Car):
         if road is not None or speed is not None or clearance is not None or nominal_std is not None:
-            raise InputError("road, speed, clearance and nominal_std go with a car; this is a record")
+            raise InputError(
+                f"road, speed, clearance and nominal_std go with a car; a {type(car).__name__} is taken as a record"
+            )
         return recorded(car, duration=duration, weightings=weightings)
     with within_numbers():
         about = uncertain(car, nominal_std)
@@ -141,6 +155,20 @@ def ride(
         )
 
 
+def _not_taken(given: object) -> InputError:
+    """Return the error of what is neither a car nor a record."""
+    path = printable(os.fspath(given)) if isinstance(given, str | os.PathLike) else ""
+    what = f"the path {path!r}" if path else type(given).__name__
+    names = [f"read_{kind}({path!r})" if path else f"read_{kind}(…)" for kind in ("car", "record")]
+    return InputError(
+        f"ride takes a car or a record, not {what}: ride({names[0]}, ",
+        Argument("road", '"C"'),
+        ", ",
+        Argument("speed", "20.0"),
+        f") for a car, ride({names[1]}) for a record",
+    )
+
+
 def driven_road(car: Suspension, road: Road | str | float | None, speed: float | None) -> Road:
     """Return the road under a car, from one or from its class and the speed.
 
@@ -176,6 +204,11 @@ def driven_road(car: Suspension, road: Road | str | float | None, speed: float |
             Argument("road", 'road("C", speed=20.0, under=car)'),
         )
     driven = road_of(road, speed=speed, under=places_of(car))
+    if not LEAST_SPEED <= driven.speed <= MOST_SPEED:
+        raise InputError(
+            Argument("speed", f"{driven.speed:g}"),
+            f" m/s is outside of {LEAST_SPEED:g} to {MOST_SPEED:g} m/s; 20 m/s are 72 km/h",
+        )
     if not driven.roughness:
         raise InputError(
             Argument("road", repr(road)),
@@ -186,7 +219,10 @@ def driven_road(car: Suspension, road: Road | str | float | None, speed: float |
 
 def _judged(plan: Plan, values: Mapping[str, float], about: Uncertain) -> Verdict:
     driven = plan.road
-    checks = [*_comforts(plan, values), *_limits_met(plan, values)]
+    checks = [*plausible(plan.car), *_comforts(plan, values), *_limits_met(plan, values)]
+    if driven.roughness > ROUGHEST:
+        rough: dict[str, Number] = {"roughness": driven.roughness, "limit": ROUGHEST}
+        checks.append(Check(Remark(RideCheck.TOO_ROUGH, rough), Level.DOUBTFUL))
     low = driven.band[0]
     weighs = weighting_named(SICKNESS).f1
     if low > weighs and any(SICKNESS in kinds for kinds in plan.weightings.values()):

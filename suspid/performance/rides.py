@@ -93,7 +93,7 @@ class Ride(Result):
     def __getitem__(self, figure: str) -> float:
         """Return the value of a figure."""
         if figure not in self.figures:
-            raise InputError(f"there is no figure {figure!r}.{nearest_names(figure, self.figures)}")
+            raise InputError(f"there is no figure {figure!r}.{nearest_names(str(figure), self.figures)}")
         return float(self.values[self.figures.index(figure)])
 
     @property

@@ -3,27 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from suspid.arguments import explained
-from suspid.cleaning import RecordLike, as_record
+from suspid.cleaning import RecordLike, as_record, to_si
 from suspid.errors import InputError
+from suspid.io import bare_name, bracketed_unit
 from suspid.levels import LEVEL, check_level, likely, normal_reach
 from suspid.results import Result
-from suspid.signals import as_signal
-from suspid.simulation import REFERENCE, ROUGHNESS, WAVELENGTHS, road_class
+from suspid.signals import Signal, as_signal
+from suspid.simulation import REFERENCE, ROUGHNESS, WAVELENGTHS, checked_wavelengths, road_class
 from suspid.units import Metre, Ratio, RealArray
 from suspid.values import FrozenMapping, frozen_real, nearest_names, spread, text_table
-from suspid.words import Check, Level, Remark, Verdict
+from suspid.words import Check, Level, Number, Remark, Verdict
 from suspid.words.ride import RoadCheck, RoadHeadline
 
 # Upper limits of G_d(0.1 cycle/m) of the classes [m3], ISO 8608, table C.1 as publications quote it; H has none.
 ROAD_LIMITS: Mapping[str, float] = FrozenMapping(
     {name: 2 * mean if name != "H" else np.inf for name, mean in ROUGHNESS.items()}
 )
+# Exponents of measured roads are 1.5 to 3; beyond these a spectrum is that of noise, or of a filter.
+EXPONENTS = (1.0, 4.0)
 # Fewest spectral lines from which a level and an exponent are told, and lines of each piece of the test of a bend.
 FEWEST_WAVES, LINES_OF_PIECE = 20, 16
 
@@ -155,15 +159,20 @@ def classify_road(
     name = signal.channels[0] if channel is None else channel
     if name not in signal.channels:
         raise InputError(f"there is no channel {name!r}.{nearest_names(name, signal.channels)}")
-    pace = np.asarray(speed, float)
+    pace = _numbers(speed)
+    short, long = checked_wavelengths(wavelengths)
+    if not 0 < short < long < np.inf:
+        raise InputError(f"{wavelengths=} must ascend from 0 [m]")
+    name, heights = _in_metres(signal, name)
     if pace.shape not in ((), signal.timepts.shape) or not np.all(np.isfinite(pace) & (pace > 0)):
         raise InputError(f"speed must be positive, one number or one for each of {len(signal.timepts)} samples [m/s]")
-    spacing, heights = _over_distance(signal.values[signal.channels.index(name)], signal.step, pace)
-    n, power, held = _slopes(heights, spacing, wavelengths)
+    spacing, heights = _over_distance(heights, signal.step, pace)
+    n, power, held = _slopes(heights, spacing, (short, long))
     if len(n) < FEWEST_WAVES:
         raise InputError(
-            f"the record is too short: {len(n)} spectral lines between wavelengths of {wavelengths[0]:g} and "
-            f"{wavelengths[1]:g} m, {FEWEST_WAVES} are needed"
+            f"the record is too short, or its samples are too far apart: {spacing * len(heights):.4g} m in steps of "
+            f"{spacing:.4g} m give {len(n)} spectral lines between wavelengths of {short:g} and {long:g} m, "
+            f"{FEWEST_WAVES} are needed; check the speed"
         )
     level, exponent, covariance, excess = _fitted(n, power, held)
     used = (float(1 / n[-1]), float(1 / n[0]))
@@ -174,9 +183,39 @@ def classify_road(
         wavelengths=used,
         verdict=Verdict(
             Remark(RoadHeadline.CLASS, {"name": road_class(float(np.exp(level)))}),
-            tuple(_checks(level, float(np.sqrt(covariance[0, 0])), excess)),
+            tuple(_checks(level, exponent, float(np.sqrt(covariance[0, 0])), excess)),
         ),
     )
+
+
+def _numbers(speed: ArrayLike) -> RealArray:
+    """Return a speed, or one for each sample, as numbers; NaN of what is none."""
+    try:
+        return np.asarray(speed, float) if np.asarray(speed).dtype.kind in "iuf" else np.asarray(np.nan)
+    except ValueError:
+        return np.asarray(np.nan)
+
+
+def _in_metres(signal: Signal, name: str) -> tuple[str, RealArray]:
+    """Return the heights of a channel in metres, by the unit in brackets behind its name.
+
+    Raises
+    ------
+    InputError
+        If the unit is none of length, or the heights are constant.
+    """
+    heights, unit = signal.values[signal.channels.index(name)], bracketed_unit(name)
+    if unit:
+        factor, si = 1.0, "?"
+        with suppress(InputError):
+            made, si = to_si(1.0, unit)
+            factor = float(made)
+        if si != "m":
+            raise InputError(f"channel {name!r}: {unit} is no unit of length; heights of a road are in m")
+        heights = heights * factor
+    if not np.ptp(heights):
+        raise InputError(f"channel {name!r} shows no road: constant at {heights[0]:g}")
+    return bare_name(name), heights
 
 
 def class_of(roughness: float) -> str:
@@ -238,7 +277,7 @@ def _fitted(n: RealArray, power: RealArray, held: RealArray) -> tuple[float, flo
     return float(p[0]), float(p[1]), covariance, (float(np.sum(bends)), len(pieces) - 2)
 
 
-def _checks(level: float, std: float, excess: tuple[float, int]) -> Iterator[Check]:
+def _checks(level: float, exponent: float, std: float, excess: tuple[float, int]) -> Iterator[Check]:
     shares = class_shares(float(np.exp(level)), std)
     best = max(shares, key=lambda name: shares[name])
     if shares[best] >= LEVEL:
@@ -246,5 +285,13 @@ def _checks(level: float, std: float, excess: tuple[float, int]) -> Iterator[Che
     else:
         names = tuple(name for name, share in shares.items() if share > 1 - LEVEL)
         yield Check(Remark(RoadCheck.BETWEEN, {"names": names}), Level.CARE)
+    roughness = float(np.exp(level))
+    if roughness > 2 * ROUGHNESS["H"]:
+        numbers: dict[str, Number] = {"roughness": roughness}
+        yield Check(Remark(RoadCheck.NO_ROAD, numbers), Level.DOUBTFUL)
+    low, high = EXPONENTS
+    if not low <= exponent <= high:
+        beyond: dict[str, Number] = {"exponent": exponent, "low": low, "high": high}
+        yield Check(Remark(RoadCheck.NO_POWER_LAW, beyond), Level.DOUBTFUL)
     if not likely(*excess):
         yield Check(Remark(RoadCheck.BENT, {"chi_square": excess[0], "freedom": excess[1]}), Level.CARE)

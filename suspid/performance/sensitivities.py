@@ -10,18 +10,19 @@ import numpy as np
 from suspid.arguments import explained
 from suspid.errors import InputError
 from suspid.levels import ROUNDING
-from suspid.model import Suspension, statespace
+from suspid.model import Suspension, check_linear, positive_number, statespace
 from suspid.performance.bench import bench as bench_of
 from suspid.performance.contact import wheels_of
 from suspid.performance.figure_plan import plan_of
 from suspid.performance.grip import PLATFORM, SWEEP_TOP
 from suspid.performance.ride import HOUR, driven_road
 from suspid.performance.strut_slopes import strut_slopes
+from suspid.performance.uncertain import Car, suspension_of
 from suspid.reconstruction import parameter_names, parameter_values
-from suspid.results import Result, check_kind
+from suspid.results import Result
 from suspid.simulation import Road
 from suspid.units import ComplexArray, Metre, RealArray, Second
-from suspid.values import TERMINAL, figures_of, frozen_real, listed, nearest_names, text_table
+from suspid.values import TERMINAL, check_names, figures_of, frozen_real, listed, nearest_names, text_table
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False, repr=False)
@@ -84,7 +85,7 @@ def per_cent(elasticity: float) -> str:
 
 @explained
 def sensitivities(
-    car: Suspension,
+    car: Car,
     *,
     parameters: Sequence[str] | None = None,
     road: Road | str | float | None = None,
@@ -98,8 +99,8 @@ def sensitivities(
 
     Parameters
     ----------
-    car : Suspension
-        The car.
+    car : Suspension, Estimate or Reconstruction
+        The car, as described or as found.
     parameters : sequence of str, optional
         Parameters such as ``"chassis.damping"`` or ``"tire.mass"``. Default: every stiffness and damping that is not
         zero.
@@ -137,17 +138,22 @@ def sensitivities(
        mode 2.wn   67.55              +0.05           +0.46            -0.02
      mode 2.zeta  0.1971              -0.03           -0.48            +1.01
     """
-    check_kind(car, {"Suspension": "read_car or quarter_car"})
-    known = parameter_values(car)
+    about = suspension_of(car)
+    check_linear(about, "sensitivities")
+    known = parameter_values(about)
+    positive_number("duration", duration, "s")
     if parameters is None:
-        parameters = [name for name in parameter_names(car) if known[name] and not name.endswith(".mass")]
+        parameters = [name for name in parameter_names(about) if known[name] and not name.endswith(".mass")]
+    check_names("parameters", parameters, "chassis.damping")
+    if road is None and (speed is not None or weightings is not None or clearance is not None):
+        raise InputError("speed, weightings and clearance go with a road; without one only modes are looked at")
     for name in parameters:
         if name not in known:
             raise InputError(f"there is no parameter {name!r}.{nearest_names(name, known)}")
         if not known[name]:
             raise InputError(f"parameter {name!r} is zero: it has no relative change")
     at = np.array([known[name] for name in parameters])
-    poles, slopes = pole_slopes(car, parameters)
+    poles, slopes = pole_slopes(about, parameters)
     names, values, rows = [], [], []
     for mode, (pole, slope) in enumerate(zip(poles, slopes, strict=True), 1):
         wn, by_wn = abs(pole), np.real(np.conj(pole) * slope) / abs(pole) ** 2 * at
@@ -158,14 +164,14 @@ def sensitivities(
         rows += [by_wn, by_zeta]
     if road is not None:
         plan = plan_of(
-            car, driven_road(car, road, speed), duration=duration, weightings=weightings, clearance=clearance
+            about, driven_road(about, road, speed), duration=duration, weightings=weightings, clearance=clearance
         )
-        figures, jacobian = plan.values(car, parameters=parameters)
+        figures, jacobian = plan.values(about, parameters=parameters)
         names += list(plan.formulas)
         values += figures.tolist()
         rows += list(_relative(figures, jacobian * at))
     if bench:
-        tested = bench_of(wheels_of(car), parameters, None, PLATFORM, SWEEP_TOP)
+        tested = bench_of(wheels_of(about), parameters, None, PLATFORM, SWEEP_TOP)
         names += [f"{wheel}.{figure}" for figure in ("adhesion", "phase") for wheel in tested.wheels.names]
         count = len(tested.wheels.names)
         # A wheel that leaves the platform has no adhesion, as in `grip`.

@@ -8,6 +8,7 @@ import numpy as np
 
 from suspid.arguments import explained
 from suspid.errors import InputError
+from suspid.levels import CERTAIN
 from suspid.model import Suspension, positive_number
 from suspid.performance.choices import Choice, box_of, choice_of
 from suspid.performance.figure_plan import Plan, plan_of
@@ -27,6 +28,8 @@ from suspid.wording import Argument
 from suspid.words import Remark, Verdict
 from suspid.words.ride import TuningHeadline
 
+# Cars on a front: it is smooth, and each takes a search.
+MOST_CARS = 200
 # Figures that are zero to rounding, such as the probability of a rare event, have no logarithm.
 NO_FIGURE = 1e-300
 
@@ -209,11 +212,20 @@ def _figures_of(asked: Joined, choice: Choice, robust: Ratio, where: Sequence[Re
 
 
 def _check(wanted: Sequence[str], limits: Mapping[str, float], points: int, robust: Ratio) -> None:
-    if not 1 <= len(wanted) <= 2 or len(set(wanted)) < len(wanted) or not all(isinstance(n, str) for n in wanted):
+    names = all(isinstance(n, str) for n in wanted)
+    if not (names and 1 <= len(wanted) <= 2 and len(set(wanted)) == len(wanted)):
         given = " and ".join(map(str, wanted)) or "nothing"
         raise InputError(Argument("objective"), f" must be one figure or two different ones, not {given}")
     check_largest(limits)
-    if not (is_count(points) and points >= 2):
-        raise InputError(Argument("points", repr(points)), " must be a whole number, two or more")
+    if not (is_count(points) and 2 <= points <= MOST_CARS):
+        raise InputError(
+            Argument("points", repr(points)), f" must be a whole number, two or more, and {MOST_CARS} at most"
+        )
     if isinstance(robust, bool) or not (is_size(robust) or robust == 0):
         raise InputError(Argument("robust", repr(robust)), " must be a number of standard deviations, 0 or more")
+    if robust > CERTAIN:
+        raise InputError(
+            Argument("robust", f"{robust:g}"),
+            f" must be at most {CERTAIN:g} standard deviations: beyond, the shape of the distribution decides, which "
+            f"is not known; 1 or 2 are usual",
+        )

@@ -2,30 +2,40 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import warnings
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
 
 from suspid.arguments import explained
 from suspid.errors import InputError, SuspidError
+from suspid.levels import EXACT
 from suspid.model import FORCE, Suspension, statespace
 from suspid.performance.active_tuning import ActiveTuning
 from suspid.performance.choices import REACHED
+from suspid.performance.plausibility import plausible
 from suspid.performance.ride import driven_road
+from suspid.performance.uncertain import Car, Uncertain, uncertain
 from suspid.simulation import REFERENCE, Road
 from suspid.units import RealArray
 from suspid.values import FrozenMapping, frozen_real, is_size, nearest_names
+from suspid.wording import Argument
+from suspid.words import Check, Level, Remark, Verdict
+from suspid.words.active import ActiveCheck, ActiveHeadline
+from suspid.words.ride import RideCheck
 
 # The name of the actuator's own force among objectives and limits.
 ACTUATOR = "force"
+# Fastest pole of a closed loop that an actuator could follow [Hz]; hydraulic and electric ones end at 10 to 100 Hz.
+FASTEST_LOOP = 300.0
 # Exponent of a road whose slope is white.
 WHITE_SLOPES = 2.0
 
 
 @explained
 def tune_active(
-    car: Suspension,
+    car: Car,
     *,
     actuator: str,
     objective: Mapping[str, float],
@@ -38,7 +48,7 @@ def tune_active(
 
     Parameters
     ----------
-    car : Suspension
+    car : Suspension, Estimate or Reconstruction
         A car with one road.
     actuator : str
         The displacement on which the force does work, as in `statespace`: ``"chassis_travel"`` pushes the ends of that
@@ -84,9 +94,12 @@ def tune_active(
     >>> found.rms["chassis_acceleration"] < found.passive["chassis_acceleration"]
     True
     """
+    if not isinstance(actuator, str):
+        raise InputError(f"{actuator=!r:.40} must be the name of a displacement, such as 'chassis_travel'")
     names, wanted = _names(objective, limits or {}, peaks or {})
-    level = _slope_density(car, road, speed)
-    A, B, G, C, D, states = _plant(car, actuator, names)
+    about = uncertain(car)
+    level = _slope_density(about.car, road, speed)
+    A, B, G, C, D, states = _plant(about.car, actuator, names)
     noise = level * np.outer(G, G)
     from scipy.linalg import solve_continuous_lyapunov
 
@@ -106,7 +119,10 @@ def tune_active(
     closed_A, closed_C = A - np.outer(B, gain), C - np.outer(D, gain)
     if np.max(np.linalg.eigvals(closed_A).real) >= 0:
         raise SuspidError("the feedback that was found does not hold the car; change the scales or the limits")
-    P = solve_continuous_lyapunov(closed_A, -noise)
+    with warnings.catch_warnings():
+        # Where nothing holds the force the gains are without end, which the verdict says.
+        warnings.simplefilter("ignore", RuntimeWarning)
+        P = solve_continuous_lyapunov(closed_A, -noise)
     rms = np.sqrt(np.maximum(np.einsum("is,st,it->i", closed_C, P, closed_C), 0.0))
     found = dict(zip(names, rms.tolist(), strict=True))
     cost = sum((found[name] / one) ** 2 for name, (one, _) in wanted.items() if one)
@@ -125,16 +141,55 @@ def tune_active(
         closed=control.ss(
             closed_A, G[:, None], closed_C, 0, states=list(states), inputs=["road_slope"], outputs=list(names)
         ),
+        verdict=Verdict(
+            Remark(ActiveHeadline.FEEDBACK, {"actuator": actuator, "names": tuple(objective)}),
+            (
+                *plausible(about.car),
+                *_doubts(about),
+                *_held(D, closed_A),
+                *_reached(float(cost), float(bound), peaks=bool(peaks)),
+            ),
+        ),
     )
+
+
+def _doubts(about: Uncertain) -> Iterator[Check]:
+    if about.doubt is not None:
+        yield Check(Remark(RideCheck.UNTRUSTED, {"level": about.doubt.label}), about.doubt)
+
+
+def _held(direct: RealArray, closed: RealArray) -> Iterator[Check]:
+    """Yield whether what is asked for leaves the force free, and whether the closed loop is too fast."""
+    if not np.any(direct):
+        yield Check(Remark(ActiveCheck.UNBOUNDED), Level.DOUBTFUL)
+    hertz = float(np.max(np.abs(np.linalg.eigvals(closed)))) / (2 * np.pi)
+    if hertz > FASTEST_LOOP:
+        yield Check(Remark(ActiveCheck.FAST, {"hertz": hertz, "limit": FASTEST_LOOP}), Level.CARE)
+
+
+def _reached(cost: float, bound: float, *, peaks: bool) -> Iterator[Check]:
+    share = max(cost / bound - 1, 0.0) if bound > 0 else 0.0
+    if peaks and share > REACHED:
+        yield Check(Remark(ActiveCheck.ABOVE, {"share": share}), Level.NOTE)
+    else:
+        yield Check(Remark(ActiveCheck.OPTIMAL, {"share": max(share, REACHED)}), Level.SOUND)
 
 
 def _names(
     objective: Mapping[str, float], limits: Mapping[str, float], peaks: Mapping[str, float]
 ) -> tuple[tuple[str, ...], dict[str, tuple[float, float]]]:
     """Return all outputs, and of each its scale in the objective and its limit, 0 where it has none."""
+    for what, given in (("objective", objective), ("limits", limits), ("peaks", peaks)):
+        if not isinstance(given, Mapping):
+            raise InputError(
+                Argument(what, f"{given!r:.60}"),
+                ' must map outputs to numbers, as in {"chassis_acceleration": 1.0, "force": 500.0}',
+            )
     if not objective:
         raise InputError("objective is empty; name outputs with the value of each that counts as one")
     for name, value in [*objective.items(), *limits.items(), *peaks.items()]:
+        if not isinstance(name, str):
+            raise InputError(f"{name!r} is no name of an output, such as 'chassis_acceleration'")
         if not is_size(value):
             raise InputError(f"{name!r} = {value!r} must be a positive number of usual size")
     names = tuple(dict.fromkeys([*objective, *limits, *peaks]))
@@ -173,6 +228,13 @@ def _plant(
         inputs.index(name) for name in (car.roads[0], f"{car.roads[0]}_rate", f"{actuator.removesuffix(FORCE)}{FORCE}")
     ]
     B, D = np.asarray(system.B, float)[:, place], np.asarray(system.D, float)[:, place]
+    if np.linalg.matrix_rank(car.K) < len(car.K):
+        raise InputError("the springs do not hold the car: state feedback needs a spring under every mass")
+    if np.max(np.linalg.eigvals(A).real) > -EXACT * np.max(np.abs(A)) ** 0.5:
+        raise InputError(
+            "a mode has no damping: on a random road it grows without end, so there is nothing to compare with; give a "
+            "strut that moves in it a damping"
+        )
     # Where the road stands higher the car does, at rest: A lift + B_road = 0.
     lift = -np.linalg.solve(A, B[:, 0])
     infinite = [name for name, row in zip(outputs, D, strict=True) if row[1]]
@@ -195,8 +257,6 @@ def _program(
     peaks: Mapping[int, float],
 ) -> tuple[RealArray, float]:
     """Return the gain and the least cost, by the convex program in states and a force of the size of one."""
-    import warnings
-
     import cvxpy
 
     cp: Any = cvxpy

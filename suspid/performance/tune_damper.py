@@ -9,21 +9,25 @@ import numpy as np
 
 from suspid.arguments import explained
 from suspid.errors import InputError
-from suspid.model import Strut, positive_number
-from suspid.performance.choices import REACH_OF_BOUNDS, check_ascent
+from suspid.model import Strut, Suspension, positive_number
+from suspid.performance.choices import REACH_OF_BOUNDS, REACHED, check_ascent
+from suspid.performance.damper_rates import dampers_between
 from suspid.performance.damper_search import OnRoad, Search, on_road
 from suspid.performance.damper_tunings import DamperTuning
 from suspid.performance.figure_plan import plan_of
+from suspid.performance.plausibility import plausible
 from suspid.performance.relations import check_largest
 from suspid.performance.ride import HOUR, driven_road
-from suspid.performance.uncertain import Car, uncertain
+from suspid.performance.uncertain import Car, Uncertain, uncertain
 from suspid.simulation import Road
 from suspid.units import Metre, NewtonSecondPerMetre, Ratio, RealArray, Second
 from suspid.values import frozen_real, is_size, nearest_names
 from suspid.wording import Argument
-from suspid.words import Check, Level, Remark, Verdict
-from suspid.words.ride import DamperTuningCheck, DamperTuningHeadline
+from suspid.words import Check, Level, Number, Remark, Verdict
+from suspid.words.ride import DamperTuningCheck, DamperTuningHeadline, RideCheck
 
+# Force in rebound over that in compression, or the inverse; beyond, one direction has no damper to speak of.
+MOST_REBOUND = 10.0
 # Points of a curve on each side of zero, between these multiples of the least and the largest rms velocity.
 KNOTS, KNOTS_FROM, KNOTS_TO = 6, 0.5, 2.5
 # Damper rates at which each road is computed; between them figures are on splines, to 1e-6.
@@ -99,20 +103,24 @@ def tune_damper(
     >>> bool(found.damping[2] > 1.5 * found.damping[0])
     True
     """
-    start = uncertain(car).car
-    about = next((one for one in start.struts if one.name == strut), None)
-    if about is None:
-        raise InputError(f"there is no strut {strut!r}.{nearest_names(strut, [one.name for one in start.struts])}")
+    found = uncertain(car)
+    start = found.car
+    about = _between(start, strut)
     if not isinstance(objective, str):
         raise InputError(
             Argument("objective", repr(objective)), " must be the name of a figure such as 'chassis_acceleration.Wk'"
         )
     positive_number("duration", duration, "s")
     check_largest(constraints or {})
-    if not is_size(rebound):
-        raise InputError(f"{rebound=} must be a positive ratio of forces")
+    if not (is_size(rebound) and 1 / MOST_REBOUND <= rebound <= MOST_REBOUND):
+        raise InputError(
+            f"{rebound=!r:.40} must be a positive ratio of forces, from {1 / MOST_REBOUND:g} to {MOST_REBOUND:g}; "
+            f"dampers of cars have 1 to 5"
+        )
     limits = dict(constraints or {})
     figures = (objective, *(name for name in limits if name != objective))
+    if isinstance(roads, str | Road) or not isinstance(roads, Sequence):
+        raise InputError(f"roads: {roads!r:.60} must be a list of pairs of class and speed such as [('C', 20.0)]")
     driven = [driven_road(start, *_pair(one)) for one in roads]
     if not driven:
         raise InputError("roads is empty; give pairs of class and speed such as ('C', 20.0)")
@@ -160,7 +168,10 @@ def tune_damper(
         single_values=frozen_real([] if single is None else [place.at(single) for place in places]),
         verdict=Verdict(
             Remark(DamperTuningHeadline.CURVE, {"strut": strut, "roads": len(driven)}),
-            tuple(_checks(agreed, rebound, single)),
+            (
+                *_checks(agreed, rebound, single, found),
+                *_at_ends(damping, ends, stated=bounds is not None),
+            ),
         ),
     )
 
@@ -191,7 +202,32 @@ def _curved(about: Strut, knots: RealArray, slopes: RealArray, rebound: Ratio, r
     return replace(about, damping=rate, curve=tuple(zip(velocities.tolist(), forces.tolist(), strict=True)))
 
 
-def _checks(agreed: Ratio, rebound: Ratio, single: float | None) -> Iterator[Check]:
+def _at_ends(damping: RealArray, ends: tuple[float, float], *, stated: bool) -> Iterator[Check]:
+    """Yield on how many roads a bound of the damper rate decides; one that nobody stated is a doubt."""
+    for side, end in zip(("least", "largest"), ends, strict=True):
+        count = int(np.sum(np.abs(np.log(damping / end)) < REACHED))
+        if count:
+            numbers: dict[str, Number] = {"side": side, "rate": end, "count": count, "roads": len(damping)}
+            yield Check(Remark(DamperTuningCheck.AT_BOUND, numbers), Level.NOTE if stated else Level.CARE)
+
+
+def _between(car: Suspension, name: str) -> Strut:
+    """Return the strut of that name between masses."""
+    between = {one.name: one for one in dampers_between(car)}
+    if name in between:
+        return between[name]
+    if name in [one.name for one in car.struts]:
+        raise InputError(
+            f"strut {name!r} stands on the road: the damping of a tire cannot be chosen; name a strut between masses, "
+            f"{', '.join(between)}"
+        )
+    raise InputError(f"there is no strut {name!r}.{nearest_names(str(name), between)}")
+
+
+def _checks(agreed: Ratio, rebound: Ratio, single: float | None, about: Uncertain) -> Iterator[Check]:
+    yield from plausible(about.car)
+    if about.doubt is not None:
+        yield Check(Remark(RideCheck.UNTRUSTED, {"level": about.doubt.label}), about.doubt)
     yield Check(Remark(DamperTuningCheck.STARTS, {"share": agreed}), Level.SOUND if agreed > 0.5 else Level.CARE)
     if single is None:
         yield Check(Remark(DamperTuningCheck.NO_SINGLE), Level.NOTE)

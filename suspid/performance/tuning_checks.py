@@ -8,6 +8,7 @@ import numpy as np
 
 from suspid.performance.choices import REACHED, Choice
 from suspid.performance.fronts import Front, Search
+from suspid.performance.plausibility import plausible
 from suspid.performance.uncertain import Uncertain
 from suspid.reconstruction import unit_of
 from suspid.units import Ratio
@@ -22,6 +23,7 @@ def tuning_checks(
     front: Front, choice: Choice, search: Search, robust: Ratio, about: Uncertain, given: Collection[str]
 ) -> Iterator[Check]:
     """Yield the checks of a front; ``given`` are the parameters whose bounds were stated."""
+    yield from plausible(about.car)
     share = front.agreed / front.searches if front.searches else 1.0
     yield Check(
         Remark(TuningCheck.STARTS, {"share": share, "count": front.searches}),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TypeAlias
@@ -9,6 +10,7 @@ from typing import TypeAlias
 import numpy as np
 
 from suspid.errors import InputError
+from suspid.files import printable
 from suspid.greybox import Estimate
 from suspid.model import Suspension
 from suspid.reconstruction import QUANTITIES, Reconstruction, parameter_names, parameter_values
@@ -18,6 +20,8 @@ from suspid.wording import Argument
 from suspid.words import EstimateCheck, Level
 
 ALL = "all springs, dampers and masses"
+# Relative standard deviation of a positive parameter from which on nothing is known of it.
+MOST_STATED = 1.0
 # What figures are computed of: a car as described, or as found with its uncertainty.
 Car: TypeAlias = Suspension | Estimate | Reconstruction
 
@@ -45,9 +49,8 @@ def uncertain(car: Car, nominal_std: Ratio | Mapping[str, Ratio] | None = None) 
         If the car is no Suspension, Estimate or Reconstruction, or ``nominal_std`` names what is unknown or was
         estimated.
     """
-    _check(car)
+    described = suspension_of(car)
     found = None if isinstance(car, Suspension) else car
-    described = car if isinstance(car, Suspension) else car.suspension
     values, names = parameter_values(described), parameter_names(described)
     estimated = () if found is None or found.covariance is None else found.parameters
     own = [i for i, name in enumerate(estimated) if name in names or _is_mount(described, name)]
@@ -85,10 +88,21 @@ def _cancelled(found: Estimate | Reconstruction | None) -> set[str]:
     return {f"{strut}.{quantity}" for strut in struts for quantity in QUANTITIES}
 
 
-def _check(car: object) -> None:
-    if not isinstance(car, Car):
-        hint = "; take its .suspension" if hasattr(car, "suspension") else ""
-        raise InputError(f"this needs a Suspension, an Estimate or a Reconstruction, not {type(car).__name__}{hint}")
+def suspension_of(car: object) -> Suspension:
+    """Return the car as described or as found.
+
+    Raises
+    ------
+    InputError
+        If it is no Suspension, Estimate or Reconstruction.
+    """
+    if isinstance(car, Car):
+        return car if isinstance(car, Suspension) else car.suspension
+    hint = "; take its .suspension" if hasattr(car, "suspension") else ""
+    if isinstance(car, str | os.PathLike):
+        path = printable(os.fspath(car))
+        hint = f": read {path!r} with read_estimate" if path.lower().endswith(".json") else f": read_car({path!r})"
+    raise InputError(f"this needs a Suspension, an Estimate or a Reconstruction, not {type(car).__name__}{hint}")
 
 
 def _is_mount(car: Suspension, name: str) -> bool:
@@ -97,7 +111,7 @@ def _is_mount(car: Suspension, name: str) -> bool:
 
 
 def _stated(
-    given: Ratio | Mapping[str, Ratio] | None,
+    given: object,
     held: list[str],
     values: Mapping[str, float],
     names: list[str],
@@ -105,6 +119,11 @@ def _stated(
     """Return the relative standard deviations of parameters that were not estimated, by name."""
     if given is None:
         return {}
+    if not isinstance(given, Mapping | int | float | np.number):
+        raise InputError(
+            Argument("nominal_std", f"{given!r:.40}"),
+            " must be a number such as 0.05, or map parameters to numbers",
+        )
     if isinstance(given, Mapping):
         for name in given:
             if name not in names:
@@ -123,5 +142,10 @@ def _stated(
             raise InputError(
                 Argument("nominal_std"),
                 f": {name!r} = {std!r} must be a relative standard deviation >= 0, such as 0.05",
+            )
+        if std > MOST_STATED:
+            raise InputError(
+                Argument("nominal_std"),
+                f": {name!r} = {std:g} means {std:.0%}, of what cannot be negative; 1 is the largest, 0.05 is 5 %",
             )
     return {name: float(std) for name, std in stds.items()}

@@ -59,12 +59,12 @@ def said_of_loss(
 def said_of_phase(
     damper: str, wheel: str, before: Grip | None, after: Grip | None, quantile: float
 ) -> tuple[Check, DamperState] | None:
-    """Return what the least phase of a damper's wheel says; None where there is no least phase."""
+    """Return what the least phase of a damper's wheel says; None where the damper is so strong that it says nothing."""
     if before is None or after is None:
         return None
     i = after.wheels.index(wheel)
     value, std, old = after.phase[i], after.phase_std[i], before.phase[i]
-    if np.isnan(value):
+    if after.stiff[i]:
         return None
     low, high = value - quantile * std, value + quantile * std
     numbers: dict[str, Number] = {

@@ -49,6 +49,9 @@ WEIGHTINGS: Mapping[str, Weighting] = MappingProxyType(
     }
 )
 BUTTERWORTH = 2**0.5
+# Samples that are transformed at once, 32 MB of them; longer records are weighted at a lower rate: up to this multiple
+# of the upper corner, where a weighting is below 1e-3.
+MOST_AT_ONCE, ENOUGH = 2**22, 40.0
 
 
 @explained
@@ -91,7 +94,8 @@ def weighted(values: RealArray, step: Second, name: str) -> RealArray:
     """Return samples (…, sample) after a weighting, at rest before the first.
 
     The response is that of the standard at every frequency that the samples hold: it is applied to the spectrum of
-    the record, which zeros follow until the filter has died away.
+    the record, which zeros follow until the filter has died away. Very long or fast records come back at a lower rate
+    that holds all that the weighting leaves.
 
     Examples
     --------
@@ -105,10 +109,29 @@ def weighted(values: RealArray, step: Second, name: str) -> RealArray:
     from scipy.fft import next_fast_len
 
     count = values.shape[-1]
+    w = weighting_named(name)
     # Slower than any of the filter's decays: after 10 / f1 seconds e^-40 is left.
-    size = next_fast_len(count + int(np.ceil(10 / (weighting_named(name).f1 * step))), real=True)
+    size = count + int(np.ceil(10 / (w.f1 * step)))
+    top = ENOUGH * w.f2
+    if size > MOST_AT_ONCE and 2 * top * step < 1:
+        return _weighted_below(values, step, name, top, size)
+    size = next_fast_len(size, real=True)
     response = weighting(name, np.fft.rfftfreq(size, step))
     return np.asarray(np.fft.irfft(np.fft.rfft(values, size) * response, size)[..., :count])
+
+
+def _weighted_below(values: RealArray, step: Second, name: str, top: Hertz, size: int) -> RealArray:
+    """Return samples after a weighting at twice the rate of ``top``, beyond which nothing is left of them.
+
+    The spectrum of the samples, which ``size`` counts with the zeros behind them, is computed up to there alone.
+    """
+    from scipy.signal import czt
+
+    count, last = values.shape[-1], int(top * step * size)
+    spectrum = czt(values, m=last + 1, w=np.exp(-2j * np.pi / size), axis=-1)
+    response = weighting(name, np.arange(last + 1) / (size * step))
+    made = np.fft.irfft(spectrum * response, 2 * last) * (2 * last / size)
+    return np.asarray(made[..., : max(count * 2 * last // size, 1)])
 
 
 def weighting_named(name: str) -> Weighting:

@@ -17,6 +17,8 @@ ROUGHNESS: Mapping[str, float] = FrozenMapping({name: 16e-6 * 4**k for k, name i
 REFERENCE = 0.1  # cycle/m, to which the classes refer
 # Wavelengths of a road [m]: shorter ones are levelled by the contact patch of a tyre, longer ones by the road itself.
 WAVELENGTHS = (0.1, 100.0)
+# Exponents of measured roads are 1.5 to 3; beyond this one a spectrum is a single wave.
+MOST_EXPONENT = 6.0
 # Longer grids do not fit into memory: this many points take some gigabytes on the way.
 MOST_POINTS = 2**26
 
@@ -90,15 +92,33 @@ def road_profile(
 
 def level_of(roughness: str | float, exponent: Ratio, wavelengths: tuple[Metre, Metre]) -> float:
     """Return G_d(n_0) [m3] of a class or as given; refuse a spectrum that is none."""
-    level = ROUGHNESS.get(roughness) if isinstance(roughness, str) else roughness
+    level = ROUGHNESS.get(roughness.upper()) if isinstance(roughness, str) else roughness
     if level is None:
         raise InputError(f"{roughness!r} is no class of ISO 8608; give one of {', '.join(ROUGHNESS)}, or G_d(n_0) [m3]")
-    short, long = wavelengths
+    short, long = checked_wavelengths(wavelengths)
     if isinstance(level, bool) or not (level == 0 or is_size(level)):
         raise InputError(f"{roughness=} must be G_d(n_0) in m3, 0 or a positive number; class A has 16e-6")
-    if not (np.isfinite(exponent) and 0 < short < long < np.inf):
-        raise InputError(f"{roughness=}, {exponent=}, {wavelengths=} must be finite, and the wavelengths ascend from 0")
+    number = isinstance(exponent, int | float | np.number) and not isinstance(exponent, bool)
+    if not (number and 0 < exponent <= MOST_EXPONENT and 0 < short < long < np.inf):
+        raise InputError(
+            f"{roughness=}, {exponent=}, {wavelengths=} must be finite, the exponent positive and at most "
+            f"{MOST_EXPONENT:g} (ISO 8608: 2), and the wavelengths ascend from 0"
+        )
     return float(level)
+
+
+def checked_wavelengths(wavelengths: object) -> tuple[Metre, Metre]:
+    """Return the shortest and the longest wavelength; refuse what is no pair of numbers.
+
+    Examples
+    --------
+    >>> checked_wavelengths([0.5, 50])
+    (0.5, 50.0)
+    """
+    pair = list(wavelengths) if isinstance(wavelengths, tuple | list) else []
+    if len(pair) != 2 or not all(isinstance(one, int | float | np.number) for one in pair):
+        raise InputError(f"wavelengths = {wavelengths!r:.60} must be the shortest and the longest, as (0.1, 100.0) [m]")
+    return float(pair[0]), float(pair[1])
 
 
 def tracks(

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from suspid.arguments import explained
 from suspid.errors import InputError
 from suspid.model import Suspension, positive_number
-from suspid.signals import as_response
+from suspid.signals import as_response, real_numbers
 from suspid.simulation.road_profile import REFERENCE, WAVELENGTHS, level_of, track_coherence, tracks
 from suspid.units import ComplexArray, Hertz, Metre, Ratio, RealArray
 from suspid.values import FrozenItems
@@ -104,7 +104,7 @@ class Road:
         InputError
             If the times do not ascend, or the speeds are none.
         """
-        time = np.asarray(timepts, float)
+        time = real_numbers(timepts, "timepts")
         if time.ndim != 1 or time.size < 2 or not np.all(np.diff(time) > 0):
             raise InputError("timepts must be a vector of at least two ascending times [s]")
         pace = np.broadcast_to(np.asarray(self.speed if speed is None else speed, float), time.shape)
@@ -197,16 +197,22 @@ def road(
     """
     level = level_of(roughness, exponent, wavelengths)
     speed = positive_number("speed", speed, "m/s")
-    if coherence is not None and not 0 <= coherence <= 1:
+    share = coherence is None or (isinstance(coherence, int | float) and not isinstance(coherence, bool))
+    if not share or (coherence is not None and not 0 <= coherence <= 1):
         raise InputError(f"{coherence=} must lie between 0 and 1")
+    if not isinstance(under, Suspension | Mapping | None):
+        raise InputError(
+            f"under is a {type(under).__name__}; give the car, or places such as {{'road': (0.0, 0.0)}} [m]"
+        )
     places = places_of(under) if isinstance(under, Suspension) else dict(under or {"road": (0.0, 0.0)})
-    if not places or not np.all(np.isfinite(list(places.values()))):
+    pairs = all(isinstance(place, tuple | list) and len(place) == 2 for place in places.values())
+    if not pairs or not places or not np.all(np.isfinite(list(places.values()))):
         raise InputError("the car meets no road, or a place is not finite; give metres behind and to the left")
     return Road(
         roughness=level,
         speed=speed,
         exponent=float(exponent),
-        wavelengths=wavelengths,
+        wavelengths=(float(wavelengths[0]), float(wavelengths[1])),
         places=FrozenItems({name: (float(b), float(left)) for name, (b, left) in places.items()}),
         coherence=coherence,
     )

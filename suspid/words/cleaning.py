@@ -145,6 +145,11 @@ def dead(numbers: Numbers) -> str:
     >>> dead({"constant": 4.2}), dead({"finite": 3, "samples": 2000})
     ('constant at 4.2', '3 numbers in 2000 samples')
     """
+    if "huge" in numbers:
+        return (
+            f"{numbers['huge']} of {_count(numbers, 'sample')} are beyond {numbers['limit']:g}, which no motion is: "
+            f"check its unit and scale"
+        )
     if "finite" in numbers:
         return f"{_count(numbers, 'number', 'finite')} in {_count(numbers, 'sample')}"
     return f"constant at {numbers['constant']:g}{' after the repairs' if numbers.get('repaired') else ''}"

@@ -31,10 +31,10 @@ class GripCheck(Code):
         "{wheel}: EGEA's limit of {limit:.0f} deg lies inside the interval of the least phase, {low:.1f} to {high:.1f} "
         "deg.",
     )
-    NO_LEAST = (
-        "no least phase",
-        "{wheel}: the phase falls all the way from the body's to the wheel's resonance, as with strong dampers; it has "
-        "no least value to judge.",
+    STIFF = (
+        "stiff",
+        "{wheel}: the phase is least at the wheel's resonance: the damper is so strong that a stronger one would have "
+        "less, and a weaker one more.",
     )
     LIFTS = (
         "lifts",
@@ -47,6 +47,14 @@ class GripCheck(Code):
             "Grip rests on nominal values that the records do not tell, because the motion of the wheels was given: "
             "{names}. State their error, or find them on a road that is known or modelled."
         ),
+    )
+    BEYOND = (
+        "beyond sweep",
+        "{wheel}: its resonance, {hertz:.3g} Hz, is above the sweep from {highest:.3g} Hz, which does not show it.",
+    )
+    AMPLITUDE = (
+        "amplitude",
+        "The platform moves by {amplitude:g} m; EUSAMA's classes hold for {usual:g} m.",
     )
     KNOWN = "known", _named("Taken as known, without any error in the intervals: {names}.")
     UNTRUSTED = "untrusted", "The estimate of the car is {level}: its verdict says why."

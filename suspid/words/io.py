@@ -163,5 +163,14 @@ class LeftOut(Code):
 ASIDE = frozenset({LeftOut.NUMBER, LeftOut.GROUP_TIME, LeftOut.NOTE, LeftOut.COMPLEX})
 # What does not fit the time in its number of samples.
 OTHER_LENGTHS = frozenset({LeftOut.SIZE, LeftOut.LENGTH})
-# What a file has lost: these are warned of, where the others are merely listed.
-DAMAGE = frozenset({LeftOut.CUT_SHORT, LeftOut.CUT_CELL, LeftOut.CUT_NUMBER, LeftOut.NO_END, LeftOut.WINDOWS_1252})
+# What a file has lost, and a unit of time that is guessed: these are warned of, where the others are merely listed.
+DAMAGE = frozenset(
+    {
+        LeftOut.CUT_SHORT,
+        LeftOut.CUT_CELL,
+        LeftOut.CUT_NUMBER,
+        LeftOut.NO_END,
+        LeftOut.WINDOWS_1252,
+        LeftOut.FINER_UNIT,
+    }
+)

@@ -40,6 +40,16 @@ def _front(numbers: Numbers) -> str:
     return f"{best} over {parameters}: {points}"
 
 
+def _rest(numbers: Numbers) -> str:
+    said = (
+        f"At rest for {numbers['share']:.0%} of the time (below {numbers['limit']:g} m/s2 in blocks of a second), "
+        f"which counts in all figures"
+    )
+    if numbers["share"] >= 1:
+        return f"{said}."
+    return f"{said}: over the time of driving alone each rms is {numbers['factor']:.3g} times as large."
+
+
 class RideHeadline(Code):
     """What was found."""
 
@@ -87,8 +97,25 @@ class RideCheck(Code):
     SHORT = (
         "short",
         "The record of {seconds:.3g} s is short for {weighting}, which weighs from {hertz:.2g} Hz on: the start of the "
-        "filter is part of its figures.",
+        "filter is part of its figures. Twenty periods, {needed:.3g} s, are needed.",
     )
+    HIDDEN = (
+        "hidden",
+        "{weighting} is left out: a record of {seconds:.3g} s shows nothing of {low:g} to {high:g} Hz.",
+    )
+    CLIPPED = (
+        "clipped",
+        "{channel}: {samples} samples are clipped, at up to {largest:.3g} {unit} from the mean: rms, peaks, crest "
+        "factor and doses are larger than these; use a sensor of a larger range.",
+    )
+    TOO_ROUGH = (
+        "too rough",
+        "G_d(n_0) = {roughness:.4g} m3 is above {limit:.3g} m3, twice that of class H, the roughest: check its unit; "
+        "class C has 256e-6 m3.",
+    )
+    REST = "rest", _rest
+    CONVERTED = "converted", "{channel}: converted from {unit} to SI."
+    NO_LENGTH = "no length", "{channel} is left out: its unit is none of length."
     UNTRUSTED = "untrusted", "The estimate that the figures rest on is {level}: read its verdict first."
     STAYED_NOMINAL = (
         "stayed nominal",
@@ -112,6 +139,16 @@ class RoadCheck(Code):
     CLASS = (
         "sure",
         "It is of class {name} with a probability of {share:.1%}, by limits of ISO 8608 as quoted in the literature.",
+    )
+    NO_ROAD = (
+        "no road",
+        "G_d(n_0) = {roughness:.3g} m3 is more than twice that of class H, the roughest: check whether the heights are "
+        "in m, and whether the channel is the road.",
+    )
+    NO_POWER_LAW = (
+        "exponent",
+        "The exponent, {exponent:.2f}, is outside of {low:g} to {high:g}, that of roads: the channel may be none, or "
+        "be filtered or noisy.",
     )
     BETWEEN = "between", _listed("It may be of class {names}: the interval crosses a limit.")
     BENT = (
@@ -161,6 +198,10 @@ class DamperTuningCheck(Code):
     """What speaks for and against a damper's curve."""
 
     STARTS = "starts", "{share:.0%} of the searches from other starts ended at the same values."
+    AT_BOUND = (
+        "at bound",
+        "The {side} damper rate, {rate:.4g} N s/m, decides on {count} of {roads} roads: state what can be built.",
+    )
     NO_SINGLE = "no single", "No single damper rate within the bounds meets the limits on all roads."
     UNEVEN = (
         "uneven",

@@ -1,0 +1,97 @@
+"""Records of rides as commands read them: channels with their units in brackets, and cars in place of records."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from suspid.analysis import Settings, read
+from suspid.cleaning import to_si
+from suspid.errors import InputError
+from suspid.io import bare_name, bracketed_unit
+from suspid.performance import ACCELERATIONS
+from suspid.samples import held
+from suspid.signals import as_signal, cut, like
+from suspid.words import DAMAGE
+
+if TYPE_CHECKING:
+    from suspid.greybox import Estimate
+    from suspid.model import Suspension
+    from suspid.recordings import Recording
+
+# Files that describe or hold a car; all others are records.
+OF_CARS = (".toml", ".json")
+# A factor that is the unit's own to this share converts the channel; no sensor is calibrated as badly.
+SAME_FACTOR = 0.01
+
+
+def record_of(source: Path, settings: Settings, said: list[str]) -> Any:
+    """Return the stretch of a record that the settings ask for; what was done to it is added to what is said."""
+    opened = read(source, settings)
+    said += damage_of(opened.recording)
+    said += map(str, [*opened.cleaned.findings, *opened.notes])
+    record = held(opened.cleaned, "record")
+    signal = as_signal(record)
+    names = [_with_unit(name, unit, settings) for name, unit in zip(signal.channels, opened.cleaned.units, strict=True)]
+    if len(set(names)) == len(names) and tuple(names) != signal.channels:
+        title = str(getattr(record, "title", None) or "")
+        record = like(record, signal.timepts, signal.values, names, title=title)
+    return cut(record, start=settings.start, stop=settings.stop)
+
+
+def damage_of(recording: Recording | None) -> list[str]:
+    """Return what a file has lost, and what was guessed of its time, a sentence each."""
+    everything = () if recording is None else recording.left_out
+    return [f"in the file: {name!r} {why}" for name, why in everything if why.code in DAMAGE]
+
+
+def _with_unit(name: str, unit: str, settings: Settings) -> str:
+    """Return a channel's name with its unit in brackets; without one if the command line has made it SI."""
+    stated = unit or bracketed_unit(name)
+    try:
+        factor, si = to_si(1.0, stated)
+    except InputError:
+        factor, si = to_si(1.0, "m")[0], ""
+    if settings.si:
+        return bare_name(name) if si else name
+    by = _scale(name, settings)
+    if by is not None and si not in (*ACCELERATIONS, "m"):
+        # A factor on what is none of acceleration and travel, such as volts, makes it SI.
+        return bare_name(name)
+    if by is not None and factor != 1 and abs(abs(by) / float(factor) - 1) < SAME_FACTOR:
+        raise InputError(
+            f"--scale: channel {name!r} is converted from {stated} to {si} already; leave the factor out, or give its "
+            f"sign alone"
+        )
+    return f"{bare_name(name)} [{stated}]" if stated else name
+
+
+def _scale(name: str, settings: Settings) -> float | None:
+    """Return the factor that the command line gives a channel, by its name in the file."""
+    old = next((old for old, new in dict(settings.rename).items() if new == name), name)
+    return next((by for one, by in dict(settings.scale).items() if bare_name(one) == bare_name(old)), None)
+
+
+def car_of(source: Path) -> Suspension | Estimate:
+    """Return the car of a description, or the estimate of its JSON.
+
+    Raises
+    ------
+    InputError
+        If the file is neither.
+    """
+    if source.suffix.lower() == ".json":
+        from suspid.reporting import read_estimate
+
+        return read_estimate(source)
+    from suspid.model import read_car
+
+    try:
+        return read_car(source)
+    except InputError as error:
+        if source.suffix.lower() in OF_CARS or not source.is_file():
+            raise
+        raise InputError(
+            f"a car is needed, and this is none: give a description (.toml, as examples/car.toml) or the JSON of "
+            f"suspid estimate; as a description it {error.message}"
+        ) from None

@@ -1,0 +1,160 @@
+"""Accelerations and travels of a record: found by name, in SI by the unit in brackets, with their weightings."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from suspid.cleaning import to_si
+from suspid.errors import InputError
+from suspid.io import bare_name, bracketed_unit
+from suspid.performance.figure_plan import (
+    ACCELERATION,
+    ANGLES,
+    ROTATION,
+    TRAVEL,
+    VERTICAL,
+    checked_weightings,
+)
+from suspid.performance.weightings import weighting_named
+from suspid.signals import Signal
+from suspid.units import RealArray
+from suspid.values import nearest_names
+from suspid.wording import Argument
+
+ACCELERATIONS = ("m/s2", "rad/s2")
+# Ends of names of what a record of a car holds beside accelerations.
+NO_ACCELERATION = (TRAVEL, "_velocity", "_displacement", "_force", "_rate")
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Felt:
+    """One channel of a record about its mean, in SI; ``kinds`` are its weightings, none of a travel."""
+
+    name: str
+    samples: RealArray
+    turn: str  # what it is the acceleration of: m or rad
+    kinds: tuple[str, ...]
+    unit: str  # as the name states it; empty where it states none or SI
+
+
+def felt_of(
+    signal: Signal, given: Mapping[str, str | Sequence[str]] | None
+) -> tuple[tuple[Felt, ...], tuple[Felt, ...], tuple[str, ...]]:
+    """Return accelerations with their weightings, travels, and names of travels in units that are none of length.
+
+    Raises
+    ------
+    InputError
+        If a channel is not there, no channel is one of acceleration, or the unit in its name is none of acceleration.
+    """
+    short = [bare_name(name) for name in signal.channels]
+    names = [
+        own if own not in signal.channels and short.count(own) == 1 else name
+        for name, own in zip(signal.channels, short, strict=True)
+    ]
+    chosen = _default(short, names) if given is None else _by_channel(checked_weightings(given), signal.channels, names)
+    if given is not None and not given:
+        raise InputError(
+            Argument("weightings", "{}"), " is empty; name a channel, or leave it out for all accelerations"
+        )
+    if not chosen:
+        raise InputError(
+            "no channel is named like an acceleration; name those that are with ",
+            Argument("weightings"),
+            f", such as Wk for {names[0]!r}",
+        )
+    felt = tuple(_felt(signal, names.index(name), name, kinds) for name, kinds in chosen.items())
+    travels, unknown = [], []
+    for i, name in enumerate(names):
+        if short[i].endswith(TRAVEL) and name not in chosen:
+            unit, factor, si = _unit(signal.channels[i])
+            if si in ("m", ""):
+                about = (signal.values[i] - signal.values[i].mean()) * factor
+                travels.append(Felt(name=short[i], samples=about, turn="m", kinds=(), unit=unit))
+            else:
+                unknown.append(signal.channels[i])
+    return felt, tuple(travels), tuple(unknown)
+
+
+def shown_by(signal: Signal, felt: Sequence[Felt], *, asked: bool) -> tuple[tuple[Felt, ...], tuple[str, ...]]:
+    """Return accelerations with those of their weightings of which a record shows anything, and the others.
+
+    A record must last for a period of the fastest vibration that counts, and be sampled at twice the slowest.
+
+    Raises
+    ------
+    InputError
+        If a weighting that was asked for is none of these, or none is left of a channel.
+    """
+    seconds, top = signal.duration, 0.5 / signal.step
+    kinds = dict.fromkeys(kind for one in felt for kind in one.kinds)
+    hidden = [k for k in kinds if seconds * weighting_named(k).f2 < 1 or top <= weighting_named(k).f1]
+    left = tuple(replace(one, kinds=tuple(k for k in one.kinds if k not in hidden)) for one in felt)
+    if hidden and (asked or not all(one.kinds for one in left)):
+        w = weighting_named(hidden[0])
+        raise InputError(
+            f"the record of {seconds:.3g} s at {1 / signal.step:.6g} Hz shows nothing of what {hidden[0]} weighs, "
+            f"{w.f1:g} to {w.f2:g} Hz; check the sampling rate, or record longer"
+        )
+    return left, tuple(hidden)
+
+
+def _default(short: Sequence[str], names: Sequence[str]) -> dict[str, tuple[str, ...]]:
+    """Return the weightings of channels that are named like accelerations."""
+    return {
+        name: ROTATION if own.removesuffix(ACCELERATION) in ANGLES else VERTICAL
+        for name, own in zip(names, short, strict=True)
+        if own.endswith(ACCELERATION)
+    }
+
+
+def _by_channel(
+    given: Mapping[str, tuple[str, ...]], channels: Sequence[str], names: Sequence[str]
+) -> dict[str, tuple[str, ...]]:
+    """Return weightings by the names that figures have; channels are named with or without their unit."""
+    known = {**dict(zip(names, names, strict=True)), **dict(zip(channels, names, strict=True))}
+    chosen: dict[str, tuple[str, ...]] = {}
+    for channel, kinds in given.items():
+        if channel not in known:
+            raise InputError(
+                Argument("weightings"), f": there is no channel {channel!r}.{nearest_names(channel, names)}"
+            )
+        if known[channel] in chosen:
+            raise InputError(Argument("weightings"), f": channel {channel!r} is named twice")
+        chosen[known[channel]] = kinds
+    return chosen
+
+
+def _felt(signal: Signal, row: int, name: str, kinds: tuple[str, ...]) -> Felt:
+    channel = signal.channels[row]
+    unit, factor, si = _unit(channel)
+    turn = "rad" if bare_name(channel).removesuffix(ACCELERATION) in ANGLES else "m"
+    if si not in (*ACCELERATIONS, ""):
+        wanted = "rad/s2" if turn == "rad" else "m/s2"
+        raise InputError(
+            f"channel {channel!r}: {bracketed_unit(channel)} is no unit of acceleration that is known; give it in "
+            f"{wanted} and without a unit in its name (on the command line --scale and --rename), or leave it out"
+        )
+    if not si and channel.endswith(NO_ACCELERATION):
+        raise InputError(
+            Argument("weightings"), f": {channel!r} is named like no acceleration, which alone is weighted; rename it"
+        )
+    about = (signal.values[row] - signal.values[row].mean()) * factor
+    if not np.ptp(about):
+        raise InputError(f"channel {channel!r} shows no motion: constant at {signal.values[row, 0]:g}; leave it out")
+    return Felt(name=name, samples=np.asarray(about), turn=si.partition("/")[0] or turn, kinds=kinds, unit=unit)
+
+
+def _unit(channel: str) -> tuple[str, float, str]:
+    """Return the unit in a channel's name where it is not SI, its factor and the SI unit; "?" of an unknown one."""
+    unit = bracketed_unit(channel)
+    if not unit:
+        return "", 1.0, ""
+    try:
+        factor, si = to_si(1.0, unit)
+    except InputError:
+        return unit, 1.0, "?"
+    return ("" if float(factor) == 1.0 else unit), float(factor), si

@@ -1,0 +1,190 @@
+"""Figures of records: units, clipping, rest, rates and lengths, and what is refused."""
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+
+from suspid import InputError, Level, Ride, ride
+from suspid.cli import main
+from suspid.performance import weightings
+from suspid.performance.weightings import weighted
+from suspid.signals import as_response
+from suspid.units import RealArray
+from suspid.words.ride import RideCheck
+
+STEP = 0.005
+T = np.arange(0, 60, STEP)
+NOISE = np.random.default_rng(1).standard_normal(len(T))
+
+
+def of(samples: RealArray, name: str = "seat_acceleration", step: float = STEP) -> Ride:
+    return ride(as_response(np.arange(len(samples), dtype=float) * step, samples[None], [name]))
+
+
+def doubts(found: Ride) -> list[object]:
+    return [doubt.code for doubt in found.verdict.doubts]
+
+
+def run(*arguments: object, text: str | None = None) -> Result:
+    return CliRunner().invoke(main, [str(one) for one in arguments], input=text)
+
+
+def written(path: Path, name: str, samples: RealArray = NOISE, step: float = STEP, time: str = "time [s]") -> Path:
+    rows = "\n".join(f"{step * i:.6f},{value:.9g}" for i, value in enumerate(samples))
+    path.write_text(f"{time},{name}\n{rows}\n", encoding="utf-8")
+    return path
+
+
+class TestUnits:
+    @pytest.mark.parametrize(
+        ("unit", "factor"), [("g", 9.80665), ("mm/s²", 1e-3), ("m/s^2", 1.0), ("cm/s2", 0.01), ("mg", 9.80665e-3)]
+    )
+    def test_the_unit_in_a_name_is_obeyed(self, unit: str, factor: float) -> None:
+        plain, stated = of(NOISE), of(NOISE / factor, f"seat_acceleration [{unit}]")
+        assert stated.figures == plain.figures
+        np.testing.assert_allclose(stated.values, plain.values, rtol=1e-9)
+        record = as_response(T, NOISE[None] / factor, [f"a ({unit})"])
+        for name in ("a", f"a ({unit})"):
+            np.testing.assert_allclose(ride(record, weightings={name: "Wk"})["a.Wk"], plain["seat_acceleration.Wk"])
+
+    def test_turns_and_travels_too(self) -> None:
+        names = ["pitch_acceleration [deg/s2]", "front_travel [mm]", "rear_travel [%]"]
+        found = ride(as_response(T, np.array([NOISE, NOISE, NOISE]), names))
+        plain = of(NOISE, "pitch_acceleration")
+        assert found["pitch_acceleration.We"] == pytest.approx(np.radians(plain["pitch_acceleration.We"]))
+        assert found["front.travel"] == pytest.approx(1e-3 * np.std(NOISE))
+        assert "rear.travel" not in found.figures
+        codes = [note.code for note in found.verdict.notes]
+        assert RideCheck.NO_LENGTH in codes
+        assert RideCheck.CONVERTED in codes
+
+    @pytest.mark.parametrize("unit", ["V", "m", "furlong"])
+    def test_what_is_no_unit_of_acceleration_is_refused(self, unit: str) -> None:
+        record = as_response(T, NOISE[None], [f"seat_acceleration [{unit}]"])
+        for wanted in (None, {"seat_acceleration": "Wk"}):
+            with pytest.raises(InputError, match=f"{unit} is no unit of acceleration that is known; give it in m/s2"):
+                ride(record, weightings=wanted)
+
+    def test_on_the_command_line(self, tmp_path: Path) -> None:
+        plain = run("ride", written(tmp_path / "a.csv", "seat_acceleration", 9.80665 * NOISE))
+        rows = plain.output.partition("Verdict")[0]
+        stated = written(tmp_path / "b.csv", "seat_acceleration [g]")
+        for options in ([], ["--si"], ["--weighting", "seat_acceleration=Wk,Wf"]):
+            assert run("ride", stated, *options).output.partition("Verdict")[0].endswith(rows), options
+        assert run("ride", "-", text=stated.read_text()).output.startswith(rows)
+        # A second row that states units.
+        lines = stated.read_text().replace("time [s],seat_acceleration [g]", "time,seat_acceleration\ns,g")
+        (tmp_path / "c.csv").write_text(lines, encoding="utf-8")
+        assert run("ride", tmp_path / "c.csv").output.partition("Verdict")[0] == rows
+        twice = run("ride", stated, "--scale", "seat_acceleration=-9.81")
+        assert (twice.exit_code, "is converted from g to m/s2 already" in twice.output) == (1, True)
+        turned = run("ride", stated, "--scale", "seat_acceleration=-1")
+        assert turned.output.partition("Verdict")[0] == rows
+        volts = written(tmp_path / "d.csv", "seat_acceleration [V]")
+        assert "no unit of acceleration" in run("ride", volts).output
+        assert run("ride", volts, "--scale", "seat_acceleration=9.80665").output.partition("Verdict")[0] == rows
+
+
+class TestVerdict:
+    def test_clipping(self) -> None:
+        smooth = np.convolve(np.random.default_rng(2).standard_normal(len(T)), np.hanning(40), "same")
+        limit = 2 * np.std(smooth)
+        assert RideCheck.CLIPPED not in doubts(of(smooth))
+        cut_off = of(np.clip(smooth, -limit, limit))
+        assert RideCheck.CLIPPED in doubts(cut_off)
+        assert cut_off.verdict.level is Level.CARE
+
+    @pytest.mark.parametrize(("seconds", "level"), [(2.0, Level.DOUBTFUL), (40.0, Level.CARE), (60.0, Level.SOUND)])
+    def test_a_short_record(self, seconds: float, level: Level) -> None:
+        """Twenty periods of 0.4 Hz are 50 s; of less than one period nothing can be said."""
+        samples = NOISE[: round(seconds / STEP)]
+        record = as_response(np.arange(len(samples), dtype=float) * STEP, samples[None], ["a"])
+        assert ride(record, weightings={"a": "Wk"}).verdict.level is level
+
+    def test_a_slow_record(self) -> None:
+        samples = np.random.default_rng(3).standard_normal(6000)
+        assert RideCheck.HIGH in doubts(of(samples, step=0.01))
+        assert RideCheck.HIGH not in doubts(of(samples, step=0.004))
+
+    @pytest.mark.parametrize(("share", "said"), [(0.15, True), (0.17, False)])
+    def test_the_limit_of_the_dose_is_1_75(self, share: float, said: bool) -> None:
+        """A sine in a share p of the time has a VDV of (1.5 / p)^(1/4) times rms and fourth root: 1.75 at p = 0.16."""
+        t = np.arange(0, 100, 0.002)
+        found = of(np.sin(20 * np.pi * t) * (t < share * 100), step=0.002)
+        ratio = found["seat_acceleration.VDV"] / (found["seat_acceleration.Wk"] * 100**0.25)
+        assert ratio == pytest.approx((1.5 / share) ** 0.25, rel=5e-3)
+        assert (RideCheck.SHOCKS in doubts(found)) is said
+
+    @pytest.mark.parametrize(("standing", "share"), [(0.0, 0.0), (0.5, 0.5), (0.8, 0.8)])
+    def test_time_at_rest(self, standing: float, share: float) -> None:
+        level = np.where(np.arange(len(T)) < standing * len(T), 0.01, 1.0)
+        found = of(level * NOISE)
+        said = {note.code: note.numbers for note in found.verdict.notes}
+        assert (RideCheck.REST in said) is (share > 0)
+        if share:
+            assert said[RideCheck.REST]["share"] == pytest.approx(share, abs=0.02)
+            assert float(str(said[RideCheck.REST]["factor"])) * found["seat_acceleration.rms"] == pytest.approx(
+                float(np.std(NOISE)), rel=0.03
+            )
+
+
+class TestRates:
+    @pytest.mark.parametrize("kind", ["Wk", "Wf"])
+    def test_long_records_are_weighted_at_a_lower_rate(self, kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+        """What is left beyond forty times the upper corner is less than a thousandth."""
+        samples = np.convolve(np.random.default_rng(4).standard_normal(200_000), np.ones(50) / 50, "same")
+        whole = weighted(samples, 1e-4, kind)
+        monkeypatch.setattr(weightings, "MOST_AT_ONCE", 1000)
+        slow = weighted(samples, 1e-4, kind)
+        assert len(slow) < len(whole)
+        for power in (2, 4):
+            assert np.mean(np.abs(slow) ** power) == pytest.approx(np.mean(np.abs(whole) ** power), rel=2e-3)
+
+    def test_records_that_show_nothing(self) -> None:
+        with pytest.raises(
+            InputError, match=r"shows nothing of what Wk weighs, 0.4 to 100 Hz; check the sampling rate"
+        ):
+            of(NOISE, step=1e-9)
+        short = of(NOISE, step=1e-4)
+        assert "seat_acceleration.Wf" not in short.figures
+        assert RideCheck.HIDDEN in [note.code for note in short.verdict.notes]
+        record = as_response(T * 1e-4 / STEP, NOISE[None], ["a"])
+        with pytest.raises(InputError, match="shows nothing of what Wf weighs"):
+            ride(record, weightings={"a": "Wf"})
+
+    def test_a_unit_of_time_that_is_guessed_is_said(self, tmp_path: Path) -> None:
+        path = written(tmp_path / "a.csv", "seat_acceleration", NOISE[:4000], step=5.0, time="time")
+        assert "is not stated; taken as ms" in run("ride", path).output
+        assert "is not stated; taken as ms" in run("identify", path, "--channel", "seat_acceleration").output
+
+    def test_huge_samples_have_their_reason(self, tmp_path: Path) -> None:
+        path = written(tmp_path / "a.csv", "seat_acceleration", 1e200 * NOISE[:400])
+        assert "400 of 400 samples are beyond 1e+30" in run("ride", path).output
+
+
+NUMBER: Any = {"seat_acceleration": 5}
+LISTED: Any = ["Wk"]
+RECORD = as_response(T, NOISE[None], ["seat_acceleration"])
+
+
+@pytest.mark.parametrize(
+    ("request_", "message"),
+    [
+        (lambda: ride("x.toml"), "not the path 'x.toml': ride(read_car('x.toml'), road="),
+        (lambda: ride(Path("x.csv")), "ride(read_record('x.csv')) for a record"),
+        (lambda: ride(None), "ride takes a car or a record, not NoneType"),
+        (lambda: ride({"a": 1.0}), "not dict"),
+        (lambda: ride(RECORD, weightings=NUMBER), "'seat_acceleration' has 5; it must map channels"),
+        (lambda: ride(RECORD, weightings=LISTED), "weightings=['Wk'] must map channels"),
+        (lambda: ride(RECORD, weightings={"seat_acceleration": ["Wk", "Wk"]}), "has one weighting twice"),
+        (lambda: ride(RECORD, weightings={"seat": "Wk"}), "there is no channel 'seat'"),
+    ],
+)
+def test_wrong_requests_say_what_to_write(request_: Callable[[], object], message: str) -> None:
+    with pytest.raises(InputError, match=re.escape(message)):
+        request_()
