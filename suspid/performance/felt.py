@@ -136,7 +136,11 @@ def _felt(signal: Signal, row: int, name: str, kinds: tuple[str, ...]) -> Felt:
         wanted = "rad/s2" if turn == "rad" else "m/s2"
         raise InputError(
             f"channel {channel!r}: {bracketed_unit(channel)} is no unit of acceleration that is known; give it in "
-            f"{wanted} and without a unit in its name (on the command line --scale and --rename), or leave it out"
+            f"{wanted}, without a unit in its name (",
+            Argument("scale"),
+            " and ",
+            Argument("rename"),
+            "), or leave it out",
         )
     if not si and channel.endswith(NO_ACCELERATION):
         raise InputError(
