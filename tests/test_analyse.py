@@ -160,6 +160,17 @@ class TestSettings:
         assert as_signal(found.record).channels == ("seat", "wheel")
         assert np.array_equal(as_signal(found.record).values[0], -2.0 * as_signal(record).values[0])
 
+    def test_a_channel_that_stood_still_may_be_renamed(self, tmp_path: Path) -> None:
+        """The same names serve a rig and a release beside it, whose road does not move."""
+        path = tmp_path / "release.csv"
+        record = free_decay(cars.PAPER, np.arange(0, 5, 0.002), initial_state={"v_tire": 1.0})
+        rows = np.vstack([as_signal(record).values, np.zeros(2500)])
+        write_record(as_response(np.arange(0, 5, 0.002), rows, ("seat", "chassis", "tire", "z0")), path)
+        found = analyse(path, settings=Settings(rename={"z0": "road", "tire": "wheel"}))
+        assert as_signal(found.record).channels == ("seat", "chassis", "wheel")
+        with pytest.raises(SuspidError, match="there is no channel 'z1'"):
+            analyse(path, settings=Settings(rename={"z1": "road"}))
+
     def test_a_record_is_taken_as_it_is(self) -> None:
         record = free_decay(cars.PAPER, np.arange(0, 5, 0.002), initial_state={"v_tire": 1.0})
         found = analyse(record)

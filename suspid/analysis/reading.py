@@ -160,7 +160,11 @@ def _as_wanted(cleaned: Cleaned, settings: Settings) -> tuple[Cleaned, tuple[Rem
         cleaned, found = _upright(cleaned, settings.vertical)
         notes = (*notes, *(Remark(Note.VERTICAL, {"found": line}) for line in found.split("\n")))
     if settings.rename:
-        cleaned = _renamed(cleaned, _by_channel(dict(settings.rename), cleaned))
+        # Tests of one car are renamed alike: what stood still in one of them was left out of it, and that was said.
+        there = as_signal(held(cleaned, "record")).channels
+        gone = {bare_name(finding.channel) for finding in cleaned.findings if finding.channel not in there}
+        renames = {name: new for name, new in dict(settings.rename).items() if bare_name(name) not in gone}
+        cleaned = _renamed(cleaned, _by_channel(renames, cleaned))
     return cleaned, notes
 
 
