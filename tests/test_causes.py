@@ -101,6 +101,16 @@ class TestOrder:
         driven = as_response(TIMES, rows[1:], record.output_labels[1:], inputs=inputs)
         assert likely_causes([RecordTest(record=driven)], NOMINAL)[0] == ("road",)
 
+    def test_a_release_beside_a_rig_is_a_free_decay(self) -> None:
+        """Of the release no road was kept, as it stood still."""
+        release = record_of(False, start=(0.03, 0.01, 0, 0))
+        alone = as_response(TIMES, np.asarray(release.y)[1:], release.output_labels[1:])
+        tests = [RecordTest(record=record_of(True)), RecordTest(record=alone)]
+        assert likely_causes(tests, NOMINAL)[0] == ("road",)
+        found, cause = estimate_by_cause(tests, NOMINAL, options={"fixed": ["tire.damping"]})
+        assert (cause, found.causes, found.explains) == (("road",), (("road",), ()), True)
+        assert error_of(found.suspension) < 0.02
+
     def test_of_causes_that_explain_nothing_the_best_is_taken(self) -> None:
         """No car makes what is added to the wheel; under the road little else is left, of a free decay all."""
         record = record_of(True)

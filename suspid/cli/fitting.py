@@ -114,6 +114,6 @@ def fitted(
         explains = ": it explains the rest of the records" if found.explains else ""
         said.append(
             f"{'the motion of ' * moved}{', '.join(cause)} was taken as the cause, as --given {','.join(cause)} "
-            f"does{explains}"
+            f"does{explains}{'; a test without it is a free decay' * (not all(found.causes))}"
         )
     return found

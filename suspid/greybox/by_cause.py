@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from suspid.errors import EstimationError, RecordError
-from suspid.greybox.causes import likely_causes
+from suspid.greybox.causes import likely_causes, under
 from suspid.greybox.estimate import estimate
 from suspid.greybox.estimates import Estimate
 from suspid.greybox.trials import RecordTest
@@ -50,7 +50,8 @@ def estimate_by_cause(
     refused: list[EstimationError | RecordError] = []
     for cause in likely_causes(tests, suspension) if causes is None else causes:
         try:
-            found.append((estimate(tests, suspension, given=cause, **(options or {})), cause))
+            moved = [under(test, cause, suspension) for test in tests]
+            found.append((estimate(moved, suspension, given=cause, **(options or {})), cause))
         except (EstimationError, RecordError) as error:
             refused.append(error)
             continue

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
+from dataclasses import replace
 
 import numpy as np
 
@@ -26,17 +27,6 @@ def dies_down(values: RealArray) -> bool:
     return bool(np.any(last < 0.5 * first))
 
 
-def _forces(car: Suspension, channels: Sequence[Mapping[str, RealArray]]) -> tuple[str, ...]:
-    """Return the channels of all records that are named as forces on the car."""
-    found = []
-    for name in channels[0]:
-        if name.endswith(FORCE) and all(name in known for known in channels):
-            with suppress(InputError):
-                force_weights(car, name)
-                found.append(name)
-    return tuple(found)
-
-
 def _known(test: RecordTest, car: Suspension) -> dict[str, RealArray]:
     """Return inputs and channels of a test by name."""
     record = record_of_car(test.record, car)
@@ -55,8 +45,8 @@ def likely_causes(tests: Sequence[RecordTest], suspension: Suspension) -> list[t
     """Return what `estimate` may take as given, the likeliest first; ``()`` is a free decay.
 
     Roads and forces that were measured come first if they move: what follows a road that moves is no free decay. One
-    that stands still is no cause. A free decay comes next, but is none of them where the motion does not die down and
-    other causes were measured.
+    that stands still is no cause. Of several tests those without them are free decays; see `under`. A free decay comes
+    next, but is none of them where the motion does not die down and other causes were measured.
 
     Examples
     --------
@@ -69,16 +59,36 @@ def likely_causes(tests: Sequence[RecordTest], suspension: Suspension) -> list[t
     [('road',), ('tire',)]
     """
     known = [_known(test, suspension) for test in tests]
-    roads = tuple(name for name in suspension.roads if all(name in own for own in known))
-    forces = _forces(suspension, known)
-    exact = [(*roads, *forces)] if forces else []
-    if roads and len(roads) == len(suspension.roads):
-        exact.append(roads)
-    exact = [cause for cause in exact if any(np.ptp(own[name]) > 0 for own in known for name in cause)]
-    first = [cause for cause in exact if any(_moves(own[name]) for own in known for name in cause)]
-    found = [cause for cause in exact if cause not in first]
     signals = [as_signal(record_of_car(test.record, suspension)) for test in tests]
+    decays = [dies_down(signal.values) for signal in signals]
+
+    def measured(names: Sequence[str]) -> bool:
+        """Return whether the tests hold all of some causes; where they hold none, the motion must die down."""
+        held = [[name in own for name in names] for own in known]
+        return any(map(all, held)) and all(all(one) or (decays[i] and not any(one)) for i, one in enumerate(held))
+
+    roads = suspension.roads if suspension.roads and measured(suspension.roads) else ()
+    names = dict.fromkeys(name for own in known for name in own if _is_force(suspension, name))
+    forces = tuple(name for name in names if measured([name]))
+    exact = [(*roads, *forces)] if forces else []
+    exact += [roads] if roads else []
+    exact = [cause for cause in exact if any(np.ptp(own[name]) > 0 for own in known for name in cause if name in own)]
+    first = [cause for cause in exact if any(_moves(own[name]) for own in known for name in cause if name in own)]
+    found = [cause for cause in exact if cause not in first]
     if all(not wheels_missing(suspension, signal.channels) for signal in signals):
         found.append(given_names(("wheels",), suspension))
-    free = not (first or found) or any(dies_down(signal.values) for signal in signals)
+    free = not (first or found) or any(decays)
     return [*first, *([()] if free else []), *found]
+
+
+def under(test: RecordTest, cause: Sequence[str], suspension: Suspension) -> RecordTest:
+    """Return a test under what it holds of roads and forces; without any of them it is a free decay."""
+    known = _known(test, suspension)
+    return test if {*cause} & {*suspension.coordinates} else replace(test, given=[n for n in cause if n in known])
+
+
+def _is_force(car: Suspension, name: str) -> bool:
+    """Return whether a channel is named as a force on the car."""
+    with suppress(InputError):
+        return name.endswith(FORCE) and bool(np.any(force_weights(car, name)))
+    return False
