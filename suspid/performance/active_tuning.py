@@ -6,9 +6,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from suspid.performance.figure_plan import ANGLES
 from suspid.results import Result
 from suspid.units import RealArray
-from suspid.values import numbers_in_words, text_table
+from suspid.values import TERMINAL, figures_of, numbers_in_words, text_table
 from suspid.words import Verdict
 
 if TYPE_CHECKING:
@@ -68,8 +69,39 @@ class ActiveTuning(Result):
         names = list(self.rms)
         table = {
             "rms of": names,
-            "passive": [f"{self.passive[name]:.4g}" for name in names],
-            "active": [f"{self.rms[name]:.4g}" for name in names],
+            "unit": [_unit_of(name) for name in names],
+            "passive": [figures_of(self.passive[name]) for name in names],
+            "active": [figures_of(self.rms[name]) for name in names],
         }
-        gains = {"state": list(self.states), "gain": [f"{value:.6g}" for value in self.gain.tolist()]}
-        return f"{text_table(table)}\n{text_table(gains)}\n{self.verdict}"
+        gains = {
+            "state": list(self.states),
+            "unit": [_unit_of_gain(name) for name in self.states],
+            "gain": [figures_of(value, 6) for value in self.gain.tolist()],
+        }
+        return f"{text_table(table, widest=TERMINAL)}\n\n{text_table(gains, widest=TERMINAL)}\n{self.verdict}"
+
+
+def _unit_of(output: str) -> str:
+    """Return the unit of an output by its name; nothing for that of a sensor whose name does not tell.
+
+    Examples
+    --------
+    >>> _unit_of("pitch_acceleration"), _unit_of("chassis_travel"), _unit_of("force"), _unit_of("sensor 1")
+    ('rad/s2', 'm', 'N', '')
+    """
+    part, _, what = output.rpartition("_")
+    turn = "rad" if part in ANGLES else "m"
+    return {"acceleration": f"{turn}/s2", "velocity": f"{turn}/s", "travel": "m"}.get(what, "N" * (output == "force"))
+
+
+def _unit_of_gain(state: str) -> str:
+    """Return the unit of the gain of a state: force by displacement or velocity.
+
+    Examples
+    --------
+    >>> _unit_of_gain("z_chassis"), _unit_of_gain("v_pitch")
+    ('N/m', 'N s/rad')
+    """
+    kind, _, coordinate = state.partition("_")
+    turn = "rad" if coordinate in ANGLES else "m"
+    return {"z": f"N/{turn}", "v": f"N s/{turn}"}.get(kind, "")

@@ -11,7 +11,7 @@ from suspid.model import Strut, Suspension
 from suspid.results import Result
 from suspid.simulation import Road
 from suspid.units import NewtonSecondPerMetre, RealArray
-from suspid.values import text_table
+from suspid.values import TERMINAL, figures_of, text_table
 from suspid.words import Verdict
 
 
@@ -94,18 +94,19 @@ class DamperTuning(Result):
 
     def __str__(self) -> str:
         columns = {
-            "road [1e-6 m3]": [f"{1e6 * one.roughness:.4g}" for one in self.roads],
-            "speed [m/s]": [f"{one.speed:.4g}" for one in self.roads],
-            "asked for [N s/m]": [f"{one:.4g}" for one in self.asked],
-            "curve [N s/m]": [f"{one:.4g}" for one in self.damping],
+            "road [1e-6 m3]": [figures_of(1e6 * one.roughness) for one in self.roads],
+            "speed [m/s]": [figures_of(one.speed) for one in self.roads],
+            "asked for [N s/m]": [figures_of(one) for one in self.asked.tolist()],
+            "curve [N s/m]": [figures_of(one) for one in self.damping.tolist()],
         }
         for k, (name, unit) in enumerate(zip(self.figures, self.units, strict=True)):
-            columns[f"{name} [{unit}]"] = [f"{one:.4g}" for one in self.values[:, k]]
+            columns[f"{name} [{unit}]"] = [figures_of(one) for one in self.values[:, k].tolist()]
         if self.single is not None:
-            columns[f"one rate, {self.single:.4g} N s/m"] = [f"{one:.4g}" for one in self.single_values[:, 0]]
+            heading = f"{self.figures[0]}, one rate, {figures_of(self.single)} N s/m [{self.units[0]}]"
+            columns[heading] = [figures_of(one) for one in self.single_values[:, 0].tolist()]
         points = self.strut.curve or ()
-        curve = {"velocity [m/s]": [f"{v:.3g}" for v, _ in points], "force [N]": [f"{f:.4g}" for _, f in points]}
-        return f"{text_table(columns)}\n{text_table(curve)}\n{self.verdict}"
+        curve = {"velocity [m/s]": [f"{v:.3g}" for v, _ in points], "force [N]": [figures_of(f) for _, f in points]}
+        return f"{text_table(columns, widest=TERMINAL)}\n\n{text_table(curve)}\n{self.verdict}"
 
     @property
     def gain(self) -> RealArray:
