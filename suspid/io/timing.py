@@ -12,6 +12,7 @@ from suspid.errors import RecordError
 from suspid.io.limits import metered
 from suspid.io.names import PER_SECOND, counts_rows, is_abscissa, is_count, is_time, is_time_in_unknown_unit
 from suspid.io.runs import runs_of
+from suspid.io.side_tables import of_side_tables
 from suspid.io.tables import Table, TimeBase
 from suspid.io.time_columns import increasing, time_column, time_names
 from suspid.io.time_units import FEW_STAMPS, in_seconds, time_unit, unit_remark, unknown_unit
@@ -80,7 +81,7 @@ def as_recording(
         plan, times = _without_counter(plan, times[0]), []
     left_out = {**table.unusable, **plan.left_out}
     counters = [] if channels else _counters(plan, columns)
-    norms = {} if channels else _magnitudes(plan, columns)
+    norms = {} if channels else {**_magnitudes(plan, columns), **of_side_tables(plan.followers, columns)}
     left_out |= {**dict.fromkeys(counters, Remark(LeftOut.ROW_COUNTER)), **norms}
     for name, other in table.rates.items():
         if fs is not None and not abs(fs - other) <= SEVEN_DIGITS * other:

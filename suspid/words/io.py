@@ -138,6 +138,8 @@ class LeftOut(Code):
     )
     MAGNITUDE = "magnitude", _magnitude
     ROW_COUNTER = "row_counter", "counts the rows"
+    AXIS = "axis", "rises in even steps and ends before the record does: an axis of its own"
+    OVER_AXIS = "over_axis", "ends with {axis!r}, which is no time"
     # Lines of text files.
     HEADING = "heading", "is above the data: {line}"
     HEADINGS = "headings", "are above the data, {lines} of them neither names nor units: {line} …"
