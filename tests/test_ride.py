@@ -368,11 +368,25 @@ class TestRequests:
             ({"road": 1e300, "speed": 20.0}, "roughness=1e+300 must be G_d(n_0)"),
             ({"road": "B", "speed": 20.0, "clearance": {"chassis": "x"}}, "must be positive distances"),
             ({"road": "B", "speed": 20.0, "nominal_std": True}, "must be a relative standard deviation"),
+            ({"road": "B", "speed": 20.0, "nominal_std": {"chassis.damping": 5.0}}, "means 500%"),
+            ({"road": "B", "speed": 1e6}, "outside of 0.1 to 350 m/s"),
+            ({"road": "B", "speed": 1e-20}, "outside of 0.1 to 350 m/s"),
+            ({"road": "B", "speed": 20.0, "clearance": [0.03]}, "must map struts to distances"),
+            ({"road": "B", "speed": 20.0, "clearance": {"chassis": 30.0}}, "more than any suspension has"),
+            ({"road": "B", "speed": 20.0, "weightings": {"chassis_acceleration": 5}}, "must map channels"),
+            ({"road": "B", "speed": 20.0, "weightings": {"chassis_velocity": "Wk"}}, "is no acceleration"),
+            ({"road": "B", "speed": 20.0, "weightings": {5: "Wk"}}, "5 is no name of a channel"),
         ],
     )
     def test_wrong_requests_are_refused(self, given: dict[str, object], message: str) -> None:
         with pytest.raises(InputError, match=re.escape(message)):
             ride(CAR, **given)  # type: ignore[arg-type]
+
+    def test_a_road_beyond_all_classes_is_doubtful(self) -> None:
+        """256 in place of 256e-6 m3; class H is a road."""
+        rough, worst = ride(CAR, road=256.0, speed=20.0), ride(CAR, road="H", speed=20.0)
+        assert RideCheck.TOO_ROUGH in [doubt.code for doubt in rough.verdict.doubts]
+        assert RideCheck.TOO_ROUGH not in [doubt.code for doubt in worst.verdict.doubts]
 
     def test_a_car_that_is_not_linear_is_refused(self) -> None:
         struts = [replace(s, friction=30.0) if s.name == "chassis" else s for s in CAR.struts]

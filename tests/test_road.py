@@ -117,6 +117,13 @@ class TestHeights:
             ({"speed": 0.0}, "speed = 0 m/s must be positive"),
             ({"coherence": 1.2}, "must lie between 0 and 1"),
             ({"under": {"road": (np.nan, 0.0)}}, "a place is not finite"),
+            ({"coherence": "x"}, "must lie between 0 and 1"),
+            ({"under": 5}, "under is a int"),
+            ({"wavelengths": (1.0,)}, "must be the shortest and the longest"),
+            ({"wavelengths": "ab"}, "must be the shortest and the longest"),
+            ({"wavelengths": (100.0, 0.1)}, "the wavelengths ascend from 0"),
+            ({"exponent": 0.0}, "the exponent positive and at most 6"),
+            ({"exponent": 50.0}, "the exponent positive and at most 6"),
         ],
     )
     def test_wrong_roads_are_refused(self, given: dict[str, object], message: str) -> None:
@@ -194,6 +201,39 @@ class TestClass:
             classify_road(record, speed=20.0)
         with pytest.raises(InputError, match="there is no channel"):
             classify_road(record, speed=20.0, channel="raod")
+
+    @pytest.mark.parametrize(
+        ("given", "message"),
+        [
+            ({"speed": "fast"}, "speed must be positive"),
+            ({"speed": True}, "speed must be positive"),
+            ({"speed": 1e9}, "samples are too far apart"),
+            ({"wavelengths": (0.0, 100.0)}, "must ascend from 0"),
+            ({"wavelengths": 5}, "must be the shortest and the longest"),
+        ],
+    )
+    def test_what_is_no_drive_is_refused(self, given: dict[str, object], message: str) -> None:
+        record = road("B", speed=20.0).record(np.arange(0, 30, 0.005), rng=np.random.default_rng(1))
+        with pytest.raises(InputError, match=message):
+            classify_road(record, **{"speed": 20.0, **given})  # type: ignore[arg-type]
+
+    def test_heights_have_their_unit(self) -> None:
+        """Millimetres taken as metres are no road, nor are heights that are none."""
+        t = np.arange(0, 30, 0.005)
+        heights = np.asarray(road("B", speed=20.0).record(t, rng=np.random.default_rng(1)).y).reshape(1, -1)
+        stated = classify_road(as_response(t, 1000 * heights, ["road [mm]"]), speed=20.0)
+        assert (stated.name, stated.verdict.level) == ("B", Level.SOUND)
+        wrong = classify_road(as_response(t, 1000 * heights, ["road"]), speed=20.0)
+        assert RoadCheck.NO_ROAD in [doubt.code for doubt in wrong.verdict.doubts]
+        noise = np.random.default_rng(2).standard_normal((1, len(t)))
+        white = classify_road(as_response(t, 1e-3 * noise, ["road"]), speed=20.0)
+        assert RoadCheck.NO_POWER_LAW in [doubt.code for doubt in white.verdict.doubts]
+        for name, values in (("road [m/s2]", heights), ("road", 0 * heights)):
+            with pytest.raises(InputError, match="no unit of length|shows no road"):
+                classify_road(as_response(t, values, [name]), speed=20.0)
+
+    def test_a_class_in_lower_case(self) -> None:
+        assert road("c", speed=20.0) == road("C", speed=20.0)
 
     def test_a_quarter_car_meets_one_road(self) -> None:
         car = quarter_car(

@@ -95,3 +95,19 @@ def test_table() -> None:
 def test_wrong_parameters_are_refused(name: str, message: str) -> None:
     with pytest.raises(InputError, match=message):
         sensitivities(CAR.with_parameters(damping={"tire": 0.0}), parameters=[name])
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"parameters": "chassis.damping"}, "must be a list of names"),
+        ({"parameters": []}, "must be a list of names"),
+        ({"parameters": ["chassis.damping"] * 2}, "is named twice"),
+        ({"speed": 20.0}, "go with a road"),
+        ({"road": "C", "speed": 20.0, "duration": -1.0}, "must be positive"),
+        ({"car": "x.toml"}, "read_car"),
+    ],
+)
+def test_wrong_requests_say_what_to_write(given: dict[str, object], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        sensitivities(**{"car": CAR, **given})  # type: ignore[arg-type]

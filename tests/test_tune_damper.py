@@ -9,6 +9,7 @@ from scipy.stats import norm
 
 from suspid import DamperTuning, InputError, quarter_car, ride, road, simulate, tune_damper
 from suspid.words import Level
+from suspid.words.ride import DamperTuningCheck
 
 CAR = quarter_car(
     chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3, chassis_damping=1300, tire_damping=60
@@ -103,3 +104,11 @@ def test_wrong_requests_are_refused(given: dict[str, object], message: str) -> N
     request = {"strut": "chassis", "roads": ROADS[:1], "objective": "chassis_acceleration.Wk", **given}
     with pytest.raises(InputError, match=re.escape(message)):
         tune_damper(CAR, **request)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(("bounds", "level"), [((2000.0, 4000.0), Level.NOTE), (None, Level.CARE)])
+def test_a_bound_that_decides_is_said(bounds: tuple[float, float] | None, level: Level) -> None:
+    """The least acceleration has a rate below both; a bound that nobody stated is a doubt."""
+    car = CAR.with_parameters(damping={"chassis": 8000.0})
+    found = tune_damper(car, strut="chassis", roads=ROADS[:1], objective="chassis_acceleration.Wk", bounds=bounds)
+    assert (DamperTuningCheck.AT_BOUND, level) in [(one.remark.code, one.level) for one in found.verdict.checks]
