@@ -6,6 +6,7 @@ import json
 from dataclasses import replace
 from pathlib import Path
 
+import click
 import jsonschema
 import numpy as np
 import pytest
@@ -29,6 +30,7 @@ from suspid import (
     write_record,
 )
 from suspid.cli.main import main
+from suspid.cli.option_names import in_options
 from suspid.errors import SuspidError
 from suspid.fleet.job import Job
 from suspid.fleet.records import Entry
@@ -143,7 +145,10 @@ def test_what_cannot_be_used_is_refused_in_the_same_words(name: str, library: st
     for command in (["identify", path], ["report", path, "-o", "none.html"]):
         told = run(*command)
         assert told.exit_code == 1
-        assert told.output.strip() == f"suspid: error: {refused.value}"
+        # Arguments are options there.
+        with in_options(main.get_command(click.Context(main), str(command[0]))), pytest.raises(RecordError) as again:
+            analyse(path)
+        assert told.output.strip() == f"suspid: error: {again.value}"
 
 
 def test_a_recording_is_its_file() -> None:
