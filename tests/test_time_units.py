@@ -8,7 +8,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from suspid import RecordError, as_record, read_record, read_recording
+from suspid import RecordError, Settings, analyse, as_record, read_record, read_recording
+from suspid.signals import as_signal
 from suspid.words import LeftOut
 
 # 200 Hz for two seconds; where the unit is not right, the step is not this.
@@ -105,6 +106,15 @@ def test_a_unit_alone_is_asked_for(tmp_path: Path, name: str) -> None:
     with pytest.raises(RecordError, match=f"'{name}' increases as a time does"):
         read_recording(path)
     assert read_recording(path, time=name)["seat"].timepts == pytest.approx(TIMES, abs=1e-9)
+
+
+def test_a_unit_in_a_name_is_that_of_the_samples(tmp_path: Path) -> None:
+    path = tmp_path / "r.csv"
+    t = np.arange(0, 4, 0.01)
+    rows = [f"{a:.2f},{1e3 * b:.9g},{b:.9g}" for a, b in zip(t, np.exp(-t) * np.cos(20 * t), strict=True)]
+    path.write_text("\n".join(["time [s],seat [mm],tire (g)", *rows]))
+    found = analyse(path, settings=Settings(si=True, rename={"tire (g)": "wheel (g)"}))
+    assert as_signal(found.record).channels == ("seat [m]", "wheel (m/s2)")
 
 
 class TestTables:

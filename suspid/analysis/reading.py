@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from suspid.analysis.settings import Settings
-from suspid.cleaning import Cleaned, RecordLike, as_record, clean, scaled, to_si, vertical
+from suspid.cleaning import Cleaned, RecordLike, as_record, clean, scaled, si_unit, to_si, vertical
 from suspid.errors import InputError, RecordError
 from suspid.files import naming
-from suspid.io import bare_name, read_recording
+from suspid.io import bare_name, bracketed_unit, read_recording
 from suspid.recordings import Recording
 from suspid.samples import held
 from suspid.signals import as_signal, like
@@ -165,7 +165,18 @@ def _as_wanted(cleaned: Cleaned, settings: Settings) -> tuple[Cleaned, tuple[Rem
         gone = {bare_name(finding.channel) for finding in cleaned.findings if finding.channel not in there}
         renames = {name: new for name, new in dict(settings.rename).items() if bare_name(name) not in gone}
         cleaned = _renamed(cleaned, _by_channel(renames, cleaned))
-    return cleaned, notes
+    return (_renamed(cleaned, _units_in_names(cleaned)) if settings.si else cleaned), notes
+
+
+def _units_in_names(cleaned: Cleaned) -> dict[str, str]:
+    """Return the channels that were converted but whose names still say the unit before, with their new names."""
+    names = dict[str, str]()
+    for name, unit in zip(as_signal(held(cleaned, "record")).channels, cleaned.units, strict=True):
+        before = bracketed_unit(name)
+        if before and before != unit and si_unit(before) == unit:
+            at = name.rindex(before)
+            names[name] = f"{name[:at]}{unit}{name[at + len(before) :]}"
+    return names
 
 
 def in_si(cleaned: Cleaned) -> tuple[Cleaned, tuple[Remark, ...]]:

@@ -12,7 +12,7 @@ from suspid.cleaning.clean import clean
 from suspid.cleaning.cleaned import Cleaned
 from suspid.cleaning.clipping import CLIPPED, clipped_run, clipping
 from suspid.cleaning.clock import DRIFT
-from suspid.cleaning.conversions import scaled, to_si
+from suspid.cleaning.conversions import scaled, si_unit, to_si
 from suspid.cleaning.faults import clipped_times, stuck_times, unmarked
 from suspid.cleaning.findings import Finding
 from suspid.cleaning.gaps import MOST_FILLED, runs
@@ -43,6 +43,7 @@ __all__ = [
     "read_record",
     "runs",
     "scaled",
+    "si_unit",
     "stuck_times",
     "to_si",
     "unmarked",

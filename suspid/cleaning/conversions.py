@@ -86,6 +86,14 @@ def to_si(values: ArrayLike, unit: str) -> tuple[RealArray, str]:
     return np.array(np.asarray(values, float) * factor), si
 
 
+def si_unit(unit: str) -> str:
+    """Return the SI unit of a unit; empty if it is not known."""
+    try:
+        return to_si(1.0, unit)[1]
+    except InputError:
+        return ""
+
+
 @explained
 def scaled(response: control.TimeResponseData, factors: Mapping[str, float]) -> control.TimeResponseData:
     """Return a record with some channels multiplied: a sign, a sensitivity, a unit.

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from suspid.cleaning import RecordLike, as_record, to_si
+from suspid.cleaning import RecordLike, as_record, si_unit, to_si
 from suspid.errors import InputError
 from suspid.io import bare_name, bracketed_unit
 from suspid.model import FORCE, Suspension, names_channel
@@ -105,11 +105,3 @@ def nameless_forces(units: Mapping[str, str], car: Suspension) -> list[str]:
 def force_names(car: Suspension) -> tuple[str, str]:
     """Return how a force on a mass, and one between the ends of a strut, are named: those of the first."""
     return f"{car.coordinates[0]}{FORCE}", f"{car.struts[0].name}_travel{FORCE}"
-
-
-def si_unit(unit: str) -> str:
-    """Return the SI unit of a unit; empty if it is not known."""
-    try:
-        return to_si(1.0, unit)[1]
-    except InputError:
-        return ""
