@@ -113,6 +113,24 @@ def test_xarray() -> None:
         assert list(record.output_labels) == NAMES
 
 
+def test_units_and_times_of_xarray() -> None:
+    xr: Any = pytest.importorskip("xarray")
+    array = xr.DataArray(VALUES, dims=("channel", "time"), coords={"channel": NAMES}, attrs={"units": "mm"})
+    for made in (as_record(array, fs=FS), as_record(array.T, timepts=TIME)):
+        np.testing.assert_allclose(made.y, 1e-3 * VALUES, rtol=1e-15)
+        np.testing.assert_allclose(made.time, TIME, rtol=1e-12)
+    assert np.array_equal(as_record(array, fs=FS, units=["m", "m", "m"]).y, VALUES)
+    assert np.array_equal(as_record(array.assign_attrs(units="counts"), fs=FS).y, VALUES)
+    stamped = array.assign_coords(time=("time", 1e3 * TIME, {"units": "ms"}))
+    np.testing.assert_allclose(as_record(stamped).time, TIME, rtol=1e-12)
+    with pytest.raises(RecordError, match="fs="):
+        as_record(array)
+    with pytest.raises(RecordError, match="not known"):
+        as_record(array.assign_coords(time=("time", TIME, {"units": "furlong"})))
+    with pytest.raises(RecordError, match="a dimension called time"):
+        as_record(xr.DataArray(VALUES))
+
+
 @pytest.mark.parametrize(
     ("make", "message"),
     [

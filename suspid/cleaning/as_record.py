@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
 from suspid.arguments import explained
 from suspid.cleaning.conversions import to_si
-from suspid.errors import RecordError
+from suspid.errors import InputError, RecordError
 from suspid.files import printable
-from suspid.io import seconds_in
+from suspid.io import bracketed_unit, is_time, seconds_in
 from suspid.recordings import Recording
 from suspid.signals import as_response, check_size, real_numbers, uniform_step
 from suspid.units import Hertz, RealArray
@@ -45,7 +46,7 @@ def as_record(
     ----------
     data : array_like (channel, sample) or (sample,), or a table
         Samples; a pair ``(timepts, samples)``; a pandas Series or DataFrame whose index, or a column named as a time,
-        is the time; an xarray DataArray or Dataset with a coordinate of time; or a control.TimeResponseData. Several
+        is the time; an xarray DataArray or Dataset with a dimension of time; or a control.TimeResponseData. Several
         traces, as of `control.impulse_response`, become channels named ``output_from_input``; inputs that
         move nothing are left out.
     fs : float, optional
@@ -55,7 +56,8 @@ def as_record(
     channels : sequence of str, optional
         Names of the channels. Default: those of the table, or y[0], y[1], ….
     units : sequence of str or mapping of str to str, optional
-        Unit of each channel in order, or of some by name; these are converted to SI. Default: samples stay as they are.
+        Unit of each channel in order, or of some by name; these are converted to SI. Default: the attribute ``units``
+        of xarray; other samples stay as they are.
 
     Returns
     -------
@@ -88,7 +90,7 @@ def as_record(
         samples = real_numbers(response.y, "the response")
         _check_sizes(response.output_labels or [f"y[{i}]" for i in range(len(samples))], response.time, samples)
         return response
-    values, time, names = _parts(data, None if timepts is None else np.size(timepts))
+    values, time, names = _parts(data, None if timepts is None else np.size(timepts), own_units=units is None)
     if channels is not None:
         if isinstance(channels, str) or len(channels) != len(values):
             raise RecordError(Argument("channels", f"{channels!r:.80}"), f" must name {len(values)} channels, in order")
@@ -120,15 +122,20 @@ def _is_response(data: RecordLike) -> bool:
     return all(hasattr(data, name) for name in ("time", "y", "output_labels"))
 
 
-def _parts(data: RecordLike, samples: int | None = None) -> tuple[RealArray, RealArray | None, list[str]]:
-    """Return samples (channel, sample), their time if it is known [s], and names; ``samples`` is their known number."""
+def _parts(
+    data: RecordLike, samples: int | None, *, own_units: bool
+) -> tuple[RealArray, RealArray | None, list[str]]:
+    """Return samples (channel, sample), their time if it is known [s], and names; ``samples`` is their known number.
+
+    With ``own_units`` those of xarray are in SI by the units that are stated in them.
+    """
     if _is_response(data):
         return _of_response(data)
     package = type(data).__module__.partition(".")[0]
     if package == "pandas":
         return _of_pandas(data)
     if package == "xarray":
-        return _of_xarray(data)
+        return _of_xarray(data, samples, own_units=own_units)
     if isinstance(data, tuple) and len(data) == 2 and np.ndim(data[0]) == 1 and np.shape(data[0]) != ():
         values = _matrix(data[1], np.size(data[0]))
         return values, _real(data[0], "time"), _numbered(values)
@@ -206,25 +213,48 @@ def _elapsed(stamps: RecordLike) -> RealArray:
     return np.asarray((whole - whole[:1] if kind.startswith("date") else whole) / 1e9)
 
 
-def _of_xarray(data: RecordLike) -> tuple[RealArray, RealArray | None, list[str]]:
+def _of_xarray(
+    data: RecordLike, samples: int | None, *, own_units: bool
+) -> tuple[RealArray, RealArray | None, list[str]]:
     arrays = {str(name): data[name] for name in data.data_vars} if hasattr(data, "data_vars") else {"": data}
     rows: list[RealArray] = []
     names: list[str] = []
     time: RealArray | None = None
     for name, array in arrays.items():
-        along = [dim for dim in array.dims if dim in array.coords and _column_time(str(dim), array[dim]) is not None]
-        if len(along) != 1 or array.ndim > 2:
-            raise RecordError(f"{name or 'the array'} needs a dimension of time with a coordinate, one more at most")
-        time = _column_time(str(along[0]), array[along[0]])
-        others = [dim for dim in array.dims if dim != along[0]]
-        block = _matrix(array.transpose(*others, along[0]).to_numpy())
+        along, time = _along_time(array, name or "the array", samples)
+        others = [dim for dim in array.dims if dim != along]
+        block = _matrix(array.transpose(*others, along).to_numpy(), samples)
         own = str(name or array.name or "y[0]")
         labels = [str(label) for label in array[others[0]].to_numpy()] if others else [own]
-        rows.append(block)
+        rows.append(_by_attribute(block, array) if own_units else block)
         names += [f"{name}_{label}" if name and others else label for label in labels]
     if len({block.shape[1] for block in rows}) != 1:
         raise RecordError("the variables have different lengths: choose those of one rate")
     return np.concatenate(rows), time, names
+
+
+def _along_time(array: RecordLike, what: str, samples: int | None) -> tuple[RecordLike, RealArray | None]:
+    """Return the dimension of time of an array of xarray, and its coordinate [s]; None where it has none."""
+    times = {}
+    for dim in array.dims:
+        if dim in array.coords:
+            unit = str(array[dim].attrs.get("units", ""))
+            bare = unit and not bracketed_unit(str(dim))
+            times[dim] = _column_time(f"{dim} [{unit}]" if bare else str(dim), array[dim])
+    stated = [dim for dim, time in times.items() if time is not None]
+    if len(stated) == 1 and array.ndim <= 2:
+        return stated[0], times[stated[0]]
+    bare = [dim for dim in array.dims if is_time(str(dim)) or (samples and array.sizes[dim] == samples)]
+    if stated or array.ndim not in (1, 2) or (array.ndim == 2 and len(bare) != 1):
+        raise RecordError(f"{what} needs a dimension called time, and one more at most, as in data.rename(dim='time')")
+    return (bare or array.dims)[0], None
+
+
+def _by_attribute(values: RealArray, array: RecordLike) -> RealArray:
+    """Return samples in SI units by the attribute "units" of an array of xarray, where that is a unit we know."""
+    with suppress(InputError):
+        return to_si(values, str(array.attrs.get("units", "")))[0]
+    return values
 
 
 def _matrix(data: RecordLike, samples: int | None = None) -> RealArray:

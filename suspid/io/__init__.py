@@ -8,7 +8,7 @@ are folders of their own. Files are checked for damage before a library reads th
 
 from suspid.io.foreign import install_line
 from suspid.io.formats import READERS
-from suspid.io.names import bare_name, bracketed_unit
+from suspid.io.names import bare_name, bracketed_unit, is_time
 from suspid.io.read_recording import read_recording
 from suspid.io.time_units import seconds_in
 from suspid.io.write_record import check_record_name, write_record
@@ -19,6 +19,7 @@ __all__ = [
     "bracketed_unit",
     "check_record_name",
     "install_line",
+    "is_time",
     "read_recording",
     "seconds_in",
     "write_record",
