@@ -53,6 +53,35 @@ class AtCommandLine:
 
 
 @dataclass(frozen=True, slots=True)
+class WayOut:
+    """What to do, in Python, or on the command line with an option, called ``{option}``, and without it.
+
+    Examples
+    --------
+    >>> way = WayOut("use .linearised(…)", "linearise", "give {option} 0.1", "take the friction out of the file")
+    >>> print(way)
+    use .linearised(…)
+    >>> with called({"linearise": "--linearise"}):
+    ...     print(way)
+    give --linearise 0.1
+    >>> with called({}):
+    ...     print(way)
+    take the friction out of the file
+    """
+
+    in_python: str
+    option: str
+    with_option: str
+    without: str
+
+    def __str__(self) -> str:
+        options = _CALLED.get()
+        if options is None:
+            return self.in_python
+        return self.with_option.format(option=options[self.option]) if self.option in options else self.without
+
+
+@dataclass(frozen=True, slots=True)
 class Wording:
     """A message in parts: text, and the arguments that it speaks of.
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 import control
 import numpy as np
@@ -378,6 +379,11 @@ class TestOptions:
         spread = dict(zip(found.parameters, found.std / found.values, strict=True))
         assert spread["chassis.stiffness"] == pytest.approx(0.02, rel=0.05)
         assert spread["chassis.damping"] == pytest.approx(0.02, rel=0.05)
+
+    @pytest.mark.parametrize("setting", [{"band_hz": (1.0, 5.0)}, {"stretch": 2.0}])
+    def test_what_belongs_to_measured_motion_is_refused_for_decays(self, setting: dict[str, Any]) -> None:
+        with pytest.raises(InputError, match=f"{next(iter(setting))} is of no use here"):
+            estimate(self.RECORD, QUARTER, **setting)
 
     def test_masses_alone_cannot_be_found(self) -> None:
         with pytest.raises(EstimationError, match=r"ratios to a known mass") as refused:

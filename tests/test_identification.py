@@ -23,6 +23,7 @@ from suspid import (
     read_record,
 )
 from suspid.signals import as_response, as_signal
+from suspid.words.identification import ModeCheck
 from validation import cars
 
 DATA = Path(__file__).resolve().parents[2] / "shared" / "data"
@@ -280,6 +281,19 @@ class TestFewerThanAsked:
     def test_all_that_stand_out_are_found_unasked(self) -> None:
         for response in (kicked(paper_car()), noisy(kicked(paper_car()), 5)):
             np.testing.assert_allclose(ridge(response, None, 22.0).modes.wn, eigenmodes(paper_car()).wn, rtol=1e-3)
+
+
+class TestOptionsOfTheOtherMethod:
+    def test_a_bandwidth_that_finds_no_modes_is_said(self) -> None:
+        record = kicked(paper_car())
+        plain, asked = identify(record, modes=3), identify(record, modes=3, bandwidth=8.0)
+        assert np.array_equal(plain.modes.poles, asked.modes.poles)
+        assert ModeCheck.BANDWIDTH not in {check.remark.code for check in plain.verdict.checks}
+        assert "The bandwidth 8 is for the scalogram" in str(asked.verdict)
+
+    def test_a_choice_beside_a_bandwidth_is_refused(self) -> None:
+        with pytest.raises(InputError, match="candidates are of no use with bandwidth=8"):
+            identify(kicked(paper_car()), method="ridge", bandwidth=8.0, candidates=[2.0, 3.0])
 
 
 class TestRefusals:

@@ -105,6 +105,12 @@ class TestTransferFunction:
         # The noise alone would lower it by 0.1.
         assert off == pytest.approx(0.0, abs=0.03)
 
+    def test_where_all_frequencies_were_used_it_ends_above_the_modes(self, rig: Estimate) -> None:
+        highest = float(rig.modes.wn[-1]) / (2 * np.pi)
+        hertz = responses(rig)["chassis_acceleration"].hertz
+        # Half the sampling rate is 100 Hz.
+        assert 2 * highest < hertz[-1] < 3 * highest < 100
+
     def test_it_stays_in_the_band_that_was_used(self, drive: Estimate) -> None:
         assert drive.band_hz is not None
         hertz = responses(drive)["chassis_acceleration"].hertz

@@ -46,7 +46,7 @@ from suspid.reporting.axes import shown
 from suspid.reporting.colours import Colour
 from suspid.reporting.numerals import quantity
 from suspid.reporting.pictures import NARROW, Picture, Pictures, pictures_of
-from suspid.reporting.report import view_of
+from suspid.reporting.report import sentence_html, view_of
 from suspid.reporting.rows import pole_rows
 from suspid.reporting.spring_rows import spring_rows
 from suspid.reporting.svg import page_style, svg_of
@@ -428,6 +428,14 @@ class TestWhatDecides:
         assert said in str(view["shown"])
         for first in re.findall(r"first (\S+) s,", str(view["shown"])):
             assert float(first) < seconds
+
+
+class TestOptions:
+    def test_they_stay_on_one_line_and_markup_stays_text(self) -> None:
+        shown = str(sentence_html("<b>name it (--wheel-radius 0.3) or --lateral; a--b and x - y"))
+        assert shown.count('<span class="option">') == 2
+        assert '<span class="option">--wheel-radius</span> 0.3' in shown
+        assert "<b>" not in shown
 
 
 class TestNames:

@@ -202,6 +202,13 @@ class TestClass:
         with pytest.raises(InputError, match="there is no channel"):
             classify_road(record, speed=20.0, channel="raod")
 
+    def test_heights_without_their_time_are_refused_with_what_to_pass(self) -> None:
+        times = np.arange(0, 10, 0.005)
+        heights = road("B", speed=20.0).heights(times, rng=np.random.default_rng(1))
+        with pytest.raises(InputError, match=r"as in \(timepts, heights\['road'\]\)"):
+            classify_road(heights, speed=20.0)
+        assert classify_road((times, heights["road"]), speed=20.0).name == "B"
+
     @pytest.mark.parametrize(
         ("given", "message"),
         [

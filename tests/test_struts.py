@@ -3,10 +3,12 @@
 import re
 from collections.abc import Callable
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from scipy.integrate import quad, solve_ivp
 from scipy.interpolate import CubicSpline
 
@@ -23,7 +25,9 @@ from suspid import (
     road_profile,
     simulate,
     statespace,
+    write_car,
 )  # fmt: skip
+from suspid.cli.main import main
 from suspid.model import car_from_toml, car_to_toml
 from suspid.model.force_curves import equal_work, piecewise
 from suspid.units import RealArray
@@ -101,6 +105,17 @@ class TestDescription:
         with pytest.raises(InputError, match=r"linear struts, but strut 's' has .*car.linearised\(amplitude="):
             verb(one)
         assert eigenmodes(one.linearised(amplitude=0.2)).zeta[0] > 0
+
+    def test_the_command_names_its_option(self, tmp_path: Path) -> None:
+        one = oscillator()
+        write_car(one, tmp_path / "car.toml")
+        refused = CliRunner().invoke(main, ["modes", str(tmp_path / "car.toml")])
+        assert refused.exit_code == 1
+        assert "give --linearise" in refused.stderr
+        assert "car.linearised" not in refused.stderr
+        shown = CliRunner().invoke(main, ["modes", str(tmp_path / "car.toml"), "--linearise", "0.2"])
+        assert shown.exit_code == 0
+        assert shown.stdout.strip() == str(eigenmodes(one.linearised(amplitude=0.2))).strip()
 
     def test_toml_returns_the_same_car(self) -> None:
         one = car(curve={"chassis": CURVE}, friction={"chassis": 30.0, "tire": 0.1}, mount_stiffness={"chassis": 1e6})
@@ -284,7 +299,7 @@ class TestIntegrators:
 
 class TestRefusals:
     def test_impulse(self) -> None:
-        with pytest.raises(InputError, match="give the state after it as initial_state"):
+        with pytest.raises(InputError, match="give the state after it: initial_state"):
             free_decay(oscillator(), np.arange(0, 1, 0.1), impulse="ground")
 
     def test_unknown_names(self) -> None:

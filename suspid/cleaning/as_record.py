@@ -122,9 +122,7 @@ def _is_response(data: RecordLike) -> bool:
     return all(hasattr(data, name) for name in ("time", "y", "output_labels"))
 
 
-def _parts(
-    data: RecordLike, samples: int | None, *, own_units: bool
-) -> tuple[RealArray, RealArray | None, list[str]]:
+def _parts(data: RecordLike, samples: int | None, *, own_units: bool) -> tuple[RealArray, RealArray | None, list[str]]:
     """Return samples (channel, sample), their time if it is known [s], and names; ``samples`` is their known number.
 
     With ``own_units`` those of xarray are in SI by the units that are stated in them.
@@ -239,8 +237,8 @@ def _along_time(array: RecordLike, what: str, samples: int | None) -> tuple[Reco
     for dim in array.dims:
         if dim in array.coords:
             unit = str(array[dim].attrs.get("units", ""))
-            bare = unit and not bracketed_unit(str(dim))
-            times[dim] = _column_time(f"{dim} [{unit}]" if bare else str(dim), array[dim])
+            named = f"{dim} [{unit}]" if unit and not bracketed_unit(str(dim)) else str(dim)
+            times[dim] = _column_time(named, array[dim])
     stated = [dim for dim, time in times.items() if time is not None]
     if len(stated) == 1 and array.ndim <= 2:
         return stated[0], times[stated[0]]

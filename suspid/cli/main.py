@@ -109,14 +109,21 @@ def reconstruct_command(
 
 @main.command("modes")
 @click.argument("car", type=FILE)
+@click.option(
+    "--linearise",
+    type=Positive("m/s"),
+    metavar="V",
+    help="Replace friction and curves by dampers of equal work at this amplitude of velocity [m/s].",
+)
 @click.option("--json", "json_file", type=FILE, metavar="FILE", help="Write the modes as JSON.")
-def modes_command(car: Path, json_file: Path | None) -> None:
+def modes_command(car: Path, linearise: float | None, json_file: Path | None) -> None:
     """Show the exact modes of CAR (.toml)."""
     from suspid.identification import write_modes
     from suspid.model import eigenmodes, read_car
 
     check_apart([car], [json_file])
-    modes: ModalSet = eigenmodes(read_car(car))
+    described = read_car(car)
+    modes: ModalSet = eigenmodes(described if linearise is None else described.linearised(linearise))
     if json_file:
         write_modes(modes, json_file)
     say(str(modes))

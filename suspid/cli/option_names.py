@@ -30,6 +30,7 @@ ARGUMENTS_AS_OPTIONS = {
     "impulse": "--impulse",
     "initial_state": "--initial",
     "lateral": "--lateral",
+    "linearise": "--linearise",
     "level": "--level",
     "loads": "--load",
     "method": "--method",

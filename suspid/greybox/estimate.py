@@ -97,10 +97,11 @@ def estimate(
         relaxation tau [s]. Default: where motion is given, all that have a damper and act between given and other
         coordinates; else none. A rubber mount of 1e6 N/m that is left out makes k of a driven car 20 % too large.
     band_hz : (float, float), optional
-        Frequencies that are used where motion is given [Hz]. Default: from 0.4 times the lowest natural frequency of
-        the nominal car to 2.5 times the highest.
+        Frequencies that are used where motion is given, and only there [Hz]. Default: from 0.4 times the lowest
+        natural frequency of the nominal car to 2.5 times the highest.
     stretch : float, optional
-        Length of the stretches that are transformed [s]. Default: eight periods of the lowest mode.
+        Length of the stretches that are transformed where motion is given [s]. Default: eight periods of the lowest
+        mode.
     road : "iso8608", optional
         Model of the road, where the motion of wheels is given. Default: none; tires then stay at their nominal values.
         The damping of tires counts as known to 50 % unless it has a `nominal_std` or is fixed.
@@ -161,6 +162,8 @@ def estimate(
             f"{driven.index(False) + 1} has none; estimate from either, and give the result of one as ",
             Argument("nominal_std"),
         )
+    if not any(driven):
+        _check_unused({"band_hz": band_hz, "stretch": stretch})
     beyond = _beyond(suspension, trials)
     unknowns = unknowns_of(
         suspension,
@@ -272,6 +275,18 @@ def _check(suspension: object) -> None:
         hint = "; take its .suspension" if hasattr(suspension, "suspension") else ""
         raise InputError(f"estimate needs a Suspension here, not {type(suspension).__name__}{hint}")
     check_linear(suspension, "estimate")
+
+
+def _check_unused(settings: Mapping[str, object]) -> None:
+    """Refuse settings of the frequency domain where records are fitted in time."""
+    for name, value in settings.items():
+        if value is not None:
+            raise InputError(
+                Argument(name),
+                " is of no use here: free decays and records under known roads and forces are fitted in time; leave it "
+                "out, or name measured motion in ",
+                Argument("given"),
+            )
 
 
 def _usual_frequency(car: Suspension) -> RadianPerSecond:

@@ -72,7 +72,8 @@ def identify(
         Frequencies between which to look [Hz]. Default: all; for the ridges from four
         cycles in the record to 0.9 of the Nyquist frequency.
     bandwidth : float, optional
-        N of the wavelet. Default: that of least entropy among ``candidates``.
+        N of the wavelet. Default: that of least entropy among ``candidates``. With "likelihood" both are for the
+        scalogram and the skeletons of ``.steps`` alone.
     candidates : iterable of float
         Bandwidths among which to choose.
 
@@ -106,6 +107,11 @@ def identify(
     if method not in ("likelihood", "ridge"):
         raise InputError(Argument("method", repr(method)), " is unknown; the methods are 'likelihood' and 'ridge'")
     check_count("modes", modes)
+    among = tuple(float(n) for n in candidates)
+    if bandwidth is not None and among != tuple(map(float, BANDWIDTHS)):
+        raise InputError(
+            Argument("candidates"), " are of no use with ", Argument("bandwidth", f"{bandwidth:g}"), "; leave out one"
+        )
     response = as_record(response, fs=fs)
     signal = as_signal(response, least=FEWEST_SAMPLES)
     centred = _centred(signal)
@@ -115,7 +121,7 @@ def identify(
         count=modes,
         band=row_band(signal, band),
         bandwidth=bandwidth,
-        candidates=tuple(float(n) for n in candidates),
+        candidates=among,
     )
     if method == "ridge":
         return by_ridges(response, signal, steps)

@@ -89,6 +89,8 @@ def _checks(found: Identification, level: Ratio) -> Iterator[Check]:
         yield from _unexplained(found)
     yield from check_phases(found)
     yield from _steady_tones(found)
+    if found.method != "ridge" and found.steps.bandwidth is not None:
+        yield check_of(ModeCheck.BANDWIDTH, Level.NOTE, {"bandwidth": found.steps.bandwidth})
     if np.any(found.loudness > 1):
         yield from _late_motion(found)
 

@@ -16,6 +16,7 @@ from suspid.model.sensor import Sensor
 from suspid.model.strut import Strut
 from suspid.units import Kilogram, MetrePerSecond, Newton, NewtonPerMetre, NewtonSecondPerMetre, RealArray
 from suspid.values import FrozenMapping, nearest_names
+from suspid.wording import WayOut
 
 # Suffixes of outputs that are time derivatives of a coordinate, with the order of the derivative.
 DERIVATIVES = {"velocity": 1, "acceleration": 2}
@@ -197,9 +198,15 @@ def check_linear(suspension: Suspension, what: str) -> None:
         if not strut.linear:
             has = "a curve" if strut.curve is not None else f"friction of {strut.friction:g} N"
             raise InputError(
-                f"{what} needs linear struts, but strut {strut.name!r} has {has}; use "
-                f"car.linearised(amplitude=…), with the dampers of equal work at that amplitude of velocity [m/s], or "
-                f"car.linearised(), with damping as stated; free_decay and simulate take the car as it is"
+                f"{what} needs linear struts, but strut {strut.name!r} has {has}; ",
+                WayOut(
+                    "use car.linearised(amplitude=…), with the dampers of equal work at that amplitude of velocity "
+                    "[m/s], or car.linearised(), with damping as stated; free_decay and simulate take the car as it is",
+                    "linearise",
+                    "give {option}, the amplitude of velocity in m/s at which dampers of equal work replace it; "
+                    "suspid simulate takes the car as it is",
+                    "leave friction and curves out of the car file; suspid simulate takes the car as it is",
+                ),
             )
 
 

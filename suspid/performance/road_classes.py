@@ -155,6 +155,12 @@ def classify_road(
     >>> classify_road(heights, speed=20.0).name
     'B'
     """
+    if isinstance(record, Mapping):
+        first = next(iter(record), "road")
+        raise InputError(
+            f"heights of several tracks come without their time: pass one of them with it, as in "
+            f"(timepts, heights[{first!r}]), or the record that Road.record returns"
+        )
     signal = as_signal(as_record(record))
     name = signal.channels[0] if channel is None else channel
     if name not in signal.channels:

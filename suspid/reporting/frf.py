@@ -9,7 +9,7 @@ import numpy as np
 
 from suspid.errors import InputError
 from suspid.levels import EXACT
-from suspid.reporting.axes import position
+from suspid.reporting.axes import IN_VIEW, position
 from suspid.reporting.plot_spectra import STRETCHES, no_such_record
 from suspid.signals import as_signal, inputs_of
 
@@ -71,8 +71,16 @@ def responses(
         at = position(name, fitted.channels)
         fit, rest = fitted.values[at], left.values[at]
         pairs = Pair(cause=motion[0], motion=fit), Pair(cause=motion[1], motion=fit + rest)
-        made[name] = _response(*pairs, 1 / left.step, quiet, found.band_hz or (0.0, np.inf))
+        made[name] = _response(*pairs, 1 / left.step, quiet, _shown_band(found))
     return made
+
+
+def _shown_band(found: Estimate) -> tuple[Hertz, Hertz]:
+    """Return the frequencies that were used; where all were, those that hold modes: above, both are noise."""
+    if found.band_hz is not None:
+        return found.band_hz
+    modes = found.modes.wn[np.isfinite(found.modes.wn)] / (2 * np.pi)
+    return 0.0, IN_VIEW * float(np.max(modes)) if modes.size else np.inf
 
 
 def _response(fit: Pair, record: Pair, rate: Hertz, quiet: float, band: tuple[Hertz, Hertz]) -> Frf:

@@ -6,6 +6,7 @@ The page is one file without a script. Its policy forbids the network. Its pictu
 
 from __future__ import annotations
 
+import re
 import shlex
 from functools import cache
 from typing import TYPE_CHECKING, TypeAlias
@@ -39,6 +40,7 @@ from suspid.words import MOST_LISTED
 
 if TYPE_CHECKING:
     from jinja2 import Template
+    from markupsafe import Markup
 
     from suspid.analysis import Analysis, DriveAnalysis
     from suspid.identification import Identification
@@ -48,6 +50,8 @@ if TYPE_CHECKING:
 AnyContent: TypeAlias = Content | EstimateContent | DriveContent | FleetContent
 # Letters of a name that the page shows; the JSON has all.
 MOST_LETTERS = 40
+# An option of the command line, which browsers would break after its hyphens.
+OPTION = re.compile(r"(?<![\w-])--[a-z][a-z0-9-]*")
 
 
 @explained
@@ -127,7 +131,7 @@ def _template(name: str) -> Template:
         lstrip_blocks=True,
     )
     environment.filters["safe_text"] = _shown
-    environment.filters["said"] = _said
+    environment.filters["said"] = sentence_html
     environment.filters["safe_lines"] = _lines
     return environment.get_template(name)
 
@@ -203,9 +207,11 @@ def _shown(text: object) -> str:
     return printable(" ".join(str(text).split()))
 
 
-def _said(text: object) -> str:
-    """Return a sentence of the library's own as `_shown`, with units as they are printed."""
-    return in_print(_shown(text))
+def sentence_html(text: object) -> Markup:
+    """Return a sentence of the library's own as `_shown`, with units as they are printed and options on one line."""
+    from markupsafe import Markup, escape
+
+    return Markup(OPTION.sub(r'<span class="option">\g<0></span>', str(escape(in_print(_shown(text))))))
 
 
 def _lines(text: str) -> str:

@@ -272,6 +272,11 @@ class ModeCheck(Code):
             )
         ),
     )
+    BANDWIDTH = (
+        "bandwidth",
+        "The bandwidth {bandwidth:.4g} is for the scalogram and the skeletons alone: these modes were found by "
+        "likelihood; method 'ridge' finds them with the wavelet.",
+    )
     STEADY_TONES = (
         "steady tones",
         sentence(
