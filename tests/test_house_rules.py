@@ -259,3 +259,15 @@ class TestStart:
         code = "import sys, suspid; print(*sys.modules)"
         loaded = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout.split()
         assert set(loaded) & {"control", "cvxpy", "pywt", "matplotlib", "scipy.signal", "scipy.stats"} == set()
+
+
+def test_the_top_level_holds_what_belongs_there() -> None:
+    try:
+        listed = subprocess.run(
+            ["git", "ls-files", "-z"], cwd=LIBRARY.parent, capture_output=True, text=True, check=True
+        )
+    except (OSError, subprocess.CalledProcessError):
+        pytest.skip("this is no checkout")
+    top = {path.partition("/")[0] for path in listed.stdout.split("\0") if path}
+    folders = {"examples", "suspid", "tests", "validation"}
+    assert {name for name in top if not name.startswith(".")} <= {"LICENSE", "README.md", "pyproject.toml", *folders}
