@@ -199,6 +199,30 @@ class TestGaps:
             clean(recording(T, values))
         assert not clean(recording(T, values), start=3.5, stop=9.995).findings
 
+    def test_a_channel_with_a_long_one_is_left_out_beside_one_without(self) -> None:
+        true, other = decay(T, frequency=5), decay(T)
+        other[1500:1600] = np.nan
+        cleaned = clean(recording(T, true, other))
+        assert [(f.kind, f.channel, f.samples) for f in cleaned.findings] == [(Defect.GAPPY_CHANNEL, "c1", 100)]
+        assert cleaned.record.y.tolist() == [true.tolist()]
+        with pytest.raises(RecordError, match="too long to fill"):
+            clean(recording(T, true, other), channels=["c0", "c1"])
+
+    def test_a_long_one_in_most_channels_is_refused(self) -> None:
+        gappy = [decay(T, frequency=f) for f in (3, 4)]
+        for k, values in enumerate(gappy):
+            values[600 + 300 * k : 700 + 300 * k] = np.nan
+        with pytest.raises(RecordError, match="too long to fill"):
+            clean(recording(T, decay(T), *gappy))
+
+    def test_a_channel_that_stops_before_the_middle_is_left_out(self) -> None:
+        stopped = decay(T, frequency=5)
+        stopped[1100:] = np.nan
+        assert kinds(clean(recording(T, decay(T), stopped))) == ["cut"]
+        stopped[980:] = np.nan
+        cleaned = clean(recording(T, decay(T), stopped, decay(T, frequency=4)))
+        assert cleaned.record.y.shape == (2, T.size)
+
     def test_missing_rows_come_back(self) -> None:
         true = decay(T)
         kept = np.sort(np.random.default_rng(0).choice(np.arange(1, 1999), 1980, replace=False))

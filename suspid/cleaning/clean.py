@@ -32,8 +32,8 @@ def clean(
 
     Repaired where that is safe: rounded, swapped, doubled and wrong time stamps; irregular sampling; isolated
     impossible samples and short gaps (filled, with the error measured); gaps at the ends (cut off). Reported and
-    left: clipping, offsets, drifts. Left out unless asked for by name: constant channels and those on a slower
-    clock. Anything else is an error that names the longest clean stretch.
+    left: clipping, offsets, drifts. Left out unless asked for by name: constant channels, those on a slower clock, and
+    those with longer gaps where at least as many others have none. Anything else is an error that names the longest clean stretch.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ def clean(
     chosen, findings = alive(chosen, by_name=by_name)
     kept, further = one_clock([placed(group, fs) for group in by_clock(chosen)], by_name=by_name)
     findings += further
-    timepts, table, further = whole(kept)
+    timepts, table, further = whole(kept, by_name=by_name)
     findings += further
     findings += stilled(timepts, table, by_name=by_name)
     order = [name for name in names if name in table]

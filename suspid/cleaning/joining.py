@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -9,7 +10,7 @@ from numpy.typing import NDArray
 
 from suspid.cleaning.clocks import read_clock
 from suspid.cleaning.findings import Finding, found
-from suspid.cleaning.gaps import MOST_FILLED, fill, runs
+from suspid.cleaning.gaps import MOST_FILLED, Filled, fill, runs
 from suspid.cleaning.inspection import inspect, possible
 from suspid.cleaning.placing import Placed, place, resample
 from suspid.errors import RecordError
@@ -90,27 +91,34 @@ def one_clock(placed: list[Placed], *, by_name: bool) -> tuple[Placed, list[Find
     ), findings
 
 
-def whole(placed: Placed) -> tuple[RealArray, dict[str, RealArray], list[Finding]]:
-    """Return all channels with short gaps filled and incomplete ends cut off; refuse longer gaps."""
-    findings: list[Finding] = []
+def whole(placed: Placed, *, by_name: bool) -> tuple[RealArray, dict[str, RealArray], list[Finding]]:
+    """Return all channels with short gaps filled and incomplete ends cut off.
+
+    Channels with more gaps are left out where at least as many others have none and none was asked for by name; else
+    they are refused.
+    """
     times = placed.timepts
     if not np.any(np.isnan(placed.values)):
-        return times, dict(zip(placed.names, placed.values, strict=True)), findings
-    better: list[RealArray] = []
-    for name, values in zip(placed.names, placed.values, strict=True):
-        filled = fill(name, times, values)
-        findings += filled.findings
-        share = sum(finding.samples for finding in filled.findings) / values.size
-        if share > MOST_FILLED:
-            raise RecordError(
-                f"channel {name!r} has gaps in {100 * share:.2g} % of its samples; up to {100 * MOST_FILLED:.0f} % are "
-                f"filled; leave it out or take a better stretch ({Argument('start')}, {Argument('stop')})"
-            )
-        better.append(filled.values)
-    table = np.array(better)
-    holes = np.any(np.isnan(table), axis=0)
-    if np.all(holes):
-        raise RecordError("there is no time at which all channels have samples; leave one out")
+        return times, dict(zip(placed.names, placed.values, strict=True)), []
+    better = {name: fill(name, times, values) for name, values in zip(placed.names, placed.values, strict=True)}
+    refusals = {name: refusal for name in better if (refusal := _refusal({name: better[name]}, times)) is not None}
+    findings: list[Finding] = []
+    if not by_name and 2 * len(refusals) <= len(better):
+        findings = [_gappy(name, times, better.pop(name).values) for name in refusals]
+    refusal = _refusal(better, times)
+    if refusal is not None:
+        raise refusal
+    findings += [finding for filled in better.values() for finding in filled.findings]
+    table = np.array([filled.values for filled in better.values()])
+    inside = np.zeros(times.size, bool)
+    inside[_kept(np.any(np.isnan(table), axis=0))] = True
+    if not np.all(inside):
+        findings.append(_cut(times, inside, missing=True))
+    return times[inside], dict(zip(better, table[:, inside], strict=True)), findings
+
+
+def _kept(holes: NDArray[np.bool_]) -> slice:
+    """Return the samples between incomplete ends, or the longest stretch without holes where that is most of all."""
     first, last = int(np.argmin(holes)), int(holes.size - np.argmin(holes[::-1]))
     starts, stops = runs(~holes)
     longest = int(np.argmax(stops - starts))
@@ -118,24 +126,44 @@ def whole(placed: Placed) -> tuple[RealArray, dict[str, RealArray], list[Finding
     # where a long gap lies near one. Smaller values cut without being asked what the user may have wanted.
     if stops[longest] - starts[longest] >= 0.9 * holes.size:
         first, last = int(starts[longest]), int(stops[longest])
-    if np.any(holes[first:last]) or last - first < 0.5 * holes.size:
-        begin, end = runs(holes)
-        k = int(np.argmax(end - begin))
-        gaps = [name for name, row in zip(placed.names, table, strict=True) if np.any(np.isnan(row[begin[k] : end[k]]))]
-        low, high = times[starts[longest]], times[stops[longest] - 1]
-        raise RecordError(
-            f"{np.sum(holes)} of {holes.size} samples are missing in {count(begin.size, 'gap')} too long to fill, "
-            f"the longest in {', '.join(map(repr, gaps))} from {times[begin[k]]:.6g} to {times[end[k] - 1]:.6g} s; "
-            f"the longest stretch without such a gap is {low:.6g} to {high:.6g} s: take it with ",
-            Argument("start", f"{low:.6g}"),
-            ", ",
-            Argument("stop", f"{high:.6g}"),
-        )
-    inside = np.zeros(holes.size, bool)
-    inside[first:last] = True
-    if not np.all(inside):
-        findings.append(_cut(times, inside, missing=True))
-    return times[inside], dict(zip(placed.names, table[:, inside], strict=True)), findings
+    return slice(first, last)
+
+
+def _refusal(channels: Mapping[str, Filled], times: RealArray) -> RecordError | None:
+    """Return why channels have too many gaps to be one record, or None if they have not."""
+    for name, filled in channels.items():
+        share = sum(finding.samples for finding in filled.findings) / filled.values.size
+        if share > MOST_FILLED:
+            return RecordError(
+                f"channel {name!r} has gaps in {100 * share:.2g} % of its samples; up to {100 * MOST_FILLED:.0f} % are "
+                f"filled; leave it out or take a better stretch ({Argument('start')}, {Argument('stop')})"
+            )
+    missing = {name: np.isnan(filled.values) for name, filled in channels.items()}
+    holes = np.any(list(missing.values()), axis=0)
+    if np.all(holes):
+        return RecordError("there is no time at which all channels have samples; leave one out")
+    kept = _kept(holes)
+    if not np.any(holes[kept]) and kept.stop - kept.start >= 0.5 * holes.size:
+        return None
+    (begin, end), (starts, stops) = runs(holes), runs(~holes)
+    k, longest = int(np.argmax(end - begin)), int(np.argmax(stops - starts))
+    gaps = [name for name, flags in missing.items() if np.any(flags[begin[k] : end[k]])]
+    low, high = times[starts[longest]], times[stops[longest] - 1]
+    return RecordError(
+        f"{np.sum(holes)} of {holes.size} samples are missing in {count(begin.size, 'gap')} too long to fill, "
+        f"the longest in {', '.join(map(repr, gaps))} from {times[begin[k]]:.6g} to {times[end[k] - 1]:.6g} s; "
+        f"the longest stretch without such a gap is {low:.6g} to {high:.6g} s: take it with ",
+        Argument("start", f"{low:.6g}"),
+        ", ",
+        Argument("stop", f"{high:.6g}"),
+    )
+
+
+def _gappy(name: str, times: RealArray, values: RealArray) -> Finding:
+    """Return the finding of a channel that is left out for its gaps."""
+    holes = np.isnan(values)
+    where = times[holes] if np.any(holes) else times
+    return found(Defect.GAPPY_CHANNEL, where, int(np.sum(holes)), {"rows": holes.size}, channel=name)
 
 
 def _cut(times: RealArray, inside: NDArray[np.bool_], *, missing: bool) -> Finding:

@@ -264,6 +264,11 @@ class Defect(Code):
     DRIFT = "drift", "drifts by {drift:.3g} over the record, more than its other motion; left as it is"
     OFFSET = "offset", "mean level {level:.4g}, range of motion {range:.3g}; left as it is"
     DEAD_CHANNEL = "dead channel", _dead_channel
+    GAPPY_CHANNEL = (
+        "gaps",
+        "{samples} of {rows} samples missing, in gaps too long to fill; left out beside channels without; ask for it by "
+        "name to take the record where it is complete",
+    )
     SLOWER_CLOCK = "slower clock", _slower_clock
     SHIFTED_CLOCK = "shifted clock", _shifted_clock
     CUT = "cut", _cut
