@@ -266,8 +266,8 @@ class Defect(Code):
     DEAD_CHANNEL = "dead channel", _dead_channel
     GAPPY_CHANNEL = (
         "gaps",
-        "{samples} of {rows} samples missing, in gaps too long to fill; left out beside channels without; ask for it by "
-        "name to take the record where it is complete",
+        "{samples} of {rows} samples missing, in gaps too long to fill; left out beside channels without; ask for it "
+        "by name to take the record where it is complete",
     )
     SLOWER_CLOCK = "slower clock", _slower_clock
     SHIFTED_CLOCK = "shifted clock", _shifted_clock
