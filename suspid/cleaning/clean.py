@@ -32,8 +32,9 @@ def clean(
 
     Repaired where that is safe: rounded, swapped, doubled and wrong time stamps; irregular sampling; isolated
     impossible samples and short gaps (filled, with the error measured); gaps at the ends (cut off). Reported and
-    left: clipping, offsets, drifts. Left out unless asked for by name: constant channels, those on a slower clock, and
-    those with longer gaps where at least as many others have none. Anything else is an error that names the longest clean stretch.
+    left: clipping, offsets, drifts. Left out unless asked for by name: constant channels, those on a slower clock,
+    and those with longer gaps where at least as many others have none. Anything else is an error that names the
+    longest clean stretch.
 
     Parameters
     ----------
