@@ -58,7 +58,12 @@ def explained(verb: Callable[Given, Returned]) -> Callable[Given, Returned]:
         except SuspidError:
             raise
         except Exception as error:
-            refusal = _refusal(verb, inspect.signature(verb).bind_partial(*args, **kwargs).arguments)
+            try:
+                given = inspect.signature(verb).bind_partial(*args, **kwargs).arguments
+            except TypeError:
+                # Python's own message names the function; that of the binding does not.
+                raise error from None
+            refusal = _refusal(verb, given)
             if refusal is None:
                 raise
             raise refusal from error

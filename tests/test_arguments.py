@@ -148,3 +148,8 @@ class TestExplained:
         assert fits({"a": 1}, Mapping[str, float])
         assert not fits({"a": "b"}, Mapping[str, float])
         assert fits(iter(["a"]), Sequence[str] | object)
+
+
+def test_an_unknown_argument_is_refused_with_the_name_of_the_function() -> None:
+    with pytest.raises(TypeError, match=r"free_decay\(\) got an unexpected keyword argument 'outputs'"):
+        suspid.free_decay(outputs=["seat"])  # type: ignore[call-arg]
