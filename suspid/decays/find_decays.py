@@ -15,6 +15,7 @@ from suspid.decays.coarse import coarsened
 from suspid.decays.decay import Decay, Decays
 from suspid.decays.doubts import doubts_of_company
 from suspid.decays.envelopes import Envelopes, envelopes, finest
+from suspid.decays.fading import decay_of_fading
 from suspid.errors import RecordError
 from suspid.identification import FEWEST_SAMPLES
 from suspid.signals import Signal, as_signal
@@ -77,6 +78,9 @@ def find_decays(response: RecordLike, *, given: Sequence[tuple[Second, Second]] 
         judged = [examined(recording, burst, moved=False) for burst in bursts]
         return _ranked([d for decays, _ in judged for d in decays], [r for _, remarks in judged for r in remarks])
     decays, remarks = _found(signal)
+    if not decays:
+        faded = decay_of_fading(signal, level=float(np.max(envelopes(signal).level)))
+        decays = [] if faded is None else [faded]
     coarse = None if decays else coarsened(signal)
     if coarse is not None:
         decays, said = _found(coarse)

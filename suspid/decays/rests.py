@@ -6,7 +6,7 @@ import numpy as np
 
 from suspid.decays.decay import Decay
 from suspid.errors import SuspidError
-from suspid.identification import identify
+from suspid.identification import Identification, identify
 from suspid.samples import as_samples, held
 from suspid.signals import Signal, as_signal
 from suspid.units import Decibel
@@ -24,6 +24,14 @@ def decay_between(part: Signal, first: int, last: int, *, level: Decibel) -> Dec
         return None
     if not found.forces:
         return None
+    return as_decay(found, part, (first, last), level=level)
+
+
+def as_decay(
+    found: Identification, part: Signal, samples: tuple[int, int], *, level: Decibel, doubts: tuple[Remark, ...] = ()
+) -> Decay:
+    """Return the decay between two samples (the last excluded) as it was identified; forces in it are a doubt."""
+    first, last = samples
     motion, left = as_signal(held(found, "fitted")).values, as_signal(held(found, "residual")).values
     energy = np.sum((motion - motion.mean(axis=1, keepdims=True)) ** 2, axis=1)
     cycles = float(np.max(found.modes.wn)) * part.step * (last - first) / (2 * np.pi)
@@ -39,5 +47,5 @@ def decay_between(part: Signal, first: int, last: int, *, level: Decibel) -> Dec
         strength=float(10 * np.log10(strength)),
         wn=found.modes.wn,
         zeta=found.modes.zeta,
-        doubts=(Remark(DecayDoubt.NONLINEAR, {"share": share}),),
+        doubts=(*((Remark(DecayDoubt.NONLINEAR, {"share": share}),) if found.forces else ()), *doubts),
     )

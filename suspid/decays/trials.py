@@ -93,12 +93,7 @@ class Trial:
     @property
     def left(self) -> RealArray:
         """Residual over motion in the first third, root mean square, or 0 where the residual is white, (channel,)."""
-        early = max(1, self.residual.shape[1] // 3)
-        coloured = correlated(lag_one(self.residual), self.residual.shape[1], sigmas=CERTAIN)
-        motion = np.sum(self.motion[:, :early] ** 2, axis=1)
-        left = np.sum(self.residual[:, :early] ** 2, axis=1)
-        share = np.divide(left, motion, out=np.full_like(left, np.inf), where=motion > 1e-200 * left)
-        return np.where(coloured, np.sqrt(share), 0.0)
+        return unexplained(self.motion, self.residual)
 
     @property
     def strengths(self) -> RealArray:
@@ -124,6 +119,16 @@ class Trial:
         per_cycle = 2 * np.pi / theta.imag
         seen = 0.5 * np.log(np.maximum(power * per_cycle / 2, 1.0)) / -theta.real
         return np.asarray(np.minimum(seen, self.residual.shape[1]) / per_cycle)
+
+
+def unexplained(motion: RealArray, residual: RealArray) -> RealArray:
+    """Return residual over motion (rms) in the first third, or 0 where the residual is white, (channel,)."""
+    early = max(1, residual.shape[1] // 3)
+    coloured = correlated(lag_one(residual), residual.shape[1], sigmas=CERTAIN)
+    moved = np.sum(motion[:, :early] ** 2, axis=1)
+    left = np.sum(residual[:, :early] ** 2, axis=1)
+    share = np.divide(left, moved, out=np.full_like(left, np.inf), where=moved > 1e-200 * left)
+    return np.where(coloured, np.sqrt(share), 0.0)
 
 
 def block_size(step: Second, top: Hertz) -> int:

@@ -80,6 +80,11 @@ class DecayDoubt(Code):
             )
         ),
     )
+    LATER = (
+        "later",
+        "the motion decays from {first:.6g} s on, but no fit explains it before {start:.6g} s: frequency or damping "
+        "change more with the amplitude there",
+    )
     GROWING = "growing", "part of the motion grows: still driven"
     CLIPPED = "clipped", sentence(lambda n: f"{count(int(str(n['samples'])), 'sample')} clipped")
     AT_START = "at start", "the decay starts at the first sample, so the excitation may still be acting"

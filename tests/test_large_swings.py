@@ -1,0 +1,62 @@
+"""A pendulum that swings so far that its frequency follows no cubic spring: the exact period is an elliptic integral."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.special import ellipk
+
+from suspid import analyse
+from suspid.decays.fading import decay_of_fading, falling
+from suspid.signals import Signal
+from suspid.words import DecayDoubt
+
+WN, DAMPING, RATE, REST = 6.1, 0.02, 50, 3
+
+
+def written(path: Path, amplitude: float) -> Path:
+    """Write ``x'' + 2 DAMPING x' + WN^2 sin x = 0`` after a rest, by Runge-Kutta, with noise."""
+
+    def slope(x: float, v: float) -> tuple[float, float]:
+        return v, -(WN**2) * math.sin(x) - 2 * DAMPING * v
+
+    x, v, h, angles = amplitude, 0.0, 1 / RATE, [amplitude] * (REST * RATE)
+    for _ in range(80 * RATE):
+        angles.append(x)
+        a, b = slope(x, v)
+        c, d = slope(x + h / 2 * a, v + h / 2 * b)
+        e, f = slope(x + h / 2 * c, v + h / 2 * d)
+        g, k = slope(x + h * e, v + h * f)
+        x, v = x + h / 6 * (a + 2 * c + 2 * e + g), v + h / 6 * (b + 2 * d + 2 * f + k)
+    noisy = np.array(angles) + 0.002 * np.random.default_rng(1).standard_normal(len(angles))
+    rows = [f"{n / RATE:.3f},{angle:.5f}" for n, angle in enumerate(noisy)]
+    path.write_text("\n".join(["time [s],angle [rad]", *rows]) + "\n")
+    return path
+
+
+def test_a_pendulum_has_one_mode_whose_frequency_falls_with_its_swing(tmp_path: Path) -> None:
+    found = analyse(written(tmp_path / "swing.csv", 1.6))
+    assert len(found.modes) == 1
+    assert DecayDoubt.LATER in {doubt.code for doubt in found.used[0].doubts}
+    assert found.verdict.level.label == "doubtful"
+    (mode,) = found.identification.amplitude_dependence
+    exact = WN * np.pi / (2 * ellipk(np.sin(mode.amplitude / 2) ** 2))
+    # A cubic spring is not quite the sine: half a percent, less than the frequency changes. Below 0.1 rad noise counts.
+    large = mode.amplitude > 0.1
+    assert np.sum(large) > 3
+    np.testing.assert_allclose(mode.wn[large], exact[large], rtol=0.005)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_noise_that_fades_is_no_decay(seed: int) -> None:
+    time = np.arange(3000) / RATE
+    values = np.exp(-0.05 * time) * np.random.default_rng(seed).standard_normal((1, time.size))
+    fading = Signal(start=0.0, step=1 / RATE, values=values, channels=("angle",))
+    assert falling(fading) is not None
+    assert decay_of_fading(fading, level=20.0) is None
+
+
+def test_a_swing_that_keeps_its_size_does_not_fall() -> None:
+    steady = np.sin(WN * np.arange(3000) / RATE)[None]
+    assert falling(Signal(start=0.0, step=1 / RATE, values=steady, channels=("angle",))) is None
