@@ -1,4 +1,4 @@
-"""A pendulum that swings so far that its frequency follows no cubic spring: the exact period is an elliptic integral."""
+"""A pendulum that swings too far for a cubic spring: its exact period is an elliptic integral."""
 
 import math
 from pathlib import Path
