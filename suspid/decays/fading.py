@@ -18,12 +18,12 @@ from suspid.words import DecayDoubt, Remark
 
 # The record is split into this many parts, of which this many in a row must move less and less. By chance a motion that
 # keeps its size does so once in 720 records; fewer parts are more often in order, more need more cycles.
-PARTS, FALLING = 16, 6
+FADING_PARTS, FEWEST_FALLING = 16, 6
 # The motion falls by this much over those parts at least [neper]: then its damping is seen.
-LEAST_FALL = 1.0
+LEAST_FADED = 1.0
 # Starts that are tried, as shares of the stretch. The first may fail where the swings are largest; from the middle on
 # half of the amplitudes, on a logarithmic scale, are left.
-SHARES = (0.0, 0.25, 0.5)
+FADING_STARTS = (0.0, 0.25, 0.5)
 
 
 def decay_of_fading(signal: Signal, *, level: Decibel) -> Decay | None:
@@ -57,7 +57,7 @@ def decay_of_fading(signal: Signal, *, level: Decibel) -> Decay | None:
         return None
     first, last = stretch
     before = first
-    for share in SHARES:
+    for share in FADING_STARTS:
         begin = first + round(share * (last - first))
         found = _explained(signal, begin, last)
         if found is None:
@@ -83,16 +83,19 @@ def falling(signal: Signal) -> tuple[int, int] | None:
     >>> falling(Signal(start=0.0, step=0.01, values=motion[None], channels=("seat",)))
     (200, 1600)
     """
-    size = signal.values.shape[1] // PARTS
+    size = signal.values.shape[1] // FADING_PARTS
     if size < 2:
         return None
-    parts = signal.values[:, : PARTS * size].reshape(-1, PARTS, size)
+    parts = signal.values[:, : FADING_PARTS * size].reshape(-1, FADING_PARTS, size)
     power = np.var(parts, axis=2)
     power = np.sum(power / np.maximum(np.max(power, axis=1, keepdims=True), 1e-300), axis=0)
     largest = int(np.argmax(power))
     falls = np.diff(power[largest:]) < 0
     count = falls.size if falls.all() else int(np.argmin(falls))
-    if count + 1 < FALLING or np.log(power[largest] / max(float(power[largest + count]), 1e-300)) < 2 * LEAST_FALL:
+    if (
+        count + 1 < FEWEST_FALLING
+        or np.log(power[largest] / max(float(power[largest + count]), 1e-300)) < 2 * LEAST_FADED
+    ):
         return None
     return largest * size, signal.values.shape[1] if falls.all() else (largest + count + 1) * size
 
