@@ -508,3 +508,37 @@ class TestOnAPage:
         ):
             ends = [float(end) for end in quantity.reach.split(" to ")]
             assert ends == pytest.approx(scale * np.array(found.interval(0.9)[name]), rel=2e-2)
+
+
+@pytest.mark.parametrize("mass", [499.4, 448.5, 371.3])
+def test_a_resonance_narrower_than_the_sweep_is_met(mass: float) -> None:
+    """With a dead damper the body resonates between two frequencies of the sweep; a search on a fine grid finds it."""
+    car = quarter_car(chassis_mass=mass, tire_mass=44, chassis_stiffness=34764, tire_stiffness=198726,
+                      chassis_damping=52, tire_damping=520)  # fmt: skip
+    wheels = wheels_of(car)
+    hertz = np.linspace(0.5, 3.0, 20_001)
+    force = np.abs(contact(wheels, hertz)[0][0])
+    own = float(static_loads(wheels)[0][0])
+    found = grip(car)
+    assert found.least[0] <= 1 - 0.003 * force.max() / own + 1e-6
+    assert found.adhesion_hertz[0] == pytest.approx(hertz[np.argmax(force)], abs=2e-4)
+
+
+def test_classes_that_the_interval_reaches_are_said() -> None:
+    car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3,
+                      chassis_damping=1300, tire_damping=50)  # fmt: skip
+    said = [c.remark for c in grip(car, nominal_std=0.05).verdict.checks if c.level is Level.CARE]
+    assert [remark.code for remark in said] == [GripCheck.BETWEEN_CLASSES]
+    assert (said[0].numbers["worst"], said[0].numbers["best"]) == ("good", "excellent")
+
+
+def test_a_ride_needs_a_load_on_every_wheel() -> None:
+    """A seat far ahead of the front wheels takes the load off the rear ones: no figure of such a car holds."""
+    car = half_car(
+        seat_mass=80, chassis_mass=600, pitch_inertia=800, front_tire_mass=40, rear_tire_mass=40, cg_to_front=1.2,
+        cg_to_rear=1.4, seat_ahead=200.0, seat_stiffness=10e3, front_stiffness=20e3, rear_stiffness=20e3,
+        front_tire_stiffness=200e3, rear_tire_stiffness=200e3, seat_damping=500, front_damping=1500, rear_damping=1500,
+    )  # fmt: skip
+    for verb in (partial(ride, road="C", speed=20), grip):
+        with pytest.raises(InputError, match="the car as described stands on fewer wheels"):
+            verb(car)

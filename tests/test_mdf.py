@@ -179,7 +179,7 @@ class TestCanFrames:
         assert table.unusable["CAN_DataFrame"] == Remark(LeftOut.UNKNOWN_FRAMES, {"ids": "bus 1: 0x7E8"})
 
     def test_without_a_database_their_ids_are_listed(self, tmp_path: Path) -> None:
-        with pytest.raises(RecordError, match=r"raw CAN frames \(bus 3: 0x123, 0x7E8\); decode them with --dbc FILE"):
+        with pytest.raises(RecordError, match=r"raw CAN frames \(bus 3: 0x123, 0x7E8\); decode them with dbc="):
             read_mdf(put(tmp_path, can(self.IDS, self.PAYLOADS, bus=3)))
 
     def test_a_database_that_knows_none(self, tmp_path: Path, dbc: Path) -> None:
@@ -243,7 +243,7 @@ class TestRecordsOfOthers:
             assert np.median(vertical) == pytest.approx(up, abs=0.1)
 
     def test_needs_its_database(self) -> None:
-        with pytest.raises(RecordError, match="0x7E8.*0x17F00010.*--dbc FILE"):
+        with pytest.raises(RecordError, match="0x7E8.*0x17F00010.*dbc="):
             read_mdf(DATA / "00000164_00000001-60FE3F04.MF4")
 
 

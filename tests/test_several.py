@@ -68,13 +68,15 @@ def codes(found: Analysis) -> set[object]:
 class TestOfOneStructure:
     def test_modes_are_joint_and_better_known(self, write: Write) -> None:
         paths = [write("a"), write("b", turned=True), write("c")]
-        joint, alone = analyse(paths), analyse(paths[0])
+        joint, alone = analyse(paths), [analyse(path) for path in paths]
         exact = eigenmodes(CAR)
-        assert joint.verdict.level is alone.verdict.level is Level.SOUND
+        assert {joint.verdict.level, *(one.verdict.level for one in alone)} == {Level.SOUND}
         assert joint.repeats is not None
         assert joint.repeats.names == ("a.csv", "b.csv", "c.csv") == tuple(joint.tests)
-        # Three records of the same length: a third of the variance.
-        assert np.allclose(std_of(joint), std_of(alone) / np.sqrt(3), rtol=0.3)
+        # Three records of the same length: a third of the variance. One of them may leave a further mode open by
+        # chance, which widens its own interval.
+        usual = np.median([std_of(one) for one in alone], axis=0)
+        assert np.allclose(std_of(joint), usual / np.sqrt(3), rtol=0.3)
         assert np.all(np.abs(joint.modes.wn - exact.wn) < 4 * std_of(joint))
 
     def test_a_clock_that_strays_is_resampled(self, write: Write) -> None:

@@ -36,6 +36,22 @@ def test_the_rates_are_those_of_equal_work(found: DamperTuning) -> None:
         assert work / speed**2 == pytest.approx(rate, rel=2e-3)
 
 
+def test_the_velocity_is_that_of_the_strut_and_has_no_weighting(found: DamperTuning) -> None:
+    """By a sum over the spectrum of the road: density G (n / n0)^-2, n0 = .1 1/m."""
+    hertz = np.geomspace(0.02, 300, 20_000)
+    s = 2j * np.pi * hertz
+    arms, road_arms = CAR.arms(CAR.coordinates), CAR.arms(CAR.roads)
+    for (kind, speed), rate, velocity in zip(ROADS, found.damping.tolist(), found.velocity.tolist(), strict=True):
+        car = CAR.with_parameters(damping={"chassis": rate})
+        b = np.array([[one.stiffness] for one in car.struts]) + np.array([[one.damping] for one in car.struts]) * s
+        D = np.einsum("ji,jf,jk->fik", arms, b, arms) + (s**2)[:, None, None] * car.M
+        q = -np.linalg.solve(D, np.einsum("ji,jf,jr->fir", arms, b, road_arms))[:, :, 0]
+        moved = arms[[one.name for one in car.struts].index("chassis")]
+        density = {"A": 16e-6, "B": 64e-6, "C": 256e-6, "D": 1024e-6}[kind] * (hertz / speed / 0.1) ** -2 / speed
+        power = np.abs(s * (q @ moved)) ** 2 * density
+        assert velocity == pytest.approx(np.sqrt(np.trapezoid(power, hertz)), rel=5e-3)
+
+
 def test_figures_are_those_of_these_rates(found: DamperTuning) -> None:
     for (kind, speed), rate, row in zip(ROADS, found.damping.tolist(), found.values, strict=True):
         car = CAR.with_parameters(damping={"chassis": rate})

@@ -8,13 +8,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from suspid.errors import InputError
-from suspid.model import positive_number
-from suspid.performance.contact import Wheels, contact, contact_by_hertz, resonance_slopes, static_loads
+from suspid.model import positive_number, state_matrix
+from suspid.performance.contact import Wheels, check_carried, contact, contact_by_hertz, resonance_slopes, static_loads
 from suspid.units import ComplexArray, Hertz, Metre, Newton, RealArray
 from suspid.values import nearest_names
 from suspid.wording import Argument
 
 GRID: Hertz = 0.05  # of the curves; a least value is refined between its neighbours
+# Places about a resonance that is narrower than the grid, in units of its half width: a valley between two of them is
+# followed to its bottom.
+ABOUT = np.array([-3.0, -1.0, 0.0, 1.0, 3.0])
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -43,7 +46,7 @@ def bench(
 ) -> Bench:
     """Return what a bench finds of a car."""
     load, load_slopes = _loads(wheels, parameters, loads)
-    hertz = np.arange(1, int(np.ceil(highest / GRID)) + 1) * (highest / np.ceil(highest / GRID))
+    hertz = _sweep(wheels, highest)
 
     def least_at(f: RealArray) -> tuple[RealArray, RealArray]:
         return _adhesion(*contact(wheels, f, parameters), load, load_slopes, amplitude)
@@ -80,6 +83,15 @@ def bench(
     )
 
 
+def _sweep(wheels: Wheels, highest: Hertz) -> RealArray:
+    """Return the frequencies of the curves: evenly spaced, and closer at resonances that are narrower than that."""
+    even = np.arange(1, int(np.ceil(highest / GRID)) + 1) * (highest / np.ceil(highest / GRID))
+    poles = np.linalg.eigvals(state_matrix(wheels.car)) / (2 * np.pi)
+    sharp = poles[(poles.imag > 0) & (-poles.real < GRID)]
+    about = np.abs(sharp)[:, None] + np.abs(sharp.real)[:, None] * ABOUT
+    return np.unique(np.concatenate([even, about[(about > 0) & (about <= highest)]]))
+
+
 def check_loads(given: object, wheels: Sequence[str]) -> None:
     """Refuse loads that are none of the wheels.
 
@@ -108,8 +120,7 @@ def _loads(
     for i, name in enumerate(wheels.names):
         if name in (given or {}):
             load[i], slopes[:, i] = (given or {})[name], 0.0
-        if load[i] <= 0:
-            raise InputError(f"wheel {name!r} carries {load[i]:.0f} N: the car as described stands on fewer wheels")
+        check_carried(name, load[i])
     return load, slopes
 
 

@@ -15,7 +15,7 @@ import numpy as np
 from suspid.errors import InputError
 from suspid.model import Suspension
 from suspid.performance.strut_slopes import strut_slopes
-from suspid.units import STANDARD_GRAVITY, ComplexArray, Hertz, RealArray, Second
+from suspid.units import STANDARD_GRAVITY, ComplexArray, Hertz, Newton, RealArray, Second
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -155,6 +155,34 @@ def static_loads(wheels: Wheels, parameters: Sequence[str] = ()) -> tuple[RealAr
             if strut.name == owner and quantity == "stiffness":
                 slopes[row] = unit[j] * stretch[j]
     return _weight(car, lift) @ by_road, slopes
+
+
+def carried_loads(wheels: Wheels, parameters: Sequence[str] = ()) -> tuple[RealArray, RealArray]:
+    """Return `static_loads` of a car that stands on all of its wheels.
+
+    Raises
+    ------
+    InputError
+        As `static_loads`, or if a wheel carries nothing.
+
+    Examples
+    --------
+    >>> from suspid import quarter_car
+    >>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3, tire_stiffness=200e3,
+    ...                   chassis_damping=1500)
+    >>> carried_loads(wheels_of(car))[0].round(1).tolist()
+    [4314.9]
+    """
+    load, slopes = static_loads(wheels, parameters)
+    for name, own in zip(wheels.names, load.tolist(), strict=True):
+        check_carried(name, own)
+    return load, slopes
+
+
+def check_carried(wheel: str, load: Newton) -> None:
+    """Refuse a wheel on which nothing rests."""
+    if load <= 0:
+        raise InputError(f"wheel {wheel!r} carries {load:.0f} N: the car as described stands on fewer wheels")
 
 
 def static_stretch(wheels: Wheels) -> tuple[RealArray, RealArray]:

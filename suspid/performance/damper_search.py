@@ -52,7 +52,8 @@ def on_road(car: Suspension, strut: str, plan: Plan, rates: RealArray) -> OnRoad
         one = car.with_parameters(damping={strut: rate})
         grid = exact_grid(one, plan.signals, plan.road)
         figures.append(plan.values(one, grid=grid)[0])
-        speeds.append(moments(one, travel, grid).rate[0])
+        # The grid of the figures holds their weighting; the velocity has none.
+        speeds.append(moments(one, travel, exact_grid(one, travel, plan.road)).rate[0])
     logs = np.log(np.maximum(figures, NO_FIGURE))
     return OnRoad(
         road=plan.road,

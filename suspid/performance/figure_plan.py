@@ -9,7 +9,7 @@ import numpy as np
 
 from suspid.errors import InputError
 from suspid.model import Suspension, check_linear, output_rows, output_weights
-from suspid.performance.contact import static_loads, wheels_of
+from suspid.performance.contact import carried_loads, wheels_of
 from suspid.performance.figures import (
     Formula,
     Moment,
@@ -97,7 +97,7 @@ class Plan:
         found = moments(car, self.signals, used, parameters=parameters, relaxations=relaxations)
         loads: tuple[RealArray, RealArray] | None = None
         if self.signals.loads:
-            loads = static_loads(wheels_of(car), parameters)
+            loads = carried_loads(wheels_of(car), parameters)
         motions = len(self.signals.weightings)
         pairs = []
         for _, at, formula in self.formulas.values():

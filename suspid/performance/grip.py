@@ -14,7 +14,7 @@ from suspid.levels import LEVEL
 from suspid.model import Suspension, check_linear, positive_number
 from suspid.performance.bench import Bench, bench, check_loads
 from suspid.performance.contact import Wheels, static_loads, wheels_of
-from suspid.performance.grips import PHASE_LIMIT, Grip
+from suspid.performance.grips import PHASE_LIMIT, Grip, class_of_adhesion
 from suspid.performance.plausibility import plausible, plausible_loads
 from suspid.performance.reaches import bends_of, spreads
 from suspid.performance.uncertain import Car, Uncertain, uncertain
@@ -196,6 +196,17 @@ def _weighed(found: Grip, car: Suspension, weighed: Mapping[str, Newton]) -> Ite
             yield from plausible_loads(dict(zip(found.wheels, own.tolist(), strict=True)), weighed)
 
 
+def _between_classes(found: Grip, wheel: int, ends: tuple[float, float]) -> Iterator[Check]:
+    """Yield which classes of adhesion the interval of a wheel reaches, where it reaches several."""
+    low, high = (class_of_adhesion(end) for end in ends)
+    if low != high:
+        numbers: dict[str, Number] = {
+            "wheel": found.wheels[wheel], "least": 100 * float(found.adhesion[wheel]), "low": 100 * float(ends[0]),
+            "high": 100 * float(ends[1]), "worst": low, "best": high,
+        }  # fmt: skip
+        yield Check(Remark(GripCheck.BETWEEN_CLASSES, numbers), Level.CARE)
+
+
 def _against_limits(found: Grip) -> Iterator[Check]:
     """Yield what the limit of the phase says of each wheel, and which wheels leave the platform."""
     ends, limit = found.interval(LEVEL), float(np.degrees(PHASE_LIMIT))
@@ -210,6 +221,7 @@ def _against_limits(found: Grip) -> Iterator[Check]:
             yield Check(
                 Remark(GripCheck.PASSES if passes else GripCheck.FAILS, numbers), Level.SOUND if passes else Level.CARE
             )
+        yield from _between_classes(found, i, ends[f"{wheel}.adhesion"])
         if found.resonances[i, 1] > found.hertz[-1]:
             top: dict[str, Number] = {
                 "wheel": wheel, "hertz": float(found.resonances[i, 1]), "highest": float(found.hertz[-1]),

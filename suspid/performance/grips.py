@@ -17,10 +17,16 @@ from suspid.words import Verdict
 
 # EUSAMA's classes: least adhesion of each [1], as publications quote its recommendation TS 02-76.
 CLASSES = {"excellent": 0.6, "good": 0.4, "fair": 0.2, "poor": 0.0}
+
 # EGEA SPECSUS2018, as publications quote it: a wheel whose least phase is below this fails [rad].
 PHASE_LIMIT = float(np.radians(35.0))
 
 Figure: TypeAlias = Literal["adhesion", "phase"]
+
+
+def class_of_adhesion(least: float) -> str:
+    """Return EUSAMA's class of a least contact force over the static one."""
+    return next((name for name, limit in CLASSES.items() if least >= limit), "poor")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False, repr=False)
@@ -110,7 +116,7 @@ class Grip(Result):
     @property
     def classes(self) -> tuple[str, ...]:
         """EUSAMA's class of each wheel: excellent from 60 %, good from 40 %, fair from 20 %, else poor."""
-        return tuple(next(name for name, least in CLASSES.items() if one >= least) for one in self.adhesion)
+        return tuple(class_of_adhesion(one) for one in self.adhesion)
 
     @property
     def stiff(self) -> tuple[bool, ...]:

@@ -31,6 +31,10 @@ class GripCheck(Code):
         "{wheel}: EGEA's limit of {limit:.0f} deg lies inside the interval of the least phase, {low:.1f} to {high:.1f} "
         "deg.",
     )
+    BETWEEN_CLASSES = (
+        "between classes",
+        "{wheel}: the interval of the adhesion, {low:.0f} to {high:.0f} %, reaches from {worst} to {best}.",
+    )
     STIFF = (
         "stiff",
         "{wheel}: the phase is least at the wheel's resonance: the damper is so strong that a stronger one would have "
