@@ -190,3 +190,18 @@ def test_json_of_a_tuning_has_the_cars(car: Path) -> None:
         again = ride(read_car(made), road="C", speed=20.0)
         for name, value in one["figures"].items():
             assert again[name] == pytest.approx(value, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["ride", "CAR", *DRIVE, "--road", "D"], "'--road': given twice"),
+        (["ride", "CAR", *DRIVE, "--speed=30"], "'--speed': given twice"),
+        (["tune", "CAR", *DRIVE, *2 * ["--bound", "chassis.damping", "500", "4000"]], "has bounds already"),
+        (["ride", "CAR", *DRIVE, "--duration", "1e20"], "--duration 1e+20 s is outside of 1 to 1e+09 s"),
+    ],
+)
+def test_an_option_that_would_count_for_nothing_is_refused(car: Path, words: list[str], message: str) -> None:
+    shown = run(*(car if word == "CAR" else word for word in words))
+    assert shown.exit_code in (1, 2)
+    assert message in shown.output

@@ -103,6 +103,11 @@ class TestWeightings:
         with pytest.raises(InputError, match="there is no weighting 'Wz'"):
             weighting("Wz", 1.0)
 
+    @pytest.mark.parametrize("hertz", [1j, None, np.nan, np.inf, 1e300, "1", True, [1.0, np.nan], [[1.0], [1.0, 2.0]]])
+    def test_frequencies_that_are_none_are_refused(self, hertz: object) -> None:
+        with pytest.raises(InputError, match="write a frequency in Hz such as 4.0"):
+            weighting("Wk", hertz)  # type: ignore[arg-type]
+
 
 class TestSpectra:
     def test_a_mode_without_damping_has_no_variance(self) -> None:
@@ -363,6 +368,9 @@ class TestRequests:
             ({"road": "B", "speed": 20.0, "weightings": {"chassis_acceleration": "Wx"}}, "there is no weighting 'Wx'"),
             ({"road": "B", "speed": 20.0, "weightings": {"body_acceleration": "Wk"}}, "there is no output"),
             ({"road": "B", "speed": 20.0, "duration": 0.0}, "duration = 0 s must be positive"),
+            ({"road": "B", "speed": 20.0, "duration": 1e-9}, "duration=1e-09 s is outside of 1 to 1e+09 s"),
+            ({"road": "B", "speed": 20.0, "duration": 1e20}, "duration=1e+20 s is outside of 1 to 1e+09 s"),
+            ({"road": "B", "speed": 20.0, "weightings": {}}, "weightings is empty; leave it out"),
             ({"road": "B", "speed": 20.0, "duration": "h"}, "duration = 'h' is not a number"),
             ({"road": True, "speed": 20.0}, "roughness=True must be G_d(n_0)"),
             ({"road": 1e300, "speed": 20.0}, "roughness=1e+300 must be G_d(n_0)"),

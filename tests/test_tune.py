@@ -314,6 +314,7 @@ class TestDefaults:
         ({"points": 2.5}, "must be a whole number"),
         ({"objective": 5}, "must be one figure or two"),
         ({"parameters": [5]}, "must be a sequence of names"),
+        ({"parameters": [[]]}, "must be a sequence of names"),
         ({"constraints": {"chassis.travel": True}}, "must be a positive number"),
         ({"robust": "x"}, "must be a number of standard deviations"),
         ({"robust": 1.0}, "nothing is uncertain"),

@@ -53,6 +53,19 @@ def stopped_code(stop: KeyboardInterrupt) -> int:
     return 128 + (signal.SIGTERM if isinstance(stop, Terminated) else signal.SIGINT)
 
 
+def check_once(command: click.Command, above: click.Context, arguments: list[str]) -> None:
+    """Refuse an option of one value that is given twice, of which the last would count without a word."""
+    ctx = click.Context(command, info_name=command.name, parent=above)
+    try:
+        _, _, given = command.make_parser(ctx).parse_args(list(arguments))
+    except click.UsageError:
+        return  # The command itself says what is wrong.
+    for option in given:
+        several = not isinstance(option, click.Option) or option.multiple or option.is_flag or option.count
+        if given.count(option) > 1 and not several:
+            raise click.BadParameter("given twice; it takes one value.", ctx=ctx, param=option)
+
+
 # Commands whose output is read for the options of another one.
 FOLLOWED_BY = {"channels": "identify"}
 
@@ -87,5 +100,6 @@ class Commands(click.Group):
         """Return the command that was asked for; until it ends, all texts name its options instead of arguments."""
         name, command, rest = super().resolve_command(ctx, args)
         if command is not None:
+            check_once(command, ctx, rest)
             ctx.with_resource(in_options(command, self.commands.get(FOLLOWED_BY.get(name or "", ""))))
         return name, command, rest

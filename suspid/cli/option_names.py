@@ -21,6 +21,7 @@ ARGUMENTS_AS_OPTIONS = {
     "constraints": "--limit",
     "dbc": "--dbc",
     "decay": "--decay",
+    "duration": "--duration",
     "delays": "--delay",
     "fixed": "--fixed",
     "free_masses": "--free-mass",

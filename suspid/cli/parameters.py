@@ -41,7 +41,7 @@ class Wanted:
         """Return arguments of `reconstruct` and `estimate`, or refuse the options as a usage error."""
         return {
             "fixed": names_in(self.fixed),
-            "bounds": _bounds_by_name(self.bounds),
+            "bounds": bounds_by_name(self.bounds),
             "ties": _equal_names(self.ties),
             "nominal_std": self.nominal_std,
             "free_masses": names_in(self.free_masses),
@@ -177,7 +177,7 @@ writing: Decorator = packed(
 )
 
 
-def _bounds_by_name(given: Sequence[tuple[str, float, float]]) -> dict[str, tuple[float, float]]:
+def bounds_by_name(given: Sequence[tuple[str, float, float]]) -> dict[str, tuple[float, float]]:
     """Return the bounds by parameter, each given once."""
     bounds: dict[str, tuple[float, float]] = {}
     for name, low, high in given:

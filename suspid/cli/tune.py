@@ -10,6 +10,7 @@ import click
 
 from suspid.cli.options import AT_SPEED, CAR_FILE, FILE, ON_ROAD, names_in, pairs, road_named
 from suspid.cli.output import check_apart, said_warnings, say
+from suspid.cli.parameters import bounds_by_name
 from suspid.cli.quantities import Positive, Whole
 from suspid.cli.ridden import car_of
 from suspid.cli.ride import GIVEN_STOPS, PICTURE_OF_RIDE, STATED_STD, drawing
@@ -100,7 +101,7 @@ def tune_command(
             road=road_named(road) or 0.0,
             speed=speed,
             constraints=constraints,
-            bounds={name: (low, high) for name, low, high in bounds},
+            bounds=bounds_by_name(bounds),
             points=points,
             robust=robust or 0.0,
             clearance=pairs(clearance, "--clearance", float),

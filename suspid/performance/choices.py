@@ -54,7 +54,10 @@ class Choice:
 def choice_of(about: Uncertain, parameters: Sequence[str | Sequence[str]], robust: Ratio) -> Choice:
     """Return the unknowns of a request."""
     known = parameter_values(about.car)
-    listed = isinstance(parameters, tuple | list) and all(isinstance(one, str | tuple | list) for one in parameters)
+    listed = isinstance(parameters, tuple | list) and all(
+        isinstance(one, str) or (isinstance(one, tuple | list) and one and all(isinstance(name, str) for name in one))
+        for one in parameters
+    )
     if not (listed and parameters):
         raise InputError(
             Argument("parameters", repr(parameters)), " must be a sequence of names such as ['chassis.damping']"

@@ -211,6 +211,8 @@ def checked_weightings(given: Mapping[str, str | Sequence[str]]) -> dict[str, tu
     form = ' must map channels to weightings, as in {"seat_acceleration": "Wk"} or ["Wk", "Wf"]'
     if not isinstance(given, Mapping):
         raise InputError(Argument("weightings", f"{given!r:.80}"), form)
+    if not given:
+        raise InputError(Argument("weightings"), " is empty; leave it out for Wk and Wf of all accelerations; it", form)
     for channel, kinds in given.items():
         if not isinstance(channel, str):
             raise InputError(Argument("weightings"), f": {channel!r} is no name of a channel; it", form)

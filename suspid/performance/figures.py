@@ -9,9 +9,32 @@ from dataclasses import dataclass
 import numpy as np
 
 from suspid.errors import InputError
+from suspid.model import positive_number
 from suspid.performance.road_response import Moments
 from suspid.units import Metre, RealArray, Second
 from suspid.values import SMALLEST_SIZE
+from suspid.wording import Argument
+
+# Times of doses and peaks [s]: in less than a second a body on springs does not swing once, and no vehicle is driven
+# for longer than 30 years.
+LEAST_EXPOSURE, MOST_EXPOSURE = 1.0, 1e9
+
+
+def check_exposure(duration: object) -> None:
+    """Refuse a time of doses and peaks that is no number of seconds on a road.
+
+    Examples
+    --------
+    >>> check_exposure(1e20)
+    Traceback (most recent call last):
+    suspid.errors.InputError: duration=1e+20 s is outside of 1 to 1e+09 s; an hour is 3600
+    """
+    seconds = positive_number("duration", duration, "s")
+    if not LEAST_EXPOSURE <= seconds <= MOST_EXPOSURE:
+        raise InputError(
+            Argument("duration", f"{seconds:g}"),
+            f" s is outside of {LEAST_EXPOSURE:g} to {MOST_EXPOSURE:g} s; an hour is 3600",
+        )
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)

@@ -9,9 +9,9 @@ import numpy as np
 
 from suspid.cleaning import RecordLike, as_record
 from suspid.levels import PIECES_OF_RECORD
-from suspid.model import positive_number
 from suspid.performance.felt import Felt, felt_of, shown_by
 from suspid.performance.figure_plan import ROTATION, SICKNESS, TRAVEL, comfort_of
+from suspid.performance.figures import check_exposure
 from suspid.performance.reactions import reaction
 from suspid.performance.record_checks import record_checks
 from suspid.performance.rides import Ride
@@ -54,7 +54,8 @@ def recorded(
     felt, travels, unknown = felt_of(signal, weightings)
     felt, hidden = shown_by(signal, felt, asked=weightings is not None)
     seconds = signal.duration if duration is None else duration
-    positive_number("duration", seconds, "s")
+    if duration is not None:
+        check_exposure(duration)
     found: list[Measured] = []
     checks: list[Check] = []
     for one in felt:

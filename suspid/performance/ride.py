@@ -11,8 +11,9 @@ from suspid.arguments import explained
 from suspid.cleaning import RecordLike
 from suspid.errors import InputError
 from suspid.files import printable
-from suspid.model import ModalSet, Suspension, output_rows, positive_number
+from suspid.model import ModalSet, Suspension, output_rows
 from suspid.performance.figure_plan import ROTATION, SICKNESS, Plan, comfort_of, plan_of
+from suspid.performance.figures import check_exposure
 from suspid.performance.plausibility import plausible
 from suspid.performance.reaches import bends_of, spreads
 from suspid.performance.reactions import reaction
@@ -114,7 +115,7 @@ def ride(
     with within_numbers():
         about = uncertain(car, nominal_std)
         seconds = HOUR if duration is None else duration
-        positive_number("duration", seconds, "s")
+        check_exposure(seconds)
         driven = driven_road(about.car, road, speed)
         plan = plan_of(about.car, driven, duration=seconds, weightings=weightings, clearance=clearance)
         values, jacobian = plan.values(about.car, parameters=about.parameters, relaxations=about.relaxations)

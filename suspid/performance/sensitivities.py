@@ -10,10 +10,11 @@ import numpy as np
 from suspid.arguments import explained
 from suspid.errors import InputError
 from suspid.levels import ROUNDING
-from suspid.model import Suspension, check_linear, positive_number, statespace
+from suspid.model import Suspension, check_linear, statespace
 from suspid.performance.bench import bench as bench_of
 from suspid.performance.contact import wheels_of
 from suspid.performance.figure_plan import plan_of
+from suspid.performance.figures import check_exposure
 from suspid.performance.grip import PLATFORM, SWEEP_TOP
 from suspid.performance.ride import HOUR, driven_road
 from suspid.performance.strut_slopes import strut_slopes
@@ -141,7 +142,7 @@ def sensitivities(
     about = suspension_of(car)
     check_linear(about, "sensitivities")
     known = parameter_values(about)
-    positive_number("duration", duration, "s")
+    check_exposure(duration)
     if parameters is None:
         parameters = [name for name in parameter_names(about) if known[name] and not name.endswith(".mass")]
     check_names("parameters", parameters, "chassis.damping")

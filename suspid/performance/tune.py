@@ -9,9 +9,10 @@ import numpy as np
 from suspid.arguments import explained
 from suspid.errors import InputError
 from suspid.levels import CERTAIN
-from suspid.model import Suspension, positive_number
+from suspid.model import Suspension
 from suspid.performance.choices import Choice, box_of, choice_of
 from suspid.performance.figure_plan import Plan, plan_of
+from suspid.performance.figures import check_exposure
 from suspid.performance.fronts import SAME_FIGURE, Search, front_of
 from suspid.performance.joined import Joined, joined
 from suspid.performance.relations import Limits, check_largest, relations_of, split
@@ -112,7 +113,7 @@ def tune(
     about = uncertain(car, nominal_std)
     objective = comfort_and_load(about.car) if objective is None else objective
     wanted = tuple(objective) if isinstance(objective, tuple | list) else (objective,)
-    positive_number("duration", duration, "s")
+    check_exposure(duration)
     limits, related = split(constraints)
     _check(wanted, limits, points, robust)
     driven = driven_road(about.car, road, speed)

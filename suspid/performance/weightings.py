@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -12,7 +13,8 @@ from numpy.typing import ArrayLike
 from suspid.arguments import explained
 from suspid.errors import InputError
 from suspid.units import ComplexArray, Hertz, Ratio, RealArray, Second
-from suspid.values import nearest_names
+from suspid.values import LARGEST_SIZE, nearest_names
+from suspid.wording import Argument
 
 
 class Weighting(NamedTuple):
@@ -70,7 +72,7 @@ def weighting(name: str, hertz: ArrayLike) -> ComplexArray:
     Raises
     ------
     InputError
-        If there is no such weighting.
+        If there is no such weighting, or frequencies are no real numbers of usual size.
 
     Examples
     --------
@@ -80,7 +82,7 @@ def weighting(name: str, hertz: ArrayLike) -> ComplexArray:
     0.7718
     """
     w = weighting_named(name)
-    s = 2j * np.pi * np.asarray(hertz, float)
+    s = 2j * np.pi * _frequencies(hertz)
     w1, w2, w3, w4, w5, w6 = (2 * np.pi * f for f in (w.f1, w.f2, w.f3, w.f4, w.f5, w.f6))
     response = w.gain * s**2 / (s**2 + BUTTERWORTH * w1 * s + w1**2) / (1 + BUTTERWORTH * s / w2 + (s / w2) ** 2)
     response *= (1 + s / w3) / (1 + s / (w.q4 * w4) + (s / w4) ** 2)
@@ -88,6 +90,18 @@ def weighting(name: str, hertz: ArrayLike) -> ComplexArray:
         rise = (1 + s / (w.q5 * w5) + (s / w5) ** 2) / (1 + s / (w.q6 * w6) + (s / w6) ** 2)
         response *= rise * (w5 / w6) ** 2
     return np.asarray(response)
+
+
+def _frequencies(hertz: ArrayLike) -> RealArray:
+    """Return frequencies as an array of numbers [Hz]."""
+    with suppress(ValueError):  # Rows of different lengths are no array.
+        given = np.asarray(hertz)
+        if given.dtype.kind in "iuf" and np.all(np.abs(given) <= LARGEST_SIZE):
+            return np.asarray(given, float)
+    raise InputError(
+        Argument("hertz", f"{hertz!r:.40}"),
+        f" must be real and finite, at most {LARGEST_SIZE:g}: write a frequency in Hz such as 4.0, or an array of them",
+    )
 
 
 def weighted(values: RealArray, step: Second, name: str) -> RealArray:
