@@ -25,6 +25,7 @@ from suspid import (
     quarter_car,
     reconstruct,
     ride,
+    sensitivities,
     statespace,
 )  # fmt: skip
 from suspid.performance.contact import contact, static_loads, wheels_of
@@ -474,6 +475,19 @@ class TestReaches:
             low, high = reaches(np.eye(2)[:, :1], covariance, np.array([9.0, max(parameter, 0.0)]), 1.96)
             held += figure - low[0] <= 0 <= figure + high[0]
         assert 0.93 < held / draws < 0.98
+
+    def test_sensitivities_are_of_the_same_car(self, found: Estimate) -> None:
+        """A mount that is known so badly that the modes leave it out takes part in both."""
+        own = replace(
+            found, parameters=(*found.parameters, "chassis.relaxation"), values=np.append(found.values, 2e-3),
+            covariance=np.pad(found.covariance, (0, 1)) + np.diag([0.0] * len(found.values) + [1e-6]),
+        )  # fmt: skip
+        moved = sensitivities(own, road="C", speed=20, bench=True)
+        figures = dict(zip(moved.names, moved.values.tolist(), strict=True))
+        rides = ride(own, road="C", speed=20)
+        assert figures["tire.phase"] == pytest.approx(grip(own).phase[0], rel=1e-9)
+        assert figures["tire.load"] == pytest.approx(rides["tire.load"], rel=1e-9)
+        assert grip(own).phase[0] != pytest.approx(grip(found).phase[0], rel=1e-3)
 
     def test_a_rigid_mount_is_no_doubt_on_the_side_of_negative_ones(self, found: Estimate) -> None:
         """A relaxation of zero that is known to 1 ms: the figures of softer mounts alone are added to the interval."""

@@ -18,7 +18,7 @@ from suspid.performance.figures import check_exposure
 from suspid.performance.grip import PLATFORM, SWEEP_TOP
 from suspid.performance.ride import HOUR, driven_road
 from suspid.performance.strut_slopes import strut_slopes
-from suspid.performance.uncertain import Car, suspension_of
+from suspid.performance.uncertain import Car, uncertain
 from suspid.reconstruction import parameter_names, parameter_values
 from suspid.results import Result
 from suspid.simulation import Road
@@ -139,7 +139,8 @@ def sensitivities(
        mode 2.wn   67.55              +0.05           +0.46            -0.02
      mode 2.zeta  0.1971              -0.03           -0.48            +1.01
     """
-    about = suspension_of(car)
+    own = uncertain(car)
+    about, relaxations = own.car, own.relaxations
     check_linear(about, "sensitivities")
     known = parameter_values(about)
     check_exposure(duration)
@@ -167,12 +168,12 @@ def sensitivities(
         plan = plan_of(
             about, driven_road(about, road, speed), duration=duration, weightings=weightings, clearance=clearance
         )
-        figures, jacobian = plan.values(about, parameters=parameters)
+        figures, jacobian = plan.values(about, parameters=parameters, relaxations=relaxations)
         names += list(plan.formulas)
         values += figures.tolist()
         rows += list(_relative(figures, jacobian * at))
     if bench:
-        tested = bench_of(wheels_of(about), parameters, None, PLATFORM, SWEEP_TOP)
+        tested = bench_of(wheels_of(about, relaxations), parameters, None, PLATFORM, SWEEP_TOP)
         names += [f"{wheel}.{figure}" for figure in ("adhesion", "phase") for wheel in tested.wheels.names]
         count = len(tested.wheels.names)
         # A wheel that leaves the platform has no adhesion, as in `grip`.
