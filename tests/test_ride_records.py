@@ -132,6 +132,49 @@ class TestVerdict:
                 float(np.std(NOISE)), rel=0.03
             )
 
+    @pytest.mark.parametrize("level", [0.0, 0.5, -3.0])
+    def test_rest_has_a_level_of_its_own(self, level: float) -> None:
+        found = of(np.where(T < 20, level, NOISE))
+        said = {note.code: note.numbers for note in found.verdict.notes}
+        assert said[RideCheck.REST]["share"] == pytest.approx(1 / 3, abs=0.02)
+
+    def test_a_parked_car_has_no_ride(self) -> None:
+        assert of(0.01 * NOISE).verdict.level is Level.DOUBTFUL
+
+
+class TestSizes:
+    """What no ride has is doubted, with the unit that explains it."""
+
+    @pytest.mark.parametrize(
+        ("factor", "level", "units"),
+        [(1000.0, 0.0, ("mg", "mm/s2", "cm/s2")), (1e9, 0.0, ()), (20.0, 0.0, None), (1.0, 0.3, None)],
+    )
+    def test_accelerations(self, factor: float, level: float, units: tuple[str, ...] | None) -> None:
+        found = of(factor * NOISE + level)
+        said = {doubt.code: doubt.numbers for doubt in found.verdict.doubts}
+        if units is None:
+            assert found.verdict.level is Level.SOUND
+        else:
+            assert said[RideCheck.TOO_LARGE]["units"] == units
+            assert found.verdict.level is Level.DOUBTFUL
+
+    @pytest.mark.parametrize(("unit", "one"), [("g", 1.0), ("mg", 1000.0), ("cm/s2", 980.665), ("mm/s2", 9806.65)])
+    def test_gravity_tells_the_unit(self, unit: str, one: float) -> None:
+        samples = one * (-1.02 + 0.1 * NOISE)
+        found = of(samples)
+        assert RideCheck.GRAVITY_IN in doubts(found)
+        assert f"is that of gravity in {unit}," in str(found)
+        stated = of(samples, f"seat_acceleration [{unit}]")
+        assert stated.verdict.level is Level.SOUND
+        assert RideCheck.GRAVITY in [note.code for note in stated.verdict.notes]
+
+    def test_nothing_and_travels(self) -> None:
+        assert {RideCheck.TOO_SMALL, RideCheck.REST} <= set(doubts(of(1e-5 * NOISE)))
+        found = ride(as_response(T, np.array([NOISE, 30 * NOISE]), ["seat_acceleration", "front_travel"]))
+        assert doubts(found) == [RideCheck.TOO_FAR]
+        assert "in mm or cm" not in str(found)
+        assert "most likely it is in mm;" in str(found)
+
 
 class TestRates:
     @pytest.mark.parametrize("kind", ["Wk", "Wf"])

@@ -38,6 +38,7 @@ class Felt:
     turn: str  # what it is the acceleration of: m or rad
     kinds: tuple[str, ...]
     unit: str  # as the name states it; empty where it states none or SI
+    level: float = 0.0  # its mean
 
 
 def felt_of(
@@ -146,10 +147,12 @@ def _felt(signal: Signal, row: int, name: str, kinds: tuple[str, ...]) -> Felt:
         raise InputError(
             Argument("weightings"), f": {channel!r} is named like no acceleration, which alone is weighted; rename it"
         )
-    about = (signal.values[row] - signal.values[row].mean()) * factor
+    mean = float(signal.values[row].mean())
+    about = (signal.values[row] - mean) * factor
     if not np.ptp(about):
         raise InputError(f"channel {channel!r} shows no motion: constant at {signal.values[row, 0]:g}; leave it out")
-    return Felt(name=name, samples=np.asarray(about), turn=si.partition("/")[0] or turn, kinds=kinds, unit=unit)
+    turn = si.partition("/")[0] or turn
+    return Felt(name=name, samples=np.asarray(about), turn=turn, kinds=kinds, unit=unit, level=mean * factor)
 
 
 def _unit(channel: str) -> tuple[str, float, str]:

@@ -32,7 +32,9 @@ def record_checks(
     if share:
         more = (1 - share) ** -0.5 if share < 1 else float("nan")
         limit = DriveLimits().least_vibration
-        yield Check(Remark(RideCheck.REST, {"share": share, "limit": limit, "factor": more}), Level.NOTE)
+        # Of a car that never moves, the figures are those of its sensors and of its engine.
+        level = Level.NOTE if share < 1 else Level.DOUBTFUL
+        yield Check(Remark(RideCheck.REST, {"share": share, "limit": limit, "factor": more}), level)
     for one in (*felt, *travels):
         if one.unit:
             numbers: dict[str, Number] = {"channel": one.name, "unit": one.unit}
@@ -60,6 +62,8 @@ def rest_share(signal: Signal, felt: Sequence[Felt]) -> Ratio:
     blocks = np.array([row[: count * size].reshape(count, size) for row in rows])
     hertz = np.fft.rfftfreq(size, signal.step)
     within = (hertz >= low) & (hertz <= high)
+    # At rest a sensor has another mean than on the move: the brake holds the body, the road is not level.
+    blocks -= blocks.mean(axis=-1, keepdims=True)
     # A window, as the drift within a block would leak into the band; 3/8 is its mean square.
     power = np.abs(np.fft.rfft(blocks * np.hanning(size))[..., within]) ** 2
     rms = np.sqrt(2 * np.sum(power, axis=-1) / size**2 / 0.375)

@@ -8,12 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from suspid.cleaning import RecordLike, as_record
+from suspid.io import bare_name, bracketed_unit
 from suspid.levels import PIECES_OF_RECORD
 from suspid.performance.felt import Felt, felt_of, shown_by
 from suspid.performance.figure_plan import ROTATION, SICKNESS, TRAVEL, comfort_of
 from suspid.performance.figures import check_exposure
 from suspid.performance.reactions import reaction
 from suspid.performance.record_checks import record_checks
+from suspid.performance.record_sizes import implausible
 from suspid.performance.rides import Ride
 from suspid.performance.weightings import weighted
 from suspid.signals import as_signal
@@ -74,6 +76,8 @@ def recorded(
     hertz, density = welch(np.array([one.samples for one in felt]), 1 / signal.step, nperseg=length)
     averaged = (count - length // 2) // (length - length // 2)
     checks += record_checks(signal, felt, travels, hidden, unknown)
+    stated = {bare_name(name) for name in signal.channels if bracketed_unit(name)}
+    checks += implausible(felt, travels, {one.name: one.value for one in found}, stated)
     none = np.zeros((len(found), 0))
     return Ride(
         figures=tuple(one.name for one in found),

@@ -46,8 +46,29 @@ def _rest(numbers: Numbers) -> str:
         f"which counts in all figures"
     )
     if numbers["share"] >= 1:
-        return f"{said}."
+        return f"{said}: they are those of sensors and engine, and of no ride."
     return f"{said}: over the time of driving alone each rms is {numbers['factor']:.3g} times as large."
+
+
+def _in_other_units(numbers: Numbers) -> str:
+    """Return the units that may be meant, and what to do."""
+    units = numbers["units"]
+    likely = f"most likely it is in {' or '.join(units)}" if units else "most likely it is in counts or volts"
+    return f"{likely}; state the unit in brackets behind its name, or scale it"
+
+
+def _too_large(numbers: Numbers) -> str:
+    return (
+        f"{numbers['channel']}: {amount(numbers['weighted'])} {numbers['unit']} weighted is above "
+        f"{numbers['limit']:g}, more than people survive: {_in_other_units(numbers)}."
+    )
+
+
+def _too_far(numbers: Numbers) -> str:
+    return (
+        f"{numbers['channel']}: a travel of {amount(numbers['peak'])} m is above {numbers['limit']:g} m, more than any "
+        f"suspension has: {_in_other_units(numbers)}."
+    )
 
 
 class RideHeadline(Code):
@@ -114,6 +135,19 @@ class RideCheck(Code):
         "class C has 256e-6 m3.",
     )
     REST = "rest", _rest
+    GRAVITY = "gravity", "{channel}: the mean, {mean:.4g} m/s2, is gravity; figures are about the mean."
+    GRAVITY_IN = (
+        "gravity in",
+        "{channel}: the mean, {mean:.4g}, is that of gravity in {unit}, while the figures take it as m/s2: state the "
+        "unit in brackets behind its name, or scale it.",
+    )
+    TOO_LARGE = "too large", _too_large
+    TOO_SMALL = (
+        "too small",
+        "{channel}: {weighted:.2g} {unit} weighted is below {limit:g}, less than people feel and sensors of vehicles "
+        "show: check its unit and scale.",
+    )
+    TOO_FAR = "too far", _too_far
     CONVERTED = "converted", "{channel}: converted from {unit} to SI."
     NO_LENGTH = "no length", "{channel} is left out: its unit is none of length."
     UNTRUSTED = "untrusted", "The estimate that the figures rest on is {level}: read its verdict first."
