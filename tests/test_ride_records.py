@@ -153,7 +153,7 @@ class TestSizes:
         found = of(factor * NOISE + level)
         said = {doubt.code: doubt.numbers for doubt in found.verdict.doubts}
         if units is None:
-            assert found.verdict.level is Level.SOUND
+            assert doubts(found) == [RideCheck.SHORT]
         else:
             assert said[RideCheck.TOO_LARGE]["units"] == units
             assert found.verdict.level is Level.DOUBTFUL
@@ -165,13 +165,13 @@ class TestSizes:
         assert RideCheck.GRAVITY_IN in doubts(found)
         assert f"is that of gravity in {unit}," in str(found)
         stated = of(samples, f"seat_acceleration [{unit}]")
-        assert stated.verdict.level is Level.SOUND
+        assert doubts(stated) == [RideCheck.SHORT]
         assert RideCheck.GRAVITY in [note.code for note in stated.verdict.notes]
 
     def test_nothing_and_travels(self) -> None:
         assert {RideCheck.TOO_SMALL, RideCheck.REST} <= set(doubts(of(1e-5 * NOISE)))
         found = ride(as_response(T, np.array([NOISE, 30 * NOISE]), ["seat_acceleration", "front_travel"]))
-        assert doubts(found) == [RideCheck.TOO_FAR]
+        assert doubts(found) == [RideCheck.TOO_FAR, RideCheck.SHORT]
         assert "in mm or cm" not in str(found)
         assert "most likely it is in mm;" in str(found)
 
