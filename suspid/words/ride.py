@@ -57,6 +57,13 @@ def _in_other_units(numbers: Numbers) -> str:
     return f"{likely}; state the unit in brackets behind its name, or scale it"
 
 
+def _gravity_in(numbers: Numbers) -> str:
+    return (
+        f"{numbers['channel']}: the mean, {numbers['mean']:.4g}, is that of gravity in {' or '.join(numbers['units'])}, "
+        f"while the figures take it as m/s2: state the unit in brackets behind its name, or scale it."
+    )
+
+
 def _too_large(numbers: Numbers) -> str:
     return (
         f"{numbers['channel']}: {amount(numbers['weighted'])} {numbers['unit']} weighted is above "
@@ -136,11 +143,7 @@ class RideCheck(Code):
     )
     REST = "rest", _rest
     GRAVITY = "gravity", "{channel}: the mean, {mean:.4g} m/s2, is gravity; figures are about the mean."
-    GRAVITY_IN = (
-        "gravity in",
-        "{channel}: the mean, {mean:.4g}, is that of gravity in {unit}, while the figures take it as m/s2: state the "
-        "unit in brackets behind its name, or scale it.",
-    )
+    GRAVITY_IN = "gravity in", _gravity_in
     TOO_LARGE = "too large", _too_large
     TOO_SMALL = (
         "too small",
