@@ -58,8 +58,9 @@ def _in_other_units(numbers: Numbers) -> str:
 
 
 def _gravity_in(numbers: Numbers) -> str:
+    units = " or ".join(numbers["units"])
     return (
-        f"{numbers['channel']}: the mean, {numbers['mean']:.4g}, is that of gravity in {' or '.join(numbers['units'])}, "
+        f"{numbers['channel']}: the mean, {numbers['mean']:.4g}, is that of gravity in {units}, "
         f"while the figures take it as m/s2: state the unit in brackets behind its name, or scale it."
     )
 
