@@ -89,6 +89,43 @@ class TestUnits:
         assert "no unit of acceleration" in run("ride", volts).output
         assert run("ride", volts, "--scale", "seat_acceleration=9.80665").output.partition("Verdict")[0] == rows
 
+    def test_a_factor_is_no_second_conversion(self, tmp_path: Path) -> None:
+        stated = written(tmp_path / "a.csv", "seat_acceleration [g]")
+        for options in ([], ["--si"]):
+            for factor in ("9.81", "9.5", "0.1"):
+                twice = run("ride", stated, *options, "--scale", f"seat_acceleration={factor}")
+                assert (twice.exit_code, "from g to m/s2 already" in twice.output) == (1, True), (options, factor)
+            assert run("ride", stated, *options, "--scale", "seat_acceleration=-1").exit_code == 0
+
+    @pytest.mark.parametrize("unit", ["deg/s2", "rad/s2"])
+    def test_rotation_has_its_own_weighting(self, unit: str) -> None:
+        record = as_response(T, NOISE[None], [f"yaw_acceleration [{unit}]"])
+        assert ride(record).weightings["yaw_acceleration"] == ("We",)
+        with pytest.raises(InputError, match="give it We"):
+            ride(record, weightings={"yaw_acceleration": "Wk"})
+
+    @pytest.mark.parametrize(
+        ("name", "wanted"),
+        [
+            ("seat_acceleration_g", "seat_acceleration [g]"),
+            ("AccelZ_mg", "AccelZ [mg]"),
+            ("AccelZ_mm/s2", "AccelZ [mm/s2]"),
+            ("Gyro_X_degps", "Gyro_X [deg/s]"),
+        ],
+    )
+    def test_a_unit_without_brackets_is_refused(self, name: str, wanted: str) -> None:
+        with pytest.raises(InputError, match=re.escape(f"name it '{wanted}'")):
+            ride(as_response(T, NOISE[None], [name]), weightings={name: "Wk"})
+
+    def test_other_motions_are_no_acceleration(self) -> None:
+        record = as_response(T, np.array([NOISE, NOISE]), ["GyroX", "damper_position_1"])
+        with pytest.raises(InputError, match=re.escape("accelerations") + "|no channel") as refused:
+            ride(record)
+        assert "such as" not in str(refused.value)
+        for name in ("GyroX", "damper_position_1"):
+            with pytest.raises(InputError, match="named like no acceleration"):
+                ride(record, weightings={name: "Wk"})
+
 
 class TestVerdict:
     def test_clipping(self) -> None:

@@ -12,7 +12,7 @@ from suspid.io import bare_name, bracketed_unit
 from suspid.performance import ACCELERATIONS
 from suspid.samples import held
 from suspid.signals import as_signal, cut, like
-from suspid.words import DAMAGE
+from suspid.words import DAMAGE, Note
 
 if TYPE_CHECKING:
     from suspid.greybox import Estimate
@@ -21,8 +21,9 @@ if TYPE_CHECKING:
 
 # Files that describe or hold a car; all others are records.
 OF_CARS = (".toml", ".json")
-# A factor that is the unit's own to this share converts the channel; no sensor is calibrated as badly.
-SAME_FACTOR = 0.01
+# Factors below this are calibrations, of sensors that are off by a tenth at most; others convert the unit once more.
+CALIBRATION = 1.1
+CONVERTED = (*ACCELERATIONS, "m")
 
 
 def record_of(source: Path, settings: Settings, said: list[str]) -> Any:
@@ -32,7 +33,13 @@ def record_of(source: Path, settings: Settings, said: list[str]) -> Any:
     said += map(str, [*opened.cleaned.findings, *opened.notes])
     record = held(opened.cleaned, "record")
     signal = as_signal(record)
-    names = [_with_unit(name, unit, settings) for name, unit in zip(signal.channels, opened.cleaned.units, strict=True)]
+    units = {one.numbers["channel"]: str(one.numbers["unit"]) for one in opened.notes if one.code is Note.CONVERTED}
+    called = {bare_name(new): bare_name(old) for old, new in dict(settings.rename).items()}
+    before = {bare_name(str(name)): unit for name, unit in units.items()}
+    names = [
+        _with_unit(name, unit, before.get(called.get(bare_name(name), bare_name(name)), ""), settings)
+        for name, unit in zip(signal.channels, opened.cleaned.units, strict=True)
+    ]
     if len(set(names)) == len(names) and tuple(names) != signal.channels:
         title = str(getattr(record, "title", None) or "")
         record = like(record, signal.timepts, signal.values, names, title=title)
@@ -45,25 +52,33 @@ def damage_of(recording: Recording | None) -> list[str]:
     return [f"in the file: {name!r} {why}" for name, why in everything if why.code in DAMAGE]
 
 
-def _with_unit(name: str, unit: str, settings: Settings) -> str:
-    """Return a channel's name with its unit in brackets; without one if the command line has made it SI."""
-    stated = unit or bracketed_unit(name)
-    try:
-        factor, si = to_si(1.0, stated)
-    except InputError:
-        factor, si = to_si(1.0, "m")[0], ""
-    if settings.si:
-        return bare_name(name) if si else name
+def _with_unit(name: str, unit: str, before: str, settings: Settings) -> str:
+    """Return a channel's name with its unit in brackets; without one if a factor has made it SI.
+
+    ``before`` is its unit in the file, where that was converted.
+    """
     by = _scale(name, settings)
-    if by is not None and si not in (*ACCELERATIONS, "m"):
+    file_unit = before or unit or bracketed_unit(name)
+    factor, si = _known(file_unit)
+    if by is not None and factor != 1 and not 1 / CALIBRATION < abs(by) < CALIBRATION and si in CONVERTED:
+        raise InputError(
+            f"--scale: channel {name!r} is converted from {file_unit} to {si} already; leave the factor out, or give "
+            f"its sign alone"
+        )
+    stated = unit or bracketed_unit(name)
+    if by is not None and si not in CONVERTED:
         # A factor on what is none of acceleration and travel, such as volts, makes it SI.
         return bare_name(name)
-    if by is not None and factor != 1 and abs(abs(by) / float(factor) - 1) < SAME_FACTOR:
-        raise InputError(
-            f"--scale: channel {name!r} is converted from {stated} to {si} already; leave the factor out, or give its "
-            f"sign alone"
-        )
     return f"{bare_name(name)} [{stated}]" if stated else name
+
+
+def _known(unit: str) -> tuple[float, str]:
+    """Return the factor of a unit and its SI unit; 1 and none of what is not known."""
+    try:
+        factor, si = to_si(1.0, unit)
+    except InputError:
+        return 1.0, ""
+    return float(factor), si
 
 
 def _scale(name: str, settings: Settings) -> float | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -10,6 +11,7 @@ import numpy as np
 from suspid.cleaning import to_si
 from suspid.errors import InputError
 from suspid.io import bare_name, bracketed_unit
+from suspid.io.names import plain
 from suspid.performance.figure_plan import (
     ACCELERATION,
     ANGLES,
@@ -27,6 +29,15 @@ from suspid.wording import Argument
 ACCELERATIONS = ("m/s2", "rad/s2")
 # Ends of names of what a record of a car holds beside accelerations.
 NO_ACCELERATION = (TRAVEL, "_velocity", "_displacement", "_force", "_rate")
+# Words in names of other motions and of forces.
+OTHER_WORDS = {
+    "displacement", "travel", "position", "height", "lvdt", "stroke", "angle", "gyro", "gyroscope", "velocity", "speed",
+    "force", "load", "strain", "rate",
+}  # fmt: skip
+# Units behind a name that are no part of it; single letters but g and units of SI alone would be.
+SUFFIX = re.compile(
+    r"(.*[^\W_])[_ .-]+(m?g|gal|[cm]m(?:/|p)s\^?2|(?:deg|rad|mm?|cm)(?:/|p)s2?|deg|mm|cm|dps)", re.IGNORECASE
+)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -56,7 +67,11 @@ def felt_of(
         own if own not in signal.channels and short.count(own) == 1 else name
         for name, own in zip(signal.channels, short, strict=True)
     ]
-    chosen = _default(short, names) if given is None else _by_channel(checked_weightings(given), signal.channels, names)
+    chosen = (
+        _default(signal.channels, short, names)
+        if given is None
+        else _by_channel(checked_weightings(given), signal.channels, names)
+    )
     if given is not None and not given:
         raise InputError(
             Argument("weightings", "{}"), " is empty; name a channel, or leave it out for all accelerations"
@@ -65,7 +80,7 @@ def felt_of(
         raise InputError(
             "no channel is named like an acceleration; name those that are with ",
             Argument("weightings"),
-            f", such as Wk for {names[0]!r}",
+            *(f", such as Wk for {name!r}" for name in [n for n in names if not _other(n)][:1]),
         )
     felt = tuple(_felt(signal, names.index(name), name, kinds) for name, kinds in chosen.items())
     travels, unknown = [], []
@@ -103,12 +118,12 @@ def shown_by(signal: Signal, felt: Sequence[Felt], *, asked: bool) -> tuple[tupl
     return left, tuple(hidden)
 
 
-def _default(short: Sequence[str], names: Sequence[str]) -> dict[str, tuple[str, ...]]:
+def _default(channels: Sequence[str], short: Sequence[str], names: Sequence[str]) -> dict[str, tuple[str, ...]]:
     """Return the weightings of channels that are named like accelerations."""
     return {
-        name: ROTATION if own.removesuffix(ACCELERATION) in ANGLES else VERTICAL
-        for name, own in zip(names, short, strict=True)
-        if own.endswith(ACCELERATION)
+        name: ROTATION if own.removesuffix(ACCELERATION) in ANGLES or _unit(channel)[2] == "rad/s2" else VERTICAL
+        for channel, name, own in zip(channels, names, short, strict=True)
+        if _without_suffix(own)[0].endswith(ACCELERATION)
     }
 
 
@@ -143,7 +158,15 @@ def _felt(signal: Signal, row: int, name: str, kinds: tuple[str, ...]) -> Felt:
             Argument("rename"),
             "), or leave it out",
         )
-    if not si and channel.endswith(NO_ACCELERATION):
+    stem, suffix = ("", "") if unit or si else _without_suffix(channel)
+    if suffix:
+        raise InputError(
+            f"channel {channel!r}: its name ends in {suffix}, which is a unit only in brackets: name it "
+            f"'{stem} [{suffix}]' (",
+            Argument("rename"),
+            ")",
+        )
+    if not si and (channel.endswith(NO_ACCELERATION) or _other(channel)):
         raise InputError(
             Argument("weightings"), f": {channel!r} is named like no acceleration, which alone is weighted; rename it"
         )
@@ -152,7 +175,26 @@ def _felt(signal: Signal, row: int, name: str, kinds: tuple[str, ...]) -> Felt:
     if not np.ptp(about):
         raise InputError(f"channel {channel!r} shows no motion: constant at {signal.values[row, 0]:g}; leave it out")
     turn = si.partition("/")[0] or turn
+    if si == "rad/s2" and (linear := [kind for kind in kinds if kind not in ROTATION]):
+        raise InputError(
+            Argument("weightings"),
+            f": channel {channel!r} is of rotation, and {linear[0]} weighs what goes straight; give it {ROTATION[0]}",
+        )
     return Felt(name=name, samples=np.asarray(about), turn=turn, kinds=kinds, unit=unit, level=mean * factor)
+
+
+def _without_suffix(name: str) -> tuple[str, str]:
+    """Return a name without the unit of acceleration that it ends in, and that unit; empty where it has none or SI."""
+    found = SUFFIX.fullmatch(plain(name))
+    if found is None:
+        return name, ""
+    return found[1], re.sub(r"p(s|h)", r"/\1", found[2].lower()) if "/" not in found[2] else found[2]
+
+
+def _other(name: str) -> bool:
+    """Return whether a word in a name says that it is something else than an acceleration."""
+    words = re.findall(r"[a-z]+", re.sub(r"([a-z])([A-Z])", r"\1 \2", plain(name)).lower())
+    return bool(OTHER_WORDS.intersection(words)) and not any(word.startswith(("acc", "beschl")) for word in words)
 
 
 def _unit(channel: str) -> tuple[str, float, str]:
