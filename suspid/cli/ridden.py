@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 # Files that describe or hold a car; all others are records.
 OF_CARS = (".toml", ".json")
 # Factors below this are calibrations, of sensors that are off by a tenth at most; others convert the unit once more.
-CALIBRATION = 1.1
-CONVERTED = (*ACCELERATIONS, "m")
+MOST_CALIBRATION = 1.1
+IN_SI = (*ACCELERATIONS, "m")
 
 
 def record_of(source: Path, settings: Settings, said: list[str]) -> Any:
@@ -60,13 +60,13 @@ def _with_unit(name: str, unit: str, before: str, settings: Settings) -> str:
     by = _scale(name, settings)
     file_unit = before or unit or bracketed_unit(name)
     factor, si = _known(file_unit)
-    if by is not None and factor != 1 and not 1 / CALIBRATION < abs(by) < CALIBRATION and si in CONVERTED:
+    if by is not None and factor != 1 and not 1 / MOST_CALIBRATION < abs(by) < MOST_CALIBRATION and si in IN_SI:
         raise InputError(
             f"--scale: channel {name!r} is converted from {file_unit} to {si} already; leave the factor out, or give "
             f"its sign alone"
         )
     stated = unit or bracketed_unit(name)
-    if by is not None and si not in CONVERTED:
+    if by is not None and si not in IN_SI:
         # A factor on what is none of acceleration and travel, such as volts, makes it SI.
         return bare_name(name)
     return f"{bare_name(name)} [{stated}]" if stated else name
