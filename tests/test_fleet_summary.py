@@ -32,7 +32,7 @@ from suspid.fleet.trends import trends_of
 from suspid.fleet.vehicles import read_vehicles, vehicles_from_names
 from suspid.model.car_files import write_car
 from suspid.units import RealArray
-from suspid.words import DamperState, Failure, Step
+from suspid.words import DamperState, Failure, FleetCheck, Step
 
 
 @pytest.fixture(autouse=True)
@@ -153,6 +153,8 @@ class TestCounts:
             (Step.READ, Failure.MEMORY, 1, "f1: words 1"),
         ]
         assert summary.verdicts == {"care": 2, "sound": 1}
+        said = {check.remark.code: check.remark.numbers for check in summary.verdict.checks}
+        assert said[FleetCheck.CARE] == {"care": 2}
         assert summary.doubts == {"b": 2, "a": 1}
 
 

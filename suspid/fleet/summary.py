@@ -139,6 +139,7 @@ class FleetSummary(Result):
         """How far the results can be trusted as a whole, and what they show."""
         identified = sum(self.verdicts.values())
         doubtful = sum(self.verdicts.get(level.label, 0) for level in (Level.DOUBTFUL, Level.NONE))
+        care = self.verdicts.get(Level.CARE.label, 0)
         changes = sum(1 for one in self.trends if one.changes)
         dampers = () if self.dampers is None else self.dampers.trends
         worn = sum(1 for one in dampers if one.state is DamperState.WORN)
@@ -153,6 +154,7 @@ class FleetSummary(Result):
                 {"doubtful": doubtful},
                 Level.DOUBTFUL if doubtful == identified else Level.CARE,
             ),
+            (care, FleetCheck.CARE, {"care": care}, Level.CARE),
             (self.unplaced, FleetCheck.UNPLACED, {"unplaced": self.unplaced or 0}, Level.CARE),
             (self.untrusted, FleetCheck.UNTRUSTED, {"untrusted": self.untrusted}, Level.CARE),
             (dampers, FleetCheck.DAMPERS, {"worn": worn, "dampers": len(dampers)}, Level.NOTE),

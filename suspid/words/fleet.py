@@ -71,6 +71,10 @@ class FleetCheck(Code):
     FAILED = "failed", sentence(lambda n: f"{count(n['failed'], 'record')} failed.")
     NO_FAILURE = "no failure", "No record failed."
     DOUBTFUL = "doubtful", sentence(lambda n: f"{_doubtful(n)}.")
+    CARE = (
+        "care",
+        sentence(lambda n: f"{count(n['care'], 'record')} to be used with care; their doubts are counted."),
+    )
     UNPLACED = (
         "unplaced",
         sentence(lambda n: f"{count(n['unplaced'], 'record')} without vehicle and date: in no trend."),
