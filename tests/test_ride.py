@@ -390,6 +390,12 @@ class TestRequests:
         with pytest.raises(InputError, match=re.escape(message)):
             ride(CAR, **given)  # type: ignore[arg-type]
 
+    @pytest.mark.parametrize(("std", "doubted"), [(0.05, False), (0.9, True)])
+    def test_intervals_that_say_nothing_are_doubted(self, std: float, doubted: bool) -> None:
+        found = ride(CAR, road="C", speed=20.0, nominal_std=std)
+        codes = [doubt.code for doubt in found.verdict.doubts]
+        assert (RideCheck.EVENTS in codes, RideCheck.WIDE in codes) == (doubted, doubted)
+
     def test_a_road_beyond_all_classes_is_doubtful(self) -> None:
         """256 in place of 256e-6 m3; class H is a road."""
         rough, worst = ride(CAR, road=256.0, speed=20.0), ride(CAR, road="H", speed=20.0)

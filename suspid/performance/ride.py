@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -38,6 +39,10 @@ LEAST_SPEED, MOST_SPEED = 0.1, 350.0
 ROUGHEST = 2 * ROUGHNESS["H"]
 # Time on the road for which dose values hold, where no other is given.
 HOUR: Second = 3600.0
+# Ratio of the ends of an interval from which on a figure is not even known to an order of magnitude.
+WIDEST = 10.0
+# Figures that count rare events: these vary by orders of magnitude, and are read by whether one is expected.
+EVENTS = ("lift_rate", "stops")
 
 
 @explained
@@ -131,7 +136,7 @@ def ride(
         density, slopes = densities(
             about.car, plain, driven, hertz, parameters=about.parameters, relaxations=about.relaxations
         )
-        return Ride(
+        found = Ride(
             figures=figures,
             values=frozen_real(values),
             units=tuple(unit for unit, _, _ in plan.formulas.values()),
@@ -154,6 +159,7 @@ def ride(
             road=driven,
             verdict=_judged(plan, dict(zip(figures, values.tolist(), strict=True)), about),
         )
+        return replace(found, verdict=replace(found.verdict, checks=(*found.verdict.checks, *_wide(found))))
 
 
 def _not_taken(given: object) -> InputError:
@@ -259,3 +265,19 @@ def _limits_met(plan: Plan, values: Mapping[str, float]) -> Iterator[Check]:
         if code is not None and value * plan.duration > 1:
             numbers: dict[str, Number] = {what: part, "times": value * plan.duration, "seconds": plan.duration}
             yield Check(Remark(code, numbers), Level.CARE)
+
+
+def _wide(found: Ride) -> Iterator[Check]:
+    """Yield which figures the parameters do not tell: to an order of magnitude, or whether an event is expected."""
+    untold, events = [], []
+    for name, (low, high) in found.interval().items() if found.parameters else ():
+        figure = name.rpartition(".")[2]
+        # No event is more frequent than the fastest motion of the road.
+        if figure in EVENTS and (low * found.duration < 1 < high * found.duration or high > found.hertz[-1]):
+            events.append(name)
+        elif figure not in (*EVENTS, "lifts") and high > WIDEST * low:
+            untold.append(name)
+    if untold:
+        yield Check(Remark(RideCheck.WIDE, {"names": tuple(untold), "ratio": WIDEST}), Level.CARE)
+    if events:
+        yield Check(Remark(RideCheck.EVENTS, {"names": tuple(events), "seconds": found.duration}), Level.CARE)

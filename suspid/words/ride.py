@@ -154,6 +154,19 @@ class RideCheck(Code):
     TOO_FAR = "too far", _too_far
     CONVERTED = "converted", "{channel}: converted from {unit} to SI."
     NO_LENGTH = "no length", "{channel} is left out: its unit is none of length."
+    WIDE = (
+        "wide",
+        _listed(
+            "The parameters are too uncertain for {names}: the ends of an interval differ by a factor above {ratio:g}."
+        ),
+    )
+    EVENTS = (
+        "events",
+        _listed(
+            "The parameters are too uncertain to tell how often in {seconds:.4g} s: the interval of {names} goes from "
+            "less than one to more, or beyond what a road can do."
+        ),
+    )
     UNTRUSTED = "untrusted", "The estimate that the figures rest on is {level}: read its verdict first."
     STAYED_NOMINAL = (
         "stayed nominal",
