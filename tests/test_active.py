@@ -6,8 +6,10 @@ import control
 import numpy as np
 import pytest
 
-from suspid import ActiveTuning, InputError, SuspidError, quarter_car, road, statespace, tune_active
+from suspid import ActiveTuning, InputError, SuspidError, quarter_car, ride, road, statespace, tune_active
 from suspid.words.active import ActiveCheck
+from suspid.words.remarks import Code
+from suspid.words.ride import RideCheck
 from validation.cars import TWO_AXLES
 
 CAR = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3, chassis_damping=1300)
@@ -124,15 +126,41 @@ def test_the_gain_does_not_depend_on_the_level_of_the_road_or_the_objective(leve
     [
         ({"objective": {"tire_travel": 0.003}}, {ActiveCheck.UNBOUNDED, ActiveCheck.FAST}),
         ({"objective": {"tire_travel": 0.003}, "limits": {"force": 500.0}}, set()),
-        ({"objective": {"chassis_acceleration": 1.0, "tire_travel": 0.004}}, set()),
+        ({"objective": {"chassis_acceleration": 1.0, "tire_travel": 0.004}}, {ActiveCheck.FAR, RideCheck.LIFTS}),
         ({"objective": {"chassis_acceleration": 1.0, "tire_travel": 1e-9}}, {ActiveCheck.FAST}),
     ],
 )
-def test_feedback_that_nothing_holds_is_no_result(given: dict[str, object], codes: set[ActiveCheck]) -> None:
+def test_feedback_that_nothing_holds_is_no_result(given: dict[str, object], codes: set[Code]) -> None:
     """Without a cost of the force the least is an infimum, which only infinite gains reach."""
     found = tune_active(CAR, actuator="chassis_travel", road="C", speed=20.0, **given)  # type: ignore[arg-type]
     assert {doubt.code for doubt in found.verdict.doubts} == codes
     assert str(found.verdict) in str(found)
+
+
+@pytest.mark.parametrize("damping", [0.0, 60.0])
+def test_a_feedback_that_does_next_to_nothing_lifts_the_wheel_as_often_as_the_ride(damping: float) -> None:
+    """The load as force of the masses, from state space, beside that of the struts on the road, with its spectra."""
+    car = CAR.with_parameters(damping={"tire": damping})
+    found = tune_active(
+        car, actuator="chassis_travel", road="C", speed=20.0, objective={"chassis_travel": 1e6, "force": 1.0}
+    )
+    (lifts,) = [doubt for doubt in found.verdict.doubts if doubt.code is RideCheck.LIFTS]
+    expected = 3600 * ride(car, road="C", speed=20.0)["tire.lift_rate"]
+    assert lifts.numbers["times"] == pytest.approx(expected, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("objective", "codes"),
+    [
+        ({"chassis_acceleration": 1.0}, {ActiveCheck.UNDAMPED, ActiveCheck.AIRBORNE}),
+        ({"chassis_acceleration": 1.0, "tire_travel": 0.004}, {ActiveCheck.FAR, RideCheck.LIFTS}),
+        ({"chassis_acceleration": 1.0, "tire_travel": 0.002, "chassis_travel": 0.02}, set()),
+    ],
+)
+def test_cars_that_no_vehicle_is_are_doubted(objective: dict[str, float], codes: set[Code]) -> None:
+    """Of what was not asked for: a vibration of the wheel without end, a strut of 38 m, a wheel in the air."""
+    found = tune_active(CAR, actuator="chassis_travel", road="C", speed=20.0, objective=objective)
+    assert {doubt.code for doubt in found.verdict.doubts} == codes
 
 
 @pytest.mark.parametrize("given", [{"limits": {"force": 1e-30}}, {"peaks": {"chassis_travel": 1e-30}}])

@@ -14,8 +14,9 @@ from suspid.levels import EXACT
 from suspid.model import FORCE, Suspension, statespace
 from suspid.performance.active_tuning import ActiveTuning
 from suspid.performance.choices import REACHED
+from suspid.performance.closed_loops import possible
 from suspid.performance.plausibility import plausible
-from suspid.performance.ride import driven_road
+from suspid.performance.ride import HOUR, driven_road
 from suspid.performance.uncertain import Car, Uncertain, uncertain
 from suspid.simulation import REFERENCE, Road
 from suspid.units import RealArray
@@ -98,7 +99,7 @@ def tune_active(
         raise InputError(f"{actuator=!r:.40} must be the name of a displacement, such as 'chassis_travel'")
     names, wanted = _names(objective, limits or {}, peaks or {})
     about = uncertain(car)
-    level = _slope_density(about.car, road, speed)
+    level, driven = _slope_density(about.car, road, speed)
     A, B, G, C, D, states = _plant(about.car, actuator, names)
     noise = level * np.outer(G, G)
     from scipy.linalg import solve_continuous_lyapunov
@@ -147,6 +148,7 @@ def tune_active(
                 *plausible(about.car),
                 *_doubts(about),
                 *_held(D, closed_A),
+                *possible(about.car, actuator, gain, level, driven, HOUR),
                 *_reached(float(cost), float(bound), peaks=bool(peaks)),
             ),
         ),
@@ -196,8 +198,8 @@ def _names(
     return names, {name: (float(objective.get(name, 0.0)), float(limits.get(name, 0.0))) for name in names}
 
 
-def _slope_density(car: Suspension, road: Road | str | float, speed: float | None) -> float:
-    """Return the two-sided density of the road's slope in time [m2/s2 s], of exponent 2."""
+def _slope_density(car: Suspension, road: Road | str | float, speed: float | None) -> tuple[float, Road]:
+    """Return the two-sided density of the road's slope in time [m2/s2 s], of exponent 2, and the road."""
     if len(car.roads) != 1:
         raise InputError(f"the car stands on {len(car.roads)} roads; state feedback is found for cars with one")
     driven = driven_road(car, road, speed)
@@ -205,7 +207,7 @@ def _slope_density(car: Suspension, road: Road | str | float, speed: float | Non
         raise InputError(
             f"the road has the exponent {driven.exponent:g}; state feedback needs white slopes, exponent 2"
         )
-    return (2 * np.pi * REFERENCE) ** 2 * driven.roughness * driven.speed / 2
+    return (2 * np.pi * REFERENCE) ** 2 * driven.roughness * driven.speed / 2, driven
 
 
 def _plant(

@@ -29,3 +29,18 @@ class ActiveCheck(Code):
         "The fastest pole of the closed loop is at {hertz:.3g} Hz, above {limit:g} Hz: no actuator of a suspension "
         "follows it. Give force more weight, or a limit.",
     )
+    FAR = (
+        "far",
+        "{strut}: the rms of its travel is {travel:.3g} m, above the {limit:g} m that any vehicle has room for: give "
+        "{strut}_travel a weight in the objective, or a limit.",
+    )
+    AIRBORNE = (
+        "airborne",
+        "{wheel}: the rms of its dynamic load is {rms:.4g} N, above the static load of {load:.4g} N: the wheel is off "
+        "the road for much of the time. Give the travel of the tire a weight or a limit.",
+    )
+    UNDAMPED = (
+        "loop hardly damped",
+        "The closed loop has a damping ratio of {zeta:.2g} at {hertz:.3g} Hz, below the {limit:.2g} that rubber alone "
+        "gives: give what vibrates there, as the travel of the tire, a weight or a limit.",
+    )
