@@ -19,9 +19,9 @@ from suspid.words.active import ActiveCheck
 from suspid.words.ride import RideCheck
 
 # Frequencies over the band of a road, and about a resonance, to which the points are closer the weaker its damping.
-POINTS, ABOUT = 2048, 257
+OVER_BAND, OVER_PEAK = 2048, 257
 # Half widths of a resonance, as the hyperbolic sine of this, beyond which the points of the band are near enough.
-FARTHEST = 8.0
+PEAK_REACH = 8.0
 
 
 def possible(
@@ -107,7 +107,7 @@ def _lifted(
 
 def _frequencies(poles: ComplexArray, band: tuple[Hertz, Hertz]) -> RealArray:
     """Return the frequencies of a road, closer about the resonances."""
-    near = np.sinh(np.linspace(-FARTHEST, FARTHEST, ABOUT))
+    near = np.sinh(np.linspace(-PEAK_REACH, PEAK_REACH, OVER_PEAK))
     about = [(np.abs(p) + np.abs(p.real) * near) / (2 * np.pi) for p in poles[poles.imag > 0]]
-    every = np.unique(np.concatenate([np.geomspace(*band, POINTS), *about]))
+    every = np.unique(np.concatenate([np.geomspace(*band, OVER_BAND), *about]))
     return np.asarray(every[(every >= band[0]) & (every <= band[1])])

@@ -40,9 +40,9 @@ ROUGHEST = 2 * ROUGHNESS["H"]
 # Time on the road for which dose values hold, where no other is given.
 HOUR: Second = 3600.0
 # Ratio of the ends of an interval from which on a figure is not even known to an order of magnitude.
-WIDEST = 10.0
+WIDE_RATIO = 10.0
 # Figures that count rare events: these vary by orders of magnitude, and are read by whether one is expected.
-EVENTS = ("lift_rate", "stops")
+RARE = ("lift_rate", "stops")
 
 
 @explained
@@ -273,11 +273,11 @@ def _wide(found: Ride) -> Iterator[Check]:
     for name, (low, high) in found.interval().items() if found.parameters else ():
         figure = name.rpartition(".")[2]
         # No event is more frequent than the fastest motion of the road.
-        if figure in EVENTS and (low * found.duration < 1 < high * found.duration or high > found.hertz[-1]):
+        if figure in RARE and (low * found.duration < 1 < high * found.duration or high > found.hertz[-1]):
             events.append(name)
-        elif figure not in (*EVENTS, "lifts") and high > WIDEST * low:
+        elif figure not in (*RARE, "lifts") and high > WIDE_RATIO * low:
             untold.append(name)
     if untold:
-        yield Check(Remark(RideCheck.WIDE, {"names": tuple(untold), "ratio": WIDEST}), Level.CARE)
+        yield Check(Remark(RideCheck.WIDE, {"names": tuple(untold), "ratio": WIDE_RATIO}), Level.CARE)
     if events:
         yield Check(Remark(RideCheck.EVENTS, {"names": tuple(events), "seconds": found.duration}), Level.CARE)
