@@ -126,6 +126,16 @@ class TestUnits:
             with pytest.raises(InputError, match="named like no acceleration"):
                 ride(record, weightings={name: "Wk"})
 
+    @pytest.mark.parametrize(("every", "level"), [(20, "care"), (400, "sound")])
+    def test_repairs_that_matter_are_in_the_verdict(self, tmp_path: Path, every: int, level: str) -> None:
+        smooth = np.convolve(NOISE, np.hanning(20), "same")
+        path = written(tmp_path / "a.csv", "seat_acceleration", smooth)
+        lines = path.read_text(encoding="utf-8").splitlines()
+        lines[101::every] = [f"{line.partition(',')[0]}," for line in lines[101::every]]
+        path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+        verdict = run("ride", path, "--weighting", "seat_acceleration=Wk").output.partition("Verdict")[2]
+        assert verdict.splitlines()[0].partition(" s: ")[2].startswith(level), verdict
+
 
 class TestVerdict:
     def test_clipping(self) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,9 +13,10 @@ from suspid.io import bare_name, bracketed_unit
 from suspid.performance import ACCELERATIONS
 from suspid.samples import held
 from suspid.signals import as_signal, cut, like
-from suspid.words import DAMAGE, Note
+from suspid.words import DAMAGE, Check, Defect, Level, Note
 
 if TYPE_CHECKING:
+    from suspid.cleaning import Cleaned
     from suspid.greybox import Estimate
     from suspid.model import Suspension
     from suspid.recordings import Recording
@@ -23,11 +25,18 @@ if TYPE_CHECKING:
 OF_CARS = (".toml", ".json")
 # Factors below this are calibrations, of sensors that are off by a tenth at most; others convert the unit once more.
 MOST_CALIBRATION = 1.1
+# What cleaning makes of neighbours; peaks between them are lost.
+INTERPOLATED = (Defect.MISSING, Defect.IRREGULAR_STAMPS, Defect.SLOWER_CLOCK, Defect.SHIFTED_CLOCK)
+# Share of samples up to which that is no matter: the rms of a record changes by half of it.
+MOST_INTERPOLATED = 0.01
 IN_SI = (*ACCELERATIONS, "m")
 
 
-def record_of(source: Path, settings: Settings, said: list[str]) -> Any:
-    """Return the stretch of a record that the settings ask for; what was done to it is added to what is said."""
+def record_of(source: Path, settings: Settings, said: list[str]) -> tuple[Any, tuple[Check, ...]]:
+    """Return the stretch of a record that the settings ask for, and what its defects say against its figures.
+
+    What was done to it is added to what is said.
+    """
     opened = read(source, settings)
     said += damage_of(opened.recording)
     said += map(str, [*opened.cleaned.findings, *opened.notes])
@@ -43,7 +52,18 @@ def record_of(source: Path, settings: Settings, said: list[str]) -> Any:
     if len(set(names)) == len(names) and tuple(names) != signal.channels:
         title = str(getattr(record, "title", None) or "")
         record = like(record, signal.timepts, signal.values, names, title=title)
-    return cut(record, start=settings.start, stop=settings.stop)
+    return cut(record, start=settings.start, stop=settings.stop), tuple(doubts_of(opened.cleaned))
+
+
+def doubts_of(cleaned: Cleaned) -> Iterator[Check]:
+    """Yield what cleaning left as it is, its repairs that change figures, and a clock that was overridden."""
+    samples = len(held(cleaned, "record").time)
+    for finding in cleaned.findings:
+        if finding.kind is Defect.CLIPPED:
+            continue  # A ride says itself what is clipped.
+        made = finding.kind in INTERPOLATED and finding.samples > MOST_INTERPOLATED * samples
+        if made or finding.check.level < Level.NOTE:
+            yield Check(finding.check.remark, Level.CARE)
 
 
 def damage_of(recording: Recording | None) -> list[str]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
 
     from suspid.performance import Ride, Sensitivities
     from suspid.results import Result
+    from suspid.words import Check
 
 NO_UNCERTAINTY = "--level: this car states no uncertainty. Give --nominal-std, or the JSON of an estimate."
 
@@ -117,11 +119,17 @@ def ride_command(
         said_warnings() as said,
         naming(source),
     ):
-        what: Any = car_of(source) if of_car else record_of(source, settings, said)
+        against: tuple[Check, ...] = ()
+        what: Any = None
+        if of_car:
+            what = car_of(source)
+        else:
+            what, against = record_of(source, settings, said)
         about: dict[str, Any] = {"road": road_named(road), "speed": speed, "clearance": gaps} if of_car else {}
         if of_car:
             about["nominal_std"] = nominal_std
         found = ride(what, duration=duration, weightings=kinds, **about)
+        found = replace(found, verdict=replace(found.verdict, checks=(*found.verdict.checks, *against)))
         if level is not None and not np.any(found.std):
             raise click.UsageError(NO_UNCERTAINTY)
         text = str(found) if level is None else f"{found}\n\n{_intervals(found, level)}"
