@@ -32,6 +32,7 @@ from suspid.performance.contact import contact, static_loads, wheels_of
 from suspid.performance.reaches import reaches
 from suspid.performance.wear_checks import said_of_phase
 from suspid.reporting.performance_part import performance_fields
+from suspid.reporting.sensitivity_part import sensitivities_of
 from suspid.units import STANDARD_GRAVITY as GRAVITY
 from suspid.units import RealArray
 from suspid.words import Check, Level, Remark, Verdict
@@ -488,6 +489,9 @@ class TestReaches:
         assert figures["tire.phase"] == pytest.approx(grip(own).phase[0], rel=1e-9)
         assert figures["tire.load"] == pytest.approx(rides["tire.load"], rel=1e-9)
         assert grip(own).phase[0] != pytest.approx(grip(found).phase[0], rel=1e-3)
+        on_page = sensitivities_of(own, rides)
+        assert on_page is not None
+        assert dict(zip(on_page.names, on_page.values.tolist(), strict=True)) == pytest.approx(figures, rel=1e-9)
 
     def test_a_rigid_mount_is_no_doubt_on_the_side_of_negative_ones(self, found: Estimate) -> None:
         """A relaxation of zero that is known to 1 ms: the figures of softer mounts alone are added to the interval."""

@@ -59,11 +59,12 @@ def sensitivities_of(found: Estimate | Reconstruction | None, ride: Ride | None)
     """
     if found is None:
         return None
-    car = found.suspension
     try:
         if ride is None:
-            return sensitivities(car, bench=True)
-        return sensitivities(car, road=ride.road, duration=ride.duration, weightings=dict(ride.weightings), bench=True)
+            return sensitivities(found, bench=True)
+        return sensitivities(
+            found, road=ride.road, duration=ride.duration, weightings=dict(ride.weightings), bench=True
+        )
     except InputError:
         return None
 
