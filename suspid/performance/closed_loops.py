@@ -9,7 +9,7 @@ import numpy as np
 
 from suspid.errors import InputError
 from suspid.model import FORCE, Suspension, statespace
-from suspid.performance.contact import static_loads, wheels_of
+from suspid.performance.contact import lift_of, static_loads, wheels_of
 from suspid.performance.figure_plan import MOST_CLEARANCE
 from suspid.performance.plausibility import LEAST_ZETA
 from suspid.simulation import Road
@@ -88,11 +88,9 @@ def _lifted(
 
     try:
         wheels = wheels_of(car)
-        load = float(static_loads(wheels)[0][0])
+        load, rise = float(static_loads(wheels)[0][0]), lift_of(wheels)
     except InputError:
         return  # Not every car with one road stands on a wheel.
-    arms, road = car.arms(car.coordinates), car.arms(car.roads)
-    rise = np.linalg.lstsq(arms, -np.sum(road, axis=1), rcond=None)[0]
     density = 2 * level * np.abs(accelerations @ (np.diag(car.M) * rise)) ** 2
     variance = float(trapezoid(density, hertz))
     rises = float(np.sqrt(trapezoid(hertz**2 * density, hertz) / variance))

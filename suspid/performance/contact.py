@@ -141,7 +141,7 @@ def static_loads(wheels: Wheels, parameters: Sequence[str] = ()) -> tuple[RealAr
     InputError
         If the springs do not hold the car, or it cannot be lifted as a whole without a strut being stretched.
     """
-    car, lift = wheels.car, _lift(wheels)
+    car, lift = wheels.car, lift_of(wheels)
     arms, road_arms, k = car.arms(car.coordinates), car.arms(car.roads), _springs(car)
     by_road = -np.linalg.solve(car.K, arms.T @ (k[:, None] * road_arms))
     stretch, unit = _stretch(wheels, lift), arms @ by_road + road_arms
@@ -202,7 +202,7 @@ def static_stretch(wheels: Wheels) -> tuple[RealArray, RealArray]:
     >>> force.round(1).tolist(), stretch.round(4).tolist()
     ([-3922.7, -4314.9], [-0.1961, -0.0216])
     """
-    stretch = _stretch(wheels, _lift(wheels))
+    stretch = _stretch(wheels, lift_of(wheels))
     return _springs(wheels.car) * stretch, stretch
 
 
@@ -219,8 +219,22 @@ def _stretch(wheels: Wheels, lift: RealArray) -> RealArray:
     return np.asarray(-car.arms(car.coordinates) @ np.linalg.solve(car.K, _weight(car, lift)))
 
 
-def _lift(wheels: Wheels) -> RealArray:
-    """Return the rise of each coordinate where all roads rise by 1 m: 1 of a displacement, 0 of pitch and roll."""
+def lift_of(wheels: Wheels) -> RealArray:
+    """Return the rise of each coordinate where all roads rise by 1 m: 1 of a displacement, 0 of pitch and roll.
+
+    Raises
+    ------
+    InputError
+        As `static_loads`.
+
+    Examples
+    --------
+    >>> from suspid import quarter_car
+    >>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3, tire_stiffness=200e3,
+    ...                   chassis_damping=1500)
+    >>> lift_of(wheels_of(car)).round(6).tolist()
+    [1.0, 1.0]
+    """
     car = wheels.car
     arms, road_arms = car.arms(car.coordinates), car.arms(car.roads)
     if np.linalg.matrix_rank(car.K) < len(car.K):
