@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from suspid import Level, analyse, free_decay
+from suspid import Level, Settings, analyse, free_decay
 from suspid.identification import by_likelihood
 from suspid.signals import as_response, as_signal, late_start
 from suspid.units import RealArray
@@ -59,6 +59,10 @@ class TestLaterThanTheFirstSample:
         assert not found.used
         assert found.verdict.level is Level.SOUND
         assert len(found.modes) == 3
+
+    def test_the_candidates_that_were_asked_for_are_those_of_its_scalogram(self) -> None:
+        found = analyse(decay_of(4, rest=0), settings=Settings(candidates=(3.0, 5.0)))
+        assert found.identification.steps.candidates == (3.0, 5.0)
 
     @pytest.mark.parametrize("rest", [10, 50])
     def test_friction_is_not_looked_for_across_a_release(self, rest: int, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -28,6 +28,8 @@ STRUCTURE = frozenset(
         ModeCheck.LATE_MOTION,
     }
 )
+# Settings that `identify` takes.
+FOR_IDENTIFY = ("modes", "method", "band_hz", "bandwidth", "candidates")
 # Doubts of a quick fit to a decay, which the identification of the decay answers.
 FIT = frozenset({DecayDoubt.FORCED, DecayDoubt.DRIVEN, DecayDoubt.NONLINEAR, DecayDoubt.HIGH_RESIDUAL})
 
@@ -54,7 +56,8 @@ def tried(record: control.TimeResponseData, settings: Settings) -> Identificatio
 
 def tried_linear(record: control.TimeResponseData, settings: Settings) -> Identification | None:
     """Return what `identify` finds where its linear fit is all that is needed, else None."""
-    if (settings.modes, settings.method, settings.band_hz, settings.bandwidth) != (None, "likelihood", None, None):
+    plain = Settings()
+    if any(getattr(settings, name) != getattr(plain, name) for name in FOR_IDENTIFY):
         return tried(record, settings)
     try:
         return identify_linear(record, strict=True)

@@ -15,6 +15,7 @@ from suspid.decays import GRAVE, LOOK_BLOCKS, Decay, Decays, clearly_driven, fin
 from suspid.errors import RecordError
 from suspid.identification import Identification
 from suspid.signals import as_signal, cut, late_start, like
+from suspid.units import Second
 from suspid.words import DecayDoubt, Note, Number, Remark
 
 if TYPE_CHECKING:
@@ -71,8 +72,12 @@ def _best(record: control.TimeResponseData, settings: Settings) -> Used:
 
     Where neither has a mode, the best decay is tried from later on, and then the next ones.
     """
-    late = late_start(as_signal(record)) is not None
-    whole = (tried_linear(record, settings) if _may_decay(record) else None) if late else tried(record, settings)
+    largest = late_start(as_signal(record))
+    late = largest is not None
+    if largest is None:
+        whole = tried(record, settings)
+    else:
+        whole = tried_linear(record, settings) if _may_decay(record, largest) else None
     if whole is not None and settled(whole) and (not late or _holds_later(whole, record, settings)):
         return Used(record=record, decays=(), used=(), notes=(), identification=whole)
     decays = find_decays(record)
@@ -101,14 +106,14 @@ def _best(record: control.TimeResponseData, settings: Settings) -> Used:
     return Used(record=record, decays=decays, used=(), notes=(note,), identification=whole)
 
 
-def _may_decay(record: control.TimeResponseData) -> bool:
-    """Return whether a record that moves most after its beginning may be a decay from its first sample on.
+def _may_decay(record: control.TimeResponseData, largest: Second) -> bool:
+    """Return whether a record that moves most at a later time may be a decay from its first sample on.
 
     A coordinate that starts at rest moves most within half a period of the slowest mode, and a decay has cycles after.
     """
     signal = as_signal(record)
-    samples, late = signal.values.shape[1], late_start(signal)
-    early = late is None or late - signal.start < EARLY_PART * samples * signal.step
+    samples = signal.values.shape[1]
+    early = largest - signal.start < EARLY_PART * samples * signal.step
     return early and not clearly_driven(signal.values, size=max(1, samples // LOOK_BLOCKS))
 
 
