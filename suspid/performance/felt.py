@@ -185,7 +185,7 @@ def _felt(signal: Signal, row: int, name: str, kinds: tuple[str, ...]) -> Felt:
 
 
 def _without_suffix(name: str) -> tuple[str, str]:
-    """Return a name without the unit of acceleration that it ends in, and that unit; empty where it has none or SI."""
+    """Return a name without the unit that it ends in, of any quantity in `SUFFIX`, and that unit; empty without one."""
     found = SUFFIX.fullmatch(name[:MOST_OF_NAME])
     if found is None:
         return name, ""
