@@ -32,6 +32,9 @@ ComplexArray: TypeAlias = NDArray[np.complex128]
 
 STANDARD_GRAVITY = 9.80665  # [m/s2]
 
+# Units in which nothing but the speed of a vehicle is stated.
+ROAD_SPEEDS = frozenset({"km/h", "mph", "kn"})
+
 # The unit of a value by the last word of its name.
 UNITS = {
     "mass": "kg",

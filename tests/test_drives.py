@@ -12,6 +12,7 @@ from suspid.cleaning import clipped_times, stuck_times
 from suspid.greybox.blocks import vibration
 from suspid.signals import as_response, as_signal
 from suspid.units import RealArray
+from suspid.wording import called
 from suspid.words.drives import DriveReason, DriveRemark
 
 RATE = 100.0
@@ -99,6 +100,21 @@ class TestSpeed:
         assert stop == 120.0
         assert not others
 
+    @pytest.mark.parametrize("unit", ["km/h", "mph", "kn"])
+    def test_a_unit_of_road_speed_is_enough(self, unit: str) -> None:
+        """Nothing but a vehicle moves in km/h; two of them are not sure, nor is a velocity in m/s of any name."""
+        per = {"km/h": 3.6, "mph": 1 / 0.44704, "kn": 3600 / 1852}[unit]
+        moving = channel("v", per * np.where(TIME < 40, 2.5, 15.0), unit)
+        found = find_drives(ride(channel("az", body()), moving))
+        assert ends(found) == [(41.0, 120.0)]
+        assert DriveRemark.SPEED_BY_UNIT in {check.remark.code for check in found.remarks}
+        other = channel("w", constant(0.0), unit)
+        assert ends(find_drives(ride(channel("az", body()), moving, other), channels=["az"])) == [(0.0, 120.0)]
+        wind = channel("wind", constant(0.0), unit)
+        assert ends(find_drives(ride(channel("az", body()), moving, wind), channels=["az"])) == [(41.0, 120.0)]
+        in_si = channel("v", constant(0.0), "m/s")
+        assert ends(find_drives(ride(channel("az", body()), in_si), channels=["az"])) == [(0.0, 120.0)]
+
     def test_channels_about_a_speed_are_not_the_speed(self) -> None:
         found = find_drives(
             ride(channel("az", body()), channel("SpeedAccuracy", constant(0.1), "m/s")), channels=["az"]
@@ -119,6 +135,26 @@ class TestBraking:
         found = find_drives(ride(channel("az", body()), channel(name, along)))
         assert ends(found) == [(0.0, 50.0), (55.0, 120.0)]
         assert why(found, 52.0) == {DriveReason.BRAKING}
+
+    @pytest.mark.parametrize(("name", "seen"), [("ax", True), ("acc_x", True), ("ax_wheel", False), ("max", False)])
+    def test_by_the_axis_of_a_sensor_in_the_body(self, name: str, seen: bool) -> None:
+        along = channel(name, 0.2 + np.where((TIME > 50) & (TIME < 55), -3.0, 0.0) + body(2))
+        found = find_drives(ride(channel("az_body", body()), along), channels=["az_body"])
+        assert ends(found) == ([(0.0, 50.0), (55.0, 120.0)] if seen else [(0.0, 120.0)])
+        assert (DriveRemark.BY_AXIS in {check.remark.code for check in found.remarks}) is seen
+        off = find_drives(ride(channel("az_body", body()), along), channels=["az_body"], longitudinal="none")
+        assert ends(off) == [(0.0, 120.0)]
+
+    @pytest.mark.parametrize("up", ["x", "y", "z"])
+    def test_by_the_axes_that_are_level(self, up: str) -> None:
+        """A box with three axes mounted any way round: gravity shows the vertical one."""
+        hard = np.where((TIME > 50) & (TIME < 55), -3.0, 0.0)
+        level = [axis for axis in "xyz" if axis != up]
+        for braked in level:
+            box = [channel(f"Box {a}", body(i) + 9.8 * (a == up) + hard * (a == braked)) for i, a in enumerate("xyz")]
+            found = find_drives(ride(*box), channels=[f"Box {up}"])
+            assert ends(found) == [(0.0, 50.0), (55.0, 120.0)]
+            assert not found.verdict.doubts
 
     def test_what_was_not_measured_is_said(self) -> None:
         found = find_drives(ride(channel("az", body())))
@@ -152,7 +188,8 @@ class TestCornering:
         assert (DriveReason.CORNERING in why(found, 55.0)) is sure
         codes = {check.remark.code for check in found.remarks}
         assert (DriveRemark.YAW_BY_GRAVITY in codes) is sure
-        assert (DriveRemark.CORNERING_UNKNOWN in codes) is not sure
+        # Where gravity shows the vertical axis, the others tell cornering as well.
+        assert (DriveRemark.CORNERING_UNKNOWN in codes) is not bool(up)
 
 
 class TestSensors:
@@ -309,7 +346,10 @@ class TestStretches:
         )
         both = ride(channel("chassis_acceleration", body()), channel("temperature", np.full(TIME.size, np.nan), "°C"))
         assert ends(find_drives(both, car=car)) == [(0.0, 120.0)]
-        with pytest.raises(InputError, match="measures the car"):
+        with (
+            called({"rename": "--rename"}),
+            pytest.raises(InputError, match=r"measures the car: 'az'; .* \(--rename az=chassis_acceleration\)"),
+        ):
             find_drives(ride(channel("az", body())), car=car)
 
     def test_text_fits_a_screen(self) -> None:

@@ -14,6 +14,7 @@ from suspid.cleaning import to_si, unmarked
 from suspid.errors import InputError, RecordError
 from suspid.io import bare_name, read_recording
 from suspid.recordings import RawChannel, Recording
+from suspid.units import ROAD_SPEEDS
 from suspid.wording import Argument
 
 
@@ -59,7 +60,12 @@ def _wanted(recording: Recording, settings: Settings) -> Recording:
 
 
 def _made(channel: RawChannel, called: Mapping[str, str], scale: Mapping[str, float]) -> RawChannel:
-    """Return a channel in SI, if its unit is known, times its factor, with its name."""
+    """Return a channel in SI, if its unit is known, times its factor, with its name.
+
+    A speed in a unit of the road keeps it: the unit tells that it is the speed of the car.
+    """
+    if channel.unit.strip().lower() in ROAD_SPEEDS and channel.name not in scale:
+        return replace(channel, name=called[channel.name])
     try:
         factor, unit = to_si(1.0, channel.unit)
     except InputError:

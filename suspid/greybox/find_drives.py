@@ -11,6 +11,7 @@ from suspid.arguments import explained
 from suspid.cleaning import RecordLike, as_record, parts_of, to_si
 from suspid.errors import InputError, RecordError
 from suspid.greybox.blocks import examined
+from suspid.greybox.car_records import renaming
 from suspid.greybox.drives import Drive, DriveLimits, Drives
 from suspid.greybox.speeds import way_of
 from suspid.greybox.stretches import judged, stretches_of
@@ -19,6 +20,7 @@ from suspid.recordings import RawChannel, Recording
 from suspid.signals import as_signal
 from suspid.units import RealArray
 from suspid.values import frozen_real
+from suspid.wording import AtCommandLine
 from suspid.words import Check, Level, Number, Remark
 from suspid.words.drives import DriveRemark
 
@@ -55,13 +57,14 @@ def find_drives(
     channels : sequence of str, optional
         The channels that must be usable. Default: those that measure the car; without one, all on the fastest clock.
     speed : str, optional
-        The channel of speed, in any unit. Default: the one named so, in a unit of speed. ``"none"``, and where there is
-        none: whether the car moves is judged by its vibration.
+        The channel of speed, in any unit. Default: the one named so, in a unit of speed, or the only one in
+        km/h, mph or knots. ``"none"``, and where there is none: whether the car moves is judged by its vibration.
     speed_unit : str, optional
         Unit of the speed, where the file states none: ``"km/h"``, ``"m/s"``, ``"mph"``, ``"kn"``.
     longitudinal, lateral : str, optional
-        Channels of acceleration along and across the car. Default: those named so. Braking is judged by the speed as
-        well, cornering by the speed and a channel of yaw rate.
+        Channels of acceleration along and across the car. Default: those named so, or the axes of a sensor that are
+        level by gravity, or are x and y alone. Braking is judged by the speed as well, cornering by the speed and a
+        channel of yaw rate.
     limits : DriveLimits, optional
         What usable means.
 
@@ -156,9 +159,11 @@ def _needed(recording: Recording, car: Suspension | None, channels: Sequence[str
         return None
     known = tuple(name for name in recording.names if _order_in(car, name) is not None)
     if not known:
+        such = f"{car.coordinates[0]}_acceleration"
         raise InputError(
             f"no channel of the recording measures the car: {', '.join(map(repr, recording.names[:10]))}; rename them "
-            f"to outputs or sensors of the car, such as '{car.coordinates[0]}_acceleration'"
+            f"to outputs or sensors of the car, such as {such!r}",
+            AtCommandLine("rename", renaming(recording.names[0], such)),
         )
     return known
 

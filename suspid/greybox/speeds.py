@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
-from suspid.cleaning import to_si
 from suspid.errors import InputError
+from suspid.greybox.level_axes import about_vertical, horizontal
+from suspid.greybox.stated_units import in_si, spelled, stated_unit
 from suspid.recordings import RawChannel, Recording
-from suspid.units import STANDARD_GRAVITY, MetrePerSecond, RealArray
+from suspid.units import ROAD_SPEEDS, MetrePerSecond, RealArray
 
 # Words in the name of a channel that say what it holds, and those that say that it is something else.
 SPEED_WORDS = frozenset(
@@ -23,13 +24,6 @@ YAW_WORDS = frozenset({"yaw", "yawrate", "gierrate"})
 OTHER_WORDS = frozenset(
     {"accuracy", "valid", "limit", "error", "std", "engine", "motor", "fan", "shaft", "wind", "target", "set"}
 )
-AXES = ("x", "y", "z")
-GRAVITY_OFF = 0.6  # how far the mean along a vertical axis may be off gravity [m/s2]: a tilt of 20 deg
-# How names and files spell units that `to_si` knows.
-SPELLED = {
-    "kmh": "km/h", "kmph": "km/h", "kph": "km/h", "km/hr": "km/h", "mps": "m/s", "mph": "mph", "mi/h": "mph",
-    "kt": "kn", "kts": "kn", "knot": "kn", "knots": "kn",
-}  # fmt: skip
 # No road car is faster; larger values, and negative ones, are what buses send for a speed that is not known.
 FASTEST_CAR: MetrePerSecond = 120.0
 # A value counts as known for this many steps of its channel, but for at least this time: longer ones are tunnels.
@@ -48,6 +42,8 @@ class Way:
     # A channel that is named like a speed and was not used, and why.
     unused: tuple[str, str] | None = None
     upright: bool = False  # whether the yaw rate was known by its axis, which gravity shows, and not by its name
+    by_unit: bool = False  # whether the speed was known by its unit alone
+    by_axis: tuple[str, ...] = ()  # accelerations along and across that were known by their axes, not by their names
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -82,7 +78,7 @@ def way_of(
     InputError
         If a channel that is named has no unit that fits, or holds no speed, or a unit is given that is none of speed.
     """
-    if speed_unit is not None and _spelled(speed_unit, "m/s") is None:
+    if speed_unit is not None and spelled(speed_unit, "m/s") is None:
         raise InputError(f"{speed_unit=} is no unit of speed; known: km/h, m/s, mph, kn")
     free = [channel for channel in recording.channels if channel.name not in set(without)]
 
@@ -90,46 +86,40 @@ def way_of(
         if name == NO_CHANNEL:
             return None
         if name is not None:
-            return _in_si(recording[name], si, unit)
+            return in_si(recording[name], si, unit)
         named = [c for c in free if _words(c.name) & words and not _words(c.name) & OTHER_WORDS]
-        fit = [c for c in named if _unit(c, unit if si == "m/s" else None, si) is not None]
+        fit = [c for c in named if stated_unit(c, unit if si == "m/s" else None, si) is not None]
         best = min(fit, key=lambda c: len(_words(c.name)), default=None)
-        return None if best is None else _in_si(best, si, unit if si == "m/s" else None)
+        return None if best is None else in_si(best, si, unit if si == "m/s" else None)
 
     moving = chosen(speed, SPEED_WORDS, "m/s", speed_unit)
+    by_unit = moving is None and speed is None and _unused(None, free, None) is None
+    if by_unit:
+        moving = _by_unit(free)
     if speed_unit is not None and moving is None and speed != NO_CHANNEL:
         raise InputError(f"{speed_unit=} goes with a channel of speed, and none is named so; name it with speed")
     unused = _unused(moving, free, speed)
-    yaw, upright = chosen(None, YAW_WORDS, "rad/s"), _about_vertical(free)
+    yaw, upright = chosen(None, YAW_WORDS, "rad/s"), about_vertical(free)
+    along, across = chosen(longitudinal, LONGITUDINAL_WORDS, "m/s2"), chosen(lateral, LATERAL_WORDS, "m/s2")
+    first, second = horizontal(recording.channels, without)
+    first = None if longitudinal is not None or along is not None else first
+    second = None if lateral is not None or across is not None else second
     return Way(
         speed=None if unused else moving,
         unused=unused,
-        longitudinal=chosen(longitudinal, LONGITUDINAL_WORDS, "m/s2"),
-        lateral=chosen(lateral, LATERAL_WORDS, "m/s2"),
+        longitudinal=along or first,
+        lateral=across or second,
         yaw=yaw or upright,
         upright=yaw is None and upright is not None,
+        by_unit=by_unit and moving is not None and not unused,
+        by_axis=tuple(one.name for one in (first, second) if one is not None),
     )
 
 
-def _about_vertical(channels: Sequence[RawChannel]) -> RawChannel | None:
-    """Return the rate about the axis whose acceleration shows gravity, of sensors with three axes; None if not sure."""
-    rates = {axis: c for c, axis in _with_axis(channels, "rad/s")}
-    upright = [axis for c, axis in _with_axis(channels, "m/s2") if abs(abs(_usual(c)) - STANDARD_GRAVITY) < GRAVITY_OFF]
-    if len(upright) != 1 or set(rates) != set(AXES):
-        return None
-    return _in_si(rates[upright[0]], "rad/s", None)
-
-
-def _with_axis(channels: Sequence[RawChannel], si: str) -> list[tuple[RawChannel, str]]:
-    """Return the channels of a quantity whose names end in an axis, with the axis."""
-    ends = [(c, re.sub(r"[\s_]*[\[(].*", "", c.name)[-1:].lower()) for c in channels]
-    return [(c, axis) for c, axis in ends if axis in AXES and _unit(c, None, si) is not None]
-
-
-def _usual(channel: RawChannel) -> float:
-    """Return the median of an acceleration [m/s2]; NaN where there is none."""
-    values = channel.values[np.isfinite(channel.values)]
-    return float(to_si(np.median(values), _unit(channel, None, "m/s2") or "")[0]) if values.size else float("nan")
+def _by_unit(channels: Iterable[RawChannel]) -> RawChannel | None:
+    """Return the only channel in a unit in which nothing but the speed of a vehicle is stated; None if not sure."""
+    stated = [c for c in channels if not _words(c.name) & OTHER_WORDS and stated_unit(c, None, "m/s") in ROAD_SPEEDS]
+    return in_si(stated[0], "m/s", None) if len(stated) == 1 else None
 
 
 def _unused(moving: RawChannel | None, free: Iterable[RawChannel], asked: str | None) -> tuple[str, str] | None:
@@ -203,32 +193,3 @@ def _words(name: str) -> frozenset[str]:
     """Return the words of a name, of which capitals may begin one."""
     apart = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", re.sub(r"[\[(].*", "", name))
     return frozenset(word for word in re.split(r"[\W\d_]+", apart.lower()) if word)
-
-
-def _unit(channel: RawChannel, unit: str | None, si: str) -> str | None:
-    """Return the unit of a channel, as given, stated, or in its name, if it is one of the quantity; else None."""
-    tail = re.split(r"[\s_]", channel.name.strip("[]() ").lower())[-1]
-    for candidate in (unit, channel.unit, tail):
-        spelled = _spelled(candidate, si) if candidate else None
-        if spelled is not None:
-            return spelled
-    return None
-
-
-def _spelled(unit: str, si: str) -> str | None:
-    """Return a unit as `to_si` knows it, if it is one of the quantity; else None."""
-    spelled = SPELLED.get(unit.strip().lower(), unit)
-    try:
-        return spelled if spelled and to_si(0.0, spelled)[1] == si else None
-    except InputError:
-        return None
-
-
-def _in_si(channel: RawChannel, si: str, unit: str | None) -> RawChannel:
-    found = _unit(channel, unit, si)
-    if found is None:
-        hint = "; give it as speed_unit" if si == "m/s" else ""
-        raise InputError(f"channel {channel.name!r} has no unit like {si} (it states {channel.unit or 'none'}){hint}")
-    return RawChannel(
-        name=channel.name, unit=si, timepts=channel.timepts, values=to_si(channel.values, found)[0], rate=channel.rate
-    )

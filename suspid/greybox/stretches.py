@@ -99,7 +99,7 @@ def _most(values: RealArray, *, sign: int = 1) -> float:
 
 
 def judged(way: Way) -> list[Check]:
-    """Return what could not be judged of a drive."""
+    """Return what could not be judged of a drive, and what was taken for granted to judge it."""
     said = []
     if way.speed is None:
         said.append(Check(Remark(DriveRemark.NO_SPEED), Level.NOTE))
@@ -110,6 +110,10 @@ def judged(way: Way) -> list[Check]:
         said.append(Check(Remark(DriveRemark.BRAKING_UNKNOWN), Level.CARE))
     if way.lateral is None and (way.yaw is None or way.speed is None):
         said.append(Check(Remark(DriveRemark.CORNERING_UNKNOWN), Level.CARE))
-    elif way.lateral is None and way.upright and way.yaw is not None:
+    elif way.upright and way.yaw is not None and way.speed is not None:
         said.append(Check(Remark(DriveRemark.YAW_BY_GRAVITY, {"channel": way.yaw.name}), Level.NOTE))
+    if way.by_unit and way.speed is not None:
+        said.append(Check(Remark(DriveRemark.SPEED_BY_UNIT, {"channel": way.speed.name}), Level.NOTE))
+    if way.by_axis:
+        said.append(Check(Remark(DriveRemark.BY_AXIS, {"channels": way.by_axis}), Level.NOTE))
     return said

@@ -70,6 +70,13 @@ class DriveRemark(Code):
         "yaw by gravity",
         "{channel!r} was taken for the yaw rate, because the acceleration along its axis shows gravity.",
     )
+    SPEED_BY_UNIT = "speed by unit", "{channel!r} was taken for the speed of the car, by its unit."
+    BY_AXIS = (
+        "by axis",
+        sentence(
+            lambda n: f"Acceleration along or across the car: {_channels(n)}, by the name of the axis or by gravity."
+        ),
+    )
     NO_UNIT = "no unit", sentence(lambda n: f"No unit is stated for {_channels(n)}: taken as SI.")
     NO_WHEELS = (
         "no wheels",
