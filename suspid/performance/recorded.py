@@ -13,6 +13,7 @@ from suspid.levels import PIECES_OF_RECORD
 from suspid.performance.felt import Felt, felt_of, shown_by
 from suspid.performance.figure_plan import ROTATION, SICKNESS, TRAVEL, comfort_of
 from suspid.performance.figures import check_exposure
+from suspid.performance.mean_squares import power_mean
 from suspid.performance.reactions import reaction
 from suspid.performance.record_checks import record_checks
 from suspid.performance.record_sizes import implausible
@@ -61,7 +62,7 @@ def recorded(
     found: list[Measured] = []
     checks: list[Check] = []
     for one in felt:
-        plain, scatter = _power_mean(one.samples, 2)
+        plain, scatter = power_mean(one.samples, 2)
         found.append(Measured(name=f"{one.name}.rms", value=plain, unit=f"{one.turn}/s2", scatter=scatter))
         comfort = comfort_of(one.kinds)
         for kind in one.kinds:
@@ -103,13 +104,13 @@ def recorded(
 def _of_weighted(one: Felt, kind: str, felt: RealArray, seconds: Second, *, first: bool) -> Iterator[Measured]:
     """Yield the figures of one weighted acceleration; doses are those of the wanted time."""
     channel, turn = one.name, one.turn
-    rms, scatter = _power_mean(felt, 2)
+    rms, scatter = power_mean(felt, 2)
     yield Measured(name=f"{channel}.{kind}", value=rms, unit=f"{turn}/s2", scatter=scatter)
     if kind == SICKNESS:
         root = seconds**0.5
         yield Measured(name=f"{channel}.MSDV", value=root * rms, unit=f"{turn}/s1.5", scatter=root * scatter)
     elif first:
-        fourth, fourth_scatter = _power_mean(felt, 4)
+        fourth, fourth_scatter = power_mean(felt, 4)
         root = seconds**0.25
         yield Measured(name=f"{channel}.VDV", value=root * fourth, unit=f"{turn}/s1.75", scatter=root * fourth_scatter)
         peak = float(np.max(np.abs(felt)))
@@ -118,21 +119,9 @@ def _of_weighted(one: Felt, kind: str, felt: RealArray, seconds: Second, *, firs
 
 def _of_travel(channel: str, travel: RealArray) -> Iterator[Measured]:
     strut = channel.removesuffix(TRAVEL)
-    rms, scatter = _power_mean(travel, 2)
+    rms, scatter = power_mean(travel, 2)
     yield Measured(name=f"{strut}.travel", value=rms, unit="m", scatter=scatter)
     yield Measured(name=f"{strut}.peak_travel", value=float(np.max(np.abs(travel))), unit="m")
-
-
-def _power_mean(samples: RealArray, power: int) -> tuple[float, float]:
-    """Return ``mean(|x|^p)^(1/p)`` and its standard deviation by the scatter of the means over pieces."""
-    powers = np.abs(samples) ** power
-    mean = float(np.mean(powers))
-    if not mean:
-        return 0.0, 0.0
-    pieces = np.array([np.mean(piece) for piece in np.array_split(powers, PIECES_OF_RECORD)])
-    std = float(np.std(pieces, ddof=1)) / PIECES_OF_RECORD**0.5
-    root = mean ** (1 / power)
-    return root, root * std / (power * mean)
 
 
 def _doubts(channel: str, kind: str, figures: Mapping[str, float], seconds: Second) -> Iterator[Check]:

@@ -98,6 +98,9 @@ def ride(
     derivatives, by relaxations of mounts near zero to second order. VDV and crest factor are those of a Gaussian
     vibration.
 
+    Intervals of a record are those of a chi-square with the degrees of freedom of its spectrum, where steady tones do
+    not count, or by the scatter of twenty pieces where that is significantly larger.
+
     Examples
     --------
     >>> from suspid import quarter_car

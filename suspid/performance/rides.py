@@ -44,8 +44,8 @@ class Ride(Result):
     covariance : ndarray (parameter, parameter)
         Joint covariance of the parameters.
     scatter : ndarray (figure,)
-        Standard deviation over other records of the same length, of the figures of a record; NaN where unknown, and 0
-        for those of a car, which are exact expected values.
+        Standard deviation over other records of the same length, of the figures of a record, widened by what the record
+        leaves open of it; NaN where unknown, and 0 for those of a car, which are exact expected values.
     hertz : ndarray (frequency,)
         Frequencies of the spectra [Hz].
     channels : tuple of str
@@ -106,9 +106,10 @@ class Ride(Result):
         return np.asarray(np.hypot(by_car, self.scatter))
 
     def interval(self, level: Ratio = LEVEL) -> dict[str, tuple[float, float]]:
-        """Return the ends between which each figure lies with probability ``level``, by its logarithm.
+        """Return the ends between which each figure lies with probability ``level``.
 
-        No car with a negative spring, damper or relaxation of a mount counts.
+        Those of a car are by the logarithm, and no car with a negative spring, damper or relaxation of a mount counts;
+        those of a record are by the chi-square of a mean square.
 
         Raises
         ------
@@ -119,10 +120,9 @@ class Ride(Result):
         reach = normal_reach(level)
         reached = reaches(self.jacobian.T, self.covariance, self.parameter_values, reach, self.bends)
         with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
-            down, up = (
-                np.exp(np.where(self.values > 0, np.hypot(by_car, reach * self.scatter) / self.values, 0.0))
-                for by_car in reached
-            )
+            down, up = (np.exp(np.where(self.values > 0, by_car / self.values, 0.0)) for by_car in reached)
+            by_chance = _roots_of_chi_square(np.where(self.values > 0, self.scatter / self.values, 0.0), level)
+        down, up = down / by_chance[0], up * by_chance[1]
         top = np.where([name.endswith(".lifts") for name in self.figures], 1.0, np.inf)
         low, high = self.values / down, np.minimum(self.values * up, top)
         return {name: (float(a), float(b)) for name, a, b in zip(self.figures, low, high, strict=True)}
@@ -144,3 +144,18 @@ class Ride(Result):
     def __str__(self) -> str:
         rows = {"figure": list(self.figures), "unit": list(self.units), **values_beside(self.values, self.std)}
         return f"{text_table(rows, widest=TERMINAL)}\n{self.verdict}"
+
+
+def _roots_of_chi_square(spread: RealArray, level: Ratio) -> tuple[RealArray, RealArray]:
+    """Return the ends of roots of mean squares over their values, by the relative standard deviations of the roots.
+
+    A root of a chi-square over its degrees of freedom n varies by ``(2 n)^(-1/2)``.
+    """
+    from scipy.special import chdtri
+
+    found = spread > 0
+    freedom = np.where(found, 0.5 / np.where(found, spread, 1.0) ** 2, 1.0)
+    low, high = (np.sqrt(freedom / chdtri(freedom, (1 + side * level) / 2)) for side in (-1, 1))
+    # A figure without scatter is a known one; that of an unknown scatter is not known.
+    known = np.where(np.isnan(spread), np.nan, 1.0)
+    return np.where(found, low, known), np.where(found, high, known)
