@@ -30,6 +30,7 @@ REPORTS = (
     "fuzz",
     "greybox",
     "ride",
+    "ride_records",
     "drives",
     "wear",
     "tyres",
