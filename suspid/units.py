@@ -29,6 +29,7 @@ Ratio: TypeAlias = Annotated[float, "1"]
 
 RealArray: TypeAlias = NDArray[np.float64]
 ComplexArray: TypeAlias = NDArray[np.complex128]
+Flags: TypeAlias = NDArray[np.bool_]
 
 STANDARD_GRAVITY = 9.80665  # [m/s2]
 

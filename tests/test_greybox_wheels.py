@@ -282,6 +282,24 @@ class TestIntervals:
         # 3000 draws know a share of 0.95 to 0.004.
         np.testing.assert_allclose(held / draws, 0.95, atol=0.015)
 
+    def test_beside_a_rigid_mount_they_hold_for_cars_with_mounts_alone(self) -> None:
+        ends, known = [], []
+        for seed in range(6):
+            motions, times = driven(QUARTER, seed, duration=10.0, noise=NOISE)
+            found = estimate(record_of(motions, times), off(QUARTER), given=("tire",))
+            at = found.parameters.index("chassis.relaxation")
+            rigid = found.values[at] < 1e-9
+            # Without a bound the mount would be stiffer than a rigid one.
+            assert (found.unbounded[at] < -1e-6) == rigid
+            c, std = found.values[1], found.std[1]
+            low, high = found.interval()["chassis.damping"]
+            ends.append([(low - c) / std, (high - c) / std])
+            known.append(rigid)
+        assert 0 < sum(known) < 6
+        # What is above a rigid mount's damper is left out: there the interval is as if no mount were unknown.
+        assert np.max(np.array(ends)[known, 1]) < 1.0
+        assert np.min(ends) > -NORMAL_95 - 1e-9
+
 
 class TestDriving:
     def test_without_noise_the_strut_is_exact(self) -> None:

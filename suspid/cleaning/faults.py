@@ -6,11 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from suspid.cleaning.clipping import BESIDE, CLIPPED
-from suspid.cleaning.gaps import Flags, runs
+from suspid.cleaning.gaps import runs
 from suspid.cleaning.inspection import possible, without_sentinels
 from suspid.levels import UNLIKELY
 from suspid.recordings import RawChannel
-from suspid.units import RealArray, Second
+from suspid.units import Flags, RealArray, Second
 
 # A rail: values within this share of the range of the channel from its end, for electronics that add noise to it.
 RAIL = 0.01

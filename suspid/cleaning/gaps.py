@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from suspid.cleaning.findings import Finding, found
-from suspid.units import RealArray
+from suspid.units import Flags, RealArray
 from suspid.values import frozen_real
 from suspid.words import Defect, Number
-
-Flags: TypeAlias = NDArray[np.bool_]
 
 # Samples on each side of a gap over which the error is measured: enough for a mean square, near enough for a decay.
 NEARBY = 200

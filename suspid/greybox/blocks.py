@@ -4,20 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from suspid.cleaning import MOST_FILLED, Aligned, aligned, clipped_times, stuck_times
 from suspid.errors import RecordError
 from suspid.greybox.drives import DriveLimits
 from suspid.greybox.speeds import Going, Way, going
 from suspid.recordings import RawChannel
-from suspid.units import RealArray, Second
+from suspid.units import Flags, RealArray, Second
 from suspid.words.drives import DriveReason
-
-Flags: TypeAlias = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)

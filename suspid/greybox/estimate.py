@@ -12,7 +12,7 @@ from suspid.arguments import explained
 from suspid.cleaning import RecordLike
 from suspid.errors import EstimationError, InputError
 from suspid.greybox.causes import dies_down
-from suspid.greybox.estimates import Estimate, changed
+from suspid.greybox.estimates import Estimate, Spread, changed
 from suspid.greybox.fits import Fit
 from suspid.greybox.further import further_asked
 from suspid.greybox.judgement import beside_nominal, far_or_vague, gains_off, on_bounds, rests_on
@@ -202,7 +202,8 @@ def estimate(
     still = () if road else tuple(suspension.coordinates[i] for i in trials[0].wheels)
     own = of_car(u)
     ranges = np.vstack([np.column_stack([u.lower, u.upper])[u.column] * u.scale[u.column, None], fit.extra_ranges])
-    apart = changed(suspension, parameters, values, std, ranges)
+    unbounded = values if fit.pull is None else values + turned @ fit.pull
+    apart = changed(suspension, Spread(parameters, values, covariance, unbounded, ranges))
     said = [one.remark.numbers["names"] for one in fit.checks if one.remark.code is EstimateCheck.TIRE_DAMPING]
     assumed = {str(name) for names in said if isinstance(names, tuple) for name in names}
     checks = [
@@ -228,6 +229,7 @@ def estimate(
         parameters=parameters,
         values=frozen_real(values),
         covariance=frozen_real(covariance),
+        unbounded=frozen_real(unbounded),
         ranges=frozen_real(ranges),
         held=tuple(n for n in parameter_names(suspension) if n not in u.names and not n.endswith(".mass")),
         modes=modes_with(car, u, parameters, covariance, still),

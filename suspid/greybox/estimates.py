@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from suspid.greybox.roads import RoadEstimate
+from suspid.greybox.within_bounds import ends_within
 from suspid.levels import LEVEL, beyond_chance, check_level, normal_reach
 from suspid.model import ModalSet, Suspension
 from suspid.results import Result
 from suspid.signals import as_signal
-from suspid.units import UNITS, Hertz, Ratio, RealArray
+from suspid.units import UNITS, Flags, Hertz, Ratio, RealArray
 from suspid.values import numbers_in_words, rounded, spread, text_table
 from suspid.words import Verdict
 
@@ -40,6 +41,8 @@ class Estimate(Result):
         Their values, in SI units.
     covariance : ndarray (parameter, parameter)
         Their joint covariance, in their units squared, to first order.
+    unbounded : ndarray (parameter,)
+        Their values of least misfit if there were no bounds, to first order: `values` where none is at a bound.
     ranges : ndarray (parameter, 2)
         Their bounds.
     held : tuple of str
@@ -90,6 +93,7 @@ class Estimate(Result):
     parameters: tuple[str, ...]
     values: RealArray
     covariance: RealArray
+    unbounded: RealArray
     ranges: RealArray
     held: tuple[str, ...]
     modes: ModalSet
@@ -119,9 +123,10 @@ class Estimate(Result):
         return tuple(_lag_one(as_signal(response).values) for response in self.residual)
 
     def interval(self, level: Ratio = LEVEL) -> dict[str, tuple[float, float]]:
-        """Return the ends between which each of `parameters` lies with probability ``level``, cut at its bounds.
+        """Return the ends between which each of `parameters` lies with probability ``level``, within all bounds.
 
-        Those of stiffnesses, masses and gains are symmetric in the logarithm.
+        Those of stiffnesses, masses and gains are symmetric in the logarithm, except where any parameter is near a
+        bound: what lies beyond it, such as a mount stiffer than a rigid one, is no car.
 
         Raises
         ------
@@ -129,12 +134,16 @@ class Estimate(Result):
             If the level is not between 0 and 1.
         """
         check_level(level)
-        low, high = _ends_within(self.parameters, self.values, self.std, self.ranges, level)
+        low, high = _ends(self._spread, level)
         return {name: (float(a), float(b)) for name, a, b in zip(self.parameters, low, high, strict=True)}
 
     def beyond_chance(self, level: Ratio = LEVEL) -> frozenset[str]:
         """Return which parameters differ from nominal: none of them by chance, with probability ``level``."""
-        return changed(self.nominal, self.parameters, self.values, self.std, self.ranges, level)
+        return changed(self.nominal, self._spread, level)
+
+    @property
+    def _spread(self) -> Spread:
+        return Spread(self.parameters, self.values, self.covariance, self.unbounded, self.ranges)
 
     def _table(self) -> Mapping[str, Sequence[object]]:
         ends = self.interval()
@@ -163,33 +172,48 @@ class Estimate(Result):
 def ends_of(parameters: Sequence[str], values: RealArray, std: RealArray, level: Ratio) -> tuple[RealArray, RealArray]:
     """Return the ends of the intervals of parameters, before any bounds."""
     reach = normal_reach(level) * std
-    ratio = np.array([name.rpartition(".")[2] in POSITIVE for name in parameters]) & (values > 0)
+    ratio = _of_ratio(parameters, values)
     with np.errstate(divide="ignore", over="ignore"):
         factor = np.exp(np.where(ratio, reach / np.where(values > 0, values, 1.0), 0.0))
     return np.where(ratio, values / factor, values - reach), np.where(ratio, values * factor, values + reach)
 
 
-def _ends_within(
-    parameters: Sequence[str], values: RealArray, std: RealArray, ranges: RealArray, level: Ratio
-) -> list[RealArray]:
-    """Return the ends of the intervals of parameters, cut at their bounds, (parameter, 2)."""
-    return [np.clip(end, ranges[:, 0], ranges[:, 1]) for end in ends_of(parameters, values, std, level)]
+def _of_ratio(parameters: Sequence[str], values: RealArray) -> Flags:
+    """Return which parameters have intervals of a ratio."""
+    return np.array([name.rpartition(".")[2] in POSITIVE for name in parameters], bool) & (values > 0)
 
 
-def changed(
-    nominal: Suspension,
-    parameters: Sequence[str],
-    values: RealArray,
-    std: RealArray,
-    ranges: RealArray,
-    level: Ratio = LEVEL,
-) -> frozenset[str]:
+class Spread(NamedTuple):
+    """Parameters and how far they are known."""
+
+    parameters: Sequence[str]
+    values: RealArray
+    covariance: RealArray
+    unbounded: RealArray  # values of least misfit without bounds
+    ranges: RealArray  # (parameter, 2)
+
+
+def _ends(found: Spread, level: Ratio) -> list[RealArray]:
+    """Return the lower and upper ends of the intervals of parameters within their bounds."""
+    values, reach = found.values, normal_reach(level)
+    ratio = _of_ratio(found.parameters, values)
+    size = np.where(ratio, values, 1.0)
+    with np.errstate(divide="ignore", over="ignore"):
+        bounds = [np.where(ratio, np.log(np.maximum(end, 0.0) / size), end - values) for end in found.ranges.T]
+        ends = ends_within(
+            (found.unbounded - values) / size, found.covariance / np.outer(size, size), bounds[0], bounds[1], reach
+        )
+        whole = [np.where(ratio, values * np.exp(np.where(ratio, end, 0.0)), values + end) for end in ends]
+    return [np.clip(end, found.ranges[:, 0], found.ranges[:, 1]) for end in whole]
+
+
+def changed(nominal: Suspension, found: Spread, level: Ratio = LEVEL) -> frozenset[str]:
     """Return which parameters differ from nominal: none of them by chance, with probability ``level``."""
-    every = {name: nominal_value(nominal, name) for name in parameters}
+    every = {name: nominal_value(nominal, name) for name in found.parameters}
     count = sum(value is not None for value in every.values())
 
     def outside(level: Ratio) -> list[str]:
-        low, high = _ends_within(parameters, values, std, ranges, level)
+        low, high = _ends(found, level)
         rows = zip(every.items(), low, high, strict=True)
         return [name for (name, old), a, b in rows if old is not None and not a <= old <= b]
 

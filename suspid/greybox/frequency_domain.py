@@ -18,7 +18,7 @@ from suspid.greybox.settling import Point, at_stiff_mounts, from_held, released,
 from suspid.greybox.suspects import suspect_of
 from suspid.greybox.trials import signal_of
 from suspid.greybox.whitened import Whitened
-from suspid.levels import LEVEL, NORMAL_95
+from suspid.levels import EXACT, LEVEL, NORMAL_95
 from suspid.signals import Signal
 from suspid.units import Ratio, RealArray
 from suspid.words import Check, Level, Remark
@@ -64,6 +64,7 @@ def fit_in_frequency(problem: WheelProblem) -> Fit:
     if not judged.likely:
         apart = from_held(problem, z, levels)
         covariance += np.outer(apart, apart)
+    pull = covariance @ _held_back(problem, point) / judged.inflation
     signals = sorted((made for i, w in enumerate(every) for made in _in_time(problem, w, i)), key=lambda made: made[0])
     return Fit(
         x=z[: len(u)],
@@ -76,6 +77,7 @@ def fit_in_frequency(problem: WheelProblem) -> Fit:
         explains=judged.likely,
         alternatives=(),
         checks=tuple(checks),
+        pull=pull,
         band=(
             min(float(s.spectra.hertz[0]) for s in problem.sources),
             max(float(s.spectra.hertz[-1]) for s in problem.sources),
@@ -110,6 +112,16 @@ def _slopes(problem: WheelProblem, point: Point) -> tuple[RealArray, RealArray]:
     data = np.concatenate([w.rows()[1] for w in point.every]) * size
     prior = np.hstack([u.prior(z[: len(u)])[1], np.zeros((int(np.sum(u.has_prior)), len(problem.extras.names)))])
     return np.asarray(np.linalg.qr(data, mode="r")), prior * size
+
+
+def _held_back(problem: WheelProblem, point: Point) -> RealArray:
+    """Return by how much half of the misfit falls per unknown toward what its bound excludes, 0 off the bounds."""
+    u, extras, z = problem.unknowns, problem.extras, point.z
+    residual, slope = problem.compressed(z, point.every)
+    falls = -slope.T @ residual
+    lower, upper = np.concatenate([u.lower, extras.lower]), np.concatenate([u.upper, extras.upper])
+    size = EXACT * _sizes(problem, z)
+    return np.where(((z <= lower + size) & (falls < 0)) | ((z >= upper - size) & (falls > 0)), falls, 0.0)
 
 
 def _sandwich(every: Sequence[Whitened], prior: RealArray, inflation: Ratio = 1.0) -> RealArray:

@@ -131,10 +131,14 @@ def fit_with_road(
     covariance[np.ix_(rest, place)] = across
     covariance[np.ix_(place, rest)] = across.T
     covariance[np.ix_(rest, rest)] = every[:count, :count]
+    pull = np.zeros(size)
+    if found.pull is not None:
+        pull[place], pull[rest] = found.pull, carried[:count] @ found.pull
     roads = _roads(whole, fit, every)
     return replace(
         found,
         x=x,
+        pull=pull,
         covariance=covariance,
         roads=roads,
         checks=(*found.checks, *_checks(whole, roads, rolling)),

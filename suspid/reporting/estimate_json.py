@@ -174,6 +174,7 @@ def _estimate(content: Mapping[str, Any]) -> Estimate:
         parameters=names,
         values=frozen_real(values),
         covariance=frozen_real(covariance),
+        unbounded=frozen_real([row.get("unbounded", row["value"]) for row in rows]),
         ranges=frozen_real(ranges),
         held=tuple(str(row["name"]) for row in content["held"]),
         modes=modes_from_dict(content["modes"]),
@@ -216,8 +217,9 @@ def _digest(text: str) -> str:
 
 def _parameters(found: Estimate, level: Ratio) -> list[dict[str, object]]:
     ends, apart, rows = found.interval(level), found.beyond_chance(level), list[dict[str, object]]()
-    for name, value, std, (least, most) in zip(
-        found.parameters, found.values.tolist(), found.std.tolist(), found.ranges.tolist(), strict=True
+    columns = (found.values, found.std, found.unbounded, found.ranges)
+    for name, value, std, unbounded, (least, most) in zip(
+        found.parameters, *(column.tolist() for column in columns), strict=True
     ):
         nominal = nominal_value(found.nominal, name)
         low, high = ends[name]
@@ -229,6 +231,7 @@ def _parameters(found: Estimate, level: Ratio) -> list[dict[str, object]]:
                 "std": std,
                 "lower": low,
                 "upper": high,
+                "unbounded": unbounded,
                 "least": least,
                 "most": most,
                 "nominal": nominal,
