@@ -29,6 +29,8 @@ SURE = 3.0
 CERTAIN = 5.0
 # Pieces of a record whose scatter tells that of the whole: twenty know it to a sixth. Samples of one may be correlated.
 PIECES_OF_RECORD = 20
+# Bounds of parameters that are looked at together, the nearest ones: a full car has four mounts; each doubles the time.
+MOST_BOUNDS = 8
 # Gain of chi-square, or of twice the log likelihood, that ends a descent: a hundredth of a standard deviation.
 NEGLIGIBLE_GAIN = 1e-4
 

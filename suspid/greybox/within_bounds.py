@@ -15,10 +15,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from suspid.levels import EXACT
+from suspid.levels import EXACT, MOST_BOUNDS
 from suspid.units import Flags, Ratio, RealArray
-
-MOST_BOUNDS = 8  # that are looked at together, the nearest ones: a full car has four mounts; each doubles the time
 
 
 def ends_within(

@@ -14,13 +14,11 @@ from itertools import combinations
 
 import numpy as np
 
-from suspid.levels import EXACT, NORMAL_95
+from suspid.levels import EXACT, MOST_BOUNDS, NORMAL_95
 from suspid.model import Suspension
 from suspid.performance.uncertain import Uncertain
 from suspid.units import Ratio, RealArray, Second
 
-# Bounds that are looked at together, the nearest ones: a full car has four mounts; each doubles the time.
-MOST_BOUNDS = 8
 # Standard deviations from its bound up to which a parameter has second derivatives: intervals of 99.7 % reach it.
 BENT_WITHIN = 3.0
 
