@@ -203,7 +203,7 @@ def estimate(
     own = of_car(u)
     ranges = np.vstack([np.column_stack([u.lower, u.upper])[u.column] * u.scale[u.column, None], fit.extra_ranges])
     unbounded = values if fit.pull is None else values + turned @ fit.pull
-    apart = changed(suspension, Spread(parameters, values, covariance, unbounded, ranges))
+    apart = changed(suspension, Spread(parameters, values, covariance, unbounded, ranges, fit.explains))
     said = [one.remark.numbers["names"] for one in fit.checks if one.remark.code is EstimateCheck.TIRE_DAMPING]
     assumed = {str(name) for names in said if isinstance(names, tuple) for name in names}
     checks = [

@@ -143,7 +143,7 @@ class Estimate(Result):
 
     @property
     def _spread(self) -> Spread:
-        return Spread(self.parameters, self.values, self.covariance, self.unbounded, self.ranges)
+        return Spread(self.parameters, self.values, self.covariance, self.unbounded, self.ranges, self.explains)
 
     def _table(self) -> Mapping[str, Sequence[object]]:
         ends = self.interval()
@@ -191,11 +191,15 @@ class Spread(NamedTuple):
     covariance: RealArray
     unbounded: RealArray  # values of least misfit without bounds
     ranges: RealArray  # (parameter, 2)
+    explained: bool  # else the covariance is of what the car lacks, and no likelihood tells what bounds exclude
 
 
 def _ends(found: Spread, level: Ratio) -> list[RealArray]:
     """Return the lower and upper ends of the intervals of parameters within their bounds."""
     values, reach = found.values, normal_reach(level)
+    if not found.explained:
+        plain = ends_of(found.parameters, values, np.sqrt(np.diag(found.covariance)), level)
+        return [np.clip(end, found.ranges[:, 0], found.ranges[:, 1]) for end in plain]
     ratio = _of_ratio(found.parameters, values)
     size = np.where(ratio, values, 1.0)
     with np.errstate(divide="ignore", over="ignore"):

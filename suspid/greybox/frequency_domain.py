@@ -64,7 +64,7 @@ def fit_in_frequency(problem: WheelProblem) -> Fit:
     if not judged.likely:
         apart = from_held(problem, z, levels)
         covariance += np.outer(apart, apart)
-    pull = covariance @ _held_back(problem, point) / judged.inflation
+    pull = covariance @ _held_back(problem, point) / judged.inflation if judged.likely else None
     signals = sorted((made for i, w in enumerate(every) for made in _in_time(problem, w, i)), key=lambda made: made[0])
     return Fit(
         x=z[: len(u)],
