@@ -6,8 +6,9 @@ import pytest
 from scipy.signal import lfilter
 
 from suspid import Level, Settings, analyse, free_decay
-from suspid.identification import by_likelihood
-from suspid.signals import as_response, as_signal, late_start
+from suspid.analysis.choice import holds
+from suspid.identification import by_likelihood, identify_linear
+from suspid.signals import as_response, as_signal, cut, late_start
 from suspid.units import RealArray
 from suspid.words import DecayDoubt, Note
 from validation import cars
@@ -75,3 +76,31 @@ class TestLaterThanTheFirstSample:
         found = analyse(decay_of(4, rest=rest))
         assert found.used[0].start == pytest.approx(rest / 500, abs=0.004)
         assert max(sought, default=0) < 2000
+
+
+class TestPolesOfTheWholeInAPart:
+    """What holds of a decay from its first sample on holds of any part in which all modes are still seen."""
+
+    @staticmethod
+    def record(*, changed: float = 1.0, noise: float = 0.01) -> control.TimeResponseData:
+        """A mode at 20 rad/s, and one at 90 rad/s that is gone after 1 s; behind 0.5 s the first one is another."""
+        time = np.arange(1000) / 200
+        omega = np.where(time < 0.5, 20.0, 20.0 * changed)
+        slow = np.exp(-0.4 * time) * np.cos(np.cumsum(omega) / 200)
+        fast = np.exp(-8.0 * time) * np.sin(90 * time)
+        drawn = noise * np.random.default_rng(8).standard_normal((2, time.size))
+        return as_response(time, np.array([slow + fast, slow - 0.5 * fast]) + drawn, ["a", "b"])
+
+    def test_all_are_seen(self) -> None:
+        record = self.record()
+        assert holds(identify_linear(record), cut(record, start=0.05))
+
+    def test_one_is_gone(self) -> None:
+        record = self.record()
+        assert len(identify_linear(record).modes) == 2
+        assert not holds(identify_linear(record), cut(record, start=2.0))
+
+    def test_the_part_is_of_another_frequency(self) -> None:
+        """The fit to the whole lies between; the part alone tells the frequencies apart."""
+        record = self.record(changed=1.005)
+        assert not holds(identify_linear(record), cut(record, start=0.5))

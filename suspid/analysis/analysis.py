@@ -20,6 +20,7 @@ from suspid.identification import (
     verdict_of,
     verdict_of_repeats,
 )
+from suspid.levels import LEVEL
 from suspid.model import ModalSet
 from suspid.reconstruction import Reconstruction
 from suspid.recordings import Recording
@@ -109,9 +110,12 @@ class Analysis(Result):
     def verdict(self) -> Verdict:
         """How far the modes, springs and dampers can be trusted."""
         level = self.settings.level
-        found = verdict_of(self.identification, level)
         if self.repeats is not None:
             found = verdict_of_repeats(self.repeats, level)
+        elif level == LEVEL:
+            found = self.identification.verdict
+        else:
+            found = verdict_of(self.identification, level)
         several = [note for note in self.notes if note.code is Note.ONE_OF_TESTS]
         failed = [Check(Remark(RecordCheck.ONE_OF_TESTS, note.numbers), Level.CARE) for note in several]
         unsettled = () if self.estimate is not None else self.notes

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from suspid.analysis.choice import explains, settled, tried, tried_linear
+from suspid.analysis.choice import explains, holds, settled, tried, tried_linear
 from suspid.analysis.held import without_held
 from suspid.analysis.settings import Settings
 from suspid.decays import GRAVE, LOOK_BLOCKS, Decay, Decays, clearly_driven, find_decays
@@ -128,7 +128,10 @@ def _holds_later(whole: Identification, record: control.TimeResponseData, settin
     peaks = np.argmax(about, axis=1)
     begun = 2 * about[:, 0] < np.max(about, axis=1)
     first = signal.start + signal.step * int(np.min(peaks[begun] if begun.any() else np.max(peaks)))
-    later = tried_linear(cut(record, start=first), settings)
+    part = cut(record, start=first)
+    if holds(whole, part):
+        return True
+    later = tried_linear(part, settings)
     return later is not None and explains(whole, later)
 
 

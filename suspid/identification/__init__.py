@@ -4,7 +4,7 @@
 BIC, or runs the wavelet steps (`by_likelihood`, `by_ridges`). `identify_repeats` fits several decays jointly. Below
 them: `exponentials` and `poles` (inner products), `noise` (least variance, likelihood, colour), `likelihood` and
 `joint_fit` (fits of one decay and of several), `candidates`, `fitting`, `refinement`, `classification`, `selection`
-(number of poles), `covariance`, `halves` (linearity), `modes_json` (files). Samples are (channel, sample), poles per
+(number of poles), `covariance`, `halves` (linearity), `parts` (of a record), `modes_json` (files). Samples are (channel, sample), poles per
 sample.
 """
 
@@ -26,6 +26,7 @@ from suspid.identification.noise import (
     resolution,
 )
 from suspid.identification.nonlinear import AmplitudeDependence, Force, ForceKind
+from suspid.identification.parts import residual_of_part
 from suspid.identification.pulses import FORCED
 from suspid.identification.selection import MOST_PAIRS, Selection, select
 from suspid.identification.stabilization import HIGHEST_VIEW, Stabilization, stabilization
@@ -60,6 +61,7 @@ __all__ = [
     "modes_from_dict",
     "modes_to_dict",
     "read_modes",
+    "residual_of_part",
     "resolution",
     "select",
     "stabilization",

@@ -15,7 +15,7 @@ from suspid.identification.considered import Considered
 from suspid.identification.halves import disagreement
 from suspid.identification.noise import lag_one
 from suspid.identification.nonlinear import AmplitudeDependence, Force
-from suspid.identification.poles import Poles
+from suspid.identification.parts import poles_of
 from suspid.identification.steps import FourSteps
 from suspid.identification.verdict import verdict_of
 from suspid.model import ModalSet
@@ -144,9 +144,8 @@ class Identification(Result):
         if self.forces:
             return frozen_real(np.full(len(self.modes), np.nan))
         signal = as_signal(held(self, "response"))
-        every = np.array([*self.modes.poles, *(c.pole for c in self.considered if c.removed)]) * signal.step
-        pair = every.imag > 0
-        poles = Poles(pairs=np.asarray(every[pair], complex), reals=every[~pair].real, nuisances=np.zeros(1))
+        pair = self.modes.poles.imag > 0
+        poles = poles_of(self, signal.step)
         place = np.cumsum(pair) - 1
         return frozen_real(
             [
