@@ -285,6 +285,7 @@ REFUSED: list[tuple[str, str | bytes, dict[str, Any], str]] = [
     ("r.csv", b"\xff\xfe\x00\xd8", {}, "is not UTF-16 text"),
     ("r.csv", matlab(x=X), {}, "holds zero bytes|control byte"),
     ("r.csv", "1" * 2_000_000, {}, "line 1 is longer than"),
+    ("r.csv", "t,a\n0," + "1" * 300_000 + "\n1,2\n2,3\n", {}, "line 2 is longer than"),
     ("r.mat", GOOD, {}, "is not a MATLAB file"),
     ("r.mat", matlab(x=np.arange(400.0))[:-700], {}, "is damaged: it ends within a variable"),
     ("r.mat", matlab(s={"x": np.arange(400.0)})[:-700], {}, "is damaged: it ends within a variable"),

@@ -4,8 +4,8 @@
 BIC, or runs the wavelet steps (`by_likelihood`, `by_ridges`). `identify_repeats` fits several decays jointly. Below
 them: `exponentials` and `poles` (inner products), `noise` (least variance, likelihood, colour), `likelihood` and
 `joint_fit` (fits of one decay and of several), `candidates`, `fitting`, `refinement`, `classification`, `selection`
-(number of poles), `covariance`, `halves` (linearity), `parts` (of a record), `modes_json` (files). Samples are (channel, sample), poles per
-sample.
+(number of poles), `covariance`, `halves` (linearity), `parts` (of a record), `modes_json` (files). Samples are
+(channel, sample), poles per sample.
 """
 
 from suspid.identification.considered import Considered

@@ -154,14 +154,15 @@ def _plan(table: Table, channels: Sequence[str] | None, time: str | None, fs: He
         clocks |= own
     rate = _rate(table, fs)
     chosen = names or by_clock or _all_channels(table, time, {*clocks, *left_out}, clocks, rate)
+    often = Counter(chosen)
     for name in chosen:
-        if name == time or chosen.count(name) > 1:
+        if name == time or often[name] > 1:
             raise RecordError(f"column {name!r} is asked for twice")
     plan = _Plan(channels=tuple(chosen), time=time, clocks=clocks, rate=rate, left_out=left_out)
     _check_followers(table, plan.followers, time, rate)
     if channels:
         return replace(plan, left_out={})
-    others = [name for name in table.sizes if name not in chosen and name != time]
+    others = [name for name in table.sizes if name not in often and name != time]
     why = {name: left_out.get(name) or _why_left_out(table, name, plan) for name in others}
     return replace(plan, left_out={**why, **{name: left_out[name] for name in (time,) if name in left_out}})
 
@@ -279,7 +280,8 @@ def _all_channels(
         others = []
     else:
         others = _of_one_length(table, others)
-    return [name for name in table.sizes if name in clocks or name in others]
+    chosen = {*clocks, *others}
+    return [name for name in table.sizes if name in chosen]
 
 
 def _of_one_length(table: Table, names: list[str]) -> list[str]:

@@ -51,10 +51,12 @@ def read_delimited(path: Path) -> Table:
     if len(text) > HEAD_BYTES or len(head) > HEAD_LINES:
         head.pop()
         middle = text[len(text) // 2 : len(text) // 2 + HEAD_BYTES // 4].split(b"\n", 300)[1:-1]
-    if not head:
-        raise RecordError(f"line 1 is longer than {HEAD_BYTES} bytes; a record has one sample a line")
     top = [line.decode() for line in head]
-    layout = find_layout(top, [line for line in (*top, *(row.decode() for row in middle)) if line.strip()])
+    try:
+        layout = find_layout(top, [line for line in (*top, *(row.decode() for row in middle)) if line.strip()])
+    except RecordError:
+        _refuse_long_line(text, sum(len(line) + 1 for line in head), len(head) + 1)
+        raise
     body = text[sum(len(line) + 1 for line in head[: layout.first]) :]
     del text
     rows, odd = find_rows(body, layout, is_open=ends_within)
@@ -74,6 +76,12 @@ def read_delimited(path: Path) -> Table:
         units=layout.units,
         clocks={} if clock is None else dict.fromkeys(numeric, clock),
     )
+
+
+def _refuse_long_line(text: bytes, start: int, number: int) -> None:
+    """Refuse a line at which the search for the layout ended because it is too long."""
+    if text.find(b"\n", start, start + HEAD_BYTES) < 0 and len(text) > start + HEAD_BYTES:
+        raise RecordError(f"line {number} is longer than {HEAD_BYTES} bytes; a record has one sample a line") from None
 
 
 def _refuse_long(rows: Rows, layout: Layout) -> None:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, partial
 
@@ -147,11 +147,14 @@ def _names(columns: Columns, line: str) -> tuple[list[str], dict[str, Remark]]:
     names = [name or f"column {k + 1}" for k, name in enumerate(cells)]
     if columns.trailing and not cells[-1]:
         names[-1] = ""
-    renamed = {}
+    renamed, taken, above = {}, set(names), set[str]()
+    further: defaultdict[str, Iterator[int]] = defaultdict(lambda: itertools.count(2))
     for k, name in enumerate(names):
-        if name in names[:k]:
-            names[k] = next(new for n in itertools.count(2) if (new := f"{name} ({n})") not in names)
+        if name in above:
+            names[k] = next(new for n in further[name] if (new := f"{name} ({n})") not in taken)
             renamed[f"name of column {k + 1}"] = Remark(LeftOut.NAME_TWICE, {"name": name, "new": names[k]})
+        above.add(names[k])
+        taken.add(names[k])
     return names, renamed
 
 

@@ -60,7 +60,8 @@ class Rows:
 
     def columns(self, wanted: Sequence[str]) -> list[RealArray]:
         """Return the numbers of the named columns, NaN where one is missing."""
-        use = [self.layout.names.index(name) for name in wanted]
+        place = {name: k for k, name in enumerate(self.layout.names)}
+        use = [place[name] for name in wanted]
         values = np.empty((len(use), self.size))
         done, line = 0, self.first
         for piece in _pieces(self.body) if use else ():
