@@ -9,13 +9,14 @@ from __future__ import annotations
 import codecs
 import re
 
+import numpy as np
+
 from suspid.errors import RecordError
 from suspid.words import LeftOut, Remark
 
 # The beginning of a file, in which its layout shows, and pieces that are searched at a time [bytes]: more cost memory.
 TOP = 1 << 16
 PIECE = 1 << 22
-ALLOWED = bytes(set(range(256)) - set(bytes([*range(9), *range(0x0E, 0x20), 0x7F])))
 
 
 # A matrix as it is printed in brackets, with a semicolon after each row; a name may stand before it.
@@ -89,10 +90,15 @@ def _wide(start: bytes) -> str | None:
 
 
 def _refuse_control(content: bytes) -> None:
-    # Deleting the bytes of text is ten times faster than searching for others.
+    # Comparisons of all bytes are five times faster than a search for some of them.
     for start in range(0, len(content), PIECE):
-        odd = content[start : start + PIECE].translate(None, ALLOWED)
-        if odd:
-            what = "zero bytes" if odd[0] == 0 else f"the control byte 0x{odd[0]:02x}"
-            line = content.count(b"\n", 0, content.index(odd[:1], start)) + 1
+        codes = np.frombuffer(content, np.uint8, min(PIECE, len(content) - start), start)
+        odd = codes < ord("\t")
+        # Differences of unsigned bytes wrap around: from 0x0e to 0x1f.
+        odd |= codes - np.uint8(0x0E) < 0x20 - 0x0E
+        odd |= codes == 0x7F
+        if odd.any():
+            first = int(np.argmax(odd))
+            what = "zero bytes" if codes[first] == 0 else f"the control byte 0x{codes[first]:02x}"
+            line = content.count(b"\n", 0, start + first) + 1
             raise RecordError(f"is not text: it holds {what} (line {line}); if it is UTF-16, save it as UTF-8")

@@ -10,6 +10,8 @@ from suspid.io.text.columns import REMARKS
 from suspid.io.text.dialects import DELIMITERS
 from suspid.words import LeftOut, Remark
 
+# What rows of numbers are made of.
+ROW_BYTES = b"0123456789.,;+- \t\n"
 # Every name of such a column has one of these in it.
 STEMS = [word.encode() for word in sorted(REMARKS) if not any(other in word for other in REMARKS - {word})]
 
@@ -25,7 +27,8 @@ def without_notes(text: bytes, *, within: int) -> tuple[bytes, Mapping[str, Rema
     >>> without_notes(b"X_Value,seat,Comment\n0,1.5,cold day\n0.5,2\n", within=100)[0]
     b'X_Value,seat,Comment\n0,1.5\n0.5,2\n'
     """
-    lowered = text[:within].lower()
+    # Deleting what rows are made of is faster than to look for words in them.
+    lowered = text[:within].translate(None, ROW_BYTES).lower()
     if not any(word in lowered for word in STEMS):
         return text, {}
     lines = text[:within].split(b"\n")
