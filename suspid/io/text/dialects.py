@@ -24,7 +24,7 @@ from suspid.io.text.cells import Kind, kind_of
 # Digits with marks between them, in a cell that is not a number.
 NUMERIC = re.compile(r"[+-]?[\d.,][\d.,;\t '+\-eE]*")
 # Shapes of numbers and delimiters, and what may be a date among them.
-NUMBERS, DATED = re.compile(r"[1.,;+\-eE\t |]*"), re.compile(r"1[-.]1+[-.]1")
+NUMBER_ROW, DATED = re.compile(r"[1.,;+\-eE\t |]*"), re.compile(r"1[-.]1+[-.]1")
 COMMENTS = ("#", "%", "//")
 DELIMITERS = {"\t": "tabs", ";": "semicolons", ",": "commas", "|": "bars", " ": "blanks"}
 
@@ -109,7 +109,7 @@ def shapes(lines: Sequence[str]) -> Counter[str]:
     alike = Counter[str]()
     for shape, often in counted.items():
         # The length of a number does not matter, except in dates.
-        plain_row = NUMBERS.fullmatch(shape) and not DATED.search(shape)
+        plain_row = NUMBER_ROW.fullmatch(shape) and not DATED.search(shape)
         alike[re.sub("1+", "1", shape) if plain_row else shape] += often
     return alike
 
