@@ -42,7 +42,7 @@ class TestNumbers:
         rows = [f"{k / 10},{k % 7},{k % 3}\n" for k in range(50)]
         rows[30] = f"3.0,{odd},0\n"
         (tmp_path / "r.csv").write_text("".join(["t,a,b\n", *rows]))
-        told = []
+        told: list[object] = []
         for worth in (0, 1 << 62):
             monkeypatch.setattr("suspid.io.text.numbers.WORTH_ARROW", worth)
             try:
