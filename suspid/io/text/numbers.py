@@ -16,8 +16,8 @@ import numpy as np
 from suspid.io.text.layouts import Layout
 from suspid.units import RealArray
 
-# Bytes of a text from which on pyarrow is imported to read it: its import takes the time that it saves on as many. Pieces
-# of fewer bytes than the second number are read as fast by numpy.
+# Bytes of a text from which on pyarrow is imported to read it: its import takes the time that it saves on as many.
+# Pieces of fewer bytes than the second number are read as fast by numpy.
 WORTH_IMPORT, WORTH_ARROW = 1 << 24, 1 << 18
 
 
