@@ -27,10 +27,16 @@ from suspid.files import naming, replacing
 )  # fmt: skip
 @click.option(
     "--objective", "objectives", metavar="FIGURE[+FIGURE…]", multiple=True,
-    help="One or two figures of suspid ride; those joined by + are one, the root of the sum of squares. "
-    "[comfort and wheel load]",
+    help="One or two figures of suspid ride to be small, those joined by + are one, or as tire.adhesion and tire.phase "
+    "of suspid grip to be large. [comfort and wheel load]",
 )  # fmt: skip
-@click.option("--limit", "limits", metavar="FIGURE=VALUE", multiple=True, help="Largest value of a figure; repeat.")
+@click.option(
+    "--limit",
+    "limits",
+    metavar="FIGURE=VALUE",
+    multiple=True,
+    help="Largest value of a figure in SI units, of adhesion and phase [rad] the least; repeat.",
+)
 @click.option(
     "--constraint", "related", metavar="TEXT", multiple=True,
     help='Linear in springs and dampers, as "front.damping >= rear.damping"; repeat. Those of the car file count too.',

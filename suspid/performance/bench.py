@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
@@ -47,40 +48,73 @@ def bench(
     """Return what a bench finds of a car."""
     load, load_slopes = _loads(wheels, parameters, loads)
     hertz = _sweep(wheels, highest)
-
-    def least_at(f: RealArray) -> tuple[RealArray, RealArray]:
-        return _adhesion(*contact(wheels, f, parameters), load, load_slopes, amplitude)
-
-    def phase_at(f: RealArray) -> tuple[RealArray, RealArray]:
-        return _phase(*contact(wheels, f, parameters))
-
-    low, high = wheels.resonances()
-    ends = np.column_stack([np.full(len(high), low), high])
-    (least, least_slopes), (phase, phase_slopes) = least_at(hertz), phase_at(hertz)
-    everywhere = np.array([[0.0, highest]] * len(high))
-    lowest = [_least_of(least_at, hertz, least[i], everywhere[i], i) for i in range(len(high))]
-    by_body, by_wheel = resonance_slopes(wheels, parameters)
-    turned = [
-        _least_phase(
-            wheels, _least_of(phase_at, hertz, phase[i], ends[i], i, inside=True), ends[i], i, parameters,
-            (by_body, by_wheel[:, i]),
-        )
-        for i in range(len(high))
-    ]  # fmt: skip
-    found = (*lowest, *turned)
+    G, slopes = contact(wheels, hertz, parameters)
+    (least, least_slopes), (phase, phase_slopes) = _adhesion(G, slopes, load, load_slopes, amplitude), _phase(G, slopes)
+    at, figures, jacobian = least_figures(wheels, parameters, loads, amplitude, highest)
     return Bench(
         wheels=wheels,
         load=load,
-        ends=ends,
+        ends=_ends(wheels),
         hertz=hertz,
         least=least,
         phase=phase,
         least_slopes=least_slopes,
         phase_slopes=phase_slopes,
-        at=np.array([one for one, _, _ in found]),
-        figures=np.array([one for _, one, _ in found]),
-        jacobian=np.array([one for _, _, one in found]).reshape(len(found), len(parameters)),
+        at=at,
+        figures=figures,
+        jacobian=jacobian,
     )
+
+
+def least_figures(
+    wheels: Wheels,
+    parameters: Sequence[str],
+    loads: Mapping[str, Newton] | None,
+    amplitude: Metre,
+    highest: Hertz,
+) -> tuple[RealArray, RealArray, RealArray]:
+    """Return where each figure of `Bench` is met, the figures, and their derivatives, (figure, parameter).
+
+    A least value over frequencies moves with a parameter as the curve does at the frequency where it is met.
+
+    Examples
+    --------
+    >>> from suspid import quarter_car
+    >>> from suspid.performance.contact import wheels_of
+    >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3,
+    ...                   chassis_damping=650, tire_damping=60)
+    >>> at, figures, _ = least_figures(wheels_of(car), ["chassis.damping"], None, 0.003, 25.0)
+    >>> at.round(1).tolist(), figures.round(3).tolist()
+    ([11.0, 1.8], [0.296, 0.627])
+    """
+    load, load_slopes = _loads(wheels, parameters, loads)
+    hertz, ends = _sweep(wheels, highest), _ends(wheels)
+
+    def least_at(f: RealArray, by: Sequence[str] = ()) -> tuple[RealArray, RealArray]:
+        return _adhesion(*contact(wheels, f, by), load, load_slopes[: len(by)], amplitude)
+
+    def phase_at(f: RealArray, by: Sequence[str] = ()) -> tuple[RealArray, RealArray]:
+        return _phase(*contact(wheels, f, by))
+
+    G, none = contact(wheels, hertz)
+    least, phase = _adhesion(G, none, load, load_slopes[:0], amplitude)[0], _phase(G, none)[0]
+    everywhere = np.array([0.0, highest])
+    by_body, by_wheel = resonance_slopes(wheels, parameters)
+    found = [_least_of(least_at, hertz, least[i], everywhere, i, parameters) for i in range(len(ends))]
+    for i in range(len(ends)):
+        inner = _least_of(phase_at, hertz, phase[i], ends[i], i, parameters, inside=True)
+        found.append(_least_phase(wheels, inner, ends[i], i, parameters, (by_body, by_wheel[:, i])))
+    return (
+        np.array([one for one, _, _ in found]),
+        np.array([one for _, one, _ in found]),
+        np.array([one for _, _, one in found]).reshape(len(found), len(parameters)),
+    )
+
+
+def _ends(wheels: Wheels) -> RealArray:
+    """Return the frequencies between which the least phase of each wheel is looked for, (wheel, 2)."""
+    low, high = wheels.resonances()
+    return np.column_stack([np.full(len(high), low), high])
 
 
 def _sweep(wheels: Wheels, highest: Hertz) -> RealArray:
@@ -161,12 +195,20 @@ def _least_phase(
     return best
 
 
+class Curve(Protocol):
+    """Values of all wheels at frequencies, (wheel, frequency), and derivatives by parameters, (parameter, …)."""
+
+    def __call__(self, f: RealArray, by: Sequence[str] = ()) -> tuple[RealArray, RealArray]:
+        """Return both."""
+
+
 def _least_of(
-    curve: Callable[[RealArray], tuple[RealArray, RealArray]],
+    curve: Curve,
     hertz: RealArray,
     values: RealArray,
     ends: RealArray,
     wheel: int,
+    parameters: Sequence[str],
     *,
     inside: bool = False,
 ) -> tuple[Hertz, float, RealArray]:
@@ -181,12 +223,12 @@ def _least_of(
     valley[-1] &= not inside
     valley[0] &= not inside
     if not np.any(valley):
-        return np.nan, np.nan, np.full(len(curve(hertz[:1])[1]), np.nan)
+        return np.nan, np.nan, np.full(len(parameters), np.nan)
     best = int(np.argmin(np.where(valley, values, np.inf)))
     around = float(hertz[max(best - 1, 0)]), float(hertz[min(best + 1, len(hertz) - 1)])
     found = minimize_scalar(
         lambda f: float(curve(np.array([f]))[0][wheel, 0]), bounds=around, method="bounded", options={"xatol": 1e-7}
     )
     at = float(found.x) if found.fun <= values[best] else float(hertz[best])
-    value, slopes = curve(np.array([at]))
+    value, slopes = curve(np.array([at]), parameters)
     return at, float(value[wheel, 0]), slopes[:, wheel, 0]

@@ -103,7 +103,7 @@ def grip(
         _check(amplitude, highest)
         check_linear(about.car, "grip")
         check_loads(loads, wheels_of(about.car).names)
-        _check_sweep(wheels_of(about.car), highest)
+        check_sweep(wheels_of(about.car), highest)
 
         def tested(one: Suspension, relaxations: Mapping[str, Second]) -> Bench:
             return bench(wheels_of(one, relaxations), about.parameters, loads, amplitude, highest)
@@ -156,7 +156,7 @@ def _check(amplitude: object, highest: object) -> None:
         raise InputError(f"highest = {top:g} Hz is beyond {MOST_TOP:g} Hz; test benches sweep from {SWEEP_TOP:g} Hz")
 
 
-def _check_sweep(wheels: Wheels, highest: Hertz) -> None:
+def check_sweep(wheels: Wheels, highest: Hertz) -> None:
     """Refuse a sweep from less than usual that does not pass the resonance of each wheel."""
     _, high = wheels.resonances()
     i = int(np.argmax(high))

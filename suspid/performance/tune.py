@@ -15,6 +15,7 @@ from suspid.performance.figure_plan import Plan, plan_of
 from suspid.performance.figures import check_exposure
 from suspid.performance.fronts import SAME_FIGURE, Search, front_of
 from suspid.performance.joined import Joined, joined
+from suspid.performance.larger_better import check_least, limit_in_words, shown, small
 from suspid.performance.relations import Limits, check_largest, relations_of, split
 from suspid.performance.ride import HOUR, driven_road
 from suspid.performance.road_response import Grid, exact_grid, exact_parts, grid_of
@@ -62,13 +63,15 @@ def tune(
         What may change, such as ``"chassis.stiffness"``; a sequence of names changes by one factor, such as those of
         both sides of an axle. Default: all struts off the road, left and right ones that are equal by one factor.
     objective : str or sequence of str, optional
-        One or two figures of `ride` to be small, such as ``("chassis_acceleration.Wk", "tire.load")``. Figures of one
-        unit joined by +, such as ``"front.load + rear.load"``, are one: the root of the sum of their squares.
+        One or two figures of `ride` to be small, such as ``("chassis_acceleration.Wk", "tire.load")``, or of `grip` to
+        be large, such as ``"tire.adhesion"`` and ``"tire.phase"``. Figures of a ride of one unit joined by +, such as
+        ``"front.load + rear.load"``, are one: the root of the sum of their squares.
         Default: the weighted acceleration of the first coordinate that is no wheel, and the load of all wheels.
     road, speed, duration, weightings, clearance
         As in `ride`.
     constraints : mapping of str to float, str, callable, or sequence of these, optional
-        Largest values of figures, such as ``{"chassis.travel": 0.02}``, in SI units. Linear relations between springs
+        Largest values of figures, such as ``{"chassis.travel": 0.02}``, in SI units; of adhesion [1] and phase [rad]
+        the least. Linear relations between springs
         and dampers, as in `reconstruct`: ``"front.stiffness >= 0.8 * rear.stiffness"``, or a function of k and c.
     bounds : mapping of str to tuple of float, optional
         Least and largest value of parameters, in SI units; of a group by its first name. Default: a quarter to four
@@ -122,7 +125,7 @@ def tune(
     asked = joined(plan, figures)
     choice = choice_of(about, equal_groups(about.car) if parameters is None else parameters, robust)
     low, high = box_of(choice, bounds or {})
-    parts = _parts_of_box(asked.plan, choice, low, high)
+    parts = _parts_of_box(asked.plan, choice, low, high) if asked.plan.formulas else 1
     start = np.clip(np.zeros(len(low)), low, high)
     # An objective that is limited too stands once more, as a figure of its own.
     order = [*range(len(wanted)), *(figures.index(name) for name in limits)]
@@ -132,19 +135,21 @@ def tune(
 
     def evaluate(x: RealArray) -> tuple[RealArray, RealArray]:
         values, slopes = _figures(asked, choice, grid_for, x, robust)
-        return np.log(np.maximum(values, NO_FIGURE))[order], (slopes / np.maximum(values, NO_FIGURE)[:, None])[order]
+        losses, by = small(figures, values)
+        losses = np.maximum(losses, NO_FIGURE)
+        return np.log(losses)[order], (slopes * (by / losses)[:, None])[order]
 
     search = Search(
         evaluate=evaluate,
         low=low,
         high=high,
         objectives=len(wanted),
-        limits=np.log(np.array(list(limits.values()), float)),
+        limits=np.log(small(tuple(limits), np.array(list(limits.values()), float))[0]),
         relations=relations_of(choice, about.car, related),
     )
     front = front_of(search, start, points)
     if not front.points:
-        asked_for = [*search.relations.labels, *(f"{name} <= {value:g}" for name, value in limits.items())]
+        asked_for = [*search.relations.labels, *(limit_in_words(name, value) for name, value in limits.items())]
         raise InputError(
             f"no car within the bounds meets the constraints {', '.join(asked_for)}: "
             f"widen the bounds or the limits, or let more parameters change"
@@ -157,8 +162,8 @@ def tune(
         objectives=wanted,
         figures=figures,
         units=asked.units,
-        values=frozen_real(exact),
-        present=frozen_real(now),
+        values=frozen_real(shown(figures, exact)),
+        present=frozen_real(shown(figures, now)),
         parameters=choice.names,
         choices=frozen_real([[one[name] for name in choice.names] for one in chosen]),
         described=frozen_real([choice.values[name] for name in choice.names]),
@@ -193,7 +198,7 @@ def _figures(
 ) -> tuple[RealArray, RealArray]:
     """Return figures at a choice and their derivatives by the logarithms of its factors, (figure, group)."""
     cars = [choice.car(x, each) for each in choice.scenarios]
-    pairs = [asked.values(car, choice.names, grid_for(car)) for car in cars]
+    pairs = [asked.values(car, choice.names, grid_for) for car in cars]
     values, jacobians = np.array([one for one, _ in pairs]), np.array([two for _, two in pairs])
     at = np.array([choice.chosen(x)[name] for name in choice.names])
     member = np.array([[name in group for group in choice.groups] for name in choice.names], float)
@@ -204,7 +209,9 @@ def _figures(
     about = values - mean
     std = np.sqrt(np.mean(about**2, axis=0))
     std_slopes = np.mean(about[:, :, None] * (slopes - mean_slopes), axis=0) / np.maximum(std, NO_FIGURE)[:, None]
-    return mean + robust * std, mean_slopes + robust * std_slopes
+    # Of figures that are to be large the margin lies below the mean.
+    margin = robust * asked.signs
+    return mean + margin * std, mean_slopes + margin[:, None] * std_slopes
 
 
 def _figures_of(asked: Joined, choice: Choice, robust: Ratio, where: Sequence[RealArray]) -> RealArray:
@@ -218,6 +225,7 @@ def _check(wanted: Sequence[str], limits: Mapping[str, float], points: int, robu
         given = " and ".join(map(str, wanted)) or "nothing"
         raise InputError(Argument("objective"), f" must be one figure or two different ones, not {given}")
     check_largest(limits)
+    check_least(limits)
     if not (is_count(points) and 2 <= points <= MOST_CARS):
         raise InputError(
             Argument("points", repr(points)), f" must be a whole number, two or more, and {MOST_CARS} at most"

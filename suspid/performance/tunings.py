@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from suspid.model import Suspension
+from suspid.performance.larger_better import kind_of, small
 from suspid.results import Result
 from suspid.units import Ratio, RealArray
 from suspid.values import TERMINAL, figures_of, numbers_in_words, text_table
@@ -21,7 +22,7 @@ class Tuning(Result):
     Parameters
     ----------
     objectives : tuple of str
-        The one or two figures that were minimised.
+        The one or two figures that were minimised; adhesion and phase were maximised.
     figures : tuple of str
         These and the figures that were limited.
     units : tuple of str
@@ -68,7 +69,7 @@ class Tuning(Result):
     @property
     def knee(self) -> int:
         """Number of the point where the front bends most: farthest below the line between its ends, in logarithms."""
-        logs = np.log(self.values[:, : len(self.objectives)])
+        logs = np.log(small(self.objectives, self.values[:, : len(self.objectives)])[0])
         span = np.ptp(logs, axis=0)
         if len(self.objectives) < 2 or not np.all(span > 0):
             return 0
@@ -82,7 +83,8 @@ class Tuning(Result):
 
     def heading(self, figure: int) -> str:
         """Return what a figure is with its unit, such as ``"tire.load [N]"``; of a robust tuning with its margin."""
-        margin = f", mean + {self.robust:.3g} sd" if self.robust else ""
+        sign = "-" if kind_of(self.figures[figure]) else "+"
+        margin = f", mean {sign} {self.robust:.3g} sd" if self.robust else ""
         return f"{short(self.figures[figure])}{margin} [{self.units[figure]}]"
 
     def _table(self) -> Mapping[str, Sequence[object]]:
