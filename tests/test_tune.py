@@ -12,10 +12,12 @@ from suspid import InputError, quarter_car, ride, road, tune
 from suspid.performance.choices import box_of, choice_of
 from suspid.performance.figure_plan import plan_of
 from suspid.performance.fronts import Front, Search, front_of
+from suspid.performance.joined import joined
 from suspid.performance.relations import relations_of
-from suspid.performance.road_response import grid_of
+from suspid.performance.road_response import exact_grid, grid_of
+from suspid.performance.scenarios import for_search
 from suspid.performance.tuning_checks import tuning_checks
-from suspid.performance.tuning_defaults import equal_groups
+from suspid.performance.tuning_defaults import comfort_and_load, equal_groups
 from suspid.performance.uncertain import uncertain
 from suspid.units import RealArray
 from suspid.words import Check, Level
@@ -27,6 +29,11 @@ CAR = quarter_car(
 )
 BOTH = ("chassis_acceleration.Wk", "tire.load")
 STRUT = ("chassis.stiffness", "chassis.damping")
+# Of a half car, all but its dampers.
+EVERYTHING_ELSE = (
+    "front.stiffness", "rear.stiffness", "front_tire.stiffness", "rear_tire.stiffness", "heave.mass", "pitch.mass",
+    "front.mass", "rear.mass",
+)  # fmt: skip
 
 
 class TestPublished:
@@ -267,6 +274,26 @@ class TestScenarios:
         np.testing.assert_allclose(np.mean(logs, axis=0), 0, atol=1e-15)
         relative = covariance / np.outer(about.values, about.values)
         np.testing.assert_allclose(logs.T @ logs / len(logs), relative, rtol=1e-9, atol=1e-18)
+
+    def test_fewer_of_them_hold_the_margin(self) -> None:
+        """A search looks at directions in which figures move; standard deviations are short by half a per cent."""
+        about = uncertain(TWO_AXLES, dict.fromkeys(EVERYTHING_ELSE, 0.05))
+        choice = choice_of(about, ["front.damping", "rear.damping"], 1.0)
+        made = road("C", speed=20.0, under=TWO_AXLES)
+        asked = joined(plan_of(TWO_AXLES, made, duration=3600.0), comfort_and_load(TWO_AXLES))
+        low, high = box_of(choice, {})
+        fewer = for_search(asked, choice, [low, (low + high) / 2, high])
+        assert len(fewer.scenarios) < len(choice.scenarios) == 2 * len(EVERYTHING_ELSE)
+        rng = np.random.default_rng(1)
+        for x in rng.uniform(low, high, (4, 2)):
+            found = []
+            for one in (choice, fewer):
+                pairs = [asked.values(one.car(x, each), [], lambda c: exact_grid(c, asked.plan.signals, made))[0]
+                         for each in one.scenarios]  # fmt: skip
+                found.append((np.mean(pairs, axis=0), np.std(pairs, axis=0)))
+            # Points lie at other distances: figures are not linear in what is uncertain.
+            np.testing.assert_allclose(found[1][1], found[0][1], rtol=0.03)
+            np.testing.assert_allclose(found[1][0], found[0][0], rtol=3e-3)
 
     def test_the_default_box_is_a_quarter_to_four_times(self) -> None:
         choice = choice_of(uncertain(CAR), ["chassis.stiffness", "chassis.damping"], 0.0)

@@ -121,19 +121,17 @@ def response(
     relaxation = np.array([given.get(strut.name, strut.relaxation) for strut in car.struts])
     b, slopes = strut_slopes(car, relaxation, tuple(given), s, parameters)
     arms, road_arms = car.arms(car.coordinates), car.arms(car.roads)
-    pulled = arms.T * b[:, None, :]
-    inverse = np.linalg.inv(pulled @ arms + (s**2)[:, None, None] * car.M)
-    q = -inverse @ (pulled @ road_arms)
+    inverse = np.linalg.inv(_summed(b, arms, arms) + (s**2)[:, None, None] * car.M)
+    q = -inverse @ _summed(b, arms, road_arms)
     elongation = arms @ q + road_arms
     order = s[:, None] ** wanted.rows.orders
     h = order[:, :, None] * wanted.rows.coordinates
     direct = order[:, :, None] * wanted.rows.roads
     through = np.zeros((len(hertz), len(h[0]), len(car.struts)), np.complex128)
     if wanted.loads:
-        carried = road_arms.T * b[:, None, :]
-        h = np.concatenate([h, carried @ arms], axis=1)
-        direct = np.concatenate([direct, carried @ road_arms], axis=1)
-        through = np.concatenate([through, np.broadcast_to(road_arms.T, carried.shape)], axis=1)
+        h = np.concatenate([h, _summed(b, road_arms, arms)], axis=1)
+        direct = np.concatenate([direct, _summed(b, road_arms, road_arms)], axis=1)
+        through = np.concatenate([through, np.broadcast_to(road_arms.T, (len(b), *road_arms.T.shape))], axis=1)
     adjoint = h @ inverse
     return Response(
         signals=h @ q + direct,
@@ -143,6 +141,12 @@ def response(
         by_mass=-adjoint * (s**2)[:, None, None],
         slopes=slopes,
     )
+
+
+def _summed(b: ComplexArray, left: RealArray, right: RealArray) -> ComplexArray:
+    """Return ``left^T b right`` at each frequency, as one product of matrices."""
+    pairs = (left[:, :, None] * right[:, None, :]).reshape(len(left), -1)
+    return np.asarray((b @ pairs).reshape(len(b), left.shape[1], right.shape[1]))
 
 
 def densities(
