@@ -177,3 +177,20 @@ class TestResidual:
         best, ends = search(Problem(trials=(trial,), holds=("cubic",), unknowns=unknowns))
         assert best.lost
         assert len(ends) == 2
+
+
+def test_a_decay_within_a_record_that_swells_is_looked_for_at_last(monkeypatch: pytest.MonkeyPatch) -> None:
+    # Accelerations on a swept rig whose road was not recorded: the body's dies down, the wheel's swells.
+    heights, felt = motion(True)
+    swelling = as_response(TIMES, np.array([heights[2], felt[1]]), ("chassis", "tire_acceleration"))
+    test = [RecordTest(record=swelling)]
+    assert likely_causes(test, NOMINAL) == [(), ("tire",)]
+
+    def searched(_: object) -> None:
+        raise AssertionError("the search of decays takes longer than all else")
+
+    monkeypatch.setattr("suspid.greybox.fitted_car.from_onset", searched)
+    found, cause = estimate_by_cause(test, NOMINAL)
+    assert cause == ("tire",)
+    assert found.explains
+    assert found.suspension.struts[0].stiffness == pytest.approx(K, rel=1e-3)

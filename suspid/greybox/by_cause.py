@@ -8,12 +8,14 @@ from typing import Any
 import numpy as np
 
 from suspid.errors import EstimationError, RecordError
-from suspid.greybox.causes import likely_causes, under
-from suspid.greybox.estimate import estimate
+from suspid.greybox.car_records import record_of_car
+from suspid.greybox.causes import likely_causes, swells, under
 from suspid.greybox.estimates import Estimate
+from suspid.greybox.fitted_car import Asked, fitted_car
 from suspid.greybox.trials import RecordTest
 from suspid.model import Suspension
 from suspid.signals import as_signal
+from suspid.threads import in_one_thread
 
 
 def estimate_by_cause(
@@ -48,10 +50,15 @@ def estimate_by_cause(
     """
     found: list[tuple[Estimate, tuple[str, ...]]] = []
     refused: list[EstimationError | RecordError] = []
-    for cause in likely_causes(tests, suspension) if causes is None else causes:
+    tried = [(cause, True) for cause in (likely_causes(tests, suspension) if causes is None else causes)]
+    at = next((i for i, (cause, _) in enumerate(tried[:-1]) if not cause), None)
+    if at is not None and any(swells(as_signal(record_of_car(t.record, suspension)).values) for t in tests):
+        # Where in a record a decay begins takes seconds to find; in one that swells it is looked for at last.
+        tried = [*tried[:at], ((), False), *tried[at + 1 :], ((), True)]
+    for cause, onsets in tried:
         try:
             moved = [under(test, cause, suspension) for test in tests]
-            found.append((estimate(moved, suspension, given=cause, **(options or {})), cause))
+            found.append((_estimate(moved, suspension, {"given": cause, **(options or {})}, onsets=onsets), cause))
         except (EstimationError, RecordError) as error:
             refused.append(error)
             continue
@@ -60,6 +67,11 @@ def estimate_by_cause(
     if not found:
         raise refused[0]
     return max(found, key=lambda one: (one[0].verdict.level, -_left(one[0])))
+
+
+@in_one_thread
+def _estimate(tests: Sequence[RecordTest], car: Suspension, options: Mapping[str, Any], *, onsets: bool) -> Estimate:
+    return fitted_car(tests, car, Asked(**options), onsets=onsets)
 
 
 def _left(found: Estimate) -> float:

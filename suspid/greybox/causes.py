@@ -21,10 +21,22 @@ from suspid.units import RealArray
 
 def dies_down(values: RealArray) -> bool:
     """Return whether the last third of a channel (channel, sample) moves less than half as much as the first."""
+    first, last = _thirds(values)
+    return bool(np.any(last < 0.5 * first))
+
+
+def swells(values: RealArray) -> bool:
+    """Return whether the last third of a channel (channel, sample) moves more than twice as much as the first."""
+    first, last = _thirds(values)
+    return bool(np.any(last > 2 * first))
+
+
+def _thirds(values: RealArray) -> tuple[RealArray, RealArray]:
+    """Return how much channels move in the first and the last third, as root mean squares."""
     third = max(values.shape[1] // 3, 1)
     moved = values - np.mean(values, axis=1, keepdims=True)
     first, last = (np.sqrt(np.mean(part**2, axis=1)) for part in (moved[:, :third], moved[:, -third:]))
-    return bool(np.any(last < 0.5 * first))
+    return first, last
 
 
 def _known(test: RecordTest, car: Suspension) -> dict[str, RealArray]:

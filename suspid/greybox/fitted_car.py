@@ -1,0 +1,222 @@
+"""An estimate step by step: records and unknowns to a fit, its parameters, their checks and the verdict."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from suspid.cleaning import RecordLike
+from suspid.errors import EstimationError, InputError
+from suspid.greybox.causes import dies_down
+from suspid.greybox.estimates import Estimate, Spread, changed
+from suspid.greybox.fits import Fit
+from suspid.greybox.further import further_asked
+from suspid.greybox.judgement import beside_nominal, far_or_vague, gains_off, on_bounds, rests_on
+from suspid.greybox.late_causes import fit_drives
+from suspid.greybox.modal import modes_with, mounted_car, of_car
+from suspid.greybox.onset import from_onset
+from suspid.greybox.problem import Problem, default_holds
+from suspid.greybox.rolling import Speed, rolling_of, without_speed
+from suspid.greybox.time_domain import fit_in_time
+from suspid.greybox.trials import RecordTest, Trial, trials_of
+from suspid.greybox.whole_car import check_road, fit_with_road
+from suspid.model import Suspension, check_linear, eigenmodes
+from suspid.reconstruction import Bounds, Unknowns, parameter_names, unknowns_of
+from suspid.signals import as_response
+from suspid.units import Hertz, Metre, RadianPerSecond, Ratio, Second
+from suspid.values import frozen_real
+from suspid.wording import Argument
+from suspid.words import Check, Level, Number, Remark, Verdict
+from suspid.words.greybox import EstimateCheck, EstimateHeadline
+
+
+class Asked(NamedTuple):
+    """What is asked of an estimate: the arguments of `estimate`."""
+
+    given: Sequence[str] = ()
+    fixed: Sequence[str] = ()
+    bounds: Bounds | None = None
+    ties: Sequence[Sequence[str]] = ()
+    nominal_std: Ratio | Mapping[str, Ratio] | None = None
+    free_masses: Sequence[str] = ()
+    gains: Sequence[str] | None = None
+    delays: Sequence[str] | None = None
+    mounts: Sequence[str] | None = None
+    band_hz: tuple[Hertz, Hertz] | None = None
+    stretch: Second | None = None
+    road: Literal["iso8608"] | None = None
+    speed: Speed | Sequence[Speed] | None = None
+    wheel_radius: Metre | None = None
+
+
+def fitted_car(
+    records: RecordLike | RecordTest | Sequence[RecordLike | RecordTest],
+    suspension: Suspension,
+    asked: Asked,
+    *,
+    onsets: bool = True,
+) -> Estimate:
+    """Return what `estimate` returns; with ``onsets``, of records that are no free decays these are looked for.
+
+    Raises
+    ------
+    InputError, RecordError, EstimationError
+        As `estimate` does.
+    """
+    _check(suspension)
+    trials = trials_of(records, suspension, asked.given)
+    check_road(trials, road=asked.road, rolling=(asked.speed, asked.wheel_radius))
+    driven = [bool(trial.wheels) for trial in trials]
+    if any(driven) and not all(driven):
+        raise InputError(
+            Argument("given"),
+            f": record {driven.index(True) + 1} has a cause that is measured motion of the car and record "
+            f"{driven.index(False) + 1} has none; estimate from either, and give the result of one as ",
+            Argument("nominal_std"),
+        )
+    if not any(driven):
+        _check_unused({"band_hz": asked.band_hz, "stretch": asked.stretch})
+    beyond = _beyond(suspension, trials)
+    unknowns = unknowns_of(
+        suspension,
+        rate=_usual_frequency(suspension),
+        fixed=[*([asked.fixed] if isinstance(asked.fixed, str) else asked.fixed), *(() if asked.road else beyond)],
+        bounds=asked.bounds,
+        ties=asked.ties,
+        nominal_std=asked.nominal_std,
+        free_masses=asked.free_masses,
+    )
+    if asked.road:
+        rolling = rolling_of(records, trials, speed=asked.speed, radius=asked.wheel_radius)
+        trials = without_speed(trials, rolling)
+        fit = fit_with_road(
+            unknowns, trials, rolling, beyond=beyond, gains=asked.gains, delays=asked.delays, mounts=asked.mounts,
+            band=asked.band_hz, stretch=asked.stretch,
+        )  # fmt: skip
+    elif any(driven):
+        options = {"gains": asked.gains, "mounts": asked.mounts, "stretch": asked.stretch}
+        fit = fit_drives(suspension, trials, unknowns, delays=asked.delays, band=asked.band_hz, options=options)
+    else:
+        unknowns = further_asked(unknowns, trials, gains=asked.gains, delays=asked.delays, mounts=asked.mounts)
+        fit = fit_in_time(Problem(trials=trials, holds=default_holds(trials), unknowns=unknowns))
+        if onsets and not fit.explains and not any(len(trial.inputs) for trial in trials):
+            fit, trials = _from_onset(fit, trials, unknowns)
+    u = unknowns
+    parameters = (*u.names, *fit.extras)
+    turned = np.zeros((len(parameters), len(fit.covariance)))
+    turned[: len(u.names), : len(u)] = u.spread[u.rows]
+    turned[len(u.names) :, len(u) :] = np.diag(fit.extra_scale)
+    covariance = turned @ fit.covariance @ turned.T
+    values = np.append(u.parameters(fit.x)[u.rows], fit.extra_values)
+    std = np.sqrt(np.diag(covariance))
+    car = mounted_car(u.suspension(fit.x), parameters, values, std)
+    unused = tuple(dict.fromkeys(name for trial in trials for name in trial.unused))
+    still = () if asked.road else tuple(suspension.coordinates[i] for i in trials[0].wheels)
+    own = of_car(u)
+    ranges = np.vstack([np.column_stack([u.lower, u.upper])[u.column] * u.scale[u.column, None], fit.extra_ranges])
+    unbounded = values if fit.pull is None else values + turned @ fit.pull
+    apart = changed(suspension, Spread(parameters, values, covariance, unbounded, ranges, fit.explains))
+    said = [one.remark.numbers["names"] for one in fit.checks if one.remark.code is EstimateCheck.TIRE_DAMPING]
+    assumed = {str(name) for names in said if isinstance(names, tuple) for name in names}
+    checks = [
+        *fit.checks,
+        *on_bounds(u, fit.x),
+        *gains_off(parameters, values),
+        beside_nominal(tuple(name for name in parameters if name in apart)),
+        *far_or_vague(suspension, u.names[: len(own)], values[: len(own)], std[: len(own)], assumed=assumed),
+        *rests_on(suspension, u.names, still=still, forced=any(len(trial.forces) for trial in trials)),
+        *([Check(Remark(EstimateCheck.STILL, {"names": still}), Level.NOTE)] if still else []),
+        *(
+            [Check(Remark(EstimateCheck.CANCELS, {"names": beyond, "given": ", ".join(still)}), Level.NOTE)]
+            if beyond and not asked.road
+            else []
+        ),
+        *([Check(Remark(EstimateCheck.UNUSED, {"names": unused}), Level.NOTE)] if unused else []),
+        *([Check(Remark(EstimateCheck.DRIVEN), Level.DOUBTFUL)] if _driven(fit, trials) else []),
+    ]
+    headline = Remark(EstimateHeadline.FOUND, {"parameters": len(u.names), "records": len(trials)})
+    return Estimate(
+        suspension=car,
+        nominal=suspension,
+        parameters=parameters,
+        values=frozen_real(values),
+        covariance=frozen_real(covariance),
+        unbounded=frozen_real(unbounded),
+        ranges=frozen_real(ranges),
+        held=tuple(n for n in parameter_names(suspension) if n not in u.names and not n.endswith(".mass")),
+        modes=modes_with(car, u, parameters, covariance, still),
+        fitted=tuple(
+            as_response(s.timepts, s.values, s.channels, inputs=trial.known)
+            for s, trial in zip(fit.fitted, trials, strict=True)
+        ),
+        residual=tuple(as_response(s.timepts, s.values, s.channels) for s in fit.residual),
+        noise_std=tuple(frozen_real(std) for std in fit.noise),
+        chi_square=fit.chi_square,
+        freedom=fit.freedom,
+        explains=fit.explains,
+        alternatives=fit.alternatives,
+        verdict=Verdict(headline, tuple(checks)),
+        road=fit.roads,
+        causes=tuple(trial.causes for trial in trials),
+        band_hz=fit.band,
+    )
+
+
+def _from_onset(fit: Fit, trials: tuple[Trial, ...], unknowns: Unknowns) -> tuple[Fit, tuple[Trial, ...]]:
+    """Return the fit of the decays in records that begin before them, if that is nearer to an explanation."""
+    later = from_onset(trials)
+    if later is None:
+        return fit, trials
+    try:
+        found = fit_in_time(Problem(trials=later, holds=default_holds(later), unknowns=unknowns))
+    except EstimationError:
+        return fit, trials
+    if not found.explains and found.chi_square / max(found.freedom, 1) > fit.chi_square / max(fit.freedom, 1):
+        return fit, trials
+    numbers: dict[str, Number] = {"starts": ", ".join(f"{trial.start:.6g}" for trial in later)}
+    note = Check(Remark(EstimateCheck.ONSET, numbers), Level.NOTE)
+    return replace(found, checks=(*found.checks, note)), later
+
+
+def _driven(fit: Fit, trials: Sequence[Trial]) -> bool:
+    """Return whether records that count as free decays are not explained and do not die down."""
+    free = all(not trial.wheels and not len(trial.inputs) for trial in trials)
+    return free and not fit.explains and not any(dies_down(trial.values) for trial in trials)
+
+
+def _check(suspension: object) -> None:
+    if not isinstance(suspension, Suspension):
+        hint = "; take its .suspension" if hasattr(suspension, "suspension") else ""
+        raise InputError(f"estimate needs a Suspension here, not {type(suspension).__name__}{hint}")
+    check_linear(suspension, "estimate")
+
+
+def _check_unused(settings: Mapping[str, object]) -> None:
+    """Refuse settings of the frequency domain where records are fitted in time."""
+    for name, value in settings.items():
+        if value is not None:
+            raise InputError(
+                Argument(name),
+                " is of no use here: free decays and records under known roads and forces are fitted in time; leave it "
+                "out, or name measured motion in ",
+                Argument("given"),
+            )
+
+
+def _usual_frequency(car: Suspension) -> RadianPerSecond:
+    """Return the median natural frequency, the scale of dampings; 1 rad/s where nothing is sprung."""
+    sprung = [wn for wn in eigenmodes(car).wn.tolist() if 0 < wn < np.inf]
+    return float(np.median(sprung)) if sprung else 1.0
+
+
+def _beyond(car: Suspension, trials: Sequence[Trial]) -> tuple[str, ...]:
+    """Return the parameters of struts that act beyond the given motion in every test, and so cancel."""
+    arms = car.arms(car.coordinates)
+    acts = np.zeros(len(car.struts), bool)
+    for trial in trials:
+        free = [i for i in range(len(car.coordinates)) if i not in trial.wheels]
+        acts |= np.any(arms[:, free] != 0, axis=1)
+    return tuple(s.name for s, one in zip(car.struts, acts, strict=True) if not one)
