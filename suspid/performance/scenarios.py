@@ -39,6 +39,13 @@ def for_search(asked: Joined, choice: Choice, places: Iterable[RealArray]) -> Ch
     return replace(choice, scenarios=tuple(dict(zip(names, np.exp(move).tolist(), strict=True)) for move in moves))
 
 
+def places_in(low: RealArray, high: RealArray) -> list[RealArray]:
+    """Return places in the box at which scenarios are chosen: its middle, its ends, and those of each unknown."""
+    middle = (low + high) / 2
+    one_each = [np.where(np.arange(len(low)) == i, end, middle) for i in range(len(low)) for end in (low, high)]
+    return [middle, low, high, *one_each]
+
+
 def directions_of(rows: RealArray) -> RealArray:
     """Return the fewest orthonormal directions, as columns, that hold most of each row of length one.
 

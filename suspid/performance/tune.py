@@ -19,7 +19,7 @@ from suspid.performance.larger_better import check_least, limit_in_words, shown,
 from suspid.performance.relations import Limits, check_largest, relations_of, split
 from suspid.performance.ride import HOUR, driven_road
 from suspid.performance.road_response import Grid, exact_grid, exact_parts, grid_of
-from suspid.performance.scenarios import for_search
+from suspid.performance.scenarios import for_search, places_in
 from suspid.performance.tuning_checks import tuning_checks
 from suspid.performance.tuning_defaults import comfort_and_load, equal_groups
 from suspid.performance.tunings import Tuning
@@ -137,7 +137,7 @@ def tune(
         return grid_of(asked.plan.signals, driven, parts, one)
 
     # A limit is to be met by the figure itself.
-    searched = choice if limits else for_search(asked, choice, _places(low, high))
+    searched = choice if limits else for_search(asked, choice, places_in(low, high))
 
     def evaluate(x: RealArray) -> tuple[RealArray, RealArray]:
         values, slopes = _figures(asked, searched, grid_for, x, robust)
@@ -192,13 +192,6 @@ def _parts_of_box(plan: Plan, choice: Choice, low: RealArray, high: RealArray) -
     corners = (np.zeros(len(low)), np.where(springs, high, low), high)
     # Variances to this share, figures to half of it; those of the cars that are found are exact.
     return max(exact_parts(choice.car(x, {}), plan.signals, plan.road, SAME_FIGURE) for x in corners)
-
-
-def _places(low: RealArray, high: RealArray) -> list[RealArray]:
-    """Return places in the box at which scenarios are chosen: its middle, its ends, and those of each unknown."""
-    middle = (low + high) / 2
-    one_each = [np.where(np.arange(len(low)) == i, end, middle) for i in range(len(low)) for end in (low, high)]
-    return [middle, low, high, *one_each]
 
 
 def _exactly(plan: Plan) -> Callable[[Suspension], Grid]:
