@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.analysis.choice import explains, holds, settled, tried, tried_linear
+from suspid.analysis.derivatives import without_derivatives
 from suspid.analysis.held import without_held
 from suspid.analysis.settings import Settings
 from suspid.decays import GRAVE, LOOK_BLOCKS, Decay, Decays, clearly_driven, find_decays
@@ -44,12 +45,14 @@ class Used:
 
 
 def stretch_of(record: control.TimeResponseData, settings: Settings) -> Used:
-    """Return the stretch of a record that the settings ask for; commands and forces are left out unless asked for."""
-    held: tuple[Remark, ...] = ()
+    """Return the stretch of a record that the settings ask for, of the channels asked for or that measure a motion."""
+    left_out: tuple[Remark, ...] = ()
     if settings.channels is None:
         record, held = without_held(record)
+        record, derived = without_derivatives(record)
+        left_out = (*held, *derived)
     found = _stretch_of(record, settings)
-    return replace(found, notes=(*held, *found.notes))
+    return replace(found, notes=(*left_out, *found.notes))
 
 
 def _stretch_of(record: control.TimeResponseData, settings: Settings) -> Used:

@@ -64,6 +64,11 @@ class Note(Code):
         "channel {channel!r} is a command or a force, no motion: it holds its value but for jumps ({jumps}); left out; "
         "name the channels to use it",
     )
+    DERIVED_CHANNEL = (
+        "derived channel",
+        "channel {channel!r} is the derivative of {source!r}, computed from it, and no measurement of its own; left "
+        "out; name the channels to use it",
+    )
     STILL_CHANNEL = "still channel", "channel {channel!r} is constant in this decay; left out"
     ONE_OF_TESTS = (
         "one of tests",

@@ -1,0 +1,125 @@
+"""Channels that were computed from another, as its derivative: programs of motion sensors export it with the motion."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from suspid.levels import SEVEN_DIGITS
+from suspid.signals import as_signal, like
+from suspid.units import RealArray, Second
+from suspid.words import Note, Remark
+
+if TYPE_CHECKING:
+    import control
+
+# Samples on either side from which a derivative is computed at most, and of its own past from which a motion is
+# predicted. Programs use two or three on either side; a past of four modes is longer than most need.
+REACH, PAST = 5, 8
+# A derivative has this gain to within this share, but for a power of ten of the units: other points of a structure do
+# not.
+GAIN = 0.01
+# Share of the noise of a channel, at most, that another channel leaves of it: a sensor of its own leaves all, but noise
+# that is not white is known by its past to less than it is.
+OWN = 0.5
+# Least correlation with a central difference: a coarser screen only costs time.
+ALIKE_CORRELATION = 0.5
+# Samples from the beginning that tell; more only cost time.
+MOST_SAMPLES = 20_000
+
+
+def without_derivatives(record: control.TimeResponseData) -> tuple[control.TimeResponseData, tuple[Remark, ...]]:
+    """Return the record without channels that were computed as the derivative of another, and what was left out.
+
+    Their noise is that of the motion once more: it is neither white nor independent of it, and they tell nothing else.
+    A sensor of its own has noise that no other channel tells.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from suspid.signals import as_response
+    >>> time, rng = np.arange(2000) / 100, np.random.default_rng(0)
+    >>> motion = np.round(np.exp(-time / 8) * np.sin(5 * time) + 1e-3 * rng.standard_normal(2000), 4)
+    >>> record = as_response(time, np.stack([motion, np.gradient(motion, 0.01)]), ["x", "v"])
+    >>> left, notes = without_derivatives(record)
+    >>> list(left.output_labels), len(notes)
+    (['x'], 1)
+    """
+    signal = as_signal(record)
+    if len(signal.channels) < 2 or signal.values.shape[1] < (REACH + PAST) ** 2:
+        return record, ()
+    sources = _sources(signal.values[:, :MOST_SAMPLES], signal.step)
+    if not sources:
+        return record, ()
+    notes = tuple(
+        Remark(Note.DERIVED_CHANNEL, {"channel": signal.channels[k], "source": signal.channels[source]})
+        for k, source in sources.items()
+    )
+    rows = [k for k in range(len(signal.channels)) if k not in sources]
+    kept = [signal.channels[k] for k in rows]
+    title = str(getattr(record, "title", None) or "")
+    return like(record, signal.timepts, signal.values[rows], kept, title=title), notes
+
+
+def _sources(values: RealArray, step: Second) -> dict[int, int]:
+    """Return of which channel each channel that was computed is the derivative, by row."""
+    centred = values - values.mean(axis=1, keepdims=True)
+    sources = dict[int, int]()
+    slopes = [_correlated(np.gradient(centred, axis=1), centred), _correlated(np.diff(centred, 2, axis=1), centred)]
+    alike = np.maximum(*slopes) > ALIKE_CORRELATION
+    for k in range(len(values)):
+        for source in np.flatnonzero(alike[:, k]).tolist():
+            if source != k and _is_derivative(centred[source], centred[k], step):
+                sources[k] = source
+                break
+    return sources
+
+
+def _correlated(slopes: RealArray, values: RealArray) -> RealArray:
+    """Return the correlations of some derivatives with all channels, without sign, (derivative, channel)."""
+    cut = (values.shape[1] - slopes.shape[1]) // 2
+    inner = values[:, cut : values.shape[1] - cut]
+    sizes = np.outer(np.linalg.norm(slopes, axis=1), np.linalg.norm(inner, axis=1))
+    return np.asarray(np.abs(slopes @ inner.T) / np.maximum(sizes, 1e-300))
+
+
+def _is_derivative(source: RealArray, other: RealArray, step: Second) -> bool:
+    """Return whether a channel is a weighted sum of a few samples of another that differentiates it once or twice.
+
+    That tells most of its noise, which is what is new in it beside its own past.
+    """
+    at = np.arange(max(REACH, PAST), len(other) - REACH)
+    shifts = np.arange(-REACH, REACH + 1)
+    weights, left = _regressed(other[at], source[at[:, None] + shifts])
+    if not _differentiates(weights, shifts * step):
+        return False
+    past, new = _regressed(other[at], other[at[:, None] - np.arange(1, PAST + 1)])
+    # A record without noise is told to the last digit by whatever moves with it.
+    if new < SEVEN_DIGITS * np.std(other):
+        return False
+    return left < OWN * new / float(np.sqrt(1 + past @ past))
+
+
+def _regressed(values: RealArray, columns: RealArray) -> tuple[RealArray, float]:
+    """Return the weights of columns that explain values best, and the median size of what is left.
+
+    A jump is new beside the past, but no noise.
+    """
+    level = np.ones((len(values), 1))
+    weights = np.linalg.lstsq(np.hstack([columns, level]), values, rcond=None)[0]
+    left = values - columns @ weights[:-1] - weights[-1]
+    return np.asarray(weights[:-1]), float(np.median(np.abs(left)))
+
+
+def _differentiates(weights: RealArray, shifts: RealArray) -> bool:
+    """Return whether weights of samples at some shifts differentiate once or twice, but for a power of ten."""
+    reach = float(np.max(shifts))
+    # The sum is as many times the motion, its slope and its second derivative.
+    times = np.abs([np.sum(weights), weights @ shifts, weights @ shifts**2 / 2])
+    for order in (1, 2):
+        lower = times[:order] * reach ** (order - np.arange(order))
+        gain = float(times[order])
+        if np.all(lower < GAIN * gain) and abs(gain / 10.0 ** round(np.log10(gain)) - 1) < GAIN:
+            return True
+    return False

@@ -1,0 +1,84 @@
+"""Channels that were computed from another are no measurements of their own; sensors are."""
+
+import numpy as np
+import pytest
+
+from suspid import Settings, analyse
+from suspid.analysis.derivatives import without_derivatives
+from suspid.analysis.stretch import stretch_of
+from suspid.signals import as_response
+from suspid.units import RealArray
+from suspid.words import Note
+
+RATE, WN, DRAG = 100.0, 8.45, 0.5
+TIME = np.asarray(np.arange(0, 25, 1 / RATE))
+
+
+def swing() -> RealArray:
+    """Return a mass on a spring with quadratic drag, ``x'' + DRAG |x'| x' + WN^2 x = 0``, by Runge-Kutta."""
+
+    def slope(s: RealArray) -> RealArray:
+        return np.array([s[1], -DRAG * abs(s[1]) * s[1] - WN**2 * s[0]])
+
+    state, h, out = np.array([0.07, 0.0]), 1 / RATE, []
+    for _ in TIME:
+        out.append(state[0])
+        a = slope(state)
+        b = slope(state + h / 2 * a)
+        c = slope(state + h / 2 * b)
+        state = state + h / 6 * (a + 2 * b + 2 * c + slope(state + h * c))
+    return np.array(out)
+
+
+def smoothed_slope(values: RealArray, half: int) -> RealArray:
+    """Return the slope of a least-squares line through some samples on either side, as programs of sensors have it."""
+    shifts = np.arange(-half, half + 1)
+    padded = np.pad(values, half, mode="reflect", reflect_type="odd")
+    return np.asarray(np.correlate(padded, shifts / np.sum(shifts**2), mode="valid") * RATE)
+
+
+def exported(half: int, *, seed: int) -> RealArray:
+    """Return position, velocity and acceleration of a motion sensor, rounded as in a file."""
+    position = swing() + 2e-4 * np.random.default_rng(seed).standard_normal(TIME.size)
+    velocity = smoothed_slope(position, half)
+    return np.round(np.stack([position, velocity, smoothed_slope(velocity, half)]), 4)
+
+
+@pytest.mark.parametrize("half", [1, 2, 3])
+@pytest.mark.parametrize("units", [1.0, 1e3])
+def test_velocity_and_acceleration_that_were_computed_are_left_out(half: int, units: float) -> None:
+    values = exported(half, seed=half) * np.array([[units], [1.0], [1.0]])
+    left, notes = without_derivatives(as_response(TIME, values, ["x", "v", "a"]))
+    assert list(left.output_labels) == ["x"]
+    assert [(note.code, note.numbers["channel"]) for note in notes] == [
+        (Note.DERIVED_CHANNEL, "v"),
+        (Note.DERIVED_CHANNEL, "a"),
+    ]
+
+
+@pytest.mark.parametrize("noise", [0.0, 1e-4, 1e-2])
+def test_sensors_of_the_same_motion_are_kept(noise: float) -> None:
+    # Position, speed and acceleration of one decay, each with its own noise, rounded to six digits.
+    poles = -0.1 + 1j * WN
+    motion = np.array([(poles**n * np.exp(poles * TIME)).real / abs(poles) ** n for n in range(3)])
+    rng = np.random.default_rng(1)
+    scale = np.array([[0.05], [0.05 * WN], [0.05 * WN**2]])
+    values = np.round(scale * (motion + noise * rng.standard_normal(motion.shape)), 6)
+    record = as_response(TIME, values, ["x", "v", "a"])
+    left, notes = without_derivatives(record)
+    assert left is record
+    assert not notes
+
+
+def test_the_first_command_finds_one_mode_in_what_a_motion_sensor_exports() -> None:
+    record = as_response(TIME, exported(2, seed=0), ["x", "v", "a"])
+    found = analyse(record)
+    assert len(found.modes) == 1
+    assert found.modes.wn[0] == pytest.approx(WN, rel=0.002)
+    assert Note.DERIVED_CHANNEL in {note.code for note in found.notes}
+
+
+def test_channels_that_are_named_are_used() -> None:
+    record = as_response(TIME, exported(2, seed=0), ["x", "v", "a"])
+    used = stretch_of(record, Settings(channels=("x", "v", "a"), decay="whole"))
+    assert used.record is record
