@@ -12,7 +12,7 @@ from suspid.decays.fading import decay_of_fading, falling
 from suspid.signals import Signal
 from suspid.words import DecayDoubt
 
-WN, DAMPING, RATE, REST = 6.1, 0.02, 50, 3
+WN, DAMPING, RATE, REST = 6.1, 0.03, 50, 3
 
 
 def written(path: Path, amplitude: float) -> Path:
@@ -22,7 +22,7 @@ def written(path: Path, amplitude: float) -> Path:
         return v, -(WN**2) * math.sin(x) - 2 * DAMPING * v
 
     x, v, h, angles = amplitude, 0.0, 1 / RATE, [amplitude] * (REST * RATE)
-    for _ in range(80 * RATE):
+    for _ in range(50 * RATE):
         angles.append(x)
         a, b = slope(x, v)
         c, d = slope(x + h / 2 * a, v + h / 2 * b)
