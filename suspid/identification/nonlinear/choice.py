@@ -47,8 +47,8 @@ def chosen(record: Record, plain: DrivenFit, bent: Bent | None, *, most: int, hi
     Forces of one kind act at every channel and between every two; those that are not worth their gains are left out.
     Modes are added, up to ``most``, as long as each explains most of the residual.
     """
-    # Of a single mode, other forces than friction are functions of its motion as it was measured.
-    if bent is not None and bent.count == 1 and not _sticks(bent):
+    # Of a single mode that explains the record best, other forces than friction follow its motion as it was measured.
+    if bent is not None and bent.count == 1 and bent.bic <= highest and not _sticks(bent):
         return None
     best: StructureFit | None = None
     longest = LONGEST_FITTED if bent is not None else LONGEST_BLIND
@@ -98,7 +98,29 @@ def _starts(record: Record, plain: DrivenFit, bent: Bent | None) -> list[DrivenF
     # From the same poles the same is found.
     if not any(_alike(start.drive.theta, strongest.drive.theta) for start in starts):
         starts = [*starts, strongest]
+    if len(strongest.drive.theta) == 1:
+        beside = _with_other(record, strongest)
+        starts = starts if beside is None else [beside, *starts]
     return [start for start in starts if np.all(start.drive.theta.real < 0)]
+
+
+def _with_other(record: Record, alone: DrivenFit) -> DrivenFit | None:
+    """Return the fit of a single mode with the strongest other pole of the linear fit that is no part or multiple of it.
+
+    Parts of a mode that friction bends may be stronger than the next mode. None if there is no other.
+    """
+    weights = record.amplitudes / np.sqrt(alone.variance)
+    single = alone.amplitudes / np.sqrt(alone.variance)
+    others = np.flatnonzero((record.theta.imag > 0) & (record.theta.real < 0))
+    apart = np.abs(np.log(np.abs(record.theta[others] / alone.drive.theta[0]))) > np.log(OTHER_FREQUENCY)
+    apart &= [not repeated(complex(record.theta[k]), weights[k], alone.drive.theta, single) for k in others]
+    if not apart.any():
+        return None
+    decays = -record.theta.real[others]
+    energy = np.where(apart, np.sum(np.abs(weights[others]) ** 2, axis=1) / decays, 0.0)
+    theta = complex(record.theta[others[int(np.argmax(energy))]])
+    both = maximize(record.values, alone.drive.with_pole(theta), record.noise, steps=ROUGH_STEPS)
+    return both if both is not None and both.bic < alone.bic else None
 
 
 def _alike(one: ComplexArray, other: ComplexArray) -> bool:
