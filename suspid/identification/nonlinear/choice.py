@@ -105,7 +105,7 @@ def _starts(record: Record, plain: DrivenFit, bent: Bent | None) -> list[DrivenF
 
 
 def _with_other(record: Record, alone: DrivenFit) -> DrivenFit | None:
-    """Return the fit of a single mode with the strongest other pole of the linear fit that is no part or multiple of it.
+    """Return the fit of a single mode with the strongest other pole of the linear fit, no part or multiple of it.
 
     Parts of a mode that friction bends may be stronger than the next mode. None if there is no other.
     """
