@@ -41,7 +41,7 @@ def exported(half: int, *, seed: int) -> RealArray:
     """Return position, velocity and acceleration of a motion sensor, rounded as in a file."""
     position = swing() + 2e-4 * np.random.default_rng(seed).standard_normal(TIME.size)
     velocity = smoothed_slope(position, half)
-    return np.round(np.stack([position, velocity, smoothed_slope(velocity, half)]), 4)
+    return np.asarray(np.round(np.stack([position, velocity, smoothed_slope(velocity, half)]), 4), float)
 
 
 @pytest.mark.parametrize("half", [1, 2, 3])

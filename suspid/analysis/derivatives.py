@@ -92,7 +92,7 @@ def _is_derivative(source: RealArray, other: RealArray, step: Second) -> bool:
     at = np.arange(max(REACH, PAST), len(other) - REACH)
     shifts = np.arange(-REACH, REACH + 1)
     weights, left = _regressed(other[at], source[at[:, None] + shifts])
-    if not _differentiates(weights, shifts * step):
+    if not _differentiates(weights, np.asarray(shifts * step, float)):
         return False
     past, new = _regressed(other[at], other[at[:, None] - np.arange(1, PAST + 1)])
     # A record without noise is told to the last digit by whatever moves with it.
@@ -116,7 +116,7 @@ def _differentiates(weights: RealArray, shifts: RealArray) -> bool:
     """Return whether weights of samples at some shifts differentiate once or twice, but for a power of ten."""
     reach = float(np.max(shifts))
     # The sum is as many times the motion, its slope and its second derivative.
-    times = np.abs([np.sum(weights), weights @ shifts, weights @ shifts**2 / 2])
+    times = np.abs(weights @ np.stack([shifts**0, shifts, shifts**2 / 2], axis=1))
     for order in (1, 2):
         lower = times[:order] * reach ** (order - np.arange(order))
         gain = float(times[order])
