@@ -16,17 +16,17 @@ if TYPE_CHECKING:
 
 # Samples on either side from which a derivative is computed at most, and of its own past from which a motion is
 # predicted. Programs use two or three on either side; a past of four modes is longer than most need.
-REACH, PAST = 5, 8
+BESIDE, PAST_SAMPLES = 5, 8
 # A derivative has this gain to within this share, but for a power of ten of the units: other points of a structure do
 # not.
-GAIN = 0.01
+GAIN_ERROR = 0.01
 # Share of the noise of a channel, at most, that another channel leaves of it: a sensor of its own leaves all, but noise
 # that is not white is known by its past to less than it is.
-OWN = 0.5
+OWN_SHARE = 0.5
 # Least correlation with a central difference: a coarser screen only costs time.
 ALIKE_CORRELATION = 0.5
 # Samples from the beginning that tell; more only cost time.
-MOST_SAMPLES = 20_000
+SAMPLES_READ = 20_000
 
 
 def without_derivatives(record: control.TimeResponseData) -> tuple[control.TimeResponseData, tuple[Remark, ...]]:
@@ -47,9 +47,9 @@ def without_derivatives(record: control.TimeResponseData) -> tuple[control.TimeR
     (['x'], 1)
     """
     signal = as_signal(record)
-    if len(signal.channels) < 2 or signal.values.shape[1] < (REACH + PAST) ** 2:
+    if len(signal.channels) < 2 or signal.values.shape[1] < (BESIDE + PAST_SAMPLES) ** 2:
         return record, ()
-    sources = _sources(signal.values[:, :MOST_SAMPLES], signal.step)
+    sources = _sources(signal.values[:, :SAMPLES_READ], signal.step)
     if not sources:
         return record, ()
     notes = tuple(
@@ -89,16 +89,16 @@ def _is_derivative(source: RealArray, other: RealArray, step: Second) -> bool:
 
     That tells most of its noise, which is what is new in it beside its own past.
     """
-    at = np.arange(max(REACH, PAST), len(other) - REACH)
-    shifts = np.arange(-REACH, REACH + 1)
+    at = np.arange(max(BESIDE, PAST_SAMPLES), len(other) - BESIDE)
+    shifts = np.arange(-BESIDE, BESIDE + 1)
     weights, left = _regressed(other[at], source[at[:, None] + shifts])
     if not _differentiates(weights, np.asarray(shifts * step, float)):
         return False
-    past, new = _regressed(other[at], other[at[:, None] - np.arange(1, PAST + 1)])
+    past, new = _regressed(other[at], other[at[:, None] - np.arange(1, PAST_SAMPLES + 1)])
     # A record without noise is told to the last digit by whatever moves with it.
     if new < SEVEN_DIGITS * np.std(other):
         return False
-    return left < OWN * new / float(np.sqrt(1 + past @ past))
+    return left < OWN_SHARE * new / float(np.sqrt(1 + past @ past))
 
 
 def _regressed(values: RealArray, columns: RealArray) -> tuple[RealArray, float]:
@@ -120,6 +120,6 @@ def _differentiates(weights: RealArray, shifts: RealArray) -> bool:
     for order in (1, 2):
         lower = times[:order] * reach ** (order - np.arange(order))
         gain = float(times[order])
-        if np.all(lower < GAIN * gain) and abs(gain / 10.0 ** round(np.log10(gain)) - 1) < GAIN:
+        if np.all(lower < GAIN_ERROR * gain) and abs(gain / 10.0 ** round(np.log10(gain)) - 1) < GAIN_ERROR:
             return True
     return False
