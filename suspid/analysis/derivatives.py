@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 # Samples on either side from which a derivative is computed at most, and of its own past from which a motion is
 # predicted. Programs use two or three on either side; a past of four modes is longer than most need.
-BESIDE, PAST_SAMPLES = 5, 8
+SAMPLES_ABOUT, PAST_SAMPLES = 5, 8
 # A derivative has this gain to within this share, but for a power of ten of the units: other points of a structure do
 # not.
 GAIN_ERROR = 0.01
@@ -47,7 +47,7 @@ def without_derivatives(record: control.TimeResponseData) -> tuple[control.TimeR
     (['x'], 1)
     """
     signal = as_signal(record)
-    if len(signal.channels) < 2 or signal.values.shape[1] < (BESIDE + PAST_SAMPLES) ** 2:
+    if len(signal.channels) < 2 or signal.values.shape[1] < (SAMPLES_ABOUT + PAST_SAMPLES) ** 2:
         return record, ()
     sources = _sources(signal.values[:, :SAMPLES_READ], signal.step)
     if not sources:
@@ -89,8 +89,8 @@ def _is_derivative(source: RealArray, other: RealArray, step: Second) -> bool:
 
     That tells most of its noise, which is what is new in it beside its own past.
     """
-    at = np.arange(max(BESIDE, PAST_SAMPLES), len(other) - BESIDE)
-    shifts = np.arange(-BESIDE, BESIDE + 1)
+    at = np.arange(max(SAMPLES_ABOUT, PAST_SAMPLES), len(other) - SAMPLES_ABOUT)
+    shifts = np.arange(-SAMPLES_ABOUT, SAMPLES_ABOUT + 1)
     weights, left = _regressed(other[at], source[at[:, None] + shifts])
     if not _differentiates(weights, np.asarray(shifts * step, float)):
         return False
