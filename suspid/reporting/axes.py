@@ -38,6 +38,11 @@ IN_VIEW = 2.5
 KEY_WIDTH = 1.1
 
 
+def entitle(ax: Axes, title: str) -> None:
+    """Put a title above the left end of some Axes; one that would leave the figure is broken over lines."""
+    ax.set_title(title, loc="left", wrap=True)
+
+
 def pieces_across(ax: Axes) -> int:
     """Return how many pieces of a line the figure of some Axes can show."""
     return int(min(PIECES, PIECES_AN_INCH * ax.figure.bbox.width / ax.figure.dpi))

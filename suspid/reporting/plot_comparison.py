@@ -13,7 +13,7 @@ from suspid.errors import InputError
 from suspid.greybox import Estimate
 from suspid.levels import LEVEL, check_level
 from suspid.model import Comparison, ModalSet, compare
-from suspid.reporting.axes import keep_apart, key_above, shown
+from suspid.reporting.axes import entitle, keep_apart, key_above, shown
 from suspid.reporting.colours import Colour
 from suspid.results import check_kind
 
@@ -89,7 +89,7 @@ def plot_comparison(
     grid = np.atleast_1d(figure.subplots(len(panels), 1, height_ratios=heights))
     for ax, (title, rows) in zip(grid, panels.items(), strict=True):
         _draw(ax, rows)
-        ax.set_title(title, loc="left")
+        entitle(ax, title)
     key_above(grid[0])
     grid[-1].set_xlabel(f"change from before, with {100 * level:g} % intervals [%]")
     return figure

@@ -9,7 +9,7 @@ import numpy as np
 from suspid.arguments import explained
 from suspid.greybox import body_channels, wheels_of
 from suspid.levels import UNLIKELY
-from suspid.reporting.axes import frequency_ticks, keep_apart, shown
+from suspid.reporting.axes import entitle, frequency_ticks, keep_apart, shown
 from suspid.reporting.colours import CHANNEL_COLOURS, Colour
 from suspid.reporting.plot_damper_curve import plot_damper_curve
 from suspid.results import check_kind
@@ -80,7 +80,7 @@ def plot_drive(found: DriveAnalysis, figure: Figure) -> Figure:
         draw_finding(found, axes[len(files)])
     for ax, curve in zip(axes[len(files) + 1 :], curves, strict=False):
         plot_damper_curve(curve, ax)
-        ax.set_title(f"damper of {shown(curve.name)}", loc="left")
+        entitle(ax, f"damper of {shown(curve.name)}")
     return figure
 
 
@@ -113,7 +113,7 @@ def draw_stretches(ax: Axes, drives: Drives) -> None:
     ax.set_ylabel("speed [m/s]" if known else "vibration\n[m/s²]")
     if drives:
         ax.set_xlim(drives[0].start, drives[-1].stop)
-    ax.set_title(shown(drives.title) or "drive", loc="left")
+    entitle(ax, shown(drives.title) or "drive")
     ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), fontsize="small", ncols=6, frameon=False, borderaxespad=0.0)
 
 
@@ -142,7 +142,7 @@ def _draw_transmissibility(ax: Axes, found: Estimate) -> None:
     frequency_ticks(ax.xaxis, high / low)
     ax.set_xlabel("frequency [Hz]")
     ax.set_ylabel("transfer [SI]")
-    ax.set_title("transmissibility: measured (points) and fitted (lines), where beyond noise", loc="left")
+    entitle(ax, "transmissibility: measured (points) and fitted (lines), where beyond noise")
     ax.legend(fontsize="small", frameon=False)
 
 
@@ -201,4 +201,4 @@ def _draw_body(ax: Axes, found: DriveAnalysis, records: Sequence[control.TimeRes
     ax.set_xlabel("frequency [Hz]")
     ax.set_ylabel("PSD [SI²/Hz]")
     ax.legend(fontsize="small", frameon=False)
-    ax.set_title("spectra over all usable stretches", loc="left")
+    entitle(ax, "spectra over all usable stretches")

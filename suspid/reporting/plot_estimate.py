@@ -9,7 +9,7 @@ import numpy as np
 from suspid.arguments import explained
 from suspid.greybox import nominal_value
 from suspid.levels import LEVEL
-from suspid.reporting.axes import keep_apart, key_above, plot_residual, shown, unit_ticks
+from suspid.reporting.axes import entitle, keep_apart, key_above, plot_residual, shown, unit_ticks
 from suspid.reporting.channel_units import channel_unit
 from suspid.reporting.colours import Colour
 from suspid.reporting.spring_rows import values_of
@@ -70,7 +70,7 @@ def plot_estimate(found: Estimate, figure: Figure, *, level: Ratio = LEVEL) -> F
     for at, (ax, name) in enumerate(zip(axes[1:], channels, strict=True)):
         fit, left = fitted.values[at, kept], residual.values[at, kept]
         plot_residual(ax, residual.timepts[kept], fit + left, fit, left)
-        ax.set_title(shown(name), loc="left")
+        entitle(ax, shown(name))
         unit_ticks(ax, channel_unit(found.suspension, name))
     axes[-1].set_xlabel(time_label(found, 0))
     key_above(axes[1])
@@ -111,4 +111,4 @@ def draw_changes(found: Estimate | Reconstruction, ax: Axes, level: Ratio = LEVE
     ax.set_ylim(len(names) - 0.5, -0.5)
     ax.set_xlabel("change from nominal [%]")
     intervals = f" with {100 * level:g} % intervals; grey: no significant change" if known else ""
-    ax.set_title(f"springs and dampers{intervals}", loc="left")
+    entitle(ax, f"springs and dampers{intervals}")

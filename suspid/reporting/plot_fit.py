@@ -9,7 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from suspid.arguments import explained
-from suspid.reporting.axes import checked_grid, key_above, label_below, plot_residual, position, shown, unit_ticks
+from suspid.reporting.axes import (
+    checked_grid,
+    entitle,
+    key_above,
+    label_below,
+    plot_residual,
+    position,
+    shown,
+    unit_ticks,
+)
 from suspid.results import check_kind
 from suspid.samples import held
 from suspid.signals import as_signal
@@ -73,7 +82,7 @@ def plot_fit(
     for i, (ax, name) in enumerate(zip(drawn, names, strict=True)):
         at = position(name, record.channels)
         plot_residual(ax, time, *(signal.values[at, kept] for signal in (record, fitted, residual)))
-        ax.set_title(f"{shown(name)}: {100 * share[at]:.4g} % explained", loc="left")
+        entitle(ax, f"{shown(name)}: {100 * share[at]:.4g} % explained")
         ax.set_xlim(low, high)
         unit_ticks(ax, (shown(units[i], most=8) if units else "") or "unit")
     if len(names):

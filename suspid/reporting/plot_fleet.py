@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.fleet import MOST_SHOWN, DamperTrends
-from suspid.reporting.axes import shown
+from suspid.reporting.axes import entitle, shown
 from suspid.reporting.colours import Colour
 from suspid.words import DamperState
 
@@ -48,7 +48,7 @@ def draw_distribution(found: Distribution, ax: Axes) -> None:
         linewidth=0.6,
     )
     ax.axvline(found.median, color=Colour.VERMILION, linewidth=1.2)
-    ax.set_title(f"{shown(found.quantity)} [{shown(found.unit)}]", loc="left")
+    entitle(ax, f"{shown(found.quantity)} [{shown(found.unit)}]")
     ax.set_ylabel("records")
     ax.locator_params(axis="x", nbins=5)
     ax.locator_params(axis="y", nbins=3, integer=True)
@@ -106,7 +106,7 @@ def draw_losses(found: DamperTrends | Wear, ax: Axes) -> None:
     """Draw what each damper has lost with its interval, and the limits of the rule as dotted lines."""
     marks = (100 * found.rule.small, 100 * found.rule.large)
     draw_intervals(losses_of(found), ax, label="damping lost [%]", marks=marks)
-    ax.set_title(f"dotted: surely beyond {marks[0]:g} % is worn, surely below {marks[1]:g} % is good", loc="left")
+    entitle(ax, f"dotted: surely beyond {marks[0]:g} % is worn, surely below {marks[1]:g} % is good")
 
 
 def draw_fleet(found: FleetSummary, ax: Axes) -> None:

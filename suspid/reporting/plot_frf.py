@@ -8,7 +8,7 @@ import numpy as np
 
 from suspid.arguments import explained
 from suspid.levels import LEVEL, normal_reach
-from suspid.reporting.axes import checked_grid, frequency_ticks, shown
+from suspid.reporting.axes import checked_grid, entitle, frequency_ticks, shown
 from suspid.reporting.colours import Colour
 from suspid.reporting.frf import Frf, responses
 from suspid.results import check_kind
@@ -77,7 +77,7 @@ def plot_frf(
     for (above, below), (name, frf) in zip(drawn.T, one.items(), strict=True):
         draw_gain(above, frf)
         draw_phase(below, frf)
-        above.set_title(shown(name), loc="left")
+        entitle(above, shown(name))
         below.set_xlabel("frequency [Hz]")
     drawn[1, 0].legend(fontsize="small", frameon=False)
 

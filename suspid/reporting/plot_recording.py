@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from suspid.reporting.axes import position, shown, thinned, unit_ticks
+from suspid.reporting.axes import entitle, position, shown, thinned, unit_ticks
 from suspid.reporting.colours import Colour
 from suspid.signals import as_signal
 from suspid.units import Second
@@ -62,7 +62,7 @@ def plot_recording(
             f"{i + 1}", (stretches[i][0], 1.0), xycoords=("data", "axes fraction"), xytext=(2, -3 - 9 * row),
             textcoords="offset points", ha="left", va="top", fontsize="small", fontweight="bold",
         )  # fmt: skip
-    ax.set_title(shown(channel), loc="left")
+    entitle(ax, shown(channel))
     unit_ticks(ax, shown(unit, most=8) or "unit")
     return ax
 

@@ -9,7 +9,7 @@ import numpy as np
 from suspid.arguments import explained
 from suspid.levels import LEVEL, check_level, normal_reach
 from suspid.performance import weighting
-from suspid.reporting.axes import decade_ticks, frequency_ticks, keep_apart, key_above, shown
+from suspid.reporting.axes import decade_ticks, entitle, frequency_ticks, keep_apart, key_above, shown
 from suspid.reporting.colours import CHANNEL_COLOURS, Colour
 from suspid.reporting.plot_spectra import density_label
 from suspid.results import check_kind
@@ -71,7 +71,7 @@ def plot_ride(found: Ride, figure: Figure, *, level: Ratio = LEVEL) -> Figure:
         hertz = np.geomspace(LOWEST_FELT, HIGHEST_FELT, WEIGHTING_POINTS)
         axes[0].plot(hertz, 20 * np.log10(np.abs(weighting(kind, hertz))), color=colour, linewidth=1.2, label=kind)
     axes[0].set(ylabel="gain [dB]", ylim=(-50, 5))
-    axes[0].set_title("weightings", loc="left")
+    entitle(axes[0], "weightings")
     key_above(axes[0], abreast=MOST_SPECTRA)
     for ax, channel in zip(axes[1:], channels, strict=True):
         draw_spectrum(found, channel, ax, level=level)
@@ -105,7 +105,7 @@ def draw_spectrum(found: Ride, channel: str, ax: Axes, *, level: Ratio = LEVEL) 
             ax.fill_between(hertz, low * gain, high * gain, color=colour, alpha=0.3, linewidth=0.0)
         ax.plot(hertz, row * gain, color=colour, linewidth=width)
     _logarithmic(ax, float(np.max(row)))
-    ax.set_title(shown(channel), loc="left")
+    entitle(ax, shown(channel))
     turn = found.units[found.figures.index(f"{channel}.{found.weightings[channel][0]}")].removesuffix("/s2")
     ax.set_ylabel(density_label(f"{turn}/s²"))
     ax.set_xscale("log")

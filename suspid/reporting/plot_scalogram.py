@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from suspid.arguments import explained
-from suspid.reporting.axes import frequency_ticks, key_above, pieces_across, position, shown, thinned
+from suspid.reporting.axes import entitle, frequency_ticks, key_above, pieces_across, position, shown, thinned
 from suspid.reporting.colours import Colour
 from suspid.reporting.thinning import pooled, power_weights, row_edges
 from suspid.results import check_kind
@@ -23,7 +23,11 @@ if TYPE_CHECKING:
     from suspid.wavelets import Scalogram
 
 # Room of the title beside the key, and height of the label and the ticks below the Axes [inch].
-TITLE_WIDTH, LABEL_HEIGHT = 0.8, 0.55
+TITLE_WIDTH, LABEL_HEIGHT = 0.8, 0.45
+# Room that the bar of colours with its label takes beside the Axes, and the right scale's labels with it [inch].
+COLORBAR = 1.0
+# Height of the number of a mode in its box, and width with its gap [point]: nearer numbers stand side by side.
+NUMBER_HEIGHT, NUMBER_WIDTH = 14.0, 16.0
 
 
 @explained
@@ -101,25 +105,35 @@ def plot_scalogram(
     right = ax.secondary_yaxis("right", functions=(_radian_per_second, _hertz))
     right.set_ylabel("angular frequency [rad/s]")
     frequency_ticks(right.yaxis, high / low)
-    ax.set_title("all channels" if channel is None else shown(channel), loc="left")
+    entitle(ax, "all channels" if channel is None else shown(channel))
     if modes is not None:
         _mark_modes(ax, modes)
-    _key(ax)
+    _key(ax, COLORBAR if colorbar else 0.0)
     if colorbar:
         bar = ax.figure.colorbar(mesh, ax=ax, pad=0.02, aspect=30)
         bar.set_label("modulus [dB of the largest]")
     return ax
 
 
-def _key(ax: Axes) -> None:
-    """Put the key above the Axes where it fits beside their title, else below them in two columns."""
+def _key(ax: Axes, taken: float) -> None:
+    """Put the key above the Axes where it fits beside their title, else below them in two columns or one.
+
+    Of their width, the layout will take some for what stands beside them [inch].
+    """
+    from matplotlib.transforms import ScaledTranslation
+
     if not ax.get_legend_handles_labels()[1]:
         return
     key_above(ax, abreast=4)
     legend, box, inch = ax.get_legend(), ax.get_window_extent(), ax.figure.dpi
-    if legend is not None and legend.get_window_extent().width + TITLE_WIDTH * inch > box.width:
-        below = (0.0, -LABEL_HEIGHT * inch / box.height)
-        ax.legend(loc="upper left", bbox_to_anchor=below, fontsize="small", ncols=2, frameon=False, borderaxespad=0.0)
+    if legend is not None and legend.get_window_extent().width + (TITLE_WIDTH + taken) * inch > box.width:
+        below = ax.transAxes + ScaledTranslation(0.0, -LABEL_HEIGHT, ax.figure.dpi_scale_trans)
+        place: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (0.0, 0.0), "bbox_transform": below}
+        for columns in (2, 1):
+            key = ax.legend(**place, fontsize="small", ncols=columns, frameon=False, borderaxespad=0.0)
+            # The layout would make the Axes narrower for a key that is wider than they are.
+            if key.get_window_extent().width < box.width - taken * inch:
+                return
 
 
 def _draw_cone(ax: Axes, hertz: RealArray, cone: RealArray, start: float, end: float) -> None:
@@ -158,11 +172,29 @@ def _mark_modes(ax: Axes, modes: ModalSet) -> None:
         return
     at = np.full(numbers.size, end)
     ax.plot(at, hertz[numbers], color=Colour.GREEN, marker="<", linestyle="none", label="mode", clip_on=False)
-    for k in numbers:
+    heights = ax.transData.transform(np.column_stack([at, hertz[numbers]]))[:, 1] * 72 / ax.figure.dpi
+    for k, place in zip(numbers, _places(heights), strict=True):
         ax.annotate(
-            f"{k + 1}", (end, hertz[k]), xytext=(-8, 0), textcoords="offset points", ha="right", va="center",
-            fontsize="small", bbox={"facecolor": Colour.WHITE, "edgecolor": Colour.GREEN, "linewidth": 0.6, "pad": 1.5},
+            f"{k + 1}", (end, hertz[k]), xytext=(-8 - NUMBER_WIDTH * place, 0), textcoords="offset points", ha="right",
+            va="center", fontsize="small",
+            bbox={"facecolor": Colour.WHITE, "edgecolor": Colour.GREEN, "linewidth": 0.6, "pad": 1.5},
         )  # fmt: skip
+
+
+def _places(heights: RealArray) -> list[int]:
+    """Return for numbers at ascending heights how many stand between each and the edge, so that none lies on another.
+
+    Examples
+    --------
+    >>> _places(np.array([0.0, 5.0, 18.0, 100.0]))
+    [0, 1, 0, 0]
+    """
+    places, tops = [], list[float]()
+    for height in heights.tolist():
+        free = next((k for k, top in enumerate(tops) if height - top >= NUMBER_HEIGHT), len(tops))
+        tops[free : free + 1] = [height]
+        places.append(free)
+    return places
 
 
 def _channel_weights(scalogram: Scalogram, channel: str | None) -> RealArray:

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 FULL_CELL = 1.0
 # Longest bar, in widths of a cell: those of neighbours do not touch.
 HALF_CELL = 0.46
+# Width of a column that holds "stiffness" [inch]; in narrower ones the names stand upright.
+NARROW = 0.55
 
 
 @explained
@@ -64,15 +66,20 @@ def plot_sensitivities(found: Sensitivities, ax: Axes) -> Axes:
                     fontsize="small")  # fmt: skip
     ax.set_yticks(range(rows), [shown(name) for name in found.names], fontsize="small")
     names = [shown(name).rpartition(".") for name in found.parameters]
-    # A long name of a strut would run into its neighbour.
-    ax.set_xticks(range(columns), ["\n".join([*owner.split("_"), last]) for owner, _, last in names], fontsize="small")
+    inch = ax.get_window_extent().width / ax.figure.dpi / columns
+    # A long name of a strut would run into its neighbour; in narrow columns every name does.
+    upright = {"rotation": 90.0} if inch < NARROW else {}
+    words = [[*owner.split("_"), last] for owner, _, last in names]
+    ax.set_xticks(
+        range(columns), [(" " if upright else "\n").join(name) for name in words], fontsize="small", **upright
+    )
     ax.set_ylim(rows - 0.5, -0.5)
     ax.set_xlim(-0.55, columns - 0.45)
     ax.tick_params(length=0)
     ax.xaxis.tick_top()
     for row in range(1, rows):
         ax.axhline(row - 0.5, color=Colour.SHADE, linewidth=0.6, zorder=0)
-    ax.set_xlabel(f"change [%] for each % more; a bar of half a cell: {FULL_CELL:g}", fontsize="small")
+    ax.set_xlabel(f"change [%] for each % more; a bar of half a cell: {FULL_CELL:g}", fontsize="small", wrap=True)
     return ax
 
 

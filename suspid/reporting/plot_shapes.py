@@ -9,7 +9,7 @@ import numpy as np
 
 from suspid.arguments import explained
 from suspid.errors import InputError
-from suspid.reporting.axes import shown
+from suspid.reporting.axes import entitle, shown
 from suspid.reporting.colours import Colour
 from suspid.reporting.shape_groups import ShapeGroup, shape_groups
 from suspid.results import check_kind
@@ -95,7 +95,7 @@ def plot_shapes(modes: ModalSet, *, ax: Axes, units: Sequence[str] | None = None
             ax.axhline(end - 0.5, color=Colour.GREY, linewidth=0.8)
     ax.set_yticks(rows, names)
     ax.set_xlabel("natural frequency [Hz]")
-    ax.set_title(f"shapes{_as_what(groups)} [1 = largest{' by unit' if len(groups) > 1 else ''}]", loc="left")
+    entitle(ax, f"shapes{_as_what(groups)} [1 = largest{' by unit' if len(groups) > 1 else ''}]")
     return ax
 
 

@@ -10,7 +10,7 @@ from suspid.arguments import explained
 from suspid.errors import InputError
 from suspid.identification import Identification
 from suspid.levels import EXACT
-from suspid.reporting.axes import IN_VIEW, checked_grid, key_above, label_below, position, shown, thinned
+from suspid.reporting.axes import IN_VIEW, checked_grid, entitle, key_above, label_below, position, shown, thinned
 from suspid.reporting.channel_units import channel_unit
 from suspid.reporting.colours import Colour
 from suspid.results import check_kind
@@ -102,7 +102,7 @@ def plot_spectra(
         draw_spectra(ax, fit + residual, fit, residual, 1 / left.step, decay=decay, modes=found.modes)
         known = unit if isinstance(found, Identification) or unit else channel_unit(found.suspension, name)
         ax.set_ylabel(density_label(shown(known) if len(known) <= SHORT_UNIT else ""))
-        ax.set_title(shown(name), loc="left")
+        entitle(ax, shown(name))
     label_below(drawn, "frequency [Hz]")
     key_above(drawn[0])
 

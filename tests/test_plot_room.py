@@ -1,0 +1,71 @@
+"""Pictures on narrow Axes: titles are broken over lines, keys and numbers stand apart."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.text import Annotation
+from matplotlib.transforms import BboxBase
+
+from suspid import ModalSet, cwt, free_decay, plot_scalogram, plot_sensitivities, sensitivities
+from suspid.reporting.axes import entitle
+from validation import cars
+
+# Width and height of a picture on a phone, and of one on a slide of 16:9 [inch].
+PHONE, SLIDE = (3.9, 3.0), (13.33, 7.5)
+RECORD = free_decay(cars.PAPER, np.arange(0, 3, 0.01), initial_state={"v_tire": 1.0})
+
+
+def drawn(size: tuple[float, float]) -> Axes:
+    return Figure(figsize=size, layout="constrained").subplots()
+
+
+def box(part: object, ax: Axes) -> BboxBase:
+    ax.figure.draw_without_rendering()
+    found = part.get_window_extent()  # type: ignore[attr-defined]
+    assert isinstance(found, BboxBase)
+    return found
+
+
+class TestTitles:
+    def test_a_long_one_stays_in_the_figure(self) -> None:
+        ax = drawn(PHONE)
+        entitle(ax, "springs and dampers with 95 % intervals; grey: no significant change")
+        ax.set_yticks([0.0], ["chassis.stiffness"])
+        title = next(text for text in ax.findobj(lambda one: getattr(one, "get_text", str)().startswith("springs")))
+        assert box(title, ax).x1 <= ax.figure.bbox.width
+
+
+class TestScalogram:
+    def test_the_key_stands_apart(self) -> None:
+        modes = ModalSet.from_wn_zeta([20.0, 21.0, 22.0, 60.0], [0.01] * 4)
+        scalogram = cwt(RECORD, omega=np.geomspace(8, 120, 40), bandwidth=8.0)
+        for size in (PHONE, SLIDE):
+            ax = plot_scalogram(scalogram, ax=drawn(size), modes=modes)
+            key = ax.get_legend()
+            assert key is not None
+            assert not box(key, ax).overlaps(box(ax.xaxis.label, ax))
+            assert not box(key, ax).padded(-1.0).overlaps(box(ax, ax))
+            assert box(ax, ax).width > 0.4 * ax.figure.bbox.width
+
+    def test_numbers_of_close_modes_do_not_hide_each_other(self) -> None:
+        modes = ModalSet.from_wn_zeta([20.0, 21.0, 22.0, 60.0], [0.01] * 4)
+        ax = plot_scalogram(cwt(RECORD, omega=np.geomspace(8, 120, 40), bandwidth=8.0), ax=drawn(PHONE), modes=modes)
+        ax.figure.draw_without_rendering()
+        boxes = [one.get_window_extent() for one in ax.texts if isinstance(one, Annotation)]
+        assert len(boxes) == 4
+        assert not any(one.overlaps(other) for i, one in enumerate(boxes) for other in boxes[:i])
+
+
+def test_names_of_parameters_stand_upright_in_narrow_columns() -> None:
+    found = sensitivities(cars.HATCHBACK)
+    for size, upright in ((PHONE, True), (SLIDE, False)):
+        ax = plot_sensitivities(found, drawn(size))
+        ax.figure.draw_without_rendering()
+        labels = ax.get_xticklabels()
+        assert {label.get_rotation() for label in labels} == {90.0 if upright else 0.0}
+        boxes = [label.get_window_extent() for label in labels]
+        assert not any(one.overlaps(other) for one, other in pairwise(boxes))
