@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import control
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from suspid import InputError, ModalSet, eigenmodes, plot_shapes, quarter_car
+from suspid import InputError, ModalSet, eigenmodes, free_decay, identify, plot_shapes, quarter_car, statespace
 from suspid.model import scaled_shapes
 from suspid.reporting.shape_groups import shape_groups
+from suspid.signals import as_response
 
 CAR = quarter_car(
     seat_mass=200, chassis_mass=200, tire_mass=200, seat_stiffness=200e3, chassis_stiffness=400e3,
@@ -42,6 +44,33 @@ class TestCommonMotion:
     def test_a_pole_at_zero_leaves_each_unit_a_group(self) -> None:
         modes = ModalSet(poles=np.array([0.0]), shapes=np.ones((2, 1), complex), channels=["a", "b"])
         assert [group.unit for group in shape_groups(modes, ["m", "m/s"])] == ["m", "m/s"]
+
+
+class TestNames:
+    def test_words_keep_quantities_apart_where_units_are_missing(self) -> None:
+        modes = ModalSet(poles=EXACT.poles, shapes=EXACT.shapes, channels=["disp", "vel", "acc_body"])
+        ax = plot_shapes(modes, ax=Figure().subplots())
+        labels = ["disp [disp.]", "vel [vel.]", "acc_body [acc.]"]
+        assert [label.get_text() for label in ax.get_yticklabels()] == labels
+        assert ax.get_title(loc="left") == "shapes [1 = largest by unit]"
+
+    def test_bars_that_cannot_be_seen_are_said_to_be_without_units(self) -> None:
+        small = measured([0, 0, 0], [1.0, 1.0, 1000.0])
+        assert "without units" in plot_shapes(small, ax=Figure().subplots()).get_title(loc="left")
+        alike = plot_shapes(small, ax=Figure().subplots(), units=["m"] * 3).get_title(loc="left")
+        assert alike == plot_shapes(EXACT, ax=Figure().subplots()).get_title(loc="left") == "shapes [1 = largest]"
+
+    def test_collinearity_is_that_of_displacements(self) -> None:
+        """A velocity leads its displacement by a quarter turn: that is no phase between masses."""
+        t = np.arange(0, 6, 0.005)
+        plain = free_decay(CAR, t, initial_state={"v_tire": 1.0})
+        moved = control.initial_response(
+            statespace(CAR, outputs=["seat", "chassis_velocity", "tire_acceleration"]), t, [0.0] * 5 + [1.0]
+        )
+        names = ["seat", "chassis_velocity", "acc tire [m/s2]"]
+        mixed = identify(as_response(t, moved.outputs, names), candidates=[8.0])
+        assert mixed.collinearity == pytest.approx(identify(plain, candidates=[8.0]).collinearity, abs=1e-6)
+        assert min(identify(as_response(t, moved.outputs, ["a", "b", "c"]), candidates=[8.0]).collinearity) < 0.95
 
 
 class TestGroups:

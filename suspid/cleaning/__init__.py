@@ -18,6 +18,7 @@ from suspid.cleaning.findings import Finding
 from suspid.cleaning.gaps import MOST_FILLED, runs
 from suspid.cleaning.joining import ONE_RATE
 from suspid.cleaning.placing import halving_error, interpolate
+from suspid.cleaning.quantities import MOTION_OF_UNIT, derivative_order, named_quantity
 from suspid.cleaning.read_record import read_record
 from suspid.cleaning.sensors import Vertical, vertical
 
@@ -25,6 +26,7 @@ __all__ = [
     "CLIPPED",
     "DRIFT",
     "MOST_FILLED",
+    "MOTION_OF_UNIT",
     "ONE_RATE",
     "Aligned",
     "Cleaned",
@@ -37,8 +39,10 @@ __all__ = [
     "clipped_run",
     "clipped_times",
     "clipping",
+    "derivative_order",
     "halving_error",
     "interpolate",
+    "named_quantity",
     "parts_of",
     "read_record",
     "runs",

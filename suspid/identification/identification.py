@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from suspid.cleaning import derivative_order
 from suspid.errors import IdentificationError
 from suspid.files import printable
 from suspid.identification.considered import Considered
@@ -22,7 +23,7 @@ from suspid.model import ModalSet
 from suspid.results import Result
 from suspid.samples import AsResponse, held
 from suspid.signals import as_signal
-from suspid.units import RealArray
+from suspid.units import ComplexArray, RealArray
 from suspid.values import frozen_real, text_table
 from suspid.wavelets import BandwidthSearch, Ridge, Scalogram, SkeletonFit, fit_skeleton
 from suspid.words import Verdict
@@ -125,9 +126,13 @@ class Identification(Result):
 
     @property
     def collinearity(self) -> RealArray:
-        """Modal phase collinearity [1], (mode,): 1 if all channels move in phase or in antiphase, 0 if they circle."""
+        """Modal phase collinearity [1], (mode,): 1 if all channels move in phase or in antiphase, 0 if they circle.
+
+        Velocities and accelerations, by the units or words in the names of channels, are compared as displacements.
+        """
         assert self.modes.shapes is not None
-        re, im = self.modes.shapes.real, self.modes.shapes.imag
+        shapes = as_displacements(self.modes)
+        re, im = shapes.real, shapes.imag
         xx, yy, xy = np.sum(re**2, axis=0), np.sum(im**2, axis=0), np.sum(re * im, axis=0)
         total = np.where(xx + yy > 0, xx + yy, 1.0)
         return np.asarray(((xx - yy) ** 2 + 4 * xy**2) / total**2)
@@ -167,6 +172,15 @@ class Identification(Result):
 
     def __str__(self) -> str:
         return f"{tables_of(self)}\n\n{self.verdict}"
+
+
+def as_displacements(modes: ModalSet) -> ComplexArray:
+    """Return shapes whose velocities and accelerations are divided by the pole and its square, where names say so."""
+    shapes = np.asarray(modes.shapes, complex)
+    orders = [derivative_order(name) or 0 for name in modes.channels]
+    if len(set(orders)) == 1 or not np.all(modes.poles):
+        return shapes
+    return np.asarray(shapes / modes.poles ** np.array(orders)[:, None])
 
 
 def tables_of(found: Identification) -> str:

@@ -21,6 +21,10 @@ if TYPE_CHECKING:
 
 # Length of the bar of the largest component [distance between modes]: two neighbours just do not meet.
 FULL_BAR = 0.42
+# Share of the largest component below which a bar is no wider than its outline.
+UNSEEN = 0.02
+# Quantities of channels without units, as they stand behind names.
+SHORT = {"displacement": "disp.", "velocity": "vel.", "acceleration": "acc."}
 
 
 @explained
@@ -30,9 +34,9 @@ def plot_shapes(modes: ModalSet, *, ax: Axes, units: Sequence[str] | None = None
     Bars to the right are in phase with the largest component, bars to the left in antiphase. The dark bar is the
     real part, the light bar the amplitude. A phase that is neither 0 nor 180° to within 1° is written beside it.
 
-    Where channels differ in what they measure, ``units`` says it. Displacements, velocities and accelerations are then
-    shown as displacements. Channels that cannot be compared, such as lengths and angles, stand in groups with their
-    unit, and 1 is the largest of each group.
+    Where channels differ in what they measure, ``units`` or words in their names, such as "acc", say it. Displacements,
+    velocities and accelerations with units are then shown as displacements. Channels that cannot be compared, such as
+    lengths and angles, stand in groups with their unit, and 1 is the largest of each group.
 
     Parameters
     ----------
@@ -89,13 +93,14 @@ def plot_shapes(modes: ModalSet, *, ax: Axes, units: Sequence[str] | None = None
     ax.set_xticks(range(1, count + 1), [f"{wn / (2 * np.pi):.4g}" for wn in modes.wn])
     names = [shown(modes.channels[k], most=16 if len(groups) < 2 else 8) for k in order]
     if len(groups) > 1:
-        units_of = [shown(group.unit, most=5) or "?" for group in groups for _ in group.channels]
+        units_of = [shown(SHORT.get(group.unit, group.unit), most=5) or "?" for group in groups for _ in group.channels]
         names = [f"{name} [{unit}]" for name, unit in zip(names, units_of, strict=True)]
         for end in np.cumsum([len(group.channels) for group in groups[:-1]]):
             ax.axhline(end - 0.5, color=Colour.GREY, linewidth=0.8)
     ax.set_yticks(rows, names)
     ax.set_xlabel("natural frequency [Hz]")
-    entitle(ax, f"shapes{_as_what(groups)} [1 = largest{' by unit' if len(groups) > 1 else ''}]")
+    by = " by unit" if len(groups) > 1 else ", without units" if _unsaid(groups) else ""
+    entitle(ax, f"shapes{_as_what(groups)} [1 = largest{by}]")
     return ax
 
 
@@ -104,6 +109,12 @@ def _as_what(groups: Sequence[ShapeGroup]) -> str:
     names = {"m": "displacement", "rad": "angle"}
     brought = [names[group.unit] for group in groups if group.brought]
     return f" as {' and '.join(brought)}" if brought else ""
+
+
+def _unsaid(groups: Sequence[ShapeGroup]) -> bool:
+    """Whether a channel without a unit is too small to be seen in every mode: it may measure something else."""
+    (group, *_) = groups
+    return not group.unit and bool(np.any(np.max(np.abs(group.shapes), axis=1) < UNSEEN))
 
 
 def _write_phase(ax: Axes, column: int, row: int, component: complex) -> None:

@@ -8,16 +8,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from suspid.cleaning import to_si
+from suspid.cleaning import MOTION_OF_UNIT, named_quantity, to_si
 from suspid.errors import InputError
 from suspid.model import scaled_shapes
 from suspid.units import ComplexArray
 
 if TYPE_CHECKING:
     from suspid.model import ModalSet
-
-# How often a displacement, and an angle, is differentiated, by the SI unit of the result.
-MOTION_OF_UNIT = {"m": ("m", 0), "m/s": ("m", 1), "m/s2": ("m", 2), "rad": ("rad", 0), "rad/s": ("rad", 1)}
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -47,7 +44,8 @@ def shape_groups(modes: ModalSet, units: Sequence[str] | None) -> tuple[ShapeGro
 
     In a mode of pole s a velocity is s times the displacement, an acceleration s^2 times. Where channels of one
     motion have different units, their components are divided by that and are then those of displacements. A pole at
-    zero does not allow this; then every unit is a group of its own.
+    zero does not allow this; then every unit is a group of its own. A channel without a unit is one of the quantity
+    that its name says.
 
     Raises
     ------
@@ -65,6 +63,9 @@ def shape_groups(modes: ModalSet, units: Sequence[str] | None) -> tuple[ShapeGro
     """
     shapes = np.asarray(modes.shapes)
     known = [unit.strip() for unit in units or [""] * len(shapes)]
+    if len(modes.channels) == len(known):
+        # Without a unit the scale is not known: such channels are kept apart by what their names say.
+        known = [unit or named_quantity(name) for unit, name in zip(known, modes.channels, strict=True)]
     if len(known) != len(shapes):
         raise InputError(f"{len(known)} units for {len(shapes)} channels: give one for each")
     if len(set(known)) == 1:
