@@ -291,6 +291,15 @@ class TestOptionsOfTheOtherMethod:
         assert ModeCheck.BANDWIDTH not in {check.remark.code for check in plain.verdict.checks}
         assert "The bandwidth 8 is for the scalogram" in str(asked.verdict)
 
+    def test_a_choice_that_finds_no_modes_is_said(self) -> None:
+        record = kicked(paper_car())
+        plain, asked = identify(record, modes=3), identify(record, modes=3, candidates=[4.0, 8.0])
+        assert np.array_equal(plain.modes.poles, asked.modes.poles)
+        assert ModeCheck.CANDIDATES not in {check.remark.code for check in plain.verdict.checks}
+        assert "bandwidths to choose among are for the scalogram" in str(asked.verdict)
+        wavelet = identify(record, method="ridge", modes=3, candidates=[16.0, 24.0])
+        assert ModeCheck.CANDIDATES not in {check.remark.code for check in wavelet.verdict.checks}
+
     def test_a_choice_beside_a_bandwidth_is_refused(self) -> None:
         with pytest.raises(InputError, match="candidates are of no use with bandwidth=8"):
             identify(kicked(paper_car()), method="ridge", bandwidth=8.0, candidates=[2.0, 3.0])

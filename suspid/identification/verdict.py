@@ -27,6 +27,7 @@ from suspid.levels import LEVEL
 from suspid.samples import held
 from suspid.signals import Signal, as_signal, late_start
 from suspid.units import Ratio
+from suspid.wavelets import BANDWIDTHS
 from suspid.words import Check, Headline, Level, ModeCheck, Number, Reason, Remark, Verdict, amount
 
 if TYPE_CHECKING:
@@ -89,10 +90,19 @@ def _checks(found: Identification, level: Ratio) -> Iterator[Check]:
         yield from _unexplained(found)
     yield from check_phases(found)
     yield from _steady_tones(found)
-    if found.method != "ridge" and found.steps.bandwidth is not None:
-        yield check_of(ModeCheck.BANDWIDTH, Level.NOTE, {"bandwidth": found.steps.bandwidth})
+    if found.method != "ridge":
+        yield from _idle_bandwidths(found)
     if np.any(found.loudness > 1):
         yield from _late_motion(found)
+
+
+def _idle_bandwidths(found: Identification) -> Iterator[Check]:
+    """Say that a bandwidth, or bandwidths to choose among, did not make these modes."""
+    steps = found.steps
+    if steps.bandwidth is not None:
+        yield check_of(ModeCheck.BANDWIDTH, Level.NOTE, {"bandwidth": steps.bandwidth})
+    elif steps.candidates != tuple(map(float, BANDWIDTHS)):
+        yield check_of(ModeCheck.CANDIDATES, Level.NOTE)
 
 
 def _why_none(found: Identification) -> Iterator[Check]:

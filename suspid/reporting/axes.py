@@ -190,12 +190,17 @@ def plot_residual(ax: Axes, time: RealArray, record: RealArray, fit: RealArray, 
 def key_above(ax: Axes, *, abreast: int = 3) -> None:
     """Put the key to the lines of some Axes above them, at the right; inside where the title leaves no room."""
     entries = min(abreast, len(ax.get_legend_handles_labels()[1]))
-    if ax.get_position().width * ax.figure.bbox.width / ax.figure.dpi < KEY_WIDTH * entries:
+    width = ax.get_window_extent().width
+    if width < KEY_WIDTH * ax.figure.dpi * entries:
         ax.legend(loc="best", fontsize="x-small", framealpha=0.8)
         return
-    ax.legend(
+    key = ax.legend(
         loc="lower right", bbox_to_anchor=(1.0, 1.0), fontsize="small", ncols=abreast, frameon=False, borderaxespad=0.0
     )
+    said = ax.get_title(loc="left")
+    title = next((part for part in ax.get_children() if said and getattr(part, "get_text", str)() == said), None)
+    if title is not None and title.get_window_extent().width + key.get_window_extent().width > width:
+        ax.legend(loc="best", fontsize="x-small", framealpha=0.8)
 
 
 def without_legend(ax: Axes) -> Axes:

@@ -79,8 +79,8 @@ def plot_drive(found: DriveAnalysis, figure: Figure) -> Figure:
     if records:
         draw_finding(found, axes[len(files)])
     for ax, curve in zip(axes[len(files) + 1 :], curves, strict=False):
-        plot_damper_curve(curve, ax)
         entitle(ax, f"damper of {shown(curve.name)}")
+        plot_damper_curve(curve, ax)
     return figure
 
 

@@ -277,6 +277,11 @@ class ModeCheck(Code):
         "The bandwidth {bandwidth:.4g} is for the scalogram and the skeletons alone: these modes were found by "
         "likelihood; method 'ridge' finds them with the wavelet.",
     )
+    CANDIDATES = (
+        "candidates",
+        "The bandwidths to choose among are for the scalogram and the skeletons alone: these modes were found by "
+        "likelihood; method 'ridge' finds them with the wavelet.",
+    )
     STEADY_TONES = (
         "steady tones",
         sentence(
