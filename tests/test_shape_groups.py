@@ -70,6 +70,9 @@ class TestNames:
         names = ["seat", "chassis_velocity", "acc tire [m/s2]"]
         mixed = identify(as_response(t, moved.outputs, names), candidates=[8.0])
         assert mixed.collinearity == pytest.approx(identify(plain, candidates=[8.0]).collinearity, abs=1e-6)
+        # What some channels do not say is what the others do.
+        alike = identify(as_response(t, plain.outputs, ["a", "acc b", "c [m/s2]"]), candidates=[8.0])
+        assert alike.collinearity == pytest.approx(identify(plain, candidates=[8.0]).collinearity, abs=1e-12)
         assert min(identify(as_response(t, moved.outputs, ["a", "b", "c"]), candidates=[8.0]).collinearity) < 0.95
 
 

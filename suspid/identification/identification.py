@@ -177,10 +177,11 @@ class Identification(Result):
 def as_displacements(modes: ModalSet) -> ComplexArray:
     """Return shapes whose velocities and accelerations are divided by the pole and its square, where names say so."""
     shapes = np.asarray(modes.shapes, complex)
-    orders = [derivative_order(name) or 0 for name in modes.channels]
-    if len(set(orders)) == 1 or not np.all(modes.poles):
+    orders = [derivative_order(name) for name in modes.channels]
+    # One quantity and channels that say nothing are taken to be alike.
+    if len(set(orders) - {None}) < 2 or not np.all(modes.poles):
         return shapes
-    return np.asarray(shapes / modes.poles ** np.array(orders)[:, None])
+    return np.asarray(shapes / modes.poles ** np.array([order or 0 for order in orders])[:, None])
 
 
 def tables_of(found: Identification) -> str:
