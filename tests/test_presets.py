@@ -497,3 +497,11 @@ class TestRefusals:
     ) -> None:
         with pytest.raises(InputError, match=message):
             make(**{**(FULL if make is full_car else HALF), **changes})
+
+
+@pytest.mark.parametrize("name", ["cg_to_front", "cg_to_rear", "front_track", "rear_track"])
+def test_lengths_in_millimetres_are_refused_with_the_unit(name: str) -> None:
+    make, numbers = (half_car, HALF) if name in HALF else (full_car, FULL)
+    in_mm = {**numbers, name: 1000 * float(numbers[name])}
+    with pytest.raises(InputError, match=f"{name} = .*if it was given in mm"):
+        make(**in_mm)

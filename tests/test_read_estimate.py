@@ -118,6 +118,9 @@ class TestRefusals:
             (lambda c: c["parameters"][1].__setitem__("name", c["parameters"][0]["name"]), "twice"),
             (lambda c: c["car"].__setitem__("found", c["car"]["found"].replace("40.0", "41.0")), "not estimated"),
             (lambda c: c.__setitem__("freedom", float("inf")), "infinity"),
+            (lambda c: c.__setitem__("freedom", -5), "freedom = -5 must be 0 or more"),
+            (lambda c: c.__setitem__("chi_square", -5.0), "chi_square = -5.0 must be 0 or more"),
+            (lambda c: c.__setitem__("explains", "no"), "true or false"),
         ],
     )
     def test_parts_that_were_changed_by_hand(self, content: dict[str, Any], change: Any, words: str) -> None:

@@ -163,6 +163,15 @@ class TestVerdict:
         assert found.verdict.level is Level.CARE
         assert ReconstructionCheck.UNEXPLAINED in checks(found)
 
+    @pytest.mark.parametrize(("masses", "springs", "doubted"), [(1e-3, 1, True), (1, 1e-3, True), (1, 3, False)])
+    def test_units_that_are_off_by_a_thousand(self, masses: float, springs: float, doubted: bool) -> None:
+        """Springs are in proportion to the masses: tonnes taken for kilograms divide them by 1000."""
+        struts = [replace(one, stiffness=springs * one.stiffness) for one in nominal(PAPER).struts]
+        car = replace(nominal(PAPER), masses={k: masses * m for k, m in PAPER.masses.items()}, struts=tuple(struts))
+        found = reconstruct(plain(6), car)
+        assert (checks(found).get(ReconstructionCheck.OTHER_UNITS) is Level.DOUBTFUL) == doubted
+        assert ("in kg (1 t is 1000 kg)" in str(found)) == doubted
+
     def test_alternatives(self) -> None:
         found = reconstruct(ModalSet(poles=eigenmodes(HATCHBACK).poles), nominal(HATCHBACK))
         (count,) = (

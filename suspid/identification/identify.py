@@ -108,7 +108,8 @@ def identify(
         raise InputError(Argument("method", repr(method)), " is unknown; the methods are 'likelihood' and 'ridge'")
     check_count("modes", modes)
     among = tuple(float(n) for n in candidates)
-    if bandwidth is not None and among != tuple(map(float, BANDWIDTHS)):
+    chosen = among != tuple(map(float, BANDWIDTHS))
+    if bandwidth is not None and chosen:
         raise InputError(
             Argument("candidates"), " are of no use with ", Argument("bandwidth", f"{bandwidth:g}"), "; leave out one"
         )
@@ -122,6 +123,7 @@ def identify(
         band=row_band(signal, band),
         bandwidth=bandwidth,
         candidates=among,
+        chosen=chosen,
     )
     if method == "ridge":
         return by_ridges(response, signal, steps)

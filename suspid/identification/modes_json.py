@@ -210,7 +210,7 @@ def _mode(where: str, entry: object) -> tuple[complex, list[complex] | None, tup
         if not SMALLEST_SIZE <= wn <= LARGEST_SIZE or not abs(given["zeta"]) < 1:
             raise InputError(
                 f"{where}: {wn = :g} rad/s must lie from {SMALLEST_SIZE:g} to {LARGEST_SIZE:g}, "
-                f"zeta = {given['zeta']:g} between -1 and 1"
+                f"zeta = {given['zeta']:g} between -1 and 1 (a ratio: 30 % is 0.3)"
             )
         pole = complex(ModalSet.from_wn_zeta([wn], [given["zeta"]]).poles[0])
     if pole and not SMALLEST_SIZE <= abs(pole) <= LARGEST_SIZE:

@@ -48,6 +48,8 @@ class FourSteps:
         N of the wavelet; None: that of least entropy.
     candidates : tuple of float
         Bandwidths among which to choose.
+    chosen : bool
+        Whether these were asked for.
 
     Examples
     --------
@@ -64,6 +66,7 @@ class FourSteps:
     band: tuple[RadianPerSecond, RadianPerSecond]
     bandwidth: float | None
     candidates: tuple[float, ...]
+    chosen: bool = False
 
     @cached_property
     def response(self) -> control.TimeResponseData:

@@ -27,7 +27,6 @@ from suspid.levels import LEVEL
 from suspid.samples import held
 from suspid.signals import Signal, as_signal, late_start
 from suspid.units import Ratio
-from suspid.wavelets import BANDWIDTHS
 from suspid.words import Check, Headline, Level, ModeCheck, Number, Reason, Remark, Verdict, amount
 
 if TYPE_CHECKING:
@@ -101,7 +100,7 @@ def _idle_bandwidths(found: Identification) -> Iterator[Check]:
     steps = found.steps
     if steps.bandwidth is not None:
         yield check_of(ModeCheck.BANDWIDTH, Level.NOTE, {"bandwidth": steps.bandwidth})
-    elif steps.candidates != tuple(map(float, BANDWIDTHS)):
+    elif steps.chosen:
         yield check_of(ModeCheck.CANDIDATES, Level.NOTE)
 
 

@@ -27,6 +27,27 @@ def finite_number(what: str, value: object, unit: str) -> float:
     return number
 
 
+# Longest distance between parts of a vehicle [m]: no car, lorry or wagon is as long. Ordinary ones in mm are beyond.
+LONGEST = 100.0
+
+
+def distance(what: str, value: object) -> float:
+    """Return a distance on a vehicle in metres; raise an `InputError` for one that no vehicle has.
+
+    Examples
+    --------
+    >>> distance("front_track", 1500)
+    Traceback (most recent call last):
+    suspid.errors.InputError: front_track = 1500 m is longer than any vehicle: in metres it is 1.5 if it was given in mm
+    """
+    number = positive_number(what, value, "m")
+    if number > LONGEST:
+        raise InputError(
+            f"{what} = {number:g} m is longer than any vehicle: in metres it is {number / 1000:g} if it was given in mm"
+        )
+    return number
+
+
 def positive_number(what: str, value: object, unit: str) -> float:
     """Return the same as `finite_number`, for what must be positive."""
     number = finite_number(what, value, unit)

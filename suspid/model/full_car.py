@@ -12,7 +12,7 @@ from suspid.model.car_parts import (
     seat_arguments,
     seated,
 )
-from suspid.model.checks import positive_number
+from suspid.model.checks import distance, positive_number
 from suspid.model.suspension import Suspension
 from suspid.units import Kilogram, Metre, NewtonPerMetre, NewtonSecondPerMetre
 
@@ -119,9 +119,9 @@ def full_car(
     damping = by_wheel("damping", front_damping, rear_damping, "N s/m")
     tire_stiffness = by_wheel("tire_stiffness", front_tire_stiffness, rear_tire_stiffness, "N/m")
     tire_damping = by_wheel("tire_damping", front_tire_damping, rear_tire_damping, "N s/m")
-    front, rear = positive_number("cg_to_front", cg_to_front, "m"), -positive_number("cg_to_rear", cg_to_rear, "m")
-    front_half = positive_number("front_track", front_track, "m") / 2
-    rear_half = positive_number("rear_track", rear_track, "m") / 2
+    front, rear = distance("cg_to_front", cg_to_front), -distance("cg_to_rear", cg_to_rear)
+    front_half = distance("front_track", front_track) / 2
+    rear_half = distance("rear_track", rear_track) / 2
     corners = {
         "front_left": body_arms(front, front_half),
         "front_right": body_arms(front, -front_half),

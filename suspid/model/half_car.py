@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from suspid.arguments import explained
 from suspid.model.car_parts import KilogramSquareMetre, between, body_arms, seat_arguments, seated
-from suspid.model.checks import positive_number
+from suspid.model.checks import distance, positive_number
 from suspid.model.suspension import Suspension
 from suspid.units import Kilogram, Metre, NewtonPerMetre, NewtonSecondPerMetre
 
@@ -88,8 +88,8 @@ def half_car(
         "front": front_tire_mass,
         "rear": rear_tire_mass,
     }
-    at_front = body_arms(positive_number("cg_to_front", cg_to_front, "m"))
-    at_rear = body_arms(-positive_number("cg_to_rear", cg_to_rear, "m"))
+    at_front = body_arms(distance("cg_to_front", cg_to_front))
+    at_rear = body_arms(-distance("cg_to_rear", cg_to_rear))
     struts = [
         between("front", front_stiffness, front_damping, at_front, {"front": 1.0}),
         between("rear", rear_stiffness, rear_damping, at_rear, {"rear": 1.0}),

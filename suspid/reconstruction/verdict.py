@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from statistics import median
 from typing import TYPE_CHECKING
 
 from suspid.levels import NORMAL_95
@@ -19,6 +20,10 @@ from suspid.words import (
 
 if TYPE_CHECKING:
     from suspid.reconstruction.results import Reconstruction
+
+# Springs found over nominal from which on, or below its inverse, another unit is likelier than another spring: units
+# that are mistaken are off by 1000, and this is midway from 1 to there in the logarithm.
+OTHER_UNIT = 1000.0**0.5
 
 # Remarks of a result that are checks as well, and what they say of it.
 AGAINST = {
@@ -40,7 +45,8 @@ def verdict_of(found: Reconstruction) -> Verdict:
     tolerance, and more equations than unknowns.
     """
     headline = Remark(ReconstructionHeadline.FOUND, {"parameters": len(found.parameters)})
-    return Verdict(headline, (_fit(found), *_others(found), *_remarked(found), *_vague(found), *_changed(found)))
+    against = (*_other_units(found), *_others(found), *_remarked(found), *_vague(found))
+    return Verdict(headline, (_fit(found), *against, *_changed(found)))
 
 
 def _fit(found: Reconstruction) -> Check:
@@ -54,6 +60,17 @@ def _fit(found: Reconstruction) -> Check:
         return Check(Remark(ReconstructionCheck.EXPLAINS, numbers), Level.SOUND)
     misfit = next((r.numbers["misfit"] for r in found.remarks if r.code is ReconstructionNote.MISFIT), 0.0)
     return Check(Remark(ReconstructionCheck.WITHIN_TOLERANCE, {"misfit": misfit}), Level.SOUND)
+
+
+def _other_units(found: Reconstruction) -> Iterator[Check]:
+    """Yield that springs are so far from nominal that masses or nominal springs must be in another unit."""
+    if found.nominal is None:
+        return
+    pairs = zip(found.suspension.struts, found.nominal.struts, strict=True)
+    ratios = [new.stiffness / old.stiffness for new, old in pairs if old.stiffness > 0]
+    factor = median(ratios) if ratios else 1.0
+    if not 1 / OTHER_UNIT < factor < OTHER_UNIT:
+        yield Check(Remark(ReconstructionCheck.OTHER_UNITS, {"factor": factor}), Level.DOUBTFUL)
 
 
 def _others(found: Reconstruction) -> Iterator[Check]:

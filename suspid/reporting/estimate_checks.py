@@ -51,6 +51,21 @@ def check_cars(names: Sequence[str], values: RealArray, found: Suspension, nomin
             )
 
 
+def check_judgement(content: Mapping[str, Any]) -> None:
+    """Refuse a misfit, a number of degrees of freedom, or a yes or no that no fit has.
+
+    Raises
+    ------
+    ValueError
+        With what is wrong.
+    """
+    for name in ("chi_square", "freedom"):
+        if content[name] is not None and not float(content[name]) >= 0:
+            raise ValueError(f"{name} = {content[name]} must be 0 or more")
+    if not isinstance(content["explains"], bool):
+        raise ValueError(f"explains = {content['explains']!r} must be true or false")
+
+
 def checked_covariance(given: object, rows: Sequence[Mapping[str, Any]]) -> RealArray:
     """Return a covariance, or refuse one of the wrong size, or that is none, or has other deviations than the rows.
 

@@ -26,7 +26,7 @@ from suspid.identification import modes_from_dict, modes_to_dict, to_json
 from suspid.levels import LEVEL
 from suspid.model import Suspension, car_from_toml, car_to_toml
 from suspid.reconstruction import parameter_values
-from suspid.reporting.estimate_checks import check_cars, check_parameters, checked_covariance
+from suspid.reporting.estimate_checks import check_cars, check_judgement, check_parameters, checked_covariance
 from suspid.reporting.limits_json import limits_to_dict
 from suspid.reporting.road_json import road_from_dict, road_to_dict
 from suspid.signals import as_signal
@@ -168,6 +168,7 @@ def _estimate(content: Mapping[str, Any]) -> Estimate:
     ranges = np.array(ends, float).reshape(len(names), 2)
     check_parameters(rows, values, ranges)
     check_cars(names, values, found, nominal)
+    check_judgement(content)
     return Estimate(
         suspension=found,
         nominal=nominal,
@@ -183,7 +184,7 @@ def _estimate(content: Mapping[str, Any]) -> Estimate:
         noise_std=(),
         chi_square=float("nan") if content["chi_square"] is None else float(content["chi_square"]),
         freedom=int(content["freedom"]),
-        explains=bool(content["explains"]),
+        explains=content["explains"],
         alternatives=tuple(_with(nominal, values) for values in content["alternatives"]),
         verdict=_verdict(content["verdict"]),
         road=tuple(road_from_dict(road) for road in content.get("road", ())),

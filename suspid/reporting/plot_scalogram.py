@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from suspid.arguments import explained
-from suspid.reporting.axes import entitle, frequency_ticks, key_above, pieces_across, position, shown, thinned
+from suspid.reporting.axes import entitle, frequency_ticks, pieces_across, position, shown, thinned
 from suspid.reporting.colours import Colour
 from suspid.reporting.thinning import pooled, power_weights, row_edges
 from suspid.results import check_kind
@@ -124,16 +124,19 @@ def _key(ax: Axes, taken: float) -> None:
 
     if not ax.get_legend_handles_labels()[1]:
         return
-    key_above(ax, abreast=4)
-    legend, box, inch = ax.get_legend(), ax.get_window_extent(), ax.figure.dpi
-    if legend is not None and legend.get_window_extent().width + (TITLE_WIDTH + taken) * inch > box.width:
-        below = ax.transAxes + ScaledTranslation(0.0, -LABEL_HEIGHT, ax.figure.dpi_scale_trans)
-        place: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (0.0, 0.0), "bbox_transform": below}
-        for columns in (2, 1):
-            key = ax.legend(**place, fontsize="small", ncols=columns, frameon=False, borderaxespad=0.0)
-            # The layout would make the Axes narrower for a key that is wider than they are.
-            if key.get_window_extent().width < box.width - taken * inch:
-                return
+    box, inch = ax.get_window_extent(), ax.figure.dpi
+    below = ax.transAxes + ScaledTranslation(0.0, -LABEL_HEIGHT, ax.figure.dpi_scale_trans)
+    look: dict[str, Any] = {"fontsize": "small", "frameon": False, "borderaxespad": 0.0}
+    beside_title = (TITLE_WIDTH + taken) * inch
+    places = [
+        ({"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "ncols": 4}, beside_title),
+        ({"loc": "upper left", "bbox_to_anchor": (0.0, 0.0), "bbox_transform": below, "ncols": 2}, taken * inch),
+        ({"loc": "upper left", "bbox_to_anchor": (0.0, 0.0), "bbox_transform": below, "ncols": 1}, 0.0),
+    ]
+    for place, room in places:
+        # The layout would make the Axes narrower for a key that is wider than they are.
+        if ax.legend(**place, **look).get_window_extent().width + room < box.width:
+            return
 
 
 def _draw_cone(ax: Axes, hertz: RealArray, cone: RealArray, start: float, end: float) -> None:

@@ -122,6 +122,7 @@ def drawable(identification: Identification) -> Identification:
         band=(low, high),
         bandwidth=identification.steps.bandwidth,
         candidates=_some(identification.steps.candidates),
+        chosen=identification.steps.chosen,
     )
     return replace(identification, steps=steps)
 

@@ -172,6 +172,7 @@ AFTER: dict[Code, NextStep] = {
     EstimateCheck.BY_NOMINAL: NextStep.ADD_MASS,
     Note.NO_SPRINGS: NextStep.ADD_MASS,
     ReconstructionCheck.UNEXPLAINED: NextStep.CHECK_CAR,
+    ReconstructionCheck.OTHER_UNITS: NextStep.CHECK_CAR,
     EstimateCheck.UNEXPLAINED: NextStep.CHECK_CAR,
     EstimateCheck.FOLLOWS: NextStep.CHECK_CAR,
     ReconstructionCheck.VANISHED: NextStep.LET_FREE,

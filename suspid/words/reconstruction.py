@@ -165,6 +165,11 @@ class ReconstructionCheck(Code):
     ALTERNATIVES = "alternatives", _others
     NO_ALTERNATIVES = "no alternatives", "No other set of springs and dampers with these modes was found."
     NEAR_MISS = "near miss", "Another set of springs and dampers comes within {distance:.1e} of these modes."
+    OTHER_UNITS = (
+        "other units",
+        "Springs are {factor:.2g} times the nominal ones: check whether masses are in kg (1 t is 1000 kg) and nominal "
+        "stiffness in N/m (1 N/mm is 1000 N/m).",
+    )
     NOT_SEARCHED = "not searched", "Other sets of springs and dampers were not looked for."
     VANISHED = "vanished", _listed("The modes need no {names}: the topology may be wrong.")
     AT_BOUND = "at bound", _listed("At its bound: {names}.")
