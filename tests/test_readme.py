@@ -7,6 +7,10 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
+from suspid import read_car
+
 ROOT = Path(__file__).resolve().parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 
@@ -30,6 +34,18 @@ class TestScript:
         )
         assert "21.27" in run.stdout
         assert "seat" in run.stdout
+
+    def test_from_arrays_it_finds_the_same_car(self) -> None:
+        assert len(block_after("from arrays").splitlines()) <= 9
+        run = subprocess.run(
+            [sys.executable, "-W", "error", "-c", block_after("from arrays")],
+            capture_output=True, text=True, check=True, cwd=ROOT,
+        )  # fmt: skip
+        truth = read_car(ROOT / "examples/car.toml")
+        rows = dict(re.findall(r"^ *(\w+) +([\d.]+) +[\d.]+ +[\d.]+ +[\d.]+$", run.stdout, flags=re.M))
+        for strut in truth.struts:
+            # Six of the standard deviations that the table states: 47, 200 and 510 N/m.
+            assert float(rows[strut.name]) == pytest.approx(strut.stiffness, rel=0.004)
 
 
 class TestCommands:
