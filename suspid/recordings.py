@@ -51,12 +51,34 @@ class RawChannel:
 
     @property
     def mean_rate(self) -> Hertz:
-        """Rate that is stated, or else that of the uniform clock nearest to the stamps [Hz]; NaN if there is none."""
+        """Rate that is stated, or else that of the uniform clock nearest to the stamps [Hz]; NaN if there is none.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import RawChannel
+        >>> t = np.array([0.0, 0.1, 0.2, 0.5, 0.6])
+        >>> y = np.array([0.0, 1.0, np.nan, 2.0, 1.0])
+        >>> channel = RawChannel(name="seat", unit="m", timepts=t, values=y, rate=10.0)
+        >>> round(channel.mean_rate, 3)
+        10.0
+        """
         return rate_and_gaps(self.timepts)[0] if self.rate is None else self.rate
 
     @property
     def duration(self) -> Second:
-        """Time between the earliest and the latest stamp [s]; NaN if there is none."""
+        """Time between the earliest and the latest stamp [s]; NaN if there is none.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import RawChannel
+        >>> t = np.array([0.0, 0.1, 0.2, 0.5, 0.6])
+        >>> y = np.array([0.0, 1.0, np.nan, 2.0, 1.0])
+        >>> channel = RawChannel(name="seat", unit="m", timepts=t, values=y, rate=10.0)
+        >>> channel.duration
+        0.6
+        """
         finite = self.timepts[np.isfinite(self.timepts)]
         return float(np.max(finite) - np.min(finite)) if finite.size else float("nan")
 
@@ -67,7 +89,18 @@ class RawChannel:
 
     @property
     def missing(self) -> int:
-        """Number of runs of NaN."""
+        """Number of runs of NaN.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import RawChannel
+        >>> t = np.array([0.0, 0.1, 0.2, 0.5, 0.6])
+        >>> y = np.array([0.0, 1.0, np.nan, 2.0, 1.0])
+        >>> channel = RawChannel(name="seat", unit="m", timepts=t, values=y, rate=10.0)
+        >>> channel.missing
+        1
+        """
         missing = np.isnan(self.values)
         return int(np.sum(missing[1:] & ~missing[:-1])) + int(missing.size > 0 and missing[0])
 
@@ -104,7 +137,18 @@ class Recording:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of the channels."""
+        """Names of the channels.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import RawChannel, Recording
+        >>> t = np.array([0.0, 0.1, 0.2, 0.5, 0.6])
+        >>> y = np.array([0.0, 1.0, np.nan, 2.0, 1.0])
+        >>> channel = RawChannel(name="seat", unit="m", timepts=t, values=y, rate=10.0)
+        >>> Recording(title="drop", channels=(channel,)).names
+        ('seat',)
+        """
         return tuple(channel.name for channel in self.channels)
 
     @property

@@ -89,7 +89,17 @@ class CheckedLimits(Result):
 
     @property
     def passed(self) -> bool:
-        """Whether every limit is met."""
+        """Whether every limit is met.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import Limit, as_record, check_limits, eigenmodes, identify
+        >>> t = np.arange(0, 4, 0.01)
+        >>> found = identify(as_record(np.exp(-t) * np.cos(20 * t), timepts=t), modes=1)
+        >>> check_limits(found, [Limit(of=1, quantity="zeta", least=0.01)]).passed
+        True
+        """
         return len(self.named(LimitState.MET)) == len(self.rows)
 
     @property

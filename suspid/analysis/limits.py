@@ -94,12 +94,26 @@ class Limit:
 
     @property
     def name(self) -> str:
-        """What is limited, such as ``"chassis.damping"`` or ``"mode 1.zeta"``."""
+        """What is limited, such as ``"chassis.damping"`` or ``"mode 1.zeta"``.
+
+        Examples
+        --------
+        >>> from suspid import Limit
+        >>> Limit(of="chassis", quantity="damping", least=1200.0).name
+        'chassis.damping'
+        """
         return f"{f'mode {self.of}' if self.quantity in OF_MODES else self.of}.{self.quantity}"
 
     @property
     def scale(self) -> float:
-        """Size of the unit in which it is shown, in SI units."""
+        """Size of the unit in which it is shown, in SI units.
+
+        Examples
+        --------
+        >>> from suspid import Limit
+        >>> Limit(of=1, quantity="zeta", least=0.2).scale
+        1.0
+        """
         return SCALES[self.quantity][self.unit]
 
     def __str__(self) -> str:

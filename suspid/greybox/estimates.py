@@ -111,7 +111,19 @@ class Estimate(Result):
 
     @property
     def std(self) -> RealArray:
-        """Standard deviations of `values`, (parameter,)."""
+        """Standard deviations of `values`, (parameter,).
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import add_noise, estimate, free_decay, quarter_car
+        >>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3,
+        ...                   tire_stiffness=200e3, chassis_damping=1500)
+        >>> record = free_decay(car, np.arange(0, 3, 0.01), initial_state={"v_tire": 1.0})
+        >>> found = estimate(add_noise(record, snr_db=40.0, rng=np.random.default_rng(1)), car, fixed=["tire.damping"])
+        >>> found.std.shape == (len(found.parameters),), bool(np.all(found.std > 0))
+        (True, True)
+        """
         return np.asarray(np.sqrt(np.diag(self.covariance)))
 
     @property
@@ -132,13 +144,37 @@ class Estimate(Result):
         ------
         InputError
             If the level is not between 0 and 1.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import add_noise, estimate, free_decay, quarter_car
+        >>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3,
+        ...                   tire_stiffness=200e3, chassis_damping=1500)
+        >>> record = free_decay(car, np.arange(0, 3, 0.01), initial_state={"v_tire": 1.0})
+        >>> found = estimate(add_noise(record, snr_db=40.0, rng=np.random.default_rng(1)), car, fixed=["tire.damping"])
+        >>> low, high = found.interval(0.99)["tire.stiffness"]
+        >>> low < 200e3 < high
+        True
         """
         check_level(level)
         low, high = _ends(self._spread, level)
         return {name: (float(a), float(b)) for name, a, b in zip(self.parameters, low, high, strict=True)}
 
     def beyond_chance(self, level: Ratio = LEVEL) -> frozenset[str]:
-        """Return which parameters differ from nominal: none of them by chance, with probability ``level``."""
+        """Return which parameters differ from nominal: none of them by chance, with probability ``level``.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import add_noise, estimate, free_decay, quarter_car
+        >>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3,
+        ...                   tire_stiffness=200e3, chassis_damping=1500)
+        >>> record = free_decay(car, np.arange(0, 3, 0.01), initial_state={"v_tire": 1.0})
+        >>> found = estimate(add_noise(record, snr_db=40.0, rng=np.random.default_rng(1)), car, fixed=["tire.damping"])
+        >>> sorted(found.beyond_chance())
+        []
+        """
         return changed(self.nominal, self._spread, level)
 
     @property

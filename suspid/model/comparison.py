@@ -82,7 +82,15 @@ class Comparison(Result):
 
     @property
     def passed(self) -> bool:
-        """Whether every error is within the allowed one, and no mode is missing or extra."""
+        """Whether every error is within the allowed one, and no mode is missing or extra.
+
+        Examples
+        --------
+        >>> from suspid import ModalSet, compare
+        >>> modes = ModalSet.from_wn_zeta([10.0], [0.3])
+        >>> compare(modes, modes, rtol=0.01).passed
+        True
+        """
         return all(row.verdict == "ok" for row in self.table)
 
     def __bool__(self) -> bool:

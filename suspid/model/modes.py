@@ -217,17 +217,38 @@ class ModalSet(Result):
 
     @property
     def wn(self) -> RealArray:
-        """Natural frequencies ``|pole|`` [rad/s], (mode,), ascending."""
+        """Natural frequencies ``|pole|`` [rad/s], (mode,), ascending.
+
+        Examples
+        --------
+        >>> from suspid import ModalSet
+        >>> ModalSet(poles=[-3 + 4j, -1 + 10j]).wn.round(3)
+        array([ 5.  , 10.05])
+        """
         return np.abs(self.poles)
 
     @property
     def zeta(self) -> RealArray:
-        """Damping ratios ``-Re(pole) / |pole|`` [1], (mode,); 1 for a stable real pole, 0 for a rigid-body pole."""
+        """Damping ratios ``-Re(pole) / |pole|`` [1], (mode,); 1 for a stable real pole, 0 for a rigid-body pole.
+
+        Examples
+        --------
+        >>> from suspid import ModalSet
+        >>> ModalSet(poles=[-3 + 4j]).zeta
+        array([0.6])
+        """
         return -self.poles.real / np.where(self.wn > 0, self.wn, 1.0) + 0.0
 
     @property
     def kinds(self) -> tuple[str, ...]:
-        """``"pair"``, ``"real"`` (overdamped) or ``"rigid"`` (a pole at zero), by mode."""
+        """``"pair"``, ``"real"`` (overdamped) or ``"rigid"`` (a pole at zero), by mode.
+
+        Examples
+        --------
+        >>> from suspid import ModalSet
+        >>> ModalSet(poles=[0.0, -2.0, -3 + 4j]).kinds
+        ('rigid', 'real', 'pair')
+        """
         return tuple("rigid" if p == 0 else "pair" if p.imag else "real" for p in self.poles)
 
     @property
@@ -243,13 +264,27 @@ class ModalSet(Result):
 
     @property
     def wn_std(self) -> RealArray | None:
-        """Standard deviations of `wn` [rad/s], (mode,); None for exact modes."""
+        """Standard deviations of `wn` [rad/s], (mode,); None for exact modes.
+
+        Examples
+        --------
+        >>> from suspid import ModalSet
+        >>> ModalSet.from_wn_zeta([10.0], [0.3], wn_std=[0.1], zeta_std=[0.01]).wn_std.round(6)
+        array([0.1])
+        """
         covariance = self.wn_zeta_covariance
         return None if covariance is None else np.sqrt(np.diag(covariance)[0::2])
 
     @property
     def zeta_std(self) -> RealArray | None:
-        """Standard deviations of `zeta` [1], (mode,); None for exact modes."""
+        """Standard deviations of `zeta` [1], (mode,); None for exact modes.
+
+        Examples
+        --------
+        >>> from suspid import ModalSet
+        >>> ModalSet.from_wn_zeta([10.0], [0.3], wn_std=[0.1], zeta_std=[0.01]).zeta_std.round(6)
+        array([0.01])
+        """
         covariance = self.wn_zeta_covariance
         return None if covariance is None else np.sqrt(np.diag(covariance)[1::2])
 

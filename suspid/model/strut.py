@@ -101,7 +101,16 @@ class Strut:
 
     @property
     def linear(self) -> bool:
-        """Whether the strut has neither friction nor a curve."""
+        """Whether the strut has neither friction nor a curve.
+
+        Examples
+        --------
+        >>> from suspid import Strut
+        >>> damper = Strut(name="chassis", arms={"chassis": 1, "tire": -1}, stiffness=20e3, damping=1500,
+        ...                friction=50.0, mount_stiffness=1e6)
+        >>> damper.linear, damper.linearised().linear
+        (False, True)
+        """
         return self.curve is None and not self.friction
 
     def equivalent_damping(self, amplitude: MetrePerSecond) -> NewtonSecondPerMetre:
@@ -116,6 +125,15 @@ class Strut:
         ------
         InputError
             If the amplitude is not positive.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import Strut
+        >>> damper = Strut(name="chassis", arms={"chassis": 1, "tire": -1}, stiffness=20e3, damping=1500,
+        ...                friction=50.0, mount_stiffness=1e6)
+        >>> round(damper.equivalent_damping(0.1)), round(1500 + 4 * 50 / (np.pi * 0.1))
+        (2137, 2137)
         """
         value = finite_number("amplitude", amplitude, "m/s")
         if value <= 0:
@@ -131,6 +149,14 @@ class Strut:
         amplitude : float, optional
             Amplitude of the damper's velocity [m/s] at which the viscous damper takes as much work per cycle. Default:
             ``damping`` as stated.
+
+        Examples
+        --------
+        >>> from suspid import Strut
+        >>> damper = Strut(name="chassis", arms={"chassis": 1, "tire": -1}, stiffness=20e3, damping=1500,
+        ...                friction=50.0, mount_stiffness=1e6)
+        >>> damper.linearised(0.1).friction, round(damper.linearised(0.1).damping)
+        (0.0, 2137)
         """
         if self.linear:
             return self
@@ -139,5 +165,14 @@ class Strut:
 
     @property
     def relaxation(self) -> Second:
-        """Time constant of damper and mount, ``damping / mount_stiffness`` [s]; 0 without a mount."""
+        """Time constant of damper and mount, ``damping / mount_stiffness`` [s]; 0 without a mount.
+
+        Examples
+        --------
+        >>> from suspid import Strut
+        >>> damper = Strut(name="chassis", arms={"chassis": 1, "tire": -1}, stiffness=20e3, damping=1500,
+        ...                friction=50.0, mount_stiffness=1e6)
+        >>> damper.relaxation
+        0.0015
+        """
         return 0.0 if self.mount_stiffness is None else self.damping / self.mount_stiffness

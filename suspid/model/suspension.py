@@ -77,29 +77,74 @@ class Suspension:
 
     @property
     def coordinates(self) -> tuple[str, ...]:
-        """Names of the coordinates, in the order of all matrices."""
+        """Names of the coordinates, in the order of all matrices.
+
+        Examples
+        --------
+        >>> from suspid import quarter_car
+        >>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3,
+        ...                   tire_stiffness=200e3, chassis_damping=1500)
+        >>> car.coordinates
+        ('chassis', 'tire')
+        """
         return tuple(self.masses)
 
     @property
     def roads(self) -> tuple[str, ...]:
-        """Names of the road inputs, in the order in which the struts name them."""
+        """Names of the road inputs, in the order in which the struts name them.
+
+        Examples
+        --------
+        >>> from suspid import quarter_car
+        >>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3,
+        ...                   tire_stiffness=200e3, chassis_damping=1500)
+        >>> car.roads
+        ('road',)
+        """
         return tuple(dict.fromkeys(c for s in self.struts for c in s.arms if c not in self.masses))
 
     @property
     def M(self) -> RealArray:
-        """Mass matrix [kg], (coordinate, coordinate)."""
+        """Mass matrix [kg], (coordinate, coordinate).
+
+        Examples
+        --------
+        >>> from suspid import quarter_car
+        >>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3,
+        ...                   tire_stiffness=200e3, chassis_damping=1500)
+        >>> car.M.tolist()
+        [[400.0, 0.0], [0.0, 40.0]]
+        """
         return np.diag(np.fromiter(self.masses.values(), dtype=float))
 
     @property
     def C(self) -> RealArray:
-        """Damping matrix [N s/m], (coordinate, coordinate); refused where a damper is on a mount or not linear."""
+        """Damping matrix [N s/m], (coordinate, coordinate); refused where a damper is on a mount or not linear.
+
+        Examples
+        --------
+        >>> from suspid import quarter_car
+        >>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3,
+        ...                   tire_stiffness=200e3, chassis_damping=1500)
+        >>> car.C.tolist()
+        [[1500.0, -1500.0], [-1500.0, 1500.0]]
+        """
         check_plain(self, "a damping matrix")
         arms = self.arms(self.coordinates)
         return np.asarray(arms.T * [s.damping for s in self.struts] @ arms)
 
     @property
     def K(self) -> RealArray:
-        """Stiffness matrix [N/m], (coordinate, coordinate)."""
+        """Stiffness matrix [N/m], (coordinate, coordinate).
+
+        Examples
+        --------
+        >>> from suspid import quarter_car
+        >>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3,
+        ...                   tire_stiffness=200e3, chassis_damping=1500)
+        >>> car.K.tolist()
+        [[20000.0, -20000.0], [-20000.0, 220000.0]]
+        """
         arms = self.arms(self.coordinates)
         return np.asarray(arms.T * [s.stiffness for s in self.struts] @ arms)
 

@@ -100,7 +100,16 @@ class Grip(Result):
 
     @property
     def adhesion(self) -> RealArray:
-        """EUSAMA's adhesion [1], (wheel,): `least`, or 0 where the wheel leaves the platform."""
+        """EUSAMA's adhesion [1], (wheel,): `least`, or 0 where the wheel leaves the platform.
+
+        Examples
+        --------
+        >>> from suspid import grip, quarter_car
+        >>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3,
+        ...                   tire_stiffness=200e3, chassis_damping=1500)
+        >>> grip(car).adhesion.round(2)
+        array([0.71])
+        """
         return np.maximum(self.least, 0.0)
 
     @property
@@ -115,7 +124,16 @@ class Grip(Result):
 
     @property
     def classes(self) -> tuple[str, ...]:
-        """EUSAMA's class of each wheel: excellent from 60 %, good from 40 %, fair from 20 %, else poor."""
+        """EUSAMA's class of each wheel: excellent from 60 %, good from 40 %, fair from 20 %, else poor.
+
+        Examples
+        --------
+        >>> from suspid import grip, quarter_car
+        >>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3,
+        ...                   tire_stiffness=200e3, chassis_damping=1500)
+        >>> grip(car).classes
+        ('excellent',)
+        """
         return tuple(class_of_adhesion(one) for one in self.adhesion)
 
     @property

@@ -134,7 +134,19 @@ class Wear(Result):
 
     @property
     def states(self) -> dict[str, DamperState]:
-        """The state of each damper."""
+        """The state of each damper.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import add_noise, estimate, free_decay, quarter_car, wear
+        >>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3,
+        ...                   tire_stiffness=200e3, chassis_damping=1500)
+        >>> record = free_decay(car, np.arange(0, 3, 0.01), initial_state={"v_tire": 1.0})
+        >>> found = estimate(add_noise(record, snr_db=40.0, rng=np.random.default_rng(1)), car, fixed=["tire.damping"])
+        >>> wear(found).states
+        {'chassis': <DamperState.GOOD: 'good'>}
+        """
         return {one.damper: one.state for one in self.dampers}
 
     @property

@@ -120,6 +120,18 @@ class Reconstruction(Result):
         ------
         InputError
             If the modes carried no covariance, or the level is not between 0 and 1.
+
+        Examples
+        --------
+        >>> from suspid import ModalSet, eigenmodes, quarter_car, reconstruct
+        >>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3,
+        ...                   tire_stiffness=200e3, chassis_damping=1500)
+        >>> modes = eigenmodes(car)
+        >>> std = {"wn_std": 0.001 * modes.wn, "zeta_std": 0.01 * modes.zeta}
+        >>> found = reconstruct(ModalSet.from_wn_zeta(modes.wn, modes.zeta, **std), car)
+        >>> low, high = found.interval(0.95)["chassis.stiffness"]
+        >>> low < 20e3 < high
+        True
         """
         check_level(level)
         if self.covariance is None:
@@ -137,6 +149,17 @@ class Reconstruction(Result):
         ------
         InputError
             If the modes carried no covariance, or the level is not between 0 and 1.
+
+        Examples
+        --------
+        >>> from suspid import ModalSet, eigenmodes, quarter_car, reconstruct
+        >>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3,
+        ...                   tire_stiffness=200e3, chassis_damping=1500)
+        >>> modes = eigenmodes(car)
+        >>> std = {"wn_std": 0.001 * modes.wn, "zeta_std": 0.01 * modes.zeta}
+        >>> found = reconstruct(ModalSet.from_wn_zeta(modes.wn, modes.zeta, **std), car)
+        >>> sorted(found.beyond_chance())
+        []
         """
         if self.nominal is None:
             return frozenset()

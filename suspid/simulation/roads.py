@@ -63,11 +63,27 @@ class Road:
 
     @property
     def band(self) -> tuple[Hertz, Hertz]:
-        """Frequencies that the road excites [Hz]: speed over the longest and over the shortest wavelength."""
+        """Frequencies that the road excites [Hz]: speed over the longest and over the shortest wavelength.
+
+        Examples
+        --------
+        >>> from suspid import road
+        >>> road("C", speed=20.0, wavelengths=(0.5, 100.0)).band
+        (0.2, 40.0)
+        """
         return self.speed / self.wavelengths[1], self.speed / self.wavelengths[0]
 
     def spectrum(self, hertz: ArrayLike) -> RealArray:
-        """Return the one-sided spectral density of the height under any wheel [m2/Hz], in the shape of ``hertz``."""
+        """Return the one-sided spectral density of the height under any wheel [m2/Hz], in the shape of ``hertz``.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import road
+        >>> country = road("C", speed=20.0)
+        >>> bool(np.isclose(country.spectrum(2.0), country.roughness / 20.0)), float(country.spectrum(500.0))
+        (True, 0.0)
+        """
         f = np.asarray(hertz, float)
         inside = (f >= self.band[0] * (1 - 1e-12)) & (f <= self.band[1] * (1 + 1e-12))
         waves = np.where(inside, f, self.band[1]) / self.speed
@@ -103,6 +119,14 @@ class Road:
         ------
         InputError
             If the times do not ascend, or the speeds are none.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import road
+        >>> drawn = road("C", speed=20.0).heights(np.arange(0, 5, 0.01), rng=np.random.default_rng(1))
+        >>> list(drawn), drawn["road"].shape, float(drawn["road"][0])
+        (['road'], (500,), 0.0)
         """
         time = real_numbers(timepts, "timepts")
         if time.ndim != 1 or time.size < 2 or not np.all(np.diff(time) > 0):
@@ -136,7 +160,15 @@ class Road:
     def record(
         self, timepts: ArrayLike, *, rng: np.random.Generator, speed: ArrayLike | None = None
     ) -> control.TimeResponseData:
-        """Return `heights` as a record, one channel for each road input."""
+        """Return `heights` as a record, one channel for each road input.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import road
+        >>> road("C", speed=20.0).record(np.arange(0, 5, 0.01), rng=np.random.default_rng(1))
+        <Response Road: 500 samples at 100 Hz from t = 0 s, 1 channel: road>
+        """
         drawn = self.heights(timepts, rng=rng, speed=speed)
         return as_response(np.asarray(timepts, float), np.array(list(drawn.values())), list(drawn), title="Road")
 

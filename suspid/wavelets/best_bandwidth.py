@@ -53,7 +53,17 @@ class BandwidthSearch(Result):
 
     @property
     def best(self) -> float:
-        """N of least entropy."""
+        """N of least entropy.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import as_record, best_bandwidth
+        >>> t = np.arange(0, 4, 0.01)
+        >>> search = best_bandwidth(as_record(np.exp(-t) * np.cos(20 * t), timepts=t), candidates=[2.0, 4.0, 8.0])
+        >>> search.best == search.candidates[np.argmin(search.entropy)]
+        np.True_
+        """
         return float(self.candidates[np.argmin(self.entropy)])
 
     @property

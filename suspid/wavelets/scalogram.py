@@ -60,7 +60,17 @@ class Scalogram(Result):
 
     @property
     def channels(self) -> tuple[str, ...]:
-        """Names of the channels."""
+        """Names of the channels.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import as_record, cwt
+        >>> t = np.arange(0, 4, 0.01)
+        >>> scalogram = cwt(as_record(np.cos(20 * t), timepts=t, channels=["seat"]), omega=[20.0], bandwidth=8.0)
+        >>> scalogram.channels
+        ('seat',)
+        """
         return self.signal.channels
 
     @property

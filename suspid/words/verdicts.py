@@ -27,7 +27,14 @@ class Level(IntEnum):
 
     @property
     def label(self) -> str:
-        """The level in lower case, as JSON and tables have it."""
+        """The level in lower case, as JSON and tables have it.
+
+        Examples
+        --------
+        >>> from suspid import Level
+        >>> Level.CARE.label
+        'care'
+        """
         return self.name.lower()
 
 
@@ -99,7 +106,17 @@ class Verdict:
 
     @property
     def level(self) -> Level:
-        """The least level of all checks; NOTE counts as SOUND."""
+        """The least level of all checks; NOTE counts as SOUND.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import as_record, identify
+        >>> t = np.arange(0, 4, 0.01)
+        >>> found = identify(as_record(np.exp(-t) * np.cos(20 * t), timepts=t), modes=1)
+        >>> found.verdict.level.label
+        'sound'
+        """
         least = min((check.level for check in self.checks), default=Level.SOUND)
         return Level.SOUND if least is Level.NOTE else least
 
@@ -115,7 +132,17 @@ class Verdict:
 
     @property
     def doubts(self) -> tuple[Remark, ...]:
-        """What speaks against it, the gravest first."""
+        """What speaks against it, the gravest first.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import as_record, identify
+        >>> t = np.arange(0, 4, 0.01)
+        >>> found = identify(as_record(np.exp(-t) * np.cos(20 * t), timepts=t), modes=1)
+        >>> found.verdict.doubts
+        ()
+        """
         against = [c for c in self.checks if c.level < Level.NOTE]
         return tuple(c.remark for c in sorted(against, key=lambda c: c.level))
 
