@@ -23,8 +23,14 @@ def drawn(size: tuple[float, float]) -> Axes:
     return Figure(figsize=size, layout="constrained").subplots()
 
 
+def figure_of(ax: Axes) -> Figure:
+    figure = ax.figure
+    assert isinstance(figure, Figure)
+    return figure
+
+
 def box(part: object, ax: Axes) -> BboxBase:
-    ax.figure.draw_without_rendering()
+    figure_of(ax).draw_without_rendering()
     found = part.get_window_extent()  # type: ignore[attr-defined]
     assert isinstance(found, BboxBase)
     return found
@@ -54,7 +60,7 @@ class TestScalogram:
     def test_numbers_of_close_modes_do_not_hide_each_other(self) -> None:
         modes = ModalSet.from_wn_zeta([20.0, 21.0, 22.0, 60.0], [0.01] * 4)
         ax = plot_scalogram(cwt(RECORD, omega=np.geomspace(8, 120, 40), bandwidth=8.0), ax=drawn(PHONE), modes=modes)
-        ax.figure.draw_without_rendering()
+        figure_of(ax).draw_without_rendering()
         boxes = [one.get_window_extent() for one in ax.texts if isinstance(one, Annotation)]
         assert len(boxes) == 4
         assert not any(one.overlaps(other) for i, one in enumerate(boxes) for other in boxes[:i])
@@ -64,7 +70,7 @@ def test_names_of_parameters_stand_upright_in_narrow_columns() -> None:
     found = sensitivities(cars.HATCHBACK)
     for size, upright in ((PHONE, True), (SLIDE, False)):
         ax = plot_sensitivities(found, drawn(size))
-        ax.figure.draw_without_rendering()
+        figure_of(ax).draw_without_rendering()
         labels = ax.get_xticklabels()
         assert {label.get_rotation() for label in labels} == {90.0 if upright else 0.0}
         boxes = [label.get_window_extent() for label in labels]

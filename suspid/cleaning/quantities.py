@@ -15,7 +15,7 @@ WORDS = (
     (re.compile(r"vel|velo|velocity|geschwindigkeit"), "velocity"),
     (re.compile(r"acc|accel|acceleration|accelerometer|beschleunigung"), "acceleration"),
 )
-ORDERS = {"displacement": 0, "velocity": 1, "acceleration": 2}
+ORDER_OF_QUANTITY = {"displacement": 0, "velocity": 1, "acceleration": 2}
 
 
 def named_quantity(name: str) -> str:
@@ -43,4 +43,4 @@ def derivative_order(name: str, unit: str = "") -> int | None:
     (2, 1, 0, None)
     """
     known = MOTION_OF_UNIT.get(si_unit(unit or bracketed_unit(name)))
-    return known[1] if known else ORDERS.get(named_quantity(name))
+    return known[1] if known else ORDER_OF_QUANTITY.get(named_quantity(name))

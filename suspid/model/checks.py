@@ -28,7 +28,7 @@ def finite_number(what: str, value: object, unit: str) -> float:
 
 
 # Longest distance between parts of a vehicle [m]: no car, lorry or wagon is as long. Ordinary ones in mm are beyond.
-LONGEST = 100.0
+LONGEST_VEHICLE = 100.0
 
 
 def distance(what: str, value: object) -> float:
@@ -41,7 +41,7 @@ def distance(what: str, value: object) -> float:
     suspid.errors.InputError: front_track = 1500 m is longer than any vehicle: in metres it is 1.5 if it was given in mm
     """
     number = positive_number(what, value, "m")
-    if number > LONGEST:
+    if number > LONGEST_VEHICLE:
         raise InputError(
             f"{what} = {number:g} m is longer than any vehicle: in metres it is {number / 1000:g} if it was given in mm"
         )

@@ -22,7 +22,7 @@ FULL_CELL = 1.0
 # Longest bar, in widths of a cell: those of neighbours do not touch.
 HALF_CELL = 0.46
 # Width of a column that holds "stiffness" [inch]; in narrower ones the names stand upright.
-NARROW = 0.55
+NARROW_COLUMN = 0.55
 
 
 @explained
@@ -68,11 +68,9 @@ def plot_sensitivities(found: Sensitivities, ax: Axes) -> Axes:
     names = [shown(name).rpartition(".") for name in found.parameters]
     inch = ax.get_window_extent().width / ax.figure.dpi / columns
     # A long name of a strut would run into its neighbour; in narrow columns every name does.
-    upright = {"rotation": 90.0} if inch < NARROW else {}
-    words = [[*owner.split("_"), last] for owner, _, last in names]
-    ax.set_xticks(
-        range(columns), [(" " if upright else "\n").join(name) for name in words], fontsize="small", **upright
-    )
+    upright = inch < NARROW_COLUMN
+    words = [(" " if upright else "\n").join([*owner.split("_"), last]) for owner, _, last in names]
+    ax.set_xticks(range(columns), words, fontsize="small", rotation=90.0 if upright else 0.0)
     ax.set_ylim(rows - 0.5, -0.5)
     ax.set_xlim(-0.55, columns - 0.45)
     ax.tick_params(length=0)

@@ -24,7 +24,7 @@ FULL_BAR = 0.42
 # Share of the largest component below which a bar is no wider than its outline.
 UNSEEN = 0.02
 # Quantities of channels without units, as they stand behind names.
-SHORT = {"displacement": "disp.", "velocity": "vel.", "acceleration": "acc."}
+SHORT_QUANTITIES = {"displacement": "disp.", "velocity": "vel.", "acceleration": "acc."}
 
 
 @explained
@@ -93,7 +93,11 @@ def plot_shapes(modes: ModalSet, *, ax: Axes, units: Sequence[str] | None = None
     ax.set_xticks(range(1, count + 1), [f"{wn / (2 * np.pi):.4g}" for wn in modes.wn])
     names = [shown(modes.channels[k], most=16 if len(groups) < 2 else 8) for k in order]
     if len(groups) > 1:
-        units_of = [shown(SHORT.get(group.unit, group.unit), most=5) or "?" for group in groups for _ in group.channels]
+        units_of = [
+            shown(SHORT_QUANTITIES.get(group.unit, group.unit), most=5) or "?"
+            for group in groups
+            for _ in group.channels
+        ]
         names = [f"{name} [{unit}]" for name, unit in zip(names, units_of, strict=True)]
         for end in np.cumsum([len(group.channels) for group in groups[:-1]]):
             ax.axhline(end - 0.5, color=Colour.GREY, linewidth=0.8)
