@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from fleets import content, make_fleet, own_process
 
-from suspid.errors import InputError
+from suspid.errors import InputError, SuspidError
 from suspid.fleet.children import Children, close, work_in_child
 from suspid.fleet.fleet_summary import fleet_summary
 from suspid.fleet.identify_many import identify_many
@@ -19,6 +19,7 @@ from suspid.fleet.listing import listing
 from suspid.fleet.parts import Part, as_part, check_parts, part_counts, part_path, write_part
 from suspid.fleet.records import Entry, read_list, write_list
 from suspid.fleet.tables import DECAYS, Rows
+from suspid.fleet.workers import dask_engine
 from suspid.words import Failure
 
 # A process that holds the interpreter while it sleeps, so that no thread of it runs.
@@ -47,6 +48,27 @@ def test_a_worker_that_holds_the_interpreter_is_ended_from_outside(
         close(children)
     assert (part.records, part.failed) == (1, 1)
     assert any(str(Failure.TIME_NATIVE).encode() in content for content in part.files.values())
+
+
+@pytest.mark.parametrize(
+    ("failure", "said"),
+    [(OSError("Timed out trying to connect"), "the cluster was lost"), (TimeoutError(), "the cluster has no worker")],
+)
+def test_a_scheduler_that_dies_while_workers_are_awaited(
+    monkeypatch: pytest.MonkeyPatch, failure: OSError, said: str
+) -> None:
+    pytest.importorskip("distributed")
+
+    class Dying:
+        def wait_for_workers(self, number: int, timeout: float) -> None:
+            raise failure
+
+        def close(self) -> None:
+            pass
+
+    monkeypatch.setattr("suspid.fleet.workers._connected", lambda *_: Dying())
+    with pytest.raises(SuspidError, match=said), dask_engine("tcp://127.0.0.1:9"):
+        pass
 
 
 class TestList:

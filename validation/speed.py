@@ -63,8 +63,9 @@ def report(
         f"the normalisation.",
         accuracy_table(runs, signal, omega),
         "## Times",
-        f"Medians; all calls of one table take turns in one process; BLAS threads: {threads}. The milliseconds hold "
-        f"for this machine only; compare the ratios.",
+        f"Medians of CPU time, of elapsed time where peers use several threads (transforms); all calls of one table "
+        f"take turns in one process; BLAS threads: {threads}. The milliseconds hold for this machine only; compare "
+        f"the ratios.",
         "### One call without hints, one channel, 5000 samples at 20 dB",
         identify_text(rounds),
         "### Everyday calls",
@@ -237,7 +238,7 @@ def direct_sum(signal: Signal, omega: float, sample: int) -> complex:
 
 def transforms_table(runs: Mapping[str, Callable[[], Any]], rounds: int) -> str:
     """Return the table of times of the transforms."""
-    medians = _medians(runs, rounds)
+    medians = _medians(runs, rounds, time.perf_counter)
     for name in [name for name in medians if name.endswith(", row by row")]:
         whole = name.removesuffix(", row by row")
         medians[whole] = min(medians[whole], medians.pop(name))
@@ -283,15 +284,17 @@ def _parallel(on: bool) -> Iterator[None]:
             os.environ["SSQ_PARALLEL"] = before
 
 
-def _medians(runs: Mapping[str, Callable[[], object]], rounds: int) -> dict[str, float]:
-    """Return the median seconds of each run, taken in turns after one round to warm up."""
+def _medians(
+    runs: Mapping[str, Callable[[], object]], rounds: int, clock: Callable[[], float] = time.process_time
+) -> dict[str, float]:
+    """Return the median seconds of each run, taken in turns after one round to warm up, by default of CPU time."""
     seconds: dict[str, list[float]] = {name: [] for name in runs}
     for _ in range(rounds + 1):
         for name, run in runs.items():
-            start = time.perf_counter()
+            start = clock()
             with silence():
                 run()
-            seconds[name].append(time.perf_counter() - start)
+            seconds[name].append(clock() - start)
     return {name: float(np.median(values[1:])) for name, values in seconds.items()}
 
 

@@ -25,6 +25,7 @@ from suspid import (
     find_decays,
     free_decay,
     identify,
+    read_record,
     read_recording,
     reconstruct,
     report,
@@ -32,6 +33,7 @@ from suspid import (
 )
 from suspid.signals import as_response
 from validation import cars
+from validation.fleet import make_records
 from validation.peer_methods import mwdi
 from validation.peer_skeletons import RATE
 from validation.peers import missing_module, record, silence
@@ -94,6 +96,7 @@ def _groups(folder: Path) -> list[tuple[str, Any, dict[str, Callable[[], object]
     table = np.column_stack([np.arange(LINES) / RATE, *three])
     np.savetxt(path, table, delimiter=",", header="time [s],a [m],b [m],c [m]", comments="", fmt="%.6g")
     events = _events()
+    members = make_records(folder / "fleet", 4)
     from validation.speed import decay
 
     modes, full = eigenmodes(cars.PAPER), _full_car()
@@ -152,6 +155,11 @@ def _groups(folder: Path) -> list[tuple[str, Any, dict[str, Callable[[], object]
                 "read_recording, small": partial(read_recording, EXAMPLE),
                 **_if("pandas", "pandas.read_csv, small", partial(_pandas, EXAMPLE)),
             },
+        ),
+        (
+            "four records of a fleet, each 3 channels, 2000 samples, Parquet",
+            np.concatenate([read_record(member).y for member in members]),
+            {"analyse, four times": lambda: [analyse(member).verdict for member in members]},
         ),
         ("ten minutes, 3 channels, 1 kHz", np.asarray(events.y), {"find_decays": partial(find_decays, events)}),
     ]

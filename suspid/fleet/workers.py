@@ -63,10 +63,11 @@ def dask_engine(scheduler: str | Client) -> Iterator[Engine]:
         raise InputError(f"{scheduler=!r:.80} must be the address of a Dask scheduler or a dask.distributed.Client")
     client: Any = _connected(connect, scheduler) if isinstance(scheduler, str) else scheduler
     try:
-        try:
-            client.wait_for_workers(1, timeout=FIRST_WORKER)
-        except TimeoutError:
-            raise InputError(f"the cluster has no worker, and none came within {FIRST_WORKER:g} s") from None
+        with _lost():
+            try:
+                client.wait_for_workers(1, timeout=FIRST_WORKER)
+            except TimeoutError:
+                raise InputError(f"the cluster has no worker, and none came within {FIRST_WORKER:g} s") from None
         yield _engine_of(client)
     finally:
         if client is not scheduler:
