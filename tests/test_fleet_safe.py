@@ -60,7 +60,7 @@ def test_a_scheduler_that_dies_while_workers_are_awaited(
     pytest.importorskip("distributed")
 
     class Dying:
-        def wait_for_workers(self, number: int, timeout: float) -> None:
+        def wait_for_workers(self, *_: object, **__: object) -> None:
             raise failure
 
         def close(self) -> None:
