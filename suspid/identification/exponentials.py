@@ -168,19 +168,21 @@ def blocks_of(values: RealArray) -> Blocks:
 def project(values: RealArray, theta: ComplexArray) -> ComplexArray:
     """Return ``sum_k y_k conj(exp(theta k))``, (channel, exponent), of a record that is used once."""
     channels, count = values.shape
-    size = max(8, int(np.sqrt(count)))
-    folded = np.zeros((channels, -(-count // size) * size))
-    folded[:, :count] = values
-    return _folded_sums(folded.reshape(channels, -1, size), theta)
+    size = max(1, int(np.sqrt(count)))
+    whole = count // size * size
+    # Blocks of the record as it lies there: a copy of a long one takes longer than its products.
+    sums = _folded_sums(values[:, :whole].reshape(channels, -1, size), theta)
+    rest = np.exp(np.arange(whole, count)[:, None] * theta.conj())
+    return np.asarray(sums + (values[:, whole:] @ rest.view(float)).view(complex))
 
 
 def _folded_sums(folded: RealArray, theta: ComplexArray) -> ComplexArray:
     """Return the inner products of rows cut into blocks, (row, block, sample), with exponentials, (row, exponent)."""
-    rows, blocks, size = folded.shape
+    _, blocks, size = folded.shape
     inner, outer = _powers(theta.conj(), size, blocks)
     # Real times complex as one real product: numpy would first make the record complex.
-    partial = folded.reshape(-1, size) @ inner.view(float)
-    return np.asarray(np.einsum("rbi,bi->ri", partial.reshape(rows, blocks, -1).view(complex), outer))
+    partial = folded @ inner.view(float)
+    return np.asarray(np.einsum("rbi,bi->ri", partial.view(complex), outer))
 
 
 def _powers(theta: ComplexArray, size: int, blocks: int) -> tuple[ComplexArray, ComplexArray]:
