@@ -49,7 +49,8 @@ def _left(about: RealArray) -> tuple[RealArray, RealArray]:
     rows = min(count // 3, 10 + 2 * ORDER // channels)
     lagged = np.concatenate([scaled[:, lag : lag + count - rows] for lag in range(rows + 1)])
     # Its left vectors are those of the triangle of the transpose, which is smaller.
-    space = np.linalg.svd(np.linalg.qr(lagged.T, mode="r").T)[0][:, :ORDER]
+    triangle = np.asarray(np.linalg.qr(lagged.T, mode="r"))
+    space = np.linalg.svd(triangle.T)[0][:, :ORDER]
     turn = np.linalg.lstsq(space[:-channels], space[channels:], rcond=None)[0]
     poles = np.linalg.eigvals(turn)
     size = np.maximum(np.abs(poles), 1e-12)
