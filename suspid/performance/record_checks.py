@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 
 import numpy as np
 
 from suspid.cleaning import clipped_times, clipping
 from suspid.greybox import DriveLimits
+from suspid.io import bare_name
 from suspid.levels import PIECES_OF_RECORD
 from suspid.performance.felt import Felt
+from suspid.performance.figure_plan import TRAVEL
 from suspid.performance.weightings import weighting_named
 from suspid.recordings import RawChannel
 from suspid.signals import Signal
@@ -45,6 +47,23 @@ def record_checks(
         yield Check(Remark(RideCheck.HIDDEN, short), Level.NOTE)
     for name in unknown:
         yield Check(Remark(RideCheck.NO_LENGTH, {"channel": name}), Level.NOTE)
+
+
+def no_figures(channels: Sequence[str], used: Collection[str], unknown: Collection[str]) -> Iterator[Check]:
+    """Yield the channels that are named like a travel, but not so that figures are made of them.
+
+    Examples
+    --------
+    >>> [check.remark.numbers["names"] for check in no_figures(["front_travel_mm", "speed"], [], [])]
+    [('front_travel_mm',)]
+    """
+    left = [
+        name
+        for name in channels
+        if TRAVEL.strip("_") in name.lower() and name not in unknown and not {name, bare_name(name)} & set(used)
+    ]
+    if left:
+        yield Check(Remark(RideCheck.NO_FIGURES, {"names": tuple(left)}), Level.NOTE)
 
 
 def rest_share(signal: Signal, felt: Sequence[Felt]) -> Ratio:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from suspid.errors import InputError
 from suspid.model import Suspension
 from suspid.performance.choices import Choice
+from suspid.performance.figure_plan import MOST_CLEARANCE
 from suspid.reconstruction import Constraints, parameter_names, unknowns_of, wishes_of
 from suspid.units import RealArray
 from suspid.values import is_size
@@ -49,6 +50,11 @@ def check_largest(limits: Mapping[str, float]) -> None:
     for name, limit in limits.items():
         if not is_size(limit):
             raise InputError(Argument("constraints"), f": {name!r} = {limit!r} must be a positive number of usual size")
+        if name.endswith("travel") and limit > MOST_CLEARANCE:
+            raise InputError(
+                Argument("constraints"),
+                f": {name} <= {limit:g} m is more than any suspension has room for, {MOST_CLEARANCE:g} m; give it in m",
+            )
 
 
 def split(given: Limits | None) -> tuple[dict[str, float], list[object]]:

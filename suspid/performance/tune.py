@@ -20,7 +20,7 @@ from suspid.performance.relations import Limits, check_largest, relations_of, sp
 from suspid.performance.ride import HOUR, driven_road
 from suspid.performance.road_response import Grid, exact_grid, exact_parts, grid_of
 from suspid.performance.scenarios import for_search, places_in
-from suspid.performance.tuning_checks import tuning_checks
+from suspid.performance.tuning_checks import idle_limits, tuning_checks
 from suspid.performance.tuning_defaults import comfort_and_load, equal_groups
 from suspid.performance.tunings import Tuning
 from suspid.performance.uncertain import Car, uncertain
@@ -177,7 +177,10 @@ def tune(
         robust=float(robust),
         verdict=Verdict(
             Remark(TuningHeadline.FRONT, {"points": len(front.points), "parameters": choice.names}),
-            tuple(tuning_checks(front, choice, search, robust, about, tuple(bounds or ()))),
+            (
+                *tuning_checks(front, choice, search, robust, about, tuple(bounds or ())),
+                *idle_limits(limits, dict(zip(figures, exact.T, strict=True))),
+            ),
         ),
     )
 

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 
 import numpy as np
 
 from suspid.performance.choices import REACHED, Choice
 from suspid.performance.fronts import Front, Search
+from suspid.performance.larger_better import limit_in_words, small
 from suspid.performance.plausibility import plausible
 from suspid.performance.uncertain import Uncertain
 from suspid.reconstruction import unit_of
-from suspid.units import Ratio
+from suspid.units import Ratio, RealArray
 from suspid.words import Check, Level, Number, Remark
 from suspid.words.ride import RideCheck, TuningCheck
 
@@ -43,6 +44,17 @@ def tuning_checks(
         yield Check(Remark(RideCheck.UNTRUSTED, {"level": about.doubt.label}), about.doubt)
     if about.nominal:
         yield Check(Remark(RideCheck.STAYED_NOMINAL, {"names": about.nominal}), Level.CARE)
+
+
+def idle_limits(limits: Mapping[str, float], values: Mapping[str, RealArray]) -> Iterator[Check]:
+    """Yield limits that no car of the front comes near: they may be in another unit."""
+    for name, limit in limits.items():
+        (top,), _ = small([name], np.array([limit]))
+        losses = small([name] * len(values[name]), values[name])[0]
+        if np.all(losses < top * (1 - REACHED)):
+            nearest = float(values[name][int(np.argmax(losses))])
+            numbers: dict[str, Number] = {"label": limit_in_words(name, limit), "value": nearest}
+            yield Check(Remark(TuningCheck.IDLE, numbers), Level.NOTE)
 
 
 def _at_bounds(front: Front, choice: Choice, search: Search, given: Collection[str]) -> Iterator[Check]:

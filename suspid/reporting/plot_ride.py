@@ -31,6 +31,8 @@ ROOM_FOR_FIGURES = 6.0
 WEIGHTING_POINTS = 400
 # Bands of an octave over which lines of a record's spectrum are averaged: finer than a mode with a damping of 2 %.
 BANDS_AN_OCTAVE = 24
+# Logarithm of a factor beyond all axes.
+MOST_DRAWN = 50.0
 
 
 @explained
@@ -95,8 +97,9 @@ def draw_spectrum(found: Ride, channel: str, ax: Axes, *, level: Ratio = LEVEL) 
     hertz, row, std = _smooth(found.hertz, found.density[at], found.density_band[at])
     reach = normal_reach(level) * std
     share = np.divide(reach, row, out=np.zeros_like(row), where=row > 0)
-    # Downward by the logarithm: a density is positive.
-    low, high = row * np.exp(-share), row + reach
+    # By the logarithm: beside a sharp resonance that moves, densities differ by factors.
+    # More than any axis shows is no number to draw.
+    low, high = row * np.exp(-share), row * np.exp(np.minimum(share, MOST_DRAWN))
     kinds: list[tuple[str | None, Colour, float]] = [(None, Colour.PALE, 1.6)]
     kinds += [(kind, colours[kind], 1.2) for kind in found.weightings[channel]]
     for kind, colour, width in kinds:

@@ -16,6 +16,7 @@ from suspid.signals import as_response, real_numbers
 from suspid.simulation.road_profile import REFERENCE, WAVELENGTHS, level_of, track_coherence, tracks
 from suspid.units import ComplexArray, Hertz, Metre, Ratio, RealArray
 from suspid.values import FrozenItems
+from suspid.wording import Argument
 
 if TYPE_CHECKING:
     import control
@@ -228,6 +229,12 @@ def road(
     >>> record = simulate(car, t, motorway.heights(t, rng=np.random.default_rng(1)), interpolation="cubic")
     """
     level = level_of(roughness, exponent, wavelengths)
+    if np.ndim(speed):
+        raise InputError(
+            Argument("speed"),
+            ": a road has one speed [m/s], at which its spectrum stands; for one that changes give the mean here, and "
+            "the profile to .heights(timepts, rng=…, speed=profile) or road_profile",
+        )
     speed = positive_number("speed", speed, "m/s")
     share = coherence is None or (isinstance(coherence, int | float) and not isinstance(coherence, bool))
     if not share or (coherence is not None and not 0 <= coherence <= 1):

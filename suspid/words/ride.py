@@ -153,6 +153,10 @@ class RideCheck(Code):
     )
     TOO_FAR = "too far", _too_far
     CONVERTED = "converted", "{channel}: converted from {unit} to SI."
+    NO_FIGURES = (
+        "no figures",
+        _listed("No figures are made of {names}: end the name of a travel in _travel, with its unit in brackets."),
+    )
     NO_LENGTH = "no length", "{channel} is left out: its unit is none of length."
     WIDE = (
         "wide",
@@ -230,6 +234,10 @@ class TuningCheck(Code):
             "{name} is at the end of the search, {value} {unit}, in {count} of {cars} cars: there the default bound "
             "decides, a quarter or four times the car's own; state the {side} value that can be built."
         ),
+    )
+    IDLE = (
+        "idle",
+        _plainly("The limit {label} (SI units) does not bind: of these cars the one nearest to it has {value}."),
     )
     RELATED = "related", "The constraint {label} decides in {count} of {cars} cars."
     ROBUST = (

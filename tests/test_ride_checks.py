@@ -1,0 +1,166 @@
+"""Notes and doubts of ride, tune and road at their thresholds, and the bands of spectra."""
+
+import re
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+from scipy.stats import norm
+
+from suspid import InputError, plot_ride, quarter_car, ride, road, tune
+from suspid.performance import plausibility
+from suspid.performance.contact import contact, contact_by_hertz, wheels_of
+from suspid.performance.felt import Felt
+from suspid.performance.plausibility import plausible
+from suspid.performance.record_checks import rest_share
+from suspid.performance.tuning_checks import idle_limits
+from suspid.signals import as_response, as_signal
+from suspid.units import RealArray
+from suspid.words.plausibility import PlausibilityCheck
+from suspid.words.ride import RideCheck, TuningCheck
+from validation.cars import TWO_AXLES
+
+CAR = quarter_car(
+    chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3, chassis_damping=1300, tire_damping=60
+)
+WEAK = CAR.with_parameters(damping={"chassis": 250.0})
+STEP = 0.005
+
+
+class TestContact:
+    @pytest.mark.parametrize("relaxation", [0.0, 0.004, 0.02])
+    def test_the_derivative_by_the_frequency_is_a_difference(self, relaxation: float) -> None:
+        """With ``db/ds = c / (1 + rho s)^2`` of a damper on a mount."""
+        given = {"chassis": relaxation} if relaxation else {}
+        wheels, hertz, step = wheels_of(CAR, given), 9.0, 1e-4
+        low, high = contact(wheels, np.array([hertz - step, hertz + step]))[0][0]
+        assert contact_by_hertz(wheels, hertz)[0] == pytest.approx((high - low) / (2 * step), rel=1e-6)
+
+
+class TestThresholds:
+    @pytest.mark.parametrize(("share", "said"), [(0.9, False), (1.1, True)])
+    @pytest.mark.parametrize("code", [RideCheck.LIFTS, RideCheck.STOPS])
+    def test_an_event_counts_from_one_in_the_time(self, code: RideCheck, share: float, said: bool) -> None:
+        gap = {"clearance": {"chassis": 0.06}} if code is RideCheck.STOPS else {}
+        name = "chassis.stops" if gap else "tire.lift_rate"
+        rate = ride(CAR, road="C", speed=20.0, **gap)[name]  # type: ignore[arg-type]
+        found = ride(CAR, road="C", speed=20.0, duration=share / rate, **gap)  # type: ignore[arg-type]
+        assert (code in [one.remark.code for one in found.verdict.checks]) is said
+
+    @pytest.mark.parametrize(("hertz", "said"), [(0.079, False), (0.081, True)])
+    def test_waves_are_missed_below_the_corner_of_wf(self, hertz: float, said: bool) -> None:
+        made = road("C", speed=20.0, under=CAR, wavelengths=(0.1, 20.0 / hertz))
+        codes = [one.remark.code for one in ride(CAR, road=made).verdict.checks]
+        assert (RideCheck.LONG_WAVES in codes) is said
+
+    def test_the_best_damped_mode_tells_whether_anything_damps(self) -> None:
+        """One mode of rubber and joints is enough: a half car whose rear has no damper is none without damping."""
+        half = TWO_AXLES.with_parameters(damping={"rear": 0.0, "rear_tire": 0.0})
+        assert PlausibilityCheck.UNDAMPED not in [check.remark.code for check in plausible(half)]
+        none = CAR.with_parameters(damping={"chassis": 1.0, "tire": 0.0})
+        assert PlausibilityCheck.UNDAMPED in [check.remark.code for check in plausible(none)]
+
+    def test_springs_that_hardly_carry_are_not_judged(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        """The tire carries 3923 N and the strut 3432 N; one that carries less than the share of the largest is none."""
+        soft = CAR.with_parameters(stiffness={"chassis": 1000.0})
+        assert [check.remark.numbers["part"] for check in plausible(soft)] == ["chassis"]
+        monkeypatch.setattr(plausibility, "CARRIES", 3433 / 3922)
+        assert [*plausible(soft)] == []
+        monkeypatch.setattr(plausibility, "CARRIES", 3432 / 3924)
+        assert len([*plausible(soft)]) == 1
+
+    def test_a_probability_ends_at_one(self) -> None:
+        found = ride(CAR, road="D", speed=30.0, nominal_std=0.9)
+        assert found.interval(0.999)["tire.lifts"][1] == 1.0
+        assert found.interval(0.999)["tire.load_share"][1] > found["tire.load_share"]
+
+
+class TestRecords:
+    def test_figures_are_about_the_mean(self) -> None:
+        t = np.arange(0, 60, STEP)
+        rng = np.random.default_rng(1)
+        values = np.array([rng.standard_normal(len(t)), 0.01 * rng.standard_normal(len(t))])
+        names = ["seat_acceleration", "front_travel"]
+        plain, moved = (
+            ride(as_response(t, values + level, names)) for level in (np.zeros((2, 1)), np.array([[3.0], [0.3]]))
+        )
+        np.testing.assert_allclose(moved.values, plain.values, rtol=1e-9)
+
+    @pytest.mark.parametrize(("rms", "resting"), [(0.8, True), (1.25, False)])
+    def test_drift_within_a_block_is_no_vibration(self, rms: float, resting: bool) -> None:
+        """A slow drift leaks past a window of no shape; a tone of the limit's rms in the band is at the limit."""
+        from suspid.greybox import DriveLimits
+
+        limits = DriveLimits()
+        t = np.arange(0, 30, STEP)
+        tone = 2**0.5 * rms * limits.least_vibration * np.sin(2 * np.pi * float(np.mean(limits.band_hz)) * t)
+        drift = 4 * limits.least_vibration * np.sin(2 * np.pi * 0.2 * t)
+        samples = tone + drift
+        signal = as_signal(as_response(t, samples[None], ["a"]))
+        felt = [Felt(name="a", samples=samples, turn="m", kinds=("Wk",), unit="")]
+        assert (rest_share(signal, felt) > 0.5) is resting
+
+    def test_a_travel_without_its_name_is_said(self) -> None:
+        t = np.arange(0, 60, STEP)
+        values = np.random.default_rng(1).standard_normal((4, len(t)))
+        found = ride(as_response(t, values, ["seat_acceleration", "front_travel_mm", "rear_travel [mm]", "speed"]))
+        said = {note.code: note.numbers for note in found.verdict.notes}
+        assert said[RideCheck.NO_FIGURES]["names"] == ("front_travel_mm",)
+
+    def test_segments_that_share_half_their_samples(self) -> None:
+        """The scatter of a density over records is that of the band; of Hann windows by halves, 1 + 2 / 36 over n."""
+        t, rng = np.arange(0, 40, STEP), np.random.default_rng(2)
+        found = [ride(as_response(t, rng.standard_normal((1, len(t))), ["a_acceleration"])) for _ in range(40)]
+        scatter = np.std([one.density[0, 5:-5] for one in found], axis=0, ddof=1)
+        band = np.mean([one.density_band[0, 5:-5] for one in found], axis=0)
+        assert np.sqrt(np.mean(scatter**2) / np.mean(band**2)) == pytest.approx(1.0, abs=0.02)
+
+
+class TestBands:
+    def test_are_drawn_by_the_logarithm(self) -> None:
+        found = ride(CAR, road="C", speed=20.0, nominal_std=0.1)
+        page = plot_ride(found, Figure())
+        corners = np.asarray(page.axes[1].collections[0].get_paths()[0].vertices)
+        share = norm.isf(0.025) * found.density_band[0] / found.density[0]
+        for at in (300, 500, 700):
+            ends = np.sort(corners[np.isclose(corners[:, 0], found.hertz[at], rtol=1e-9), 1])
+            assert (ends[0], ends[-1]) == pytest.approx(
+                (found.density[0, at] * np.exp(-share[at]), found.density[0, at] * np.exp(share[at]))
+            )
+
+    def test_hold_beside_a_sharp_resonance(self) -> None:
+        """A spring that is known to 5 % and a damper to 10 %: at every frequency the bands hold nine times of ten."""
+        std = {"chassis.stiffness": 0.05, "chassis.damping": 0.1}
+        true = ride(WEAK, road="C", speed=20.0)
+        rng = np.random.default_rng(1)
+        held: list[RealArray] = []
+        for _ in range(60):
+            k, c = 1 + np.array(list(std.values())) * rng.standard_normal(2)
+            car = WEAK.with_parameters(stiffness={"chassis": 22e3 * k}, damping={"chassis": 250 * c})
+            found = ride(car, road="C", speed=20.0, nominal_std=std)
+            share = norm.isf(0.025) * found.density_band[0] / found.density[0]
+            held.append(np.abs(np.log(true.density[0] / found.density[0])) < share)
+        near = (true.hertz > 0.7) & (true.hertz < 16)
+        assert np.mean(held, axis=0)[near].min() > 0.85
+        assert np.mean(held, axis=0)[near].mean() == pytest.approx(0.95, abs=0.03)
+
+
+class TestLimits:
+    @pytest.mark.parametrize(
+        ("limit", "idle"), [({"a.travel": 0.03}, True), ({"a.travel": 0.02}, False), ({"a.phase": 0.5}, True)]
+    )
+    def test_that_do_not_bind_are_said(self, limit: dict[str, float], idle: bool) -> None:
+        values = {"a.travel": np.array([0.01, 0.02]), "a.phase": np.array([0.6, 0.9])}
+        found = [*idle_limits(limit, values)]
+        assert [check.remark.code for check in found] == [TuningCheck.IDLE] * idle
+        if idle:
+            assert found[0].remark.numbers["value"] == (0.6 if "a.phase" in limit else 0.02)
+
+    def test_a_travel_in_mm_is_refused(self) -> None:
+        with pytest.raises(InputError, match=re.escape("chassis.peak_travel <= 30 m is more than any suspension")):
+            tune(CAR, road="C", speed=20.0, constraints={"chassis.peak_travel": 30.0})
+
+    def test_a_road_of_changing_speed_says_what_to_call(self) -> None:
+        profile: object = np.array([20.0, 21.0])
+        with pytest.raises(InputError, match=re.escape("the profile to .heights(timepts, rng=…, speed=profile)")):
+            road("C", speed=profile)  # type: ignore[arg-type]
