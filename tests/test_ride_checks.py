@@ -13,9 +13,12 @@ from suspid.performance.contact import contact, contact_by_hertz, wheels_of
 from suspid.performance.felt import Felt
 from suspid.performance.plausibility import plausible
 from suspid.performance.record_checks import rest_share
+from suspid.performance.tune_active import _held
+from suspid.performance.tune_damper import _at_ends
 from suspid.performance.tuning_checks import idle_limits
 from suspid.signals import as_response, as_signal
 from suspid.units import RealArray
+from suspid.words.active import ActiveCheck
 from suspid.words.plausibility import PlausibilityCheck
 from suspid.words.ride import RideCheck, TuningCheck
 from validation.cars import TWO_AXLES
@@ -164,3 +167,15 @@ class TestLimits:
         profile: object = np.array([20.0, 21.0])
         with pytest.raises(InputError, match=re.escape("the profile to .heights(timepts, rng=…, speed=profile)")):
             road("C", speed=profile)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(("hertz", "codes"), [(299.0, []), (301.0, [ActiveCheck.FAST])])
+def test_a_loop_is_fast_from_300_hz_on(hertz: float, codes: list[ActiveCheck]) -> None:
+    closed = np.diag([-2 * np.pi * hertz, -1.0])
+    assert [check.remark.code for check in _held(np.ones(1), closed)] == codes
+
+
+@pytest.mark.parametrize(("off", "count"), [(0.0005, 1), (0.002, 0)])
+def test_a_bound_is_reached_to_a_thousandth(off: float, count: int) -> None:
+    found = [*_at_ends(np.array([650.0 * (1 + off), 1300.0]), (650.0, 5200.0), stated=True)]
+    assert [check.remark.numbers["count"] for check in found] == [1] * count
