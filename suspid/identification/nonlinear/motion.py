@@ -188,7 +188,7 @@ class _Stepper:
         for _ in range(min(2, acting.shape[1])):
             for j in range(acting.shape[1]):
                 own = self.answers[:, j, j]
-                rest = plain[:, j] + np.sum(self.answers[:, :, j] * acting, axis=1) - own * acting[:, j]
+                rest = plain[:, j] + np.add.reduce(self.answers[:, :, j] * acting, axis=1) - own * acting[:, j]
                 acting[:, j] = friction(speed[:, j], rest, own, still=float(self.still[j]))
 
 
@@ -221,10 +221,14 @@ def friction(speed: RealArray, rest: RealArray, answer: RealArray, *, still: flo
     """
     sign = np.sign(speed)
     slipped = rest + answer * sign
-    against = np.where(answer < 0, answer, -np.inf)
-    holds = np.clip(-rest / against, -1.0, 1.0)
     stuck = np.abs(speed) <= still
-    turned = (slipped * sign < 0) & ~stuck
+    turned = slipped * sign < 0
+    # Mostly every mass slips on.
+    if not np.any(turned | stuck):
+        return np.asarray(sign)
+    against = np.where(answer < 0, answer, -np.inf)
+    holds = np.minimum(np.maximum(-rest / against, -1.0), 1.0)
+    turned &= ~stuck
     share = speed / np.where(turned, speed - slipped, 1.0)
     back = np.where(np.abs(rest - speed) <= -against, holds, sign * (2 * share - 1))
     return np.where(stuck, holds, np.where(turned, back, sign))
