@@ -19,8 +19,8 @@ import numpy as np
 from suspid.levels import EXACT, MOST_BOUNDS
 from suspid.units import Flags, Ratio, RealArray
 
-DIRECTIONS = 240  # over which a likelihood ratio is averaged: its share beyond the reach then is exact to a percent
-NEWTON_STEPS = 4  # to the reach, in the logarithm of that share, which is nearly straight
+RAY_DIRECTIONS = 240  # over which a likelihood ratio is averaged: its share beyond the reach then is exact to a percent
+STEPS_TO_REACH = 4  # to the reach, in the logarithm of that share, which is nearly straight
 
 
 def ends_within(
@@ -63,11 +63,11 @@ def widened(reach: Ratio, correlations: RealArray) -> RealArray:
     from scipy.special import log_ndtr
 
     ray = np.arccos(np.clip(correlations, 0.0, 1.0))[:, None]
-    way = (np.arange(DIRECTIONS) + 0.5) * 2 * np.pi / DIRECTIONS
+    way = (np.arange(RAY_DIRECTIONS) + 0.5) * 2 * np.pi / RAY_DIRECTIONS
     off_ray = np.where(np.cos(way - ray) > 0, np.sin(way - ray) ** 2, 1.0)
     h = np.maximum(off_ray - np.where(way > np.pi, np.sin(way) ** 2, 0.0), EXACT)
     asked, q = np.log(2) + log_ndtr(-reach), np.full(len(correlations), reach**2)
-    for _ in range(NEWTON_STEPS):
+    for _ in range(STEPS_TO_REACH):
         beyond = np.exp(-q[:, None] / (2 * h))
         missed = np.mean(beyond, axis=1)
         q = q + (np.log(missed) - asked) * missed / np.mean(beyond / (2 * h), axis=1)
