@@ -89,6 +89,15 @@ def test_table() -> None:
     assert "chassis_acceleration.Wk" in str(found)
 
 
+def test_values_have_their_units() -> None:
+    """A phase in rad is not taken for one in degrees."""
+    found = sensitivities(CAR, road="C", speed=20.0, bench=True)
+    units = dict(zip(found.names, found.units, strict=True))
+    wanted = ("mode 1.wn", "mode 1.zeta", "tire.load", "chassis.travel", "tire.adhesion", "tire.phase")
+    assert [units[name] for name in wanted] == ["rad/s", "1", "N", "m", "1", "rad"]
+    assert any("tire.phase" in line and " rad " in line for line in str(found).splitlines())
+
+
 @pytest.mark.parametrize(
     ("name", "message"), [("chasis.damping", "there is no parameter 'chasis.damping'"), ("tire.damping", "is zero")]
 )

@@ -16,6 +16,7 @@ from suspid.performance.contact import wheels_of
 from suspid.performance.figure_plan import plan_of
 from suspid.performance.figures import check_exposure
 from suspid.performance.grip import PLATFORM, SWEEP_TOP
+from suspid.performance.larger_better import BENCH_FIGURES
 from suspid.performance.ride import HOUR, driven_road
 from suspid.performance.strut_slopes import strut_slopes
 from suspid.performance.uncertain import Car, uncertain
@@ -36,7 +37,9 @@ class Sensitivities(Result):
         Modes, as ``"mode 1.wn"`` and ``"mode 1.zeta"`` in ascending frequency, then figures of a `Ride`, then of wheels
         on a test bench ``"tire.adhesion"`` and ``"tire.phase"``.
     values : ndarray (name,)
-        Their values, in SI units.
+        Their values.
+    units : tuple of str
+        Their units: SI, phases in rad.
     parameters : tuple of str
         The parameters.
     elasticity : ndarray (name, parameter)
@@ -54,18 +57,23 @@ class Sensitivities(Result):
 
     names: tuple[str, ...]
     values: RealArray
+    units: tuple[str, ...]
     parameters: tuple[str, ...]
     elasticity: RealArray
 
     def _table(self) -> Mapping[str, Sequence[object]]:
         columns = dict(zip(self.parameters, self.elasticity.T.tolist(), strict=True))
-        return {"name": self.names, "value": self.values.tolist(), **columns}
+        return {"name": self.names, "value": self.values.tolist(), "unit": self.units, **columns}
 
     def _brief(self) -> str:
         return f"{len(self.names)} figures by {len(self.parameters)} parameters: {listed(self.parameters)}"
 
     def __str__(self) -> str:
-        columns = {"% for each %": list(self.names), "value": [figures_of(value) for value in self.values.tolist()]}
+        columns = {
+            "% for each %": list(self.names),
+            "value": [figures_of(value) for value in self.values.tolist()],
+            "unit": list(self.units),
+        }
         for name, column in zip(self.parameters, self.elasticity.T, strict=True):
             columns[name] = [per_cent(one) for one in column.tolist()]
         return text_table(columns, widest=TERMINAL)
@@ -132,12 +140,12 @@ def sensitivities(
     >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3,
     ...                   chassis_damping=1300)
     >>> print(sensitivities(car))
-    % for each %   value  chassis.stiffness  tire.stiffness  chassis.damping
-    ------------  ------  -----------------  --------------  ---------------
-       mode 1.wn   7.606              +0.45           +0.04            +0.02
-     mode 1.zeta  0.2025              -0.65           +0.14            +1.01
-       mode 2.wn   67.55              +0.05           +0.46            -0.02
-     mode 2.zeta  0.1971              -0.03           -0.48            +1.01
+    % for each %   value   unit  chassis.stiffness  tire.stiffness  chassis.damping
+    ------------  ------  -----  -----------------  --------------  ---------------
+       mode 1.wn   7.606  rad/s              +0.45           +0.04            +0.02
+     mode 1.zeta  0.2025      1              -0.65           +0.14            +1.01
+       mode 2.wn   67.55  rad/s              +0.05           +0.46            -0.02
+     mode 2.zeta  0.1971      1              -0.03           -0.48            +1.01
     """
     own = uncertain(car)
     about, relaxations = own.car, own.relaxations
@@ -156,11 +164,12 @@ def sensitivities(
             raise InputError(f"parameter {name!r} is zero: it has no relative change")
     at = np.array([known[name] for name in parameters])
     poles, slopes = pole_slopes(about, parameters)
-    names, values, rows = [], [], []
+    names, values, units, rows = [], [], [], []
     for mode, (pole, slope) in enumerate(zip(poles, slopes, strict=True), 1):
         wn, by_wn = abs(pole), np.real(np.conj(pole) * slope) / abs(pole) ** 2 * at
         names += [f"mode {mode}.wn", f"mode {mode}.zeta"]
         values += [wn, -pole.real / wn]
+        units += ["rad/s", "1"]
         with np.errstate(divide="ignore", invalid="ignore"):
             by_zeta = np.where(abs(pole.real) > ROUNDING * wn, np.real(slope) / pole.real * at - by_wn, np.nan)
         rows += [by_wn, by_zeta]
@@ -170,11 +179,13 @@ def sensitivities(
         )
         figures, jacobian = plan.values(about, parameters=parameters, relaxations=relaxations)
         names += list(plan.formulas)
+        units += [unit for unit, _, _ in plan.formulas.values()]
         values += figures.tolist()
         rows += list(_relative(figures, jacobian * at))
     if bench:
         tested = bench_of(wheels_of(about, relaxations), parameters, None, PLATFORM, SWEEP_TOP)
-        names += [f"{wheel}.{figure}" for figure in ("adhesion", "phase") for wheel in tested.wheels.names]
+        names += [f"{wheel}.{figure}" for figure in BENCH_FIGURES for wheel in tested.wheels.names]
+        units += [unit for unit, _ in BENCH_FIGURES.values() for _ in tested.wheels.names]
         count = len(tested.wheels.names)
         # A wheel that leaves the platform has no adhesion, as in `grip`.
         values += [*np.maximum(tested.figures[:count], 0.0).tolist(), *tested.figures[count:].tolist()]
@@ -182,6 +193,7 @@ def sensitivities(
     return Sensitivities(
         names=tuple(names),
         values=frozen_real(values),
+        units=tuple(units),
         parameters=tuple(parameters),
         elasticity=frozen_real(np.array(rows).reshape(len(names), len(parameters))),
     )

@@ -85,6 +85,7 @@ def _told(found: Sensitivities) -> Sensitivities:
         found,
         names=tuple(found.names[i] for i in use),
         values=frozen_real(found.values[use]),
+        units=tuple(found.units[i] for i in use),
         elasticity=frozen_real(found.elasticity[use]),
     )
 
