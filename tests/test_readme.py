@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+import suspid
 from suspid import read_car
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -46,6 +47,43 @@ class TestScript:
         for strut in truth.struts:
             # Six of the standard deviations that the table states: 47, 200 and 510 N/m.
             assert float(rows[strut.name]) == pytest.approx(strut.stiffness, rel=0.004)
+
+
+class TestMatlab:
+    """Who knows a verb of MATLAB finds ours by its name, in the table of the README or the longer one of the manual."""
+
+    ROWS = re.findall(
+        r"^\| (`.*?) \| (.*) \|$",
+        README[README.index("## Coming from MATLAB") :] + (ROOT / ".manual/more_of_matlab.inc").read_text("utf-8"),
+        flags=re.M,
+    )
+
+    @pytest.mark.parametrize(
+        "verb",
+        [
+            "modalfit",
+            "modalsd",
+            "modalfrf",
+            "greyest",
+            "idgrey",
+            "wdenoise",
+            "cwt",
+            "compare",
+            "resid",
+            "present",
+            "tfest",
+            "damp",
+            "bode",
+            "lsim",
+        ],
+    )
+    def test_a_verb_has_its_row(self, verb: str) -> None:
+        assert [row for row, _ in self.ROWS if re.search(rf"`{verb}\b", row)]
+
+    def test_what_stands_there_is_public(self) -> None:
+        names = {name for _, here in self.ROWS for name in re.findall(r"(?<![.\w])`([a-z_]+)[`(]", here)}
+        assert {"identify", "estimate", "statespace"} <= names
+        assert names <= {*suspid.__all__, "print"}
 
 
 class TestCommands:
