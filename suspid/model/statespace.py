@@ -63,6 +63,12 @@ def statespace(
         ``road_rate=False`` and an output depends on the rate of a road input: the acceleration of a mass with a
         damper to the road.
 
+    Notes
+    -----
+    Bode plots, pole maps and singular values are those of python-control. Height and rate of a road are not independent;
+    with as many outputs as inputs python-control then finds no frequencies by itself and draws nothing: give
+    ``omega_limits`` in rad/s. A map of poles and zeros needs one input and one output, as with ``road_rate=False``.
+
     Examples
     --------
     >>> from suspid import quarter_car
@@ -75,6 +81,13 @@ def statespace(
     ['chassis_travel_force']
     >>> statespace(car, forces=["chassis_travel"], roads=car.roads).input_labels
     ['road', 'road_rate', 'chassis_travel_force']
+
+    >>> import control, numpy as np
+    >>> response = control.frequency_response(statespace(car), omega_limits=(1, 300))  # bode_plot takes the same
+    >>> bool(np.all(response.magnitude > 0))
+    True
+    >>> control.pole_zero_map(statespace(car, outputs=["chassis"], road_rate=False)).zeros.real.round(1)
+    array([-4000. ,   -13.3])
     """
     check_kind(suspension, {"Suspension": "read_car or quarter_car"})
     import control
