@@ -65,9 +65,10 @@ def statespace(
 
     Notes
     -----
-    Bode plots, pole maps and singular values are those of python-control. Height and rate of a road are not independent;
-    with as many outputs as inputs python-control then finds no frequencies by itself and draws nothing: give
-    ``omega_limits`` in rad/s. A map of poles and zeros needs one input and one output, as with ``road_rate=False``.
+    Bode plots, pole maps and singular values are those of python-control. Height and rate of a road are not
+    independent; with as many outputs as inputs python-control then finds no frequencies by itself and draws nothing:
+    give ``omega_limits`` in rad/s. A map of poles and zeros needs one input and one output, as with
+    ``road_rate=False``.
 
     Examples
     --------
