@@ -60,8 +60,8 @@ band of the estimator ends at 2.5 times the wheels' modes, 27 to 30 Hz.
 Of 60 s of class B 0.3 % are asked of k and c with gain, delay and mount unknown, 0.5 % of half and full cars. Bounds
 are above that in part: 0.32 and 0.93 % without a mount, 0.31 % of c with one of 1e6 N/m, up to 1.23 % for the half car
 and 0.77 % for the full one. What lies below its bound does so because no mount is negative. Intervals are those of the
-profile of the likelihood within the bounds; beside one they hold between 93.8 and 96.2 % to first order, since
-likelihood ratios there are a mixture of chi-squares.
+profile of the likelihood within the bounds, wider beside one since likelihood ratios there are a mixture of
+chi-squares. To first order 95 to 98 % of them hold there.
 `SUSPID_SEEDS=100 python -m validation greybox` prints these tables."""
 SIMULATOR = """## Records of another simulator
 
