@@ -1,5 +1,6 @@
 """Settings of all tests."""
 
+import gc
 from pathlib import Path
 
 import pytest
@@ -14,3 +15,9 @@ settings.load_profile("no clock")
 def scratch(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a folder whose files the examples of hypothesis overwrite."""
     return tmp_path_factory.mktemp("scratch")
+
+
+def pytest_collection_finish() -> None:
+    """Leave the modules of all tests to no collection of garbage: each failed reading of a file asks for one."""
+    gc.collect()
+    gc.freeze()

@@ -6,9 +6,11 @@ import json
 import re
 import xml.etree.ElementTree as ElementTree
 from base64 import b64decode
+from collections.abc import Iterator
 from dataclasses import replace
 from hashlib import sha256
 from html.parser import HTMLParser
+from importlib import import_module
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -158,6 +160,22 @@ def still(*, channels: int = 2) -> control.TimeResponseData:
     return as_response(
         np.arange(1500) / 100, np.random.default_rng(2).normal(size=(channels, 1500)), list("xyzuvw")[:channels]
     )
+
+
+@pytest.fixture(scope="module", autouse=True)
+def drawn_once() -> Iterator[None]:
+    """Draw the pictures of one identification once: most tests read the words beside them."""
+    kept: dict[object, tuple[object, Pictures]] = {}
+
+    def once(found: Identification, *, decays: tuple[Decay, ...], units: tuple[str, ...], **how: Any) -> Pictures:
+        key = (id(found), tuple(map(id, decays)), units, tuple(sorted((k, id(v)) for k, v in how.items())))
+        if key not in kept:  # what is kept beside the pictures keeps its identity
+            kept[key] = (found, decays, how), pictures_of(found, decays=decays, units=units, **how)
+        return kept[key][1]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(import_module("suspid.reporting.report"), "pictures_of", once)
+        yield
 
 
 @pytest.fixture(scope="module")
