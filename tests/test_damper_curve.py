@@ -40,6 +40,7 @@ from suspid.reporting import json_schema, plot_damper_curve
 from suspid.signals import as_response
 from suspid.units import RealArray
 from suspid.words import Level
+from suspid.words.dampers import CurveCheck
 from validation.dampers import LAWS, NOISE
 
 CAR = quarter_car(
@@ -197,6 +198,39 @@ class TestStatistics:
         assert 0.4 < np.mean(squares) < 1.1
         # Eight draws tell the mean of chi-square over its freedom, one, to 13 %.
         assert np.mean(misfits) == pytest.approx(1.0, abs=0.45)
+
+
+class TestResidual:
+    """A force of its own on the body costs precision; what follows the motion of the strut is missing in it."""
+
+    @staticmethod
+    def changed(body: RealArray | float = 0.0, wheel: float = 1.0, delay: float = 0.0) -> DamperCurve:
+        one = record("bilinear")
+        f = np.fft.rfftfreq(len(one.time), 0.005)
+        late = np.fft.irfft(np.fft.rfft(one.outputs[1]) * np.exp(-2j * np.pi * f * delay), len(one.time))
+        rows = np.array([one.outputs[0] + body, wheel * late])
+        return damper_curve(as_response(one.time, rows, CHANNELS), CAR, strut="chassis")
+
+    @pytest.mark.parametrize("kind", ["engine", "engine whose speed changes"])
+    def test_forces_on_the_body_are_no_fault_of_the_curve(self, kind: str) -> None:
+        t = 0.005 * np.arange(len(record("bilinear").time))
+        hertz = 27 + 4 * np.sin(2 * np.pi * t / 20) * (kind != "engine")
+        force = np.sqrt(2) * np.sin(2 * np.pi * np.cumsum(hertz) * 0.005)
+        curve, quiet = self.changed(30.0 / 350 * force), found("bilinear")
+        assert curve.explains
+        assert CurveCheck.ADDED in {check.code for check in curve.verdict.notes}
+        assert curve.stiffness_std > quiet.stiffness_std
+        assert abs(curve.stiffness - quiet.stiffness) < 3 * curve.stiffness_std
+        apart = (curve.forces - np.interp(curve.velocities, quiet.velocities, quiet.forces))[curve.velocities != 0]
+        inside = np.abs(apart) < 1.96 * np.hypot(curve.std, 2.0)[curve.velocities != 0]
+        assert np.mean(inside) > 0.85
+
+    @pytest.mark.parametrize(("wheel", "delay"), [(1.2, 0.0), (1.0, 0.002), (1.0, -0.002)])
+    def test_wrong_sensors_are(self, wheel: float, delay: float) -> None:
+        curve = self.changed(0.0, wheel, delay)
+        assert not curve.explains
+        assert CurveCheck.FOLLOWS in {check.code for check in curve.verdict.doubts}
+        assert curve.following > found("bilinear").following
 
 
 class TestResult:

@@ -139,7 +139,7 @@ def _sought(
 
 
 def _misfit(curve: DamperCurve) -> float:
-    return curve.chi_square / max(curve.freedom, 1)
+    return curve.chi_square / max(curve.freedom, 1) if np.isnan(curve.following) else curve.following
 
 
 def _corrections(records: Sequence[control.TimeResponseData], car: Suspension, logger: str) -> dict[str, Correction]:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from suspid.greybox.curve_fit import CurveFit, Noise, Shape, equations_of, of_spline, smoothed, spline_equations
 from suspid.greybox.latent_splines import CORNER_SHARE, at_samples
@@ -39,24 +40,32 @@ def residual_of(
 
     What noise leaves is linear in it: `PROBES` drawn noises are put through the equations of the fit.
     """
-    from scipy.linalg import solveh_banded
-
     power, expected, squares, weights = [], [], [], []
     for motion, spline, part in zip(motions, fit.splines, fit.records, strict=True):
         h, count = motion.step, len(motion.force)
-        equations = equations_of(motion, shape, fit.theta, spline, noise)
-        drawn = rng.standard_normal((2, count, PROBES))
-        still = np.zeros((count, PROBES))
-        first = np.column_stack([smoothed(one, h) for one in drawn[0].T])
-        dense = [np.hstack([first, still]), np.hstack([still, drawn[1]])]
-        bands, right = spline_equations(equations, dense, len(spline))
-        solved = solveh_banded(bands, right, lower=True)
-        left = (dense[0] - of_spline(equations.wide[0], solved)) * noise.force
+        left, errors = of_drawn_noise(motion, shape, fit.theta, spline, noise, rng)
         power.append(by_bands(part.force_residual[:, None], h)[:, 0])
         expected.append(by_bands(left, h).reshape(-1, 2, PROBES).mean(axis=2))
-        squares.append(float(np.mean([at_samples(solved[:, i], 1, h) ** 2 for i in range(PROBES)])))
+        squares.append(float(np.mean([at_samples(errors[:, i], 1, h) ** 2 for i in range(PROBES)])))
         weights.append(count)
     return averaged(motions, power, expected, squares, weights)
+
+
+def of_drawn_noise(
+    motion: StrutMotion, shape: Shape, theta: RealArray, spline: RealArray, noise: Noise, rng: np.random.Generator
+) -> tuple[RealArray, RealArray]:
+    """Return the force that drawn noises leave and the errors of the spline, `PROBES` of each signal in turn."""
+    from scipy.linalg import solveh_banded
+
+    count = len(motion.force)
+    equations = equations_of(motion, shape, theta, spline, noise)
+    drawn = rng.standard_normal((2, count, PROBES))
+    still = np.zeros((count, PROBES))
+    first = np.column_stack([smoothed(one, motion.step) for one in drawn[0].T])
+    dense = [np.hstack([first, still]), np.hstack([still, drawn[1]])]
+    bands, right = spline_equations(equations, dense, len(spline))
+    solved = np.asarray(solveh_banded(bands, right, lower=True))
+    return (dense[0] - of_spline(equations.wide[0], solved)) * noise.force, solved
 
 
 def averaged(
@@ -105,9 +114,16 @@ def by_bands(signals: RealArray, step: Second) -> RealArray:
     """Return the mean power in bands of equal numbers of lines, (band, signal)."""
     from scipy.signal import welch
 
-    f, density = welch(signals, fs=1 / step, nperseg=_length(len(signals), step), axis=0)
-    use = (f >= LEAST_HERTZ) & (f <= BELOW_CORNER * CORNER_SHARE / step)
+    length, use = lines_of(len(signals), step)
+    _, density = welch(signals, fs=1 / step, nperseg=length, axis=0)
     return np.array([np.mean(band, axis=0) for band in np.array_split(density[use], SPECTRUM_BANDS)])
+
+
+def lines_of(count: int, step: Second) -> tuple[int, NDArray[np.bool_]]:
+    """Return the length of a stretch, and which lines of its spectrum count."""
+    length = min(round(SPECTRUM_STRETCH / step), count)
+    f = np.fft.rfftfreq(length, step)
+    return length, (f >= LEAST_HERTZ) & (f <= BELOW_CORNER * CORNER_SHARE / step)
 
 
 def _independent(motions: Sequence[StrutMotion]) -> RealArray:
@@ -115,14 +131,8 @@ def _independent(motions: Sequence[StrutMotion]) -> RealArray:
     total = np.zeros(SPECTRUM_BANDS)
     for motion in motions:
         h, count = motion.step, len(motion.force)
-        length = _length(count, h)
-        f = np.fft.rfftfreq(length, h)
-        lines = np.sum((f >= LEAST_HERTZ) & (f <= BELOW_CORNER * CORNER_SHARE / h))
-        sizes = np.array([len(one) for one in np.array_split(np.arange(lines), SPECTRUM_BANDS)])
+        length, use = lines_of(count, h)
+        sizes = np.array([len(one) for one in np.array_split(np.flatnonzero(use), SPECTRUM_BANDS)])
         # Neighbouring lines of a Hann window and stretches that overlap by half are not independent.
         total += sizes / 1.5 * max(0.8 * (2 * count // length - 1), 1)
     return np.maximum(total, 1.0)
-
-
-def _length(count: int, step: Second) -> int:
-    return min(round(SPECTRUM_STRETCH / step), count)

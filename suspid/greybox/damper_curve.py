@@ -11,7 +11,9 @@ from suspid.arguments import explained
 from suspid.cleaning import RecordLike
 from suspid.errors import EstimationError, InputError, RecordError
 from suspid.greybox.curve_fit import CurveFit, Noise, Shape, first_spline, fitted_curve
+from suspid.greybox.curve_following import Following
 from suspid.greybox.curve_noise import Residual, misfit_of, noise_of, residual_of
+from suspid.greybox.curve_settling import of_both_readings, probes, settled
 from suspid.greybox.curve_travel import travel_fit
 from suspid.greybox.damper_curves import DamperCurve, LineTest, rising
 from suspid.greybox.force_basis import MOST_NODES, SAMPLES_A_NODE, bend_covariance, placed_nodes
@@ -41,10 +43,6 @@ FIRST_NODE = 1.5
 VAGUE_SHARE = 0.1
 # More nodes may not be asked for: the time grows with their square, and each needs samples.
 MOST_ASKED = 100
-
-# How often noise and curve are found in turn. After one round the noise of the motion is at its least value in half of
-# the drives of a half car whose sensors are equally noisy, and chi-square is too large by 70 %; after three by 12 %.
-CURVE_ROUNDS = 3
 
 
 @explained
@@ -133,7 +131,7 @@ def damper_curve(
     theta = np.array([start.stiffness, -start.damping, start.damping])
     try:
         if motions[0].travel:
-            fit, shape, noise, left = travel_fit(motions, lambda v: _shape(motions, v, nodes, friction), _probes())
+            fit, shape, noise, left = travel_fit(motions, lambda v: _shape(motions, v, nodes, friction), probes())
             return _result(left, suspension, strut, shape, fit, noise, level)
         noise = _first_noise(motions)
         fit = fitted_curve(motions, wide, theta, [first_spline(m) for m in motions], noise)
@@ -141,16 +139,16 @@ def damper_curve(
         shape = _shape(motions, velocity, nodes, friction)
         theta = _onto(fit.theta, wide, shape)
         fit = fitted_curve(motions, shape, theta, fit.splines, noise)
-        noise, theta = noise_of(residual_of(motions, fit, shape, noise, _probes()), noise), fit.theta
+        noise, theta = noise_of(residual_of(motions, fit, shape, noise, probes()), noise), fit.theta
         fit = fitted_curve(motions, shape, theta, fit.splines, noise)
     except (np.linalg.LinAlgError, ValueError) as error:
         raise EstimationError(
             f"the records do not determine the curve of strut {strut!r} ({error}); use a longer or rougher record, or "
             f"fewer nodes"
         ) from None
-    fit, noise = _settled(motions, shape, fit, noise)
-    left = residual_of(motions, fit, shape, noise, _probes())
-    return _result(left, suspension, strut, shape, fit, noise, level)
+    fit, noise = settled(motions, shape, fit, noise)
+    fit, noise, left, follows = of_both_readings(motions, shape, fit, noise)
+    return _result(left, suspension, strut, shape, fit, noise, level, follows)
 
 
 def _motions(records: object, car: Suspension, strut: str, given: Sequence[str] | None) -> tuple[StrutMotion, ...]:
@@ -218,23 +216,6 @@ def _line_test(shape: Shape, fit: CurveFit, level: Ratio) -> LineTest:
     )
 
 
-def _settled(motions: Sequence[StrutMotion], shape: Shape, fit: CurveFit, noise: Noise) -> tuple[CurveFit, Noise]:
-    """Return curve and noise found in turn; noise is only raised, and a record without noise is left as it is."""
-    for _ in range(CURVE_ROUNDS - 1):
-        shown = noise_of(residual_of(motions, fit, shape, noise, _probes()), noise)
-        raised = replace(shown, force=max(noise.force, shown.force), motion=max(noise.motion, shown.motion))
-        try:
-            fit, noise = fitted_curve(motions, shape, fit.theta, fit.splines, raised), raised
-        except (np.linalg.LinAlgError, ValueError):
-            break
-    return fit, noise
-
-
-def _probes() -> np.random.Generator:
-    """Return the generator of test noise: the same for all records, so that results do not depend on chance."""
-    return np.random.default_rng(0)
-
-
 def _result(
     left: Residual,
     car: Suspension,
@@ -243,6 +224,7 @@ def _result(
     fit: CurveFit,
     noise: Noise,
     level: Ratio,
+    follows: Following | None = None,
 ) -> DamperCurve:
     velocity = np.concatenate([part.velocity for part in fit.records])
     line = _line_test(shape, fit, level)
@@ -269,7 +251,8 @@ def _result(
         noise_std=(noise.force, noise.motion),
         chi_square=chi_square,
         freedom=freedom,
-        explains=likely(chi_square, freedom),
+        following=float("nan") if follows is None else follows.statistic,
+        explains=likely(chi_square, freedom) if follows is None else not follows,
         verdict=Verdict(Remark(CurveHeadline.LINE if line else CurveHeadline.CURVE, {"strut": strut})),
     )
 
@@ -285,12 +268,9 @@ def _checks(found: DamperCurve, fit: CurveFit, noise: Noise) -> list[Check]:
         "residual_freedom": line.residual_freedom,
         "p_value": line.p_value,
     }
-    misfit = {"chi_square": found.chi_square, "freedom": found.freedom}
     checks = [
         Check(Remark(CurveCheck.STRAIGHT if line else CurveCheck.BENDS, tested), Level.NOTE),
-        Check(Remark(CurveCheck.EXPLAINS, misfit), Level.SOUND)
-        if found.explains
-        else Check(Remark(CurveCheck.UNEXPLAINED, misfit), Level.CARE),
+        _residual_check(found),
         Check(Remark(CurveCheck.MASSES), Level.NOTE),
     ]
     if found.friction_sought and found.friction > 2.6 * found.friction_std:
@@ -310,3 +290,13 @@ def _checks(found: DamperCurve, fit: CurveFit, noise: Noise) -> list[Check]:
     if not fit.settled:
         checks.append(Check(Remark(CurveCheck.UNSETTLED, {"steps": fit.steps}), Level.CARE))
     return checks
+
+
+def _residual_check(found: DamperCurve) -> Check:
+    misfit = {"chi_square": found.chi_square, "freedom": found.freedom, "ratio": found.following}
+    if not found.explains:
+        code = CurveCheck.UNEXPLAINED if np.isnan(found.following) else CurveCheck.FOLLOWS
+        return Check(Remark(code, misfit), Level.CARE)
+    if likely(found.chi_square, found.freedom):
+        return Check(Remark(CurveCheck.EXPLAINS, misfit), Level.SOUND)
+    return Check(Remark(CurveCheck.ADDED, misfit), Level.NOTE)

@@ -84,8 +84,12 @@ class DamperCurve(Result):
         Statistic of the test that the residual is noise, with ``freedom`` degrees of freedom.
     freedom : int
         See `chi_square`.
+    following : float
+        How much the residual follows the motion of the strut: F, about 1 where it does not; NaN where travel was
+        measured.
     explains : bool
-        Whether chi-square is not improbably large.
+        Whether the residual does not follow the motion: it is noise, or forces of their own on the body. With a sensor
+        of travel: whether chi-square is not improbably large.
     verdict : Verdict
         How far the result can be trusted, and why.
 
@@ -117,6 +121,7 @@ class DamperCurve(Result):
     noise_std: tuple[float, float]
     chi_square: float
     freedom: int
+    following: float
     explains: bool
     verdict: Verdict
 

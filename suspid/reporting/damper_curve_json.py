@@ -6,6 +6,7 @@ which `json_schema` returns. `read_curves` reads the curves of a drive back, wit
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Mapping
 from pathlib import Path
@@ -72,6 +73,7 @@ def damper_curve_to_dict(found: DamperCurve, *, level: Ratio = LEVEL) -> dict[st
         "noise_std": list(found.noise_std),
         "chi_square": found.chi_square,
         "freedom": found.freedom,
+        "following": None if math.isnan(found.following) else found.following,
         "explains": found.explains,
         "masses": [{"name": name, "value": mass, "unit": "kg"} for name, mass in found.suspension.masses.items()],
     }
@@ -121,6 +123,7 @@ def _curve(content: Mapping[str, Any], car: Suspension) -> DamperCurve:
         noise_std=tuple(content["noise_std"]),
         chi_square=float(content["chi_square"]),
         freedom=int(content["freedom"]),
+        following=float("nan") if content.get("following") is None else float(content["following"]),
         explains=bool(content["explains"]),
         verdict=Verdict(_said(verdict["headline"]), tuple(said)),
     )

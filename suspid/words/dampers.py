@@ -22,6 +22,18 @@ class CurveCheck(Code):
         "intervals allow for its colour, not for what may be missing: gain or delay of a sensor, a mount of the "
         "damper, a spring that is not linear, another axle. estimate finds gains, delays and mounts.",
     )
+    FOLLOWS = (
+        "follows",
+        "The residual follows the motion of the strut (F = {ratio:.3g} on average, 1 by chance; chi-square "
+        "{chi_square:.3g} at {freedom}). The intervals do not contain what may be missing: gain or delay of a sensor, "
+        "a mount of the damper, a spring that is not linear, another axle. estimate finds gains, delays and mounts.",
+    )
+    ADDED = (
+        "added",
+        "The residual is more than white noise of the sensors (chi-square {chi_square:.3g} at {freedom}), but does not "
+        "follow the motion of the strut: forces of their own on the body, such as those of an engine. The intervals "
+        "contain them.",
+    )
     BENDS = (
         "bends",
         "A line is rejected at a level of {level:.2g} (F = {statistic:.3g} at {freedom} and {residual_freedom}, "

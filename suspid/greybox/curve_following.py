@@ -1,0 +1,87 @@
+"""Whether what a fit of a strut leaves follows the motion of the strut, or is noise and forces of their own.
+
+An engine, the other axle or a passenger push the body as they like: that costs precision. What is missing in the
+strut, or wrong in a sensor (gain, delay, a mount, a spring that is not linear), leaves a force that follows the motion.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from suspid.greybox.curve_fit import CurveFit, Noise, Shape
+from suspid.greybox.curve_noise import PROBES, SPECTRUM_BANDS, lines_of, of_drawn_noise
+from suspid.greybox.latent_splines import at_samples
+from suspid.greybox.strut_motion import StrutMotion
+from suspid.units import ComplexArray, RealArray, Second
+
+# Neighbouring lines of a Hann window, and stretches that overlap by half, are not independent: this share of them is.
+INDEPENDENT_LINES = 0.8 / 1.5
+# Probability below which a residual follows the motion: one false alarm in a hundred curves.
+FOLLOWS_LEVEL = 0.01
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Following:
+    """Test that the residual of a curve follows the strut's velocity, or the cube of its travel."""
+
+    statistic: float  # mean over the bands of F, which is 1 where nothing follows
+    p_value: float
+
+    def __bool__(self) -> bool:
+        return self.p_value < FOLLOWS_LEVEL
+
+
+def following_of(
+    motions: Sequence[StrutMotion], fit: CurveFit, shape: Shape, noise: Noise, rng: np.random.Generator
+) -> Following:
+    """Return the test for a fit whose splines are the travel.
+
+    The residual follows the errors of the velocity that was found: as far as drawn noises do, it is taken off.
+
+    In each band of the spectrum the residual is compared with velocity and cubed travel. Each line counts alike, so
+    that a steady vibration does not hide the others; the least probability counts once for each band.
+    """
+    from scipy.stats import f
+
+    shortest = min(len(m.force) for m in motions)
+    left, velocity, cube = [], [], []
+    drawn, errors = [], []
+    for motion, spline, part in zip(motions, fit.splines, fit.records, strict=True):
+        travel = at_samples(spline, 0, motion.step)
+        left.append(_spectra(part.force_residual, motion.step, shortest))
+        velocity.append(_spectra(part.velocity, motion.step, shortest))
+        cube.append(_spectra((travel - np.mean(travel)) ** 3, motion.step, shortest))
+        noisy, off = (
+            one[:, :PROBES] + one[:, PROBES:] for one in of_drawn_noise(motion, shape, fit.theta, spline, noise, rng)
+        )
+        drawn += [_spectra(one, motion.step, shortest) for one in noisy.T]
+        errors += [_spectra(at_samples(one, 1, motion.step), motion.step, shortest) for one in off.T]
+    rest, causes = np.vstack(left), [np.vstack(velocity), np.vstack(cube)]
+    through, wrong = np.vstack(drawn), np.vstack(errors)
+    lines = np.sqrt(np.mean(np.abs(rest) ** 2, axis=0))
+    lines[lines == 0] = 1.0
+    ratios, chances = [], []
+    for band in np.array_split(np.arange(len(lines)), SPECTRUM_BANDS):
+        # The drawn noises are `PROBES` times as many as the record's.
+        common = np.vdot(wrong[:, band], through[:, band]) / PROBES
+        by_errors = common / max(float(np.vdot(causes[0][:, band], causes[0][:, band]).real), np.finfo(float).tiny)
+        y = ((rest[:, band] - by_errors * causes[0][:, band]) / lines[band]).ravel()
+        columns = np.stack([(one[:, band] / lines[band]).ravel() for one in causes], axis=1)
+        explained = columns @ np.linalg.lstsq(columns, y, rcond=None)[0]
+        size, count = columns.shape[1], max(INDEPENDENT_LINES * len(y), columns.shape[1] + 1.0)
+        square, part_square = float(np.vdot(y, y).real), float(np.vdot(explained, explained).real)
+        ratio = part_square / size / max((square - part_square) / (count - size), np.finfo(float).tiny)
+        ratios.append(ratio)
+        chances.append(float(f.sf(ratio, 2 * size, 2 * (count - size))))
+    return Following(statistic=float(np.mean(ratios)), p_value=min(1.0, SPECTRUM_BANDS * min(chances)))
+
+
+def _spectra(signal: RealArray, step: Second, count: int) -> ComplexArray:
+    """Return the lines of all stretches of a signal that count, (stretch, line)."""
+    length, use = lines_of(count, step)
+    stretches = np.lib.stride_tricks.sliding_window_view(signal, length)[:: max(length // 2, 1)]
+    window = np.hanning(length)
+    return np.asarray(np.fft.rfft((stretches - stretches.mean(axis=1, keepdims=True)) * window, axis=1)[:, use])
