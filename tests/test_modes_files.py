@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -34,3 +35,18 @@ def test_modes_are_not_written_as_toml(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"written as JSON; name the file .json"):
         write_modes(ModalSet.from_wn_zeta([10.0], [0.6]), tmp_path / "modes.toml")
     assert not list(tmp_path.iterdir())
+
+
+def test_standard_deviations_are_those_of_each_mode(tmp_path: Path) -> None:
+    """A file that others wrote has no covariance: modes do not vary together, nor wn with zeta."""
+    rows = [
+        {"wn_rad_per_s": 10.0, "zeta": 0.1, "wn_std_rad_per_s": 0.02, "zeta_std": 0.003},
+        {"wn_rad_per_s": 60.0, "zeta": 0.3, "wn_std_rad_per_s": 0.5, "zeta_std": 0.01},
+    ]
+    (tmp_path / "modes.json").write_text(json.dumps({"modes": rows}))
+    modes = read_modes(tmp_path / "modes.json")
+    for values, key in zip((modes.wn, modes.zeta, modes.wn_std, modes.zeta_std), rows[0], strict=True):
+        assert np.allclose(values, [row[key] for row in rows], rtol=1e-12)
+    assert modes.covariance is not None
+    assert not np.any(modes.covariance[:2, 2:])
+    assert np.allclose(modes.covariance, modes.covariance.T, rtol=1e-12)

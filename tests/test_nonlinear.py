@@ -16,6 +16,7 @@ from scipy.integrate import solve_ivp
 
 from suspid import add_noise, free_decay, identify, plot_amplitude, quarter_car
 from suspid.identification import ForceKind, Identification, identification_to_dict
+from suspid.identification.nonlinear.swings import Swings
 from suspid.signals import as_response
 from suspid.words import Level, ModeCheck, Reason
 from validation.friction import Rig, release, released
@@ -75,6 +76,17 @@ class TestFriction:
         assert np.sum(large) >= 2
         np.testing.assert_allclose(each.zeta[large], law, rtol=0.06)
 
+    def test_text_and_verdict_have_the_numbers_of_the_table(self) -> None:
+        found = self.found()
+        (each,) = found.amplitude_dependence
+        lines = str(found).splitlines() + str(found.details()).splitlines()
+        hertz, std = each.wn[0] / (2 * np.pi), each.wn_std[0] / (2 * np.pi)
+        row = f"{each.amplitude[0]:.3g} {hertz:.5g} {std:.2g} {each.zeta[0]:.3g}"
+        assert any(" ".join(line.split()).startswith(row) for line in lines)
+        (check,) = [one for one in found.verdict.checks if one.remark.code is ModeCheck.AMPLITUDE]
+        for end, wn in zip(("high", "low"), (each.ends[0][0], each.ends[1][0]), strict=True):
+            assert check.remark.numbers[f"{end}_hz"] == pytest.approx(wn / (2 * np.pi))
+
     def test_the_residual_is_the_noise(self) -> None:
         found = self.found()
         assert found.noise_std[0] == pytest.approx(3e-4, rel=0.2)
@@ -119,6 +131,31 @@ class TestSmooth:
         found = identify(response(self.time, noisy(motion, 2)))
         (each,) = found.amplitude_dependence
         np.testing.assert_allclose(each.wn, wn * (1 - each.amplitude**2 / 16), rtol=2e-3)
+
+
+class TestSwings:
+    def test_slopes_of_the_mean_pole_are_its_differences(self) -> None:
+        """Mean wn and zeta of the cycles, computed here from the exponents that are a little off."""
+        slopes = 0.3 * np.random.default_rng(1).standard_normal((1, 6, 2)).view(complex)[..., 0]
+        swings = Swings(
+            time=np.array([0.0, 10.0, 20.5, 31.0, 41.5, 52.5]),
+            size=np.array([1.0, 0.6, 0.42, 0.3, 0.2, 0.17]),
+            slopes=slopes,
+            own=np.array([0]),
+            free=2,
+        )
+
+        def mean(change: Real) -> complex:
+            cycles = [swings.pole(first, first + 2) for first in range(4)]
+            exponents = np.array([pole + complex(*(by @ change)) for pole, by in cycles])
+            wn, zeta = np.mean(np.abs(exponents)), np.mean(-exponents.real / np.abs(exponents))
+            return complex(wn * (-zeta + 1j * np.sqrt(1 - zeta**2)))
+
+        pole, by = swings.mean()
+        assert pole == pytest.approx(mean(np.zeros(2)))
+        for own, step in enumerate(1e-6 * np.eye(2)):
+            difference = (mean(step) - mean(-step)) / 2e-6
+            assert complex(*by[:, own]) == pytest.approx(difference, rel=1e-6)
 
 
 class TestLinear:

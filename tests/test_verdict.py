@@ -218,7 +218,25 @@ class TestPoles:
         part = as_response(signal.timepts[:count], signal.values[:, :count], signal.channels)
         left = as_response(signal.timepts[:count], as_signal(found.residual).values[:, :count], signal.channels)
         verdict = verdict_of(replace(found, response=part, residual=left, considered=()))
-        assert bool(said(verdict, ModeCheck.FEW_SAMPLES)) is short
+        few = said(verdict, ModeCheck.FEW_SAMPLES)
+        assert [str(check) for check in few] == [f"Too few samples ({count}) for 7 amplitudes in each channel."] * short
+
+    def test_a_rejected_harmonic_is_said(self, found: Identification) -> None:
+        pole = Considered(
+            pole=complex(-1.0, 80.0), remark=Remark(Reason.HARMONIC, {"mode": 1, "multiple": 2}), removed=True
+        )
+        (check,) = said(verdict_of(replace(found, considered=(pole,))), ModeCheck.HARMONICS)
+        assert check.level is Level.CARE
+        kept = replace(pole, removed=False)
+        assert not said(verdict_of(replace(found, considered=(kept,))), ModeCheck.HARMONICS)
+
+    def test_modes_that_the_halves_do_not_tell_are_named(
+        self, found: Identification, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        apart = np.where(np.arange(len(found.modes)) == 1, np.nan, found.halves)
+        monkeypatch.setattr(Identification, "halves", property(lambda _: apart))
+        (check,) = said(verdict_of(found), ModeCheck.NOT_CROSS_CHECKED)
+        assert check.remark.numbers["modes"] == (2,)
 
 
 class TestNoMode:
