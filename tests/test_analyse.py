@@ -53,6 +53,7 @@ RECORDS = [
             "vibtest_inout_mat/case1.mat",
             "bicycle_pendulum_mat/BrowserForkCompoundFirst1.mat",
             "rizoit_seat3dof_sim/chirp.csv",
+            "rizoit_seat3dof_sim/step50mm.csv",
             "css_canedge_car_mf4/00000164_00000001-60FE3F04.MF4",
             "css_canedge_car_mf4/00000164_00000002-60FE415D.MF4",
             "css_canedge_car_mf4/stationary_2F6913DB_00000004_00000001.MF4",
@@ -60,7 +61,6 @@ RECORDS = [
         )
     ],
     DATA / "rizoit_seat3dof_sim" / "release.csv",
-    DATA / "rizoit_seat3dof_sim" / "step50mm.csv",
 ]
 
 

@@ -259,6 +259,7 @@ class TestRecordsOfOthers:
         found = [mode["frequency_hz"] for mode in modes_in(tmp_path / "m.json")]
         assert found == pytest.approx([1.2521928521, 2.6343486141, 9.5142367929], rel=1e-4)
 
+    @pytest.mark.slow
     def test_a_car_at_rest_has_no_mode_beyond_doubt(self) -> None:
         # Between 31 and 42 s something moves the body, at 3.3 Hz: whether it is a mode, nobody measured.
         data = DATA / "css_canedge_car_mf4"

@@ -192,7 +192,7 @@ def key_above(ax: Axes, *, abreast: int = 3) -> None:
     entries = min(abreast, len(ax.get_legend_handles_labels()[1]))
     width = ax.get_window_extent().width
     if width < KEY_WIDTH * ax.figure.dpi * entries:
-        ax.legend(loc="best", fontsize="x-small", framealpha=0.8)
+        _key_inside(ax)
         return
     key = ax.legend(
         loc="lower right", bbox_to_anchor=(1.0, 1.0), fontsize="small", ncols=abreast, frameon=False, borderaxespad=0.0
@@ -200,7 +200,18 @@ def key_above(ax: Axes, *, abreast: int = 3) -> None:
     said = ax.get_title(loc="left")
     title = next((part for part in ax.get_children() if said and getattr(part, "get_text", str)() == said), None)
     if title is not None and title.get_window_extent().width + key.get_window_extent().width > width:
-        ax.legend(loc="best", fontsize="x-small", framealpha=0.8)
+        _key_inside(ax)
+
+
+def _key_inside(ax: Axes) -> None:
+    """Put the key where it hides least; over a transform at its top right, where a decay has gone first.
+
+    Every cell of a transform would be asked for room, which takes longer than to draw all.
+    """
+    from matplotlib.collections import QuadMesh
+
+    mesh = any(isinstance(part, QuadMesh) for part in ax.collections)
+    ax.legend(loc="upper right" if mesh else "best", fontsize="x-small", framealpha=0.8)
 
 
 def without_legend(ax: Axes) -> Axes:
