@@ -46,6 +46,7 @@ def test_standard_deviations_are_those_of_each_mode(tmp_path: Path) -> None:
     (tmp_path / "modes.json").write_text(json.dumps({"modes": rows}))
     modes = read_modes(tmp_path / "modes.json")
     for values, key in zip((modes.wn, modes.zeta, modes.wn_std, modes.zeta_std), rows[0], strict=True):
+        assert values is not None
         assert np.allclose(values, [row[key] for row in rows], rtol=1e-12)
     assert modes.covariance is not None
     assert not np.any(modes.covariance[:2, 2:])

@@ -136,7 +136,8 @@ class TestSmooth:
 class TestSwings:
     def test_slopes_of_the_mean_pole_are_its_differences(self) -> None:
         """Mean wn and zeta of the cycles, computed here from the exponents that are a little off."""
-        slopes = 0.3 * np.random.default_rng(1).standard_normal((1, 6, 2)).view(complex)[..., 0]
+        real, imaginary = 0.3 * np.random.default_rng(1).standard_normal((2, 1, 6))
+        slopes = np.asarray(real + 1j * imaginary, complex)
         swings = Swings(
             time=np.array([0.0, 10.0, 20.5, 31.0, 41.5, 52.5]),
             size=np.array([1.0, 0.6, 0.42, 0.3, 0.2, 0.17]),
