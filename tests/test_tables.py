@@ -286,6 +286,18 @@ class TestExports:
         assert [channel.values.size for channel in recording.channels] == [30, 30]
         assert dict(recording.left_out)["Comment"].code is LeftOut.TEXT
 
+    @pytest.mark.parametrize("odd", ["degC", "U/min", "hPa", "widgets", "l/h"])
+    def test_an_unknown_unit_beside_known_ones_is_a_unit(self, tmp_path: Path, odd: str) -> None:
+        path = tmp_path / "a.csv"
+        rows = "\n".join(f"{k / 100},{k % 7},{k % 3},{20 + k % 2}" for k in range(60))
+        path.write_text(f"Time,Body,Wheel,Oil\ns,m/s^2,g,{odd}\n{rows}\n", encoding="utf-8")
+        found = read_recording(path)
+        assert found.names == ("Body", "Wheel", "Oil")
+        assert [channel.unit for channel in found.channels] == ["m/s^2", "g", odd]
+        # A single row of such words holds names.
+        path.write_text(f"s,m/s^2,g,{odd}\n{rows}\n", encoding="utf-8")
+        assert read_recording(path, time="s").names == ("m/s^2", "g", odd)
+
     def test_a_row_of_brackets_holds_units(self, tmp_path: Path) -> None:
         recording = read(tmp_path, "Time,Extension,Load\n(s),(mm),(kgf)\n0,1,2\n1,2,3\n2,3,4\n")
         assert [(channel.name, channel.unit) for channel in recording.channels] == [

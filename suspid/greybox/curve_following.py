@@ -29,9 +29,10 @@ class Following:
 
     statistic: float  # mean over the bands of F, which is 1 where nothing follows
     p_value: float
+    pushed: bool = False  # whether a force of its own pushes the body where that moves the strut, or everywhere
 
     def __bool__(self) -> bool:
-        return self.p_value < FOLLOWS_LEVEL
+        return self.pushed or self.p_value < FOLLOWS_LEVEL
 
 
 def following_of(

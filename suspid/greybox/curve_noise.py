@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from suspid.greybox.curve_fit import CurveFit, Noise, Shape, equations_of, of_spline, smoothed, spline_equations
 from suspid.greybox.latent_splines import CORNER_SHARE, at_samples
 from suspid.greybox.strut_motion import StrutMotion
+from suspid.levels import likely
 from suspid.units import Hertz, MetrePerSecond, RealArray, Second
 
 # Lines of the residual that count: above slow drift, well below the corner of the filter.
@@ -100,6 +101,25 @@ def noise_of(residual: Residual, noise: Noise) -> Noise:
         motion=float(noise.motion * np.sqrt(factors[1])),
         velocity=residual.velocity,
     )
+
+
+def loud_bands(residual: Residual, noise: Noise) -> NDArray[np.bool_]:
+    """Return the bands that are louder than white noise of both signals: the rest is noise, or half are loud."""
+    loud = np.zeros(len(residual.power), np.bool_)
+    while 2 * np.sum(loud) < len(loud):
+        rest = replace(
+            residual,
+            power=residual.power[~loud],
+            expected=residual.expected[~loud],
+            independent=residual.independent[~loud],
+        )
+        found = noise_of(rest, noise)
+        factors = np.array([(found.force / noise.force) ** 2, (found.motion / noise.motion) ** 2])
+        beyond = (residual.power / (residual.expected @ factors) - 1) / np.sqrt((1 + 1 / PROBES) / residual.independent)
+        if likely(float(np.sum(beyond[~loud] ** 2)), int(np.sum(~loud)) - 2):
+            break
+        loud[np.argmax(np.where(loud, -np.inf, beyond))] = True
+    return loud
 
 
 def misfit_of(residual: Residual) -> tuple[float, int]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from suspid.greybox.curve_fit import CurveFit, Noise, Shape, fitted_curve
 from suspid.greybox.curve_following import Following, following_of
-from suspid.greybox.curve_noise import Residual, misfit_of, noise_of, residual_of
+from suspid.greybox.curve_noise import Residual, lines_of, loud_bands, misfit_of, noise_of, residual_of
 from suspid.greybox.strut_motion import StrutMotion
 from suspid.levels import likely
 from suspid.units import MetrePerSecond2
@@ -19,6 +19,9 @@ from suspid.units import MetrePerSecond2
 CURVE_ROUNDS = 3
 # Noise of the motion where more than that is taken for a force on the body: that of a good accelerometer.
 QUIET: MetrePerSecond2 = 0.05
+# Up to this multiple of the frequency of the body on the strut, a force on the body moves the strut: by a third of what
+# it does at rest, or more.
+SOFT = 2.0
 
 
 def settled(motions: Sequence[StrutMotion], shape: Shape, fit: CurveFit, noise: Noise) -> tuple[CurveFit, Noise]:
@@ -52,10 +55,24 @@ def of_both_readings(
         other = fitted_curve(motions, shape, fit.theta, fit.splines, quiet)
         there = following_of(motions, other, shape, quiet, probes())
     except (np.linalg.LinAlgError, ValueError):  # one reading alone does not explain the record
-        return fit, noise, left, replace(follows, p_value=0.0)
+        return fit, noise, left, replace(follows, pushed=True)
     apart = np.outer(other.theta - fit.theta, other.theta - fit.theta)
     worse = min(follows, there, key=lambda one: one.p_value)
+    worse = replace(worse, pushed=_pushed(motions, fit, noise, left))
     return replace(fit, covariance=fit.covariance + apart), noise, left, worse
+
+
+def _pushed(motions: Sequence[StrutMotion], fit: CurveFit, noise: Noise, left: Residual) -> bool:
+    """Return whether bands are too loud in which a force on the body moves the strut, or half of all.
+
+    The residual and the motion then have a part in common that is taken for stiffness.
+    """
+    step = motions[0].step
+    length, use = lines_of(min(len(m.force) for m in motions), step)
+    starts = [band[0] for band in np.array_split(np.fft.rfftfreq(length, step)[use], len(left.power))]
+    own = np.sqrt(max(abs(motions[0].share) * float(fit.theta[0]), 0.0)) / (2 * np.pi)
+    loud = loud_bands(left, noise)
+    return bool(np.any(loud & (np.array(starts) < SOFT * own)) or 2 * np.sum(loud) >= len(loud))
 
 
 def probes() -> np.random.Generator:

@@ -86,7 +86,7 @@ class DamperCurve(Result):
         See `chi_square`.
     following : float
         How much the residual follows the motion of the strut: F, about 1 where it does not; NaN where travel was
-        measured.
+        measured, or forces of their own on the body move the strut.
     explains : bool
         Whether the residual does not follow the motion: it is noise, or forces of their own on the body. With a sensor
         of travel: whether chi-square is not improbably large.

@@ -13,13 +13,16 @@ from suspid.io.text.dialects import COMMENTS, Dialect
 REMARKS = {"comment", "comments", "remark", "remarks", "note", "notes", "kommentar"}
 # One unit or several joined, such as mm, m/s^2, (kN), µm/m or °/s.
 ATOM = (
-    r"(?:[kKMGmµμunp]?(?:m|s|g|gn|V|A|Hz|Pa|J|W|N|Nm|rad|bar|Ohm|Ω|strain|eps|ε)"
-    r"|min|h|hr|sec|deg|°C?|C|%|1|-|rpm|in|ft|lbf)"
+    r"(?:[hkKMGmµμunp]?(?:m|s|g|gn|V|A|Hz|Pa|J|W|N|Nm|rad|bar|Ohm|Ω|strain|eps|ε)"
+    r"|min|h|hr|sec|deg[CF]?|°[CF]?|C|K|G|%|1|-|rpm|U|l|in|ft|lbf|psi|mph|kn|Celsius|counts?)"
 )
 UNIT = re.compile(
     rf"{ATOM}(?:\^?-?[0-9²³]|\*\*-?\d|⁻[¹²])?(?:[/*·. ]{ATOM}(?:\^?-?[0-9²³]|\*\*-?\d|⁻[¹²])?)*|hh:mm:ss\S*|[Uu]nits?"
     r"|[Ss]econds?|[Vv]olts?|Sequence"
 )
+
+# Letters of the longest unit that is taken for one beside others that are known.
+LONGEST_UNIT = 8
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,6 +83,13 @@ class Columns:
         cells, filled = self.units(line), [cell for cell in self.titles(line) if cell]
         bracketed = len(filled) > 1 and all(re.fullmatch(r"\(.*\)|\[.*\]", cell) for cell in filled)
         return bracketed or (any(cells) and all(not cell or UNIT.fullmatch(plain(cell)) for cell in cells))
+
+    def are_units_mostly(self, line: str) -> bool:
+        """Whether a line below names holds units in most cells, and in the others a word as short as a unit."""
+        cells = [cell for cell in self.units(line) if cell]
+        known = [bool(UNIT.fullmatch(plain(cell))) for cell in cells]
+        short = all(len(cell) <= LONGEST_UNIT and " " not in cell for cell in cells)
+        return 2 * sum(known) > len(known) and short
 
 
 def _aligned(line: str, row: str) -> list[str]:

@@ -115,6 +115,7 @@ def _header(above: Sequence[str], columns: Columns) -> tuple[int | None, int | N
             _refuse_misfit(above[filled[-1]], filled[-1] + 1, columns)
         return None, None
     units = [at for at, k in enumerate(rows) if columns.are_units(above[k])]
+    units = units or [at for at, k in enumerate(rows) if at and columns.are_units_mostly(above[k])]
     # A single row holds names, whatever it looks like.
     if not units or len(rows) == 1:
         return rows[-1], None
