@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.integrate import cumulative_trapezoid
 
 from suspid import Settings, analyse
 from suspid.analysis.derivatives import without_derivatives
@@ -76,6 +77,17 @@ def test_the_first_command_finds_one_mode_in_what_a_motion_sensor_exports() -> N
     assert len(found.modes) == 1
     assert found.modes.wn[0] == pytest.approx(WN, rel=0.002)
     assert Note.DERIVED_CHANNEL in {note.code for note in found.notes}
+
+
+def test_a_motion_that_was_integrated_is_left_out_and_its_sensor_is_kept() -> None:
+    """A program of an accelerometer exports velocity and position as well: their noise walks."""
+    rng = np.random.default_rng(2)
+    acceleration = np.exp(-TIME / 3) * np.cos(8 * TIME) + 0.02 * rng.standard_normal(TIME.size)
+    velocity = cumulative_trapezoid(acceleration, TIME, initial=0)
+    record = as_response(TIME, np.stack([velocity, acceleration]), ["v", "a"])
+    left, notes = without_derivatives(record)
+    assert list(left.output_labels) == ["a"]
+    assert [(note.code, note.numbers["channel"]) for note in notes] == [(Note.INTEGRATED_CHANNEL, "v")]
 
 
 def test_channels_that_are_named_are_used() -> None:

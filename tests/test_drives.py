@@ -108,10 +108,13 @@ class TestSpeed:
         found = find_drives(ride(channel("az", body()), moving))
         assert ends(found) == [(41.0, 120.0)]
         assert DriveRemark.SPEED_BY_UNIT in {check.remark.code for check in found.remarks}
-        other = channel("w", constant(0.0), unit)
+        other = channel("w", constant(5.0) + body(), unit)
         assert ends(find_drives(ride(channel("az", body()), moving, other), channels=["az"])) == [(0.0, 120.0)]
         wind = channel("wind", constant(0.0), unit)
         assert ends(find_drives(ride(channel("az", body()), moving, wind), channels=["az"])) == [(41.0, 120.0)]
+        for name, values in (("axle_force_kN", constant(30.0) + body()), ("cruise (km/h)", constant(120.0) + body())):
+            alone = find_drives(ride(channel("az", body()), channel(name, values, "")), channels=["az"])
+            assert DriveRemark.NO_SPEED in {check.remark.code for check in alone.remarks}
         in_si = channel("v", constant(0.0), "m/s")
         assert ends(find_drives(ride(channel("az", body()), in_si), channels=["az"])) == [(0.0, 120.0)]
 
@@ -144,6 +147,14 @@ class TestBraking:
         assert (DriveRemark.BY_AXIS in {check.remark.code for check in found.remarks}) is seen
         off = find_drives(ride(channel("az_body", body()), along), channels=["az_body"], longitudinal="none")
         assert ends(off) == [(0.0, 120.0)]
+
+    def test_a_sensor_at_the_wheel_is_not_asked(self) -> None:
+        box = [channel(f"hub_{a}", 20 * body(i) + 9.8 * (a == "z")) for i, a in enumerate("xyz")]
+        mine = [channel(f"imu_{a}", body(i) + 9.8 * (a == "z")) for i, a in enumerate("xyz")]
+        found = find_drives(ride(channel("az", body()), *box, *mine), channels=["az"])
+        assert ends(found) == [(0.0, 120.0)]
+        (said,) = [check for check in found.remarks if check.remark.code is DriveRemark.BY_AXIS]
+        assert said.remark.numbers["channels"] == ("imu_x", "imu_y")
 
     @pytest.mark.parametrize("up", ["x", "y", "z"])
     def test_by_the_axes_that_are_level(self, up: str) -> None:

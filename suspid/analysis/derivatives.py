@@ -53,8 +53,8 @@ def without_derivatives(record: control.TimeResponseData) -> tuple[control.TimeR
     if not sources:
         return record, ()
     notes = tuple(
-        Remark(Note.DERIVED_CHANNEL, {"channel": signal.channels[k], "source": signal.channels[source]})
-        for k, source in sources.items()
+        Remark(code, {"channel": signal.channels[k], "source": signal.channels[source]})
+        for k, (source, code) in sources.items()
     )
     rows = [k for k in range(len(signal.channels)) if k not in sources]
     kept = [signal.channels[k] for k in rows]
@@ -62,16 +62,19 @@ def without_derivatives(record: control.TimeResponseData) -> tuple[control.TimeR
     return like(record, signal.timepts, signal.values[rows], kept, title=title), notes
 
 
-def _sources(values: RealArray, step: Second) -> dict[int, int]:
-    """Return of which channel each channel that was computed is the derivative, by row."""
+def _sources(values: RealArray, step: Second) -> dict[int, tuple[int, Note]]:
+    """Return from which channel each channel that was computed comes, by row, and how."""
     centred = values - values.mean(axis=1, keepdims=True)
-    sources = dict[int, int]()
+    sources = dict[int, tuple[int, Note]]()
     slopes = [_correlated(np.gradient(centred, axis=1), centred), _correlated(np.diff(centred, 2, axis=1), centred)]
     alike = np.maximum(*slopes) > ALIKE_CORRELATION
     for k in range(len(values)):
         for source in np.flatnonzero(alike[:, k]).tolist():
-            if source != k and _is_derivative(centred[source], centred[k], step):
-                sources[k] = source
+            how = None if source == k else _computed(centred[source], centred[k], step)
+            if how is Note.INTEGRATED_CHANNEL:
+                sources.setdefault(source, (k, how))
+            elif how is not None:
+                sources[k] = source, how
                 break
     return sources
 
@@ -84,21 +87,28 @@ def _correlated(slopes: RealArray, values: RealArray) -> RealArray:
     return np.asarray(np.abs(slopes @ inner.T) / np.maximum(sizes, 1e-300))
 
 
-def _is_derivative(source: RealArray, other: RealArray, step: Second) -> bool:
+def _computed(source: RealArray, other: RealArray, step: Second) -> Note | None:
     """Return whether a channel is a weighted sum of a few samples of another that differentiates it once or twice.
 
-    That tells most of its noise, which is what is new in it beside its own past.
+    That tells most of its noise, which is what is new in it beside its own past. Where a few samples of the derivative
+    tell the differences of the other better, it was integrated.
     """
     at = np.arange(max(SAMPLES_ABOUT, PAST_SAMPLES), len(other) - SAMPLES_ABOUT)
     shifts = np.arange(-SAMPLES_ABOUT, SAMPLES_ABOUT + 1)
     weights, left = _regressed(other[at], source[at[:, None] + shifts])
-    if not _differentiates(weights, np.asarray(shifts * step, float)):
-        return False
+    order = _order_of(weights, np.asarray(shifts * step, float))
+    if not order:
+        return None
     past, new = _regressed(other[at], other[at[:, None] - np.arange(1, PAST_SAMPLES + 1)])
     # A record without noise is told to the last digit by whatever moves with it.
-    if new < SEVEN_DIGITS * np.std(other):
-        return False
-    return left < OWN_SHARE * new / float(np.sqrt(1 + past @ past))
+    if new < SEVEN_DIGITS * np.std(other) or left >= OWN_SHARE * new / float(np.sqrt(1 + past @ past)):
+        return None
+    changes = np.diff(source, order) / step**order
+    inner = at[2 + order : -2]
+    terms, lost = _regressed(changes[inner - order], other[inner[:, None] + np.arange(-2, 3)])
+    # In the unit of the derivative, but for a power of ten.
+    integrated = lost < left * abs(float(np.sum(terms)))
+    return Note.INTEGRATED_CHANNEL if integrated else Note.DERIVED_CHANNEL
 
 
 def _regressed(values: RealArray, columns: RealArray) -> tuple[RealArray, float]:
@@ -112,8 +122,8 @@ def _regressed(values: RealArray, columns: RealArray) -> tuple[RealArray, float]
     return np.asarray(weights[:-1]), float(np.median(np.abs(left)))
 
 
-def _differentiates(weights: RealArray, shifts: RealArray) -> bool:
-    """Return whether weights of samples at some shifts differentiate once or twice, but for a power of ten."""
+def _order_of(weights: RealArray, shifts: RealArray) -> int:
+    """Return whether weights of samples differentiate once or twice, but for a power of ten; 0 where they do not."""
     reach = float(np.max(shifts))
     # The sum is as many times the motion, its slope and its second derivative.
     times = np.abs(weights @ np.stack([shifts**0, shifts, shifts**2 / 2], axis=1))
@@ -121,5 +131,5 @@ def _differentiates(weights: RealArray, shifts: RealArray) -> bool:
         lower = times[:order] * reach ** (order - np.arange(order))
         gain = float(times[order])
         if np.all(lower < GAIN_ERROR * gain) and abs(gain / 10.0 ** round(np.log10(gain)) - 1) < GAIN_ERROR:
-            return True
-    return False
+            return order
+    return 0

@@ -34,6 +34,11 @@ class Following:
     def __bool__(self) -> bool:
         return self.pushed or self.p_value < FOLLOWS_LEVEL
 
+    @property
+    def elsewhere(self) -> bool:
+        """Whether what is left is too loud, and does not follow the motion."""
+        return self.pushed and self.p_value >= FOLLOWS_LEVEL
+
 
 def following_of(
     motions: Sequence[StrutMotion], fit: CurveFit, shape: Shape, noise: Noise, rng: np.random.Generator

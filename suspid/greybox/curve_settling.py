@@ -21,7 +21,7 @@ CURVE_ROUNDS = 3
 QUIET: MetrePerSecond2 = 0.05
 # Up to this multiple of the frequency of the body on the strut, a force on the body moves the strut: by a third of what
 # it does at rest, or more.
-SOFT = 2.0
+SOFT_UP_TO = 2.0
 
 
 def settled(motions: Sequence[StrutMotion], shape: Shape, fit: CurveFit, noise: Noise) -> tuple[CurveFit, Noise]:
@@ -72,7 +72,7 @@ def _pushed(motions: Sequence[StrutMotion], fit: CurveFit, noise: Noise, left: R
     starts = [band[0] for band in np.array_split(np.fft.rfftfreq(length, step)[use], len(left.power))]
     own = np.sqrt(max(abs(motions[0].share) * float(fit.theta[0]), 0.0)) / (2 * np.pi)
     loud = loud_bands(left, noise)
-    return bool(np.any(loud & (np.array(starts) < SOFT * own)) or 2 * np.sum(loud) >= len(loud))
+    return bool(np.any(loud & (np.array(starts) < SOFT_UP_TO * own)) or 2 * np.sum(loud) >= len(loud))
 
 
 def probes() -> np.random.Generator:

@@ -251,7 +251,7 @@ def _result(
         noise_std=(noise.force, noise.motion),
         chi_square=chi_square,
         freedom=freedom,
-        following=float("nan") if follows is None or follows.pushed else follows.statistic,
+        following=float("nan") if follows is None or follows.elsewhere else follows.statistic,
         explains=likely(chi_square, freedom) if follows is None else not follows,
         verdict=Verdict(Remark(CurveHeadline.LINE if line else CurveHeadline.CURVE, {"strut": strut})),
     )

@@ -16,6 +16,8 @@ AXES = ("x", "y", "z")
 GRAVITY_OFF = 0.6  # how far the mean along a vertical axis may be off gravity [m/s2]: a tilt of 20 deg
 # Words of a sensor in the body whose axes are those of the car where it names x and y alone (ISO 8855: forward, left).
 BODY_WORDS = frozenset({"", "a", "acc", "accel", "acceleration", "imu", "body", "vehicle", "car", "g"})
+# Words of a sensor that moves with a wheel, which shakes harder than the car brakes.
+WHEEL_WORDS = frozenset({"wheel", "hub", "axle", "upright", "unsprung", "tire", "tyre", "rad", "achse", "knuckle"})
 
 
 def about_vertical(channels: Sequence[RawChannel]) -> RawChannel | None:
@@ -51,6 +53,8 @@ def horizontal(channels: Sequence[RawChannel], without: Iterable[str]) -> tuple[
         sensors.setdefault(stem, {})[axis] = channel
     sure: list[dict[str, RawChannel]] = []
     for stem, axes in sensors.items():
+        if WHEEL_WORDS & set(re.split(r"[\W\d_]+", stem)):
+            continue
         upright = [a for a, c in axes.items() if abs(abs(_usual(c)) - STANDARD_GRAVITY) < GRAVITY_OFF]
         if len(upright) == 1:
             sure.append({a: c for a, c in axes.items() if a not in upright})

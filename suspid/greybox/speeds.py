@@ -22,8 +22,15 @@ LATERAL_WORDS = frozenset({"lateral", "latacc", "lat"})
 LONGITUDINAL_WORDS = frozenset({"longitudinal", "longacc", "lon", "long"})
 YAW_WORDS = frozenset({"yaw", "yawrate", "gierrate"})
 OTHER_WORDS = frozenset(
-    {"accuracy", "valid", "limit", "error", "std", "engine", "motor", "fan", "shaft", "wind", "target", "set"}
+    {
+        *("accuracy", "valid", "limit", "error", "std", "engine", "motor", "fan", "shaft", "wind", "air", "airflow"),
+        *("target", "set", "setpoint", "setting", "cruise", "max", "min", "mean", "average"),
+    }
 )
+# Words of a velocity within the car.
+WITHIN_WORDS = OTHER_WORDS | {
+    *("damper", "shock", "spring", "suspension", "travel", "vertical", "heave", "body", "chassis", "seat", "tire"),
+}
 # No road car is faster; larger values, and negative ones, are what buses send for a speed that is not known.
 FASTEST_CAR: MetrePerSecond = 120.0
 # A value counts as known for this many steps of its channel, but for at least this time: longer ones are tunnels.
@@ -87,7 +94,8 @@ def way_of(
             return None
         if name is not None:
             return in_si(recording[name], si, unit)
-        named = [c for c in free if _words(c.name) & words and not _words(c.name) & OTHER_WORDS]
+        others = WITHIN_WORDS if si == "m/s" else OTHER_WORDS
+        named = [c for c in free if _words(c.name) & words and not _words(c.name) & others]
         fit = [c for c in named if stated_unit(c, unit if si == "m/s" else None, si) is not None]
         best = min(fit, key=lambda c: len(_words(c.name)), default=None)
         return None if best is None else in_si(best, si, unit if si == "m/s" else None)
@@ -117,16 +125,20 @@ def way_of(
 
 
 def _by_unit(channels: Iterable[RawChannel]) -> RawChannel | None:
-    """Return the only channel in a unit in which nothing but the speed of a vehicle is stated; None if not sure."""
-    stated = [c for c in channels if not _words(c.name) & OTHER_WORDS and stated_unit(c, None, "m/s") in ROAD_SPEEDS]
-    return in_si(stated[0], "m/s", None) if len(stated) == 1 else None
+    """Return the only channel in a unit in which nothing but the speed of a vehicle is stated; None if not sure.
+
+    A speed that never changes is a setting.
+    """
+    stated = [c for c in channels if not _words(c.name) & WITHIN_WORDS and stated_unit(c, None, "m/s") in ROAD_SPEEDS]
+    changing = [c for c in stated if np.nanmin(c.values, initial=np.inf) < np.nanmax(c.values, initial=-np.inf)]
+    return in_si(changing[0], "m/s", None) if len(changing) == 1 else None
 
 
 def _unused(moving: RawChannel | None, free: Iterable[RawChannel], asked: str | None) -> tuple[str, str] | None:
     """Return a channel that may be meant as the speed and cannot be used, and why; refuse one that was asked for."""
     if moving is None:
         words = SPEED_WORDS - {"velocity"}  # a velocity without a unit may be that of the body
-        alike = [c.name for c in free if _words(c.name) & words and not _words(c.name) & OTHER_WORDS]
+        alike = [c.name for c in free if _words(c.name) & words and not _words(c.name) & WITHIN_WORDS]
         why = "no unit of speed is stated for it; state it (speed_unit)"
         return (alike[0], why) if alike and asked is None else None
     if np.any((moving.values >= 0) & (moving.values <= FASTEST_CAR)):

@@ -17,8 +17,9 @@ SPELLED = {
 
 def stated_unit(channel: RawChannel, unit: str | None, si: str) -> str | None:
     """Return the unit of a channel, as given, stated, or in its name, if it is one of the quantity; else None."""
-    tail = re.split(r"[\s_]", channel.name.strip("[]() ").lower())[-1]
-    for candidate in (unit, channel.unit, tail):
+    tail = re.split(r"[\s_]", channel.name.strip("[]() "))[-1]
+    # Names are written in any case; kN and kn differ in nothing else.
+    for candidate in (unit, channel.unit, tail if tail == "kN" else tail.lower()):
         known = spelled(candidate, si) if candidate else None
         if known is not None:
             return known
@@ -27,7 +28,7 @@ def stated_unit(channel: RawChannel, unit: str | None, si: str) -> str | None:
 
 def spelled(unit: str, si: str) -> str | None:
     """Return a unit as `to_si` knows it, if it is one of the quantity; else None."""
-    known = SPELLED.get(unit.strip().lower(), unit)
+    known = unit if unit.strip() == "kN" else SPELLED.get(unit.strip().lower(), unit)
     try:
         return known if known and to_si(0.0, known)[1] == si else None
     except InputError:

@@ -69,6 +69,11 @@ class Note(Code):
         "channel {channel!r} is the derivative of {source!r}, computed from it, and no measurement of its own; left "
         "out; name the channels to use it",
     )
+    INTEGRATED_CHANNEL = (
+        "integrated channel",
+        "channel {channel!r} is the integral of {source!r}, computed from it, and no measurement of its own; left "
+        "out; name the channels to use it",
+    )
     STILL_CHANNEL = "still channel", "channel {channel!r} is constant in this decay; left out"
     ONE_OF_TESTS = (
         "one of tests",

@@ -112,6 +112,8 @@ def _with_other(record: Record, alone: DrivenFit) -> DrivenFit | None:
     weights = record.amplitudes / np.sqrt(alone.variance)
     single = alone.amplitudes / np.sqrt(alone.variance)
     others = np.flatnonzero((record.theta.imag > 0) & (record.theta.real < 0))
+    if not others.size:
+        return None
     apart = np.abs(np.log(np.abs(record.theta[others] / alone.drive.theta[0]))) > np.log(OTHER_FREQUENCY)
     apart &= [not repeated(complex(record.theta[k]), weights[k], alone.drive.theta, single) for k in others]
     if not apart.any():
