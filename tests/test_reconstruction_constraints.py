@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -330,6 +331,13 @@ class TestRefusals:
             reconstruct(
                 plain(), nominal(PAPER), constraints="tire.stiffness >= 1e6", bounds={"tire.stiffness": (None, 9e5)}
             )
+
+    @pytest.mark.parametrize("text", ["2 * tire.stiffness <= 100", "chassis.stiffness <= 0.01 * tire.stiffness"])
+    def test_a_constraint_against_the_modes_is_named(self, text: str) -> None:
+        with pytest.raises(
+            ReconstructionError, match=rf"within the constraints .*{re.escape(text)}.*check the constraints"
+        ):
+            reconstruct(plain(), nominal(PAPER), constraints=text)
 
     def test_parameters_held_alone(self) -> None:
         with pytest.raises(InputError, match="they violate it"):

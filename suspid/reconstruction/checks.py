@@ -19,7 +19,7 @@ from suspid.reconstruction.programs import Optimum
 from suspid.reconstruction.unknowns import Unknowns
 from suspid.reconstruction.wishes import null_space
 from suspid.units import Ratio, RealArray
-from suspid.values import frozen_real
+from suspid.values import frozen_real, listed
 from suspid.wording import Argument
 from suspid.words import Number, ReconstructionNote, Remark
 
@@ -124,10 +124,14 @@ def check_fit(
             allowed = np.maximum(allowed, 5 * std / np.where(modes.wn > 0, modes.wn, np.max(modes.wn)))
         if np.any(error > allowed):
             worst = int(np.argmax(error / allowed))
+            labels = () if problem.wishes is None else problem.wishes.labels
+            within = f", within the constraints {listed(labels)}," if labels else ""
+            check = "the constraints, the masses" if labels else "the masses"
             raise ReconstructionError(
-                f"no suspension of this topology and these masses with k > 0 and c >= 0 was found to have these modes: "
-                f"in the nearest one the pole of mode {worst + 1}{where} is off by {error[worst]:.2%} of its modulus "
-                f"({allowed[worst]:.2%} allowed); check the masses, names and gains of the channels, and what is held",
+                f"no suspension of this topology and these masses with k > 0 and c >= 0{within} was found to have "
+                f"these modes: in the nearest one the pole of mode {worst + 1}{where} is off by {error[worst]:.2%} of "
+                f"its modulus ({allowed[worst]:.2%} allowed); check {check}, names and gains of the channels, and what "
+                f"is held",
                 best=car,
             )
         residual = max(residual, float(np.max(error, initial=0.0)))
