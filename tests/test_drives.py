@@ -68,7 +68,7 @@ class TestSpeed:
     def test_a_speed_without_a_unit_is_named(self) -> None:
         found = find_drives(ride(channel("az", body()), channel("speed", constant(15.0), "")))
         said = [str(check) for check in found.remarks]
-        assert any("'speed' is named like a speed, but was not used: no unit" in one for one in said)
+        assert any("'speed' looks like the speed of the car, but was not used: no unit" in one for one in said)
         assert not any("not used" in str(c) for c in find_drives(ride(channel("az", body()))).remarks)
 
     @pytest.mark.parametrize("value", [np.nan, -20.0, 655.35])
@@ -110,6 +110,10 @@ class TestSpeed:
         assert DriveRemark.SPEED_BY_UNIT in {check.remark.code for check in found.remarks}
         other = channel("w", constant(5.0) + body(), unit)
         assert ends(find_drives(ride(channel("az", body()), moving, other), channels=["az"])) == [(0.0, 120.0)]
+        told = find_drives(ride(channel("az", body()), moving, other), channels=["az"])
+        assert any(
+            "'v' looks like the speed of the car, but was not used: 'w' may be" in str(one) for one in told.remarks
+        )
         wind = channel("wind", constant(0.0), unit)
         assert ends(find_drives(ride(channel("az", body()), moving, wind), channels=["az"])) == [(41.0, 120.0)]
         for name, values in (("axle_force_kN", constant(30.0) + body()), ("cruise (km/h)", constant(120.0) + body())):

@@ -20,6 +20,7 @@ from suspid.reconstruction.programs import Limits, Optimum, Program, compiled, l
 from suspid.reconstruction.reconstruct import Reconstruction, reconstruct
 from suspid.reconstruction.unknowns import parameter_vector
 from suspid.units import RealArray
+from suspid.wording import called
 
 CHANGES = (0.7, 1.3)
 
@@ -390,8 +391,13 @@ class TestPublishedModes:
 class TestRefusals:
     def test_fewer_equations_than_unknowns(self) -> None:
         modes = ModalSet(poles=eigenmodes(paper_car()).poles[:2])
-        with pytest.raises(ReconstructionError, match=r"6 unknowns .* 4 equations from 2 modes.*hold at least 2"):
+        with pytest.raises(
+            ReconstructionError, match=r"6 unknowns .* 4 equations from 2 modes.*hold at least 2"
+        ) as said:
             reconstruct(modes, paper_car())
+        assert "such as fixed=['chassis.damping', 'tire.damping']" in str(said.value)
+        with called({"fixed": "--fixed"}):
+            assert "such as --fixed chassis.damping,tire.damping" in str(said.value)
 
     @pytest.mark.parametrize("shapes", [True, False], ids=["shapes", "poles alone"])
     def test_two_struts_side_by_side_cannot_be_told_apart(self, shapes: bool) -> None:

@@ -102,11 +102,12 @@ def way_of(
 
     moving = chosen(speed, SPEED_WORDS, "m/s", speed_unit)
     by_unit = moving is None and speed is None and _unused(None, free, None) is None
+    several = None
     if by_unit:
-        moving = _by_unit(free)
+        moving, several = _by_unit(free)
     if speed_unit is not None and moving is None and speed != NO_CHANNEL:
         raise InputError(f"{speed_unit=} goes with a channel of speed, and none is named so; name it with speed")
-    unused = _unused(moving, free, speed)
+    unused = several or _unused(moving, free, speed)
     yaw, upright = chosen(None, YAW_WORDS, "rad/s"), about_vertical(free)
     along, across = chosen(longitudinal, LONGITUDINAL_WORDS, "m/s2"), chosen(lateral, LATERAL_WORDS, "m/s2")
     first, second = horizontal(recording.channels, without)
@@ -124,14 +125,16 @@ def way_of(
     )
 
 
-def _by_unit(channels: Iterable[RawChannel]) -> RawChannel | None:
-    """Return the only channel in a unit in which nothing but the speed of a vehicle is stated; None if not sure.
+def _by_unit(channels: Iterable[RawChannel]) -> tuple[RawChannel | None, tuple[str, str] | None]:
+    """Return the only channel in a unit in which nothing but the speed of a vehicle is stated; or why it is none.
 
     A speed that never changes is a setting.
     """
     stated = [c for c in channels if not _words(c.name) & WITHIN_WORDS and stated_unit(c, None, "m/s") in ROAD_SPEEDS]
     changing = [c for c in stated if np.nanmin(c.values, initial=np.inf) < np.nanmax(c.values, initial=-np.inf)]
-    return in_si(changing[0], "m/s", None) if len(changing) == 1 else None
+    if len(changing) > 1:
+        return None, (changing[0].name, f"{changing[1].name!r} may be the speed as well; choose one with speed")
+    return (in_si(changing[0], "m/s", None) if changing else None), None
 
 
 def _unused(moving: RawChannel | None, free: Iterable[RawChannel], asked: str | None) -> tuple[str, str] | None:

@@ -103,6 +103,10 @@ def estimate_from_dict(content: Mapping[str, object]) -> Estimate:
         if not isinstance(within, dict):
             raise InputError("the report has no springs and dampers that were fitted to the record: give it a car")
         content = within
+    if content.get("format") == "suspid car 1":
+        raise InputError(
+            "holds what reconstruct found; write the car with suspid reconstruct -o car.toml, and give that"
+        )
     if content.get("format") != ESTIMATE_FORMAT:
         raise InputError(
             f"format {reprlib.repr(content.get('format'))} is not {ESTIMATE_FORMAT!r}; write the file with "

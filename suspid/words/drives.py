@@ -55,7 +55,7 @@ class DriveRemark(Code):
     FOUND = "found", _found
     NONE = "none", _none
     NO_SPEED = "no speed", "No channel of speed: whether the car moves was judged by its vibration."
-    SPEED_UNUSED = "speed unused", "Channel {channel!r} is named like a speed, but was not used: {why}."
+    SPEED_UNUSED = "speed unused", "Channel {channel!r} looks like the speed of the car, but was not used: {why}."
     BRAKING_UNKNOWN = (
         "braking unknown",
         "Neither speed nor longitudinal acceleration was measured: braking was not judged, and its forces may be in "
