@@ -31,6 +31,27 @@ class Argument:
 
 
 @dataclass(frozen=True, slots=True)
+class Listed:
+    """An argument of a function with several values: a list in Python, commas on the command line.
+
+    Examples
+    --------
+    >>> print(Listed("fixed", ("seat.damping", "tire")))
+    fixed=['seat.damping', 'tire']
+    >>> with called({"fixed": "--fixed"}):
+    ...     print(Listed("fixed", ("seat.damping", "tire")))
+    --fixed seat.damping,tire
+    """
+
+    name: str
+    values: tuple[str, ...]
+
+    def __str__(self) -> str:
+        option = (_CALLED.get() or {}).get(self.name)
+        return f"{self.name}={[*self.values]}" if option is None else f"{option} {','.join(self.values)}"
+
+
+@dataclass(frozen=True, slots=True)
 class AtCommandLine:
     """An option with an example, in brackets, where its likeness in Python is another text or none.
 

@@ -19,7 +19,7 @@ from suspid.reconstruction.programs import SOLVER
 from suspid.reconstruction.unknowns import Unknowns
 from suspid.reconstruction.wishes import Constraints, Wishes, wishes_of
 from suspid.units import Ratio, RealArray
-from suspid.wording import Argument, WayOut
+from suspid.wording import Argument, Listed
 from suspid.words import ReconstructionNote, Remark
 
 
@@ -111,14 +111,13 @@ def _enough(seen: Sequence[Observed], unknowns: Unknowns, known: int, suspension
     if equations + known >= len(unknowns):
         return
     lack, names = len(unknowns) - equations - known, unknowns.labels
-    held = [*unknowns.names[-lack:]]
     raise ReconstructionError(
         f"{len(names)} unknowns ({', '.join(names)}) but {equations} equations from "
         f"{sum(len(one.poles) for one in seen)} modes: add modes, or shapes at more coordinates, or hold at least "
         f"{lack} with ",
         Argument("fixed", "…"),
         ", such as ",
-        WayOut(f"fixed={held}", "fixed", f"{{option}} {','.join(held)}", f"fixed={held}"),
+        Listed("fixed", tuple(unknowns.names[-lack:])),
         best=suspension,
     )
 
