@@ -2,6 +2,7 @@
 
 import json
 import re
+from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -10,6 +11,7 @@ import jsonschema
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
+from scipy.signal import lfilter
 from scipy.stats import norm
 
 from suspid import (
@@ -24,7 +26,9 @@ from suspid import (
     quarter_car,
     simulate,
 )  # fmt: skip
-from suspid.greybox.curve_fit import CurveFit, Linearised, Shape
+from suspid.greybox.curve_fit import CurveFit, Linearised, Noise, Shape
+from suspid.greybox.curve_noise import Residual
+from suspid.greybox.curve_settling import too_loud
 from suspid.greybox.damper_curve import _line_test
 from suspid.greybox.force_basis import bend_covariance, node_weights, placed_nodes, sign_between, smooth_weights
 from suspid.greybox.latent_splines import (
@@ -36,6 +40,7 @@ from suspid.greybox.latent_splines import (
     spline_through,
     stencils,
 )  # fmt: skip
+from suspid.greybox.strut_motion import strut_motion
 from suspid.reporting import json_schema, plot_damper_curve
 from suspid.signals import as_response
 from suspid.units import RealArray
@@ -224,6 +229,31 @@ class TestResidual:
         apart = (curve.forces - np.interp(curve.velocities, quiet.velocities, quiet.forces))[curve.velocities != 0]
         inside = np.abs(apart) < 1.96 * np.hypot(curve.std, 2.0)[curve.velocities != 0]
         assert np.mean(inside) > 0.85
+
+    @pytest.mark.parametrize("seed", [3, 4, 5])
+    def test_gusts_are_doubted_or_within_the_intervals(self, seed: int) -> None:
+        """Forces of a tenth of a second: the strut moves with them, which looks like another stiffness."""
+        noise = np.random.default_rng(seed).standard_normal(len(record("bilinear").time))
+        gusts = lfilter([np.sqrt(1 - 0.95**2)], [1, -0.95], noise)
+        curve, quiet = self.changed(30.0 / 350 * gusts), found("bilinear")
+        assert not curve.explains or abs(curve.stiffness - quiet.stiffness) < 2 * curve.stiffness_std
+
+    @pytest.mark.parametrize(
+        ("loud", "doubted"), [([0], True), ([7], False), ([3, 9, 12], False), (range(8, 16), True)]
+    )
+    def test_where_the_residual_may_be_loud(self, loud: Sequence[int], doubted: bool) -> None:
+        """The strut moves with a force in the first band, of up to 3.5 Hz; half of the bands are no engine."""
+        expected = np.stack([np.full(16, 0.5), 0.5 / (1 + np.arange(16)) ** 2], axis=1)
+        power = np.where(np.isin(np.arange(16), loud), 9.0, 1.0) * expected.sum(axis=1)
+        left = Residual(power=power, expected=expected, independent=np.full(16, 200.0), velocity=0.001)
+        one = strut_motion(record("bilinear"), CAR, "chassis", None)
+        fit = CurveFit(theta=np.array([22e3]), covariance=np.eye(1), splines=(), records=(), steps=1, settled=True)
+        assert too_loud([one], fit, Noise(force=10.0, motion=0.1), left) is doubted
+
+    def test_noise_does_not_follow(self) -> None:
+        """F of a hundred degrees of freedom in each of sixteen bands: its mean is one to a sixth or so."""
+        for law in ("linear", "bilinear"):
+            assert found(law).following == pytest.approx(1.0, abs=0.5)
 
     @pytest.mark.parametrize(("wheel", "delay"), [(1.2, 0.0), (1.0, 0.002), (1.0, -0.002)])
     def test_wrong_sensors_are(self, wheel: float, delay: float) -> None:

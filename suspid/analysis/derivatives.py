@@ -1,4 +1,4 @@
-"""Channels that were computed from another, as its derivative: programs of motion sensors export it with the motion."""
+"""Channels that were computed from another, as its derivative or integral: programs of sensors export both."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ SAMPLES_READ = 20_000
 
 
 def without_derivatives(record: control.TimeResponseData) -> tuple[control.TimeResponseData, tuple[Remark, ...]]:
-    """Return the record without channels that were computed as the derivative of another, and what was left out.
+    """Return the record without channels that were computed from another as its derivative or integral, and what.
 
     Their noise is that of the motion once more: it is neither white nor independent of it, and they tell nothing else.
     A sensor of its own has noise that no other channel tells.

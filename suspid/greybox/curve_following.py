@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from suspid.greybox.curve_fit import CurveFit, Noise, Shape
-from suspid.greybox.curve_noise import PROBES, SPECTRUM_BANDS, lines_of, of_drawn_noise
+from suspid.greybox.curve_fit import CurveFit
+from suspid.greybox.curve_noise import PROBES, SPECTRUM_BANDS, Drawn, lines_of
 from suspid.greybox.latent_splines import at_samples
 from suspid.greybox.strut_motion import StrutMotion
 from suspid.units import ComplexArray, RealArray, Second
@@ -32,17 +32,10 @@ class Following:
     pushed: bool = False  # whether a force of its own pushes the body where that moves the strut, or everywhere
 
     def __bool__(self) -> bool:
-        return self.pushed or self.p_value < FOLLOWS_LEVEL
-
-    @property
-    def elsewhere(self) -> bool:
-        """Whether what is left is too loud, and does not follow the motion."""
-        return self.pushed and self.p_value >= FOLLOWS_LEVEL
+        return self.p_value < FOLLOWS_LEVEL
 
 
-def following_of(
-    motions: Sequence[StrutMotion], fit: CurveFit, shape: Shape, noise: Noise, rng: np.random.Generator
-) -> Following:
+def following_of(motions: Sequence[StrutMotion], fit: CurveFit, drawn: Sequence[Drawn]) -> Following:
     """Return the test for a fit whose splines are the travel.
 
     The residual follows the errors of the velocity that was found: as far as drawn noises do, it is taken off.
@@ -54,19 +47,17 @@ def following_of(
 
     shortest = min(len(m.force) for m in motions)
     left, velocity, cube = [], [], []
-    drawn, errors = [], []
-    for motion, spline, part in zip(motions, fit.splines, fit.records, strict=True):
+    noisy, errors = [], []
+    for motion, spline, part, noises in zip(motions, fit.splines, fit.records, drawn, strict=True):
         travel = at_samples(spline, 0, motion.step)
         left.append(_spectra(part.force_residual, motion.step, shortest))
         velocity.append(_spectra(part.velocity, motion.step, shortest))
         cube.append(_spectra((travel - np.mean(travel)) ** 3, motion.step, shortest))
-        noisy, off = (
-            one[:, :PROBES] + one[:, PROBES:] for one in of_drawn_noise(motion, shape, fit.theta, spline, noise, rng)
-        )
-        drawn += [_spectra(one, motion.step, shortest) for one in noisy.T]
+        made, off = (one[:, :PROBES] + one[:, PROBES:] for one in (noises.left, noises.errors))
+        noisy += [_spectra(one, motion.step, shortest) for one in made.T]
         errors += [_spectra(at_samples(one, 1, motion.step), motion.step, shortest) for one in off.T]
     rest, causes = np.vstack(left), [np.vstack(velocity), np.vstack(cube)]
-    through, wrong = np.vstack(drawn), np.vstack(errors)
+    through, wrong = np.vstack(noisy), np.vstack(errors)
     lines = np.sqrt(np.mean(np.abs(rest) ** 2, axis=0))
     lines[lines == 0] = 1.0
     ratios, chances = [], []

@@ -34,17 +34,30 @@ class Residual:
     velocity: MetrePerSecond  # error of the velocity
 
 
-def residual_of(
-    motions: Sequence[StrutMotion], fit: CurveFit, shape: Shape, noise: Noise, rng: np.random.Generator
-) -> Residual:
-    """Return the spectra of the force that a fit leaves.
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Drawn:
+    """What drawn noises of a record do to a fit, `PROBES` of each signal in turn, (…, drawn)."""
 
-    What noise leaves is linear in it: `PROBES` drawn noises are put through the equations of the fit.
-    """
+    left: RealArray  # force that they leave, (sample, drawn)
+    errors: RealArray  # of the spline, (coefficient, drawn)
+
+
+def probes() -> np.random.Generator:
+    """Return the generator of test noise: the same for all records, so that results do not depend on chance."""
+    return np.random.default_rng(0)
+
+
+def drawn_noises(motions: Sequence[StrutMotion], fit: CurveFit, shape: Shape, noise: Noise) -> list[Drawn]:
+    """Return what noise does to the fit of each record: it is linear in it, and put through the fit's equations."""
+    rng = probes()
+    return [_drawn(m, shape, fit.theta, spline, noise, rng) for m, spline in zip(motions, fit.splines, strict=True)]
+
+
+def residual_of(motions: Sequence[StrutMotion], fit: CurveFit, drawn: Sequence[Drawn]) -> Residual:
+    """Return the spectra of the force that a fit leaves, and of what drawn noises leave."""
     power, expected, squares, weights = [], [], [], []
-    for motion, spline, part in zip(motions, fit.splines, fit.records, strict=True):
-        h, count = motion.step, len(motion.force)
-        left, errors = of_drawn_noise(motion, shape, fit.theta, spline, noise, rng)
+    for motion, part, noises in zip(motions, fit.records, drawn, strict=True):
+        h, count, left, errors = motion.step, len(motion.force), noises.left, noises.errors
         power.append(by_bands(part.force_residual[:, None], h)[:, 0])
         expected.append(by_bands(left, h).reshape(-1, 2, PROBES).mean(axis=2))
         squares.append(float(np.mean([at_samples(errors[:, i], 1, h) ** 2 for i in range(PROBES)])))
@@ -52,10 +65,9 @@ def residual_of(
     return averaged(motions, power, expected, squares, weights)
 
 
-def of_drawn_noise(
+def _drawn(
     motion: StrutMotion, shape: Shape, theta: RealArray, spline: RealArray, noise: Noise, rng: np.random.Generator
-) -> tuple[RealArray, RealArray]:
-    """Return the force that drawn noises leave and the errors of the spline, `PROBES` of each signal in turn."""
+) -> Drawn:
     from scipy.linalg import solveh_banded
 
     count = len(motion.force)
@@ -66,7 +78,7 @@ def of_drawn_noise(
     dense = [np.hstack([first, still]), np.hstack([still, drawn[1]])]
     bands, right = spline_equations(equations, dense, len(spline))
     solved = np.asarray(solveh_banded(bands, right, lower=True))
-    return (dense[0] - of_spline(equations.wide[0], solved)) * noise.force, solved
+    return Drawn(left=(dense[0] - of_spline(equations.wide[0], solved)) * noise.force, errors=solved)
 
 
 def averaged(

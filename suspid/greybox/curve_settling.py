@@ -9,7 +9,7 @@ import numpy as np
 
 from suspid.greybox.curve_fit import CurveFit, Noise, Shape, fitted_curve
 from suspid.greybox.curve_following import Following, following_of
-from suspid.greybox.curve_noise import Residual, lines_of, loud_bands, misfit_of, noise_of, residual_of
+from suspid.greybox.curve_noise import Residual, drawn_noises, lines_of, loud_bands, misfit_of, noise_of, residual_of
 from suspid.greybox.strut_motion import StrutMotion
 from suspid.levels import likely
 from suspid.units import MetrePerSecond2
@@ -27,7 +27,7 @@ SOFT_UP_TO = 2.0
 def settled(motions: Sequence[StrutMotion], shape: Shape, fit: CurveFit, noise: Noise) -> tuple[CurveFit, Noise]:
     """Return curve and noise found in turn; noise is only raised, and a record without noise is left as it is."""
     for _ in range(CURVE_ROUNDS - 1):
-        shown = noise_of(residual_of(motions, fit, shape, noise, probes()), noise)
+        shown = noise_of(residual_of(motions, fit, drawn_noises(motions, fit, shape, noise)), noise)
         raised = replace(shown, force=max(noise.force, shown.force), motion=max(noise.motion, shown.motion))
         try:
             fit, noise = fitted_curve(motions, shape, fit.theta, fit.splines, raised), raised
@@ -45,24 +45,24 @@ def of_both_readings(
     Where the residual is not that of white noise, the curve is found once more with a quiet sensor of the motion. The
     covariance holds the difference of both, and that residual is judged which follows the motion more.
     """
-    left = residual_of(motions, fit, shape, noise, probes())
-    follows = following_of(motions, fit, shape, noise, probes())
+    drawn = drawn_noises(motions, fit, shape, noise)
+    left, follows = residual_of(motions, fit, drawn), following_of(motions, fit, drawn)
     if likely(*misfit_of(left)):
         return fit, noise, left, follows
     force = np.sqrt(np.mean(np.concatenate([part.force_residual for part in fit.records]) ** 2))
     quiet = replace(noise, force=float(force), motion=min(QUIET, noise.motion))
     try:
         other = fitted_curve(motions, shape, fit.theta, fit.splines, quiet)
-        there = following_of(motions, other, shape, quiet, probes())
+        there = following_of(motions, other, drawn_noises(motions, other, shape, quiet))
     except (np.linalg.LinAlgError, ValueError):  # one reading alone does not explain the record
         return fit, noise, left, replace(follows, pushed=True)
     apart = np.outer(other.theta - fit.theta, other.theta - fit.theta)
     worse = min(follows, there, key=lambda one: one.p_value)
-    worse = replace(worse, pushed=_pushed(motions, fit, noise, left))
+    worse = replace(worse, pushed=too_loud(motions, fit, noise, left))
     return replace(fit, covariance=fit.covariance + apart), noise, left, worse
 
 
-def _pushed(motions: Sequence[StrutMotion], fit: CurveFit, noise: Noise, left: Residual) -> bool:
+def too_loud(motions: Sequence[StrutMotion], fit: CurveFit, noise: Noise, left: Residual) -> bool:
     """Return whether bands are too loud in which a force on the body moves the strut, or half of all.
 
     The residual and the motion then have a part in common that is taken for stiffness.
@@ -73,8 +73,3 @@ def _pushed(motions: Sequence[StrutMotion], fit: CurveFit, noise: Noise, left: R
     own = np.sqrt(max(abs(motions[0].share) * float(fit.theta[0]), 0.0)) / (2 * np.pi)
     loud = loud_bands(left, noise)
     return bool(np.any(loud & (np.array(starts) < SOFT_UP_TO * own)) or 2 * np.sum(loud) >= len(loud))
-
-
-def probes() -> np.random.Generator:
-    """Return the generator of test noise: the same for all records, so that results do not depend on chance."""
-    return np.random.default_rng(0)

@@ -12,8 +12,8 @@ from suspid.cleaning import RecordLike
 from suspid.errors import EstimationError, InputError, RecordError
 from suspid.greybox.curve_fit import CurveFit, Noise, Shape, first_spline, fitted_curve
 from suspid.greybox.curve_following import Following
-from suspid.greybox.curve_noise import Residual, misfit_of, noise_of, residual_of
-from suspid.greybox.curve_settling import of_both_readings, probes, settled
+from suspid.greybox.curve_noise import Residual, drawn_noises, misfit_of, noise_of, probes, residual_of
+from suspid.greybox.curve_settling import of_both_readings, settled
 from suspid.greybox.curve_travel import travel_fit
 from suspid.greybox.damper_curves import DamperCurve, LineTest, rising
 from suspid.greybox.force_basis import MOST_NODES, SAMPLES_A_NODE, bend_covariance, placed_nodes
@@ -139,7 +139,7 @@ def damper_curve(
         shape = _shape(motions, velocity, nodes, friction)
         theta = _onto(fit.theta, wide, shape)
         fit = fitted_curve(motions, shape, theta, fit.splines, noise)
-        noise, theta = noise_of(residual_of(motions, fit, shape, noise, probes()), noise), fit.theta
+        noise, theta = noise_of(residual_of(motions, fit, drawn_noises(motions, fit, shape, noise)), noise), fit.theta
         fit = fitted_curve(motions, shape, theta, fit.splines, noise)
     except (np.linalg.LinAlgError, ValueError) as error:
         raise EstimationError(
@@ -251,15 +251,16 @@ def _result(
         noise_std=(noise.force, noise.motion),
         chi_square=chi_square,
         freedom=freedom,
-        following=float("nan") if follows is None or follows.elsewhere else follows.statistic,
-        explains=likely(chi_square, freedom) if follows is None else not follows,
+        following=float("nan") if follows is None else follows.statistic,
+        explains=likely(chi_square, freedom) if follows is None else not (follows or follows.pushed),
         verdict=Verdict(Remark(CurveHeadline.LINE if line else CurveHeadline.CURVE, {"strut": strut})),
     )
 
-    return replace(made, verdict=Verdict(made.verdict.headline, tuple(_checks(made, fit, noise))))
+    residual = _residual_check(made, follows=bool(follows))
+    return replace(made, verdict=Verdict(made.verdict.headline, tuple(_checks(made, fit, noise, residual))))
 
 
-def _checks(found: DamperCurve, fit: CurveFit, noise: Noise) -> list[Check]:
+def _checks(found: DamperCurve, fit: CurveFit, noise: Noise, residual: Check) -> list[Check]:
     line = found.linear
     tested = {
         "level": line.level,
@@ -270,7 +271,7 @@ def _checks(found: DamperCurve, fit: CurveFit, noise: Noise) -> list[Check]:
     }
     checks = [
         Check(Remark(CurveCheck.STRAIGHT if line else CurveCheck.BENDS, tested), Level.NOTE),
-        _residual_check(found),
+        residual,
         Check(Remark(CurveCheck.MASSES), Level.NOTE),
     ]
     if found.friction_sought and found.friction > 2.6 * found.friction_std:
@@ -292,11 +293,10 @@ def _checks(found: DamperCurve, fit: CurveFit, noise: Noise) -> list[Check]:
     return checks
 
 
-def _residual_check(found: DamperCurve) -> Check:
+def _residual_check(found: DamperCurve, *, follows: bool) -> Check:
     misfit = {"chi_square": found.chi_square, "freedom": found.freedom, "ratio": found.following}
     if not found.explains:
-        code = CurveCheck.UNEXPLAINED if np.isnan(found.following) else CurveCheck.FOLLOWS
-        return Check(Remark(code, misfit), Level.CARE)
+        return Check(Remark(CurveCheck.FOLLOWS if follows else CurveCheck.UNEXPLAINED, misfit), Level.CARE)
     if likely(found.chi_square, found.freedom):
         return Check(Remark(CurveCheck.EXPLAINS, misfit), Level.SOUND)
     return Check(Remark(CurveCheck.ADDED, misfit), Level.NOTE)

@@ -86,10 +86,10 @@ class DamperCurve(Result):
         See `chi_square`.
     following : float
         How much the residual follows the motion of the strut: F, about 1 where it does not; NaN where travel was
-        measured, or forces of their own on the body move the strut.
+        measured.
     explains : bool
-        Whether the residual does not follow the motion: it is noise, or forces of their own on the body. With a sensor
-        of travel: whether chi-square is not improbably large.
+        Whether the residual is noise, or forces of their own on the body: it does not follow the motion, and is not too
+        loud where such forces move the strut. With a sensor of travel: whether chi-square is not improbably large.
     verdict : Verdict
         How far the result can be trusted, and why.
 
