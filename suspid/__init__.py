@@ -12,6 +12,7 @@
 
 from importlib.metadata import version
 
+from suspid import performance
 from suspid.analysis import (
     Analysis,
     CarSettings,
@@ -90,27 +91,7 @@ from suspid.model import (
     statespace,
     write_car,
 )
-from suspid.performance import (
-    ActiveTuning,
-    DamperTuning,
-    DamperWear,
-    Grip,
-    Ride,
-    RoadClass,
-    Sensitivities,
-    Tuning,
-    Wear,
-    WearRule,
-    classify_road,
-    grip,
-    ride,
-    sensitivities,
-    tune,
-    tune_active,
-    tune_damper,
-    wear,
-    weighting,
-)
+from suspid.performance import *  # noqa: F403 - all of its __all__ is public
 from suspid.reconstruction import ModalTest, Reconstruction, reconstruct
 from suspid.recordings import RawChannel, Recording
 from suspid.reporting import (
@@ -187,10 +168,6 @@ __all__ = [  # noqa: RUF022 - grouped by step
     "estimate", "Estimate", "RecordTest", "RoadEstimate", "read_estimate",
     # one damper as it is
     "damper_curve", "DamperCurve", "LineTest", "damper_curve_to_dict",
-    # figures that a car is judged by
-    "grip", "Grip", "wear", "Wear", "WearRule", "DamperWear", "ride", "Ride", "weighting",
-    "classify_road", "RoadClass", "sensitivities", "Sensitivities", "tune", "Tuning",
-    "tune_active", "ActiveTuning", "tune_damper", "DamperTuning",
     # a page for others, and many records
     "report", "report_to_dict", "content_of", "Source", "source_of",
     "identify_many", "estimate_many", "FleetRun", "fleet_summary", "FleetSummary", "damper_trends", "DamperTrends",
@@ -205,3 +182,6 @@ __all__ = [  # noqa: RUF022 - grouped by step
     "SuspidError", "InputError", "RecordError", "RecordWarning", "IdentificationError", "ReconstructionError",
     "EstimationError",
 ]
+# fmt: on
+# figures that a car is judged by
+__all__ += performance.__all__

@@ -5,42 +5,48 @@ returns a frozen result in SI units. `grip`: wheels on a test bench; below it `c
 `uncertain` (what is not known of a car). `wear`: dampers against limits and earlier estimates; below it `losses` (the
 rule and its interval). `ride`: cars on roads (`road_response`: variances and their derivatives; `figures`: what is made
 of them) and records (`recorded`), weighted as ISO 2631-1 says (`weightings`). `classify_road`: measured roads.
+
+To add a metric: write its module and import its names below, in ``__all__``: `suspid` exports every name of that list.
+Names for other packages alone are imported ``as`` themselves and stay out of it.
 """
 
 from suspid.performance.active_tuning import ActiveTuning
-from suspid.performance.contact import wheels_of
-from suspid.performance.damper_rates import dampers_between, dampers_of, rates_of, spring_beside
+from suspid.performance.damper_rates import dampers_between as dampers_between
+from suspid.performance.damper_rates import dampers_of as dampers_of
+from suspid.performance.damper_rates import rates_of as rates_of
+from suspid.performance.damper_rates import spring_beside as spring_beside
 from suspid.performance.damper_tunings import DamperTuning
-from suspid.performance.felt import ACCELERATIONS
-from suspid.performance.figure_plan import ANGLES
-from suspid.performance.grip import grip, grip_if_any
-from suspid.performance.grips import CLASSES, PHASE_LIMIT, Grip
-from suspid.performance.losses import Loss, Rates, WearRule, loss_of
+from suspid.performance.felt import ACCELERATIONS as ACCELERATIONS
+from suspid.performance.figure_plan import ANGLES as ANGLES
+from suspid.performance.grip import grip
+from suspid.performance.grip import grip_if_any as grip_if_any
+from suspid.performance.grips import CLASSES as CLASSES
+from suspid.performance.grips import PHASE_LIMIT as PHASE_LIMIT
+from suspid.performance.grips import Grip
+from suspid.performance.losses import Loss as Loss
+from suspid.performance.losses import Rates as Rates
+from suspid.performance.losses import WearRule
+from suspid.performance.losses import loss_of as loss_of
 from suspid.performance.ride import ride
 from suspid.performance.rides import Ride
-from suspid.performance.road_classes import ROAD_LIMITS, RoadClass, classify_road
-from suspid.performance.sensitivities import Sensitivities, per_cent, sensitivities
+from suspid.performance.road_classes import ROAD_LIMITS as ROAD_LIMITS
+from suspid.performance.road_classes import RoadClass, classify_road
+from suspid.performance.sensitivities import Sensitivities, sensitivities
+from suspid.performance.sensitivities import per_cent as per_cent
 from suspid.performance.tune import tune
 from suspid.performance.tune_active import tune_active
 from suspid.performance.tune_damper import tune_damper
-from suspid.performance.tunings import Tuning, short
+from suspid.performance.tunings import Tuning
 from suspid.performance.wear import wear
-from suspid.performance.wears import DamperWear, ParameterChange, Wear
+from suspid.performance.wears import DamperWear, Wear
+from suspid.performance.wears import ParameterChange as ParameterChange
 from suspid.performance.weightings import weighting
 
 __all__ = [
-    "ACCELERATIONS",
-    "ANGLES",
-    "CLASSES",
-    "PHASE_LIMIT",
-    "ROAD_LIMITS",
     "ActiveTuning",
     "DamperTuning",
     "DamperWear",
     "Grip",
-    "Loss",
-    "ParameterChange",
-    "Rates",
     "Ride",
     "RoadClass",
     "Sensitivities",
@@ -48,21 +54,12 @@ __all__ = [
     "Wear",
     "WearRule",
     "classify_road",
-    "dampers_between",
-    "dampers_of",
     "grip",
-    "grip_if_any",
-    "loss_of",
-    "per_cent",
-    "rates_of",
     "ride",
     "sensitivities",
-    "short",
-    "spring_beside",
     "tune",
     "tune_active",
     "tune_damper",
     "wear",
     "weighting",
-    "wheels_of",
 ]
