@@ -100,10 +100,19 @@ def nearest_names(name: str, known: Iterable[str]) -> str:
     (" Did you mean 'seat'?", " Known: 'seat', 'tire'.")
     """
     names = list(dict.fromkeys(known))
-    close = difflib.get_close_matches(name, names, n=3, cutoff=0.6)
-    if close:
-        return f" Did you mean {' or '.join(repr(c) for c in close)}?"
-    return f" Known: {listed(names)}." if names else ""
+    return likely_names(name, names) or (f" Known: {listed(names)}." if names else "")
+
+
+def likely_names(name: str, known: Iterable[str]) -> str:
+    """Return ``" Did you mean …?"`` when a known name is close, else nothing.
+
+    Examples
+    --------
+    >>> likely_names("sat", ["seat", "tire", "seat"]), likely_names("x", ["seat", "tire"])
+    (" Did you mean 'seat'?", '')
+    """
+    close = difflib.get_close_matches(name, list(dict.fromkeys(known)), n=3, cutoff=0.6)
+    return f" Did you mean {' or '.join(repr(c) for c in close)}?" if close else ""
 
 
 def listed(names: Sequence[str]) -> str:

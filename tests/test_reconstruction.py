@@ -6,6 +6,8 @@ import itertools
 import threading
 import warnings
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,8 +16,9 @@ from hypothesis import strategies as st
 
 from suspid import InputError, ModalSet, ReconstructionError, Strut, Suspension, eigenmodes, quarter_car
 from suspid.model import pole_distances
-from suspid.reconstruction import programs
+from suspid.reconstruction import problem, programs
 from suspid.reconstruction.cones import Cone, cone_of, optimality
+from suspid.reconstruction.descent import descend
 from suspid.reconstruction.programs import Limits, Optimum, Program, compiled, least_squares, solve
 from suspid.reconstruction.reconstruct import Reconstruction, reconstruct
 from suspid.reconstruction.unknowns import parameter_vector
@@ -590,6 +593,46 @@ class TestProgram:
             reconstruct(modes, changed(car, [0.7, 1.3] * 2))
             assert asked
             assert all(one.left < 1e-9 for one in asked)
+
+    @pytest.mark.parametrize(("weighted", "short_by", "rtol"), [(False, 1e-2, 1e-9), (True, 3e-5, 1e-6)])
+    def test_the_program_and_not_the_search_ends_at_the_optimum(
+        self, monkeypatch: pytest.MonkeyPatch, *, weighted: bool, short_by: float, rtol: float
+    ) -> None:
+        """With searches that end off the minimum, the answer is the same."""
+        car = two_mass_car(chassis_damping=1500.0, tire_damping=30.0)
+        exact, nominal = eigenmodes(car), changed(car, [0.9, 1.1] * 2)
+        modes = without_shapes(exact)
+        if weighted:
+            off = ([1.0001, 0.9999], [0.995, 1.01])
+            modes = ModalSet.from_wn_zeta(
+                exact.wn * off[0], exact.zeta * off[1], wn_std=1e-4 * exact.wn, zeta_std=1e-2 * exact.zeta
+            )
+        expected = parameter_vector(reconstruct(modes, nominal, search=False).suspension)
+
+        def short(*args: Any, **options: Any) -> RealArray:
+            x = descend(*args, **options)
+            return np.clip(
+                x * np.where(np.arange(len(x)) % 2, 1 + short_by, 1 - short_by), options["lower"], options["upper"]
+            )
+
+        monkeypatch.setattr(problem, "descend", short)
+        found = parameter_vector(reconstruct(modes, nominal, search=False).suspension)
+        np.testing.assert_allclose(found, expected, rtol=rtol)
+
+    def test_a_program_alone_solves_linear_equations(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        """Of shapes and poles that are exact, cvxpy alone makes the answer: twice its solution is twice the springs."""
+        car = two_mass_car(chassis_damping=1500.0, tire_damping=30.0)
+
+        def doubled(*args: Any, **options: Any) -> Optimum:
+            found = least_squares(*args, **options)
+            return replace(found, x=2 * found.x)
+
+        monkeypatch.setattr(problem, "least_squares", doubled)
+        with pytest.raises(ReconstructionError) as caught:
+            reconstruct(eigenmodes(car), changed(car, [0.7, 1.3] * 2))
+        assert caught.value.best is not None
+        twice = 2 * parameter_vector(car)[:4]  # the masses are given
+        np.testing.assert_allclose(parameter_vector(caught.value.best)[:4], twice, rtol=1e-9)
 
     def test_a_program_ends_where_an_alternative_is(self) -> None:
         """Alternatives have no program of their own; one that starts there stays there."""

@@ -18,7 +18,7 @@ from suspid.io import bare_name
 from suspid.model import FORCE, Suspension, added_masses, force_weights, output_weights
 from suspid.signals import Signal, as_signal
 from suspid.units import Kilogram, RealArray, Second
-from suspid.values import frozen_real, listed, nearest_names
+from suspid.values import frozen_real, likely_names, listed, nearest_names
 from suspid.wording import Argument, AtCommandLine
 
 if TYPE_CHECKING:
@@ -224,8 +224,8 @@ def _force(car: Suspension, name: str, channels: Sequence[str]) -> RealArray:
         on_mass, in_strut = force_names(car)
         own = [channel for channel in channels if name in (channel, bare_name(channel))]
         how = f"{AtCommandLine('rename', renaming(own[0], on_mass))}." if own else "."
-        close = nearest_names(name, [*car.roads, *car.coordinates, *(f"{c}{FORCE}" for c in car.coordinates)])
-        meant = close if close.startswith(" Did you mean") and not own else ""
+        causes = [*car.roads, *car.coordinates, *(f"{c}{FORCE}" for c in car.coordinates)]
+        meant = "" if own else likely_names(name, causes)
         raise InputError(
             Argument("given"),
             f": {name!r} is no road ({listed(car.roads) or 'there is none'}), no coordinate "

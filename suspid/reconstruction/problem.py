@@ -169,13 +169,15 @@ class Problem:
         return descend(equations, x, positive=u.positive, lower=u.lower, upper=u.upper, negligible=negligible)
 
     def answer(self, x: RealArray) -> Optimum:
-        """Return the optimum that the convex program at x gives: of the linear equations if they are exact."""
+        """Return the optimum that convex programs give: one alone if equations that are linear are exact, else from x.
+
+        A sequence of programs goes on from x to the minimum, however near to it the search has ended.
+        """
         u = self.unknowns
         if self.exact(x):
             residual, slope = self.linear
-            limits = Limits(low=u.lower - x, high=np.minimum(u.upper, LARGEST) - x)
-            step = least_squares(slope, -residual - slope @ x, limits)
-            return replace(step, x=u.settled(np.clip(x + step.x, u.lower, u.upper)))
+            best = least_squares(slope, -residual, Limits(low=u.lower, high=np.minimum(u.upper, LARGEST)))
+            return replace(best, x=u.settled(best.x))
         negligible = NEGLIGIBLE if self.weighted else 0.0
         best = converged(
             self.deciding,

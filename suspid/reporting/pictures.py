@@ -22,6 +22,7 @@ from suspid.reporting.plot_shapes import plot_shapes
 from suspid.reporting.plot_skeletons import plot_skeletons
 from suspid.reporting.plot_spectra import plot_spectra
 from suspid.reporting.plot_stabilization import plot_stabilization
+from suspid.reporting.shape_groups import shape_groups
 from suspid.reporting.svg import page_style, svg_of
 from suspid.reporting.thinning import first_cycles
 from suspid.samples import held
@@ -218,10 +219,10 @@ def shape_pictures(modes: ModalSet, units: Sequence[str] | None = None) -> Itera
 
 def _draw_shapes(modes: ModalSet, units: Sequence[str] | None, figure: Figure) -> None:
     ax = plot_shapes(modes, ax=figure.subplots(), units=units)
-    said = ax.get_title(loc="left")
     without_legend(ax)
-    # The page explains shapes of one quantity itself.
-    ax.set_title(said if " as " in said or " by unit" in said else "", loc="left")
+    groups = shape_groups(modes, units)
+    if len(groups) < 2 and not groups[0].brought:
+        ax.set_title("", loc="left")  # the page explains shapes of one quantity itself
 
 
 def _skeleton(ridge: Ridge, number: int) -> Picture:
