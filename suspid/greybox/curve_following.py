@@ -70,7 +70,9 @@ def following_of(motions: Sequence[StrutMotion], fit: CurveFit, drawn: Sequence[
         explained = columns @ np.linalg.lstsq(columns, y, rcond=None)[0]
         size, count = columns.shape[1], max(INDEPENDENT_LINES * len(y), columns.shape[1] + 1.0)
         square, part_square = float(np.vdot(y, y).real), float(np.vdot(explained, explained).real)
-        ratio = part_square / size / max((square - part_square) / (count - size), np.finfo(float).tiny)
+        # What is left is known to the rounding of the whole.
+        over = max(square - part_square, np.finfo(float).eps * square, np.finfo(float).tiny) / (count - size)
+        ratio = part_square / size / over
         ratios.append(ratio)
         chances.append(float(f.sf(ratio, 2 * size, 2 * (count - size))))
     return Following(statistic=float(np.mean(ratios)), p_value=min(1.0, SPECTRUM_BANDS * min(chances)))
