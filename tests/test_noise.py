@@ -3,7 +3,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.stats import gamma, norm
 
-from suspid import identify
+from suspid import add_noise, estimate, free_decay, identify, quarter_car
 from suspid.identification.classification import reasons_of
 from suspid.identification.exponentials import blocks_of
 from suspid.identification.fitting import COLOUR_BEGINS
@@ -409,3 +409,21 @@ class TestRoundingIsNotShared:
         noise = np.vstack([white(32, 1, 1000), np.zeros((1, 1000))])
         assert shared_noise(noise) == 1.0
         assert np.isfinite(most_shared(noise)[2])
+
+
+def test_one_noise_serves_all_fits_of_samples(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where the noise says that variances are four times as large, so are those of modes, springs and dampers."""
+    car = quarter_car(
+        chassis_mass=400, tire_mass=40, chassis_stiffness=20e3, tire_stiffness=200e3, chassis_damping=1500
+    )
+    exact = free_decay(car, np.arange(0, 3, 0.005), initial_state={"v_tire": 1.0})
+    record = add_noise(exact, snr_db=30, rng=np.random.default_rng(1))
+
+    def variances() -> Real:
+        modes, springs = identify(record).modes, estimate(record, car)
+        assert modes.covariance is not None
+        return np.concatenate([np.diag(modes.covariance)[: 2 * len(modes)], np.diag(springs.covariance)])
+
+    before, variance = variances(), WhiteNoise.variance
+    monkeypatch.setattr(WhiteNoise, "variance", lambda noise, *given: 4 * variance(noise, *given))
+    np.testing.assert_allclose(variances(), 4 * before, rtol=1e-3)

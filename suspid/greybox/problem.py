@@ -53,13 +53,12 @@ class Problem:
             freedom = float(trial.count)
             if fair:
                 freedom -= (error.linear + len(x) / len(self.trials)) / len(trial.channels)
-            found.append(np.sqrt(np.maximum(np.sum(error.residual**2, axis=1) / max(freedom, 1.0), trial.least)))
+            found.append(np.sqrt(trial.noise.variance(np.sum(error.residual**2, axis=1), max(freedom, 1.0))))
         return found
 
     def loss(self, noise: Sequence[RealArray]) -> float:
         """Return minus twice the log likelihood, less a constant, of most likely noise."""
-        counts = [trial.count for trial in self.trials]
-        return float(sum(2 * n * np.sum(np.log(std)) for n, std in zip(counts, noise, strict=True)))
+        return sum(t.noise.loss(t.count * std**2, t.count) for t, std in zip(self.trials, noise, strict=True))
 
 
 def squeezed(residual: RealArray, slope: RealArray) -> tuple[RealArray, RealArray]:

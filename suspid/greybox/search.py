@@ -132,7 +132,8 @@ def _unmoved(problem: Problem, x: RealArray, noise: Sequence[RealArray]) -> bool
     """Return whether unknowns leave most channels nearly as they are, by a residual that is no noise."""
     power = [np.var(trial.values, axis=1) for trial in problem.trials]
     share = [
-        std**2 / np.maximum(own, trial.least) for std, own, trial in zip(noise, power, problem.trials, strict=True)
+        std**2 / np.maximum(own, trial.noise.least)
+        for std, own, trial in zip(noise, power, problem.trials, strict=True)
     ]
     if np.median(np.concatenate(share)) < UNMOVED:
         return False
@@ -142,5 +143,5 @@ def _unmoved(problem: Problem, x: RealArray, noise: Sequence[RealArray]) -> bool
 
 def _first_noise(problem: Problem, x: RealArray) -> list[RealArray]:
     """Return the residual at a start, with channels weighted by their size, as noise."""
-    size = [np.sqrt(np.maximum(np.mean(t.values**2, axis=1), t.least)) for t in problem.trials]
+    size = [np.sqrt(np.maximum(np.mean(t.values**2, axis=1), t.noise.least)) for t in problem.trials]
     return problem.noise(x, size)

@@ -153,7 +153,7 @@ def _judged(problem: Problem, errors: list[OutputError], noise: list[RealArray])
     """Return the statistic of whiteness of all channels that stand above their rounding, and what it says."""
     total, freedom, worst, where = 0.0, 0, 0.0, ""
     for i, (trial, error, std) in enumerate(zip(problem.trials, errors, noise, strict=True)):
-        above = std > ABOVE_RESOLUTION * np.sqrt(trial.least)
+        above = std > ABOVE_RESOLUTION * np.sqrt(trial.noise.least)
         statistics, lags = portmanteau(error.residual)
         for channel, statistic, counts in zip(trial.channels, statistics, above, strict=True):
             if counts:
@@ -176,7 +176,7 @@ def _judged(problem: Problem, errors: list[OutputError], noise: list[RealArray])
 def _largest_share(problem: Problem, errors: list[OutputError]) -> float:
     """Return the share of a channel's power that is left of it, where most is left."""
     return max(
-        float(np.max(np.sum(e.residual**2, axis=1) / np.maximum(t.count * np.var(t.values, axis=1), t.least)))
+        float(np.max(np.sum(e.residual**2, axis=1) / np.maximum(t.count * np.var(t.values, axis=1), t.noise.least)))
         for t, e in zip(problem.trials, errors, strict=True)
     )
 
@@ -194,7 +194,7 @@ def _covariance(problem: Problem, errors: list[OutputError], noise: list[RealArr
             own = slope[channel].T @ slope[channel]
             information = information + own
             coloured = not likely(float(statistics[channel]), lags)
-            loud = std[channel] > ABOVE_RESOLUTION * np.sqrt(trial.least[channel])
+            loud = std[channel] > ABOVE_RESOLUTION * np.sqrt(trial.noise.least[channel])
             if coloured and loud:
                 own = score_power(slope[channel], error.residual[channel] / std[channel])
             scores = scores + own

@@ -13,7 +13,7 @@ from suspid.cleaning import RecordLike
 from suspid.errors import InputError, RecordError
 from suspid.greybox.car_records import example, force_names, record_of_car, renaming
 from suspid.greybox.wheels import wheels_of
-from suspid.identification import resolution
+from suspid.identification import WhiteNoise, resolution
 from suspid.io import bare_name
 from suspid.model import FORCE, Suspension, added_masses, force_weights, output_weights
 from suspid.signals import Signal, as_signal
@@ -83,7 +83,7 @@ class Trial:
     forces: RealArray  # (force, coordinate): weights of the forces that are inputs
     wheels: tuple[int, ...]  # coordinates whose measured motion is the cause
     inputs: RealArray  # (input, sample): roads, then forces
-    least: RealArray  # (channel,): least variance
+    noise: WhiteNoise  # of the channels
     unused: tuple[str, ...]  # channels that measure nothing of the suspension
     logger: str | None = None
     causes: tuple[str, ...] = ()  # names of the inputs, or of the channels that show given motion alone
@@ -181,7 +181,7 @@ def _trial(one: object, car: Suspension, given: Sequence[str]) -> Trial:
         forces=frozen_real(np.array(pushes).reshape(len(pushes), len(car.coordinates))),
         wheels=tuple(wheels),
         inputs=frozen_real(np.array([known[name] for name in (*roads, *forces)]).reshape(-1, values.shape[1])),
-        least=frozen_real(np.maximum(resolution(values) ** 2, 1e-300)),
+        noise=WhiteNoise(least=frozen_real(np.maximum(resolution(values) ** 2, 1e-300))),
         unused=tuple(unused),
         logger=test.logger,
         causes=(*roads, *forces, *caused),

@@ -1,8 +1,9 @@
 """The noise of a record: least variance, likelihood, colour, and correlation between channels.
 
-Every fit takes the noise of each channel for white, of unknown variance above a least one (`WhiteNoise`). Where the
-residual contradicts that, `loudness` and `shared_noise` are the factors by which variances of the estimates are
-widened. To fit another noise model, replace `WhiteNoise` in `white`; all fits weigh, compare and count with it.
+Every fit of samples takes the noise of each channel for white, of unknown variance above a least one (`WhiteNoise`):
+`identify`, and `estimate` of decays and rigs. Fits of spectra, of drives, have noise of their own
+(`suspid.greybox.noise_levels`). Where the residual contradicts that, `loudness` and `shared_noise` are the factors by
+which variances of the estimates are widened. To fit another noise model, replace `WhiteNoise` in `white`.
 """
 
 from suspid.identification.noise.colour import (
