@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from suspid import identify
 from suspid.identification import ForceKind, Identification
 from suspid.identification.nonlinear.forces import Force
+from suspid.identification.nonlinear.guesses import gains_of
 from suspid.identification.nonlinear.motion import Structures, motion_of
 from suspid.signals import as_response
 from validation import rigs
@@ -157,3 +158,24 @@ class TestTwoMassesWithFriction:
     def test_damping_rises_as_the_amplitude_falls(self, found: Identification) -> None:
         (_, large), (_, small) = found.amplitude_dependence[0].ends
         assert small > 1.5 * large
+
+
+class TestGuessesOfFriction:
+    """Friction that stops both masses after two and a half cycles: the linear fit knows neither its poles nor sizes."""
+
+    RIG = Rig(mass=(2.57, 1.04), stiffness=(4240.0, 1070.0), damping=(1.7, 1.71), friction=(5.9, 5.6))
+    HELD = np.array([-0.031, 0.014])
+
+    def test_gains_are_those_of_a_force_on_one_mass(self) -> None:
+        modes = structure(RIG, HELD, 1e-3)
+        slowed = np.array(RIG.friction) / np.array(RIG.mass) * 1e-6
+        guessed = gains_of(modes.theta[0], modes.shapes[0], slowed)
+        assert guessed == pytest.approx(modes.gains[0], rel=1e-9)
+
+    def test_both_modes_are_found(self) -> None:
+        time = np.asarray(np.arange(170) / 300, float)
+        exact, stop = released(self.RIG, self.HELD, time)
+        found = identify(as_response(time, 1e-4 * np.round(exact / 1e-4), ("x1", "x2")))
+        assert 2 < stop * self.RIG.wn[0] / (2 * np.pi) < 2.6
+        assert found.modes.wn == pytest.approx(self.RIG.wn, rel=0.01)
+        assert {force.kind for force in found.forces} == {ForceKind.FRICTION}

@@ -14,6 +14,7 @@ from suspid.identification.noise import LOUD, over_channels, power_beside
 from suspid.identification.nonlinear.driven import Drive, DrivenFit, maximize
 from suspid.identification.nonlinear.feedback import ROUGH_STEPS, Bent, Record, added, without_forces
 from suspid.identification.nonlinear.forces import ForceKind, forces_of
+from suspid.identification.nonlinear.guesses import with_friction
 from suspid.identification.nonlinear.linearised import slopes_of
 from suspid.identification.nonlinear.motion import Structures, steps_of
 from suspid.identification.nonlinear.own import UNKNOWN, next_poles, repeated
@@ -35,6 +36,8 @@ WITHIN_REACH = 0.5
 KINDS_TRIED, COMMON = 2, (ForceKind.FRICTION, ForceKind.BENT_DAMPER, ForceKind.CUBIC)
 # Steps after which starts are compared.
 FIRST = 6
+# Guesses of friction, each from the poles that the one before leads to.
+GUESSES = 2
 # Share of a record to which a structure is fitted first where the fit to the whole misses something.
 BEGINNING = 0.4
 
@@ -214,11 +217,20 @@ def _needed(fit: StructureFit) -> StructureFit:
 def _begun(record: Record, start: DrivenFit, order: int, kind: ForceKind) -> StructureFit:
     """Return a structure with forces of a kind after some steps.
 
-    Where those leave more than noise beside the modes, the better of that and of one that begins with a fit to the
-    beginning of the record.
+    Where those leave more than noise beside the modes, the best of that, of one that begins with a fit to the
+    beginning of the record, and of one that begins with friction of a guessed size.
     """
     forces = forces_of(kind, len(record.values), most=6)
-    whole = fitted(structure_of(record, start.drive.theta, start.amplitudes, forces, order), steps=FIRST)
+    plain = structure_of(record, start.drive.theta, start.amplitudes, forces, order)
+    whole = fitted(plain, steps=FIRST)
+    if kind is ForceKind.FRICTION:
+        # Friction hides the poles from a linear fit: a guess beside those of the first is better.
+        for _ in range(GUESSES):
+            if not _misses(whole):
+                break
+            guessed = fitted(with_friction(plain), steps=FIRST)
+            plain = structure_of(record, guessed.theta, guessed.amplitudes, forces, order)
+            whole = guessed if guessed.bic < whole.bic else whole
     if not _misses(whole):
         return whole
     count = int(BEGINNING * record.values.shape[1])
