@@ -274,7 +274,7 @@ class TestSpringsFromTheRecord:
             # Five standard deviations: one false alarm in two million.
             assert abs(value - value_of(self.ROW.car, name)) < 5 * std, name
         assert found.verdict.level is Level.SOUND
-        assert "beyond chance" in str(found)
+        assert "significant" in str(found)
         page, content = report(found), report_to_dict(found)
         assert page.index('id="springs"') < page.index('id="modes"')
         assert "They rest on these masses" in page

@@ -237,7 +237,7 @@ class TestDampers:
             np.where(curve.velocities > 0, 1950, 650) * curve.velocities <= high
         )
         assert np.mean(inside) > 0.9
-        assert "not a line" in str(found)
+        assert "not a straight line" in str(found)
         assert DriveRemark.BENT in {check.remark.code for check in found.notes}
         # Where viscous dampers do not explain the drive, and the curve does, the curve is what holds.
         assert found.estimate is not None
@@ -275,7 +275,7 @@ class TestBodyAlone:
         assert "the drive has no springs and dampers" in done.output
         assert content["body"][0]["lower"] < 1.2105 < content["body"][0]["upper"]
         page = (folder / "page.html").read_text(encoding="utf-8")
-        for text in ("Frequencies of the body", f"{content['body'][0]['hertz']:.3g}", "not reported", "moving at"):
+        for text in ("Only frequencies of the body", f"{content['body'][0]['hertz']:.3g}", "not reported", "moving at"):
             assert text in page
 
     @pytest.mark.skipif(not CSS.is_dir(), reason="needs the measured drive in ../shared")

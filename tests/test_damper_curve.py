@@ -84,7 +84,7 @@ class TestCurves:
         assert abs(curve.stiffness - 22e3) < min(4 * curve.stiffness_std, 0.01 * 22e3)
         assert abs(curve.friction - friction) < min(4 * curve.friction_std, 8.0)
         assert not curve.linear
-        assert "is not a line" in str(curve.verdict.headline)
+        assert "is not a straight line" in str(curve.verdict.headline)
 
     def test_a_viscous_damper_is_a_line(self) -> None:
         curve = found("linear")
@@ -92,7 +92,7 @@ class TestCurves:
         assert curve.linear.level == 0.01
         assert curve.equivalent_damping() == pytest.approx(1300, abs=4 * curve.equivalent_damping_std())
         assert curve.equivalent_damping_std() < 13
-        assert "no sign" in str(curve.verdict.headline)
+        assert "is consistent with a straight line" in str(curve.verdict.headline)
 
     def test_the_equivalent_damping_is_that_of_the_true_curve(self) -> None:
         curve = found("bilinear")

@@ -296,7 +296,7 @@ class TestOptionsOfTheOtherMethod:
         plain, asked = identify(record, modes=3), identify(record, modes=3, candidates=[4.0, 8.0])
         assert np.array_equal(plain.modes.poles, asked.modes.poles)
         assert ModeCheck.CANDIDATES not in {check.remark.code for check in plain.verdict.checks}
-        assert "bandwidths to choose among are for the scalogram" in str(asked.verdict)
+        assert "candidate bandwidths are used only for the scalogram" in str(asked.verdict)
         wavelet = identify(record, method="ridge", modes=3, candidates=[16.0, 24.0])
         assert ModeCheck.CANDIDATES not in {check.remark.code for check in wavelet.verdict.checks}
 

@@ -58,7 +58,7 @@ class TestCauses:
         gains = [1.0, 1.0, 1.0]
         gains[channel] = gain
         text = said(measured(eigenmodes(PAPER), channel, gains=gains), nominal(PAPER))
-        name, _, number = text.partition("channel ")[2].partition(" reading ")
+        number, _, name = text.partition("a gain of ")[2].partition(" of channel ")
         assert name == PAPER.coordinates[channel], text
         # Components of 0.3 to 1, known to 1e-3, that tell six unknowns beside the gain.
         assert float(number.split()[0]) == pytest.approx(gain, rel=0.01), text
@@ -146,7 +146,7 @@ class TestWithoutCovariance:
     def test_the_tolerance_decides(self) -> None:
         answer = reconstruct(self.with_gain(1.1), nominal(PAPER))
         assert answer.explains
-        assert "the modes are met to 3." in answer.status, answer.status
+        assert "the modes are reproduced to 3." in answer.status, answer.status
         assert not reconstruct(self.with_gain(1.1), nominal(PAPER), tolerance=1e-3).explains
 
     def test_a_sign_that_is_swapped_is_refused(self) -> None:
@@ -171,7 +171,7 @@ class TestWithoutCovariance:
             )
             answer = reconstruct(printed, nominal(car))
             assert answer.explains
-            assert "are met to" in answer.status
+            assert "are reproduced to" in answer.status
 
     def test_no_more_equations_than_unknowns_judge_nothing(self) -> None:
         answer = reconstruct(ModalSet(poles=eigenmodes(HATCHBACK).poles), nominal(HATCHBACK))

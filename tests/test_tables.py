@@ -235,7 +235,7 @@ class TestWithoutNames:
         recording = read(tmp_path, text)
         assert recording.names == ("column 2",)
         assert np.allclose(recording.channels[0].timepts, stamps, atol=1e-6)
-        assert str(dict(recording.left_out)["column 1"]) == "runs as a clock does: it is taken as the time"
+        assert str(dict(recording.left_out)["column 1"]) == "increases like a clock: taken as the time"
 
 
 class TestExports:

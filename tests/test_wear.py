@@ -173,7 +173,7 @@ class TestVerdicts:
     def test_an_interval_that_is_too_wide(self, fresh: Estimate) -> None:
         found = wear(scaled(fresh, 0.9), rule=WearRule(nominal_std=0.2))
         assert found.states["chassis"] is DamperState.CANNOT_TELL
-        assert "too wide" in str(found)
+        assert "too uncertain" in str(found)
 
     def test_nominal_values_without_an_earlier_estimate(self, fresh: Estimate) -> None:
         assert wear(fresh).states["chassis"] is DamperState.GOOD

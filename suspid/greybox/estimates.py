@@ -286,7 +286,7 @@ def parameter_table(found: Estimate) -> str:
         "change": [
             "" if not old else f"{100 * (new / old - 1):+.1f} %" for new, old in zip(found.values, nominal, strict=True)
         ],
-        "beyond chance": [
+        "significant": [
             "" if old is None else "yes" if name in apart else "no"
             for name, old in zip(found.parameters, nominal, strict=True)
         ],

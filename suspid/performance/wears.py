@@ -170,7 +170,7 @@ class Wear(Result):
             "after": [f"{one.after:.6g}" for one in self.changes],
             "change": [_percent(one.change) if one.in_percent else "" for one in self.changes],
             reach: [f"{_percent(one.low)} to {_percent(one.high)}" if one.in_percent else "" for one in self.changes],
-            "beyond chance": ["yes" if one.significant else "no" for one in self.changes],
+            "significant": ["yes" if one.significant else "no" for one in self.changes],
         }
         parts = [text_table(changes)]
         if self.before is not None and self.after is not None:

@@ -1,4 +1,4 @@
-"""What can be said of state feedback."""
+"""Codes and sentences: state feedback."""
 
 from __future__ import annotations
 
@@ -14,33 +14,33 @@ class ActiveHeadline(Code):
 class ActiveCheck(Code):
     """What speaks for and against state feedback."""
 
-    OPTIMAL = "optimal", "The cost is within {share:.1g} of the bound that no state feedback falls below."
+    OPTIMAL = "optimal", "The cost is within {share:.1g} of the lower bound for state feedback."
     ABOVE = (
         "above",
-        "The cost is {share:.2g} above the bound without limits on peaks; how much of it these cost is not known.",
+        "The cost is {share:.2g} above the lower bound without limits on peaks; what these limits cost is not known.",
     )
     UNBOUNDED = (
         "unbounded",
-        "Nothing that was asked for holds the force: the least cost is approached by ever larger gains only, and these "
-        "are where the solver stopped. Name force in the objective or in the limits.",
+        "Nothing limits the force: the cost falls with ever larger gains, and the solver stopped at these. Give "
+        "force a weight in the objective, or a limit.",
     )
     FAST = (
         "fast",
-        "The fastest pole of the closed loop is at {hertz:.3g} Hz, above {limit:g} Hz: no actuator of a suspension "
-        "follows it. Give force more weight, or a limit.",
+        "The fastest pole of the closed loop is at {hertz:.3g} Hz; suspension actuators reach {limit:g} Hz at most. "
+        "Give force more weight, or a limit.",
     )
     FAR = (
         "far",
-        "{strut}: the rms of its travel is {travel:.3g} m, above the {limit:g} m that any vehicle has room for: give "
-        "{strut}_travel a weight in the objective, or a limit.",
+        "{strut}: the rms travel is {travel:.3g} m; vehicles have {limit:g} m at most. Give {strut}_travel a weight "
+        "in the objective, or a limit.",
     )
     AIRBORNE = (
         "airborne",
-        "{wheel}: the rms of its dynamic load is {rms:.4g} N, above the static load of {load:.4g} N: the wheel is off "
-        "the road for much of the time. Give the travel of the tire a weight or a limit.",
+        "{wheel}: the rms dynamic load, {rms:.4g} N, exceeds the static load, {load:.4g} N: the wheel is often off "
+        "the road. Give the travel of the tire a weight or a limit.",
     )
     UNDAMPED = (
         "loop hardly damped",
-        "The closed loop has a damping ratio of {zeta:.2g} at {hertz:.3g} Hz, below the {limit:.2g} that rubber alone "
-        "gives: give what vibrates there, as the travel of the tire, a weight or a limit.",
+        "The closed loop has a damping ratio of {zeta:.2g} at {hertz:.3g} Hz, below the {limit:.2g} of rubber alone. "
+        "Give the motion at that frequency, such as the travel of the tire, a weight or a limit.",
     )

@@ -1,4 +1,4 @@
-"""What the recipe says on its way from a file to a verdict."""
+"""Codes and sentences: from a file to a verdict."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ def _stands_out(n: Mapping[str, Number]) -> str:
     if n["found"] and not n["clear"]:
         return f"no clear decay was found, the best is {n['best']}; the whole record is used"
     if n["found"] and not n["modes"]:
-        return f"no mode stands out, neither in the best decay ({n['best']}) nor in the whole record"
+        return f"no mode is significant, neither in the best decay ({n['best']}) nor in the whole record"
     if n["found"]:
-        return f"the whole record is used: it is explained as well as the best decay in it ({n['best']})"
+        return f"the whole record is used: the fit explains it as well as the best decay in it ({n['best']})"
     return f"no free decay was found; the whole record is used. {n['remarks']}".rstrip()
 
 
@@ -22,7 +22,7 @@ def _tests(n: Mapping[str, Number]) -> str:
     names = n["tests"]
     assert isinstance(names, tuple)
     more = f" and {len(names) - MOST_LISTED} others" if len(names) > MOST_LISTED else ""
-    return f"file holds {len(names)} tests, {', '.join(repr(name) for name in names[:MOST_LISTED])}{more}"
+    return f"file contains {len(names)} tests, {', '.join(repr(name) for name in names[:MOST_LISTED])}{more}"
 
 
 class Note(Code):
@@ -61,18 +61,18 @@ class Note(Code):
     DECAY_DOUBT = "decay doubt", "this decay: {doubt}"
     HELD_CHANNEL = (
         "held channel",
-        "channel {channel!r} is a command or a force, no motion: it holds its value but for jumps ({jumps}); left out; "
+        "channel {channel!r} is a command or a force, not a motion: constant except for jumps ({jumps}); left out; "
         "name the channels to use it",
     )
     DERIVED_CHANNEL = (
         "derived channel",
-        "channel {channel!r} is the derivative of {source!r}, computed from it, and no measurement of its own; left "
-        "out; name the channels to use it",
+        "channel {channel!r} is the computed derivative of {source!r}, not a measurement; left out; name the "
+        "channels to use it",
     )
     INTEGRATED_CHANNEL = (
         "integrated channel",
-        "channel {channel!r} is the integral of {source!r}, computed from it, and no measurement of its own; left "
-        "out; name the channels to use it",
+        "channel {channel!r} is the computed integral of {source!r}, not a measurement; left out; name the channels "
+        "to use it",
     )
     STILL_CHANNEL = "still channel", "channel {channel!r} is constant in this decay; left out"
     ONE_OF_TESTS = (
@@ -90,8 +90,9 @@ class Note(Code):
         "of the motion",
     )
     NO_SPRINGS = "no springs", "springs and dampers were not found from the modes: {why}"
-    ESTIMATED = "estimated", "the modes alone do not settle springs and dampers: these are fitted to the record itself"
-    MOVED = "moved", "{names} was taken as the cause of the motion, not a free decay"
+    ESTIMATED = "estimated", "the modes alone do not determine springs and dampers; they are fitted to the record "
+    "itself"
+    MOVED = "moved", "taken as the cause of the motion, instead of a free decay: {names}"
     NO_ESTIMATE = "no estimate", "springs and dampers were not found from the record itself: {why}"
 
 
@@ -106,11 +107,11 @@ class RecordCheck(Code):
         "{test} shares no mode with the others within their noise: it does not seem to be a test of the same "
         "structure. Leave it out.",
     )
-    NOT_IN_ALL = "not in all", "Mode {mode} stands out in {held}, not in {not_in}."
+    NOT_IN_ALL = "not in all", "Mode {mode} is significant in {held}, not in {not_in}."
     ODD_TEST = (
         "odd test",
         "{test} disagrees with the others on mode {mode}: chi-square {apart:.0f}, without it {without:.0f}. Leave it "
-        "out, or look for what was different.",
+        "out, or find out what was different.",
     )
     IN_TEST = "in test", "{test}: {what}"
     DEFECTS = (

@@ -1,4 +1,4 @@
-"""What cleaning can say: the defects of a recording, what was done about each, and the verdict on the record."""
+"""Codes and sentences: defects of a recording, what was done about each, and the verdict on the record."""
 
 from __future__ import annotations
 
@@ -77,7 +77,9 @@ def _jittering_stamps(numbers: Numbers) -> str:
     # Four standard deviations beyond 1, the share says nothing.
     told = 4 * _number(numbers, "followed_std") < 1
     follow = (
-        "do not follow them (share {followed:.2f} ± {followed_std:.2g})" if told else "cannot tell whether it strays"
+        "do not follow them (share {followed:.2f} ± {followed_std:.2g})"
+        if told
+        else "do not show whether the stamps are right"
     )
     return (
         "time stamps lie {rms:.2g} s rms, at most {largest:.2g} s, off a uniform clock of {rate:.7g} Hz; the samples "
@@ -147,8 +149,8 @@ def dead(numbers: Numbers) -> str:
     """
     if "huge" in numbers:
         return (
-            f"{numbers['huge']} of {_count(numbers, 'sample')} are beyond {numbers['limit']:g}, which no motion is: "
-            f"check its unit and scale"
+            f"{numbers['huge']} of {_count(numbers, 'sample')} exceed {numbers['limit']:g}, too large for a motion: "
+            f"check unit and scale"
         )
     if "finite" in numbers:
         return f"{_count(numbers, 'number', 'finite')} in {_count(numbers, 'sample')}"
@@ -163,8 +165,8 @@ def _slower_clock(numbers: Numbers) -> str:
     if "error" in numbers:
         return f"{_names(numbers)} at {numbers['rate']:.6g} Hz; {_interpolated(numbers)}"
     return (
-        f"{_names(numbers)} at {numbers['rate']:.6g} Hz, the others at {numbers['onto']:.6g} Hz; left out; ask for "
-        f"them by name to have them interpolated"
+        f"{_names(numbers)} at {numbers['rate']:.6g} Hz, the others at {numbers['onto']:.6g} Hz; left out; name them "
+        f"to interpolate them"
     )
 
 
@@ -227,7 +229,7 @@ class Defect(Code):
     AMBIGUOUS_STAMPS = (
         "ambiguous stamps",
         "time stamps fit a clock of {rate:.7g} Hz that was rounded as well as one of {other_rate:.7g} Hz with "
-        "{missing} rows missing; the samples do not tell which (share followed {followed:.2f} ± {followed_std:.2g}); "
+        "{missing} rows missing; the samples do not show which (share followed {followed:.2f} ± {followed_std:.2g}); "
         "{assumed:.7g} Hz assumed; compare it with the rate set in the logger",
     )
     MISSING_ROWS = (
@@ -244,7 +246,7 @@ class Defect(Code):
         "wrong stamps",
         sentence(
             lambda n: (
-                f"{_count(n, 'time stamp')} out of line with all others, the first {n['first']:g} s; "
+                f"{_count(n, 'time stamp')} inconsistent with all others, the first {n['first']:g} s; "
                 + (
                     "rows left out"
                     if n.get("left_out")
@@ -266,8 +268,8 @@ class Defect(Code):
     DEAD_CHANNEL = "dead channel", _dead_channel
     GAPPY_CHANNEL = (
         "gaps",
-        "{samples} of {rows} samples missing, in gaps too long to fill; left out beside channels without; ask for it "
-        "by name to take the record where it is complete",
+        "{samples} of {rows} samples missing, in gaps too long to fill; left out, since other channels have none; "
+        "name it to use the part of the record where it is complete",
     )
     SLOWER_CLOCK = "slower clock", _slower_clock
     SHIFTED_CLOCK = "shifted clock", _shifted_clock

@@ -8,8 +8,8 @@ from suspid.words.remarks import Code
 class CurveHeadline(Code):
     """What was found."""
 
-    CURVE = "curve", "the curve of the damper of {strut!r} is not a line"
-    LINE = "line", "no sign that the curve of the damper of {strut!r} is not a line"
+    CURVE = "curve", "the damper curve of {strut!r} is not a straight line"
+    LINE = "line", "the damper curve of {strut!r} is consistent with a straight line"
 
 
 class CurveCheck(Code):
@@ -30,14 +30,14 @@ class CurveCheck(Code):
     )
     ADDED = (
         "added",
-        "The residual is more than white noise of the sensors (chi-square {chi_square:.3g} at {freedom}), but does not "
-        "follow the motion of the strut: forces of their own on the body, such as those of an engine. The intervals "
-        "contain them.",
+        "The residual exceeds white noise of the sensors (chi-square {chi_square:.3g} at {freedom}), but does not "
+        "follow the motion of the strut: other forces act on the body, such as those of an engine. The intervals "
+        "allow for them.",
     )
     BENDS = (
         "bends",
         "A line is rejected at a level of {level:.2g} (F = {statistic:.3g} at {freedom} and {residual_freedom}, "
-        "p = {p_value:.2g}): a viscous damper c stands for this one at one amplitude alone.",
+        "p = {p_value:.2g}): a viscous c describes this damper at one amplitude only.",
     )
     STRAIGHT = (
         "straight",
@@ -47,17 +47,18 @@ class CurveCheck(Code):
     FRICTION = "friction", "Friction of {friction:.3g} ± {std:.2g} N is significant."
     FALLS = (
         "falls",
-        "The forces found do not rise everywhere; the strut has the nearest curve that does, up to {error:.2g} N off.",
+        "The fitted forces do not rise everywhere with velocity. The strut has the nearest curve that does; it "
+        "differs by up to {error:.2g} N.",
     )
     BLURRED = (
         "blurred",
-        "The velocity is known to {error:.2g} m/s only, {share:.0%} of its root mean square: bends within that are "
-        "blurred, and a strut that sticks looks like one that creeps. Use an accelerometer at the wheel, or a sensor "
-        "of travel with less noise.",
+        "The velocity is known only to {error:.2g} m/s, {share:.0%} of its root mean square: the curve is blurred "
+        "over that width, and a sticking strut looks like a creeping one. Use an accelerometer at the wheel, or a "
+        "travel sensor with less noise.",
     )
     UNSETTLED = (
         "unsettled",
-        "The fit did not settle within {steps} steps. The values may be off by their standard errors.",
+        "The fit did not converge within {steps} steps. The values may be off by their standard errors.",
     )
     VAGUE = "vague", "Forces are uncertain by up to {share:.0%} of the largest force; use a longer or rougher record."
-    MASSES = "masses", "Forces and stiffness are in proportion to the masses of the car, which are taken as known."
+    MASSES = "masses", "Forces and stiffness are proportional to the masses of the car, which are taken as known."

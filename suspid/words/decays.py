@@ -39,7 +39,7 @@ def _driven(numbers: Mapping[str, Number]) -> str:
 
 
 class DecayKind(StrEnum):
-    """What set a decay off."""
+    """What started a decay."""
 
     IMPULSE = "impulse"
     STEP = "step"
@@ -48,7 +48,7 @@ class DecayKind(StrEnum):
 
 
 class DecayDoubt(Code):
-    """What speaks against a stretch as a free decay."""
+    """Doubts whether a stretch is a free decay."""
 
     FEW_CYCLES = "few cycles", "only {cycles:.1f} cycles"
     TOO_SHORT = "too short", "too short for the mode at {hertz:.3g} Hz: {cycles:.1f} cycles of it"
@@ -75,8 +75,8 @@ class DecayDoubt(Code):
         "nonlinear",
         sentence(
             lambda n: (
-                f"damped exponentials leave {_percent(n['share'])} of the motion: friction, clearance or another "
-                f"nonlinearity, or a force that still acts"
+                f"the residual of damped exponentials is {_percent(n['share'])} of the motion: friction, clearance "
+                f"or another nonlinearity, or a force that still acts"
             )
         ),
     )
@@ -91,8 +91,8 @@ class DecayDoubt(Code):
     CUT_OFF = "cut off", "the next event begins before the decay has reached the background"
     COMPANY = (
         "company",
-        "{refused} of {examined} events are not free decays: the recording may be driven throughout, and this decay a "
-        "coincidence",
+        "{refused} of {examined} events are not free decays: the recording may be driven throughout, and this decay "
+        "may be a coincidence",
     )
     BACKGROUND = (
         "background",
@@ -125,7 +125,7 @@ class DecayRemark(Code):
         "{found} events found; the {examined} strongest were examined. Cut the recording, or give the stretches, to "
         "examine the others.",
     )
-    DRIVEN = "driven", sentence(lambda n: f"{_event(n)}driven motion; no sum of damped exponentials follows it.")
+    DRIVEN = "driven", sentence(lambda n: f"{_event(n)}driven motion; no sum of damped exponentials fits it.")
     TOO_SHORT = "too short", sentence(lambda n: f"{_event(n)}too short for a decay.")
     NO_MODE = (
         "no mode",
@@ -152,7 +152,9 @@ class DecayRemark(Code):
     )
     LEFT_OVER = (
         "left over",
-        sentence(lambda n: f"{_event(n)}driven; decaying modes leave {_percent(n['share'])} of the motion."),
+        sentence(
+            lambda n: f"{_event(n)}driven; the residual of decaying modes is {_percent(n['share'])} of the motion."
+        ),
     )
     UNEXPLAINED = (
         "unexplained",

@@ -38,43 +38,46 @@ class DriveReason(Code):
     """Why a stretch of a drive was taken or left."""
 
     MOVING = "moving", "moving at {low:.3g} to {high:.3g} m/s"
-    VIBRATING = "vibrating", "moving, by its vibration of {level:.2g} m/s2"
+    VIBRATING = "vibrating", "moving (vibration {level:.2g} m/s2)"
     MISSING = "missing", sentence(lambda n: f"samples missing in {_channels(n)}")
     CLIPPED = "clipped", sentence(lambda n: f"{_channels(n)} clipped")
     STUCK = "stuck", sentence(lambda n: f"{_channels(n)} stuck at one value")
     SLOW = "slow", "slower than {limit:g} m/s (down to {low:.2g} m/s)"
-    STANDING = "standing", "standing, by a vibration of only {level:.2g} m/s2 (limit {limit:g} m/s2)"
+    STANDING = "standing", "standing (vibration {level:.2g} m/s2, limit {limit:g} m/s2)"
     BRAKING = "braking", "braking or accelerating with up to {most:.2g} m/s2 (limit {limit:g} m/s2)"
     CORNERING = "cornering", "cornering with up to {most:.2g} m/s2 (limit {limit:g} m/s2)"
-    SHORT = "short", "usable, but only {length:.3g} s long (least {least:g} s)"
+    SHORT = "short", "usable, but only {length:.3g} s long (minimum {least:g} s)"
 
 
 class DriveRemark(Code):
-    """What is said of a drive as a whole."""
+    """Remarks on a whole drive."""
 
     FOUND = "found", _found
     NONE = "none", _none
-    NO_SPEED = "no speed", "No channel of speed: whether the car moves was judged by its vibration."
+    NO_SPEED = "no speed", "No speed channel: whether the car moves was judged from its vibration."
     SPEED_UNUSED = "speed unused", "Channel {channel!r} looks like the speed of the car, but was not used: {why}."
     BRAKING_UNKNOWN = (
         "braking unknown",
-        "Neither speed nor longitudinal acceleration was measured: braking was not judged, and its forces may be in "
-        "the records.",
+        "Neither speed nor longitudinal acceleration was measured: braking was not detected, and the records may "
+        "contain it.",
     )
     CORNERING_UNKNOWN = (
         "cornering unknown",
-        "Neither lateral acceleration nor yaw rate and speed were measured: cornering was not judged, and its forces "
-        "may be in the records.",
+        "Neither lateral acceleration nor yaw rate and speed were measured: cornering was not detected, and the "
+        "records may contain it.",
     )
     YAW_BY_GRAVITY = (
         "yaw by gravity",
-        "{channel!r} was taken for the yaw rate, because the acceleration along its axis shows gravity.",
+        "{channel!r} was taken as the yaw rate, because the acceleration along its axis shows gravity.",
     )
-    SPEED_BY_UNIT = "speed by unit", "{channel!r} was taken for the speed of the car, by its unit."
+    SPEED_BY_UNIT = "speed by unit", "{channel!r} was taken as the speed of the car, because of its unit."
     BY_AXIS = (
         "by axis",
         sentence(
-            lambda n: f"Acceleration along or across the car: {_channels(n)}, by the name of the axis or by gravity."
+            lambda n: (
+                f"Taken as acceleration along or across the car, from the name of the axis or from gravity: "
+                f"{_channels(n)}."
+            )
         ),
     )
     NO_UNIT = "no unit", sentence(lambda n: f"No unit is stated for {_channels(n)}: taken as SI.")
@@ -82,8 +85,8 @@ class DriveRemark(Code):
         "no wheels",
         sentence(
             lambda n: (
-                f"No channel shows the motion of {_listed(n)} alone: springs and dampers cannot be told from the road. "
-                "Frequencies of the body are all that is found."
+                f"No channel measures the motion of {_listed(n)} alone: springs and dampers cannot be separated from "
+                f"the road. Only frequencies of the body are found."
             )
         ),
     )
@@ -95,9 +98,9 @@ class DriveRemark(Code):
         "sensors",
         sentence(
             lambda n: (
-                f"The curve of {_listed(n)} was found with corrected sensors ({n['corrections']}, by viscous dampers "
-                "without mounts): with the sensors as they are, more than noise is left. The curve's intervals take "
-                "the correction as exact."
+                f"The curve of {_listed(n)} was found with corrected sensors ({n['corrections']}, from a fit of "
+                f"viscous dampers without mounts): without the correction the residual exceeds noise. The intervals "
+                f"of the curve take the correction as exact."
             )
         ),
     )
@@ -105,8 +108,8 @@ class DriveRemark(Code):
         "misfit",
         sentence(
             lambda n: (
-                f"The curve of {_listed(n)} leaves more than noise of the sensors: a mount of the damper, gain or "
-                "delay of a sensor, or another axle may be missing. Do not use it."
+                f"The residual of the curve of {_listed(n)} exceeds the noise of the sensors: a mount of the damper, "
+                f"gain or delay of a sensor, or another axle may be missing. Do not use the curve."
             )
         ),
     )
@@ -114,8 +117,8 @@ class DriveRemark(Code):
         "bent",
         sentence(
             lambda n: (
-                f"The damper of {_listed(n)} is not viscous: its c stands for it at the amplitude of this drive "
-                "alone, and a car of viscous dampers may not explain the drive. Use the curve and "
+                f"The damper of {_listed(n)} is not viscous: its c holds only at the amplitude of this drive, and a "
+                f"car with viscous dampers may not explain the drive. Use the curve and "
                 "the stiffness found with it."
             )
         ),
@@ -124,9 +127,9 @@ class DriveRemark(Code):
         "by curves",
         sentence(
             lambda n: (
-                f"A car of viscous dampers does not explain this drive, but each damper's curve does: {_listed(n)} is "
-                "not viscous. Use the curves and the stiffness beside them; k, c and modes found with viscous dampers "
-                "may be off by more than their intervals."
+                f"A car with viscous dampers does not explain this drive, but the curve of each damper does: "
+                f"{_listed(n)} is not viscous. Use the curves and the stiffness found with them; k, c and modes "
+                f"found with viscous dampers may be off by more than their intervals."
             )
         ),
     )
@@ -143,21 +146,22 @@ class DriveHeadline(Code):
 
 
 class BodyCheck(Code):
-    """What is said of a body that was measured alone."""
+    """Checks of a body that was measured without the wheels."""
 
     FOUND = (
         "found",
         sentence(lambda n: f"the body's frequency in {n['channels']} of the channels, from {n['seconds']:.4g} s"),
     )
-    NO_RESONANCE = "no resonance", "The spectrum of {channel!r} has no resonance that a smooth one would not explain."
+    NO_RESONANCE = "no resonance", "A smooth spectrum without a resonance explains {channel!r}."
     NOT_DETERMINED = "not determined", "The records do not determine the resonance of {channel!r}."
     NO_DAMPING = (
         "no damping",
-        "Damping is not reported: by the model of the road it would be {low:.2g} or {high:.2g}. Measure the motion of "
+        "Damping is not reported: depending on the model of the road it would be {low:.2g} or {high:.2g}. Measure "
+        "the motion of "
         "the wheels as well, or a free decay.",
     )
     ONE_EACH = (
         "one each",
-        "One frequency stands for all modes of the body that a channel shows; what follows the turning of wheels, such "
-        "as lines of 8 to 15 Hz, is no mode and not looked for.",
+        "Each channel gives one frequency for all modes of the body that it shows. Lines of the rotating wheels, at "
+        "8 to 15 Hz, are not modes and are not searched.",
     )

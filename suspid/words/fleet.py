@@ -50,7 +50,7 @@ def _identified(numbers: Mapping[str, Any]) -> str:
 
 def _doubtful(numbers: Mapping[str, Any]) -> str:
     one = numbers["doubtful"] == 1
-    return f"{count(numbers['doubtful'], 'result')} {'is' if one else 'are'} doubtful, or {'is' if one else 'are'} none"
+    return f"{count(numbers['doubtful'], 'result')} {'is' if one else 'are'} doubtful or missing"
 
 
 def _changes(numbers: Mapping[str, Any]) -> str:
@@ -64,10 +64,10 @@ class FleetHeadline(Code):
 
 
 class FleetCheck(Code):
-    """What is said for and against the results of a fleet."""
+    """Checks of the results of a fleet."""
 
     NOTHING = "no result", "No record gave a result."
-    NOT_ENDED = "not ended", "The run has not ended: these are the records done so far."
+    NOT_ENDED = "not ended", "The run is not complete: these are the records done so far."
     FAILED = "failed", sentence(lambda n: f"{count(n['failed'], 'record')} failed.")
     NO_FAILURE = "no failure", "No record failed."
     DOUBTFUL = "doubtful", sentence(lambda n: f"{_doubtful(n)}.")
@@ -77,11 +77,11 @@ class FleetCheck(Code):
     )
     UNPLACED = (
         "unplaced",
-        sentence(lambda n: f"{count(n['unplaced'], 'record')} without vehicle and date: in no trend."),
+        sentence(lambda n: f"{count(n['unplaced'], 'record')} without vehicle and date: not in any trend."),
     )
     UNTRUSTED = (
         "untrusted",
-        sentence(lambda n: f"{count(n['untrusted'], 'drive')} with doubtful dampers: in no trend of them."),
+        sentence(lambda n: f"{count(n['untrusted'], 'drive')} with doubtful dampers: not in the trends of dampers."),
     )
     CHANGES = "changes", _changes
     DAMPERS = "dampers", sentence(lambda n: f"{count(n['worn'], 'worn damper')} of {n['dampers']} followed over time.")

@@ -30,8 +30,8 @@ def _masses(numbers: Numbers) -> str:
     names = numbers["names"]
     one = len(names) == 1
     return (
-        f"{_capital(in_a_row(names))} {'is' if one else 'are'} taken as known: springs and dampers are in proportion, "
-        f"and the intervals contain no error of {'it' if one else 'them'}."
+        f"{_capital(in_a_row(names))} {'is' if one else 'are'} taken as known: springs and dampers are proportional, "
+        f"and the intervals do not contain an error of {'it' if one else 'them'}."
     )
 
 
@@ -43,9 +43,9 @@ def _others(numbers: Numbers) -> str:
 def _unexplained(numbers: Numbers) -> str:
     return (
         f"The residual is not noise alone (chi-square {numbers['chi_square']:.3g} at {numbers['freedom']}, mostly in "
-        f"{numbers['channel']}): no springs and dampers let this car explain the records, or the noise is coloured. "
-        f"The intervals allow for its colour, not for a wrong topology. Let what may be missing be found too: mounts "
-        f"of dampers, gains and delays of channels ({Argument('mounts', '…')}, {Argument('gains', '…')}, "
+        f"{numbers['channel']}): this car does not explain the records with any springs and dampers, or the noise is "
+        f"coloured. The intervals allow for its colour, not for a wrong topology. Estimate what may be missing as "
+        f"well: mounts of dampers, gains and delays of channels ({Argument('mounts', '…')}, {Argument('gains', '…')}, "
         f"{Argument('delays', '…')}); or describe another mass."
     )
 
@@ -64,11 +64,11 @@ class EstimateCheck(Code):
         "With the springs and dampers found, the car explains the records: the residual is noise (chi-square "
         "{chi_square:.3g} at {freedom}).",
     )
-    ROUNDING = "rounding", "The records are met to their rounding."
+    ROUNDING = "rounding", "The fit agrees with the records to their rounding."
     NEARLY_EXACT = (
         "nearly exact",
-        "With the springs and dampers found, the car explains the records: at most {share:.1g} of a channel's motion "
-        "is left, less than the error of any sensor. It is not white; the intervals allow for its colour.",
+        "With the springs and dampers found, the car explains the records: the residual is at most {share:.1g} of a "
+        "channel's motion, less than the error of any sensor. It is not white; the intervals allow for its colour.",
     )
     UNEXPLAINED = "unexplained", _unexplained
     NOTHING_FOLLOWS = (
@@ -79,11 +79,10 @@ class EstimateCheck(Code):
     FOLLOWS = (
         "follows",
         "The residual of the channels follows the given motion (chi-square {chi_square:.3g} at {freedom}): the "
-        "transfer is off by {error:.2%} near {hertz:.3g} Hz, so the car lacks something, such as another "
-        "axle. The intervals allow for it: standard deviations are {wider:.1f} times as large as they would be, and "
-        "contain what changes with gains, delays and mounts as stated. The mass that moves at a corner is not the load "
-        "that it carries. Describe what is missing and measure it: for another axle, a half car with both wheels "
-        "given.",
+        "transfer is off by {error:.2%} near {hertz:.3g} Hz, so the model lacks something, such as another axle. The "
+        "intervals allow for it: standard deviations are widened {wider:.1f} times, and include the changes due to "
+        "gains, delays and mounts as stated. The mass that moves at a corner is not the load that it carries. "
+        "Describe what is missing and measure it: for another axle, a half car with the motion of both wheels given.",
     )
     REVERSED = "reversed", _listed("With the sign of {names} reversed the car explains the records: check the sensor.")
     EXCHANGED = (
@@ -94,9 +93,9 @@ class EstimateCheck(Code):
         "driven",
         sentence(
             lambda _: (
-                "The motion does not die down, so this is no free decay, and the values above mean nothing: give "
-                f"what moved the car ({Argument('given', '…')}), in a drive the motion of the wheels, which must be "
-                "measured."
+                f"The motion does not decay, so this is not a free decay, and the values above are meaningless. "
+                f"State what moved the car ({Argument('given', '…')}); in a drive that is the measured motion of the "
+                f"wheels."
             )
         ),
     )
@@ -116,13 +115,13 @@ class EstimateCheck(Code):
     SCALE = "scale", "The force that was given sets the scale of masses, springs and dampers."
     CANCELS = (
         "cancels",
-        _listed("Held at nominal, because the motion of {given} is given and they act beyond it: {names}."),
+        _listed("Fixed at nominal, because they do not act once the motion of {given} is given: {names}."),
     )
-    STILL = "still", _listed("The modes are those with {names} held still.")
+    STILL = "still", _listed("The modes are those with {names} fixed in place.")
     ROAD = (
         "road model",
         _listed(
-            "A model of the road decided {names} and the modes of the whole car: a power law of exponent "
+            "A model of the road determines {names} and the modes of the whole car: a power law of exponent "
             "{exponent:.2f} ± {std:.2f} with smooth departures of 30 %, its level free in every stretch. The "
             "intervals hold for such roads; springs and dampers of the suspension do not depend on it."
         ),
@@ -138,8 +137,9 @@ class EstimateCheck(Code):
         "no speed",
         sentence(
             lambda _: (
-                "The speed is not known: neither the road's class nor the wheels' rotation. An unbalanced wheel may be "
-                f"taken for a mode of the wheel; give {Argument('speed', '…')} and {Argument('wheel_radius', '…')}."
+                f"The speed is not known, so neither the class of the road nor the rotation of the wheels is. An "
+                f"unbalanced wheel may be mistaken for a mode of the wheel; give {Argument('speed', '…')} and "
+                f"{Argument('wheel_radius', '…')}."
             )
         ),
     )
@@ -147,28 +147,31 @@ class EstimateCheck(Code):
         "no radius",
         sentence(
             lambda _: (
-                "The wheels' radius is not known, so nor is their rotation. An unbalanced wheel may be taken for a "
-                f"mode of the wheel; give {Argument('wheel_radius', '…')}."
+                f"The radius of the wheels is not known, so their rotation is not either. An unbalanced wheel may be "
+                f"mistaken for a mode of the wheel; give {Argument('wheel_radius', '…')}."
             )
         ),
     )
     ALTERNATIVES = "alternatives", _others
     ONE_START = "one start", "Only {count} of {starts} starts ended at this fit; another minimum may be better."
-    VANISHED = "vanished", _listed("The records need no {names}: the topology may be wrong.")
+    VANISHED = "vanished", _listed("The best fit has no {names}: the topology may be wrong.")
     AT_BOUND = "at bound", _listed("At its bound: {names}.")
     BY_NOMINAL = "by nominal", _listed("Known from the nominal values alone: {names}.")
-    VAGUE = "vague", _listed("Hardly known, with a 95 % interval wider than the value: {names}.")
+    VAGUE = "vague", _listed("Poorly determined (95 % interval wider than the value): {names}.")
     GAIN = (
         "gain",
         _listed(
-            "The gain is far from 1 of {names}: channels differ in their units (1 g is 9.81 m/s2), or a sensor is not "
-            "where the car file places it."
+            "Gains far from 1: {names}. Check the units of the channels (1 g is 9.81 m/s2) and the place of "
+            "the sensors in the car file."
         ),
     )
     UNUSED = (
         "unused",
-        _listed("Channels that measure nothing of the car, or a road that is not given, were not used: {names}."),
+        _listed("Not used, because they measure nothing of the car, or a road that is not given: channels {names}."),
     )
-    CHANGED = "changed", _listed("Differs from nominal beyond chance (5 % for all parameters together): {names}.")
+    CHANGED = (
+        "changed",
+        _listed("Significantly different from nominal (5 % level for all parameters together): {names}."),
+    )
     SAID = "said", "{text}"
-    UNCHANGED = "unchanged", "No parameter differs from nominal beyond chance (5 % for all together)."
+    UNCHANGED = "unchanged", "No parameter differs significantly from nominal (5 % level for all together)."

@@ -1,4 +1,4 @@
-"""What can be said of the grip of wheels on a test bench."""
+"""Codes and sentences: the grip of wheels on a test bench."""
 
 from __future__ import annotations
 
@@ -37,8 +37,8 @@ class GripCheck(Code):
     )
     STIFF = (
         "stiff",
-        "{wheel}: the phase is least at the wheel's resonance: the damper is so strong that a stronger one would have "
-        "less, and a weaker one more.",
+        "{wheel}: the least phase lies at the wheel's resonance: the damper is so strong that a stronger one lowers "
+        "the phase and a weaker one raises it.",
     )
     LIFTS = (
         "lifts",
@@ -48,13 +48,13 @@ class GripCheck(Code):
     STAYED_NOMINAL = (
         "stayed nominal",
         _named(
-            "Grip rests on nominal values that the records do not tell, because the motion of the wheels was given: "
-            "{names}. State their error, or find them on a road that is known or modelled."
+            "Grip depends on nominal values that the records do not determine, because the motion of the wheels was "
+            "given: {names}. State their error, or estimate them on a known or modelled road."
         ),
     )
     BEYOND = (
         "beyond sweep",
-        "{wheel}: its resonance, {hertz:.3g} Hz, is above the sweep from {highest:.3g} Hz, which does not show it.",
+        "{wheel}: its resonance, {hertz:.3g} Hz, is above the sweep, which starts at {highest:.3g} Hz.",
     )
     AMPLITUDE = (
         "amplitude",

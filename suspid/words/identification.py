@@ -1,4 +1,4 @@
-"""What can be said of the modes of a record: why a pole is no mode, and the checks behind a verdict."""
+"""Codes and sentences: why a pole is not a mode, and the checks behind the verdict on modes."""
 
 from __future__ import annotations
 
@@ -32,16 +32,16 @@ class Reason(Code):
     TONE = "tone", "steady tone: it does not decay within the record"
     DRIFT = "drift", "drift: it decays more slowly than the record lasts"
     GROWING = "growing", "it grows"
-    LINE = "line", "part of a line that goes on: something that turns, at a speed that wanders"
+    LINE = "line", "part of a steady line: rotating parts of varying speed"
     PULSE = "pulse", "the poles follow a pulse of force, not a decay: their motions cancel each other"
-    UNSURE = "unsure", "its decay is not significant beside the residual near it"
+    UNSURE = "unsure", "its decay is not significant against the residual near it"
     UNKNOWN = "unknown", "not determined: the interval of its frequency reaches zero"
     UNDER_A_CYCLE = "under a cycle", "less than one cycle in the record"
     A_FEW_SAMPLES = "a few samples", "decayed within a few samples"
-    BEGINNING = "beginning", "with others it follows the first samples alone: motion that is not free yet"
+    BEGINNING = "beginning", "together with others it fits only the first samples: motion before the free decay"
     OUTSIDE_THE_BAND = "outside the band", "outside the band"
-    BEYOND = "beyond", "weaker than the modes asked for"
-    REAL_OR_PAIR = "real or pair", "one real pole or a heavily damped pair: the record cannot tell"
+    BEYOND = "beyond", "weaker than the requested modes"
+    REAL_OR_PAIR = "real or pair", "one real pole or a heavily damped pair: the record does not distinguish them"
     SPLIT = (
         "split",
         sentence(
@@ -50,7 +50,7 @@ class Reason(Code):
     )
     UNRESOLVED = (
         "unresolved",
-        "perhaps a second mode beside another: gain {gain:.3g}, {needed:.3g} and another shape required",
+        "possibly a second mode close to another: gain {gain:.3g}, {needed:.3g} and a different shape required",
     )
     TOO_WEAK = "too weak", "not significant: gain {gain:.3g}, {needed:.3g} required"
     NOT_SIGNIFICANT = (
@@ -62,7 +62,7 @@ class Reason(Code):
         "kept as a mode, since most of the motion follows it: gain {times:.2g} × the BIC penalty, {needed:g} × "
         "required near this residual",
     )
-    NOT_NEEDED = "not needed", "not needed beside the others"
+    NOT_NEEDED = "not needed", "not needed in addition to the others"
     BENT = "bent", "drift: removed with the offset, as a parabola"
     SAME_MODE = "same mode", "part of mode {mode}, whose frequency and damping depend on its amplitude"
     HARMONIC = (
@@ -71,11 +71,11 @@ class Reason(Code):
             lambda n: (
                 f"{n['multiple']} times mode {n['mode']}: a harmonic of its nonlinear motion"
                 if n["multiple"]
-                else f"the middle of mode {n['mode']}, which moves with its size: its motion is nonlinear"
+                else f"the mean of mode {n['mode']}, which shifts with its amplitude: its motion is nonlinear"
             )
         ),
     )
-    DISTORTION = "distortion", "no stronger than what the nonlinear forces leave"
+    DISTORTION = "distortion", "no stronger than the residual of the nonlinear forces"
 
 
 class ModeCheck(Code):
@@ -84,7 +84,10 @@ class ModeCheck(Code):
     NOT_IN_BAND = (
         "not in band",
         sentence(
-            lambda n: f"No mode lies in the given band; {count(int(str(n['poles'])), 'pole')} outside it stood out."
+            lambda n: (
+                f"No mode lies in the given band; {count(int(str(n['poles'])), 'pole')} outside it "
+                f"{'is' if n['poles'] == 1 else 'are'} significant."
+            )
         ),
     )
     NO_FREE_DECAY = (
@@ -172,19 +175,19 @@ class ModeCheck(Code):
         "unresolved",
         sentence(
             lambda n: (
-                f"Mode {_names(n['modes'])} may be two modes close together, or one that is not quite linear: the "
-                f"record leaves it open. The intervals cover both."
+                f"Mode {_names(n['modes'])} may be two close modes, or one that is not quite linear: the record does "
+                f"not decide. The intervals cover both."
             )
         ),
     )
     HARMONICS = (
         "harmonics",
-        "Motion at multiples of the modes decays with them: a spring or damper that bends, or a sensor. The values are "
-        "those of the nearest linear decay; the intervals do not contain what bends them.",
+        "Harmonics of the modes decay with them: a spring, damper or sensor is nonlinear. The values are those of "
+        "the nearest linear decay; the intervals do not contain the effect of the nonlinearity.",
     )
     ONE_SHAPE = (
         "one shape",
-        "All channels move alike, and only at the start: a pulse of force without ringing looks the same.",
+        "All channels move alike, and only at the start: a force pulse without resonance looks the same.",
     )
     FEW_SAMPLES = "few samples", "Too few samples ({samples}) for {unknowns} amplitudes in each channel."
     OUT_OF_PHASE = (
@@ -192,7 +195,7 @@ class ModeCheck(Code):
         sentence(
             lambda n: (
                 f"The channels of mode {_names(n['modes'])} are neither in phase nor in antiphase: sensors of "
-                f"different kinds (acceleration beside rate), or not a mode of a structure."
+                f"different kinds (acceleration and rate), or not a mode of a structure."
             )
         ),
     )
@@ -201,8 +204,8 @@ class ModeCheck(Code):
         "residual loud",
         sentence(
             lambda n: (
-                f"The residual near mode {_names(n['modes'])} exceeds white noise: the noise is coloured, the decay is "
-                f"not quite linear, or something else moves. The intervals are widened."
+                f"The residual near mode {_names(n['modes'])} exceeds white noise: the noise is coloured, the decay "
+                f"is not quite linear, or there is other motion. The intervals are widened."
             )
         ),
     )
@@ -211,7 +214,7 @@ class ModeCheck(Code):
         sentence(
             lambda n: (
                 f"Most of the motion follows mode {_names(n['modes'])}, but the residual near it is not noise: the "
-                f"decay is nonlinear, or other motion goes with it. The values are means over the decay."
+                f"decay is nonlinear, or there is other motion. The values are means over the decay."
             )
         ),
     )
@@ -222,12 +225,12 @@ class ModeCheck(Code):
     )
     RESIDUAL_COLOURED = (
         "residual coloured",
-        "The residual is not white (lag-1 correlation {correlation:+.2f} in channel {channel!r}): something in the "
-        "record is not modelled.",
+        "The residual is not white (lag-1 correlation {correlation:+.2f} in channel {channel!r}): the model does not "
+        "describe all of the record.",
     )
     RESIDUAL_LINE = (
         "residual line",
-        "A steady line at {hertz:.4g} Hz is left in the residual: rotating parts, hum, or an excitation still acting.",
+        "A steady line at {hertz:.4g} Hz remains in the residual: rotating parts, hum, or an excitation still acting.",
     )
     LITTLE_EXPLAINED = (
         "little explained",
@@ -267,19 +270,19 @@ class ModeCheck(Code):
         "dropped",
         sentence(
             lambda n: (
-                f"{count(int(str(n['number'])), 'significant pole')} beyond the modes asked for, not in the table: at "
+                f"{count(int(str(n['number'])), 'significant pole')} beyond the requested modes, not in the table: at "
                 f"{n['hertz']} Hz."
             )
         ),
     )
     BANDWIDTH = (
         "bandwidth",
-        "The bandwidth {bandwidth:.4g} is for the scalogram and the skeletons alone: these modes were found by "
+        "The bandwidth {bandwidth:.4g} is used only for the scalogram and the skeletons: these modes were found by "
         "likelihood; method 'ridge' finds them with the wavelet.",
     )
     CANDIDATES = (
         "candidates",
-        "The bandwidths to choose among are for the scalogram and the skeletons alone: these modes were found by "
+        "The candidate bandwidths are used only for the scalogram and the skeletons: these modes were found by "
         "likelihood; method 'ridge' finds them with the wavelet.",
     )
     STEADY_TONES = (
@@ -302,7 +305,7 @@ class ModeCheck(Code):
             )
         ),
     )
-    NONLINEAR = "nonlinear", sentence(lambda n: f"The decay is not linear: it follows with {_names(n['forces'])}.")
+    NONLINEAR = "nonlinear", sentence(lambda n: f"The decay is not linear: the fit contains {_names(n['forces'])}.")
     REPEATS_AGREE = "repeats agree", "{decays} decays agree on the modes within their noise."
     REPEATS_DISAGREE = (
         "repeats disagree",

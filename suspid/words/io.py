@@ -60,13 +60,13 @@ class LeftOut(Code):
         "odd_stamps",
         "is text such as {cell!r}, neither a number nor a time; write seconds, or 2024-05-31 23:59:59.125",
     )
-    DATES = "dates", "holds dates"
+    DATES = "dates", "contains dates"
     EMPTY = "empty", "is empty"
     COMPLEX = "complex", "is complex; a record is real"
     NUMBER = "number", "is a single number"
     NOT_NUMERIC = "not_numeric", "is not numeric"
     NOT_REAL = "not_real", "is not real numbers"
-    NO_VALUES = "no_values", "holds no real values"
+    NO_VALUES = "no_values", "contains no real values"
     ENUMERATION = "enumeration", "is an enumeration, not numeric"
     TYPE = "type", "is of type {type}"
     CLASS = "class", "is of class {number}"
@@ -82,8 +82,8 @@ class LeftOut(Code):
     ARRAY = "array", "is an array of {shape}; save its columns as vectors"
     MATRIX = "matrix", "is a matrix of {shape}; save its columns as vectors"
     TOO_DEEP = "too_deep", "is nested within {levels} groups or more"
-    REFERENCES = "references", "holds references"
-    NO_NUMBERS = "no_numbers", "holds no numbers"
+    REFERENCES = "references", "contains references"
+    NO_NUMBERS = "no_numbers", "contains no numbers"
     FUNCTION = "function", "is {function}, not a time history"
     COMPLEX_FUNCTION = "complex_function", "is complex ({function}); a record is real"
     ABSCISSA = "abscissa", "is not sampled over time (abscissa type {type})"
@@ -99,18 +99,18 @@ class LeftOut(Code):
     UNFILLED = "unfilled", "has the size {shape}, but no data"
     FRAMES = (
         "frames",
-        sentence(lambda n: f"holds raw CAN frames ({n['ids']}); decode them with {Argument('dbc', '…')}"),
+        sentence(lambda n: f"contains raw CAN frames ({n['ids']}); decode them with {Argument('dbc', '…')}"),
     )
-    UNKNOWN_FRAMES = "unknown_frames", "holds frames that the CAN database does not know ({ids})"
-    NO_FRAMES = "no_frames", "has nothing to decode, since there are no raw CAN frames"
+    UNKNOWN_FRAMES = "unknown_frames", "contains frames that are not in the CAN database ({ids})"
+    NO_FRAMES = "no_frames", "has no raw CAN frames to decode"
     # Time.
     TIME = "time", "is the time, counted from its first stamp {start!r}"
     GROUP_TIME = "group_time", "is the time of its group"
-    TAKEN_AS_TIME = "taken_as_time", "runs as a clock does: it is taken as the time"
+    TAKEN_AS_TIME = "taken_as_time", "increases like a clock: taken as the time"
     SAME_TIME = "same_time", "is the same time as {other!r}"
     LIKE_TIME = "like_time", "reads like a time"
-    SPARE_TIMES = "spare_times", "holds times of day; a column of numbers is the time"
-    SEVERAL_TIMES = "several_times", "holds times of day, as other columns do; name the time"
+    SPARE_TIMES = "spare_times", "contains times of day; a column of numbers is the time"
+    SEVERAL_TIMES = "several_times", "contains times of day, as other columns do; name the time"
     NO_TIME = "no_time", "has no time; name its column of time, or give the sampling rate"
     SIZE = "size", "has {samples} samples, time {time!r} has {stamps}"
     LENGTH = "length", "has {samples} samples, the others have {others}"

@@ -13,14 +13,14 @@ def _judged(numbers: Mapping[str, Any]) -> str:
     if numbers["missed"]:
         parts.append(f"{numbers['missed']} not met")
     if numbers["open"]:
-        parts.append(f"{numbers['open']} cannot be told")
+        parts.append(f"{numbers['open']} undecided")
     return ", ".join(parts)
 
 
 def _interval(numbers: Mapping[str, Any]) -> str:
     tests = numbers["tests"]
-    more = f": about {tests} such tests joined would tell" if 1 < tests <= 100 else ""
-    return f"its interval reaches across the limit{more}"
+    more = f": about {tests} such tests joined would decide" if 1 < tests <= 100 else ""
+    return f"its interval contains the limit{more}"
 
 
 class LimitHeadline(Code):
@@ -42,7 +42,7 @@ class LimitReason(Code):
 
     INTERVAL = "interval", _interval
     NO_INTERVAL = "no interval", "the value has no interval"
-    HELD = "held", "held at its nominal value, not found"
+    HELD = "held", "fixed at its nominal value, not estimated"
     NO_SPRINGS = "no springs", "no springs and dampers were found"
     NO_MODE = "no mode", sentence(lambda n: f"there is no mode {n['which']} among the {n['found']} found")
     DOUBTFUL = "doubtful", "the result is doubtful"

@@ -21,7 +21,7 @@ class NextStep(Code):
 
     LIMITS_MISSED = (
         "limits missed",
-        sentence(lambda n: f"Outside the limits, so to be changed: {', '.join(n['names'])}."),
+        sentence(lambda n: f"Change what is outside the limits: {', '.join(n['names'])}."),
     )
     LIMITS_OPEN = (
         "limits open",
@@ -29,7 +29,7 @@ class NextStep(Code):
             lambda n: f"Not known to be within the limits: {', '.join(n['names'])}; the table of limits says why."
         ),
     )
-    USE = "use", "Nothing speaks against these values: use them with their intervals."
+    USE = "use", "No check speaks against these values: use them with their intervals."
     RECORD_A_DECAY = (
         "record a decay",
         "Record a free decay: displace the body and release it, or let the wheels drop off a kerb with the engine off, "
@@ -54,7 +54,7 @@ class NextStep(Code):
             )
         ),
     )
-    LEAVE_OUT = "leave out", "Leave out the test that does not belong to the others, or look for what was different."
+    LEAVE_OUT = "leave out", "Leave out the test that does not belong to the others, or find out what was different."
     REPEAT = (
         "repeat",
         "Repeat the test and join the files (suspid report FILE FILE…): the intervals shrink with the root of their "
@@ -62,7 +62,8 @@ class NextStep(Code):
     )
     TWO_AMPLITUDES = (
         "two amplitudes",
-        "Repeat the test at half the amplitude: what changes with it is friction, or a spring or damper that bends.",
+        "Repeat the test at half the amplitude: values that change with it indicate friction, or a nonlinear spring "
+        "or damper.",
     )
     CHANNELS = (
         "channels",
@@ -72,51 +73,51 @@ class NextStep(Code):
             )
         ),
     )
-    QUIET = "quiet", "Switch off what turns (engine, fans), or leave the stretch out in which it runs."
-    CLEANING = "cleaning", "Look at the defects in the table of the cleaning, and record anew what was clipped or lost."
+    QUIET = "quiet", "Switch off rotating machines (engine, fans), or leave out the stretch in which they run."
+    CLEANING = "cleaning", "Look at the defects in the cleaning table, and record again what was clipped or lost."
     ADD_MASS = (
         "add mass",
-        "Test again with a known mass added, reconstruct from both tests, or put a sensor on another mass: this test "
-        "leaves springs and dampers open.",
+        "This test does not determine all springs and dampers. Test again with a known mass added and reconstruct "
+        "from both tests, or put a sensor on another mass.",
     )
     CHECK_CAR = (
         "check car",
-        "Check the masses and the topology in the car file, and the names and units of the channels: some masses and "
-        "gains that would explain the modes are named with the springs and dampers.",
+        "Check the masses and the topology in the car file, and the names and units of the channels. Masses and "
+        "gains that would explain the modes are listed with the springs and dampers.",
     )
     LET_FREE = (
         "let free",
-        "Check the topology, the bounds and what is held: the values named in the verdict rest on them.",
+        "Check the topology, the bounds and the fixed parameters: the values named in the verdict depend on them.",
     )
     WRITE_CAR = (
         "write car",
-        "Springs and dampers differ from the nominal ones: if the masses are right, take over those found.",
+        "Springs and dampers differ from nominal: if the masses are right, use the values found.",
     )
     LOOK_AT_DAMPERS = (
         "look at dampers",
-        "Look at the dampers that are named worn (leaks, bushings), and confirm it by another drive or on a test bench "
-        "before they are replaced.",
+        "Inspect the worn dampers (leaks, bushings). Confirm the wear by another drive or on a test bench before "
+        "replacing them.",
     )
     POOR_GRIP = (
         "poor grip",
-        "The grip of a wheel is not above the limit of test benches: look at its damper and tire.",
+        "The grip of a wheel is not above the limit of test benches: check its damper and tire.",
     )
     DRIVE_AGAIN = (
         "drive again",
-        "Drive again after some weeks, and compare with this result: a loss that goes on shows in the trend.",
+        "Drive again after some weeks, and compare with this result: a continuing loss shows in the trend.",
     )
     KEEP = (
         "keep",
         sentence(
             lambda _: (
-                f"Keep this result as JSON for the next drive ({Argument('before')}): against an earlier drive wear is "
-                f"told much better than against nominal values."
+                f"Keep this result as JSON for the next drive ({Argument('before')}): wear is detected much better "
+                f"against an earlier drive than against nominal values."
             )
         ),
     )
     USE_CURVES = (
         "use curves",
-        "Use the curve of the damper that is not viscous, and the stiffness beside it, not its c.",
+        "For a damper that is not viscous, use its curve and the stiffness found with it, not its c.",
     )
     RECORD_WAY = (
         "record way",

@@ -21,7 +21,8 @@ def _split_by_nominal(numbers: Numbers) -> str:
     if len(names) == 1:
         return f"{names[0]} is known from the nominal values alone"
     return (
-        f"{in_a_row(names)} are determined by the nominal values alone: the modes do not see {numbers['combinations']}"
+        f"{in_a_row(names)} are determined by the nominal values alone: the modes do not determine "
+        f"{numbers['combinations']}"
     )
 
 
@@ -49,7 +50,7 @@ def _mass(numbers: Numbers) -> str:
 def _others(numbers: Numbers) -> str:
     number = numbers["count"]
     have = "has" if number == 1 else "have"
-    return f"{count(number, 'other set')} of springs and dampers {have} the same modes: see what tells them apart."
+    return f"{count(number, 'other set')} of springs and dampers {have} the same modes: see what distinguishes them."
 
 
 def _found(numbers: Numbers) -> str:
@@ -77,7 +78,7 @@ class ReconstructionNote(Code):
     CHANNEL_TWICE = "channel twice", "shapes not used: channel {channel!r} occurs more than once"
     ONE_CHANNEL = "one channel", "shapes not used: one channel has none"
     POLES_MEET = "poles meet", "shapes not used: poles coincide (critical damping), and their shapes with them"
-    NOT_WEIGHTED = "not weighted", "not weighted: the covariance covers the poles alone, which are too few"
+    NOT_WEIGHTED = "not weighted", "not weighted: the covariance is for the poles only, and they are too few"
     WHOLE_BY_NOMINAL = (
         "scale by nominal",
         "the common scale of masses, stiffnesses and dampings is known from the nominal values alone",
@@ -85,15 +86,15 @@ class ReconstructionNote(Code):
     SPLIT_BY_NOMINAL = "split by nominal", _split_by_nominal
     UNSEEN = (
         "chosen by penalty",
-        _listed("{names}: the modes do not determine them, the penalty does; there are no intervals"),
+        _listed("{names}: determined by the penalty, not by the modes; no intervals"),
     )
     LEAST_MAC = "least MAC", "least MAC of the shapes {mac:.4f}"
     VANISHED = (
         "vanished",
         sentence(
             lambda numbers: (
-                f"{', '.join(numbers['names'])} at the least positive value: the modes need none; check the topology, "
-                f"or hold it with {Argument('fixed', '…')}"
+                f"{', '.join(numbers['names'])} at the smallest positive value: the best fit has none; check the "
+                f"topology, or fix it with {Argument('fixed', '…')}"
             )
         ),
     )
@@ -105,7 +106,7 @@ class ReconstructionNote(Code):
         "few digits",
         sentence(
             lambda numbers: (
-                f"the modes have few digits and count as known to {numbers['known_to']:.1%}; set "
+                f"the modes have few digits and are taken as known to {numbers['known_to']:.1%}; set "
                 f"{Argument('tolerance', '…')} to change that"
             )
         ),
@@ -120,14 +121,14 @@ class ReconstructionNote(Code):
         ),
     )
     CHI_SQUARE = "chi-square", _chi_square
-    MISFIT = "misfit", "the modes are met to {misfit:.1e} rms (shapes to ten times that)"
+    MISFIT = "misfit", "the modes are reproduced to {misfit:.1e} rms (shapes to ten times that)"
     UNEXPLAINED = (
         "unexplained",
         "this topology does not explain these modes: standard deviations are widened {widening:.3g} times",
     )
     BEYOND_TOLERANCE = (
         "beyond tolerance",
-        "this topology does not explain these modes: more is left than {tolerance:.1%}",
+        "this topology does not explain these modes: the misfit exceeds the tolerance of {tolerance:.1%}",
     )
 
 
@@ -136,8 +137,7 @@ class Suspect(Code):
 
     GAIN = (
         "gain",
-        "channel {name} reading {gain:.3f} times what it should would explain the modes (chi-square {chi_square:.3g} "
-        "at {freedom})",
+        "a gain of {gain:.3f} of channel {name} would explain the modes (chi-square {chi_square:.3g} at {freedom})",
     )
     MASS = "mass", _mass
     CHANNEL = "channel", "most of chi-square comes from channel {name}: without it, {chi_square:.3g} at {freedom}"
@@ -152,10 +152,10 @@ class ReconstructionCheck(Code):
         "With the springs and dampers found, the car explains the modes within their uncertainty (chi-square "
         "{chi_square:.3g} at {freedom}).",
     )
-    WITHIN_TOLERANCE = "within tolerance", "The modes are met to {misfit:.1e} rms, within the tolerance."
+    WITHIN_TOLERANCE = "within tolerance", "The modes are reproduced to {misfit:.1e} rms, within the tolerance."
     UNEXPLAINED = (
         "unexplained",
-        "No springs and dampers let this car, with its masses, explain the modes within their uncertainty.",
+        "This car, with its masses, does not explain the modes within their uncertainty with any springs and dampers.",
     )
     NOT_JUDGED = (
         "not judged",
@@ -171,12 +171,18 @@ class ReconstructionCheck(Code):
         "stiffness in N/m (1 N/mm is 1000 N/m).",
     )
     NOT_SEARCHED = "not searched", "Other sets of springs and dampers were not looked for."
-    VANISHED = "vanished", _listed("The modes need no {names}: the topology may be wrong.")
+    VANISHED = "vanished", _listed("The best fit has no {names}: the topology may be wrong.")
     AT_BOUND = "at bound", _listed("At its bound: {names}.")
-    ACTIVE = "active constraints", _listed("Constraints decide, not the modes alone: {names}.")
-    PENALTY = "penalty", "A penalty pulls the parameters; the intervals leave that out."
+    ACTIVE = (
+        "active constraints",
+        _listed("Active constraints, which determine the result together with the modes: {names}."),
+    )
+    PENALTY = "penalty", "The penalty biases the parameters; the intervals do not contain this bias."
     BY_NOMINAL = "by nominal", _listed("Known from the nominal values alone: {names}.")
     NOT_SHARP = "not sharp", "The optimum is not sharp: a further step would still reduce the squared residual."
-    CHANGED = "changed", _listed("Differs from nominal beyond chance (5 % for all parameters together): {names}.")
-    UNCHANGED = "unchanged", "No parameter differs from nominal beyond chance (5 % for all together)."
-    VAGUE = "vague", _listed("Hardly known, with a 95 % interval wider than the value: {names}.")
+    CHANGED = (
+        "changed",
+        _listed("Significantly different from nominal (5 % level for all parameters together): {names}."),
+    )
+    UNCHANGED = "unchanged", "No parameter differs significantly from nominal (5 % level for all together)."
+    VAGUE = "vague", _listed("Poorly determined (95 % interval wider than the value): {names}.")

@@ -1,4 +1,4 @@
-"""What can be said of the ride of a car, of roads, and of a better suspension."""
+"""Codes and sentences: the ride of a car, roads, and better suspensions."""
 
 from __future__ import annotations
 
@@ -43,25 +43,25 @@ def _front(numbers: Numbers) -> str:
 def _rest(numbers: Numbers) -> str:
     said = (
         f"At rest for {numbers['share']:.0%} of the time (below {numbers['limit']:g} m/s2 in blocks of a second), "
-        f"which counts in all figures"
+        f"included in all figures"
     )
     if numbers["share"] >= 1:
-        return f"{said}: they are those of sensors and engine, and of no ride."
-    return f"{said}: over the time of driving alone each rms is {numbers['factor']:.3g} times as large."
+        return f"{said}: they show sensors and engine, not a ride."
+    return f"{said}: over the driving time alone each rms is {numbers['factor']:.3g} times as large."
 
 
 def _in_other_units(numbers: Numbers) -> str:
     """Return the units that may be meant, and what to do."""
     units = numbers["units"]
     likely = f"most likely it is in {' or '.join(units)}" if units else "most likely it is in counts or volts"
-    return f"{likely}; state the unit in brackets behind its name, or scale it"
+    return f"{likely}; state the unit in brackets after its name, or scale it"
 
 
 def _gravity_in(numbers: Numbers) -> str:
     units = " or ".join(numbers["units"])
     return (
-        f"{numbers['channel']}: the mean, {numbers['mean']:.4g}, is that of gravity in {units}, "
-        f"while the figures take it as m/s2: state the unit in brackets behind its name, or scale it."
+        f"{numbers['channel']}: the mean, {numbers['mean']:.4g}, is gravity in {units}, but the figures take it as "
+        f"m/s2: state the unit in brackets after its name, or scale it."
     )
 
 
@@ -103,39 +103,39 @@ class RideCheck(Code):
     LIFTS = (
         "lifts",
         _plainly(
-            "{wheel}: the linear force would pull at the road {times} times in {seconds:.4g} s; there the wheel leaves "
-            "it, and the figures are those of a wheel that does not."
+            "{wheel}: the total wheel load would be negative {times} times in {seconds:.4g} s. The wheel leaves the "
+            "road there; the linear figures do not include this."
         ),
     )
     STOPS = (
         "stops",
         _plainly(
-            "{strut}: the travel reaches the stops {times} times in {seconds:.4g} s; the figures are those of a car "
-            "without stops."
+            "{strut}: the travel reaches the stops {times} times in {seconds:.4g} s; the figures do not include the "
+            "stops."
         ),
     )
     LONG_WAVES = (
         "long waves",
-        "The road has no waves longer than {metres:.4g} m: motion below {hertz:.2g} Hz, which Wf weighs, is left out.",
+        "The road has no waves longer than {metres:.4g} m: motion below {hertz:.2g} Hz, which Wf includes, is missing.",
     )
     HIGH = (
         "high",
-        "The record holds frequencies up to {held:.4g} Hz, {weighting} weighs up to {hertz:.4g} Hz: what is above is "
-        "left out.",
+        "The record contains frequencies up to {held:.4g} Hz; {weighting} extends to {hertz:.4g} Hz. Motion above is "
+        "missing.",
     )
     SHORT = (
         "short",
-        "The record of {seconds:.3g} s is short for {weighting}, which weighs from {hertz:.2g} Hz on: the start of the "
-        "filter is part of its figures. Twenty periods, {needed:.3g} s, are needed.",
+        "The record of {seconds:.3g} s is short for {weighting}, which starts at {hertz:.2g} Hz: the transient of "
+        "the filter affects its figures. Twenty periods, {needed:.3g} s, are needed.",
     )
     HIDDEN = (
         "hidden",
-        "{weighting} is left out: a record of {seconds:.3g} s shows nothing of {low:g} to {high:g} Hz.",
+        "{weighting} is left out: a record of {seconds:.3g} s does not resolve {low:g} to {high:g} Hz.",
     )
     CLIPPED = (
         "clipped",
-        "{channel}: {samples} samples are clipped, at up to {largest:.3g} {unit} from the mean: rms, peaks, crest "
-        "factor and doses are larger than these; use a sensor of a larger range.",
+        "{channel}: {samples} samples are clipped, at up to {largest:.3g} {unit} from the mean: the true rms, peaks, "
+        "crest factor and doses are larger; use a sensor with a larger range.",
     )
     TOO_ROUGH = (
         "too rough",
@@ -148,16 +148,16 @@ class RideCheck(Code):
     TOO_LARGE = "too large", _too_large
     TOO_SMALL = (
         "too small",
-        "{channel}: {weighted:.2g} {unit} weighted is below {limit:g}, less than people feel and sensors of vehicles "
-        "show: check its unit and scale.",
+        "{channel}: {weighted:.2g} {unit} weighted is below {limit:g}, less than people feel and vehicle sensors "
+        "resolve: check its unit and scale.",
     )
     TOO_FAR = "too far", _too_far
     CONVERTED = "converted", "{channel}: converted from {unit} to SI."
     NO_FIGURES = (
         "no figures",
-        _listed("No figures are made of {names}: end the name of a travel in _travel, with its unit in brackets."),
+        _listed("No figures for {names}: the name of a travel must end in _travel, with its unit in brackets."),
     )
-    NO_LENGTH = "no length", "{channel} is left out: its unit is none of length."
+    NO_LENGTH = "no length", "{channel} is left out: its unit is not a length."
     WIDE = (
         "wide",
         _listed(
@@ -167,16 +167,16 @@ class RideCheck(Code):
     EVENTS = (
         "events",
         _listed(
-            "The parameters are too uncertain to tell how often in {seconds:.4g} s: the interval of {names} goes from "
-            "less than one to more, or beyond what a road can do."
+            "The parameters are too uncertain to count events in {seconds:.4g} s: the interval of {names} extends "
+            "from less than one to more, or beyond what is possible on a road."
         ),
     )
-    UNTRUSTED = "untrusted", "The estimate that the figures rest on is {level}: read its verdict first."
+    UNTRUSTED = "untrusted", "The figures depend on an estimate that is {level}: read its verdict first."
     STAYED_NOMINAL = (
         "stayed nominal",
         _listed(
-            "The figures rest on nominal values that the records do not tell, because the motion of the wheels was "
-            "given: {names}. State their error, or find them on a road that is known or modelled."
+            "The figures depend on nominal values that the records do not determine, because the motion of the "
+            "wheels was given: {names}. State their error, or estimate them on a known or modelled road."
         ),
     )
     KNOWN = "known", _listed("Taken as known, without any error in the intervals: {names}.")
@@ -193,7 +193,7 @@ class RoadCheck(Code):
 
     CLASS = (
         "sure",
-        "It is of class {name} with a probability of {share:.1%}, by limits of ISO 8608 as quoted in the literature.",
+        "Class {name} has a probability of {share:.1%}, with the limits of ISO 8608 as quoted in the literature.",
     )
     NO_ROAD = (
         "no road",
@@ -202,14 +202,14 @@ class RoadCheck(Code):
     )
     NO_POWER_LAW = (
         "exponent",
-        "The exponent, {exponent:.2f}, is outside of {low:g} to {high:g}, that of roads: the channel may be none, or "
-        "be filtered or noisy.",
+        "The exponent, {exponent:.2f}, is outside the range of roads, {low:g} to {high:g}: the channel may not be a "
+        "road, or it is filtered or noisy.",
     )
-    BETWEEN = "between", _listed("It may be of class {names}: the interval crosses a limit.")
+    BETWEEN = "between", _listed("The class may be {names}: the interval contains a limit.")
     BENT = (
         "bent",
-        "The spectrum is no straight line (chi-square {chi_square:.3g} at {freedom}): the exponent is a mean over the "
-        "band, and the intervals leave the bend out.",
+        "The spectrum is not a straight line (chi-square {chi_square:.3g} at {freedom}): the exponent is a mean over "
+        "the band, and the intervals do not include the curvature.",
     )
 
 
@@ -226,25 +226,25 @@ class TuningCheck(Code):
     UNFINISHED = "unfinished", "{count} of {points} points did not converge and were left out."
     AT_BOUND = (
         "at bound",
-        _plainly("{name} is at its {side} value, {value} {unit}, in {count} of {cars} cars: there the bound decides."),
+        _plainly("{name} is at its {side} value, {value} {unit}, in {count} of {cars} cars: the bound is active."),
     )
     AT_REACH = (
         "at reach",
         _plainly(
-            "{name} is at the end of the search, {value} {unit}, in {count} of {cars} cars: there the default bound "
-            "decides, a quarter or four times the car's own; state the {side} value that can be built."
+            "{name} is at the end of the search, {value} {unit}, in {count} of {cars} cars. The search covers a "
+            "quarter to four times the car's own value by default; state the {side} value that can be built."
         ),
     )
     IDLE = (
         "idle",
-        _plainly("The limit {label} (SI units) does not bind: of these cars the one nearest to it has {value}."),
+        _plainly("The limit {label} (SI units) is not active: the nearest of these cars has {value}."),
     )
-    RELATED = "related", "The constraint {label} decides in {count} of {cars} cars."
+    RELATED = "related", "The constraint {label} is active in {count} of {cars} cars."
     ROBUST = (
         "robust",
         _listed("Each figure is its mean plus {reach:.3g} standard deviations over what is uncertain: {names}."),
     )
-    ONE = "one", "Both objectives are best in the same car: there is no compromise to make."
+    ONE = "one", "One car is best for both objectives: there is no trade-off."
 
 
 class DamperTuningHeadline(Code):
@@ -259,12 +259,14 @@ class DamperTuningCheck(Code):
     STARTS = "starts", "{share:.0%} of the searches from other starts ended at the same values."
     AT_BOUND = (
         "at bound",
-        "The {side} damper rate, {rate:.4g} N s/m, decides on {count} of {roads} roads: state what can be built.",
+        "The bound on the {side} damper rate, {rate:.4g} N s/m, is active on {count} of {roads} roads: state what "
+        "can be built.",
     )
     NO_SINGLE = "no single", "No single damper rate within the bounds meets the limits on all roads."
     UNEVEN = (
         "uneven",
-        "Rebound over compression is {ratio:.3g}: the car rides lower or higher on rough roads, which is left out.",
+        "Rebound over compression is {ratio:.3g}: the car rides lower or higher on rough roads; the figures do not "
+        "include this.",
     )
     GAUSSIAN = (
         "gaussian",

@@ -1,4 +1,4 @@
-"""What can be said of the wear of dampers."""
+"""Codes and sentences: the wear of dampers."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ class WearCheck(Code):
     LOST = "lost", "{damper}: lost {loss:.0%} of its damping, at least {low:.0%}."
     SOME = (
         "some lost",
-        "{damper}: lost {loss:.0%} of its damping; a loss is certain, but not that it is more than {small:.0%} (at "
+        "{damper}: lost {loss:.0%} of its damping. The loss is significant, but may be less than {small:.0%} (at "
         "most {high:.0%}).",
     )
     HOLDS = (
@@ -69,14 +69,14 @@ class WearCheck(Code):
     )
     WIDE = (
         "wide",
-        "{damper}: may have lost nothing or as much as {high:.0%}, too wide to tell a good damper from one that lost "
-        "{large:.0%}. Drive longer, or give an earlier estimate in place of nominal values.",
+        "{damper}: the loss is between nothing and {high:.0%}, too uncertain to tell a good damper from one that "
+        "lost {large:.0%}. Drive longer, or give an earlier estimate in place of nominal values.",
     )
     GAINED = "gained", "{damper}: its damping rose by at least {gain:.0%}."
     SPRING = (
         "spring",
-        "{damper}: its spring changed by {change:+.0%}, more than load and temperature explain; the loss allows for "
-        "either cause, a spring that changed or a load that is not described.",
+        "{damper}: its spring changed by {change:+.0%}, more than load and temperature explain. The interval of the "
+        "loss covers both causes: a changed spring or a load that is not described.",
     )
     PHASE_PASSES = "phase passes", "{damper}: the least phase of {wheel}, {phase:.1f} deg, is above {limit:.0f} deg."
     PHASE_FAILS = (
@@ -99,7 +99,7 @@ class WearCheck(Code):
     )
     BENT = (
         "bent",
-        "{damper}: it is not viscous, and a nominal c holds at one amplitude alone: here its damping of equal work is "
+        "{damper}: it is not viscous, and a nominal c holds at one amplitude only: here its damping of equal work is "
         "{damping:.4g} N s/m at {amplitude:.2g} m/s. Compare it with the curve of an earlier drive.",
     )
     UNTRUSTED = "untrusted", "The estimate {which} is {level}: dampers cannot be judged from it."
