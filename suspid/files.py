@@ -53,7 +53,7 @@ def read_bytes(path: Path, *, error: type[InputError] = InputError) -> bytes:
                 raise
             raise error(f"cannot be read: {_reason(refusal)}") from None
         if not content:
-            raise error("is empty: export it anew, or name another file")
+            raise error("is empty: export it again, or name another file")
     return content
 
 
@@ -84,7 +84,7 @@ def parsed_json(text: str) -> dict[str, object]:
     except (ValueError, RecursionError) as error:
         why = printable(str(error))
         if isinstance(error, json.JSONDecodeError) and text.lstrip().startswith("{"):
-            why = f"it is broken at line {error.lineno}, column {error.colno} ({error.msg})"
+            why = f"it is invalid at line {error.lineno}, column {error.colno} ({error.msg})"
         raise InputError(f"is not JSON: {why}; give JSON that suspid wrote") from None
     if not isinstance(content, dict):
         raise InputError(f"must contain a JSON object, not {type(content).__name__}")

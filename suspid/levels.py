@@ -64,7 +64,7 @@ def check_level(level: Ratio) -> None:
     if isinstance(level, str | bool) or not 0 < level < 1:
         raise InputError(Argument("level", repr(level)), f" must lie between 0 and 1, such as {LEVEL}")
     if level > MOST_LEVEL:
-        raise InputError(Argument("level", repr(level)), " is 1 to rounding; an interval for sure has no ends")
+        raise InputError(Argument("level", repr(level)), " is 1 to rounding; such an interval is unbounded")
 
 
 def normal_reach(level: Ratio) -> float:

@@ -197,4 +197,6 @@ class Recording:
         if not self.tests:
             return table
         first, together = Argument("test", repr(self.tests[0])), Argument("test", "'all'")
-        return f"{table}\n\nThe file holds {len(self.tests)} tests. Choose one, such as {first}; {together} joins them."
+        return (
+            f"{table}\n\nThe file contains {len(self.tests)} tests. Choose one, such as {first}; {together} joins them."
+        )

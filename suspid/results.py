@@ -65,7 +65,7 @@ class Result:
 
     def _table(self) -> Mapping[str, Sequence[object]]:
         """Return the numbers of the result by column, with units in the names."""
-        raise InputError(f"{type(self).__name__} has no table; its fields hold what it knows")
+        raise InputError(f"{type(self).__name__} has no table; read its fields")
 
     def details(self) -> str:
         """Return all that can be said in words; ``str()`` is the part that fits a screen."""

@@ -167,7 +167,7 @@ def real_numbers(data: ArrayLike, what: str) -> RealArray:
             raise RecordError(f"{what} is complex; pass its real or its imaginary part as a record of its own")
         values = values.real
     if values.dtype.kind not in "iufb":
-        raise RecordError(f"{what} holds no numbers but {values.dtype}; give an array of real numbers")
+        raise RecordError(f"{what} contains no numbers, but {values.dtype}; give an array of real numbers")
     return np.asarray(values, float)
 
 
@@ -196,7 +196,7 @@ def uniform_step(timepts: RealArray) -> Second:
         raise RecordError(
             f"time is irregular: the stamp t = {timepts[worst]:g} s lies {astray[worst]:.2g} steps off a uniform grid "
             f"of {step:g} s; resample the record, or give "
-            f"{Argument('fs')} if the stamps are merely rounded"
+            f"{Argument('fs')} if the stamps are only rounded"
         )
     return step
 

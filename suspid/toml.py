@@ -30,7 +30,7 @@ def _json_instead(text: str) -> str:
     try:
         parsed_json(text)
     except InputError as error:
-        return f"it begins as JSON, and as such it {error.message}"
+        return f"it begins like JSON, and as JSON it {error.message}"
     return "it is JSON; name it .json where that is taken"
 
 

@@ -167,13 +167,13 @@ def within_numbers() -> Iterator[None]:
     >>> with within_numbers():
     ...     np.linalg.inv(np.zeros((2, 2)))
     Traceback (most recent call last):
-    suspid.errors.InputError: the computation left the range of numbers (Singular matrix): a mass, spring, ...
+    suspid.errors.InputError: the computation overflowed (Singular matrix): a mass, spring, ...
     """
     try:
         yield
     except (ArithmeticError, np.linalg.LinAlgError) as error:
         raise InputError(
-            f"the computation left the range of numbers ({error}): a mass, spring, damper or sample is far too large "
+            f"the computation overflowed ({error}): a mass, spring, damper or sample is far too large "
             f"or too small; check the units of the car and of the channels"
         ) from None
 

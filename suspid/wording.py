@@ -108,8 +108,8 @@ class Wording:
 
     Examples
     --------
-    >>> str(Wording(("hold one with ", Argument("fixed", "…"))))
-    'hold one with fixed=…'
+    >>> str(Wording(("fix one with ", Argument("fixed", "…"))))
+    'fix one with fixed=…'
     """
 
     parts: tuple[object, ...]

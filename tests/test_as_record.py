@@ -329,5 +329,5 @@ def test_units_in_order_hold_for_channels_of_one_name() -> None:
 def test_a_table_without_rows(columns: list[str]) -> None:
     table = pytest.importorskip("pandas").DataFrame(columns=columns, dtype=float)
     table.index = table.index.astype("datetime64[ns]")
-    with pytest.raises(RecordError, match="holds no samples"):
+    with pytest.raises(RecordError, match="contains no samples"):
         as_record(table)

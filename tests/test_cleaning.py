@@ -353,7 +353,7 @@ class TestSeveralClocks:
         assert cleaned.record.y[1, 5:-5] == pytest.approx(cleaned.record.y[0, 5:-5], abs=1e-6)
 
     def test_no_common_time_is_refused(self) -> None:
-        with pytest.raises(RecordError, match="share no time"):
+        with pytest.raises(RecordError, match="do not overlap in time"):
             clean(Recording(title="x", channels=(channel("a", T, decay(T)), channel("b", T + 50, decay(T)))))
 
 

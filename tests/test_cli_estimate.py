@@ -187,12 +187,12 @@ def test_a_car_that_does_not_explain_ends_with_three(files: Path, monkeypatch: p
         (
             ["decay.csv", "--free-mass", "chassis", "--free-mass", "tire"],
             1,
-            "hold one with --fixed …, state --nominal-std",
+            "fix one with --fixed …, state --nominal-std",
         ),
         (["decay.csv", "--given", "road"], 1, "the record has no input or channel 'road'"),
         (["decay.csv", "--plot", "e.xyz"], 1, "pictures of type '.xyz' are not known"),
-        (["decay.csv", "--page", "e.doc"], 1, "pages are written as .html"),
-        (["decay.csv", "--added", "other.csv:chassis=1"], 2, "is none of the MODES"),
+        (["decay.csv", "--page", "e.doc"], 1, "reports are written as .html"),
+        (["decay.csv", "--added", "other.csv:chassis=1"], 2, "is not one of the MODES"),
         (["missing.csv"], 1, "there is no such file"),
     ],
 )

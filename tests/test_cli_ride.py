@@ -197,7 +197,7 @@ def test_json_of_a_tuning_has_the_cars(car: Path) -> None:
     [
         (["ride", "CAR", *DRIVE, "--road", "D"], "'--road': given twice"),
         (["ride", "CAR", *DRIVE, "--speed=30"], "'--speed': given twice"),
-        (["tune", "CAR", *DRIVE, *2 * ["--bound", "chassis.damping", "500", "4000"]], "has bounds already"),
+        (["tune", "CAR", *DRIVE, *2 * ["--bound", "chassis.damping", "500", "4000"]], "already has bounds"),
         (["ride", "CAR", *DRIVE, "--duration", "1e20"], "--duration 1e+20 s is outside of 1 to 1e+09 s"),
     ],
 )

@@ -306,7 +306,7 @@ class TestWhatIsRefused:
     @pytest.mark.parametrize(
         ("settings", "message"),
         [
-            ({"settings": Settings(springs=CarSettings(fixed=("tire",)))}, "of use only with a car"),
+            ({"settings": Settings(springs=CarSettings(fixed=("tire",)))}, "needs a car"),
             ({"car": CAR, "settings": Settings(springs=CarSettings(fixed=("tyre.damping",)))}, "Did you mean"),
             ({"workers": 0}, "1 or more"),
             ({"workers": 1, "scheduler": "tcp://nowhere:1"}, "not both"),

@@ -288,7 +288,7 @@ class TestCommand:
         [
             (["--speed", "none"], "--speed is for drives: give --drives too"),
             (["--drives", "--modes", "2"], "--modes is for decays: leave --drives out"),
-            (["--drives", "--added", "chassis=3"], "--added belongs to single tests"),
+            (["--drives", "--added", "chassis=3"], "--added is for single tests"),
         ],
     )
     def test_options_of_the_other_kind(self, tmp_path: Path, arguments: list[str], words: str) -> None:

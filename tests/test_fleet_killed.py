@@ -159,7 +159,7 @@ class TestKilledOnThisMachine:
         assert workers
         assert not any(worker.is_running() for worker in workers)
         assert said.decode().splitlines() == [
-            "suspid: stopped; what is done is kept, and the same command continues from there"
+            "suspid: stopped; the results so far are kept, and the same command continues"
         ]
         assert 4 <= parts(tmp_path) < COUNT // CHUNK, "it was not stopped half way"
         identify_many(fleet, output=tmp_path, car=CAR, workers=2, chunk=CHUNK)

@@ -50,7 +50,7 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
         for parameter, unit, value in (("chassis.damping", "N s/m", 1500 * share), ("chassis.stiffness", "N/m", 2e4)):
             row = {"parameter": parameter, "unit": unit, "value": value, "std": 0.002 * value, "held": False}
             springs.append({**dict.fromkeys(TABLE_COLUMNS["springs"]), **name, **row})
-    failure = {"record": "no <b>record.csv", "step": "read", "code": "unusable record", "reason": "holds no numbers"}
+    failure = {"record": "no <b>record.csv", "step": "read", "code": "unusable record", "reason": "contains no numbers"}
     failures = ({**dict.fromkeys(TABLE_COLUMNS["failures"]), **failure},)
     rows = Rows(modes=tuple(modes), springs=tuple(springs), failures=failures, records=9, failed=1)
     write_part(folder, 0, as_part(rows))
@@ -85,7 +85,7 @@ class TestPage:
 
     def test_too_few_records_are_not_said_to_be_alike(self, results: Path) -> None:
         page = report(replace(fleet_summary(results), distributions=(), outliers=(), others=6))
-        assert "Fewer than 8 records do not tell which stands out." in page
+        assert "Fewer than 8 records are too few to find outliers." in page
         assert "6 modes in too few records to be compared" in page
 
     def test_without_a_result_it_is_a_page_as_well(self, tmp_path: Path) -> None:

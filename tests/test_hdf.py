@@ -281,7 +281,7 @@ class TestObjects:
         savemat(tmp_path / "r.mat", {})
         with (tmp_path / "r.mat").open("ab") as file:
             file.write(opaque("x", of_class))
-        with pytest.raises(RecordError, match=re.escape(f"holds no real vector: 'x' {way}")):
+        with pytest.raises(RecordError, match=re.escape(f"contains no real vector: 'x' {way}")):
             read_recording(tmp_path / "r.mat")
 
     def test_a_timeseries_has_a_way_out(self, tmp_path: Path) -> None:

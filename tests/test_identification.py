@@ -301,7 +301,7 @@ class TestOptionsOfTheOtherMethod:
         assert ModeCheck.CANDIDATES not in {check.remark.code for check in wavelet.verdict.checks}
 
     def test_a_choice_beside_a_bandwidth_is_refused(self) -> None:
-        with pytest.raises(InputError, match="candidates are of no use with bandwidth=8"):
+        with pytest.raises(InputError, match="candidates are not used with bandwidth=8"):
             identify(kicked(paper_car()), method="ridge", bandwidth=8.0, candidates=[2.0, 3.0])
 
 

@@ -200,7 +200,7 @@ class TestNoise:
 
     def test_alone_is_refused_where_modes_are_asked_for(self) -> None:
         values = np.random.default_rng(1).standard_normal((1, 2000))
-        with pytest.raises(IdentificationError, match="asked for"):
+        with pytest.raises(IdentificationError, match="requested"):
             found(np.arange(2000) / 400, values, modes=1)
 
     @pytest.mark.parametrize("count", [64, 100, 200, 300])
@@ -225,7 +225,7 @@ class TestAskedFor:
 
     def test_fewer_are_an_error_that_holds_them(self) -> None:
         time, values = record(cars.PAPER)
-        with pytest.raises(IdentificationError, match="4 modes were asked for, 3") as info:
+        with pytest.raises(IdentificationError, match="4 modes were requested, 3") as info:
             found(time, noisy(values, 2, 20.0), modes=4)
         assert info.value.found is not None
         assert_near(info.value.found, eigenmodes(cars.PAPER))

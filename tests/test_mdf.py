@@ -154,7 +154,7 @@ class TestLeftOut:
 
     def test_all_of_it_is_an_error(self, tmp_path: Path) -> None:
         content = mdf([signal("text", np.array([b"a", b"b", b"c", b"d", b"e"]), encoding="utf-8")])
-        with pytest.raises(RecordError, match="holds no channel of numbers: 'text' is text or bytes"):
+        with pytest.raises(RecordError, match="contains no channel of numbers: 'text' is text or bytes"):
             read_mdf(put(tmp_path, content))
 
 

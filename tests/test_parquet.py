@@ -211,7 +211,7 @@ class TestDamage:
             read_parquet(tmp_path / "a.parquet")
 
     def test_no_sample(self, tmp_path: Path) -> None:
-        with pytest.raises(RecordError, match="holds no sample"):
+        with pytest.raises(RecordError, match="contains no sample"):
             read_parquet(put(tmp_path, {"x": pa.array([], pa.float64())}))
         with pytest.raises(RecordError, match="'n' is text"):
             read_parquet(put(tmp_path, {"n": ["a"]}))

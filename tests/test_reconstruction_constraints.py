@@ -351,7 +351,7 @@ class TestRefusals:
             (lambda k, c: cp.square(c["tire"]) == 1e4, "both sides must be linear"),  # noqa: ARG005
             (lambda k, c: k["tyre"] <= 1e9, "no strut 'tyre'"),  # noqa: ARG005
             (lambda k, c: k["tire"] < 1e9, "Strict inequalities"),  # noqa: ARG005
-            (lambda k, c: [True], "is no constraint"),  # noqa: ARG005
+            (lambda k, c: [True], "is not a cvxpy constraint"),  # noqa: ARG005
             (lambda k, c: cp.Variable() <= k["tire"], "variable of its own"),  # noqa: ARG005
             (3.0, "neither text nor a function"),
             ("tire.stiffness < 3", "no single comparison"),
@@ -360,7 +360,7 @@ class TestRefusals:
             ("__import__('os').getcwd() <= tire.damping", "has no place"),
             ("tire.damping <= ", "cannot be read"),
             ("1 / 0 <= tire.damping", "divides by zero"),
-            ("3 <= 4", "holds no parameter"),
+            ("3 <= 4", "contains no parameter"),
         ],
     )  # fmt: skip
     def test_what_is_no_convex_constraint(self, constraint: Any, said: str) -> None:

@@ -274,9 +274,9 @@ X = np.arange(4.0)
 REFUSED: list[tuple[str, str | bytes, dict[str, Any], str]] = [
     ("r.csv", "", {}, "is empty"),
     ("r.mat", b"", {}, "is empty"),
-    ("r.csv", "\n\n", {}, "holds no row of numbers"),
-    ("r.csv", "t,seat\n", {}, "holds no row of numbers"),
-    ("r.csv", "once upon\na time\n", {"fs": 1}, "holds no row of numbers"),
+    ("r.csv", "\n\n", {}, "contains no row of numbers"),
+    ("r.csv", "t,seat\n", {}, "contains no row of numbers"),
+    ("r.csv", "once upon\na time\n", {"fs": 1}, "contains no row of numbers"),
     ("r.csv", "t,seat\n0,1\n", {}, "'seat': 1 number in 1 sample"),
     ("r.csv", b"t,seat\n0,\x81\n", {}, "is neither UTF-8 nor Windows-1252 text: byte 0x81 on line 2"),
     ("r.csv", b"t,seat\n0,\0\n", {}, r"holds zero bytes \(line 2\)"),
@@ -291,7 +291,7 @@ REFUSED: list[tuple[str, str | bytes, dict[str, Any], str]] = [
     ("r.mat", matlab(s={"x": np.arange(400.0)})[:-700], {}, "is damaged: it ends within a variable"),
     ("r.mat", b"\x89HDF\r\n\x1a\n" + bytes(100), {}, "is damaged: OSError"),
     ("r.mat", b"MATLAB 7.3 MAT-file".ljust(124) + b"\0\2IM" + bytes(900), {}, r"damaged MATLAB v7\.3"),
-    ("r.mat", matlab(s="text", c=1 + 2j, k=3.0), {}, r"holds no real vector: 's' is text, 'c' is complex"),
+    ("r.mat", matlab(s="text", c=1 + 2j, k=3.0), {}, r"contains no real vector: 's' is text, 'c' is complex"),
     ("r.mat", matlab(x=np.ones(3), t=np.arange(3.0), M=np.eye(3)), {"channels": ["M"]}, "'M' is a matrix of 3 x 3"),
     ("r.mat", matlab(x=X[:3], t=X[:3], f=X), {"channels": ["x", "f"]}, "'f' has 4 samples, time 't' has 3"),
     ("r.mat", matlab(t=X[:3], f=X), {}, "no channel is as long as time, 't': 3 samples"),
@@ -302,16 +302,16 @@ REFUSED: list[tuple[str, str | bytes, dict[str, Any], str]] = [
     ("r.csv", "t,seat\n0,nan\n1,nan\n2,nan\n", {}, "'seat': 0 numbers in 3 samples"),
     ("r.csv", "t,seat\n0,7\n1,7\n2,7\n", {}, "'seat': constant at 7"),
     ("r.csv", GOOD, {"channels": ["seet"]}, "no channel 'seet'. Did you mean 'seat'"),
-    ("r.csv", GOOD, {"channels": ["seat", "seat"]}, "'seat' is asked for twice"),
-    ("r.csv", GOOD, {"channels": ["seat"], "time": "seat"}, "'seat' is asked for twice"),
+    ("r.csv", GOOD, {"channels": ["seat", "seat"]}, "'seat' is requested twice"),
+    ("r.csv", GOOD, {"channels": ["seat"], "time": "seat"}, "'seat' is requested twice"),
     ("r.csv", GOOD, {"time": "clock"}, "no time column 'clock'. Known: 't', 'seat', 'tire'"),
     ("r.csv", GOOD, {"fs": 0}, "fs = 0 must be a positive"),
     ("r.csv", GOOD, {"fs": -5.0}, "must be a positive"),
     ("r.csv", GOOD, {"fs": float("nan")}, "must be a positive"),
     ("r.csv", GOOD, {"dbc": "can.dbc"}, "only MDF files hold them"),
     ("r.csv", "a,b\n0,1\n1,2\n", {}, "no column is named like a time: 'a', 'b'"),
-    ("r.csv", "a,b\n0,1\n1,2\n3,2\n", {}, "'a' increases as a time does"),
-    ("r.csv", "index,b\n0,1\n1,2\n2,1\n", {}, "'index' counts the rows and is no time"),
+    ("r.csv", "a,b\n0,1\n1,2\n3,2\n", {}, "'a' increases like a time"),
+    ("r.csv", "index,b\n0,1\n1,2\n2,1\n", {}, "'index' counts the rows and is not a time"),
     ("r.csv", "index,b\n0,1\n1,2\n2,1\n", {"time": "index"}, "'index' counts the rows and states no time; give .*fs"),
     ("r.csv", "t [h:m],b\n0,1\n1,2\n", {"time": "t [h:m]"}, r"unit of time in 't \[h:m\]' is not known"),
     ("r.csv", "t,seat\n0,1\n1,ok\n", {}, "line 3, column 'seat': 'ok' is not a number"),
@@ -324,7 +324,7 @@ REFUSED: list[tuple[str, str | bytes, dict[str, Any], str]] = [
     ("r.csv", "t,x\n0,0,1,5\n0,5,2,5\n", {}, "names 2 columns, but the rows hold 4 cells .*decimals have a comma"),
     ("r.csv", "t,seat\n0,1\n1,2,3\n", {}, r"line 3 has 3 cells, the rows above have 2 \(separated by commas\)"),
     ("r.csv", "t,seat\n0,1\n1\n2,3\n", {}, "line 3 has 1 cells, the rows above have 2"),
-    ("r.csv", "t,seat\n0,1\n1,2\nt,seat\n0,1\n1,2\n", {}, "line 4 holds no number: 't,seat'"),
+    ("r.csv", "t,seat\n0,1\n1,2\nt,seat\n0,1\n1,2\n", {}, "line 4 contains no number: 't,seat'"),
     ("r.csv", 't,seat\n0,1\n1,"2,3\n', {}, "line 3"),
     ("r.csv", "t,time\n0,1\n1,7\n2,3\n", {}, "'t', 'time' all read like a time"),
     ("r.csv", "0,up\n1,2\n", {"fs": 1}, "line 1 is neither a header nor data: cell 2 is 'up'"),
@@ -368,7 +368,7 @@ class TestRefusals:
 
     def test_a_variable_that_stands_twice(self, tmp_path: Path) -> None:
         once = matlab(x=np.arange(4.0))
-        with pytest.raises(RecordError, match="holds two variables named 'x'"):
+        with pytest.raises(RecordError, match="contains two variables named 'x'"):
             read_record(written(tmp_path, "r.mat", once + once[128:]), fs=1)
 
 

@@ -148,7 +148,7 @@ class TestAgreement:
 
 class TestRefusals:
     def test_no_decay(self) -> None:
-        with pytest.raises(InputError, match="no decay is given"):
+        with pytest.raises(InputError, match="no decay given"):
             identify_repeats(record(decays(), std=1e-4, seed=1), [])
 
     def test_more_modes_than_there_are(self) -> None:
@@ -196,5 +196,5 @@ class TestSeveralRecords:
         first = record(decays()[:1], std=1e-4, seed=5)
         with pytest.raises(InputError, match="stretches of one recording"):
             identify_repeats([first], [(0.0, 1.0)])
-        with pytest.raises(InputError, match="no decay is given"):
+        with pytest.raises(InputError, match="no decay given"):
             identify_repeats(first)

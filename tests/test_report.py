@@ -435,7 +435,7 @@ class TestWhatDecides:
         assert [row.number for row in rows] == [16, 1]
         assert rows[0].frequency.startswith("9.551, 19.10, ")
 
-    @pytest.mark.parametrize(("seconds", "said"), [(6.0, "It is made at"), (60.0, "it shows the first")])
+    @pytest.mark.parametrize(("seconds", "said"), [(6.0, "It is computed at"), (60.0, "it shows the first")])
     def test_what_is_said_of_the_scalogram_is_true(self, seconds: float, said: str) -> None:
         t = np.arange(0, seconds, 1 / 7000)
         decay = np.exp(-8 / seconds * t) * np.cos(2 * np.pi * 40 * t)

@@ -112,7 +112,7 @@ def test_wrong_parameters_are_refused(name: str, message: str) -> None:
         ({"parameters": "chassis.damping"}, "must be a list of names"),
         ({"parameters": []}, "must be a list of names"),
         ({"parameters": ["chassis.damping"] * 2}, "is named twice"),
-        ({"speed": 20.0}, "go with a road"),
+        ({"speed": 20.0}, "need a road"),
         ({"road": "C", "speed": 20.0, "duration": -1.0}, "must be positive"),
         ({"car": "x.toml"}, "read_car"),
     ],

@@ -186,7 +186,7 @@ class TestLeftOut:
         assert {name: why.code for name, why in table.unusable.items()} == {"note": LeftOut.TEXT, "c": LeftOut.COMPLEX}
 
     def test_all_of_it_is_an_error(self, tmp_path: Path) -> None:
-        with pytest.raises(RecordError, match="holds no channel of numbers: 'note' is text"):
+        with pytest.raises(RecordError, match="contains no channel of numbers: 'note' is text"):
             read_tdms(put(tmp_path, [channel("g", "note", ["a", "b"])]))
 
 

@@ -103,7 +103,7 @@ def test_a_unit_alone_is_asked_for(tmp_path: Path, name: str) -> None:
     """min may be a minimum, ms a channel: --time says that it is the time, and its name then the unit."""
     per_second = {"ms": 1e3, "min": 1 / 60}[name]
     path = write(tmp_path / "a.csv", name, [f"{t * per_second:.14g}" for t in TIMES])
-    with pytest.raises(RecordError, match=f"'{name}' increases as a time does"):
+    with pytest.raises(RecordError, match=f"'{name}' increases like a time"):
         read_recording(path)
     assert read_recording(path, time=name)["seat"].timepts == pytest.approx(TIMES, abs=1e-9)
 

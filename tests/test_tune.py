@@ -333,7 +333,7 @@ class TestDefaults:
         ({"objective": "tire.laod"}, "there is no figure 'tire.laod'"),
         ({"constraints": {"chassis.travel": -1.0}}, "must be a positive number"),
         ({"constraints": {"chassis.travel": 1e-5}}, "no car within the bounds meets the constraints"),
-        ({"bounds": {"tire.stiffness": (1.0, 2.0)}}, "is not chosen"),
+        ({"bounds": {"tire.stiffness": (1.0, 2.0)}}, "is not tuned"),
         ({"bounds": {"chassis.damping": (2.0, 1.0)}}, "must be two numbers that ascend"),
         ({"bounds": {"chassis.damping": ("a", "b")}}, "must be two numbers that ascend"),
         ({"bounds": {"chassis.damping": (1.0,)}}, "must be two numbers that ascend"),

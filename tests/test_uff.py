@@ -234,7 +234,7 @@ class TestLeftOut:
         }
 
     def test_all_of_it_is_an_error(self, tmp_path: Path) -> None:
-        with pytest.raises(RecordError, match="holds no time history: '1\\+Z' is a spectrum|a frequency response"):
+        with pytest.raises(RecordError, match="contains no time history: '1\\+Z' is a spectrum|a frequency response"):
             read_uff(put(tmp_path, dataset([1.0, 2], func_type=4, abscissa_spec_data_type=18)))
 
 

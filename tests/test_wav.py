@@ -117,7 +117,7 @@ class TestDamage:
             read_wav(put(tmp_path, b"RIFF" + struct.pack("<I", len(whole) - 6) + whole[8:]))
 
     def test_no_sample(self, tmp_path: Path) -> None:
-        with pytest.raises(RecordError, match="holds no sample"):
+        with pytest.raises(RecordError, match="contains no sample"):
             read_wav(put(tmp_path, wav(np.zeros(0, np.int16))))
 
     def test_a_rate_of_zero(self, tmp_path: Path) -> None:

@@ -120,7 +120,7 @@ def analyse_drive(
     """
     every = [sources] if isinstance(sources, str | os.PathLike | Recording) else list(sources)
     if not every:
-        raise InputError("there is no recording of a drive; name a file at least")
+        raise InputError("no recording of a drive given; name at least one file")
     settings, step = settings or Settings(), progress or (lambda _: None)
     drives = []
     for source in every:

@@ -42,7 +42,7 @@ def _wanted(recording: Recording, settings: Settings) -> Recording:
     if settings.test is not None:
         recording = recording.of_test(settings.test)
     elif len(recording.tests) > 1:
-        raise RecordError(f"holds {len(recording.tests)} tests; choose one: {', '.join(recording.tests)}")
+        raise RecordError(f"contains {len(recording.tests)} tests; choose one: {', '.join(recording.tests)}")
     names = recording.names
     for name in settings.channels or ():
         channel_named(name, names)

@@ -106,7 +106,7 @@ def distinct(name: str, found: Sequence[str], value: object) -> None:
     """Refuse names that stand more than once."""
     twice = [one for one in found if found.count(one) > 1]
     if twice:
-        raise wrong(name, value, f"{twice[0]!r} stands more than once; name each once")
+        raise wrong(name, value, f"{twice[0]!r} occurs more than once; name each once")
 
 
 def texts(name: str, value: object) -> tuple[str, ...]:
@@ -114,7 +114,7 @@ def texts(name: str, value: object) -> tuple[str, ...]:
     items = several(name, value, "('seat', 'chassis')")
     for item in items:
         if not isinstance(item, str):
-            raise wrong(name, value, f"{item!r:.40} is no text; give a tuple such as ('seat', 'chassis')")
+            raise wrong(name, value, f"{item!r:.40} is not a text; give a tuple such as ('seat', 'chassis')")
     return tuple(str(item) for item in items)
 
 
@@ -177,7 +177,7 @@ def by_name(name: str, value: object, check: Callable[[str, object], Kind], exam
         if not isinstance(pair, tuple | list) or len(pair) != 2 or not isinstance(pair[0], str):
             raise wrong(name, value, f"give a mapping, such as {example}")
         if pair[0] in found:
-            raise wrong(name, value, f"{pair[0]!r} stands more than once; name each once")
+            raise wrong(name, value, f"{pair[0]!r} occurs more than once; name each once")
         found[str(pair[0])] = check(f"{name}[{pair[0]!r}]", pair[1])
     return found
 

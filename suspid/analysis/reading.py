@@ -127,7 +127,7 @@ def _kept(channels: tuple[str, ...], settings: Settings) -> tuple[str, ...]:
     wanted = tuple(channel_named(name, channels) for name in (_asked(settings) or channels))
     for name in wanted:
         if wanted.count(name) > 1 and settings.channels is not None:
-            raise RecordError(f"channel {name!r} is asked for twice")
+            raise RecordError(f"channel {name!r} is requested twice")
     dropped = {channel_named(name, channels) for name in settings.without}
     kept = tuple(name for name in wanted if name not in dropped)
     if wanted and not kept:

@@ -62,7 +62,7 @@ def check_each_once(sources: Sequence[object]) -> None:
     files = [os.path.realpath(one) for one in sources if isinstance(one, str | os.PathLike)]
     twice = next((name for k, name in enumerate(files) if name in files[:k]), None)
     if twice is not None:
-        raise InputError(f"{printable(twice)} is named twice: name each once, every test counts once")
+        raise InputError(f"{printable(twice)} is named twice: name each once")
 
 
 def alike(parts: Sequence[Part]) -> tuple[list[Part], list[Remark]]:
@@ -82,14 +82,14 @@ def alike(parts: Sequence[Part]) -> tuple[list[Part], list[Remark]]:
         if missing or other:
             raise InputError(
                 f"{part.name} does not belong to {first.name}: it has the channels {listed(signal.channels)}, "
-                f"{first.name} has {listed(wanted.channels)}; name those that they share ({Argument('channels')}), or "
-                f"identify them one by one"
+                f"{first.name} has {listed(wanted.channels)}; name those that they share ({Argument('channels')}), "
+                f"or identify them separately"
             )
         apart = abs(signal.step / wanted.step - 1)
         if apart > ONE_RATE:
             raise InputError(
-                f"{part.name} is sampled at {1 / signal.step:.6g} Hz, {first.name} at {1 / wanted.step:.6g} Hz; decays "
-                f"are joined at one rate only: identify them one by one"
+                f"{part.name} is sampled at {1 / signal.step:.6g} Hz, {first.name} at {1 / wanted.step:.6g} Hz; "
+                f"decays are joined at one rate only: identify them separately"
             )
         rows = signal.values[[signal.channels.index(name) for name in wanted.channels]]
         timepts: RealArray = signal.timepts

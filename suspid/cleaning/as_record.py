@@ -186,7 +186,7 @@ def _of_pandas(data: RecordLike) -> tuple[RealArray, RealArray | None, list[str]
 
 
 def _index_time(index: RecordLike) -> RealArray | None:
-    """Return the time that an index of pandas is [s]; None for one that counts the rows or holds no numbers."""
+    """Return the time that an index of pandas is [s]; None for one that counts the rows or contains no numbers."""
     if index.dtype.kind in "mM":
         return _elapsed(index.to_series())
     name = "" if index.name is None else str(index.name)
@@ -261,7 +261,7 @@ def _matrix(data: RecordLike, samples: int | None = None) -> RealArray:
     if values.ndim != 2:
         raise RecordError(f"the data has the shape {values.shape}; it must be (sample,) or (channel, sample)")
     if not values.size:
-        raise RecordError(f"the data has the shape {values.shape}: it holds no samples")
+        raise RecordError(f"the data has the shape {values.shape}: it contains no samples")
     if values.shape[1] == 1 or (samples == len(values) and samples != values.shape[1]):
         values = np.ascontiguousarray(values.T)
     if len(values) > values.shape[1]:

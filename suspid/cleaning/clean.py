@@ -70,14 +70,14 @@ def clean(
     """
     check_rate(fs)
     if not isinstance(recording, Recording):
-        raise RecordError("clean takes a recording, as of read_recording; a record is used as it is")
+        raise RecordError("clean takes a recording, such as from read_recording; a record needs no cleaning")
     names = [channels] if isinstance(channels, str) else list(recording.names if channels is None else channels)
     for name in names:
         if names.count(name) > 1:
-            raise RecordError(f"channel {name!r} is asked for twice")
+            raise RecordError(f"channel {name!r} is requested twice")
     chosen = [_within(recording[name], start, stop) for name in names]
     if not chosen:
-        raise RecordError("the recording holds no channel")
+        raise RecordError("the recording contains no channel")
     by_name = channels is not None
     chosen, findings = alive(chosen, by_name=by_name)
     kept, further = one_clock([placed(group, fs) for group in by_clock(chosen)], by_name=by_name)

@@ -78,8 +78,8 @@ def _empty(step: Second, places: Indices, times: RealArray) -> str:
     row = int(np.argmax(np.diff(places)))
     return (
         f"the time stamps of {times.size} rows span {places[-1] + 1} samples of {step:.3g} s, most of them in a gap of "
-        f"{times[row + 1] - times[row]:.6g} s after row {row + 1}, {times[row]:.9g} s; correct the stamps beside it, "
-        f"or take the part before or after it ({Argument('start')}, {Argument('stop')})"
+        f"{times[row + 1] - times[row]:.6g} s after row {row + 1}, {times[row]:.9g} s; correct the stamps next to "
+        f"it, or use the part before or after it ({Argument('start')}, {Argument('stop')})"
     )
 
 

@@ -76,8 +76,8 @@ def one_clock(placed: list[Placed], *, by_name: bool) -> tuple[Placed, list[Find
     inside = (lead.timepts >= first - 1e-6 * lead.step) & (lead.timepts <= last + 1e-6 * lead.step)
     if np.sum(inside) < 2:
         raise RecordError(
-            f"the channels share no time: {', '.join(map(repr, lead.names))} run from {lead.timepts[0]:g} to "
-            f"{lead.timepts[-1]:g} s; ask for channels that were recorded together"
+            f"the channels do not overlap in time: {', '.join(map(repr, lead.names))} run from {lead.timepts[0]:g} to "
+            f"{lead.timepts[-1]:g} s; name channels that were recorded together"
         )
     if np.all(inside) and len(together) == 1:
         return lead, findings

@@ -131,6 +131,6 @@ def _disordered(times: RealArray) -> str:
     k = back[0]
     return (
         f"time runs backwards at {back.size} of {times.size} rows, the first after row {k + 1} (from {times[k]:g} s to "
-        f"{times[k + 1]:g} s): the clock restarted, or the file holds several recordings; the longest run is "
+        f"{times[k + 1]:g} s): the clock restarted, or the file contains several recordings; the longest run is "
         f"rows {first + 1} to {last + 1}, {times[first]:g} to {times[last]:g} s; keep one of them in the file"
     )

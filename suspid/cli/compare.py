@@ -30,9 +30,12 @@ HALF_PAGE = (8.27, 5.8)
 @click.argument("before", type=FILE, nargs=-1, required=True, metavar="BEFORE...")
 @click.argument("after", type=FILE)
 @click.option(
-    "--damper-std", type=Positive("share"), metavar="SHARE", help="Scatter of one damper from drive to drive. [0.03]"
+    "--damper-std",
+    type=Positive("share"),
+    metavar="SHARE",
+    help="Standard deviation of one damper from drive to drive. [0.03]",
 )
-@click.option("--load-std", type=Positive("share"), metavar="SHARE", help="Scatter of the load. [0.1]")
+@click.option("--load-std", type=Positive("share"), metavar="SHARE", help="Standard deviation of the load. [0.1]")
 @click.option(
     "--nominal-std",
     type=Positive("share"),
@@ -54,7 +57,7 @@ def compare_command(
 
     Both are the JSON of `suspid estimate` or `suspid drive`: shows the change of every spring and damper, the grip
     before and after, and whether each damper is good, to be watched, or worn. Several BEFORE, in order of time, are a
-    history: from six on their own scatter is used. Or both are the JSON of `suspid identify`: shows which modes differ
+    history: with six or more, their own scatter is used. With the JSON of `suspid identify` it shows which modes differ
     by more than their intervals. --plot draws the intervals of both.
     """
     from suspid.identification import to_json
@@ -88,7 +91,7 @@ def compare_command(
                 save_picture(partial(_draw_estimates, earlier[-1], read_estimate(after), found.after), figure_draft)
         else:
             if len(before) > 1:
-                raise click.UsageError("Modes are compared two by two.")
+                raise click.UsageError("Compare the modes of two results at a time.")
             text, content = _modes(before[0], after)
             if figure_draft:
                 save_picture(partial(_draw_modes, before[0], after), figure_draft, size=HALF_PAGE)

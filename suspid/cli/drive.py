@@ -34,20 +34,20 @@ def limits_of(least_speed: float, most_braking: float, most_cornering: float, sh
 
 
 WAY = (
-    click.option("--speed", metavar="NAME", help="Channel of speed; none: judge by the vibration. [named so]"),
+    click.option("--speed", metavar="NAME", help="Speed channel; none: use the vibration. [by name]"),
     click.option("--speed-unit", metavar="UNIT", help="Its unit, if the file states none: km/h, m/s, mph, kn."),
-    click.option("--longitudinal", metavar="NAME", help="Channel of acceleration along the car. [named so]"),
-    click.option("--lateral", metavar="NAME", help="Channel of acceleration across the car. [named so]"),
+    click.option("--longitudinal", metavar="NAME", help="Channel of acceleration along the car. [by name]"),
+    click.option("--lateral", metavar="NAME", help="Channel of acceleration across the car. [by name]"),
 )
 LIMITS = (
     click.option("--least-speed", type=Positive("m/s"), default=DEFAULTS.least_speed, show_default=True,
                  help="Slower is left."),
     click.option("--most-braking", type=Positive("m/s2"), default=DEFAULTS.longitudinal, show_default=True,
-                 help="Braking or accelerating harder is left."),
+                 help="Leave out harder braking or accelerating."),
     click.option("--most-cornering", type=Positive("m/s2"), default=DEFAULTS.lateral, show_default=True,
-                 help="Cornering harder is left."),
+                 help="Leave out harder cornering."),
     click.option("--shortest", type=Positive("seconds"), default=DEFAULTS.shortest, show_default=True,
-                 help="Shorter stretches are left."),
+                 help="Leave out shorter stretches."),
 )  # fmt: skip
 
 
@@ -66,7 +66,7 @@ def road_of(road: str | None, wheel_radius: float | None) -> dict[str, Any]:
 @wanting
 @click.option("--before", type=FILE, metavar="JSON", multiple=True, help="Earlier result to judge wear by; repeat.")
 @click.option("--plot", type=FILE, metavar="FILE", help="Write pictures of the drive (.png, .svg, .pdf).")
-@click.option("--page", type=FILE, metavar="FILE", help="Write a page to print or to send (.html, .pdf).")
+@click.option("--page", type=FILE, metavar="FILE", help="Write a report (.html, .pdf).")
 @writing
 def drive_command(
     files: tuple[Path, ...],
@@ -101,9 +101,9 @@ def drive_command(
     from suspid.reporting import content_of, drive_to_dict, plot_drive, read_curves, read_estimate, report
 
     if len({path.resolve() for path in files}) < len(files):
-        raise click.UsageError("One of the FILES is named twice: every drive counts once.")
+        raise click.UsageError("One of the FILES is named twice: name each once.")
     if wanted.added:
-        raise click.UsageError("--added belongs to tests; name the masses of the loaded car in CAR.")
+        raise click.UsageError("--added is for tests; state the masses of the loaded car in CAR.")
     if outputs.output and car is None:
         raise click.UsageError("--output writes a car: give one with --car.")
     check_apart([*files, *before, *([car] if car else [])], [plot, page, outputs.output, outputs.json_file])

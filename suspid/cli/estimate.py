@@ -41,9 +41,9 @@ ROAD = (
 @packed(road_of, ROAD, "road")
 @sensing
 @wanting
-@click.option("--limits", type=FILE, metavar="FILE", help="Bounds of modes, springs and dampers to judge by (.toml).")
+@click.option("--limits", type=FILE, metavar="FILE", help="Limits of modes, springs and dampers (.toml).")
 @click.option("--plot", type=FILE, metavar="FILE", help="Write pictures of the estimate (.png, .svg, .pdf).")
-@click.option("--page", type=FILE, metavar="FILE", help="Write a page to print or to send (.html, .pdf).")
+@click.option("--page", type=FILE, metavar="FILE", help="Write a report (.html, .pdf).")
 @writing
 def estimate_command(
     files: tuple[Path, ...],
@@ -75,7 +75,7 @@ def estimate_command(
     from suspid.reporting import content_of, estimate_to_dict, plot_estimate, report
 
     if len({path.resolve() for path in files}) < len(files):
-        raise click.UsageError("One of the FILES is named twice: name each once, every test counts once.")
+        raise click.UsageError("One of the FILES is named twice: name each once.")
     check_apart([*files, car, *filter(None, (limits,))], [plot, page, outputs.output, outputs.json_file])
     asked = () if limits is None else read_limits(limits)
     masses, unknowns = wanted.added_masses(files), wanted.unknowns()

@@ -21,8 +21,8 @@ GIVEN = click.option(
     "--given",
     metavar="NAME,…",
     default="",
-    help="Causes that were measured: wheels, roads, forces, or single ones by their names in CAR; none: a free decay. "
-    "[what explains the records]",
+    help="Measured causes of the motion: wheels, roads, forces, or single ones by their names in CAR; none: a free "
+    "decay. [what explains the records]",
 )
 
 

@@ -40,13 +40,13 @@ OF_DECAYS = ("vertical", "which", "modes", "method", "band")
 @click.option(
     "-o", "--output", type=FILE, metavar="RESULTS", help="Folder of the results; an interrupted run continues."
 )
-@click.option("--summary", is_flag=True, help="FOLDER holds results: show what they say, and run nothing.")
-@click.option("--page", type=FILE, metavar="FILE", help="Write the summary as a page to send (.html, .pdf).")
+@click.option("--summary", is_flag=True, help="FOLDER contains results: only summarise them.")
+@click.option("--page", type=FILE, metavar="FILE", help="Write the summary as a report (.html, .pdf).")
 @click.option("--csv", is_flag=True, help="Write the tables of RESULTS as CSV too.")
-@click.option("--drives", is_flag=True, help="The records are drives, each of them as for `suspid drive`.")
+@click.option("--drives", is_flag=True, help="Each record is a drive, as for `suspid drive`.")
 @click.option("--workers", type=Whole(1), help="Processes on this machine. [one per core]")
-@click.option("--scheduler", metavar="ADDRESS", help="Dask scheduler in their place, such as tcp://host:8786.")
-@click.option("--car", type=FILE, metavar="CAR", help="Find springs and dampers too, of this car (.toml).")
+@click.option("--scheduler", metavar="ADDRESS", help="Dask scheduler instead, such as tcp://host:8786.")
+@click.option("--car", type=FILE, metavar="CAR", help="Car (.toml): find springs and dampers as well.")
 @wanting
 @packed(way_of, WAY, "way")
 @packed(limits_of, LIMITS, "limits")
@@ -54,7 +54,9 @@ OF_DECAYS = ("vertical", "which", "modes", "method", "band")
 @click.option("--time-limit", type=Positive("seconds"), help="Longest time for one record. [none]")
 @click.option("--chunk", type=Whole(1), help="Records per task and part of a table. [32; 4 drives]")
 @click.option("--table", type=FILE, metavar="CSV", help="Columns record, vehicle, date: look for trends.")
-@click.option("--vehicle-from", "pattern", metavar="PATTERN", help="The same from names: (?P<vehicle>…)/(?P<date>…).")
+@click.option(
+    "--vehicle-from", "pattern", metavar="PATTERN", help="Vehicle and date from file names: (?P<vehicle>…)/(?P<date>…)."
+)
 def fleet_command(
     folder: str,
     settings: Settings,
@@ -96,7 +98,7 @@ def fleet_command(
         raise click.UsageError("Give --table or --vehicle-from, not both.")
     if summary:
         if output is not None:
-            raise click.UsageError("--summary shows what is there: leave -o out.")
+            raise click.UsageError("--summary shows existing results: leave -o out.")
         with drafted(page) as write:
             _conclude(fleet_summary(folder, table=table, pattern=pattern), write, csv=csv, said=())
         return
@@ -105,7 +107,7 @@ def fleet_command(
     if workers is not None and scheduler is not None:
         raise click.UsageError("Give --workers or --scheduler, not both.")
     if wanted.added:
-        raise click.UsageError("--added belongs to single tests; name the masses of the loaded car in CAR.")
+        raise click.UsageError("--added is for single tests; state the masses of the loaded car in CAR.")
     _check_kind(drives)
     constraints = () if car is None or drives else read_constraints(car)
     settings = replace(settings, springs=CarSettings(**wanted.unknowns(), constraints=constraints))
@@ -163,7 +165,7 @@ def goes_on() -> Iterator[None]:
     try:
         yield
     except KeyboardInterrupt as stop:
-        click.echo("suspid: stopped; what is done is kept, and the same command continues from there", err=True)
+        click.echo("suspid: stopped; the results so far are kept, and the same command continues", err=True)
         click.get_current_context().exit(stopped_code(stop))
 
 

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 @click.option("--load", "loads", metavar="WHEEL=N", multiple=True, help="Static contact force as weighed; repeat.")
 @click.option("--amplitude", type=Positive("metres"), help="Amplitude of the platform. [0.003]")
 @STATED_STD
-@click.option("--level", type=Probability(), help="Print intervals of this probability, as 0.95.")
+@click.option("--level", type=Probability(), help="Print intervals of this probability, such as 0.95.")
 @PICTURE_OF_RIDE
 @click.option("--json", "json_file", type=FILE, metavar="FILE", help="Write figures and intervals as JSON.")
 def grip_command(

@@ -59,7 +59,7 @@ main.add_command(tune_command)
 @click.argument("car", type=FILE)
 @wanting
 @click.option("--tolerance", type=Positive("share"), metavar="SHARE", help="Largest relative error of a pole. [0.02]")
-@click.option("--no-search", is_flag=True, help="Start from the nominal car alone: look for no alternatives.")
+@click.option("--no-search", is_flag=True, help="Start from the nominal car only, without a search for alternatives.")
 @writing
 def reconstruct_command(
     modes: tuple[Path, ...],
@@ -84,7 +84,7 @@ def reconstruct_command(
     from suspid.reconstruction import ModalTest, reconstruct, reconstruction_to_dict
 
     if len({path.resolve() for path in modes}) < len(modes):
-        raise click.UsageError("One of the MODES is named twice: name each once, every test counts once.")
+        raise click.UsageError("One of the MODES is named twice: name each once.")
     check_apart([*modes, car], [outputs.output, outputs.json_file])
     masses, unknowns = wanted.added_masses(modes), wanted.unknowns()
     with outputs.drafts() as (draft, json_draft), said_warnings() as said:

@@ -68,8 +68,8 @@ def channels_command(file: Path, time: str | None, fs: float | None, dbc: Path |
 def identify_command(files: tuple[Path, ...], settings: Settings, plot: Path | None, json_file: Path | None) -> None:
     """Find the modes in the record FILE.
 
-    FILE has any format that `suspid channels` reads; - is the standard input. No mode is an answer as well:
-    the exit code is then 0.
+    FILE has any format that `suspid channels` reads; - is the standard input. The exit code is 0 even if no mode is
+    found.
 
     Several FILEs are tests of one structure: their decays are joined.
     """
@@ -78,7 +78,7 @@ def identify_command(files: tuple[Path, ...], settings: Settings, plot: Path | N
 
     check_apart(list(files), [plot, json_file])
     if plot and len(files) > 1:
-        raise click.UsageError("--plot draws one record: name one FILE.")
+        raise click.UsageError("--plot takes one record: name one FILE.")
     with ExitStack() as outputs, said_warnings() as said, progress(*STEPS[:3]) as step:
         figure_draft = outputs.enter_context(replacing(checked_picture(plot))) if plot else None
         json_draft = outputs.enter_context(replacing(json_file)) if json_file else None
@@ -90,7 +90,7 @@ def identify_command(files: tuple[Path, ...], settings: Settings, plot: Path | N
         tests = _other_tests(found)
         if tests and (plot or json_file):
             raise InputError(
-                f"holds {len(tests) + 1} tests: choose one with --test, such as --test {shlex.quote(tests[0])}, or "
+                f"contains {len(tests) + 1} tests: choose one with --test, such as --test {shlex.quote(tests[0])}, or "
                 f"join them with --test all"
             ).about(printable(str(files[0])))
         if tests:
@@ -185,7 +185,7 @@ def record_in_words(record: control.TimeResponseData) -> str:
 def checked_page(path: Path) -> Path:
     """Return the path, if it is one of an HTML file."""
     if path.suffix.lower() not in (".html", ".htm"):
-        raise InputError("pages are written as .html or .pdf; choose such a name").about(printable(str(path)))
+        raise InputError("reports are written as .html or .pdf; choose such a name").about(printable(str(path)))
     return path
 
 

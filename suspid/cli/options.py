@@ -69,10 +69,10 @@ class CarFile(click.Path):
 RECORD = Record(path_type=Path)
 CAR_FILE = CarFile(path_type=Path)
 TIME_OPTION = click.option(
-    "--time", metavar="NAME", help="Column of time, if it is not named like one; none ignores times in the file."
+    "--time", metavar="NAME", help="Column of time, if its name does not say so; none: ignore times in the file."
 )
 FS_OPTION = click.option(
-    "--fs", type=Positive("Hz"), metavar="HZ", help="Sampling rate; it replaces the time in the file, if any."
+    "--fs", type=Positive("Hz"), metavar="HZ", help="Sampling rate; replaces any time in the file."
 )
 ON_ROAD = click.option("--road", metavar="A..H|G_d", help="Class of ISO 8608, or G_d(0.1 cycle/m) [m3].")
 AT_SPEED = click.option("--speed", type=Positive("m/s"), help="Speed.")
@@ -93,7 +93,7 @@ class Which(click.ParamType[str]):
         """Return the choice, or refuse it as a usage error."""
         text = str(value)
         if text not in ("auto", "whole", "all") and not (text.isdecimal() and int(text) > 0):
-            self.fail(f"{text!r} is neither auto, whole, all nor a rank from 1 on.", param, ctx)
+            self.fail(f"{text!r} is not auto, whole, all or a rank (1, 2, …).", param, ctx)
         return text
 
 
@@ -108,7 +108,7 @@ READING = (
         "renames",
         metavar="OLD=NEW",
         multiple=True,
-        help="Call a channel by another name; repeat, or A=B,C=D.",
+        help="Rename a channel; repeat, or A=B,C=D.",
     ),
     click.option(
         "--scale",
@@ -118,7 +118,7 @@ READING = (
         help="Multiply a channel: NAME=FACTOR, such as az=-9.81; repeat.",
     ),
     click.option("--vertical", metavar="X,Y,Z", help="Add the vertical of a tilted accelerometer, and drop its axes."),
-    click.option("--si", is_flag=True, help="Convert channels to SI by the units that the file states."),
+    click.option("--si", is_flag=True, help="Convert channels to SI from the units in the file."),
     TIME_OPTION,
     FS_OPTION,
     DBC_OPTION,
@@ -142,13 +142,15 @@ STRETCH = (
 
 METHOD = inspect.signature(identify).parameters["method"].default
 SETTINGS = (
-    click.option("--modes", type=Whole(1), help="How many modes to find. [all that stand out]"),
+    click.option("--modes", type=Whole(1), help="Number of modes. [all significant ones]"),
     click.option(
-        "--method", type=click.Choice(get_args(Method)), default=METHOD, show_default=True, help="How to find them."
+        "--method",
+        type=click.Choice(get_args(Method)),
+        default=METHOD,
+        show_default=True,
+        help="Method of identification.",
     ),
-    click.option(
-        "--band", type=Positive("Hz"), nargs=2, metavar="LOW HIGH", help="Lowest and highest frequency to look at [Hz]."
-    ),
+    click.option("--band", type=Positive("Hz"), nargs=2, metavar="LOW HIGH", help="Lowest and highest frequency [Hz]."),
 )
 
 

@@ -61,10 +61,12 @@ class Wanted:
                 raise click.BadParameter(f"{text!r}: write FILE:NAME=KG.", param_hint="'--added'")
             if colon and Path(file) not in files:
                 known = ", ".join(str(path) for path in files)
-                raise click.BadParameter(f"{text!r}: {file!r} is none of the MODES, {known}.", param_hint="'--added'")
+                raise click.BadParameter(
+                    f"{text!r}: {file!r} is not one of the MODES, {known}.", param_hint="'--added'"
+                )
             masses = tests[files.index(Path(file)) if colon else 0]
             if name in masses:
-                raise click.BadParameter(f"{text!r}: {name!r} has a mass there already.", param_hint="'--added'")
+                raise click.BadParameter(f"{text!r}: {name!r} already has a mass there.", param_hint="'--added'")
             masses[name] = mass
         return tests
 
@@ -79,7 +81,7 @@ wanting: Decorator = packed(
             "--fixed",
             metavar="STRUT[.stiffness|.damping]",
             multiple=True,
-            help="Hold at the nominal value; repeat, or NAME,NAME.",
+            help="Fix at the nominal value; repeat, or NAME,NAME.",
         ),
         click.option(
             "--bound",
@@ -87,7 +89,7 @@ wanting: Decorator = packed(
             type=(str, float, float),
             metavar="NAME LOW HIGH",
             multiple=True,
-            help="Least and largest value of a parameter such as tire.stiffness; 0 and inf are no bounds; repeat.",
+            help="Smallest and largest value of a parameter such as tire.stiffness; 0 and inf: no bound; repeat.",
         ),
         click.option("--tie", "ties", metavar="A=B", multiple=True, help="Parameters that are equal; repeat."),
         click.option(
@@ -101,7 +103,7 @@ wanting: Decorator = packed(
             "free_masses",
             metavar="NAME",
             multiple=True,
-            help="Mass that is unknown too; repeat, or NAME,NAME.",
+            help="Mass to estimate as well; repeat, or NAME,NAME.",
         ),
     ),
     "wanted",
@@ -114,7 +116,7 @@ class RoadModel(click.Choice[str]):
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
         """Return the name of the model."""
         if str(value).upper() in ROUGHNESS:
-            self.fail(f"{value!r} is a class, which is found here, not given; write --road iso8608.", param, ctx)
+            self.fail(f"{value!r} is a class; the class is estimated here: write --road iso8608.", param, ctx)
         return super().convert(value, param, ctx)
 
 
@@ -166,7 +168,7 @@ writing: Decorator = packed(
         click.option(
             "--level",
             type=Probability(),
-            help="Print intervals of this probability, as 0.95.",
+            help="Print intervals of this probability, such as 0.95.",
         ),
         click.option("-o", "--output", type=CAR_FILE, metavar="FILE", help="Write the car that was found as TOML."),
         click.option(
@@ -182,7 +184,7 @@ def bounds_by_name(given: Sequence[tuple[str, float, float]]) -> dict[str, tuple
     bounds: dict[str, tuple[float, float]] = {}
     for name, low, high in given:
         if name in bounds:
-            raise click.BadParameter(f"{name!r} has bounds already.", param_hint="'--bound'")
+            raise click.BadParameter(f"{name!r} already has bounds.", param_hint="'--bound'")
         bounds[name] = (low, high)
     return bounds
 

@@ -19,11 +19,7 @@ class Finite(click.ParamType[float]):
     @property
     def wanted(self) -> str:
         """What to write in place of what is no number."""
-        return (
-            "write a share of one, such as 0.3"
-            if self.name == "share"
-            else f"write it in {self.name}, without the unit"
-        )
+        return "write a ratio, such as 0.3" if self.name == "share" else f"write it in {self.name}, without the unit"
 
     def allowed(self, number: float) -> bool:
         """Return whether the number may be given."""

@@ -31,19 +31,19 @@ if TYPE_CHECKING:
 
 @click.command("report")
 @click.argument("files", type=RECORD, nargs=-1, required=True, metavar="FILE...")
-@click.option("-o", "--output", type=FILE, metavar="FILE", required=True, help="The page to write (.html, .pdf).")
+@click.option("-o", "--output", type=FILE, metavar="FILE", required=True, help="The report to write (.html, .pdf).")
 @analysing
 @click.option("--car", type=FILE, metavar="CAR", help="Masses and nominal struts (.toml): springs and dampers as well.")
 @GIVEN
 @ON_ROAD
 @AT_SPEED
-@click.option("--limits", type=FILE, metavar="FILE", help="Bounds of modes, springs and dampers to judge by (.toml).")
-@click.option("--format", "kind", type=click.Choice(["html", "pdf"]), help="Kind of page. [that of the name]")
+@click.option("--limits", type=FILE, metavar="FILE", help="Limits of modes, springs and dampers (.toml).")
+@click.option("--format", "kind", type=click.Choice(["html", "pdf"]), help="Format of the report. [that of the name]")
 @click.option("--level", type=Probability(), default=LEVEL, show_default=True,
               help="Probability of the intervals.")  # fmt: skip
-@click.option("--json", "json_file", type=FILE, metavar="FILE", help="Write all that the page shows as JSON.")
-@click.option("--title", metavar="TEXT", help="Heading of the page. [name of the file]")
-@click.option("--date", metavar="TEXT", help="Date on the page. [now]")
+@click.option("--json", "json_file", type=FILE, metavar="FILE", help="Write the contents of the report as JSON.")
+@click.option("--title", metavar="TEXT", help="Title of the report. [name of the file]")
+@click.option("--date", metavar="TEXT", help="Date of the report. [now]")
 def report_command(
     files: tuple[Path, ...],
     output: Path,
@@ -59,22 +59,22 @@ def report_command(
     title: str | None,
     date: str | None,
 ) -> None:
-    """Write a page on the modes in FILE, its springs and dampers.
+    """Write a report on the modes in FILE, its springs and dampers.
 
-    The page is one HTML file to print or to send: first what to decide from, then all that it rests on. With --car the
-    wheels of the car that was found are judged on a test bench, with --road and --speed its ride as well.
+    The report is one HTML file: first the results and what to do next, then the evidence. With --car it includes the
+    grip of the wheels on a test bench, with --road and --speed the ride as well.
 
     Several FILEs are tests of one structure: their decays are joined, and the page compares them.
 
-    With --car, a drive in which the motion of the wheels was measured, or a rig with its road, is a page on springs and
-    dampers, and on the modes that follow from them; --given says what moved the car.
+    With --car, a drive in which the motion of the wheels was measured, or a rig with its road, gives a report on
+    springs and dampers, and on the modes that follow from them; --given states what moved the car.
     """
     from suspid.identification import to_json
     from suspid.model import read_car, read_constraints
     from suspid.reporting import content_of, report, report_to_dict, source_of
 
     if (road is None) != (speed is None) or (road is not None and car is None):
-        raise click.UsageError("--road and --speed belong together, and need --car.")
+        raise click.UsageError("--road and --speed go together, and need --car.")
     if given and car is None:
         raise click.UsageError("--given needs --car.")
     write = writer(output, kind)
@@ -156,7 +156,7 @@ def _found(
         *heard,
         f"no clear free decay was found: {'; '.join(moved)}"
         + "; the car that was found does not explain these records" * (not driven.explains)
-        + "; suspid drive uses the stretches of a drive that are fit for it" * (driven.band_hz is not None),
+        + "; suspid drive uses the suitable stretches of a drive" * (driven.band_hz is not None),
     ]
     return driven
 

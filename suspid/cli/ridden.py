@@ -127,6 +127,6 @@ def car_of(source: Path) -> Suspension | Estimate:
         if source.suffix.lower() in OF_CARS or not source.is_file():
             raise
         raise InputError(
-            f"a car is needed, and this is none: give a description (.toml, as examples/car.toml) or the JSON of "
-            f"suspid estimate; as a description it {error.message}"
+            f"this is not a car: give a description (.toml, such as examples/car.toml) or the JSON of suspid "
+            f"estimate; as a description it {error.message}"
         ) from None

@@ -60,10 +60,10 @@ PICTURE_OF_RIDE = click.option("--plot", type=FILE, metavar="FILE", help="Write 
 @click.option(
     "--level",
     type=Probability(),
-    help="Print intervals of this probability, as 0.95.",
+    help="Print intervals of this probability, such as 0.95.",
 )
 @click.option(
-    "--sensitivities", "tables", is_flag=True, help="Show which spring and damper moves which mode and figure."
+    "--sensitivities", "tables", is_flag=True, help="Show the sensitivity of modes and figures to springs and dampers."
 )
 @PICTURE_OF_RIDE
 @click.option("--json", "json_file", type=FILE, metavar="FILE", help="Write figures and intervals as JSON.")
@@ -100,13 +100,13 @@ def ride_command(
     check_apart([source], [plot, json_file])
     of_car = source.suffix.lower() in OF_CARS
     if of_car != (road is not None) or (road is None) != (speed is None):
-        what_it_is = "a car" if of_car else "a record, as cars are .toml or .json"
+        what_it_is = "a car" if of_car else "a record, since cars are .toml or .json"
         raise click.UsageError(
             f"A car needs --road and --speed, such as --road C --speed 20; a record takes none of them. "
             f"{printable(source.name)} is {what_it_is}."
         )
     if of_car and settings != Settings(decay=settings.decay):
-        raise click.UsageError("A car has no channels and no time: options of records do not apply.")
+        raise click.UsageError("A car has no channels and no time: options for records do not apply.")
     if not of_car and (clearance or nominal_std is not None):
         raise click.UsageError("A record has no struts: --clearance and --nominal-std go with a car.")
     if tables and not of_car:

@@ -41,13 +41,13 @@ REST = 0.5
     "--speed",
     type=Profile("m/s"),
     metavar="M/S",
-    help="Speed on that road, needed with --road; or SECONDS:M/S,… to change it, which writes a channel of speed.",
+    help="Speed on that road, needed with --road; SECONDS:M/S,… changes it and writes a speed channel.",
 )
 @click.option(
     "--behind",
     metavar="ROAD=OTHER:METRES",
     multiple=True,
-    help="ROAD is OTHER, met METRES later; repeat. [independent]",
+    help="ROAD follows OTHER METRES later; repeat. [independent]",
 )
 @click.option(
     "--sweep", type=(Positive("Hz"), Positive("Hz"), float), metavar="FROM TO AMPLITUDE", help="Sweep [Hz, Hz, m or N]."
@@ -99,7 +99,7 @@ def simulate_command(
     if inputs and not (sweep or step is not None):
         raise click.UsageError("--input goes with --sweep or --step.")
     if (snr is None and road_class is None) != (seed is None):
-        raise click.UsageError("Give --seed with --snr or --road: the same seed makes the same record.")
+        raise click.UsageError("--snr and --road need --seed: the same seed makes the same record.")
     count = round(fs * duration) if fs * duration <= MOST_SIMULATED else 0
     if count < 2:
         raise click.UsageError(f"{fs:g} Hz for {duration:g} s must be between 2 and {MOST_SIMULATED} samples.")
@@ -189,7 +189,7 @@ def _heights(
             )
         follows[name] = other, lag
     if any(other in follows for other, _ in follows.values()):
-        raise click.BadParameter("a road that follows another leads none.", param_hint="'--behind'")
+        raise click.BadParameter("a road that follows another cannot lead one.", param_hint="'--behind'")
     waves = (max(WAVELENGTHS[0], shortest), WAVELENGTHS[1])
     heights: dict[str, RealArray] = {}
     for road in suspension.roads:

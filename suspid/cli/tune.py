@@ -23,12 +23,13 @@ from suspid.files import naming, replacing
 @AT_SPEED
 @click.option(
     "--parameter", "parameters", metavar="NAME[=NAME…]", multiple=True,
-    help="What may change, as chassis.damping; those joined by = change by one factor; repeat. [struts off the road]",
+    help="Parameter to change, such as chassis.damping; those joined by = change by one factor; repeat. [struts off "
+    "the road]",
 )  # fmt: skip
 @click.option(
     "--objective", "objectives", metavar="FIGURE[+FIGURE…]", multiple=True,
-    help="One or two figures of suspid ride to be small, those joined by + are one, or as tire.adhesion and tire.phase "
-    "of suspid grip to be large. [comfort and wheel load]",
+    help="One or two figures of suspid ride to minimise, joined by + as one, or of suspid grip to maximise, such as "
+    "tire.adhesion and tire.phase. [comfort and wheel load]",
 )  # fmt: skip
 @click.option(
     "--limit",
@@ -43,14 +44,14 @@ from suspid.files import naming, replacing
 )  # fmt: skip
 @click.option(
     "--bound", "bounds", type=(str, float, float), metavar="NAME LOW HIGH", multiple=True,
-    help="Least and largest value of a parameter; repeat. [a quarter to four times]",
+    help="Smallest and largest value of a parameter; repeat. [a quarter to four times]",
 )  # fmt: skip
-@click.option("--points", type=Whole(2, 200), default=11, show_default=True, help="Cars on the front.")
+@click.option("--points", type=Whole(2, 200), default=11, show_default=True, help="Number of cars on the Pareto front.")
 @click.option(
     "--robust",
     type=Positive("sd"),
     default=None,
-    help="Standard deviations, of what is uncertain, that each figure has above its mean. [0]",
+    help="Number of standard deviations to add to the mean of each figure, for what is uncertain. [0]",
 )
 @GIVEN_STOPS
 @STATED_STD

@@ -25,7 +25,7 @@ def write_csv(folder: str | os.PathLike[str]) -> tuple[Path, ...]:
     Raises
     ------
     InputError
-        If the folder holds no results or a file cannot be written.
+        If the folder contains no results or a file cannot be written.
 
     Examples
     --------

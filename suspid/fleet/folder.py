@@ -89,7 +89,7 @@ def taken(folder: Path, source: Listing, layout: Layout) -> tuple[Iterator[Entry
         total = write_list(kept, source.entries)
     if source.left_out:
         kinds = ", ".join(f"{count} {suffix}" for suffix, count in sorted(source.left_out.items()))
-        notes.append(f"left out, as files of no kind that is a record: {kinds}")
+        notes.append(f"left out, since such files are not records: {kinds}")
     return read_list(kept), total, tuple(notes)
 
 

@@ -66,7 +66,7 @@ def check_job(job: Job, car: Suspension | None) -> None:
         raise InputError(f"time_limit={job.time_limit} s must be positive")
     if car is None:
         if settings.springs != CarSettings():
-            raise InputError("settings.springs is of use only with a car")
+            raise InputError("settings.springs needs a car")
         return
     if job.drive is None:
         check_springs(settings.springs, car)
@@ -82,7 +82,7 @@ def check_drive(job: Job, drive: DriveJob, car: Suspension | None) -> None:
     }  # fmt: skip
     for name, value in unused.items():
         if value:
-            raise InputError(f"settings.{name} is of no use in drives; leave it out")
+            raise InputError(f"settings.{name} does not apply to drives; leave it out")
     if drive.road is None and drive.wheel_radius is not None:
         raise InputError(
             Argument("wheel_radius"), " belongs to a model of the road: give ", Argument("road", '"iso8608"'), " too"

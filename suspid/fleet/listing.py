@@ -105,7 +105,7 @@ def _walk(folder: Path, root: Path, output: Path, left_out: Counter[str]) -> Ite
 
 
 def _holds_results(folder: str | Path) -> bool:
-    """Return whether a folder holds results of a fleet, whose tables are no records."""
+    """Return whether a folder contains results of a fleet, whose tables are no records."""
     place = Path(folder)
     return (place / "manifest.json").is_file() and any((place / name).is_dir() for name in ("modes", "drives"))
 

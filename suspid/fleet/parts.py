@@ -156,7 +156,7 @@ def read_table(folder: str | os.PathLike[str], table: TableName, *, columns: Seq
     Raises
     ------
     InputError
-        If the folder holds no results, or damaged ones.
+        If the folder contains no results, or damaged ones.
     """
     require_fleet()
     import pyarrow as pa

@@ -187,7 +187,7 @@ class FleetSummary(Result):
             parts.append(f"{distribution_table(self.distributions)}\n{LEGEND}")
         if self.others:
             parts.append(
-                f"{count(self.others, 'mode')} {'belongs' if self.others == 1 else 'belong'} to no family: "
+                f"{count(self.others, 'mode')} {'belongs' if self.others == 1 else 'belong'} to no group: "
                 "too few records have one there"
             )
         if self.outliers:

@@ -58,12 +58,12 @@ def _or_empty(value: float | None, form: str) -> str:
 
 
 def no_outlier(distributions: Sequence[Distribution]) -> str:
-    """Return the sentence that no record stands out, or why none could."""
+    """Return that there is no outlier, or why none can be found."""
     enough = sum(one.count >= FEWEST_RECORDS for one in distributions)
-    few = f"fewer than {FEWEST_RECORDS} records do not tell which stands out"
+    few = f"fewer than {FEWEST_RECORDS} records are too few to find outliers"
     if not enough:
         return few
-    return "no record stands out" + (f"; {few}" if enough < len(distributions) else "")
+    return "no outliers" + (f"; {few}" if enough < len(distributions) else "")
 
 
 def trends_in_words(trends: Sequence[Trend], unplaced: int) -> str:

@@ -75,7 +75,7 @@ def vehicles_from_names(names: Iterable[str], pattern: str) -> dict[str, tuple[s
     try:
         groups = re.compile(pattern)
     except re.error as error:
-        raise InputError(f"{pattern=} is no regular expression: {error}") from None
+        raise InputError(f"{pattern=} is not a regular expression: {error}") from None
     for group in VEHICLE_COLUMNS[1:]:
         if group not in groups.groupindex:
             raise InputError(f"{pattern=} has no group (?P<{group}>…).{nearest_names(group, groups.groupindex)}")

@@ -46,7 +46,7 @@ def examined(part: Sequence[RawChannel], way: Way, orders: dict[str, tuple[int, 
     count = together.timepts.size // size
     if not count:
         length = together.timepts.size * together.step
-        raise RecordError(f"{length:.3g} s are too short for a drive: it is judged in blocks of {limits.block:g} s")
+        raise RecordError(f"{length:.3g} s are too short for a drive: it is divided into blocks of {limits.block:g} s")
     edges = together.timepts[0] + together.step * size * np.arange(count + 1)
     moves = going(way, edges)
     clear, faults = {}, dict[DriveReason, dict[str, Flags]]()

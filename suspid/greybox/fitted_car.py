@@ -200,8 +200,8 @@ def _check_unused(settings: Mapping[str, object]) -> None:
         if value is not None:
             raise InputError(
                 Argument(name),
-                " is of no use here: free decays and records under known roads and forces are fitted in time; leave it "
-                "out, or name measured motion in ",
+                " does not apply here: free decays and records under known roads and forces are fitted in the time "
+                "domain; leave it out, or name measured motion in ",
                 Argument("given"),
             )
 

@@ -180,7 +180,7 @@ def chosen_of(
     for name in chosen:
         if name not in known:
             raise InputError(
-                Argument(argument), f": {name!r} is none of those that can be found.{nearest_names(name, known)}"
+                Argument(argument), f": {name!r} is not one of those that can be estimated.{nearest_names(name, known)}"
             )
     return chosen
 

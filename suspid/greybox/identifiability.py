@@ -62,8 +62,8 @@ def check_determined(
     scale = "; only ratios to a known mass (or to a given force) can be found" if masses else ""
     raise EstimationError(
         f"{hint}the records do not determine {', '.join(names)}: {len(open_)} of {len(labels)} combinations of the "
-        f"unknowns leave all channels as they are within their noise "
-        f"({'; or '.join(_in_words(o * relative, labels) for o in open_)}){scale}; hold one with ",
+        f"unknowns do not change any channel by more than its noise "
+        f"({'; or '.join(_in_words(o * relative, labels) for o in open_)}){scale}; fix one with ",
         Argument("fixed", "…"),
         ", state ",
         Argument("nominal_std", "…"),

@@ -83,10 +83,10 @@ def way_of(
     Raises
     ------
     InputError
-        If a channel that is named has no unit that fits, or holds no speed, or a unit is given that is none of speed.
+        If a named channel has no suitable unit or contains no speed, or the given unit is not one of speed.
     """
     if speed_unit is not None and spelled(speed_unit, "m/s") is None:
-        raise InputError(f"{speed_unit=} is no unit of speed; known: km/h, m/s, mph, kn")
+        raise InputError(f"{speed_unit=} is not a unit of speed; known: km/h, m/s, mph, kn")
     free = [channel for channel in recording.channels if channel.name not in set(without)]
 
     def chosen(name: str | None, words: frozenset[str], si: str, unit: str | None = None) -> RawChannel | None:
@@ -106,7 +106,7 @@ def way_of(
     if by_unit:
         moving, several = _by_unit(free)
     if speed_unit is not None and moving is None and speed != NO_CHANNEL:
-        raise InputError(f"{speed_unit=} goes with a channel of speed, and none is named so; name it with speed")
+        raise InputError(f"{speed_unit=} needs a speed channel, and none was found; name it with speed")
     unused = several or _unused(moving, free, speed)
     yaw, upright = chosen(None, YAW_WORDS, "rad/s"), about_vertical(free)
     along, across = chosen(longitudinal, LONGITUDINAL_WORDS, "m/s2"), chosen(lateral, LATERAL_WORDS, "m/s2")
@@ -146,9 +146,9 @@ def _unused(moving: RawChannel | None, free: Iterable[RawChannel], asked: str | 
         return (alike[0], why) if alike and asked is None else None
     if np.any((moving.values >= 0) & (moving.values <= FASTEST_CAR)):
         return None
-    why = f"it holds no value between 0 and {FASTEST_CAR:g} m/s"
+    why = f"it contains no value between 0 and {FASTEST_CAR:g} m/s"
     if asked is not None:
-        raise InputError(f"channel {moving.name!r} is no speed: {why}")
+        raise InputError(f"channel {moving.name!r} is not a speed: {why}")
     return moving.name, why
 
 

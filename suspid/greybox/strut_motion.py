@@ -117,7 +117,7 @@ def _statics(car: Suspension, strut: int, given: Sequence[str] | None) -> tuple[
     body = [i for i in range(n) if i not in wheels]
     acting = [j for j in range(len(arms)) if np.any(arms[j, body])]
     if not body or strut not in acting:
-        raise InputError(f"strut {car.struts[strut].name!r} acts on no sprung mass, so no acceleration tells its force")
+        raise InputError(f"strut {car.struts[strut].name!r} acts on no sprung mass, so no acceleration gives its force")
     square = arms[np.ix_(acting, body)]
     if len(acting) != len(body) or np.linalg.matrix_rank(square) < len(body):
         raise InputError(

@@ -60,7 +60,7 @@ def layout_of(car: Suspension, trial: Trial) -> Layout:
     given = list(trial.wheels)
     free = [i for i in range(len(car.coordinates)) if i not in given]
     if not free:
-        raise InputError(Argument("given"), ": the motion of every coordinate is given; nothing is left to explain")
+        raise InputError(Argument("given"), ": the motion of every coordinate is given; nothing is left to fit")
     arms = car.arms(car.coordinates)
     on_road = np.any(car.arms(car.roads) != 0, axis=1)
     for i, strut in enumerate(car.struts):
@@ -80,7 +80,8 @@ def layout_of(car: Suspension, trial: Trial) -> Layout:
     if len(causes) < len(given):
         names = listed(missing or [car.coordinates[g] for g in given])
         raise InputError(
-            Argument("given"), f": no channel measures the motion of {names}, or channels measure the same twice"
+            Argument("given"),
+            f": no channel measures the motion of {names}, or several channels measure the same motion",
         )
     outputs = [i for i in range(len(trial.channels)) if i not in causes]
     if not any(np.any(trial.weights[i, free]) for i in (*causes, *outputs)) or not outputs:

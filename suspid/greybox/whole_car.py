@@ -202,19 +202,25 @@ def _parts(unknowns: Unknowns, trials: Sequence[Trial], beyond: Sequence[str]) -
     second = sorted({c for name, c in zip(u.names, u.column, strict=True) if name in far})
     both = [u.labels[c] for c in first if c in second]
     if both:
-        raise InputError(Argument("ties"), f": {both[0]} ties the suspension to what only a road tells; tie them apart")
+        raise InputError(
+            Argument("ties"),
+            f": {both[0]} ties the suspension to parameters that only a road model determines; use separate ties",
+        )
     if not second:
         raise InputError(
             Argument("road"),
             ": ",
             Argument("fixed"),
-            " holds all tires and no wheel's mass is free; leave out ",
+            " contains all tires and no wheel's mass is free; leave out ",
             Argument("road"),
             ", or free one",
         )
     if not first:
         raise InputError(
-            Argument("road"), ": ", Argument("fixed"), " holds every strut of the suspension; at least one must be free"
+            Argument("road"),
+            ": ",
+            Argument("fixed"),
+            " contains every strut of the suspension; at least one must be free",
         )
     return first, second
 

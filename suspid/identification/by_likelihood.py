@@ -64,7 +64,7 @@ def by_likelihood(
     bent = None
     if forces is not Forces.IGNORED and _fades(centred) and unlike_linear(selection):
         if forces is Forces.REFUSED:
-            raise IdentificationError("the motion may not be linear: friction and other forces have to be looked for")
+            raise IdentificationError("the motion may not be linear: a search for friction and other forces is needed")
         bent = find_forces(centred, noise=noise, selection=selection, modes=steps.count)
         if bent is not None and bent.count < (steps.count or 0) <= len(selection.modes):
             bent = None
@@ -130,8 +130,8 @@ def _check_count(modes: ModalSet, count: int | None) -> None:
     if count is not None and len(modes) < count:
         where = f", at {', '.join(f'{wn:.4g}' for wn in modes.wn)} rad/s" if len(modes) else ""
         raise IdentificationError(
-            f"{count} modes were asked for, {len(modes)} could be found{where}; "
-            f"nothing else in the record decays like a mode: ask for fewer, or leave their number open",
+            f"{count} modes were requested, {len(modes)} could be found{where}; nothing else in the record decays "
+            f"like a mode: request fewer, or leave their number open",
             found=modes if len(modes) else None,
         )
 

@@ -111,7 +111,7 @@ def identify(
     chosen = among != tuple(map(float, BANDWIDTHS))
     if bandwidth is not None and chosen:
         raise InputError(
-            Argument("candidates"), " are of no use with ", Argument("bandwidth", f"{bandwidth:g}"), "; leave out one"
+            Argument("candidates"), " are not used with ", Argument("bandwidth", f"{bandwidth:g}"), "; leave out one"
         )
     response = as_record(response, fs=fs)
     signal = as_signal(response, least=FEWEST_SAMPLES)
@@ -150,7 +150,7 @@ def _centred(signal: Signal) -> RealArray:
     centred = signal.values - signal.values.mean(axis=1, keepdims=True)
     for name, samples, about in zip(signal.channels, signal.values, centred, strict=True):
         if not max(about.max(), -about.min()) > ROUNDING * max(samples.max(), -samples.min()):
-            raise IdentificationError(f"channel {name!r} is constant: there is no decay in it; leave it out")
+            raise IdentificationError(f"channel {name!r} is constant: it contains no decay; leave it out")
     _check_clipping(signal)
     return np.asarray(centred)
 

@@ -206,7 +206,7 @@ def identify_repeats(
     found, order = joint.modes(step=step, channels=channels), np.argsort(np.abs(joint.exponents), kind="stable")
     if modes is not None and len(found) < modes:
         raise IdentificationError(
-            f"{modes} modes were asked for, {len(found)} could be found in {len(spans)} repeats",
+            f"{modes} modes were requested, {len(found)} could be found in {len(spans)} repeats",
             found=found if len(found) else None,
         )
     return Repeats(
@@ -238,7 +238,7 @@ def _stretches(
         record = as_record(response)
         parts = [(name, _cut(name, record, *span)) for name, span in zip(stretches, spans, strict=True)]
     if not parts:
-        raise InputError("no decay is given; give at least one, as from find_decays, or (start, stop) in seconds")
+        raise InputError("no decay given; give at least one, as from find_decays, or (start, stop) in seconds")
     return parts
 
 
@@ -255,7 +255,7 @@ def _check_alike(parts: Sequence[tuple[str, control.TimeResponseData]]) -> None:
         if abs(signal.step - signals[0].step) > 1e-6 * signals[0].step:
             raise InputError(
                 f"{name} is sampled at {1 / signal.step:.6g} Hz, {first} at {1 / signals[0].step:.6g} Hz; repeats "
-                f"are joined at one rate only: identify them one by one and compare"
+                f"are joined at one rate only: identify them separately and compare"
             )
 
 

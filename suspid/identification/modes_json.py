@@ -94,7 +94,7 @@ def modes_from_dict(content: Mapping[str, object]) -> ModalSet:
     entries = content.get("modes")
     if not isinstance(entries, list) or not entries:
         if {"masses", "struts", "quarter_car", "half_car", "full_car"} & set(content):
-            raise InputError("is a car, and modes are needed: name modes first and the car last")
+            raise InputError("is a car, not modes: name the modes first and the car last")
         raise InputError(
             f"modes is missing or empty; write it with write_modes or suspid identify --json, or give a list of "
             f"objects with {', '.join(MODE_KEYS[:3])}"

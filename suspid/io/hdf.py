@@ -79,7 +79,7 @@ def _value(thing: object, depth: int, count: Iterator[int], around: frozenset[in
     import h5py
 
     if next(count) > MOST_VARIABLES:
-        raise RecordError(f"holds more than {MOST_VARIABLES} variables; save the channels of one record")
+        raise RecordError(f"contains more than {MOST_VARIABLES} variables; save the channels of one record")
     if depth > DEEPEST:
         return Remark(LeftOut.TOO_DEEP, {"levels": DEEPEST})
     if isinstance(thing, h5py.Group):
@@ -111,7 +111,7 @@ def _references(data: h5py.Dataset, count: Iterator[int]) -> NDArray[Any]:
     if _in_memory(data) > most_bytes(0):
         raise RecordError("is damaged: its references take more memory than any record")
     if next(count) + data.size > MOST_VARIABLES:
-        raise RecordError(f"holds more than {MOST_VARIABLES} variables; save the channels of one record")
+        raise RecordError(f"contains more than {MOST_VARIABLES} variables; save the channels of one record")
     return np.ravel(data[()])
 
 
@@ -127,7 +127,7 @@ def _structures(group: h5py.Group, depth: int, count: Iterator[int], around: fro
     referred = {name: np.ravel(field[()]) for name, field in fields.items()}
     length = min(map(len, referred.values()))
     if next(count) + length * len(fields) > MOST_VARIABLES:
-        raise RecordError(f"holds more than {MOST_VARIABLES} variables; save the channels of one record")
+        raise RecordError(f"contains more than {MOST_VARIABLES} variables; save the channels of one record")
     return {
         f"[{k + 1}]": {
             name: _value(group.file[refs[k]], depth + 1, count, around) if refs[k] else Remark(LeftOut.EMPTY)

@@ -38,7 +38,7 @@ def check_memory(wanted: int, size: int) -> None:
     if wanted > (most := most_bytes(size)):
         raise RecordError(
             f"would take {wanted / 2**30:.3g} GiB of memory, of a file of {size} bytes; at most {most / 2**30:.3g} GiB "
-            f"are taken: it is damaged or nothing but padding; choose fewer channels, or save them without compression"
+            f"are taken: it is damaged or only padding; choose fewer channels, or save them without compression"
         )
 
 

@@ -130,7 +130,7 @@ def _variables(content: bytes) -> Group:
             raise RecordError(f"is damaged: element of type {kind} in place of a variable")
         name, value = _value(body, order, 0)
         if name in found:
-            raise RecordError(f"holds two variables named {name!r}")
+            raise RecordError(f"contains two variables named {name!r}")
         # What MATLAB stores for its objects has no name.
         if name:
             found[name] = value

@@ -94,13 +94,13 @@ def _table(content: bytes, suffix: str) -> Table:
         raise RecordError(f"states {samples} samples a column; at most {MOST_ROWS} are read")
     twice, often = next(iter(Counter(schema.names).most_common(1)), ("", 0))
     if often > 1:
-        raise RecordError(f"holds {often} columns {twice!r}; names must differ")
+        raise RecordError(f"contains {often} columns {twice!r}; names must differ")
     types = {field.name: field.type for field in schema}
     unusable = {name: why for name, kind in types.items() if (why := _why_not(kind, pa.types))}
     usable = [name for name in types if name not in unusable]
     if not usable or not samples:
         listed = ", ".join(f"{printable(name)!r} {why}" for name, why in unusable.items())
-        raise RecordError(f"holds no sample: {listed or f'{len(types)} columns, {samples} samples'}")
+        raise RecordError(f"contains no sample: {listed or f'{len(types)} columns, {samples} samples'}")
 
     def columns(wanted: Sequence[str]) -> list[RealArray]:
         return sheltered(lambda: _columns(file, wanted, types, samples), extra="parquet", suffix=suffix)
@@ -143,7 +143,7 @@ def _columns(file: Any, wanted: Sequence[str], types: Mapping[str, Any], samples
         for name in names:
             column = cells.column(name)
             if len(column) != samples:
-                raise RecordError(f"is damaged: column {name!r} holds {len(column)} samples, not {samples}")
+                raise RecordError(f"is damaged: column {name!r} contains {len(column)} samples, not {samples}")
             values.append(_numbers(name, types[name], column))
     return values
 

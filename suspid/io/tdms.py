@@ -65,7 +65,7 @@ def read_tdms(path: Path) -> Table:
     usable = {name: entry for name, entry in by_name.items() if not entry.reason}
     if not usable:
         listed = ", ".join(f"{name!r} {why}" for name, why in unusable.items())
-        raise RecordError(f"holds no channel of numbers: {listed or 'nothing at all'}")
+        raise RecordError(f"contains no channel of numbers: {listed or 'nothing at all'}")
     earliest = min((entry.began for entry in usable.values() if entry.began and entry.step), default=(0, 0))
     clocks: dict[str, TimeBase] = {}
     shared: dict[tuple[object, ...], TimeBase] = {}
@@ -189,7 +189,7 @@ def _values(content: bytes, wanted: Mapping[int, _Entry]) -> list[RealArray]:
         for place, entry in wanted.items():
             data = channels[place].read_data()
             if len(data) != entry.size:
-                raise RecordError(f"is damaged: channel {entry.channel!r} holds {len(data)} of {entry.size} samples")
+                raise RecordError(f"is damaged: channel {entry.channel!r} contains {len(data)} of {entry.size} samples")
             columns.append(frozen_real(_since_first(data) if entry.is_stamp else data))
     return columns
 

@@ -95,9 +95,9 @@ def increasing(table: Table) -> str:
     for name in list(table.sizes)[:1]:
         with contextlib.suppress(RecordError):
             if counts_rows(name, table.columns([name])[0]):
-                return f"; {name!r} counts the rows and is no time"
+                return f"; {name!r} counts the rows and is not a time"
             if table.sizes[name] > 2 and np.all(np.diff(table.columns([name])[0]) > 0):
-                return f"; {name!r} increases as a time does"
+                return f"; {name!r} increases like a time"
     return ""
 
 

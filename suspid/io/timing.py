@@ -157,7 +157,7 @@ def _plan(table: Table, channels: Sequence[str] | None, time: str | None, fs: He
     often = Counter(chosen)
     for name in chosen:
         if name == time or often[name] > 1:
-            raise RecordError(f"column {name!r} is asked for twice")
+            raise RecordError(f"column {name!r} is requested twice")
     plan = _Plan(channels=tuple(chosen), time=time, clocks=clocks, rate=rate, left_out=left_out)
     _check_followers(table, plan.followers, time, rate)
     if channels:
@@ -170,7 +170,7 @@ def _plan(table: Table, channels: Sequence[str] | None, time: str | None, fs: He
 def _without_counter(plan: _Plan, time: str) -> _Plan:
     """Return the plan without a column of time that counts the rows, or refuse it where no rate is known."""
     if plan.rate is None:
-        raise RecordError(f"{time!r} counts the rows and states no time; give the sampling rate ({Argument('fs')})")
+        raise RecordError(f"{time!r} counts the rows, not time; give the sampling rate ({Argument('fs')})")
     return replace(plan, time=None, left_out={**plan.left_out, time: Remark(LeftOut.ROW_COUNTER)})
 
 

@@ -80,7 +80,7 @@ def read_uff(path: Path) -> Table:
         units[name] = _label(dataset["ordinate_axis_units_lab"]) or _unit(dataset["ordinate_spec_data_type"], system)
     if not values:
         listed = ", ".join(f"{name!r} {why}" for name, why in unusable.items())
-        raise RecordError(f"holds no time history: {listed or 'no data set 58'}")
+        raise RecordError(f"contains no time history: {listed or 'no data set 58'}")
 
     def columns(wanted: Sequence[str]) -> list[RealArray]:
         return [values[name] for name in wanted]
@@ -165,7 +165,7 @@ def _name(dataset: Mapping[str, Any], number: int, taken: Collection[str]) -> st
     for candidate in (name, f"{name} ({title})" if title else name, f"{name} (data set {number})"):
         if candidate not in taken:
             return candidate
-    raise RecordError(f"holds two data sets named {name!r}")
+    raise RecordError(f"contains two data sets named {name!r}")
 
 
 def _label(text: str) -> str:

@@ -51,7 +51,7 @@ def as_table(variables: Group) -> Table:
     _collect(variables, "", None, found)
     if not found.sizes:
         listed = ", ".join(f"{name!r} {why}" for name, why in list(found.unusable.items())[:12])
-        raise RecordError(f"holds no real vector: {listed or 'nothing at all'}")
+        raise RecordError(f"contains no real vector: {listed or 'nothing at all'}")
 
     def columns(wanted: Sequence[str]) -> list[RealArray]:
         return [found.readers[name]() for name in wanted]

@@ -33,7 +33,7 @@ def read_wav(path: Path) -> Table:
     if not rate > 0:
         raise RecordError(f"is damaged: it states a sampling rate of {rate} Hz")
     if not samples.size:
-        raise RecordError("holds no sample")
+        raise RecordError("contains no sample")
     names = [f"channel {k + 1}" for k in range(samples.shape[1])]
     clock = TimeBase(name="wav", rate=float(rate))
 

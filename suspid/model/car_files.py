@@ -252,7 +252,7 @@ def _sensor(where: str, name: str, given: object) -> Sensor:
     check_keys(where, table, (*MOTIONS, "ahead", "left"))
     motions = [motion for motion in MOTIONS if motion in table]
     if len(motions) != 1:
-        raise InputError(f"{where} must have one of {', '.join(MOTIONS)}, as {{ acceleration = 'heave' }}")
+        raise InputError(f"{where} must have one of {', '.join(MOTIONS)}, such as {{ acceleration = 'heave' }}")
     of = table[motions[0]]
     if "ahead" in table or "left" in table:
         if of != "heave" or motions[0] == "travel":

@@ -104,7 +104,7 @@ def force_weights(suspension: Suspension, force: str) -> RealArray:
         raise InputError(f"force {force!r}: {error}{hint}") from None
     if order or not np.any(weights):
         raise InputError(
-            f"force {force!r}: {name!r} is no displacement of a mass; name a coordinate, or the travel of a strut"
+            f"force {force!r}: {name!r} is not a displacement of a mass; name a coordinate, or the travel of a strut"
         )
     return weights
 

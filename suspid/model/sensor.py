@@ -50,10 +50,10 @@ class Sensor:
     def __post_init__(self) -> None:
         check_name("a sensor", self.name)
         if self.motion not in MOTIONS:
-            raise InputError(f"sensor {self.name!r}: motion = {self.motion!r} is none of {', '.join(MOTIONS)}")
+            raise InputError(f"sensor {self.name!r}: motion = {self.motion!r} is not one of {', '.join(MOTIONS)}")
         if self.motion == "travel":
             if not isinstance(self.of, str):
-                raise InputError(f"sensor {self.name!r}: a travel is of one strut; of = {self.of!r} is no name")
+                raise InputError(f"sensor {self.name!r}: a travel is of one strut; of = {self.of!r} is not a name")
             return
         arms = {self.of: 1.0} if isinstance(self.of, str) else self.of
         if not isinstance(arms, Mapping):

@@ -90,7 +90,7 @@ class Strut:
             )
         if not isinstance(self.arms, Mapping):
             raise InputError(
-                f"strut {self.name!r}: arms = {self.arms!r} must map coordinates to arms, as {{'seat': 1.0}}"
+                f"strut {self.name!r}: arms = {self.arms!r} must map coordinates to arms, such as {{'seat': 1.0}}"
             )
         for coordinate, arm in self.arms.items():
             check_name(f"strut {self.name!r}: a coordinate", coordinate)

@@ -268,7 +268,7 @@ def check_plain(suspension: Suspension, what: str) -> None:
 
 def _check_masses(masses: Mapping[str, Kilogram]) -> None:
     if not isinstance(masses, Mapping):
-        raise InputError(f"masses = {masses!r} must map coordinates to masses [kg], as {{'seat': 80.0}}")
+        raise InputError(f"masses = {masses!r} must map coordinates to masses [kg], such as {{'seat': 80.0}}")
     if not masses:
         raise InputError("a suspension needs at least one mass; masses is empty")
     for coordinate, mass in masses.items():

@@ -71,14 +71,14 @@ def choice_of(about: Uncertain, parameters: Sequence[str | Sequence[str]], robus
         if names.count(name) > 1:
             raise InputError(f"parameter {name!r} is given twice")
         if not known[name]:
-            raise InputError(f"parameter {name!r} is zero: a factor does not change it; give the car a first guess")
+            raise InputError(f"parameter {name!r} is zero, and a factor does not change it; give the car a first guess")
     scenarios: tuple[Mapping[str, float], ...] = ({},)
     if robust:
         rows = [i for i, name in enumerate(about.parameters) if name in known and name not in names and known[name]]
         if not rows:
             raise InputError(
                 Argument("robust"),
-                ": nothing is uncertain beside what is chosen; take an estimated car, or state ",
+                ": nothing is uncertain apart from the tuned parameters; use an estimated car, or state ",
                 Argument("nominal_std"),
             )
         uncertain_names = [about.parameters[i] for i in rows]
@@ -108,7 +108,7 @@ def box_of(choice: Choice, bounds: Mapping[str, tuple[float, float]]) -> tuple[R
         )
     for name in bounds:
         if name not in firsts:
-            raise InputError(Argument("bounds"), f": {name!r} is not chosen.{nearest_names(str(name), firsts)}")
+            raise InputError(Argument("bounds"), f": {name!r} is not tuned.{nearest_names(str(name), firsts)}")
     ends = [
         bounds.get(name, (choice.values[name] / REACH_OF_BOUNDS, choice.values[name] * REACH_OF_BOUNDS))
         for name in firsts

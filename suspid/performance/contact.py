@@ -81,10 +81,10 @@ def wheels_of(car: Suspension, relaxations: Mapping[str, Second] | None = None) 
     for column, road in zip(road_arms.T, car.roads, strict=True):
         held = np.flatnonzero(np.any(arms[column != 0] != 0, axis=0))
         if len(held) != 1:
-            raise InputError(f"road {road!r} must hold one wheel, but its struts move {len(held)} coordinates")
+            raise InputError(f"road {road!r} must carry one wheel, but its struts move {len(held)} coordinates")
         name = car.coordinates[held[0]]
         if not np.any((arms[:, held[0]] != 0) & ~np.any(road_arms != 0, axis=1)):
-            raise InputError(f"wheel {name!r} carries nothing: no strut connects it to the car")
+            raise InputError(f"wheel {name!r} carries no load: no strut connects it to the car")
         if name in names:
             raise InputError(f"wheel {name!r} stands on two roads; describe one road for each wheel")
         names.append(name)
@@ -238,7 +238,7 @@ def lift_of(wheels: Wheels) -> RealArray:
     car = wheels.car
     arms, road_arms = car.arms(car.coordinates), car.arms(car.roads)
     if np.linalg.matrix_rank(car.K) < len(car.K):
-        raise InputError("the springs do not hold the car: static loads need a spring under every mass")
+        raise InputError("the springs do not support the car: static loads need a spring under every mass")
     lift = np.linalg.lstsq(arms, -np.sum(road_arms, axis=1), rcond=None)[0]
     stretched = np.abs(arms @ lift + np.sum(road_arms, axis=1))
     # Elongation of a strut [m] under a lift of the whole car by 1 m up to which the lift counts as free: rounding of
@@ -246,7 +246,7 @@ def lift_of(wheels: Wheels) -> RealArray:
     if np.max(stretched) > 1e-9:
         name = car.struts[int(np.argmax(stretched))].name
         raise InputError(
-            f"static loads: strut {name!r} is stretched where the whole car is lifted, so its weight cannot be told; "
-            f"check its arms, or give the loads"
+            f"static loads: strut {name!r} is stretched where the whole car is lifted, so its load cannot be "
+            f"computed; check its arms, or give the loads"
         )
     return np.asarray(lift)

@@ -113,7 +113,7 @@ def shown_by(signal: Signal, felt: Sequence[Felt], *, asked: bool) -> tuple[tupl
     if hidden and (asked or not all(one.kinds for one in left)):
         w = weighting_named(hidden[0])
         raise InputError(
-            f"the record of {seconds:.3g} s at {1 / signal.step:.6g} Hz shows nothing of what {hidden[0]} weighs, "
+            f"the record of {seconds:.3g} s at {1 / signal.step:.6g} Hz contains nothing in the band of {hidden[0]}, "
             f"{w.f1:g} to {w.f2:g} Hz; check the sampling rate, or record longer"
         )
     return left, tuple(hidden)
@@ -152,7 +152,7 @@ def _felt(signal: Signal, row: int, name: str, kinds: tuple[str, ...]) -> Felt:
     if si not in (*ACCELERATIONS, ""):
         wanted = "rad/s2" if turn == "rad" else "m/s2"
         raise InputError(
-            f"channel {channel!r}: {bracketed_unit(channel)} is no unit of acceleration that is known; give it in "
+            f"channel {channel!r}: {bracketed_unit(channel)} is not a known unit of acceleration; give it in "
             f"{wanted}, without a unit in its name (",
             Argument("scale"),
             " and ",
@@ -169,7 +169,8 @@ def _felt(signal: Signal, row: int, name: str, kinds: tuple[str, ...]) -> Felt:
         )
     if not si and (channel.endswith(NO_ACCELERATION) or _other(channel)):
         raise InputError(
-            Argument("weightings"), f": {channel!r} is named like no acceleration, which alone is weighted; rename it"
+            Argument("weightings"),
+            f": {channel!r} is not named like an acceleration, and only these are weighted; rename it",
         )
     mean = float(signal.values[row].mean())
     about = (signal.values[row] - mean) * factor
@@ -179,7 +180,7 @@ def _felt(signal: Signal, row: int, name: str, kinds: tuple[str, ...]) -> Felt:
     if si == "rad/s2" and (linear := [kind for kind in kinds if kind not in ROTATION]):
         raise InputError(
             Argument("weightings"),
-            f": channel {channel!r} is of rotation, and {linear[0]} weighs what goes straight; give it {ROTATION[0]}",
+            f": channel {channel!r} is a rotation, and {linear[0]} is for translation; give it {ROTATION[0]}",
         )
     return Felt(name=name, samples=np.asarray(about), turn=turn, kinds=kinds, unit=unit, level=mean * factor)
 

@@ -138,7 +138,7 @@ def plan_of(
         if output_weights(car, channel)[0] != 2:
             raise InputError(
                 Argument("weightings"),
-                f": {channel!r} is no acceleration, which alone is weighted; name one such as "
+                f": {channel!r} is not an acceleration, and only these are weighted; name one such as "
                 f"'{channel.partition('_')[0]}{ACCELERATION}'",
             )
     for channel, kinds in chosen.items():
@@ -215,12 +215,12 @@ def checked_weightings(given: Mapping[str, str | Sequence[str]]) -> dict[str, tu
         raise InputError(Argument("weightings"), " is empty; leave it out for Wk and Wf of all accelerations; it", form)
     for channel, kinds in given.items():
         if not isinstance(channel, str):
-            raise InputError(Argument("weightings"), f": {channel!r} is no name of a channel; it", form)
+            raise InputError(Argument("weightings"), f": {channel!r} is not the name of a channel; it", form)
         listed = [kinds] if isinstance(kinds, str) else kinds
         if not (isinstance(listed, list | tuple) and all(isinstance(kind, str) for kind in listed)):
             raise InputError(Argument("weightings"), f": {channel!r} has {kinds!r:.40}; it", form)
         if len(set(listed)) < len(listed):
-            raise InputError(Argument("weightings"), f": {channel!r} has one weighting twice, {', '.join(listed)}")
+            raise InputError(Argument("weightings"), f": {channel!r} has a weighting twice, {', '.join(listed)}")
     chosen = {channel: (kinds,) if isinstance(kinds, str) else tuple(kinds) for channel, kinds in given.items()}
     for channel, kinds in chosen.items():
         for kind in kinds:

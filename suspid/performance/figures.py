@@ -132,7 +132,7 @@ def crossings(limits: tuple[Metre, Metre]) -> Formula:
 
 def _known(static: Static) -> tuple[float, RealArray]:
     if static is None:
-        raise InputError("a share of the static load needs that load")
+        raise InputError("a ratio to the static load needs that load")
     if abs(static[0]) < SMALLEST_SIZE:
-        raise InputError(f"a wheel carries {static[0]:g} N at rest, of which there is no share; check masses and arms")
+        raise InputError(f"a wheel carries {static[0]:g} N at rest, which allows no ratio; check masses and arms")
     return static

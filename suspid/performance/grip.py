@@ -148,8 +148,8 @@ def _check(amplitude: object, highest: object) -> None:
     stroke = positive_number("amplitude", amplitude, "m")
     if not LEAST_AMPLITUDE <= stroke <= MOST_AMPLITUDE:
         raise InputError(
-            f"amplitude = {stroke:g} m is outside of {LEAST_AMPLITUDE:g} to {MOST_AMPLITUDE:g} m, in which benches "
-            f"move a wheel; EUSAMA has {PLATFORM:g} m"
+            f"amplitude = {stroke:g} m is outside of {LEAST_AMPLITUDE:g} to {MOST_AMPLITUDE:g} m, the range of test "
+            f"benches; EUSAMA uses {PLATFORM:g} m"
         )
     top = positive_number("highest", highest, "Hz")
     if top > MOST_TOP:

@@ -90,7 +90,7 @@ def check_least(limits: Mapping[str, float]) -> None:
     --------
     >>> check_least({"tire.phase": 35.0})
     Traceback (most recent call last):
-    suspid.errors.InputError: constraints: tire.phase >= 35 rad is reached by no car, below 3.14; 35 deg are 0.611
+    suspid.errors.InputError: constraints: tire.phase >= 35 rad exceeds all cars, below 3.14; 35 deg are 0.611
     """
     for name, limit in limits.items():
         kind = kind_of(name)
@@ -101,7 +101,7 @@ def check_least(limits: Mapping[str, float]) -> None:
             )  # fmt: skip
             raise InputError(
                 Argument("constraints"),
-                f": {name} >= {limit:g} {unit} is reached by no car, below {most:.3g}; {hint}",
+                f": {name} >= {limit:g} {unit} exceeds all cars, below {most:.3g}; {hint}",
             )
 
 

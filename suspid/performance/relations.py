@@ -49,11 +49,13 @@ def check_largest(limits: Mapping[str, float]) -> None:
         raise InputError(Argument("constraints", repr(limits)), " must map figures to their largest values")
     for name, limit in limits.items():
         if not is_size(limit):
-            raise InputError(Argument("constraints"), f": {name!r} = {limit!r} must be a positive number of usual size")
+            raise InputError(
+                Argument("constraints"), f": {name!r} = {limit!r} must be a positive number within the usual range"
+            )
         if name.endswith("travel") and limit > MOST_CLEARANCE:
             raise InputError(
                 Argument("constraints"),
-                f": {name} <= {limit:g} m is more than any suspension has room for, {MOST_CLEARANCE:g} m; give it in m",
+                f": {name} <= {limit:g} m is more than any suspension has, {MOST_CLEARANCE:g} m; give it in m",
             )
 
 
@@ -100,7 +102,7 @@ def relations_of(choice: Choice, car: Suspension, given: Sequence[object]) -> Re
         raise InputError(f"constraint {made.labels[made.curved[0]]!r} is not linear in k and c; write linear ones")
     for number, label in enumerate(made.labels):
         if number not in made.owner:
-            raise InputError(f"constraint {label!r} holds nothing that is chosen, which is {', '.join(chosen)}")
+            raise InputError(f"constraint {label!r} contains no tuned parameter; these are {', '.join(chosen)}")
     order = [unknowns.names.index(name) for name in chosen]
     now = np.array([choice.values[name] for name in chosen])
     matrix = made.matrix[:, order] / unknowns.scale[order] * now

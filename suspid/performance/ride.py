@@ -222,7 +222,7 @@ def driven_road(car: Suspension, road: Road | str | float | None, speed: float |
     if not driven.roughness:
         raise InputError(
             Argument("road", repr(road)),
-            " m3 is a road without heights: nothing moves, so there are no figures; give one above 0",
+            " m3 is a flat road: nothing moves, so there are no figures; give a roughness above 0",
         )
     return driven
 

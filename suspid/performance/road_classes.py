@@ -217,7 +217,7 @@ def _in_metres(signal: Signal, name: str) -> tuple[str, RealArray]:
             made, si = to_si(1.0, unit)
             factor = float(made)
         if si != "m":
-            raise InputError(f"channel {name!r}: {unit} is no unit of length; heights of a road are in m")
+            raise InputError(f"channel {name!r}: {unit} is not a unit of length; heights of a road are in m")
         heights = heights * factor
     if not np.ptp(heights):
         raise InputError(f"channel {name!r} shows no road: constant at {heights[0]:g}")

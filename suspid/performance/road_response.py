@@ -194,8 +194,8 @@ def exact_parts(car: Suspension, wanted: Signals, road: Road, change: Ratio = EX
     # What a mode without damping adds to a sum over lines doubles with their number.
     if endless and np.any(np.abs(variances(2) - variances(1)) > SMALL_CHANGE * variances(2)):
         raise InputError(
-            f"the mode at {endless[0]:.3g} Hz has no damping: on a random road it grows without end, so there are no "
-            f"figures; give a strut that moves in it a damping"
+            f"the mode at {endless[0]:.3g} Hz has no damping: on a random road it grows without bound, so there are "
+            f"no figures; add damping to a strut that moves in it"
         )
     return enough_parts(variances, change)
 

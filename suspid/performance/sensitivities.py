@@ -156,7 +156,7 @@ def sensitivities(
         parameters = [name for name in parameter_names(about) if known[name] and not name.endswith(".mass")]
     check_names("parameters", parameters, "chassis.damping")
     if road is None and (speed is not None or weightings is not None or clearance is not None):
-        raise InputError("speed, weightings and clearance go with a road; without one only modes are looked at")
+        raise InputError("speed, weightings and clearance need a road; without one only modes are computed")
     for name in parameters:
         if name not in known:
             raise InputError(f"there is no parameter {name!r}.{nearest_names(name, known)}")

@@ -244,6 +244,6 @@ def _check(wanted: Sequence[str], limits: Mapping[str, float], points: int, robu
     if robust > CERTAIN:
         raise InputError(
             Argument("robust", f"{robust:g}"),
-            f" must be at most {CERTAIN:g} standard deviations: beyond, the shape of the distribution decides, which "
-            f"is not known; 1 or 2 are usual",
+            f" must be at most {CERTAIN:g} standard deviations: beyond, the result depends on the shape of the "
+            f"distribution, which is not known; 1 or 2 are usual",
         )

@@ -111,7 +111,7 @@ def tune_active(
     ones = np.array([one for one, _ in wanted.values()])
     size = float(np.max(passive / np.where(ones > 0, ones, np.inf)))
     if not (size or limits or peaks):
-        raise InputError("objective: the least force is none; name an output of the car too, or limits")
+        raise InputError("objective: force alone is smallest at zero; add an output of the car, or limits")
     size = size or 1.0
     ask = (A, B, G, level, C, D, np.sqrt(np.diag(still)), [(one * size, top) for one, top in wanted.values()])
     gain, reached = _program(*ask, tops)
@@ -119,7 +119,7 @@ def tune_active(
     reached *= size**2
     closed_A, closed_C = A - np.outer(B, gain), C - np.outer(D, gain)
     if np.max(np.linalg.eigvals(closed_A).real) >= 0:
-        raise SuspidError("the feedback that was found does not hold the car; change the scales or the limits")
+        raise SuspidError("the feedback found does not stabilise the car; change the scales or the limits")
     with warnings.catch_warnings():
         # Where nothing holds the force the gains are without end, which the verdict says.
         warnings.simplefilter("ignore", RuntimeWarning)
@@ -188,12 +188,12 @@ def _names(
                 ' must map outputs to numbers, as in {"chassis_acceleration": 1.0, "force": 500.0}',
             )
     if not objective:
-        raise InputError("objective is empty; name outputs with the value of each that counts as one")
+        raise InputError("objective is empty; name outputs, each with the value that counts as one")
     for name, value in [*objective.items(), *limits.items(), *peaks.items()]:
         if not isinstance(name, str):
-            raise InputError(f"{name!r} is no name of an output, such as 'chassis_acceleration'")
+            raise InputError(f"{name!r} is not the name of an output, such as 'chassis_acceleration'")
         if not is_size(value):
-            raise InputError(f"{name!r} = {value!r} must be a positive number of usual size")
+            raise InputError(f"{name!r} = {value!r} must be a positive number within the usual range")
     names = tuple(dict.fromkeys([*objective, *limits, *peaks]))
     return names, {name: (float(objective.get(name, 0.0)), float(limits.get(name, 0.0))) for name in names}
 
@@ -201,7 +201,7 @@ def _names(
 def _slope_density(car: Suspension, road: Road | str | float, speed: float | None) -> tuple[float, Road]:
     """Return the two-sided density of the road's slope in time [m2/s2 s], of exponent 2, and the road."""
     if len(car.roads) != 1:
-        raise InputError(f"the car stands on {len(car.roads)} roads; state feedback is found for cars with one")
+        raise InputError(f"the car has {len(car.roads)} roads; state feedback is computed for cars with one")
     driven = driven_road(car, road, speed)
     if driven.exponent != WHITE_SLOPES:
         raise InputError(
@@ -222,7 +222,7 @@ def _plant(
     ]
     for name in outputs:
         if name in (*car.coordinates, *car.roads):
-            raise InputError(f"output {name!r} grows without end on white slopes.{nearest_names(name, known)}")
+            raise InputError(f"output {name!r} grows without bound on white slopes.{nearest_names(name, known)}")
     system = statespace(car, outputs=outputs, forces=[actuator], roads=car.roads)
     A, C = np.asarray(system.A, float), np.asarray(system.C, float)
     inputs = list(system.input_labels)
@@ -231,11 +231,11 @@ def _plant(
     ]
     B, D = np.asarray(system.B, float)[:, place], np.asarray(system.D, float)[:, place]
     if np.linalg.matrix_rank(car.K) < len(car.K):
-        raise InputError("the springs do not hold the car: state feedback needs a spring under every mass")
+        raise InputError("the springs do not support the car: state feedback needs a spring under every mass")
     if np.max(np.linalg.eigvals(A).real) > -EXACT * np.max(np.abs(A)) ** 0.5:
         raise InputError(
-            "a mode has no damping: on a random road it grows without end, so there is nothing to compare with; give a "
-            "strut that moves in it a damping"
+            "a mode has no damping: on a random road it grows without bound, so there is nothing to compare with; "
+            "add damping to a strut that moves in it"
         )
     # Where the road stands higher the car does, at rest: A lift + B_road = 0.
     lift = -np.linalg.solve(A, B[:, 0])
@@ -296,10 +296,10 @@ def _program(
             problem.solve(solver=cp.CLARABEL)
         except cp.SolverError:
             raise SuspidError(
-                "the convex program was not solved: a limit or a scale is far from what the car does; change it"
+                "the convex program was not solved: a limit or a scale is far from the motion of the car; change it"
             ) from None
     if problem.status in ("infeasible", "infeasible_inaccurate"):
-        raise InputError("no state feedback keeps the limits" + (" and peaks together" * bool(peaks)) + "; raise them")
+        raise InputError("no state feedback meets the limits" + (" and peaks together" * bool(peaks)) + "; raise them")
     if X.value is None or Y.value is None:
         raise SuspidError(f"the convex program was not solved: {problem.status}")
     gain = -force * np.linalg.solve(X.value, Y.value[0]) / scale

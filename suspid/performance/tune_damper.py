@@ -218,7 +218,7 @@ def _between(car: Suspension, name: str) -> Strut:
         return between[name]
     if name in [one.name for one in car.struts]:
         raise InputError(
-            f"strut {name!r} stands on the road: the damping of a tire cannot be chosen; name a strut between masses, "
+            f"strut {name!r} is on the road: the damping of a tire cannot be tuned; name a strut between masses, "
             f"{', '.join(between)}"
         )
     raise InputError(f"there is no strut {name!r}.{nearest_names(str(name), between)}")

@@ -146,6 +146,6 @@ def _stated(
         if std > MOST_STATED:
             raise InputError(
                 Argument("nominal_std"),
-                f": {name!r} = {std:g} means {std:.0%}, of what cannot be negative; 1 is the largest, 0.05 is 5 %",
+                f": {name!r} = {std:g} means {std:.0%} for a positive quantity; 1 is the largest, 0.05 is 5 %",
             )
     return {name: float(std) for name, std in stds.items()}

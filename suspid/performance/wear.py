@@ -130,7 +130,7 @@ def wear(
             )
         )
     if not dampers:
-        raise InputError("no damper above a wheel was estimated in all of these estimates: there is nothing to judge")
+        raise InputError("no damper above a wheel was estimated in all of these estimates: no wear can be computed")
     against = "nominal" if not earlier else "history" if len(earlier) >= ENOUGH_DRIVES else "earlier"
     judged = verdict_of(dampers, doubts, rule, against, by_curve=by_curve)
     return Wear(

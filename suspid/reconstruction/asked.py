@@ -42,13 +42,13 @@ def unknowns_of(
     for name in named:
         if _index(every, name, "nominal_std") in held:
             raise InputError(
-                Argument("nominal_std"), f": {name!r} is held, so it needs no spread; leave out one of the two"
+                Argument("nominal_std"), f": {name!r} is fixed, so it needs no spread; leave out one of the two"
             )
     group = _groups(every, ties)
     held, base = _tied_to_held(every, group, held, p)
     rows = [i for i in range(len(every)) if i not in held]
     if not rows:
-        raise InputError("fixed holds every parameter; there is nothing to find")
+        raise InputError("fixed contains every parameter; nothing is left to estimate")
     first = sorted({group[i] for i in rows})
     column = [first.index(group[i]) for i in rows]
     members = [[r for r, c in zip(rows, column, strict=True) if c == i] for i in range(len(first))]
@@ -106,7 +106,7 @@ def _tied_to_held(
         if not stuck or len(members) == 1:
             continue
         if np.ptp(p[stuck]) > 1e-12 * np.max(np.abs(p[stuck])):
-            raise InputError(Argument("ties"), f": {', '.join(every[i] for i in stuck)} are held at different values")
+            raise InputError(Argument("ties"), f": {', '.join(every[i] for i in stuck)} are fixed at different values")
         base[members] = p[stuck[0]]
         held |= set(members)
     return held, base
@@ -133,13 +133,15 @@ def _bounded(
     for name, ends in (bounds or {}).items():
         at = _index(every, name, "bounds")
         if at not in rows:
-            raise InputError(Argument("bounds"), f": {name!r} is held, so it needs no bounds; leave out one of the two")
+            raise InputError(
+                Argument("bounds"), f": {name!r} is fixed, so it needs no bounds; leave out one of the two"
+            )
         i = column[list(rows).index(at)]
         low, high = _ends(name, ends)
         lower[i], upper[i] = max(lower[i], low / scale[i]), min(upper[i], high / scale[i])
         if not lower[i] < upper[i]:
             raise InputError(
-                Argument("bounds"), f": nothing is left for {name!r} between {lower[i] * scale[i]:g} and {high:g}"
+                Argument("bounds"), f": no value is left for {name!r} between {lower[i] * scale[i]:g} and {high:g}"
             )
     return lower, upper
 
@@ -163,7 +165,7 @@ def _held(car: Suspension, every: Sequence[str], fixed: Sequence[str], free_mass
             )
         if name in every and every.index(name) in free:
             raise InputError(
-                f"{name!r} stands in both ",
+                f"{name!r} is in both ",
                 Argument("fixed"),
                 " and ",
                 Argument("free_masses"),
@@ -202,7 +204,7 @@ def _relative_stds(
         if empty:
             raise InputError(
                 Argument("nominal_std"),
-                f": {empty[0]!r} is 0, and no share of it is a spread; use ",
+                f": {empty[0]!r} is 0, and a relative spread of 0 is none; use ",
                 Argument("bounds"),
                 " or ",
                 Argument("fixed"),

@@ -54,8 +54,8 @@ def check_seen(problem: Problem, x: RealArray, car: Suspension) -> list[Remark]:
         if problem.wishes is not None and problem.wishes.penalty is not None:
             return [*notes, Remark(ReconstructionNote.UNSEEN, {"names": tuple(unseen)})]
         raise ReconstructionError(
-            f"the modes do not determine {', '.join(unseen)}: {len(blind)} of {len(x)} combinations of the parameters "
-            f"leave them as they are ({_in_words(blind, x, u)}); hold one with ",
+            f"the modes do not determine {', '.join(unseen)}: {len(blind)} of {len(x)} combinations of the "
+            f"parameters do not change them ({_in_words(blind, x, u)}); fix one with ",
             Argument("fixed", "…"),
             ", add modes, or add shapes at more coordinates",
             best=car,
@@ -185,8 +185,8 @@ def remarks(problem: Problem, best: Optimum, cost: float) -> list[Remark]:
         # A step at an optimum cannot take a hundredth of the squared residual.
         if left > 1e-2 and worth > 1.0:
             raise ReconstructionError(
-                f"the search ended where a further step would still reduce the squared residual by {left:.1%}, so it "
-                f"found no optimum; start from a nearer nominal car, hold parameters with ",
+                f"the search stopped where a further step would still reduce the squared residual by {left:.1%}, so it "
+                f"found no optimum; start from a nearer nominal car, fix parameters with ",
                 Argument("fixed", "…"),
                 ", or add shapes",
                 best=u.suspension(x),

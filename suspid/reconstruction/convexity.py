@@ -27,7 +27,7 @@ def constraint(maker: Maker, k: ByStrut, c: ByStrut, text: str, number: int) -> 
     made = called(maker, k, c)
     if not hasattr(made, "is_dcp") or not hasattr(made, "args") or hasattr(made, "curvature"):
         raise InputError(
-            f"constraint {number} ({text or made!r}) is no constraint of cvxpy; write one with <=, >= or == in k and c"
+            f"constraint {number} ({text or made!r}) is not a cvxpy constraint; write one with <=, >= or == in k and c"
         )
     return made
 
@@ -52,7 +52,9 @@ def check_penalty(penalty: Maker, k: ByStrut, c: ByStrut) -> None:
     """Raise if a penalty is no single convex term that is never negative."""
     term = called(penalty, k, c)
     if not hasattr(term, "curvature") or term.size != 1:
-        raise InputError(f"penalty: {term!r} is no number of cvxpy; return one term in k and c, such as a cp.norm1")
+        raise InputError(
+            f"penalty: {term!r} is not a scalar cvxpy expression; return one term in k and c, such as a cp.norm1"
+        )
     check(term, f"penalty ({term})", [*k.values(), *c.values()])
     if not term.is_convex():
         raise InputError(f"penalty ({term}) is not convex: it is {_curvature(term)}")

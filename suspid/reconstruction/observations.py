@@ -83,7 +83,7 @@ def modal_tests(modes: object, suspension: object) -> tuple[ModalTest, ...]:
     if any(weighted) and not all(weighted):
         raise InputError(
             f"test {weighted.index(False) + 1} has no covariance and test {weighted.index(True) + 1} has one; "
-            f"they cannot be weighed against each other: give all modes theirs, or none"
+            f"they cannot be weighted against each other: give all tests one, or none"
         )
     return tuple(tests)
 

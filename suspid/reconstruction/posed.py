@@ -113,7 +113,7 @@ def _enough(seen: Sequence[Observed], unknowns: Unknowns, known: int, suspension
     lack, names = len(unknowns) - equations - known, unknowns.labels
     raise ReconstructionError(
         f"{len(names)} unknowns ({', '.join(names)}) but {equations} equations from "
-        f"{sum(len(one.poles) for one in seen)} modes: add modes, or shapes at more coordinates, or hold at least "
+        f"{sum(len(one.poles) for one in seen)} modes: add modes, or shapes at more coordinates, or fix at least "
         f"{lack} with ",
         Argument("fixed", "…"),
         ", such as ",

@@ -211,7 +211,7 @@ class Reconstruction(Result):
         for i, (car, distance) in enumerate(zip(self.alternatives, self.distances, strict=True)):
             k, c = (", ".join(f"{getattr(s, q):.5g}" for s in car.struts) for q in QUANTITIES)
             far = (
-                f"worst pole off by {distance:.1e}"
+                f"largest pole error {distance:.1e}"
                 if self.chi_square is None
                 else f"chi-square {distance if distance > 1e-6 else 0:.3g}"
             )

@@ -44,11 +44,11 @@ def constraint_of(text: str, struts: Sequence[str]) -> Callable[[Mapping[str, An
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         raise InputError(f"{where} cannot be read; {FORM}") from None
     if not isinstance(tree, ast.Compare) or len(tree.ops) != 1 or type(tree.ops[0]) not in COMPARISONS:
-        raise InputError(f"{where} is no single comparison; {FORM}")
+        raise InputError(f"{where} is not a single comparison; {FORM}")
     sides = tree.left, tree.comparators[0]
     degrees = [_degree(side, struts, where) for side in sides]
     if not any(degrees):
-        raise InputError(f"{where} holds no parameter; {FORM}")
+        raise InputError(f"{where} contains no parameter; {FORM}")
     compare = COMPARISONS[type(tree.ops[0])]
 
     def made(k: Mapping[str, Any], c: Mapping[str, Any]) -> Any:

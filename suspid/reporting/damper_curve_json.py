@@ -97,7 +97,7 @@ def read_curves(path: str | os.PathLike[str]) -> tuple[DamperCurve, ...]:
         return tuple(_curve(one, car) for one in curves) if isinstance(curves, list) else ()
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise InputError(
-            f"has no complete curve of a damper ({printable(str(error))}); write it anew with suspid drive --json"
+            f"has no complete curve of a damper ({printable(str(error))}); write it again with suspid drive --json"
         ).about(printable(str(path))) from None
 
 

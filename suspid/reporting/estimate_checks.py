@@ -24,7 +24,7 @@ def check_parameters(rows: Sequence[Mapping[str, Any]], values: RealArray, range
     names = [str(row["name"]) for row in rows]
     for name, value, (least, most) in zip(names, values.tolist(), ranges.tolist(), strict=True):
         if names.count(name) > 1:
-            raise ValueError(f"parameter {name!r} is there twice")
+            raise ValueError(f"parameter {name!r} occurs twice")
         slack = EXACT * max(abs(value), abs(least) if np.isfinite(least) else 0.0)
         if not least - slack <= value <= most + slack:
             raise ValueError(f"{name} = {value:g} is not between its bounds {least:g} and {most:g}")

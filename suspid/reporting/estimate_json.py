@@ -105,7 +105,7 @@ def estimate_from_dict(content: Mapping[str, object]) -> Estimate:
         content = within
     if content.get("format") == "suspid car 1":
         raise InputError(
-            "holds what reconstruct found; write the car with suspid reconstruct -o car.toml, and give that"
+            "contains a result of reconstruct; write the car with suspid reconstruct -o car.toml, and use that"
         )
     if content.get("format") != ESTIMATE_FORMAT:
         raise InputError(
@@ -117,7 +117,7 @@ def estimate_from_dict(content: Mapping[str, object]) -> Estimate:
     except (KeyError, TypeError, ValueError, AttributeError, OverflowError) as error:
         reason = f"{error.args[0]!r} is missing" if isinstance(error, KeyError) else str(error)
         raise InputError(
-            f"is no complete estimate: {printable(reason)}; write it anew with suspid estimate --json"
+            f"is not a complete estimate: {printable(reason)}; write it again with suspid estimate --json"
         ) from None
 
 
@@ -163,7 +163,7 @@ def read_estimate(path: str | os.PathLike[str]) -> Estimate:
 def _estimate(content: Mapping[str, Any]) -> Estimate:
     rows, texts = content["parameters"], content["car"]
     if _digest(texts["nominal"]) != texts["sha256"]:
-        raise ValueError("the car was changed after it was written: its SHA-256 is another")
+        raise ValueError("the car was changed after it was written: its SHA-256 differs")
     found, nominal = car_from_toml(texts["found"]), car_from_toml(texts["nominal"])
     names, values = tuple(str(row["name"]) for row in rows), np.array([row["value"] for row in rows], float)
     covariance = checked_covariance(content["covariance"], rows)

@@ -117,7 +117,7 @@ def _dampers(found: DamperTrends | None) -> dict[str, object]:
     return {
         "dampers": tables.damper_table(found.trends),
         "dampers_picture": _intervals(losses_of(found), "dampers", "damping lost from first to last test [%]", marks),
-        "rule": f"Worn: certainly lost more than {100 * rule.small:g} %. Good: a loss of {100 * rule.large:g} % is "
+        "rule": f"Worn: lost significantly more than {100 * rule.small:g} %. Good: a loss of {100 * rule.large:g} % is "
         f"excluded. Each holds with {100 * (1 - rule.rate):g} % certainty; dotted lines mark both.",
     }
 

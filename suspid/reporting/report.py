@@ -259,7 +259,7 @@ def view_of(found: Identification) -> dict[str, str | bool]:
     elif view.duration < signal.duration - view.step:
         shown = f"Of {signal.duration:.4g} s it shows the first {view.duration:.4g} s, at {1 / view.step:.4g} Hz."
     else:
-        shown = f"It is made at {1 / view.step:.4g} Hz, of the record at {1 / signal.step:.4g} Hz."
+        shown = f"It is computed at {1 / view.step:.4g} Hz, of the record at {1 / signal.step:.4g} Hz."
     return {
         "bandwidth": f"{found.scalogram.wavelet.bandwidth:.3g}",
         "searched": search is not None,
@@ -270,23 +270,23 @@ def view_of(found: Identification) -> dict[str, str | bool]:
 
 def _chi_square(found: Reconstruction) -> str:
     if found.chi_square is None:
-        return "The modes state no uncertainty: how well they are met is not judged."
+        return "The modes have no uncertainty: the fit is not tested."
     value = f"{found.chi_square if found.chi_square > 1e-6 else 0:.3g}"
     said = f"Chi-square {value} at {found.freedom} degree{'s' * (found.freedom != 1)} of freedom: "
     if not found.freedom:
-        return said + "as many unknowns as equations, so nothing is left to judge the car by."
+        return said + "as many unknowns as equations, so the fit cannot be tested."
     if found.explains:
         return said + "with the springs and dampers found, the car explains the modes within their uncertainty."
     return (
-        said + "no springs and dampers let this car, with its masses, explain the modes; the intervals are widened for "
-        "it, and are a guess."
+        said + "this car, with its masses, does not explain the modes with any springs and dampers; the intervals "
+        "are widened, and are a guess."
     )
 
 
 def _twins(found: Reconstruction) -> list[tuple[str, str]]:
     """Return how far each twin is from the data, and what tells it apart."""
     far = [
-        f"worst pole off by {100 * distance:.2g} %"
+        f"largest pole error {100 * distance:.2g} %"
         if found.chi_square is None
         else f"chi-square {distance if distance > 1e-6 else 0:.3g}"
         for distance in found.distances

@@ -54,7 +54,7 @@ def add_noise(
     power = np.mean(signal.values**2, axis=1)
     silent = [name for name, p in zip(signal.channels, power, strict=True) if p == 0]
     if silent:
-        raise InputError(f"channel {silent[0]!r} is zero throughout: no noise gives it an SNR of {snr_db:g} dB")
+        raise InputError(f"channel {silent[0]!r} is zero throughout: it cannot have an SNR of {snr_db:g} dB")
     std = np.sqrt(power * 10 ** (-snr_db / 10))
     noisy = signal.values + std[:, None] * rng.standard_normal(signal.values.shape)
     return as_response(

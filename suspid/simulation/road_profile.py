@@ -94,7 +94,9 @@ def level_of(roughness: str | float, exponent: Ratio, wavelengths: tuple[Metre, 
     """Return G_d(n_0) [m3] of a class or as given; refuse a spectrum that is none."""
     level = ROUGHNESS.get(roughness.upper()) if isinstance(roughness, str) else roughness
     if level is None:
-        raise InputError(f"{roughness!r} is no class of ISO 8608; give one of {', '.join(ROUGHNESS)}, or G_d(n_0) [m3]")
+        raise InputError(
+            f"{roughness!r} is not a class of ISO 8608; give one of {', '.join(ROUGHNESS)}, or G_d(n_0) [m3]"
+        )
     short, long = checked_wavelengths(wavelengths)
     if isinstance(level, bool) or not (level == 0 or is_size(level)):
         raise InputError(f"{roughness=} must be G_d(n_0) in m3, 0 or a positive number; class A has 16e-6")
@@ -117,7 +119,9 @@ def checked_wavelengths(wavelengths: object) -> tuple[Metre, Metre]:
     """
     pair = list(wavelengths) if isinstance(wavelengths, tuple | list) else []
     if len(pair) != 2 or not all(isinstance(one, int | float | np.number) for one in pair):
-        raise InputError(f"wavelengths = {wavelengths!r:.60} must be the shortest and the longest, as (0.1, 100.0) [m]")
+        raise InputError(
+            f"wavelengths = {wavelengths!r:.60} must be the shortest and the longest, such as (0.1, 100.0) [m]"
+        )
     return float(pair[0]), float(pair[1])
 
 

@@ -232,8 +232,8 @@ def road(
     if np.ndim(speed):
         raise InputError(
             Argument("speed"),
-            ": a road has one speed [m/s], at which its spectrum stands; for one that changes give the mean here, and "
-            "the profile to .heights(timepts, rng=…, speed=profile) or road_profile",
+            ": a road has one speed [m/s], for its spectrum; for a changing speed give the mean here, and the "
+            "profile to .heights(timepts, rng=…, speed=profile) or road_profile",
         )
     speed = positive_number("speed", speed, "m/s")
     share = coherence is None or (isinstance(coherence, int | float) and not isinstance(coherence, bool))
@@ -246,7 +246,7 @@ def road(
     places = places_of(under) if isinstance(under, Suspension) else dict(under or {"road": (0.0, 0.0)})
     pairs = all(isinstance(place, tuple | list) and len(place) == 2 for place in places.values())
     if not pairs or not places or not np.all(np.isfinite(list(places.values()))):
-        raise InputError("the car meets no road, or a place is not finite; give metres behind and to the left")
+        raise InputError("the car has no road, or a place is not finite; give metres behind and to the left")
     return Road(
         roughness=level,
         speed=speed,

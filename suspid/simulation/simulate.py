@@ -85,7 +85,7 @@ def simulate(
     (['chassis', 'tire'], ['road'], array([0.05, 0.05]))
     """
     if not isinstance(inputs, Mapping):
-        raise InputError(f"inputs must map names of inputs to samples, as {{'road': heights}}, not {type(inputs)}")
+        raise InputError(f"inputs must map names of inputs to samples, such as {{'road': heights}}, not {type(inputs)}")
     if isinstance(system, Suspension) and not system.linear:
         return _simulate_pieces(system, timepts, inputs, outputs, initial_state, interpolation)
     if isinstance(system, Suspension):
@@ -171,7 +171,7 @@ def _samples(inputs: Mapping[str, ArrayLike], labels: Sequence[str], count: int)
             raise InputError(f"input {name!r} has {np.sum(~np.isfinite(row))} samples that are not finite")
         road = name.removesuffix(RATE)
         if road != name and road in labels and road not in inputs:
-            raise InputError(f"input {name!r} is given without {road!r}; give the road, its rate follows")
+            raise InputError(f"input {name!r} needs {road!r}: give the road, and its rate is computed")
         rows.append(row)
     return np.array(rows).reshape(len(rows), count)
 

@@ -99,7 +99,7 @@ def find_ridges(
         raise IdentificationError(
             f"{asked} between {np.min(scalogram.omega):.4g} and {np.max(scalogram.omega):.4g} rad/s"
             + (f", at {where} rad/s" if where else "")
-            + "; widen the band, change bandwidth, or ask for fewer (heavily damped or close modes have no ridge)",
+            + "; widen the band, change bandwidth, or request fewer (heavily damped or close modes have no ridge)",
             found=fit_ridges(ridges) if ridges else None,
         )
     return ridges

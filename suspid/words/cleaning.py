@@ -140,7 +140,7 @@ def _dead_channel(numbers: Numbers) -> str:
 
 
 def dead(numbers: Numbers) -> str:
-    """Return why a channel holds no motion.
+    """Return why a channel contains no motion.
 
     Examples
     --------

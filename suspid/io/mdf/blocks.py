@@ -86,7 +86,9 @@ def check_blocks(content: bytes) -> int:
         return 0
     for group, stated in sizes.stated.items():
         if stated > (held := sizes.held[group]):
-            raise RecordError(f"is cut off or damaged: group {group} states {stated} bytes of samples and holds {held}")
+            raise RecordError(
+                f"is cut off or damaged: group {group} states {stated} bytes of samples and contains {held}"
+            )
     return sizes.cycles
 
 

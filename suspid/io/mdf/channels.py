@@ -184,7 +184,7 @@ def _payloads(file: Any, group: int, index: int) -> bytes:
     load = getattr(getattr(file, "_mdf", None), "_load_signal_data", None)
     if load is None:
         raise RecordError(
-            "holds CAN frames of variable length, and this release of asammdf has no way to check them "
+            "contains CAN frames of variable length, and this release of asammdf has no way to check them "
             "(MDF4._load_signal_data is missing); install asammdf 8.8"
         )
     content: bytes = load(group=file.groups[group], index=index)

@@ -73,7 +73,7 @@ def _table(content: bytes, records: int, suffix: str, dbc: Path | None) -> Table
         unusable[printable(dbc.name)] = Remark(LeftOut.NO_FRAMES)
     if not usable:
         listed = ", ".join(f"{name!r} {why}" for name, why in unusable.items())
-        raise RecordError(f"holds no channel of numbers: {listed or 'nothing at all'}")
+        raise RecordError(f"contains no channel of numbers: {listed or 'nothing at all'}")
     # The stamps of a group are read with its channels, since opening the file again for each group takes long.
     stamps: dict[int, RealArray] = {}
 
@@ -146,7 +146,7 @@ def _decoded(file: Any, dbc: Path, ids: Sequence[tuple[int, int]]) -> _Decoded:
     except RecordError as error:
         raise RecordError(f"CAN database {printable(str(dbc))}: {error}") from None
     if matrix is None or not matrix.frames:
-        raise RecordError(f"CAN database {printable(str(dbc))}: holds no message")
+        raise RecordError(f"CAN database {printable(str(dbc))}: contains no message")
     out = file.extract_bus_logging({"CAN": [(matrix, 0)]})
     try:
         places = places_of(out)
@@ -159,7 +159,7 @@ def _decoded(file: Any, dbc: Path, ids: Sequence[tuple[int, int]]) -> _Decoded:
     finally:
         out.close()
     if not samples:
-        raise RecordError(f"holds no CAN frame that {printable(dbc.name)} knows; there are {listed_ids(ids)}")
+        raise RecordError(f"contains no CAN frame that {printable(dbc.name)} knows; there are {listed_ids(ids)}")
     known = {frame.arbitration_id.id for frame in matrix.frames}
     # Frames of J1939 are known by a part of their id.
     parts = any(frame.is_j1939 for frame in matrix.frames)

@@ -90,13 +90,14 @@ def _refuse_long(rows: Rows, layout: Layout) -> None:
     named = not layout.names[-1].startswith("column ")
     # Many more cells than rows are channels in lines.
     if not named and width > 64 and rows.size * 4 < width:
-        raise RecordError(f"holds {rows.size} rows of {width} cells; a record has one sample a line: turn it")
+        raise RecordError(f"contains {rows.size} rows of {width} cells; a record has one sample a line: transpose it")
     for name in (name for name in layout.names if bare_name(name).lower() in LABELS):
         first = list(itertools.islice(rows.cells(name), 200))
         few = list(dict.fromkeys(first))
         if 1 < len(few) <= len(first) / 2:
             raise RecordError(
-                f"holds the samples of several channels one below the other: {name!r} is {listed(few)} in turn; save a "
+                f"contains the samples of several channels one below the other: {name!r} is {listed(few)} in turn; "
+                f"save a "
                 f"column for each"
             )
 

@@ -194,7 +194,7 @@ def _why(text: str, layout: Layout, line: int, last: int) -> Remark:
     samples = kind_of(cells[0], comma=dialect.comma) in ("number", "stamp")
     if line < last or (samples and len(cells) > width):
         found = f"has {len(cells)} cells, the rows above have {width} ({dialect})"
-        found = found if len(cells) != width else "holds no number"
+        found = found if len(cells) != width else "contains no number"
         raise RecordError(f"line {line} {found}: {shortened(text)}; correct it, or remove it if it is not a sample")
     if samples and len(cells) < width:
         return Remark(LeftOut.CUT_SHORT, {"cells": len(cells), "width": width})
