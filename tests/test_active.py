@@ -185,7 +185,7 @@ def test_limits_that_no_solver_can_tell_from_zero(given: dict[str, object]) -> N
         ({"objective": {"chassis_acceleration": -1.0}}, "must be a positive number"),
         ({"objective": {"chassis": 1.0}}, "grows without bound"),
         ({"limits": {"chassis_travel": 1e-5, "force": 10.0}}, "no state feedback meets the limits"),
-        ({"car": TWO_AXLES, "actuator": "front_travel"}, "stands on 2 roads"),
+        ({"car": TWO_AXLES, "actuator": "front_travel"}, "has 2 roads"),
         ({"road": road("C", speed=20.0, exponent=2.5), "speed": None}, "has the exponent 2.5"),
         ({"car": CAR.with_parameters(damping={"tire": 50.0}), "objective": {"tire_acceleration": 1.0}}, "is infinite"),
     ],

@@ -416,7 +416,7 @@ class TestOptions:
             estimate(record_of({"x": np.ones(1000)}), QUARTER)
         with pytest.raises(InputError, match="delays: of all channels together only differences"):
             estimate(self.RECORD, QUARTER, delays=["chassis", "tire"])
-        with pytest.raises(InputError, match="gains: 'tyre' is none of those.*Did you mean 'tire'"):
+        with pytest.raises(InputError, match="gains: 'tyre' is not one of those.*Did you mean 'tire'"):
             estimate(self.RECORD, QUARTER, gains=["tyre"])
         with pytest.raises(InputError, match="needs a Suspension"):
             estimate(self.RECORD, eigenmodes(QUARTER))  # type: ignore[arg-type]

@@ -289,7 +289,7 @@ class TestOptionsOfTheOtherMethod:
         plain, asked = identify(record, modes=3), identify(record, modes=3, bandwidth=8.0)
         assert np.array_equal(plain.modes.poles, asked.modes.poles)
         assert ModeCheck.BANDWIDTH not in {check.remark.code for check in plain.verdict.checks}
-        assert "The bandwidth 8 is for the scalogram" in str(asked.verdict)
+        assert "The bandwidth 8 is used only for the scalogram" in str(asked.verdict)
 
     def test_a_choice_that_finds_no_modes_is_said(self) -> None:
         record = kicked(paper_car())

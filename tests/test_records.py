@@ -312,7 +312,7 @@ REFUSED: list[tuple[str, str | bytes, dict[str, Any], str]] = [
     ("r.csv", "a,b\n0,1\n1,2\n", {}, "no column is named like a time: 'a', 'b'"),
     ("r.csv", "a,b\n0,1\n1,2\n3,2\n", {}, "'a' increases like a time"),
     ("r.csv", "index,b\n0,1\n1,2\n2,1\n", {}, "'index' counts the rows and is not a time"),
-    ("r.csv", "index,b\n0,1\n1,2\n2,1\n", {"time": "index"}, "'index' counts the rows and states no time; give .*fs"),
+    ("r.csv", "index,b\n0,1\n1,2\n2,1\n", {"time": "index"}, "'index' counts the rows, not time; give .*fs"),
     ("r.csv", "t [h:m],b\n0,1\n1,2\n", {"time": "t [h:m]"}, r"unit of time in 't \[h:m\]' is not known"),
     ("r.csv", "t,seat\n0,1\n1,ok\n", {}, "line 3, column 'seat': 'ok' is not a number"),
     ("r.csv", "t,seat\n0,1\n1,1_0\n2,2\n", {}, "line 3, column 'seat': '1_0' is not a number"),
