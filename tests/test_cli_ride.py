@@ -144,7 +144,7 @@ def test_tuning_by_default(car: Path) -> None:
         (["ride", "{car}"], 2, "A car needs --road and --speed"),
         (["grip", "{car}", "--load", "tyre=4000"], 1, "there is no wheel 'tyre'"),
         (["tune", "{car}"], 2, "A car needs --road and --speed"),
-        (["ride", "{car}", "--road", "J", "--speed", "20"], 1, "is no class of ISO 8608"),
+        (["ride", "{car}", "--road", "J", "--speed", "20"], 1, "is not a class of ISO 8608"),
         (["tune", "{car}", *DRIVE, "--objective", "tire.laod"], 1, "there is no figure 'tire.laod'"),
         (["ride", "{car}", *DRIVE, "--clearance", "chassis"], 2, "write NAME=VALUE"),
     ],

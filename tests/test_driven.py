@@ -214,7 +214,7 @@ class TestRoads:
     @pytest.mark.parametrize(
         ("given", "message"),
         [
-            ({"roughness": "J"}, "is no class of ISO 8608; give one of A, B, C"),
+            ({"roughness": "J"}, "is not a class of ISO 8608; give one of A, B, C"),
             ({"roughness": -1.0}, "must be G_d(n_0) in m3, 0 or a positive number"),
             ({"wavelengths": (10.0, 1.0)}, "the wavelengths ascend from 0"),
             ({"rng": 1}, "is not a random generator"),

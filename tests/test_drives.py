@@ -77,11 +77,11 @@ class TestSpeed:
         recording = ride(channel("az", body()), channel("speed", constant(value), "m/s"))
         codes = [check.remark.code for check in find_drives(recording).remarks]
         assert {DriveRemark.SPEED_UNUSED, DriveRemark.NO_SPEED, DriveRemark.BRAKING_UNKNOWN} <= set(codes)
-        with pytest.raises(InputError, match="is no speed"):
+        with pytest.raises(InputError, match="is not a speed"):
             find_drives(recording, speed="speed")
 
     def test_a_unit_that_is_none_or_of_nothing_is_refused(self) -> None:
-        with pytest.raises(InputError, match="no unit of speed"):
+        with pytest.raises(InputError, match="not a unit of speed"):
             find_drives(ride(channel("az", body()), channel("speed", constant(15.0), "m/s")), speed_unit="parsec")
         with pytest.raises(InputError, match="none was found"):
             find_drives(ride(channel("az", body())), speed_unit="km/h")

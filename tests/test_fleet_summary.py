@@ -311,7 +311,7 @@ class TestVehicles:
             read_vehicles(tmp_path / "v.csv")
 
     def test_patterns_that_are_refused(self) -> None:
-        with pytest.raises(InputError, match="no regular expression"):
+        with pytest.raises(InputError, match="not a regular expression"):
             vehicles_from_names([], "(")
         with pytest.raises(InputError, match=r"has no group \(\?P<vehicle>"):
             vehicles_from_names([], "(?P<date>x)")

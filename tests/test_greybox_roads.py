@@ -337,14 +337,14 @@ class TestDrives:
     @pytest.mark.parametrize(
         ("options", "said"),
         [
-            ({"road": "iso"}, "is no model of a road"),
+            ({"road": "iso"}, "is not a model of a road"),
             ({"speed": 20.0}, "give road='iso8608' too"),
             ({"road": "iso8608", "given": ()}, "motion of the wheels is measured"),
             ({"road": "iso8608", "speed": "sped"}, "no channel 'sped'"),
             ({"road": "iso8608", "speed": np.ones(5)}, "5 values for a record of"),
             ({"road": "iso8608", "speed": -1.0}, "must be finite, and positive"),
             ({"road": "iso8608", "wheel_radius": 0.0}, "must be a positive number"),
-            ({"road": "iso8608", "fixed": ["tire"]}, "fixed holds all tires"),
+            ({"road": "iso8608", "fixed": ["tire"]}, "fixed contains all tires"),
             ({"road": "iso8608", "fixed": ["chassis"]}, "at least one must be free"),
         ],
     )

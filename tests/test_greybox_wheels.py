@@ -484,7 +484,7 @@ class TestDriving:
         with pytest.raises(InputError, match="delays: .* only differences"):
             estimate(record, off(HALF), given=("front", "rear"), delays=every)
         with pytest.raises(
-            InputError, match=r"gains: 'heave_aceleration' is none of .* Did you mean 'heave_acceleration'"
+            InputError, match=r"gains: 'heave_aceleration' is not one of .* Did you mean 'heave_acceleration'"
         ):
             estimate(record, off(HALF), given=("front", "rear"), gains=["heave_aceleration"])
 

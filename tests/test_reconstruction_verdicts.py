@@ -210,7 +210,7 @@ class TestSpringsThatAreNotThere:
         answer = reconstruct(modes, with_sky(PAPER, 2e4, 30.0))
         k = answer.suspension.struts[3].stiffness
         if k < 1.0:
-            assert "sky.stiffness at the least positive value" in answer.status
+            assert "sky.stiffness at the smallest positive value" in answer.status
         assert k < 5e-3 * 2e5, "shapes of 1e-3"
         for strut, true in zip(answer.suspension.struts, PAPER.struts, strict=False):
             assert strut.stiffness == pytest.approx(true.stiffness, rel=0.02)
@@ -218,7 +218,7 @@ class TestSpringsThatAreNotThere:
     def test_exact_modes(self) -> None:
         answer = reconstruct(eigenmodes(PAPER), with_sky(PAPER, 2e4, 30.0))
         assert answer.suspension.struts[3].stiffness == pytest.approx(0.02), "a millionth of nominal"
-        assert "sky.stiffness at the least positive value" in answer.status
+        assert "sky.stiffness at the smallest positive value" in answer.status
         assert answer.suspension.struts[2].stiffness == pytest.approx(800e3, rel=1e-5)
 
     def test_a_mode_of_a_sensor_that_sees_two_of_three(self) -> None:
@@ -258,5 +258,5 @@ class TestMassesKnownToASpread:
         assert answer.mass_std["chassis"] == pytest.approx(200 * self.MASSES / 3**0.5, rel=0.2)
 
     def test_what_is_held_needs_no_spread(self) -> None:
-        with pytest.raises(InputError, match=r"nominal_std: 'tire.damping' is held"):
+        with pytest.raises(InputError, match=r"nominal_std: 'tire.damping' is fixed"):
             reconstruct(eigenmodes(PAPER), PAPER, fixed=["tire"], nominal_std={"tire.damping": 0.1})

@@ -382,7 +382,7 @@ class TestRequests:
             ({"road": "B", "speed": 20.0, "clearance": [0.03]}, "must map struts to distances"),
             ({"road": "B", "speed": 20.0, "clearance": {"chassis": 30.0}}, "more than any suspension has"),
             ({"road": "B", "speed": 20.0, "weightings": {"chassis_acceleration": 5}}, "must map channels"),
-            ({"road": "B", "speed": 20.0, "weightings": {"chassis_velocity": "Wk"}}, "is no acceleration"),
+            ({"road": "B", "speed": 20.0, "weightings": {"chassis_velocity": "Wk"}}, "is not an acceleration"),
             ({"road": "B", "speed": 20.0, "weightings": {5: "Wk"}}, "5 is no name of a channel"),
         ],
     )

@@ -113,7 +113,7 @@ class TestHeights:
     @pytest.mark.parametrize(
         ("given", "message"),
         [
-            ({"roughness": "J"}, "is no class of ISO 8608"),
+            ({"roughness": "J"}, "is not a class of ISO 8608"),
             ({"speed": 0.0}, "speed = 0 m/s must be positive"),
             ({"coherence": 1.2}, "must lie between 0 and 1"),
             ({"under": {"road": (np.nan, 0.0)}}, "a place is not finite"),

@@ -165,7 +165,7 @@ class TestOnAResponse:
 
     def test_one_channel_by_two_names_is_refused(self) -> None:
         record = as_response(np.arange(100) / 10, np.ones((2, 100)), ["seat [mm]", "tire"])
-        with pytest.raises(InputError, match="asked for twice"):
+        with pytest.raises(InputError, match="requested twice"):
             analyse(record, settings=Settings(channels=("seat", "seat [mm]")))
 
     def test_leaving_out_every_channel(self) -> None:
@@ -187,7 +187,7 @@ class TestOnAResponse:
         (CarSettings(free_masses=("nope",)), "no mass 'nope'"),
         (CarSettings(added_masses={"nope": 1.0}), "no mass 'nope'"),
         (CarSettings(bounds={"nope.stiffness": (1.0, 2.0)}), "no parameter 'nope.stiffness'"),
-        (CarSettings(fixed=("tire",), bounds={"tire.stiffness": (1.0, 2.0)}), "is held"),
+        (CarSettings(fixed=("tire",), bounds={"tire.stiffness": (1.0, 2.0)}), "is fixed"),
         (CarSettings(ties=(("tire.stiffness", "tire.damping"),)), "of one kind"),
     ],
 )

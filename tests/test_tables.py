@@ -498,7 +498,7 @@ class TestOddExports:
 
     def test_channels_in_lines_are_refused(self, tmp_path: Path) -> None:
         rows = [",".join([name, *map(str, SINE)]) for name in ("time", "seat", "tire")]
-        with pytest.raises(RecordError, match="3 rows of 201 cells.*turn it"):
+        with pytest.raises(RecordError, match="3 rows of 201 cells.*transpose it"):
             read(tmp_path, "\n".join(rows))
 
     def test_a_time_that_is_text_is_shown(self, tmp_path: Path) -> None:

@@ -58,7 +58,9 @@ def check_road(trials: Sequence[Trial], *, road: str | None, rolling: Sequence[o
             )
         return
     if road not in ROADS:
-        raise InputError(Argument("road", repr(road)), f" is no model of a road; give {' or '.join(map(repr, ROADS))}")
+        raise InputError(
+            Argument("road", repr(road)), f" is not a model of a road; give {' or '.join(map(repr, ROADS))}"
+        )
     if not all(trial.wheels for trial in trials):
         raise InputError(
             Argument("road"), ": its model is for drives in which the motion of the wheels is measured; give them too"
