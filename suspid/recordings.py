@@ -165,7 +165,7 @@ class Recording:
             If there is no such test; the message lists those that there are.
         """
         if name not in self.tests:
-            known = f"it holds {listed(self.tests)}" if self.tests else "it holds a single one, so leave test out"
+            known = f"it contains {listed(self.tests)}" if self.tests else "it contains only one, so leave test out"
             raise RecordError(f"there is no test {name!r}: {known}")
         return replace(self, channels=tuple(channel for channel in self.channels if channel.test == name))
 

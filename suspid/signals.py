@@ -102,7 +102,7 @@ def as_signal(response: control.TimeResponseData, *, least: int = 2, copied: boo
     timepts, values = real_numbers(response.time, "time"), real_numbers(response.y, "the response")
     if values.ndim == 3:
         if values.shape[1] != 1:
-            raise RecordError(f"the response holds {values.shape[1]} traces; pass one of them at a time")
+            raise RecordError(f"the response contains {values.shape[1]} traces; pass one of them at a time")
         values = values[:, 0, :]
     if values.shape[1] != len(timepts):
         raise RecordError(f"{len(timepts)} time points, but {values.shape[1]} samples")

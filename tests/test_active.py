@@ -176,7 +176,7 @@ def test_limits_that_no_solver_can_tell_from_zero(given: dict[str, object]) -> N
         ({"objective": {"force": 1.0}}, "force alone is smallest at zero"),
         ({"objective": {}}, "objective is empty"),
         ({"objective": ["chassis_acceleration"]}, "objective=['chassis_acceleration'] must map outputs to numbers"),
-        ({"objective": {5: 1.0}}, "5 is no name of an output"),
+        ({"objective": {5: 1.0}}, "5 is not the name of an output"),
         ({"limits": 5}, "limits=5 must map outputs"),
         ({"car": CAR.with_parameters(damping={"chassis": 0.0, "tire": 0.0})}, "a mode has no damping"),
         ({"car": CAR.with_parameters(stiffness={"chassis": 0.0})}, "do not support the car"),

@@ -218,7 +218,7 @@ class TestRoads:
             ({"roughness": -1.0}, "must be G_d(n_0) in m3, 0 or a positive number"),
             ({"wavelengths": (10.0, 1.0)}, "the wavelengths ascend from 0"),
             ({"rng": 1}, "is not a random generator"),
-            ({"distance": [np.nan]}, "distance must hold finite distances"),
+            ({"distance": [np.nan]}, "distance must contain finite distances"),
             ({"distance": [0.0, 1e9]}, "at most 67108864 are made"),
         ],
     )

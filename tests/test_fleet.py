@@ -284,7 +284,7 @@ class TestWhatIsRefused:
 
     def test_a_folder_of_something_else(self, fleet: Path, tmp_path: Path) -> None:
         (tmp_path / "thesis.txt").write_text("precious")
-        with pytest.raises(InputError, match=r"holds 'thesis.txt', which is no result of a fleet"):
+        with pytest.raises(InputError, match=r"contains 'thesis.txt', which is not a result of a fleet"):
             identify_many(fleet, output=tmp_path)
 
     def test_two_runs_into_one_folder(self, fleet: Path, tmp_path: Path) -> None:

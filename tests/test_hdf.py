@@ -272,7 +272,7 @@ class TestObjects:
                 "is a timetable; in MATLAB: t = seconds(x.Properties.RowTimes - x.Properties.RowTimes(1)); y = ",
             ),
             ("duration", "is a duration; in MATLAB: x = seconds(x); save('record.mat', 'x')"),
-            ("mine", "is an object of class 'mine'; save what it holds as vectors"),
+            ("mine", "is an object of class 'mine'; save its contents as vectors"),
         ],
     )
     def test_an_object_is_named_with_the_lines_that_save_its_numbers(

@@ -291,7 +291,7 @@ class TestDamage:
         content = bytearray(self.WHOLE)
         links = struct.unpack_from("<Q", content, place + 16)[0]
         struct.pack_into("<Q", content, place + 24 + 8 * links + 8, cycles)
-        with pytest.raises(RecordError, match="states .* bytes of samples and holds"):
+        with pytest.raises(RecordError, match="states .* bytes of samples and contains"):
             read_mdf(put(tmp_path, bytes(content)))
 
     def test_samples_beyond_the_record(self, tmp_path: Path) -> None:

@@ -132,15 +132,15 @@ class TestCauses:
         axes = Figure().subplots(2, 2)
         with pytest.raises(InputError, match="there is no channel 'raod'"):
             plot_frf(rig, axes=axes, cause="raod")
-        with pytest.raises(InputError, match="holds 1 record;"):
+        with pytest.raises(InputError, match="contains 1 record;"):
             plot_frf(rig, axes=axes, record=3)
 
     def test_an_estimate_that_was_read_has_no_record_to_draw(self, rig: Estimate, tmp_path: Path) -> None:
         path = tmp_path / "found.json"
         path.write_text(json.dumps(estimate_to_dict(rig)), encoding="utf-8")
-        with pytest.raises(InputError, match="read from JSON holds none"):
+        with pytest.raises(InputError, match="read from JSON contains none"):
             plot_frf(read_estimate(path), axes=Figure().subplots(2, 2))
-        with pytest.raises(InputError, match="read from JSON holds none"):
+        with pytest.raises(InputError, match="read from JSON contains none"):
             plot_spectra(read_estimate(path), axes=Figure().subplots(2))
         assert len(plot_estimate(read_estimate(path), Figure()).axes) == 1
 

@@ -383,7 +383,7 @@ class TestRequests:
             ({"road": "B", "speed": 20.0, "clearance": {"chassis": 30.0}}, "more than any suspension has"),
             ({"road": "B", "speed": 20.0, "weightings": {"chassis_acceleration": 5}}, "must map channels"),
             ({"road": "B", "speed": 20.0, "weightings": {"chassis_velocity": "Wk"}}, "is not an acceleration"),
-            ({"road": "B", "speed": 20.0, "weightings": {5: "Wk"}}, "5 is no name of a channel"),
+            ({"road": "B", "speed": 20.0, "weightings": {5: "Wk"}}, "5 is not the name of a channel"),
         ],
     )
     def test_wrong_requests_are_refused(self, given: dict[str, object], message: str) -> None:

@@ -159,7 +159,7 @@ class TestSeveralInOneFile:
         found = analyse(two_in_one(tmp_path, CAR, OTHER), settings=Settings(test="Al"))
         assert found.verdict.level is Level.SOUND
         assert np.all(np.abs(found.modes.wn - eigenmodes(OTHER).wn) < 4 * std_of(found))
-        with pytest.raises(RecordError, match=r"r\.mat: there is no test 'Cu': it holds 'Fe', 'Al'"):
+        with pytest.raises(RecordError, match=r"r\.mat: there is no test 'Cu': it contains 'Fe', 'Al'"):
             analyse(two_in_one(tmp_path), settings=Settings(test="Cu"))
 
     def test_all_are_joined(self, tmp_path: Path) -> None:
@@ -174,7 +174,7 @@ class TestSeveralInOneFile:
         assert done.stdout.count("Verdict: 2 modes found: sound") == 2
         refused = run("identify", path, "--json", tmp_path / "m.json")
         assert refused.exit_code == 1
-        assert "holds 2 tests: choose one with --test" in refused.stderr
+        assert "contains 2 tests: choose one with --test" in refused.stderr
         assert run("identify", path, "--test", "all", "--json", tmp_path / "m.json").exit_code == 0
 
     def test_channels_of_one_clock_are_one_test(self, tmp_path: Path) -> None:

@@ -34,7 +34,7 @@ class TestSamples:
 
     def test_two_traces_are_refused(self) -> None:
         system = control.ss([[-1.0]], [[1.0, 2.0]], [[1.0]], [[0, 0]])
-        with pytest.raises(RecordError, match="holds 2 traces"):
+        with pytest.raises(RecordError, match="contains 2 traces"):
             as_signal(control.impulse_response(system, np.linspace(0, 1, 11)))
 
     @pytest.mark.parametrize("bad", [np.nan, np.inf])

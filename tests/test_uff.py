@@ -294,8 +294,8 @@ class TestDamage:
     @pytest.mark.parametrize(
         ("change", "message"),
         [
-            ({"samples": 8}, "states 8 samples and holds 7"),
-            ({"samples": 6}, "states 6 samples and holds 7"),
+            ({"samples": 8}, "states 8 samples and contains 7"),
+            ({"samples": 6}, "states 6 samples and contains 7"),
             ({"step": 0.0}, "steps by 0 s"),
         ],
     )

@@ -154,7 +154,7 @@ def numbers_above_zero(name: str, value: object) -> tuple[float, ...]:
     """Return a tuple of positive numbers that is not empty."""
     found = tuple(positive(name, one) for one in several(name, value, "(5.0, 10.0)"))
     if not found:
-        raise wrong(name, value, "holds nothing; give at least one number")
+        raise wrong(name, value, "is empty; give at least one number")
     return found
 
 

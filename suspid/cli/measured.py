@@ -51,7 +51,7 @@ MOST_FINDINGS = 5
 def channels_command(file: Path, time: str | None, fs: float | None, dbc: Path | None) -> None:
     """List the channels in FILE.
 
-    The list has names, units, rates, lengths and gaps, and says what else the file holds.
+    The list has names, units, rates, lengths and gaps, and names the other contents of the file.
     """
     from suspid.io import read_recording
 

@@ -28,7 +28,7 @@ def own(folder: Path) -> Iterator[None]:
         strangers = [p.name for p in folder.iterdir() if not p.name.startswith(".")]
         if strangers and "manifest.json" not in strangers:
             raise InputError(
-                f"{name}: holds {printable(strangers[0])!r}, which is no result of a fleet; give a new folder"
+                f"{name}: contains {printable(strangers[0])!r}, which is not a result of a fleet; give a new folder"
             )
     except OSError as refusal:
         raise InputError(f"{name}: cannot be used for results: {refusal.strerror or refusal}") from None
@@ -151,6 +151,6 @@ def check_end(folder: Path, parts: int, layout: Layout) -> None:
     beyond = [number for number in part_numbers(folder, layout.main) if number >= parts]
     if beyond:
         raise InputError(
-            f"{printable(str(folder))}: holds parts from number {beyond[0]} on, but the records end before: "
+            f"{printable(str(folder))}: contains parts from number {beyond[0]} on, but the records end before: "
             f"fewer came than when the run began; give the same ones, or another folder for the results"
         )

@@ -77,7 +77,7 @@ def reader_of(path: Path, dbc: str | os.PathLike[str] | None) -> Reader:
     if dbc is None:
         return kind.read
     if kind is not MDF:
-        raise RecordError(Argument("dbc"), " decodes CAN frames; only MDF files hold them: leave it out")
+        raise RecordError(Argument("dbc"), " decodes CAN frames; only MDF files contain them: leave it out")
     return lambda file: importlib.import_module("suspid.io.mdf.mdf").read_mdf(file, dbc=dbc)
 
 

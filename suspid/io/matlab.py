@@ -199,7 +199,7 @@ def _array(
     kind, numbers = next(parts, (0, b""))
     item = np.dtype(order + ITEMS.get(kind, "V1"))
     if kind not in ITEMS or math.prod(shape) * item.itemsize != len(numbers):
-        raise RecordError(f"is damaged: variable {name!r} does not hold as many numbers as its size {shape} says")
+        raise RecordError(f"is damaged: variable {name!r} has fewer numbers than its size {shape} says")
     if complex_:
         return Remark(LeftOut.COMPLEX)
     return _variable(np.frombuffer(numbers, item).reshape(shape, order="F"))

@@ -115,7 +115,7 @@ def _entries(content: bytes) -> list[_Entry]:
         status = file.file_status
         wrong = [p for p, s in (status.channel_statuses or {}).items() if s.expected_length != s.read_length]
         if status.incomplete_final_segment or wrong:
-            raise RecordError("is damaged: a segment does not hold as many samples as it states")
+            raise RecordError("is damaged: a segment does not contain the stated number of samples")
         for holder in (file, *file.groups(), *(channel for group in file.groups() for channel in group.channels())):
             _check_scales(holder.properties)
         return [_entry(channel, len(content)) for group in file.groups() for channel in group.channels()]

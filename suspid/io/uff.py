@@ -148,7 +148,7 @@ def _samples(dataset: Mapping[str, Any], number: int) -> RealArray:
     found, stated = len(dataset["data"]), dataset["num_pts"]
     # A line of 80 characters of single precision may be padded.
     if not stated <= found <= stated + (20 if dataset["binary"] and dataset["abscissa_spacing"] else 0):
-        raise RecordError(f"is damaged: data set {number} states {stated} samples and holds {found}")
+        raise RecordError(f"is damaged: data set {number} states {stated} samples and contains {found}")
     return frozen_real(dataset["data"][:stated])
 
 

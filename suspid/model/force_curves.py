@@ -27,7 +27,7 @@ def checked_curve(owner: str, given: object, *, strictly: bool) -> tuple[tuple[f
         ``strictly``: or stay), or the force is not zero at rest.
     """
     if isinstance(given, str) or not isinstance(given, Sequence | np.ndarray) or len(given) < 2:
-        raise InputError(f"{owner}: curve = {given!r} must hold two or more points (velocity [m/s], force [N])")
+        raise InputError(f"{owner}: curve = {given!r} must have two or more points (velocity [m/s], force [N])")
     points = []
     for number, point in enumerate(given, start=1):
         if isinstance(point, str) or not isinstance(point, Sequence | np.ndarray) or len(point) != 2:

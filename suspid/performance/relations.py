@@ -70,7 +70,7 @@ def split(given: Limits | None) -> tuple[dict[str, float], list[object]]:
     if given is not None and not (isinstance(given, Mapping | str | list | tuple) or callable(given)):
         raise InputError(
             Argument("constraints", f"{given!r:.60}"),
-            " must map figures to their largest values, or hold relations such as 'front.damping >= rear.damping'",
+            " must map figures to their largest values, or contain relations such as 'front.damping >= rear.damping'",
         )
     parts = [given] if isinstance(given, Mapping | str) or callable(given) else list(given or ())
     limits: dict[str, float] = {}

@@ -94,7 +94,7 @@ def observe(test: ModalTest, suspension: Suspension) -> tuple[Observed, list[Rem
     total = len(all_poles(modes.poles))
     if total > 2 * n:
         raise InputError(
-            f"the modes hold {total} poles (a pair counts twice), but {n} masses have {2 * n}; "
+            f"the modes have {total} poles (a pair counts twice), but {n} masses have {2 * n}; "
             f"leave out modes that are not the suspension's, or identify no more than {n} (",
             Argument("modes", str(n)),
             ")",

@@ -139,7 +139,7 @@ def density_label(unit: str) -> str:
 
 def no_such_record(found: Estimate) -> str:
     """Return how many records an estimate holds, and why it may hold none."""
-    return f"the estimate holds {count(len(found.residual), 'record')}; one that was read from JSON holds none"
+    return f"the estimate contains {count(len(found.residual), 'record')}; one that was read from JSON contains none"
 
 
 def draw_spectra(

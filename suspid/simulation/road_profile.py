@@ -86,7 +86,7 @@ def road_profile(
         raise InputError(f"{rng=} is not a random generator; pass np.random.default_rng(seed)")
     where = np.asarray(distance, float)
     if not where.size or not np.all(np.isfinite(where)):
-        raise InputError("distance must hold finite distances [m]")
+        raise InputError("distance must contain finite distances [m]")
     return tracks([where], np.zeros(1), roughness=level, rng=rng, exponent=exponent, wavelengths=wavelengths)[0]
 
 

@@ -134,14 +134,16 @@ class Road:
             raise InputError("timepts must be a vector of at least two ascending times [s]")
         pace = np.broadcast_to(np.asarray(self.speed if speed is None else speed, float), time.shape)
         if not np.all(np.isfinite(pace) & (pace >= 0)) or not np.any(pace):
-            raise InputError("speed must hold finite speeds [m/s], not negative and not all zero")
+            raise InputError("speed must contain finite speeds [m/s], not negative and not all zero")
         if not isinstance(rng, np.random.Generator):
             raise InputError(f"{rng=} is not a random generator; pass np.random.default_rng(seed)")
         steps = np.diff(time)
         distance = np.concatenate([[0.0], np.cumsum((pace[1:] + pace[:-1]) / 2 * steps)])
         held = max(self.wavelengths[0], 2 * float(np.max(pace)) * float(np.max(steps)))
         if held >= self.wavelengths[1]:
-            raise InputError(f"samples every {np.max(steps):g} s hold no wavelength below {held:.3g} m; sample faster")
+            raise InputError(
+                f"samples every {np.max(steps):g} s resolve no wavelength below {held:.3g} m; sample faster"
+            )
         behind, left = np.array(list(self.places.values())).T
         sides, which = np.unique(left, return_inverse=True)
         drawn = tracks(

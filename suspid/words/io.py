@@ -19,7 +19,7 @@ def _magnitude(numbers: Mapping[str, Number]) -> str:
     return f"is the magnitude of {', '.join(map(repr, axes))}: it is not linear in the motion"
 
 
-AS_VECTORS = "save what it holds as vectors, such as ts.Time and ts.Data of a timeseries"
+AS_VECTORS = "save its contents as vectors, such as ts.Time and ts.Data of a timeseries"
 # How numbers are taken out of MATLAB's objects of a class, whose variable is {0}.
 TAKEN_OUT = {
     "timeseries": "t = {0}.Time; y = squeeze({0}.Data)",

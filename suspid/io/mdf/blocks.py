@@ -163,7 +163,7 @@ def _measure(content: bytes, address: int, kind: bytes, links: int, group: int, 
         if zipped > size - (body - address) - LEAST_BODY[ZIPPED]:
             raise RecordError(f"is damaged: the block at byte {address} states {zipped} compressed bytes")
         if method < 2 and _inflated(content[body + LEAST_BODY[ZIPPED] :][:zipped], whole) != whole:
-            raise RecordError(f"is damaged: the block at byte {address} does not hold {whole} bytes")
+            raise RecordError(f"is damaged: the block at byte {address} does not contain {whole} bytes")
         sizes.held[group] += whole
     elif kind in DATA:
         sizes.held[group] += max(0, size - BLOCK_HEADER)

@@ -122,7 +122,9 @@ def _values(content: bytes, asked: Mapping[str, Place], stamps: dict[int, RealAr
             if place.timed and place.group not in stamps:
                 stamps[place.group] = frozen_real(file.get_master(place.group))
                 if stamps[place.group].size != place.size:
-                    raise RecordError(f"is damaged: group {place.group_name!r} holds {stamps[place.group].size} stamps")
+                    raise RecordError(
+                        f"is damaged: group {place.group_name!r} contains {stamps[place.group].size} stamps"
+                    )
     return read
 
 
@@ -130,7 +132,7 @@ def _marked(samples: Any, invalid: Any, place: Place) -> RealArray:
     """Return samples with those that the file marks as invalid as NaN."""
     if samples.dtype.kind not in "iufb" or samples.shape != (place.size,):
         found = f"{samples.dtype} x {samples.shape}"
-        raise RecordError(f"is damaged: channel {place.name!r} holds {found}, not {place.size} numbers")
+        raise RecordError(f"is damaged: channel {place.name!r} contains {found}, not {place.size} numbers")
     values = np.array(samples, np.float64)
     if invalid is not None:
         values[np.asarray(invalid, bool)] = np.nan

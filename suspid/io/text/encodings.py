@@ -101,4 +101,4 @@ def _refuse_control(content: bytes) -> None:
             first = int(np.argmax(odd))
             what = "zero bytes" if codes[first] == 0 else f"the control byte 0x{codes[first]:02x}"
             line = content.count(b"\n", 0, start + first) + 1
-            raise RecordError(f"is not text: it holds {what} (line {line}); if it is UTF-16, save it as UTF-8")
+            raise RecordError(f"is not text: it contains {what} (line {line}); if it is UTF-16, save it as UTF-8")

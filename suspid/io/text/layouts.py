@@ -138,7 +138,7 @@ def _refuse_misfit(line: str, number: int, columns: Columns) -> None:
     if 1 < len(cells) != width and set(kinds) <= {"text"} and not re.match(r"[^:=]*[:=]", cells[0]):
         hint = "; if decimals have a comma, separate cells by semicolons or tabs" if dialect.delimiter == "," else ""
         raise RecordError(
-            f"line {number} names {len(cells)} columns, but the rows hold {width} cells ({dialect}){hint}"
+            f"line {number} names {len(cells)} columns, but the rows have {width} cells ({dialect}){hint}"
         )
 
 
