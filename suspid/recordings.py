@@ -116,7 +116,7 @@ class Recording:
     channels : tuple of RawChannel
         In the order of the file.
     left_out : tuple of (str, Remark)
-        What else the file holds, and why it is not a channel: its name and a `suspid.words.LeftOut`.
+        Other contents of the file, and why they are not channels: its name and a `suspid.words.LeftOut`.
 
     Examples
     --------

@@ -253,7 +253,7 @@ class TestSeveralTestsGiveTheCar:
         ("options", "code", "message"),
         [
             (("--added", "m.json:sead=60"), 1, "there is no mass 'sead'. Did you mean 'seat'"),
-            (("--added", "x.json:seat=60"), 2, "none of the MODES"),
+            (("--added", "x.json:seat=60"), 2, "not one of the MODES"),
             (("--added", "m.json:seat"), 2, "write FILE:NAME=KG"),
             (("--added", "seat=1", "--added", "m.json:seat=2"), 2, "already"),
             (("--added", "seat=-1"), 1, "must be a finite mass"),

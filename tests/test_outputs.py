@@ -233,8 +233,8 @@ class TestForces:
             ({"forces": ["heave", "heave_force"]}, "force 'heave' is given 2 times"),
             ({"forces": ["heav"]}, "force 'heav': there is no output 'heav'. Did you mean 'heave'"),
             ({"forces": ["front_tire"]}, "Forces between the ends of that strut: 'front_tire_travel'."),
-            ({"forces": ["heave_velocity"]}, "'heave_velocity' is no displacement of a mass"),
-            ({"forces": ["road_front"]}, "'road_front' is no displacement of a mass"),
+            ({"forces": ["heave_velocity"]}, "'heave_velocity' is not a displacement of a mass"),
+            ({"forces": ["road_front"]}, "'road_front' is not a displacement of a mass"),
             ({"roads": ["road"]}, "there is no road 'road'. Did you mean 'road_"),
         ],
     )

@@ -354,7 +354,7 @@ class TestRefusals:
             (lambda k, c: [True], "is not a cvxpy constraint"),  # noqa: ARG005
             (lambda k, c: cp.Variable() <= k["tire"], "variable of its own"),  # noqa: ARG005
             (3.0, "neither text nor a function"),
-            ("tire.stiffness < 3", "no single comparison"),
+            ("tire.stiffness < 3", "not a single comparison"),
             ("tire.stiffness * seat.stiffness <= 3", "not linear"),
             ("tire.mass <= 3", "no parameter 'tire.mass'"),
             ("__import__('os').getcwd() <= tire.damping", "has no place"),

@@ -131,7 +131,7 @@ class TestHeights:
             road(**{"roughness": "B", "speed": 20.0, **given})  # type: ignore[arg-type]
 
     @pytest.mark.parametrize(
-        ("speed", "message"), [(-1.0, "not negative"), (2e4, "hold no wavelength"), (0.0, "not all zero")]
+        ("speed", "message"), [(-1.0, "not negative"), (2e4, "resolve no wavelength"), (0.0, "not all zero")]
     )
     def test_wrong_speeds_are_refused(self, speed: float, message: str) -> None:
         with pytest.raises(InputError, match=message):
@@ -236,7 +236,7 @@ class TestClass:
         white = classify_road(as_response(t, 1e-3 * noise, ["road"]), speed=20.0)
         assert RoadCheck.NO_POWER_LAW in [doubt.code for doubt in white.verdict.doubts]
         for name, values in (("road [m/s2]", heights), ("road", 0 * heights)):
-            with pytest.raises(InputError, match="no unit of length|shows no road"):
+            with pytest.raises(InputError, match="not a unit of length|shows no road"):
                 classify_road(as_response(t, values, [name]), speed=20.0)
 
     def test_a_class_in_lower_case(self) -> None:

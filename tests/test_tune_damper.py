@@ -98,7 +98,7 @@ def test_directions_share_the_work() -> None:
     ("given", "message"),
     [
         ({"strut": "chasis"}, "there is no strut 'chasis'"),
-        ({"strut": "tire"}, "strut 'tire' stands on the road"),
+        ({"strut": "tire"}, "strut 'tire' is on the road"),
         ({"rebound": 1e9}, "from 0.1 to 10"),
         ({"roads": "C"}, "must be a list of pairs"),
         ({"roads": []}, "roads is empty"),

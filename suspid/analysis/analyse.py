@@ -50,11 +50,11 @@ def analyse(
     settings: Settings | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> Analysis:
-    """Return modes, and with a car springs and dampers, of a recording as it comes.
+    """Return modes, and with a car springs and dampers, from a raw recording.
 
     The steps are those a careful user would take: `read_recording`, `clean`, `identify` where the record is a free
     decay from its first sample on, else `find_decays` and `identify` of the best one (or `identify_repeats` of
-    several), and `reconstruct` if a car is given, or `estimate` from the record itself where the modes do not settle
+    several), and `reconstruct` if a car is given, or `estimate` from the record itself where the modes do not determine
     springs and dampers. The commands, the report and the fleet do the same by calling this function.
 
     Parameters
@@ -79,7 +79,7 @@ def analyse(
     InputError
         If a setting cannot be meant for this source or this car.
     SuspidError
-        If the source cannot be used, or fewer modes than asked for stand out.
+        If the source cannot be used, or fewer modes than requested are significant.
 
     Examples
     --------

@@ -56,7 +56,7 @@ def analyse_drive(
     curves: bool = True,
     progress: Step | None = None,
 ) -> DriveAnalysis:
-    """Return what a recorded drive tells of a car.
+    """Return springs, dampers, curves and wear of a car from recorded drives.
 
     The files are read one after the other, and only their usable stretches are kept. Where the motion of all wheels
     was measured, springs and dampers are estimated over all stretches jointly (`estimate`, with the wheels given), the

@@ -37,12 +37,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Analysis(Result):
-    """What `analyse` found, step by step.
+    """Result of `analyse`, step by step.
 
     Parameters
     ----------
     settings : Settings
-        What it was told.
+        The settings used.
     recording : Recording or None
         The channels as the file has them; None if the source was a response.
     cleaned : Cleaned
@@ -58,13 +58,13 @@ class Analysis(Result):
     reconstruction : Reconstruction or None
         Springs and dampers, if a car was given and they were found.
     notes : tuple of Remark
-        What was done on the way, in order.
+        What was done, in order.
     tests : mapping
         The analysis of each recording by its name, where several were given; else empty. What is not joint, such as
         ``record``, is that of the first.
     estimate : Estimate or None
-        Springs and dampers fitted to the record itself, if a car was given and its modes did not settle them: there was
-        no reconstruction, it does not explain the modes, or other cars have the same.
+        Springs and dampers fitted to the record itself, if a car was given and its modes did not determine them: there
+        was no reconstruction, it does not explain the modes, or other cars have the same.
 
     Examples
     --------

@@ -60,7 +60,7 @@ class CheckedLimit:
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False, repr=False)
 class CheckedLimits(Result):
-    """What `check_limits` found, a row for each limit.
+    """Result of `check_limits`, a row for each limit.
 
     Parameters
     ----------
@@ -149,10 +149,10 @@ def check_limits(
     *,
     level: Ratio = LEVEL,
 ) -> CheckedLimits:
-    """Judge each limit by the interval of what was found: met, not met, or cannot tell.
+    """Check each limit against the interval of the result: met, not met, or cannot tell.
 
-    A limit is met if the whole interval lies within it, and not met if the whole interval lies outside. It cannot be
-    told where the interval reaches across, where there is none, where the value was held, where the result is
+    A limit is met if the whole interval lies within it, and not met if the whole interval lies outside. It is undecided
+    where the interval contains the limit, where there is no interval, where the value was fixed, where the result is
     doubtful, and where other springs and dampers explain the data as well and lie on the other side.
 
     Parameters

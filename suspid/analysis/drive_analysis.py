@@ -26,20 +26,20 @@ from suspid.words.grip import GripCheck
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False, repr=False)
 class DriveAnalysis(Result):
-    """What a recorded drive tells of a car.
+    """Results of recorded drives of a car.
 
     Parameters
     ----------
     drives : tuple of Drives
-        The stretches of each file, taken and left.
+        The stretches of each file, used and left out.
     estimate : Estimate or None
         Springs and dampers, where the wheels were measured.
     body : BodyModes or None
         Frequencies of the body, where only the body was measured.
     notes : tuple of Check
-        What else is to be said.
+        Further remarks.
     curves : tuple of DamperCurve
-        Curves of the dampers above the wheels, as far as the sensors tell them.
+        Curves of the dampers above the wheels, where the sensors determine them.
     wear : Wear or None
         Wear and grip of the dampers, against earlier estimates or nominal values.
 
@@ -75,7 +75,7 @@ class DriveAnalysis(Result):
 
     @property
     def remarks(self) -> tuple[Check, ...]:
-        """What is said of the drive, beside what is said of what was found in it."""
+        """Remarks on the drive, without those on the estimate."""
         return (*self.notes, *(check for one in self.drives for check in one.remarks))
 
     @property
@@ -94,7 +94,7 @@ class DriveAnalysis(Result):
 
     @property
     def verdict(self) -> Verdict:
-        """How far the result can be trusted: what is said of the drive, then of what was found in it."""
+        """How far the result can be trusted: remarks on the drive, then on the estimate."""
         found = self.estimate or self.body
         numbers = {"seconds": self.usable, "length": float(sum(one.length for one in self.drives))}
         if found is None:

@@ -62,7 +62,7 @@ class CarSettings:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Settings:
-    """What `analyse` may be told about a recording; the defaults ask for nothing.
+    """Options of `analyse`; the defaults need no information about the recording.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ class Settings:
     method : {"likelihood", "ridge"}
         See `suspid.identify`.
     band_hz : (float, float), optional
-        Frequencies between which to look [Hz].
+        Frequency range [Hz].
     bandwidth : float, optional
         Bandwidth N of the wavelet [1].
     candidates : tuple of float

@@ -37,10 +37,10 @@ def as_record(
     channels: Sequence[str] | None = None,
     units: Sequence[str] | Mapping[str, str] | None = None,
 ) -> control.TimeResponseData:
-    """Return arrays or a table as a record, the one type of signal that every function takes.
+    """Return arrays or a table as a record, the type of signal that every function takes.
 
-    Functions that take a record call this themselves. It is needed where something must be added: a sampling rate,
-    names, units.
+    Functions that take a record call this themselves. Call it to add a sampling rate, names or
+    units.
 
     Parameters
     ----------

@@ -55,7 +55,7 @@ def clean(
     Raises
     ------
     RecordError
-        If a channel is not there, or what is wrong cannot be repaired safely.
+        If a channel is missing, or a defect cannot be repaired safely.
 
     Examples
     --------

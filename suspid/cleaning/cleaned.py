@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Cleaned:
-    """A record that can be used, and what was done to make it so.
+    """A usable record, and the defects that were found and repaired.
 
     Parameters
     ----------
@@ -27,7 +27,7 @@ class Cleaned:
     units : tuple of str
         Units of the channels as the file states them.
     findings : tuple of Finding
-        What was met; none for a clean recording, whose samples and stamps are unchanged to the last bit.
+        The defects; none for a clean recording, whose samples and stamps are unchanged to the last bit.
 
     Examples
     --------

@@ -21,7 +21,7 @@ class Finding:
     channel : str
         The channel; empty for time and for the recording as a whole.
     start, stop : float
-        First and last time that it touches [s].
+        First and last affected time [s].
     samples : int
         Number of samples.
     repaired : bool

@@ -28,14 +28,14 @@ def read_record(
     fs: Hertz | None = None,
     dbc: str | os.PathLike[str] | None = None,
 ) -> control.TimeResponseData:
-    r"""Return the record that a file holds.
+    r"""Return the record in a file.
 
     `read_recording` reads its channels and `suspid.clean` repairs them. Each defect, repaired or not, is a
     `RecordWarning`.
 
     Text (``.csv``, ``.txt``, ``.tsv``, ``.dat``, ``.log``, ``.asc``): a sample a line, in UTF-8, UTF-16 or
-    Windows-1252. What parts the cells, the sign before decimals, header, units, and lines that are no samples are
-    found out; without a header the columns are named ``column 1``, ``column 2`` …. MATLAB (``.mat``) and HDF5
+    Windows-1252. Separator, decimal sign, header, units, and lines that are not samples are
+    detected; without a header the columns are named ``column 1``, ``column 2`` …. MATLAB (``.mat``) and HDF5
     (``.h5``, ``.hdf5``): every real vector, and every column of a matrix, is a column, those of a structure by
     dotted names; a number named like ``Fs`` or ``dt`` is the rate. Further: Parquet (``.parquet``, ``.pq``),
     NumPy (``.npy``, ``.npz``), universal files (``.uff``, ``.unv``, ``.uf``, ``.58``), TDMS (``.tdms``), ASAM MDF
@@ -50,7 +50,7 @@ def read_record(
         Columns to take. Default: all but time that are as long as time.
     time : str, optional
         The column of time. Default: the one named like a time (``t``, ``time [s]``, ``t_ms``, …).
-        A unit in its name is obeyed: the response is in seconds.
+        A unit in its name is used: the response is in seconds.
     fs : float, optional
         Sampling rate [Hz]. Without a time column, the record starts at 0. Otherwise it replaces the time stamps, and
         a warning says how far they disagree.
@@ -65,14 +65,13 @@ def read_record(
     Raises
     ------
     RecordError
-        If the file cannot be read as what its suffix says, a column is not there or holds text, time is not
-        found, or what is wrong cannot be repaired safely. The message begins with the name
-        of the file.
+        If the file cannot be read in its format, a column is missing or contains text, time is not found, or a defect
+        cannot be repaired safely. The message begins with the name of the file.
 
     Warns
     -----
     RecordWarning
-        For each thing that was repaired, left out, or met in the record.
+        For each defect that was repaired or found, and each part that was left out.
 
     Examples
     --------

@@ -27,7 +27,7 @@ GRAVITY = 0.15
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Vertical:
-    """Where up is in a sensor of three axes, and how well that is known.
+    """Direction of the vertical in a sensor of three axes, and its uncertainty.
 
     Parameters
     ----------
@@ -147,7 +147,7 @@ def vertical(
     Raises
     ------
     RecordError
-        If there are not three axes, nothing moves, or gravity is asked for but not measured.
+        If there are not three axes, nothing moves, or gravity is requested but not measured.
 
     Examples
     --------

@@ -35,11 +35,11 @@ class Decay:
     Parameters
     ----------
     start, stop : float
-        Its first and last time [s]; the excitation has ended at the start.
+        Its first and last time [s]; the excitation ends at the start.
     rank : int
         1 for the decay that determines its modes best.
     kind : DecayKind or None
-        What set it off: "impulse", "step", "release", "step or release"; None if the record does not show it.
+        What started it: "impulse", "step", "release", "step or release"; None if the record does not show it.
     level : float
         Power above the background, at the peak of the strongest band [dB].
     cycles : float
@@ -87,7 +87,7 @@ class Decays(Sequence[Decay], Result):
     decays : tuple of Decay
         The decays, the best first.
     remarks : tuple of Remark
-        Events that are no free decay, each with its reason, and events that were not examined.
+        Events that are not free decays, each with its reason, and events that were not examined.
 
     Examples
     --------

@@ -46,7 +46,7 @@ def find_decays(response: RecordLike, *, given: Sequence[tuple[Second, Second]] 
     response : control.TimeResponseData, or what `as_record` takes
         The recording, uniformly sampled: displacements, velocities, accelerations, any channels.
     given : sequence of (float, float), optional
-        First and last time [s] of stretches that are known to decay freely: they are judged and not moved.
+        First and last time [s] of stretches that are known to decay freely: they are checked but not moved.
 
     Returns
     -------

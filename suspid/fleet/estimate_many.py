@@ -85,7 +85,8 @@ def estimate_many(
     Raises
     ------
     InputError
-        If a setting cannot be used, there are no such records, or the folder holds something else; see `identify_many`.
+        If a setting cannot be used, there are no such records, or the folder contains something else; see
+        `identify_many`.
     SuspidError
         If the cluster is lost, or worker processes cannot start. The same call continues the run.
 

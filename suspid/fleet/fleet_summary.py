@@ -41,7 +41,7 @@ def fleet_summary(
     pattern: str | None = None,
     rule: WearRule | None = None,
 ) -> FleetSummary:
-    r"""Return what the results of `identify_many` or `estimate_many` say, complete or so far.
+    r"""Return a summary of the results of `identify_many` or `estimate_many`, complete or not.
 
     Modes are put into families: the modes of the car that the run was given, or else the peaks of the density of log
     frequency over all records. The columns of one quantity are held in memory at a time.

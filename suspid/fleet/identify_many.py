@@ -78,8 +78,8 @@ def identify_many(
     Raises
     ------
     InputError
-        If a setting cannot be used, there are no such records, the folder holds something else, a run of other
-        settings or versions, or one that is still going on.
+        If a setting cannot be used, there are no such records, the folder contains something else, a run with other
+        settings or versions, or one that is still running.
     SuspidError
         If the cluster is lost, or worker processes cannot start. The same call continues the run.
 

@@ -31,7 +31,7 @@ Progress: TypeAlias = Callable[[int, int, int | None], None]
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class FleetRun:
-    """What a run left in its folder.
+    """Results of a run in its folder.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ class FleetRun:
     kept : int
         How many were done by an earlier run that was interrupted.
     notes : tuple of str
-        What the user should know of the run.
+        Remarks on the run.
 
     Examples
     --------

@@ -47,7 +47,7 @@ AT_BOUND_SHARE = 0.02  # of the range of a parameter: nearer to an end it is not
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class BodyMode:
-    """The frequency of the body as one channel shows it.
+    """The frequency of the body from one channel.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ class BodyMode:
         Natural frequency [Hz]: the middle of the models that fit; NaN where there is no resonance, or it is not
         determined.
     models : tuple of (float, float)
-        Frequency and standard deviation [Hz] of each model of road and damper that the records do not rule out.
+        Frequency and standard deviation [Hz] of each model of road and damper that the records do not reject.
     zetas : tuple of float
         Damping ratio [1] of each: they differ, which is why none is reported.
     why : Remark or None
@@ -78,7 +78,7 @@ class BodyMode:
     why: Remark | None = None
 
     def interval(self, level: Ratio = LEVEL) -> tuple[Hertz, Hertz]:
-        """Return the ends [Hz] that hold the intervals of all models."""
+        """Return the bounds [Hz] that contain the intervals of all models."""
         check_level(level)
         if not self.models:
             return float("nan"), float("nan")
@@ -165,7 +165,7 @@ def body_modes(
 
     A resonance on an unknown road is fitted to the mean spectrum of all stretches. The slope of the road and the level
     of each window are free; a bent road, a free numerator of the damper and several bands are further models. The
-    interval holds those of all models that the records do not rule out; each has the scatter of a bootstrap over
+    interval contains those of all models that the records do not reject; each has the scatter of a bootstrap over
     blocks of the drive. Damping is not reported: it depends on the model of the road by a factor of two.
 
     Parameters

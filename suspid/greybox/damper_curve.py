@@ -57,10 +57,10 @@ def damper_curve(
     nodes: int | None = None,
     level: Ratio = VISCOUS_LEVEL,
 ) -> DamperCurve:
-    """Find the force of a damper over its velocity, friction and the stiffness beside it.
+    """Find the force of a damper over its velocity, its friction and the stiffness of the parallel spring.
 
-    The accelerations of the sprung masses tell the force in the strut, and with that of the wheel, or a sensor of
-    travel, its motion. Force and motion are compared without knowing the road: the true motion is unknown at every
+    The accelerations of the sprung masses give the force in the strut; with that of the wheel, or a travel sensor, they
+    also give its motion. Force and motion are compared without knowing the road: the true motion is unknown at every
     sample, and both signals have noise of unknown level (errors in variables). The curve is straight between nodes;
     there are enough of them to follow kinks.
 
@@ -72,13 +72,13 @@ def damper_curve(
     suspension : Suspension
         Masses and topology; stiffness and damping of the strut are the start.
     strut : str
-        The strut whose damper is asked for.
+        The strut whose damper is identified.
     given : sequence of str, optional
         Coordinates whose motion is given by their sensors. Default: those that stand on a road.
     friction : bool
         Whether the damper may have Coulomb friction.
     nodes : int, optional
-        Number of nodes besides that at rest. Default: one for each 200 samples, at most 36; 100 at most.
+        Number of nodes, not counting that at rest. Default: one for each 200 samples, at most 36; 100 at most.
     level : float
         Share of viscous dampers that the test whether the curve is a line rejects [1].
 
@@ -104,7 +104,7 @@ def damper_curve(
     Intervals are those of the scores' scatter over blocks of half a second, and of kinks between the nodes.
     With a sensor of travel the force is compared with the one that is expected under the travel, averaged over the
     error of the velocity (regression calibration), and moments at which the strut sticks are left out. Travel with
-    0.02 mm of noise at 200 Hz tells friction half as well as the acceleration of the wheel.
+    0.02 mm of noise at 200 Hz determines friction half as well as the acceleration of the wheel.
 
     Examples
     --------

@@ -69,7 +69,7 @@ class DamperCurve(Result):
     friction : float
         Coulomb friction [N].
     stiffness : float
-        Stiffness of the spring beside the damper [N/m].
+        Stiffness of the spring parallel to the damper [N/m].
     covariance : ndarray (value, value)
         Joint covariance of stiffness, forces at all nodes and friction, in this order.
     friction_sought : bool
@@ -88,7 +88,7 @@ class DamperCurve(Result):
         How much the residual follows the motion of the strut: F, about 1 where it does not; NaN where travel was
         measured.
     explains : bool
-        Whether the residual is noise, or forces of their own on the body: it does not follow the motion, and is not too
+        Whether the residual is noise, or other forces on the body: it does not follow the motion, and is not too
         loud where such forces move the strut. With a sensor of travel: whether chi-square is not improbably large.
     verdict : Verdict
         How far the result can be trusted, and why.

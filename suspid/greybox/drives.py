@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class DriveLimits:
-    """What a usable stretch of a drive keeps to. All are physical quantities, and none depends on the record.
+    """Limits of a usable stretch of a drive. All are physical quantities; none depends on the record.
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ class Drive:
     taken : bool
         Whether it is usable.
     reasons : tuple of Remark
-        Why it was taken or left, each a `suspid.words.drives.DriveReason` with its numbers.
+        Why it was used or left out, each a `suspid.words.drives.DriveReason` with its numbers.
     speed : float
         Mean speed [m/s]; NaN where it is not known.
 
@@ -142,7 +142,7 @@ class Drives(Sequence[Drive], Result):
     speeds : tuple of ndarray
         Speed at each sample of each record [m/s], straight between the middles of the blocks; NaN where not known.
     remarks : tuple of Check
-        What was judged and what could not be.
+        What was checked and what could not be.
     title : str
         Name of the recording.
     course : ndarray (block, 3)
@@ -205,7 +205,7 @@ class Drives(Sequence[Drive], Result):
 
     @property
     def verdict(self) -> Verdict:
-        """Whether there is a usable stretch, and what could not be judged."""
+        """Whether there is a usable stretch, and what could not be checked."""
         if not self.taken:
             none = Remark(DriveRemark.NONE, {"length": self.length, "why": left_for(self)})
             return Verdict(none, (Check(none, Level.NONE), *self.remarks))

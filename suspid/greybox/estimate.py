@@ -38,7 +38,7 @@ def estimate(
     speed: Speed | Sequence[Speed] | None = None,
     wheel_radius: Metre | None = None,
 ) -> Estimate:
-    """Estimate the stiffness and the damping of every strut straight from records, for known topology.
+    """Estimate stiffness and damping of every strut directly from records, for known topology.
 
     A free decay, or a record under exactly known roads or forces, is explained as motion of the suspension from an
     unknown start, plus an offset and white noise of unknown level on every channel. The start and the offsets are
@@ -61,21 +61,21 @@ def estimate(
         Measured motions as outputs, named as the outputs of `statespace` or as the sensors of the suspension, in SI
         units; a unit in brackets behind the name, ``"chassis [mm]"``, is converted. Causes are inputs or outputs.
     suspension : Suspension
-        Known masses and topology; its k and c are the nominal values: the start, and the value of what is held. A
+        Known masses and topology; its k and c are the nominal values: the start, and the values of fixed parameters. A
         strut of nominal stiffness 0 is a damper alone and stays one.
     given : sequence of str
-        What moves the car. Roads, and forces named as in `statespace`, count as exactly known; roads that are not
-        given stand still. Coordinates, such as ``("tire",)``, are given as measured by the channels. ``"roads"`` and
+        What moves the car. Roads, and forces named as in `statespace`, count as exactly known; roads that are not given
+        do not move. Coordinates, such as ``("tire",)``, are given as measured by the channels. ``"roads"`` and
         ``"wheels"`` are all of them. Empty: a free decay.
     fixed, bounds, ties, nominal_std, free_masses : optional
-        What of struts and masses is held, bounded, equal, known beforehand, and unknown, as in `reconstruct`. A given
+        Fixed, bounded and tied parameters, prior knowledge, and unknown masses, as in `reconstruct`. A given
         force gives unknown masses a scale, as known ones do.
     gains, delays : sequence of str, optional
         Channels whose gain [1], or delay behind the other channels [s], is unknown. Default: where motion is given, all
         that show nothing but given motion; else none. Of all channels together only ratios of gains and differences of
         delays can be found, and no delays under known roads and forces. Given motion may be seconds late or early.
     mounts : sequence of str, optional
-        Struts whose damper may stand on a mount of unknown stiffness: the strut is ``k + c s / (1 + tau s)`` with
+        Struts whose damper may have a mount of unknown stiffness: the strut is ``k + c s / (1 + tau s)`` with
         relaxation tau [s]. Default: where motion is given, all that have a damper and act between given and other
         coordinates; else none. A rubber mount of 1e6 N/m that is left out makes k of a driven car 20 % too large.
     band_hz : (float, float), optional
@@ -96,7 +96,7 @@ def estimate(
     Returns
     -------
     Estimate
-        ``suspension``, ``covariance``, ``modes`` and what else there is to know; ``str()`` is the table.
+        ``suspension``, ``covariance``, ``modes`` and more; ``str()`` is the table.
 
     Raises
     ------
@@ -114,10 +114,10 @@ def estimate(
     How an input moves between two samples (on a cubic spline, on straight lines, or in steps) is taken from the record:
     as it explains the motion best. Residuals that are not white widen the intervals by their spectrum.
 
-    Where motion is given, `fitted` and `residual` hold the band alone, and whether the residual of the outputs follows
-    the given motion is tested: it does where the car lacks something, such as the other axle. Intervals are those of
-    the scores' scatter over all spectral lines. Delay and mount of one strut are nearly the same thing where the mount
-    is stiff; hold one of them (``delays=()``) where it is known.
+    Where motion is given, `fitted` and `residual` contain the band only, and whether the residual of the outputs
+    follows the given motion is tested: it does where the car lacks something, such as the other axle. Intervals are
+    those of the scores' scatter over all spectral lines. Delay and mount of one strut are nearly the same thing where
+    the mount is stiff; fix one of them (``delays=()``) where it is known.
 
     Examples
     --------

@@ -27,14 +27,14 @@ POSITIVE = ("stiffness", "mass", "gain")
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False, repr=False)
 class Estimate(Result):
-    """The suspension that explains the records best, and all that is needed to judge it.
+    """The suspension that explains the records best, with all that is needed to check it.
 
     Parameters
     ----------
     suspension : Suspension
         Springs, dampers and masses found.
     nominal : Suspension
-        The suspension that was given: the start, and the value of what was held.
+        The suspension that was given: the start, and the values of fixed parameters.
     parameters : tuple of str
         The parameters found, such as ``"tire.stiffness"``; gains, delays and relaxations follow those of the car.
     values : ndarray (parameter,)
@@ -46,10 +46,10 @@ class Estimate(Result):
     ranges : ndarray (parameter, 2)
         Their bounds.
     held : tuple of str
-        The strut parameters held at their nominal values.
+        The strut parameters fixed at their nominal values.
     modes : ModalSet
         Modes of `suspension` with the covariance of the parameters carried through; where the motion of wheels was
-        given, those with these wheels held still, unless a model of the road was asked for.
+        given, those with these wheels fixed in place, unless a model of the road was used.
     fitted : tuple of control.TimeResponseData
         Motion of each record as the suspension explains it, with known roads and forces as inputs.
     residual : tuple of control.TimeResponseData
@@ -67,12 +67,12 @@ class Estimate(Result):
     verdict : Verdict
         How far the result can be trusted, and why.
     road : tuple of RoadEstimate
-        The road under each wheel, by logger, where a model of it was asked for.
+        The road under each wheel, by logger, where a model of it was used.
     causes : tuple of tuple of str
         What moved the car in each record: inputs of `fitted`, or its channels that show given motion alone; empty for
         a free decay.
     band_hz : tuple of float or None
-        Frequencies that `fitted` and `residual` hold, where motion was given [Hz]; None: all.
+        Frequencies that `fitted` and `residual` contain, where motion was given [Hz]; None: all.
 
     Examples
     --------
@@ -130,7 +130,7 @@ class Estimate(Result):
     def whiteness(self) -> tuple[RealArray, ...]:
         """Correlation of the residual of each channel of each record with itself one sample later [1]; 0 for white.
 
-        Residuals of records with given wheels hold a band alone, so they are not white; `explains` judges them.
+        Residuals of records with given wheels contain one band only, so they are not white; `explains` judges them.
         """
         return tuple(_lag_one(as_signal(response).values) for response in self.residual)
 

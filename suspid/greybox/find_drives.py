@@ -57,16 +57,16 @@ def find_drives(
     channels : sequence of str, optional
         The channels that must be usable. Default: those that measure the car; without one, all on the fastest clock.
     speed : str, optional
-        The channel of speed, in any unit. Default: the one named so, in a unit of speed, or the only one in
-        km/h, mph or knots. ``"none"``, and where there is none: whether the car moves is judged by its vibration.
+        The channel of speed, in any unit. Default: the one named like a speed, in a unit of speed, or the only one in
+        km/h, mph or knots. ``"none"``, and where there is none: the vibration shows whether the car moves.
     speed_unit : str, optional
         Unit of the speed, where the file states none: ``"km/h"``, ``"m/s"``, ``"mph"``, ``"kn"``.
     longitudinal, lateral : str, optional
-        Channels of acceleration along and across the car. Default: those named so, or the axes of a sensor that are
-        level by gravity, or are x and y alone. Braking is judged by the speed as well, cornering by the speed and a
+        Channels of acceleration along and across the car. Default: by their names, or the axes of a sensor that are
+        level by gravity, or the axes x and y. Braking is judged by the speed as well, cornering by the speed and a
         channel of yaw rate.
     limits : DriveLimits, optional
-        What usable means.
+        Limits of usable stretches.
 
     Returns
     -------
@@ -76,7 +76,7 @@ def find_drives(
     Raises
     ------
     InputError
-        If a channel is not there, or has no unit that fits.
+        If a channel is missing, or has no suitable unit.
     RecordError
         If no part of the recording has a clock.
 

@@ -24,7 +24,7 @@ class Considered:
     pole : complex
         The pole [rad/s].
     remark : Remark
-        Why it is no mode: a `Reason` with its numbers.
+        Why it is not a mode: a `Reason` with its numbers.
     removed : bool
         Whether its motion was removed from the record with the fit (a tone, a drift), or left in the residual.
 
@@ -45,7 +45,7 @@ class Considered:
 
     @property
     def reason(self) -> str:
-        """Why it is no mode, in words."""
+        """Why it is not a mode, in words."""
         return str(self.remark)
 
 

@@ -37,7 +37,7 @@ Method = Literal["likelihood", "ridge"]
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Identification(Result):
-    """What `identify` found, and all that is needed to judge it.
+    """Result of `identify`, with all that is needed to check it.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ class Identification(Result):
         Power of the residual near each mode over that of the noise [1]. Where it is above 1 the covariance
         of the mode is widened by it, or by the square of `halves` if that is more. Ones for method "ridge".
     considered : tuple of Considered
-        What else was met, and why it is no mode.
+        Rejected poles, and why each is not a mode.
     steps : FourSteps
         The wavelet's view of the record.
     amplitude_dependence : tuple of AmplitudeDependence
@@ -101,7 +101,7 @@ class Identification(Result):
 
     @property
     def ridges(self) -> tuple[Ridge, ...]:
-        """The ridges that stand out, each with its own wavelet, skeleton and window; perhaps none."""
+        """The significant ridges, each with its own wavelet, skeleton and window; perhaps none."""
         try:
             return self.steps.ridges
         except IdentificationError:

@@ -47,7 +47,7 @@ def identify(
     Tones and drifts are fitted but are not modes. The covariance is the Cramér-Rao bound at the estimate, widened where
     the residual is not white noise.
 
-    Where the linear fit leaves signs of a decay that is not linear, and no ``band_hz`` is given, friction, drag, and
+    Where the residual of the linear fit indicates nonlinearity, and no ``band_hz`` is given, friction, drag, and
     cubic and bilinear springs and dampers are fitted as well. They are kept if they explain more than a further pole
     would; with ``modes`` given, if they explain more than their parameters cost. Then ``.forces`` names them,
     ``.modes`` are those of the equivalent linear system over the record, and ``.amplitude_dependence`` has each natural
@@ -64,12 +64,12 @@ def identify(
     fs : float, optional
         Sampling rate [Hz] of samples that come without a time.
     modes : int, optional
-        Number of modes: the strongest of those that the record supports. Poles beside them in frequency are then left
-        out, and the others are fitted anew. Default: all modes.
+        Number of modes: the strongest of those that the record supports. Poles close to them in frequency are then left
+        out, and the others are fitted again. Default: all modes.
     method : {"likelihood", "ridge"}
         See above.
     band_hz : (float, float), optional
-        Frequencies between which to look [Hz]. Default: all; for the ridges from four
+        Frequency range [Hz]. Default: all; for the ridges from four
         cycles in the record to 0.9 of the Nyquist frequency.
     bandwidth : float, optional
         N of the wavelet. Default: that of least entropy among ``candidates``. With "likelihood" both are for the
@@ -80,13 +80,13 @@ def identify(
     Returns
     -------
     Identification
-        Modes with uncertainty, and all that is needed to judge them. Without ``modes`` there may be no mode at all; the
-        verdict says why.
+        Modes with uncertainty, with all that is needed to check them. Without ``modes`` there may be no mode at all;
+        the verdict says why.
 
     Raises
     ------
     IdentificationError
-        If fewer modes than asked for stand out; ``.found`` holds those found.
+        If fewer modes than requested are significant; ``.found`` has those found.
     RecordError, InputError
         If the record or a setting cannot be used.
 

@@ -39,7 +39,7 @@ LONG_ENOUGH = 0.5
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Repeats(Result):
-    """What `identify_repeats` found.
+    """Result of `identify_repeats`.
 
     Parameters
     ----------
@@ -143,9 +143,9 @@ def identify_repeats(
     modes : int, optional
         How many modes: the strongest. Default: all that the decays support.
     band_hz : (float, float), optional
-        Frequencies between which to look [Hz].
+        Frequency range [Hz].
     names : sequence of str, optional
-        What several records are called, in messages and tables. Default: ``record 1``, ``record 2``, ….
+        Names of several records, in messages and tables. Default: ``record 1``, ``record 2``, ….
 
     Returns
     -------
@@ -155,7 +155,7 @@ def identify_repeats(
     Raises
     ------
     IdentificationError
-        If fewer modes than asked for stand out; ``.found`` holds those found.
+        If fewer modes than requested are significant; ``.found`` has those found.
     RecordError, InputError
         If a stretch, the record or a setting cannot be used.
 

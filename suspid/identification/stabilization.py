@@ -29,7 +29,7 @@ SAMPLES_A_CYCLE = 2.5
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False, repr=False)
 class Stabilization(Result):
-    """What `stabilization` found.
+    """Result of `stabilization`.
 
     Parameters
     ----------
@@ -82,11 +82,11 @@ class Stabilization(Result):
 @explained
 @in_one_thread
 def stabilization(record: RecordLike, *, most: int = 40, highest_hz: Hertz | None = None) -> Stabilization:
-    """Fit a free decay with 2, 4, 6, … poles, and tell which of them stay from one order to the next.
+    """Fit a free decay with 2, 4, 6, … poles, and find those that are stable from one order to the next.
 
     The poles of every order come from the shift of the signal subspace (ESPRIT) of one matrix of shifted samples of
-    all channels. It is a second way to modes, apart from `identify`: poles that stay are modes of the record or lines
-    in it, poles that wander fit noise.
+    all channels. It is a second way to modes, apart from `identify`: stable poles are modes of the record or lines in
+    it, unstable poles fit noise.
 
     Parameters
     ----------

@@ -41,7 +41,7 @@ class FourSteps:
     signal : Signal
         The record less its mean.
     count : int or None
-        How many ridges; None: all that stand out.
+        How many ridges; None: all significant ones.
     band : (float, float)
         Angular frequencies of the first and last row [rad/s].
     bandwidth : float or None
@@ -49,7 +49,7 @@ class FourSteps:
     candidates : tuple of float
         Bandwidths among which to choose.
     chosen : bool
-        Whether these were asked for.
+        Whether these were requested.
 
     Examples
     --------

@@ -176,7 +176,7 @@ class Suspension:
     ) -> Suspension:
         """Return a copy with some parameters changed, by name of strut or of mass.
 
-        The curve of a damper, points or None as in `Strut`, stays where ``damping`` alone is changed.
+        The curve of a damper, points or None as in `Strut`, is kept if only ``damping`` is changed.
 
         Raises
         ------

@@ -55,7 +55,7 @@ def reconstruct(
     constraints: Constraints | None = None,
     penalty: Maker | None = None,
 ) -> Reconstruction:
-    """Find the stiffness and the damping of every strut from modes, for known topology.
+    """Find stiffness and damping of every strut from modes, for known topology.
 
     With shapes that show all coordinates, ``(lambda^2 M + lambda C + K) psi = 0`` is linear in k, c and masses: one
     convex program, which needs no start and has a unique solution. If the modes are not exact, it is the start of a
@@ -76,10 +76,10 @@ def reconstruct(
         ``_velocity`` or ``_acceleration``, the ``_travel`` of a strut. Poles at zero (rigid-body motion) say nothing
         about k and c and are only checked.
     suspension : Suspension
-        Known masses and topology; its k and c are the nominal values: the start, the scale, and the value of what is
-        held. A strut of nominal stiffness 0 is a damper alone and stays one.
+        Known masses and topology; its k and c are the nominal values: the start, the scale, and the values of fixed
+        parameters. A strut of nominal stiffness 0 is a damper alone and stays one.
     fixed : sequence of str
-        Strut parameters held at their nominal value: ``"tire.damping"``, or ``"tire"`` for both of a strut's.
+        Strut parameters fixed at their nominal values: ``"tire.damping"``, or ``"tire"`` for both of a strut's.
     bounds : mapping of str to (float, float), optional
         Least and largest value by parameter, such as ``{"tire.stiffness": (150e3, 250e3)}``; None for no bound.
     ties : sequence of sequences of str
@@ -111,7 +111,7 @@ def reconstruct(
     Returns
     -------
     Reconstruction
-        ``suspension``, ``alternatives``, ``covariance`` and what else there is to know; ``str()`` is the table.
+        ``suspension``, ``alternatives``, ``covariance`` and more; ``str()`` is the table.
 
     Raises
     ------
@@ -128,16 +128,16 @@ def reconstruct(
     Notes
     -----
     From w and zeta alone several suspensions may have the same modes; of those that the data hold equally likely
-    the one nearest to the nominal values is returned, the others are ``alternatives``. Shapes, a parameter held, or
-    a test with an added mass decide. All intervals hold for the masses as given; ``nominal_std`` of the masses puts
-    their error into them. If all masses are wrong by one factor, all k and c are too, and no modes can tell.
+    the one nearest to the nominal values is returned, the others are ``alternatives``. Shapes, a fixed parameter, or a
+    test with an added mass decide between them. All intervals hold for the masses as given; ``nominal_std`` of the
+    masses puts their error into them. If all masses are wrong by one factor, all k and c are too; modes cannot show
+    this.
 
     Equations among the constraints enter the intervals as exact knowledge. Inequalities do not, even where they hold
     with equality: the standard deviations are then those of the data without them, as for bounds; `status` and
-    `verdict` name them. The penalty does not enter the intervals either: it pulls the values, by an amount that the
-    intervals leave out. What the modes do not determine and the penalty decides has no intervals. A constraint that
-    acts gives back its degree of freedom in the test of chi-square. Mean costs are a few ms a quarter car, ten times
-    that with constraints.
+    `verdict` name them. The penalty does not enter the intervals either: it biases the values, and the intervals do not
+    contain the bias. Parameters that only the penalty determines have no intervals. An active constraint gives back its
+    degree of freedom in the test of chi-square. Mean costs are a few ms a quarter car, ten times that with constraints.
 
     Examples
     --------

@@ -30,23 +30,23 @@ class Reconstruction(Result):
     suspension : Suspension
         Springs and dampers (and masses) found: of those that have the modes equally well, the one nearest to nominal.
     stiffness_std, damping_std : mapping of str to float, or None
-        Standard deviations [N/m], [N s/m] by strut, to first order from the covariance of the modes; 0 for what was
-        held, and as if no bound were there for what ends on one. None if the modes carry no covariance.
+        Standard deviations [N/m], [N s/m] by strut, to first order from the covariance of the modes; 0 for fixed
+        parameters; for parameters at a bound, as if there were no bound. None if the modes carry no covariance.
     mass_std : mapping of str to float, or None
         The same [kg] by coordinate.
     alternatives : tuple of Suspension
         Every other suspension found that has the modes within their uncertainty, by distance from nominal.
     distances : tuple of float
-        How far each alternative is from the data: its chi-square; for modes without covariance, the relative
-        distance of its worst pole [1].
+        Misfit of each alternative: its chi-square; for modes without covariance, its largest relative pole error
+        [1].
     told_apart : tuple of str
-        What would tell each alternative from `suspension`.
+        What would distinguish each alternative from `suspension`.
     residual : float
         Distance of a pole of `suspension` from the given one, relative to the latter; the worst mode [1].
     remarks : tuple of Remark
         How it was found, and what to know about it, as codes with numbers; `status` is the same as one text.
     held : tuple of str
-        The strut parameters held at their nominal values, such as ``"tire.damping"``.
+        The strut parameters fixed at their nominal values, such as ``"tire.damping"``.
     parameters : tuple of str
         The parameters found, such as ``"tire.stiffness"`` or ``"seat.mass"``.
     covariance : ndarray (parameter, parameter), or None

@@ -40,7 +40,7 @@ class Content:
     cleaned : Cleaned or None
         The whole recording; None if it is not known, and the analysis has the record alone.
     warnings : sequence of str
-        Warnings that were given on the way.
+        Warnings during the analysis.
     ride : Ride or None
         The car that was found on a road.
     car : Source or None

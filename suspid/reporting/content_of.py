@@ -106,7 +106,7 @@ def content_of(
     Parameters
     ----------
     found : Identification, Analysis, Estimate, DriveAnalysis or FleetSummary
-        What was found; perhaps no mode. An `Analysis` brings all but source and warnings, an `Estimate` all but these
+        The result; perhaps without modes. An `Analysis` brings all but source and warnings, an `Estimate` all but these
         and the level, as a `DriveAnalysis` with its curves and wear; a `FleetSummary` all but source and warnings.
     source : Source, optional
         The file and the command; see `source_of`. Of several records a sequence, one for each.
@@ -121,11 +121,11 @@ def content_of(
     level : float
         Probability of all intervals [1].
     warnings : sequence of str
-        Warnings that were given on the way.
+        Warnings during the analysis.
     car : Source, optional
         The car file with its text; see `source_of`. Default: the description of the nominal car.
     limits : sequence of Limit
-        What modes, springs and dampers must keep to; `read_limits` reads them from a file.
+        Limits of modes, springs and dampers; `read_limits` reads them from a file.
     curves : sequence of DamperCurve
         Curves of dampers that an estimate's page shows as well.
     ride : Ride, optional

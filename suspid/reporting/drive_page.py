@@ -42,7 +42,7 @@ class DriveContent:
     level : float
         Probability of all intervals [1].
     warnings : sequence of str
-        Warnings that were given on the way.
+        Warnings during the analysis.
     """
 
     found: DriveAnalysis

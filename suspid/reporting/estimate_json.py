@@ -133,7 +133,7 @@ def read_estimate(path: str | os.PathLike[str]) -> Estimate:
     Returns
     -------
     Estimate
-        As it was, but for the records: ``fitted``, ``residual``, ``noise_std`` and ``road`` are empty.
+        The estimate without the records: ``fitted``, ``residual``, ``noise_std`` and ``road`` are empty.
 
     Raises
     ------

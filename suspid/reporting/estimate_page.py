@@ -52,7 +52,7 @@ class EstimateContent:
     level : float
         Probability of all intervals [1].
     warnings : sequence of str
-        Warnings that were given on the way.
+        Warnings during the analysis.
     curves : sequence of DamperCurve
         Curves of the dampers, if they were found as well.
     ride : Ride or None

@@ -38,7 +38,7 @@ class FleetContent:
     sources : sequence of Source
         The manifest of the results and the command.
     warnings : sequence of str
-        Warnings that were given on the way.
+        Warnings during the analysis.
     """
 
     found: FleetSummary

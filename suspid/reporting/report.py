@@ -65,7 +65,7 @@ def report(
     Parameters
     ----------
     found : Identification, Analysis, Estimate, DriveAnalysis, FleetSummary, or what `content_of` returns
-        What was found; perhaps no mode. `content_of` adds where it comes from, and more to an identification.
+        The result; perhaps without modes. `content_of` adds where it comes from, and more to an identification.
     title : str, optional
         Heading. Default: name of the file, or title of the record.
 

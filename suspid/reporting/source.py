@@ -18,7 +18,7 @@ PACKAGES = ("suspid", "numpy", "scipy", "control", "PyWavelets", "cvxpy")
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Source:
-    """Where a record comes from, and what was done to get the report.
+    """Origin of a record, and the command that made the report.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ class Source:
     created : str
         Date and time of the report, as the reader should see it; ISO 8601 is best.
     text : str
-        What is in it, where the report shows that: the description of a car, or limits.
+        Its text, where the report shows it: the description of a car, or limits.
 
     Examples
     --------
@@ -53,7 +53,7 @@ class Source:
 
 @explained
 def source_of(path: str | os.PathLike[str], *, command: str = "", created: str = "", text: bool = False) -> Source:
-    """Return the source that a file is, with its hash, and its text where that is asked for.
+    """Return a file as a source, with its hash, and with its text on request.
 
     Raises
     ------

@@ -68,7 +68,7 @@ class BandwidthSearch(Result):
 
     @property
     def at_end(self) -> bool:
-        """Whether the least entropy lies at an end of the candidates: then their range decides, not the record."""
+        """Whether the least entropy lies at an end of the candidates: then their range is too small."""
         return self.best in (np.min(self.candidates), np.max(self.candidates))
 
     def __str__(self) -> str:
