@@ -1,15 +1,18 @@
+from typing import Any
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 from scipy.stats import gamma, norm
 
 from suspid import add_noise, estimate, free_decay, identify, quarter_car
+from suspid.identification import halves
 from suspid.identification.classification import reasons_of
 from suspid.identification.exponentials import blocks_of
 from suspid.identification.fitting import COLOUR_BEGINS
 from suspid.identification.halves import disagreement, halfway
 from suspid.identification.identify_repeats import identify_repeats
-from suspid.identification.likelihood import evaluate, maximize
+from suspid.identification.likelihood import DecayFit, evaluate, maximize
 from suspid.identification.noise import (
     LOUD,
     WhiteNoise,
@@ -319,6 +322,25 @@ class TestHalves:
         ]
         assert np.sum(np.isnan(found)) < 6
         assert np.sqrt(np.nanmean(np.square(found))) == pytest.approx(1.0, abs=0.25)
+
+    def test_a_mode_that_has_died_costs_nothing_and_moves_nothing(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        # The second half holds the slow mode alone, so the two halves disagree as they do without the other one.
+        fits = 0
+
+        def counted(*given: Any, **options: Any) -> DecayFit | None:
+            nonlocal fits
+            fits += 1
+            return evaluate(*given, **options)
+
+        monkeypatch.setattr(halves, "evaluate", counted)
+        k, both = np.arange(1200), poles(-0.004 + 0.4j, -0.03 + 1.1j)
+        slow, fast = np.exp(-0.004 * k) * np.cos(0.4 * k), np.exp(-0.03 * k) * np.cos(1.1 * k)
+        noises = [0.01 * white(seed, 1, 1200) for seed in range(40)]
+        found = [disagreement(slow + fast + noise, both, 0, np.full(1, 0.01)) for noise in noises]
+        assert fits < 40 * 2 * 8
+        alone = [disagreement(slow + noise, poles(-0.004 + 0.4j), 0, np.full(1, 0.01)) for noise in noises]
+        assert np.corrcoef(found, alone)[0, 1] > 0.98
+        assert np.sqrt(np.mean(np.square(found))) == pytest.approx(1.0, abs=0.25)
 
     def test_a_frequency_that_changes_half_way_disagrees(self) -> None:
         k = np.arange(1200)

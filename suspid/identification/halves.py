@@ -17,6 +17,9 @@ from suspid.units import RealArray
 FEWEST_SAMPLES = 32
 # Rounding error of the residual energy over the energy of the noise above which a half is fitted by its samples.
 MOST_ROUNDING = 1e-6
+# Information on a pole, in units of its own size, that knows it to a third.
+KNOWN_TO_A_THIRD = 3.0**2
+HELD = 1e-3  # of its own size: a pole that moves less than this stays where it is
 
 
 def halfway(decay: float, count: int) -> int:
@@ -44,13 +47,13 @@ def disagreement(values: RealArray, poles: Poles, which: int, noise_std: RealArr
     for part in (values[:, :cut], values[:, cut:]):
         if part.shape[1] < FEWEST_SAMPLES:
             return float("nan")
-        fit = _fitted(part - part.mean(axis=1, keepdims=True), known, noise_std)
+        fit = _fitted(part - part.mean(axis=1, keepdims=True), known, noise_std, which)
         # A fit that leads further off than the decay rate, or knows it no better than to a third, is not of this pair.
         if fit is None or abs(fit.poles.pairs[which] - poles.pairs[which]) >= decay:
             return float("nan")
         spread = inverse_information(fit.information + np.diag(1 / std**2)).diagonal()[2 * which : 2 * which + 2]
         # Known to a third by the half alone: together with what was known beforehand, variances add inversely.
-        if not np.all(spread < decay**2 / (3**2 + 1)):
+        if not np.all(spread < decay**2 / (KNOWN_TO_A_THIRD + 1)):
             return float("nan")
         found.append(fit.poles.pairs[which])
         variance.append(spread)
@@ -58,8 +61,8 @@ def disagreement(values: RealArray, poles: Poles, which: int, noise_std: RealArr
     return float(np.sqrt(np.mean(np.array([apart.real, apart.imag]) ** 2 / (variance[0] + variance[1]))))
 
 
-def _fitted(values: RealArray, known: Known, noise_std: RealArray) -> DecayFit | None:
-    """Return the most probable fit to a part of a record, less its mean."""
+def _fitted(values: RealArray, known: Known, noise_std: RealArray, which: int) -> DecayFit | None:
+    """Return the most probable fit to a part of a record, less its mean; other poles than a pair may be held in it."""
     blocks = blocks_of(values)
     noise = KnownNoise(least=noise_std**2).rounded(blocks.energy, blocks.count, of_energies=True)
     start = evaluate(blocks, known.poles, noise)
@@ -70,5 +73,21 @@ def _fitted(values: RealArray, known: Known, noise_std: RealArray) -> DecayFit |
         # Over a few samples slow poles are nearly alike.
         evaluated = partial(evaluate_samples, values, noise=noise)
         start = evaluated(known.poles)
-    fit = start and maximize(blocks, start, noise, known=known, evaluated=evaluated)
+    if start is None:
+        return None
+    known = _with_unseen_held(start, known, which)
+    fit = maximize(blocks, start, noise, known=known, evaluated=evaluated)
     return fit and settled(fit, evaluated, known=known)
+
+
+def _with_unseen_held(start: DecayFit, known: Known, which: int) -> Known:
+    """Return poles as known, but held where the record does not know a pole other than a pair to a third.
+
+    Its amplitude is noise there: the likelihood is no bowl in it, and a fit would wander for nothing.
+    """
+    pairs = len(known.poles.pairs)
+    pole = np.concatenate([np.arange(pairs).repeat(2), np.arange(pairs, pairs + len(known.poles.reals))])
+    worth = start.information.diagonal() * known.std**2
+    seen = np.bincount(pole, weights=worth < KNOWN_TO_A_THIRD) == 0
+    seen[which] = True
+    return Known(poles=known.poles, std=np.where(seen[pole], known.std, HELD * known.std))
