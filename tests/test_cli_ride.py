@@ -205,3 +205,34 @@ def test_an_option_that_would_count_for_nothing_is_refused(car: Path, words: lis
     shown = run(*(car if word == "CAR" else word for word in words))
     assert shown.exit_code in (1, 2)
     assert message in shown.output
+
+
+@pytest.mark.parametrize(("command", "kind"), [(("ride", *DRIVE), "ride"), (("grip",), "grip")])
+def test_friction_is_replaced_by_dampers_of_equal_work_and_it_is_said(
+    car: Path, command: tuple[str, ...], kind: str
+) -> None:
+    """Work per cycle: c pi V^2/w = (c0 pi V^2 + 4 F V)/w, so c = c0 + 4 F / (pi V)."""
+    write_car(CAR.with_parameters(friction={"chassis": 60.0}), car)
+    refused = run(command[0], car, *command[1:])
+    assert refused.exit_code == 1
+    assert "give --linearise, the amplitude" in refused.stderr
+    page = car.with_suffix(".json")
+    shown = run(command[0], car, *command[1:], "--linearise", "0.2", "--json", page)
+    assert shown.exit_code == 0, shown.stderr
+    rate = 1300 + 4 * 60 / (np.pi * 0.2)
+    equal = CAR.with_parameters(damping={"chassis": rate})
+    table = str(ride(equal, road="C", speed=20.0) if kind == "ride" else grip(equal)).partition("\nVerdict")[0]
+    assert shown.stdout.startswith(table)
+    said = "Linearised at an amplitude of velocity of 0.2 m/s: dampers of equal work in place of friction and curves,"
+    assert f"{said} chassis {rate:.0f} N s/m." in shown.stdout
+    content = json.loads(page.read_text(encoding="utf-8"))
+    jsonschema.validate(content, json_schema(kind))
+    (check,) = [one for one in content["verdict"]["checks"] if one["code"] == "linearised"]
+    assert check["numbers"]["damping"] == pytest.approx([rate])
+
+
+def test_linearise_is_said_to_have_no_use(car: Path) -> None:
+    for command in (("ride", *DRIVE), ("grip",)):
+        shown = run(command[0], car, *command[1:], "--linearise", "0.2")
+        assert shown.exit_code == 0, shown.stderr
+        assert "--linearise has no use: the car has neither friction nor curves" in shown.stderr

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import nullcontext
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -10,14 +11,15 @@ from typing import TYPE_CHECKING
 import click
 import numpy as np
 
-from suspid.cli.options import FILE, pairs
+from suspid.cli.options import FILE, LINEARISE, pairs
 from suspid.cli.output import check_apart, said_warnings, say
 from suspid.cli.quantities import Positive, Probability
-from suspid.cli.ridden import car_of
+from suspid.cli.ridden import linear_car_of
 from suspid.cli.ride import NO_UNCERTAINTY, PICTURE_OF_RIDE, STATED_STD, drawing
 from suspid.files import naming, replacing
 from suspid.levels import LEVEL
 from suspid.values import ends_beside, text_table
+from suspid.words.grip import GripCheck
 
 if TYPE_CHECKING:
     from suspid.performance import Grip
@@ -27,6 +29,7 @@ if TYPE_CHECKING:
 @click.argument("source", type=FILE, metavar="CAR")
 @click.option("--load", "loads", metavar="WHEEL=N", multiple=True, help="Static contact force as weighed; repeat.")
 @click.option("--amplitude", type=Positive("metres"), help="Amplitude of the platform. [0.003]")
+@LINEARISE
 @STATED_STD
 @click.option("--level", type=Probability(), help="Print intervals of this probability, such as 0.95.")
 @PICTURE_OF_RIDE
@@ -35,6 +38,7 @@ def grip_command(
     source: Path,
     loads: tuple[str, ...],
     amplitude: float | None,
+    linearise: float | None,
     nominal_std: float | None,
     level: float | None,
     plot: Path | None,
@@ -53,15 +57,17 @@ def grip_command(
     with (
         drawing(plot) as draw,
         replacing(json_file) if json_file else nullcontext() as json_draft,
-        said_warnings(),
+        said_warnings() as said,
         naming(source),
     ):
+        car, against = linear_car_of(source, linearise, GripCheck.LINEARISED, said)
         found = grip(
-            car_of(source),
+            car,
             **({} if amplitude is None else {"amplitude": amplitude}),
             loads=pairs(loads, "--load", float) or None,
             nominal_std=nominal_std,
         )
+        found = replace(found, verdict=replace(found.verdict, checks=(*found.verdict.checks, *against)))
         if level is not None and not np.any(found.covariance):
             raise click.UsageError(NO_UNCERTAINTY)
         draw(partial(plot_grip, found, level=level or LEVEL), found)

@@ -18,7 +18,7 @@ from suspid.cli.estimate import estimate_command
 from suspid.cli.fleet import fleet_command
 from suspid.cli.grip import grip_command
 from suspid.cli.measured import channels_command, identify_command
-from suspid.cli.options import FILE
+from suspid.cli.options import FILE, LINEARISE
 from suspid.cli.output import check_apart, said_warnings, say
 from suspid.cli.parameters import Outputs, Wanted, conclude, wanting, writing
 from suspid.cli.quantities import Positive
@@ -109,12 +109,7 @@ def reconstruct_command(
 
 @main.command("modes")
 @click.argument("car", type=FILE)
-@click.option(
-    "--linearise",
-    type=Positive("m/s"),
-    metavar="V",
-    help="Replace friction and curves by dampers of equal work at this amplitude of velocity [m/s].",
-)
+@LINEARISE
 @click.option("--json", "json_file", type=FILE, metavar="FILE", help="Write the modes as JSON.")
 def modes_command(car: Path, linearise: float | None, json_file: Path | None) -> None:
     """Show the exact modes of CAR (.toml)."""

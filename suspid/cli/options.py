@@ -76,6 +76,12 @@ FS_OPTION = click.option(
 )
 ON_ROAD = click.option("--road", metavar="A..H|G_d", help="Class of ISO 8608, or G_d(0.1 cycle/m) [m3].")
 AT_SPEED = click.option("--speed", type=Positive("m/s"), help="Speed.")
+LINEARISE = click.option(
+    "--linearise",
+    type=Positive("m/s"),
+    metavar="V",
+    help="Replace friction and curves by dampers of equal work at this amplitude of velocity [m/s].",
+)
 DBC_OPTION = click.option(
     "--dbc", type=FILE, metavar="FILE", help="Database that decodes the CAN frames of an MDF file."
 )

@@ -13,7 +13,7 @@ from suspid.io import bare_name, bracketed_unit
 from suspid.performance import ACCELERATIONS
 from suspid.samples import held
 from suspid.signals import as_signal, cut, like
-from suspid.words import DAMAGE, Check, Defect, Level, Note
+from suspid.words import DAMAGE, Check, Code, Defect, Level, Note, Remark
 
 if TYPE_CHECKING:
     from suspid.cleaning import Cleaned
@@ -105,6 +105,24 @@ def _scale(name: str, settings: Settings) -> float | None:
     """Return the factor that the command line gives a channel, by its name in the file."""
     old = next((old for old, new in dict(settings.rename).items() if new == name), name)
     return next((by for one, by in dict(settings.scale).items() if bare_name(one) == bare_name(old)), None)
+
+
+def linear_car_of(
+    source: Path, amplitude: float | None, code: Code, said: list[str]
+) -> tuple[Suspension | Estimate, tuple[Check, ...]]:
+    """Return the car of a file, linear if an amplitude of velocity is given, and a check that says at what."""
+    from suspid.model import Suspension
+
+    car = car_of(source)
+    if amplitude is None:
+        return car, ()
+    if not isinstance(car, Suspension) or car.linear:
+        said.append("--linearise has no use: the car has neither friction nor curves")
+        return car, ()
+    linear = car.linearised(amplitude)
+    made = {new.name: new.damping for old, new in zip(car.struts, linear.struts, strict=True) if not old.linear}
+    numbers = {"amplitude": amplitude, "names": (*made,), "damping": (*made.values(),)}
+    return linear, (Check(Remark(code, numbers), Level.NOTE),)
 
 
 def car_of(source: Path) -> Suspension | Estimate:

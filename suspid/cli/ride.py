@@ -14,12 +14,13 @@ import numpy as np
 
 from suspid.analysis import Settings
 from suspid.cli.measured import checked_picture, save_picture
-from suspid.cli.options import AT_SPEED, FILE, ON_ROAD, RECORD, pairs, reading, road_named
+from suspid.cli.options import AT_SPEED, FILE, LINEARISE, ON_ROAD, RECORD, pairs, reading, road_named
 from suspid.cli.output import check_apart, said_warnings, say
 from suspid.cli.quantities import Positive, Probability
-from suspid.cli.ridden import OF_CARS, car_of, record_of
+from suspid.cli.ridden import OF_CARS, linear_car_of, record_of
 from suspid.files import naming, printable, replacing
 from suspid.values import ends_beside, text_table
+from suspid.words.ride import RideCheck
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -56,6 +57,7 @@ PICTURE_OF_RIDE = click.option("--plot", type=FILE, metavar="FILE", help="Write 
     help="Weightings; repeat. [Wk and Wf; We of rotation]",
 )
 @GIVEN_STOPS
+@LINEARISE
 @STATED_STD
 @click.option(
     "--level",
@@ -75,6 +77,7 @@ def ride_command(
     duration: float | None,
     weightings: tuple[str, ...],
     clearance: tuple[str, ...],
+    linearise: float | None,
     nominal_std: float | None,
     level: float | None,
     tables: bool,
@@ -107,8 +110,8 @@ def ride_command(
         )
     if of_car and settings != Settings(decay=settings.decay):
         raise click.UsageError("A car has no channels and no time: options for records do not apply.")
-    if not of_car and (clearance or nominal_std is not None):
-        raise click.UsageError("A record has no struts: --clearance and --nominal-std go with a car.")
+    if not of_car and (clearance or linearise is not None or nominal_std is not None):
+        raise click.UsageError("A record has no struts: --clearance, --linearise and --nominal-std go with a car.")
     if tables and not of_car:
         raise click.UsageError("--sensitivities need a car; this is a record.")
     kinds = {c: tuple(w.split(",")) for c, w in pairs(weightings, "--weighting", str).items()} or None
@@ -122,7 +125,7 @@ def ride_command(
         against: tuple[Check, ...] = ()
         what: Any = None
         if of_car:
-            what = car_of(source)
+            what, against = linear_car_of(source, linearise, RideCheck.LINEARISED, said)
         else:
             what, against = record_of(source, settings, said)
         about: dict[str, Any] = {"road": road_named(road), "speed": speed, "clearance": gaps} if of_car else {}

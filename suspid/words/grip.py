@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, TypeAlias
 
 from suspid.words.remarks import Code, in_a_row
+from suspid.words.ride import dampers_of_equal_work
 
 Numbers: TypeAlias = Mapping[str, Any]
 
@@ -61,4 +62,5 @@ class GripCheck(Code):
         "The platform moves by {amplitude:g} m; EUSAMA's classes hold for {usual:g} m.",
     )
     KNOWN = "known", _named("Taken as known, without any error in the intervals: {names}.")
+    LINEARISED = "linearised", dampers_of_equal_work
     UNTRUSTED = "untrusted", "The estimate of the car is {level}: its verdict says why."

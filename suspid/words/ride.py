@@ -79,6 +79,15 @@ def _too_far(numbers: Numbers) -> str:
     )
 
 
+def dampers_of_equal_work(numbers: Numbers) -> str:
+    """Return which damper rates were taken in place of friction and curves."""
+    rates = [f"{name} {amount(rate)} N s/m" for name, rate in zip(numbers["names"], numbers["damping"], strict=True)]
+    return (
+        f"Linearised at an amplitude of velocity of {numbers['amplitude']:g} m/s: dampers of equal work in place of "
+        f"friction and curves, {in_a_row(rates)}."
+    )
+
+
 class RideHeadline(Code):
     """What was found."""
 
@@ -179,6 +188,7 @@ class RideCheck(Code):
             "wheels was given: {names}. State their error, or estimate them on a known or modelled road."
         ),
     )
+    LINEARISED = "linearised", dampers_of_equal_work
     KNOWN = "known", _listed("Taken as known, without any error in the intervals: {names}.")
 
 
