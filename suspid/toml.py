@@ -11,6 +11,14 @@ from suspid.errors import InputError
 from suspid.files import parsed_json, printable
 from suspid.values import nearest_names
 
+# What suspid wrote as JSON, and what to give where TOML is needed.
+OF_SUSPID = {
+    "suspid modes": "it is JSON with modes, which `suspid compare` and `suspid reconstruct` take, and no description",
+    "suspid car": "it is JSON of `suspid reconstruct`, whose option -o car.toml writes the car",
+    "suspid estimate": "it is JSON of `suspid estimate`, whose option -o car.toml writes the car",
+    "suspid drive": "it is JSON of `suspid drive`, whose option -o car.toml writes the car",
+}
+
 
 def parsed_toml(text: str) -> dict[str, object]:
     """Return the content of a TOML text; raise an `InputError` with the line where it is not TOML."""
@@ -28,10 +36,12 @@ def parsed_toml(text: str) -> dict[str, object]:
 def _json_instead(text: str) -> str:
     """Return what a text is that begins as JSON does."""
     try:
-        parsed_json(text)
+        content = parsed_json(text)
     except InputError as error:
         return f"it begins like JSON, and as JSON it {error.message}"
-    return "it is JSON; name it .json where that is taken"
+    form = str(content.get("format"))
+    known = next((what for start, what in OF_SUSPID.items() if form.startswith(start)), "")
+    return known or "it is JSON; name it .json where that is taken"
 
 
 def as_table(where: str, value: object) -> dict[str, object]:

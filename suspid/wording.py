@@ -118,9 +118,21 @@ class Wording:
         return "".join(map(str, self.parts))
 
 
+def names_in_use() -> Mapping[str, str] | None:
+    """Return what arguments are called in the text that is being written; None where they are those of Python.
+
+    Examples
+    --------
+    >>> with called({"fixed": "--fixed"}):
+    ...     names_in_use()
+    {'fixed': '--fixed'}
+    """
+    return _CALLED.get()
+
+
 @contextmanager
-def called(options: Mapping[str, str]) -> Iterator[None]:
-    """Write arguments as options of a command in the texts that are made within it.
+def called(options: Mapping[str, str] | None) -> Iterator[None]:
+    """Write arguments as options of a command in the texts that are made within it; as in Python if there are none.
 
     Examples
     --------

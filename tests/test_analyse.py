@@ -35,9 +35,10 @@ from suspid.errors import SuspidError
 from suspid.fleet.job import Job
 from suspid.fleet.records import Entry
 from suspid.fleet.rows import record_rows
+from suspid.model import read_car
 from suspid.reporting import json_schema
 from suspid.signals import as_response, as_signal
-from suspid.words import Note, RecordCheck
+from suspid.words import Note, RecordCheck, next_steps
 from validation import cars
 from validation.greybox_bounds import value_of
 from validation.greybox_rows import rows
@@ -318,3 +319,24 @@ class TestCommandsAreNoMotion:
         first, *others = found.identification.modes.poles
         assert first == pytest.approx(-1.2 + 15.0j, rel=1e-3)
         assert not others or found.verdict.level < Level.SOUND
+
+
+def test_what_is_said_of_springs_is_printed_once() -> None:
+    """The one verdict of an analysis has the checks of its springs and dampers, each of them once."""
+    root = Path(__file__).resolve().parents[1] / "examples"
+    lines = str(analyse(root / "quarter_car.csv", car=read_car(root / "nominal_car.toml"))).splitlines()
+    notes = [line for line in lines if line.startswith(("Verdict", "note", "- "))]
+    assert len(notes) == len(set(notes))
+    assert sum(line.startswith("Verdict") for line in notes) == 1
+    assert any("Differs from nominal" in line for line in notes)
+
+
+def test_names_that_the_car_does_not_know_come_before_further_sensors(tmp_path: Path) -> None:
+    """Three sensors that are there, under other names, say more than a further one would."""
+    root = Path(__file__).resolve().parents[1] / "examples"
+    _, _, rows = (root / "quarter_car.csv").read_text(encoding="utf-8").partition("\n")
+    for names, codes in (("z1,z2,z3", ["rename"]), ("seat,chassis,tire", ["use"])):
+        (tmp_path / "r.csv").write_text(f"time [s],{names}\n{rows}", encoding="utf-8")
+        found = analyse(tmp_path / "r.csv", car=read_car(root / "nominal_car.toml"))
+        steps = [str(step.code) for step in next_steps(found.verdict, car=True)]
+        assert [step for step in steps if step in ("rename", "add mass", "use")] == codes

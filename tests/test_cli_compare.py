@@ -1,6 +1,7 @@
 """The command `compare`: two estimates or two sets of modes, its files and refusals."""
 
 import json
+import re
 from pathlib import Path
 
 import jsonschema
@@ -67,13 +68,19 @@ def test_the_scatter_of_drives_decides(files: Path) -> None:
 def test_modes(files: Path, tmp_path: Path) -> None:
     result = run("compare", files / "new_modes.json", files / "worn_modes.json", "--json", tmp_path / "c.json")
     assert result.exit_code == 0, result.output
-    assert "values fail" in result.output
+    assert re.match(
+        r"[1-9]\d* of \d+ values changed \(no change: within the 95 % interval of each difference\)", result.output
+    )
     content = json.loads((tmp_path / "c.json").read_text())
     jsonschema.validate(content, json_schema("compare"))
     assert not content["passed"]
     by_hand = tmp_path / "hand.json"
     by_hand.write_text(to_json(modes_to_dict(ModalSet.from_wn_zeta([8.0], [0.3]))), encoding="utf-8")
-    assert "extra" in run("compare", by_hand, files / "new_modes.json").output
+    assert "new" in run("compare", by_hand, files / "new_modes.json").output
+    assert "gone" in run("compare", files / "new_modes.json", by_hand).output
+    same = run("compare", files / "new_modes.json", files / "new_modes.json").output
+    assert same.startswith("no value changed")
+    assert not re.search("pass|fail|expected|found", same)
 
 
 def test_refusals(files: Path, tmp_path: Path) -> None:
@@ -82,3 +89,26 @@ def test_refusals(files: Path, tmp_path: Path) -> None:
     assert run("compare", files / "new.json", tmp_path / "none.json").exit_code == 1
     assert run("compare", files / "new.json", files / "worn.json", "--json", files / "new.json").exit_code == 2
     assert not (tmp_path / "g.png").exists()
+
+
+@pytest.mark.parametrize(("form", "kind"), [("suspid car 1", "a reconstruction"), ("suspid ride 1", "a ride")])
+def test_what_is_not_compared_is_named(files: Path, tmp_path: Path, form: str, kind: str) -> None:
+    other = tmp_path / "other.json"
+    other.write_text(json.dumps({"format": form}), encoding="utf-8")
+    mixed = run("compare", other, files / "new.json")
+    assert (mixed.exit_code, f"other.json holds {kind} and " in mixed.output) == (1, True)
+    both = run("compare", other, other)
+    assert both.exit_code == 1
+    assert f"each hold {kind}; give results of suspid estimate" in both.output
+
+
+def test_modes_of_what_is_no_car(files: Path, tmp_path: Path) -> None:
+    record = tmp_path / "bump.csv"
+    record.write_text("time,seat\n0,1\n1,2\n", encoding="utf-8")
+    for file, hint in (
+        (files / "new.json", "JSON of `suspid estimate`, whose option -o car.toml writes the car"),
+        (files / "new_modes.json", "JSON with modes, which `suspid compare` and `suspid reconstruct` take"),
+        (record, "is no description of a car (.toml, as examples/car.toml); `suspid identify` finds the modes of"),
+    ):
+        refused = run("modes", file)
+        assert (refused.exit_code, hint in refused.output) == (1, True), refused.output

@@ -347,3 +347,35 @@ class TestMessages:
         shown = run("--help").stdout
         assert "..." not in shown.split("Commands:")[1]
         assert "Exit codes" in shown
+
+
+def test_the_standard_input_is_called_so_everywhere(tmp_path: Path) -> None:
+    """It is kept in a file while the command runs, whose name and place nobody needs."""
+    page, plain = tmp_path / "r.html", tmp_path / "r.json"
+    content = RECORD.read_bytes()
+    shown = CliRunner().invoke(main, ["report", "-", "-o", str(page), "--json", str(plain)], input=content)
+    assert shown.exit_code == 0, shown.output
+    for text in (shown.output, page.read_text(encoding="utf-8"), plain.read_text(encoding="utf-8")):
+        assert "standard input" in text
+        assert "standard input." not in text.replace("standard input. ", "")
+        assert "suspid-" not in text
+
+
+def test_frequencies_are_no_time(tmp_path: Path) -> None:
+    file = tmp_path / "frf.csv"
+    rows = "".join(f"{k / 10},{(k * 7) % 11},{(k * 5) % 13}\n" for k in range(1, 300))
+    file.write_text(f"Freq,mag,phase\n{rows}", encoding="utf-8")
+    for options in ([], ["--time", "Freq"]):
+        refused = CliRunner().invoke(main, ["identify", str(file), *options])
+        assert refused.exit_code == 1
+        assert "'Freq' holds frequencies" in refused.output
+        assert "export the time histories" in refused.output
+
+
+def test_temperatures_are_not_called_angles(tmp_path: Path) -> None:
+    file = tmp_path / "warm.csv"
+    rows = "".join(f"{k / 100},{np.exp(-k / 100) * np.cos(k / 5)},{60 + (k % 7) / 10}\n" for k in range(400))
+    file.write_text(f"time [s],seat [mm],oil [°C]\n{rows}", encoding="utf-8")
+    said = CliRunner().invoke(main, ["identify", str(file), "--si"]).stderr
+    assert "the unit '°C' is one of temperature" in said
+    assert "Did you mean '°'" not in said

@@ -3,6 +3,7 @@
 import json
 import re
 from pathlib import Path
+from typing import Literal
 
 import jsonschema
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from suspid import (
+    InputError,
     add_noise,
     cut,
     estimate,
@@ -146,7 +148,7 @@ def test_tuning_by_default(car: Path) -> None:
         (["tune", "{car}"], 2, "A car needs --road and --speed"),
         (["ride", "{car}", "--road", "J", "--speed", "20"], 1, "is not a class of ISO 8608"),
         (["tune", "{car}", *DRIVE, "--objective", "tire.laod"], 1, "there is no figure 'tire.laod'"),
-        (["ride", "{car}", *DRIVE, "--clearance", "chassis"], 2, "write NAME=VALUE"),
+        (["ride", "{car}", *DRIVE, "--clearance", "chassis"], 2, "write STRUT=METRES, each name once"),
     ],
 )
 def test_wrong_commands(car: Path, given: list[str], code: int, message: str) -> None:
@@ -209,7 +211,7 @@ def test_an_option_that_would_count_for_nothing_is_refused(car: Path, words: lis
 
 @pytest.mark.parametrize(("command", "kind"), [(("ride", *DRIVE), "ride"), (("grip",), "grip")])
 def test_friction_is_replaced_by_dampers_of_equal_work_and_it_is_said(
-    car: Path, command: tuple[str, ...], kind: str
+    car: Path, command: tuple[str, ...], kind: Literal["ride", "grip"]
 ) -> None:
     """Work per cycle: c pi V^2/w = (c0 pi V^2 + 4 F V)/w, so c = c0 + 4 F / (pi V)."""
     write_car(CAR.with_parameters(friction={"chassis": 60.0}), car)
@@ -236,3 +238,15 @@ def test_linearise_is_said_to_have_no_use(car: Path) -> None:
         shown = run(command[0], car, *command[1:], "--linearise", "0.2")
         assert shown.exit_code == 0, shown.stderr
         assert "--linearise has no use: the car has neither friction nor curves" in shown.stderr
+
+
+def test_the_form_of_a_weighting_is_shown(tmp_path: Path) -> None:
+    file = tmp_path / "drive.csv"
+    rows = "".join(f"{k / 100},{np.sin(k / 3)}\n" for k in range(3000))
+    file.write_text(f"time [s],a body\n{rows}", encoding="utf-8")
+    refused = run("ride", file)
+    assert refused.exit_code == 1
+    assert "state the weighting of those that are (--weighting 'a body'=Wk)" in refused.output
+    assert "write CHANNEL=Wk,…, each name once" in run("ride", file, "--weighting", "Wk").output
+    with pytest.raises(InputError, match=r"such as weightings=\{'a body': 'Wk'\}"):
+        ride(read_record(file))

@@ -8,9 +8,11 @@ import sys
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 
 import suspid
 from suspid import read_car
+from suspid.cli import main
 
 ROOT = Path(__file__).resolve().parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -20,6 +22,16 @@ def block_after(marker: str) -> str:
     found = re.search(rf"<!-- {marker} -->\n```\w+\n(.*?)```", README, flags=re.S)
     assert found, marker
     return found[1]
+
+
+def test_the_row_of_simulate_runs(tmp_path: Path) -> None:
+    """What a table of the README shows as a command runs as it stands, with files in place of the capitals."""
+    row = re.search(r"`(suspid simulate CAR -o FILE[^`]*)`", README)
+    assert row
+    words = row[1].replace("CAR", str(ROOT / "examples/car.toml")).replace("FILE", str(tmp_path / "r.csv")).split()
+    made = CliRunner().invoke(main, words[1:])
+    assert made.exit_code == 0, made.output
+    assert (tmp_path / "r.csv").stat().st_size > 10_000
 
 
 class TestScript:

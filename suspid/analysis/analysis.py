@@ -22,7 +22,7 @@ from suspid.identification import (
 )
 from suspid.levels import LEVEL
 from suspid.model import ModalSet
-from suspid.reconstruction import Reconstruction
+from suspid.reconstruction import Reconstruction, tables_of_reconstruction
 from suspid.recordings import Recording
 from suspid.results import Result
 from suspid.samples import held
@@ -152,7 +152,7 @@ class Analysis(Result):
         if self.estimate is not None:
             parts.append(parameter_table(self.estimate))
         elif self.reconstruction is not None:
-            parts.append(str(self.reconstruction))
+            parts.append(tables_of_reconstruction(self.reconstruction))
         return "\n\n".join([*parts, str(self.verdict)])
 
 

@@ -44,6 +44,8 @@ FACTORS: dict[str, tuple[float, str]] = {
 }  # fmt: skip
 
 
+# Units of temperature, which nothing here needs.
+OF_TEMPERATURE = {"°c", "degc", "celsius", "°f", "degf", "fahrenheit", "k", "kelvin"}
 # Other spellings and what replaces them, in this order.
 SPELLINGS = (
     ("²", "2"), ("⁻", "-"), ("^", ""), ("**", ""), ("µ", "u"), ("μ", "u"), ("·", ""), ("*", ""), (" ", ""),
@@ -79,6 +81,8 @@ def to_si(values: ArrayLike, unit: str) -> tuple[RealArray, str]:
         plain = plain.replace(old, new)
     # kN and kn (knot), N and n: the only units that differ in case alone.
     key = "kn_force" if plain == "kN" else plain if plain in FACTORS else plain.lower()
+    if key in OF_TEMPERATURE:
+        raise InputError(f"the unit {printable(unit)!r} is one of temperature, which is not converted")
     if key not in FACTORS:
         known = ["kN" if name == "kn_force" else name for name in FACTORS]
         raise InputError(f"the unit {printable(unit)!r} is not known.{nearest_names(plain, known)}")

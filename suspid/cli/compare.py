@@ -15,15 +15,29 @@ from suspid.cli.output import check_apart, said_warnings, say
 from suspid.cli.quantities import Positive
 from suspid.errors import InputError
 from suspid.files import naming, parsed_json, read_text, replacing
+from suspid.values import text_table
+from suspid.words import count
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from suspid.greybox import Estimate
+    from suspid.model import Comparison
     from suspid.performance import Grip, WearRule
 
 # Inches of a picture that needs no whole page.
 HALF_PAGE = (8.27, 5.8)
+# What files hold by the start of their format; all others are read as modes.
+KINDS = {
+    "suspid estimate": "an estimate",
+    "suspid drive": "an estimate",
+    "suspid car": "a reconstruction",
+    "suspid ride": "a ride",
+    "suspid grip": "a grip",
+    "suspid tune": "a tuning",
+    "suspid damper": "the curve of a damper",
+    "suspid compare": "a comparison",
+}
 
 
 @click.command("compare")
@@ -71,7 +85,11 @@ def compare_command(
         kind = _kind(after)
         for path in before:
             if _kind(path) != kind:
-                raise InputError(f"{path} has {_kind(path)} and {after} has {kind}: compare results of one kind")
+                raise InputError(f"{path} holds {_kind(path)} and {after} {kind}: compare results of one kind")
+        if kind not in ("an estimate", "modes"):
+            raise InputError(
+                f"{after} and {before[0]} each hold {kind}; give results of suspid estimate, drive or identify"
+            )
         if kind == "an estimate":
             from suspid.performance import wear
             from suspid.reporting import read_curves, read_estimate, wear_to_dict
@@ -128,7 +146,7 @@ def _kind(path: Path) -> str:
         return "modes"
     with naming(path):
         form = parsed_json(read_text(path)).get("format")
-    return "an estimate" if str(form).startswith(("suspid estimate", "suspid drive")) else "modes"
+    return next((kind for start, kind in KINDS.items() if str(form).startswith(start)), "modes")
 
 
 def _rule(damper_std: float | None, load_std: float | None) -> WearRule:
@@ -146,4 +164,37 @@ def _modes(before: Path, after: Path) -> tuple[str, dict[str, object]]:
     from suspid.reporting import comparison_to_dict
 
     found = compare(read_modes(after), read_modes(before))
-    return str(found), comparison_to_dict(found)
+    return changes_in_words(found), comparison_to_dict(found)
+
+
+def changes_in_words(found: Comparison) -> str:
+    """Return what changed between two sets of modes, of which one came before the other, as a table.
+
+    Examples
+    --------
+    >>> from suspid import ModalSet, compare
+    >>> before, after = ModalSet.from_wn_zeta([10.0], [0.3]), ModalSet.from_wn_zeta([10.0], [0.4])
+    >>> print(changes_in_words(compare(after, before, rtol=0.01)))
+    1 of 2 values changed (no change: within 0.01 relative)
+              quantity    before    after    change    by chance up to    changed
+    ------  ----------  --------  -------  --------  -----------------  ---------
+    mode 1  wn [rad/s]        10       10        +0                0.1         no
+    mode 1    zeta [1]       0.3      0.4      +0.1              0.003        yes
+    """
+    said = {"ok": "no", "off": "yes", "missing": "gone", "extra": "new"}
+    rows = found.table
+    number = sum(row.verdict != "ok" for row in rows)
+    columns = {
+        "": [row.item.replace("found", "new") for row in rows],
+        "quantity": [f"{row.quantity} [{row.unit}]" for row in rows],
+        "before": ["" if row.expected is None else f"{row.expected:.8g}" for row in rows],
+        "after": ["" if row.found is None else f"{row.found:.8g}" for row in rows],
+        "change": ["" if row.error is None else f"{row.error:+.2g}" for row in rows],
+        "by chance up to": ["" if row.error is None else f"{row.allowed:.2g}" for row in rows],
+        "changed": [said[row.verdict] for row in rows],
+    }
+    changed = f"{number} of {count(len(rows), 'value')} changed" if number else "no value changed"
+    parts = [f"{changed} (no change: within {found.rule.removeprefix('allowed: ')})", text_table(columns)]
+    if found.mac is not None:
+        parts.append(f"MAC of each mode before with its partner after: {', '.join(f'{m:.6f}' for m in found.mac)}")
+    return "\n".join(parts)

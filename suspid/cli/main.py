@@ -23,12 +23,15 @@ from suspid.cli.output import check_apart, said_warnings, say
 from suspid.cli.parameters import Outputs, Wanted, conclude, wanting, writing
 from suspid.cli.quantities import Positive
 from suspid.cli.report import report_command
+from suspid.cli.ridden import OF_CARS
 from suspid.cli.ride import ride_command
 from suspid.cli.simulate import simulate_command
 from suspid.cli.tune import tune_command
+from suspid.errors import InputError
+from suspid.files import printable
 
 if TYPE_CHECKING:
-    from suspid.model import ModalSet
+    from suspid.model import ModalSet, Suspension
 
 
 @click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
@@ -107,6 +110,27 @@ def reconstruct_command(
     conclude(text, explains=found.explains)
 
 
+def described_car(source: Path) -> Suspension:
+    """Return the car that a file describes; of a record say which command finds its modes.
+
+    Raises
+    ------
+    InputError
+        If the file describes no car.
+    """
+    from suspid.model import read_car
+
+    try:
+        return read_car(source)
+    except InputError:
+        if source.suffix.lower() in OF_CARS or not source.is_file():
+            raise
+        error = InputError(
+            "is no description of a car (.toml, as examples/car.toml); `suspid identify` finds the modes of a record"
+        )
+        raise error.about(printable(str(source))) from None
+
+
 @main.command("modes")
 @click.argument("car", type=FILE)
 @LINEARISE
@@ -114,10 +138,10 @@ def reconstruct_command(
 def modes_command(car: Path, linearise: float | None, json_file: Path | None) -> None:
     """Show the exact modes of CAR (.toml)."""
     from suspid.identification import write_modes
-    from suspid.model import eigenmodes, read_car
+    from suspid.model import eigenmodes
 
     check_apart([car], [json_file])
-    described = read_car(car)
+    described = described_car(car)
     modes: ModalSet = eigenmodes(described if linearise is None else described.linearised(linearise))
     if json_file:
         write_modes(modes, json_file)

@@ -225,7 +225,8 @@ def sources_of(files: Sequence[Path], *, date: str | None = None) -> list[Source
 
     command = shlex.join(["suspid", *click.get_current_context().meta.get(ARGUMENTS, [])])
     created = date or datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC")
-    return [source_of(file, command=command, created=created) for file in files]
+    sources = [source_of(file, command=command, created=created) for file in files]
+    return [replace(one, file=shown(one.file)) for one in sources]
 
 
 def checked_picture(path: Path) -> Path:

@@ -283,9 +283,17 @@ def pairs(given: Sequence[str], option: str, kind: Callable[[str], Value]) -> di
         except ValueError:
             equals = ""
         if not equals or not name or not value or name in found:
-            raise click.BadParameter(f"{text!r}: write NAME=VALUE, each name once.", param_hint=f"'{option}'")
+            raise click.BadParameter(f"{text!r}: write {_form(option)}, each name once.", param_hint=f"'{option}'")
         found[name] = made
     return found
+
+
+def _form(option: str) -> str:
+    """Return how the command that runs writes the values of an option."""
+    context = click.get_current_context(silent=True)
+    parameters = [] if context is None else context.command.params
+    forms = [one.metavar for one in parameters if option in one.opts and isinstance(one, click.Option)]
+    return next((form for form in forms if form), "NAME=VALUE")
 
 
 def _apart(text: str) -> list[str]:

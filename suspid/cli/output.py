@@ -49,7 +49,9 @@ def shown(text: str) -> str:
     """Return a line as it may reach the terminal and files: printable, and without the place of the standard input."""
     context = click.get_current_context(silent=True)
     piped = None if context is None else context.meta.get(PIPED)
-    return printable(text if piped is None else text.replace(str(piped), STANDARD_INPUT))
+    for name in () if piped is None else (str(piped), Path(piped).name):
+        text = text.replace(name, STANDARD_INPUT)
+    return printable(text)
 
 
 def check_apart(inputs: list[Path], outputs: list[Path | None]) -> None:

@@ -13,7 +13,7 @@ from suspid.io import bare_name, bracketed_unit
 from suspid.performance import ACCELERATIONS
 from suspid.samples import held
 from suspid.signals import as_signal, cut, like
-from suspid.words import DAMAGE, Check, Code, Defect, Level, Note, Remark
+from suspid.words import DAMAGE, Check, Code, Defect, Level, Note, Number, Remark
 
 if TYPE_CHECKING:
     from suspid.cleaning import Cleaned
@@ -121,7 +121,7 @@ def linear_car_of(
         return car, ()
     linear = car.linearised(amplitude)
     made = {new.name: new.damping for old, new in zip(car.struts, linear.struts, strict=True) if not old.linear}
-    numbers = {"amplitude": amplitude, "names": (*made,), "damping": (*made.values(),)}
+    numbers: dict[str, Number] = {"amplitude": amplitude, "names": (*made,), "damping": (*made.values(),)}
     return linear, (Check(Remark(code, numbers), Level.NOTE),)
 
 

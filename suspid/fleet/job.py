@@ -38,6 +38,8 @@ class Job:
     time_limit: Second | None = None
     # None: the records are free decays.
     drive: DriveJob | None = None
+    # What arguments are called in the reasons of failures, where a command asks; no part of what decides the results.
+    options: Mapping[str, str] | None = None
     # Versions of the client, which those of every worker must equal.
     environment: Mapping[str, str] = field(default_factory=environment)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import os
 from collections.abc import Iterator, Mapping
@@ -50,12 +51,21 @@ def check_same(folder: Path, begun: Mapping[str, object], asked: Mapping[str, ob
     now = _flat("", json.loads(json.dumps(asked)))
     different = [key for key in {**then, **now} if then.get(key) != now.get(key)]
     if different:
-        shown = "; ".join(f"{key} was {then.get(key)!r:.80}, is {now.get(key)!r:.80}" for key in different[:4])
+        shown = "; ".join(_difference(key, then.get(key), now.get(key)) for key in different[:4])
         more = f"; and {len(different) - 4} more" if len(different) > 4 else ""
         raise InputError(
             f"{printable(str(folder))}: this run was begun with other settings: {printable(shown)}{more}; "
             f"continue as it was begun, or give another folder for the results"
         )
+
+
+def _difference(key: str, then: object, now: object) -> str:
+    """Return how a setting differs; of a text of several lines the first line that does."""
+    if isinstance(then, str) and isinstance(now, str) and "\n" in then + now:
+        lines = itertools.zip_longest(then.splitlines(), now.splitlines(), fillvalue="nothing")
+        old, new = next(pair for pair in lines if pair[0] != pair[1])
+        return f"{key} had {old.strip()!r:.80}, has {new.strip()!r:.80}"
+    return f"{key} was {then!r:.80}, is {now!r:.80}"
 
 
 def durable_write(path: Path, content: bytes) -> None:

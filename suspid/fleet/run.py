@@ -21,6 +21,7 @@ from suspid.fleet.parts import part_counts, part_path, read_table, write_part
 from suspid.fleet.records import Entry, in_chunks
 from suspid.model import Suspension, car_to_toml
 from suspid.units import Second
+from suspid.wording import names_in_use
 from suspid.words import count as counted
 
 if TYPE_CHECKING:
@@ -158,7 +159,7 @@ def job_of(car: Suspension | None, settings: Settings, time_limit: Second | None
     if settings.dbc is not None:
         settings = replace(settings, dbc=os.path.abspath(settings.dbc))
     toml = None if car is None else car_to_toml(car)
-    return Job(settings=settings, car=toml, time_limit=time_limit, drive=drive)
+    return Job(settings=settings, car=toml, time_limit=time_limit, drive=drive, options=names_in_use())
 
 
 def check_way_to_run(chunk: int, workers: int | None, scheduler: object) -> None:

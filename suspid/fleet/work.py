@@ -18,6 +18,7 @@ from suspid.fleet.records import Entry, Seen
 from suspid.fleet.rows import record_rows
 from suspid.fleet.tables import Rows, joined
 from suspid.units import Second
+from suspid.wording import called
 from suspid.words import Failure, Remark
 
 # Exit code of a process that ends itself because time is up; any value that nothing else uses.
@@ -52,7 +53,7 @@ def rows_of(job: Job, entry: Entry) -> Rows:
     with _RUNNING:
         seen = [Seen()]
         try:
-            with limited(job.time_limit):
+            with limited(job.time_limit), called(job.options):
                 return record_rows(job, entry, seen.append)
         except TimeUp:
             return failure(job, entry, seen[-1], Remark(Failure.TIME, {"limit": job.time_limit}))

@@ -21,6 +21,8 @@ PER_SECOND = {
 }
 # Of these, units that stand behind a name of time without a mark between, as in TimeMs. Others make other words.
 JOINED = re.compile(r"(t|time|timestamp|zeit)(ms|msec|us|usec)")
+# Names of the frequencies of a spectrum; with their unit also f.
+FREQUENCIES = {"freq", "frequency", "frequencies", "frequenz", "frequenzen", "hz"}
 # These units as a message lists them.
 KNOWN_UNITS = "s, ms, us, ns, min, h, days"
 # Columns of these names are not taken for the time: they are parts of a date.
@@ -123,6 +125,18 @@ def is_time(name: str) -> bool:
     """Whether a column of that name holds time in a unit that is known."""
     stem, unit = split_unit(name)
     return stem in TIME_NAMES and (not unit or unit in PER_SECOND)
+
+
+def is_frequency(name: str) -> bool:
+    """Whether a column of that name holds the frequencies of a spectrum.
+
+    Examples
+    --------
+    >>> [is_frequency(name) for name in ("Freq", "Frequency [Hz]", "f (Hz)", "Freq [s]", "f", "frequent")]
+    [True, True, True, False, False, False]
+    """
+    stem, unit = split_unit(name)
+    return stem in FREQUENCIES | {"f"} if unit == "hz" else stem in FREQUENCIES and not unit
 
 
 def may_be_time(name: str) -> bool:

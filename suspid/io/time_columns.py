@@ -9,13 +9,15 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from suspid.errors import RecordError
-from suspid.io.names import counts_rows, is_abscissa, is_count, is_time, may_be_time
+from suspid.io.names import counts_rows, is_abscissa, is_count, is_frequency, is_time, may_be_time
 from suspid.io.tables import Table, TimeBase
 from suspid.io.time_units import FEW_STAMPS, in_seconds
 from suspid.units import Hertz, RealArray
 from suspid.wording import Argument
 from suspid.words import LeftOut, Remark
 
+# What to do with a file over frequency.
+NO_SPECTRA = "records over time are needed, no spectra or frequency responses; export the time histories"
 # Of the steps of a clock, this share lies this near to the usual one, relative to it: loggers that wait between two
 # samples stray by a tenth.
 MOST_STEPS, JITTERY = 0.9, 0.25
@@ -94,6 +96,8 @@ def increasing(table: Table) -> str:
     """Return a hint at the first column if its numbers increase from row to row, or count the rows."""
     for name in list(table.sizes)[:1]:
         with contextlib.suppress(RecordError):
+            if is_frequency(name):
+                return f"; {name!r} holds frequencies: {NO_SPECTRA}"
             if counts_rows(name, table.columns([name])[0]):
                 return f"; {name!r} counts the rows and is not a time"
             if table.sizes[name] > 2 and np.all(np.diff(table.columns([name])[0]) > 0):

@@ -10,11 +10,19 @@ import numpy as np
 
 from suspid.errors import RecordError
 from suspid.io.limits import metered
-from suspid.io.names import PER_SECOND, counts_rows, is_abscissa, is_count, is_time, is_time_in_unknown_unit
+from suspid.io.names import (
+    PER_SECOND,
+    counts_rows,
+    is_abscissa,
+    is_count,
+    is_frequency,
+    is_time,
+    is_time_in_unknown_unit,
+)
 from suspid.io.runs import runs_of
 from suspid.io.side_tables import of_side_tables
 from suspid.io.tables import Table, TimeBase
-from suspid.io.time_columns import increasing, time_column, time_names
+from suspid.io.time_columns import NO_SPECTRA, increasing, time_column, time_names
 from suspid.io.time_units import FEW_STAMPS, in_seconds, time_unit, unit_remark, unknown_unit
 from suspid.levels import SEVEN_DIGITS
 from suspid.recordings import RawChannel, Recording
@@ -149,6 +157,8 @@ def _plan(table: Table, channels: Sequence[str] | None, time: str | None, fs: He
         by_clock, time = list(clocks), None
     elif time is not None:
         clocks, time = {}, table.full_name(time, what="time column")
+        if is_frequency(time):
+            raise RecordError(f"{time!r} holds frequencies and no time: {NO_SPECTRA}")
     elif not (names and all(name in clocks for name in names)):
         time, own, left_out = time_column(table, names, clocks, fs)
         clocks |= own

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -23,7 +24,7 @@ from suspid.performance.weightings import weighting_named
 from suspid.signals import Signal
 from suspid.units import RealArray
 from suspid.values import nearest_names
-from suspid.wording import Argument
+from suspid.wording import Argument, AtCommandLine
 
 ACCELERATIONS = ("m/s2", "rad/s2")
 # Ends of names of what a record of a car holds beside accelerations.
@@ -79,9 +80,11 @@ def felt_of(
         )
     if not chosen:
         raise InputError(
-            "no channel is named like an acceleration; name those that are with ",
-            Argument("weightings"),
-            *(f", such as Wk for {name!r}" for name in [n for n in names if not _other(n)][:1]),
+            "no channel is named like an acceleration; state the weighting of those that are",
+            *(
+                AtCommandLine("weightings", f"{shlex.quote(name)}=Wk", f", such as weightings={{{name!r}: 'Wk'}}")
+                for name in [n for n in names if not _other(n)][:1]
+            ),
         )
     felt = tuple(_felt(signal, names.index(name), name, kinds) for name, kinds in chosen.items())
     travels, unknown = [], []

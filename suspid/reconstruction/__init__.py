@@ -13,6 +13,7 @@ from suspid.reconstruction.descent import LARGEST_STEP, descend
 from suspid.reconstruction.observations import ModalTest
 from suspid.reconstruction.posed import Asked, check_asked
 from suspid.reconstruction.reconstruct import Reconstruction, reconstruct
+from suspid.reconstruction.results import tables_of_reconstruction
 from suspid.reconstruction.unknowns import (
     QUANTITIES,
     Unknowns,
@@ -40,6 +41,7 @@ __all__ = [
     "parameter_vector",
     "reconstruct",
     "reconstruction_to_dict",
+    "tables_of_reconstruction",
     "unit_of",
     "unknowns_of",
     "wishes_of",

@@ -194,31 +194,35 @@ class Reconstruction(Result):
         return numbers_in_words(self.parameters, [values[name] for name in self.parameters], units)
 
     def __str__(self) -> str:
-        struts = self.suspension.struts
-        columns: dict[str, Sequence[str]] = {"strut": [s.name for s in struts]}
-        for quantity, unit, stds in (("stiffness", "N/m", self.stiffness_std), ("damping", "N s/m", self.damping_std)):
-            values = np.array([getattr(s, quantity) for s in struts])
-            columns |= _with_spread(f"{quantity} [{unit}]", f"± [{unit}]", values, stds, [s.name for s in struts])
-        if any(not name.endswith(".mass") for name in self.held):
-            names = {s.name: [q for q in QUANTITIES if f"{s.name}.{q}" in self.held] for s in struts}
-            columns["held"] = [", ".join(held) for held in names.values()]
-        parts = [text_table(columns)]
-        free = [name for name in self.suspension.masses if f"{name}.mass" in self.parameters]
-        if free:
-            values = np.array([self.suspension.masses[name] for name in free])
-            parts.append(text_table({"mass": free} | _with_spread("[kg]", "± [kg]", values, self.mass_std, free)))
-        parts.append(self.status)
-        for i, (car, distance) in enumerate(zip(self.alternatives, self.distances, strict=True)):
-            k, c = (", ".join(f"{getattr(s, q):.5g}" for s in car.struts) for q in QUANTITIES)
-            far = (
-                f"largest pole error {distance:.1e}"
-                if self.chi_square is None
-                else f"chi-square {distance if distance > 1e-6 else 0:.3g}"
-            )
-            apart = f"; distinguished by {self.told_apart[i]}" if self.told_apart[i] else ""
-            parts.append(f"another suspension has these modes: k = {k} N/m, c = {c} N s/m ({far}){apart}")
-        parts.append(str(self.verdict))
-        return "\n".join(parts)
+        return f"{tables_of_reconstruction(self)}\n{self.verdict}"
+
+
+def tables_of_reconstruction(found: Reconstruction) -> str:
+    """Return springs and dampers, how they were found, and the other suspensions with these modes."""
+    struts = found.suspension.struts
+    columns: dict[str, Sequence[str]] = {"strut": [s.name for s in struts]}
+    for quantity, unit, stds in (("stiffness", "N/m", found.stiffness_std), ("damping", "N s/m", found.damping_std)):
+        values = np.array([getattr(s, quantity) for s in struts])
+        columns |= _with_spread(f"{quantity} [{unit}]", f"± [{unit}]", values, stds, [s.name for s in struts])
+    if any(not name.endswith(".mass") for name in found.held):
+        names = {s.name: [q for q in QUANTITIES if f"{s.name}.{q}" in found.held] for s in struts}
+        columns["held"] = [", ".join(held) for held in names.values()]
+    parts = [text_table(columns)]
+    free = [name for name in found.suspension.masses if f"{name}.mass" in found.parameters]
+    if free:
+        values = np.array([found.suspension.masses[name] for name in free])
+        parts.append(text_table({"mass": free} | _with_spread("[kg]", "± [kg]", values, found.mass_std, free)))
+    parts.append(found.status)
+    for i, (car, distance) in enumerate(zip(found.alternatives, found.distances, strict=True)):
+        k, c = (", ".join(f"{getattr(s, q):.5g}" for s in car.struts) for q in QUANTITIES)
+        far = (
+            f"largest pole error {distance:.1e}"
+            if found.chi_square is None
+            else f"chi-square {distance if distance > 1e-6 else 0:.3g}"
+        )
+        apart = f"; distinguished by {found.told_apart[i]}" if found.told_apart[i] else ""
+        parts.append(f"another suspension has these modes: k = {k} N/m, c = {c} N s/m ({far}){apart}")
+    return "\n".join(parts)
 
 
 def _with_spread(

@@ -6,11 +6,12 @@ from collections.abc import Iterator
 from statistics import median
 from typing import TYPE_CHECKING
 
-from suspid.levels import NORMAL_95
+from suspid.levels import CHI_SQUARE_95, NORMAL_95
 from suspid.reconstruction.unknowns import parameter_values
 from suspid.words import (
     Check,
     Level,
+    Number,
     ReconstructionCheck,
     ReconstructionHeadline,
     ReconstructionNote,
@@ -34,6 +35,7 @@ AGAINST = {
     ReconstructionNote.SPLIT_BY_NOMINAL: (ReconstructionCheck.BY_NOMINAL, Level.CARE),
     ReconstructionNote.UNSEEN: (ReconstructionCheck.BY_NOMINAL, Level.CARE),
     ReconstructionNote.NOT_SHARP: (ReconstructionCheck.NOT_SHARP, Level.CARE),
+    ReconstructionNote.CHANNEL_UNKNOWN: (ReconstructionCheck.CHANNEL_UNKNOWN, Level.NOTE),
     ReconstructionNote.NEAR_MISS: (ReconstructionCheck.NEAR_MISS, Level.CARE),
 }
 
@@ -76,7 +78,9 @@ def _other_units(found: Reconstruction) -> Iterator[Check]:
 def _others(found: Reconstruction) -> Iterator[Check]:
     """Yield what is known of other suspensions with the same modes, and of intervals."""
     if found.alternatives:
-        yield Check(Remark(ReconstructionCheck.ALTERNATIVES, {"count": len(found.alternatives)}), Level.CARE)
+        alike = found.chi_square is None or min(found.distances) <= found.chi_square + CHI_SQUARE_95
+        numbers: dict[str, Number] = {"count": len(found.alternatives), "by_nominal": alike}
+        yield Check(Remark(ReconstructionCheck.ALTERNATIVES, numbers), Level.CARE)
     elif not found.searched:
         yield Check(Remark(ReconstructionCheck.NOT_SEARCHED), Level.NOTE)
     else:

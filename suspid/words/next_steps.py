@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from suspid.wording import Argument
+from suspid.wording import Argument, AtCommandLine
 from suspid.words.analysis import Note, RecordCheck
 from suspid.words.drives import DriveRemark
 from suspid.words.greybox import EstimateCheck
@@ -79,6 +79,15 @@ class NextStep(Code):
         "add mass",
         "This test does not determine all springs and dampers. Test again with a known mass added and reconstruct "
         "from both tests, or put a sensor on another mass.",
+    )
+    RENAME = (
+        "rename",
+        sentence(
+            lambda _: (
+                f"Name the channels by what they measure on the car, such as by its masses"
+                f"{AtCommandLine('rename', 'OLD=NEW')}: the shapes of the modes then count too."
+            )
+        ),
     )
     CHECK_CAR = (
         "check car",
@@ -172,6 +181,7 @@ AFTER: dict[Code, NextStep] = {
     EstimateCheck.ALTERNATIVES: NextStep.ADD_MASS,
     EstimateCheck.BY_NOMINAL: NextStep.ADD_MASS,
     Note.NO_SPRINGS: NextStep.ADD_MASS,
+    ReconstructionCheck.CHANNEL_UNKNOWN: NextStep.RENAME,
     ReconstructionCheck.UNEXPLAINED: NextStep.CHECK_CAR,
     ReconstructionCheck.OTHER_UNITS: NextStep.CHECK_CAR,
     EstimateCheck.UNEXPLAINED: NextStep.CHECK_CAR,
@@ -220,6 +230,10 @@ def _steps(verdict: Verdict, *, car: bool, further: Sequence[Verdict]) -> Iterat
     yield from sorted((AFTER[remark.code] for remark in meant if remark.code in AFTER), key=list(NextStep).index)
     if not verdict.doubts:
         yield NextStep.USE
-    yield from (AFTER[remark.code] for remark in (*verdict.doubts, *verdict.notes) if remark.code in AFTER)
+    steps = [AFTER[remark.code] for remark in (*verdict.doubts, *verdict.notes) if remark.code in AFTER]
+    # Sensors that are there and have other names come before further ones.
+    if NextStep.RENAME in steps:
+        steps = [NextStep.RENAME if step is NextStep.ADD_MASS else step for step in steps]
+    yield from steps
     if not car:
         yield NextStep.GIVE_CAR

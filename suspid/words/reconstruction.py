@@ -50,7 +50,9 @@ def _mass(numbers: Numbers) -> str:
 def _others(numbers: Numbers) -> str:
     number = numbers["count"]
     have = "has" if number == 1 else "have"
-    return f"{count(number, 'other set')} of springs and dampers {have} the same modes: see what distinguishes them."
+    said = f"{count(number, 'other set')} of springs and dampers {have} the same modes"
+    chosen = "; nearness to the nominal car alone decides which comes first" * bool(numbers.get("by_nominal"))
+    return f"{said}{chosen}: see what distinguishes them."
 
 
 def _found(numbers: Numbers) -> str:
@@ -163,6 +165,11 @@ class ReconstructionCheck(Code):
     )
     NO_UNCERTAINTY = "no uncertainty", "The modes state no uncertainty, so springs and dampers have no intervals."
     ALTERNATIVES = "alternatives", _others
+    CHANNEL_UNKNOWN = (
+        "channel unknown",
+        "Shapes were not used: channel {channel!r} is neither a coordinate of the car, its velocity or acceleration, "
+        "nor the travel of a strut.",
+    )
     NO_ALTERNATIVES = "no alternatives", "No other set of springs and dampers with these modes was found."
     NEAR_MISS = "near miss", "Another set of springs and dampers comes within {distance:.1e} of these modes."
     OTHER_UNITS = (
