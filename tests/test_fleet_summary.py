@@ -15,7 +15,7 @@ import pytest
 from click.testing import CliRunner, Result
 from fleets import CAR, make_fleet, time_limit, write_decay
 
-from suspid import InputError, ModalSet, eigenmodes
+from suspid import InputError, ModalSet, eigenmodes, quarter_car
 from suspid.analysis import CarSettings, Settings
 from suspid.cli.commands import Commands
 from suspid.cli.fleet import fleet_command
@@ -24,7 +24,7 @@ from suspid.fleet.families import OTHERS, families_by_density, families_of_car
 from suspid.fleet.fleet_summary import fleet_summary
 from suspid.fleet.identify_many import identify_many
 from suspid.fleet.manifest import FLEET_FORMAT, environment
-from suspid.fleet.parts import as_part, write_part
+from suspid.fleet.parts import as_part, read_table, write_part
 from suspid.fleet.summary import FleetSummary
 from suspid.fleet.summary_text import distribution_table
 from suspid.fleet.tables import TABLE_COLUMNS, Rows
@@ -337,6 +337,29 @@ class TestCommand:
         other = run(tmp_path / "in", "-o", tmp_path / "out", "--modes", 1)
         assert other.exit_code == 1
         assert "begun with other settings: settings.modes was None, is 1" in other.stderr
+
+    def test_another_car_is_named_by_the_line_that_differs(self, tmp_path: Path) -> None:
+        make_fleet(tmp_path / "in", 1)
+        for name, damping in (("one", 1500), ("other", 1400)):
+            car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3, tire_stiffness=200e3,
+                              chassis_damping=damping)  # fmt: skip
+            write_car(car, tmp_path / f"{name}.toml")
+        fleet = (tmp_path / "in", "-o", tmp_path / "out", "--workers", 1, "--car")
+        assert run(*fleet, tmp_path / "one.toml").exit_code == 0
+        refused = run(*fleet, tmp_path / "other.toml")
+        assert refused.exit_code == 1
+        assert "car had 'damping = 1500.0  # N s/m', has 'damping = 1400.0  # N s/m'; continue" in refused.stderr
+
+    def test_reasons_of_failures_name_the_options_of_the_command(self, tmp_path: Path) -> None:
+        make_fleet(tmp_path / "in", 1)
+        (tmp_path / "in" / "untimed.csv").write_text("seat,tire\n" + "1,2\n3,1\n" * 50, encoding="utf-8")
+        shown = run(tmp_path / "in", "-o", tmp_path / "out", "--workers", 1)
+        assert shown.exit_code == 0, shown.stderr
+        (row,) = read_table(tmp_path / "out", "failures", columns=["reason"]).to_pylist()
+        assert "name one (--time), or give the sampling rate (--fs)" in row["reason"]
+        identify_many(tmp_path / "in", output=tmp_path / "by_python", workers=1)
+        (row,) = read_table(tmp_path / "by_python", "failures", columns=["reason"]).to_pylist()
+        assert "name one (time), or give the sampling rate (fs)" in row["reason"]
 
     def test_nothing_could_be_identified(self, tmp_path: Path) -> None:
         (tmp_path / "in").mkdir()
