@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 # Inches of a picture that needs no whole page.
 HALF_PAGE = (8.27, 5.8)
 # What files hold by the start of their format; all others are read as modes.
-KINDS = {
+HELD_BY_FORMAT = {
     "suspid estimate": "an estimate",
     "suspid drive": "an estimate",
     "suspid car": "a reconstruction",
@@ -146,7 +146,7 @@ def _kind(path: Path) -> str:
         return "modes"
     with naming(path):
         form = parsed_json(read_text(path)).get("format")
-    return next((kind for start, kind in KINDS.items() if str(form).startswith(start)), "modes")
+    return next((kind for start, kind in HELD_BY_FORMAT.items() if str(form).startswith(start)), "modes")
 
 
 def _rule(damper_std: float | None, load_std: float | None) -> WearRule:
