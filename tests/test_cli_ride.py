@@ -248,5 +248,5 @@ def test_the_form_of_a_weighting_is_shown(tmp_path: Path) -> None:
     assert refused.exit_code == 1
     assert "state the weighting of those that are (--weighting 'a body'=Wk)" in refused.output
     assert "write CHANNEL=Wk,…, each name once" in run("ride", file, "--weighting", "Wk").output
-    with pytest.raises(InputError, match=r"such as weightings=\{'a body': 'Wk'\}"):
+    with pytest.raises(InputError, match=r"with weightings as in \{'a body': 'Wk'\}"):
         ride(read_record(file))

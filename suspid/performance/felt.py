@@ -82,7 +82,7 @@ def felt_of(
         raise InputError(
             "no channel is named like an acceleration; state the weighting of those that are",
             *(
-                AtCommandLine("weightings", f"{shlex.quote(name)}=Wk", f", such as weightings={{{name!r}: 'Wk'}}")
+                AtCommandLine("weightings", f"{shlex.quote(name)}=Wk", f", with weightings as in {{{name!r}: 'Wk'}}")
                 for name in [n for n in names if not _other(n)][:1]
             ),
         )
