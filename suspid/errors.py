@@ -33,7 +33,15 @@ class SuspidError(Exception):
 
     @property
     def message(self) -> str:
-        """What is wrong, without the name of the source."""
+        """What is wrong, without the name of the source.
+
+        Examples
+        --------
+        >>> from suspid.errors import SuspidError
+        >>> error = SuspidError("is empty").about("bump.csv")
+        >>> str(error), error.message
+        ('bump.csv: is empty', 'is empty')
+        """
         return str(Wording(self.args))
 
     @property

@@ -84,7 +84,17 @@ class RawChannel:
 
     @property
     def gaps(self) -> int:
-        """Number of runs of missing samples: holes in the time stamps, and runs of NaN."""
+        """Number of runs of missing samples: holes in the time stamps, and runs of NaN.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import RawChannel
+        >>> t = np.array([0.0, 0.01, 0.02, 0.05, 0.06])
+        >>> seat = RawChannel(name="seat", unit="m", timepts=t, values=np.sin(20 * t), rate=None)
+        >>> seat.gaps
+        1
+        """
         return rate_and_gaps(self.timepts)[1] + self.missing
 
     @property
@@ -153,7 +163,19 @@ class Recording:
 
     @property
     def tests(self) -> tuple[str, ...]:
-        """Names of the tests, where the file holds several; else empty."""
+        """Names of the tests, where the file holds several; else empty.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import RawChannel, Recording
+        >>> t = np.arange(100) / 100
+        >>> both = [RawChannel(name="seat", unit="m", timepts=t + k, values=np.sin(20 * t), rate=None, test=f"run {k}")
+        ...         for k in (1, 2)]
+        >>> found = Recording(title="bumps", channels=tuple(both))
+        >>> found.tests
+        ('run 1', 'run 2')
+        """
         return tuple(dict.fromkeys(channel.test for channel in self.channels if channel.test))
 
     def of_test(self, name: str) -> Recording:
@@ -163,6 +185,17 @@ class Recording:
         ------
         RecordError
             If there is no such test; the message lists those that there are.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import RawChannel, Recording
+        >>> t = np.arange(100) / 100
+        >>> both = [RawChannel(name="seat", unit="m", timepts=t + k, values=np.sin(20 * t), rate=None, test=f"run {k}")
+        ...         for k in (1, 2)]
+        >>> found = Recording(title="bumps", channels=tuple(both))
+        >>> float(found.of_test("run 2")["seat"].timepts[0])
+        2.0
         """
         if name not in self.tests:
             known = f"it contains {listed(self.tests)}" if self.tests else "it contains only one, so leave test out"

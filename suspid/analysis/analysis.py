@@ -91,7 +91,18 @@ class Analysis(Result):
 
     @property
     def record(self) -> control.TimeResponseData:
-        """The cleaned record, of which ``identification.response`` is the stretch that was used."""
+        """The cleaned record, of which ``identification.response`` is the stretch that was used.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import analyse, as_record
+        >>> t = np.arange(400) / 100
+        >>> noise = 1e-3 * np.random.default_rng(1).standard_normal(t.size)
+        >>> found = analyse(as_record(np.exp(-t) * np.cos(20 * t) + noise, timepts=t, channels=["seat [mm]"]))
+        >>> found.record.output_labels
+        ['seat [mm]']
+        """
         return self.cleaned.record
 
     @property
@@ -103,12 +114,34 @@ class Analysis(Result):
 
     @property
     def modes(self) -> ModalSet:
-        """The modes: the joint ones where several decays were used."""
+        """The modes: the joint ones where several decays were used.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import analyse, as_record
+        >>> t = np.arange(400) / 100
+        >>> noise = 1e-3 * np.random.default_rng(1).standard_normal(t.size)
+        >>> found = analyse(as_record(np.exp(-t) * np.cos(20 * t) + noise, timepts=t, channels=["seat [mm]"]))
+        >>> found.modes.wn.round(1)
+        array([20.])
+        """
         return self.identification.modes if self.repeats is None else self.repeats.modes
 
     @cached_property
     def verdict(self) -> Verdict:
-        """How far the modes, springs and dampers can be trusted."""
+        """How far the modes, springs and dampers can be trusted.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import analyse, as_record
+        >>> t = np.arange(400) / 100
+        >>> noise = 1e-3 * np.random.default_rng(1).standard_normal(t.size)
+        >>> found = analyse(as_record(np.exp(-t) * np.cos(20 * t) + noise, timepts=t, channels=["seat [mm]"]))
+        >>> found.verdict.level.label
+        'sound'
+        """
         level = self.settings.level
         if self.repeats is not None:
             found = verdict_of_repeats(self.repeats, level)

@@ -84,7 +84,19 @@ class CheckedLimits(Result):
     level: Ratio
 
     def named(self, state: LimitState) -> tuple[str, ...]:
-        """Return the names of the limits in a state."""
+        """Return the names of the limits in a state.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import Limit, as_record, check_limits, identify
+        >>> t = np.arange(400) / 100
+        >>> noise = 1e-3 * np.random.default_rng(1).standard_normal(t.size)
+        >>> found = identify(as_record(np.exp(-t) * np.cos(20 * t) + noise, timepts=t))
+        >>> checked = check_limits(found, [Limit(of=1, quantity="zeta", least=0.2)])
+        >>> checked.named(checked.rows[0].state)
+        ('mode 1.zeta',)
+        """
         return tuple(row.limit.name for row in self.rows if row.state is state)
 
     @property
@@ -104,7 +116,19 @@ class CheckedLimits(Result):
 
     @property
     def verdict(self) -> Verdict:
-        """How many limits are met, and each of them."""
+        """How many limits are met, and each of them.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import Limit, as_record, check_limits, identify
+        >>> t = np.arange(400) / 100
+        >>> noise = 1e-3 * np.random.default_rng(1).standard_normal(t.size)
+        >>> found = identify(as_record(np.exp(-t) * np.cos(20 * t) + noise, timepts=t))
+        >>> checked = check_limits(found, [Limit(of=1, quantity="zeta", least=0.2)])
+        >>> checked.verdict.level.label
+        'doubtful'
+        """
         met, missed, open_ = (len(self.named(state)) for state in LimitState)
         numbers = {"limits": len(self.rows), "met": met, "missed": missed, "open": open_}
         return Verdict(Remark(LimitHeadline.JUDGED, numbers), tuple(row.check for row in self.rows))

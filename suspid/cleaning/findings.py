@@ -50,12 +50,38 @@ class Finding:
 
     @property
     def kind(self) -> Code:
-        """What it is, such as `Defect.CLIPPED`."""
+        """What it is, such as `Defect.CLIPPED`.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import RawChannel, Recording, clean
+        >>> t = np.arange(300) / 100
+        >>> values = np.exp(-t) * np.sin(12 * t)
+        >>> values[40] = -9999.0
+        >>> seat = RawChannel(name="seat", unit="m", timepts=t, values=values, rate=None)
+        >>> found = clean(Recording(title="bump", channels=(seat,))).findings[0]
+        >>> str(found.kind)
+        'sentinel'
+        """
         return self.remark.code
 
     @property
     def text(self) -> str:
-        """What it is, how much, and what was done, as a sentence."""
+        """What it is, how much, and what was done, as a sentence.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import RawChannel, Recording, clean
+        >>> t = np.arange(300) / 100
+        >>> values = np.exp(-t) * np.sin(12 * t)
+        >>> values[40] = -9999.0
+        >>> seat = RawChannel(name="seat", unit="m", timepts=t, values=values, rate=None)
+        >>> found = clean(Recording(title="bump", channels=(seat,))).findings[0]
+        >>> found.text
+        '1 sample equal to -9999, far from all others (-0.6767 to 0.8793); treated as missing'
+        """
         return str(self.remark)
 
     @property
@@ -63,6 +89,18 @@ class Finding:
         """The defect as part of a verdict: a note if repaired, else a reason for care.
 
         An offset is a note as well: identification allows for it. A rate that contradicts the stamps is no repair.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import RawChannel, Recording, clean
+        >>> t = np.arange(300) / 100
+        >>> values = np.exp(-t) * np.sin(12 * t)
+        >>> values[40] = -9999.0
+        >>> seat = RawChannel(name="seat", unit="m", timepts=t, values=values, rate=None)
+        >>> found = clean(Recording(title="bump", channels=(seat,))).findings[0]
+        >>> found.check.level.label
+        'note'
         """
         place: dict[str, Number] = {
             "channel": self.channel,

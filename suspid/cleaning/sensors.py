@@ -73,22 +73,66 @@ class Vertical:
 
     @property
     def nearest_axis(self) -> str:
-        """The channel that is nearest to the vertical."""
+        """The channel that is nearest to the vertical.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import as_record, vertical
+        >>> t = np.arange(1000) / 200
+        >>> up = 9.81 + np.exp(-t) * np.sin(10 * t)
+        >>> _, found = vertical(as_record([0 * t, 0.6 * up, 0.8 * up], timepts=t, channels=["x", "y", "z"]))
+        >>> found.nearest_axis
+        'z'
+        """
         return self.axes[int(np.argmax(np.abs(self.up)))]
 
     @property
     def tilt_deg(self) -> float:
-        """Angle between the vertical and that axis [deg]."""
+        """Angle between the vertical and that axis [deg].
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import as_record, vertical
+        >>> t = np.arange(1000) / 200
+        >>> up = 9.81 + np.exp(-t) * np.sin(10 * t)
+        >>> _, found = vertical(as_record([0 * t, 0.6 * up, 0.8 * up], timepts=t, channels=["x", "y", "z"]))
+        >>> round(found.tilt_deg, 2)
+        36.87
+        """
         return _angle(self.up, np.eye(3)[int(np.argmax(np.abs(self.up)))])
 
     @property
     def apart_deg(self) -> float:
-        """Angle between the vertical and the axis of the largest motion [deg]."""
+        """Angle between the vertical and the axis of the largest motion [deg].
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import as_record, vertical
+        >>> t = np.arange(1000) / 200
+        >>> up = 9.81 + np.exp(-t) * np.sin(10 * t)
+        >>> _, found = vertical(as_record([0 * t, 0.6 * up, 0.8 * up], timepts=t, channels=["x", "y", "z"]))
+        >>> round(found.apart_deg, 3)
+        0.0
+        """
         return _angle(self.up, self.principal)
 
     @property
     def agree(self) -> bool:
-        """Whether gravity and the motion point the same way, to 10 degrees or three standard deviations."""
+        """Whether gravity and the motion point the same way, to 10 degrees or three standard deviations.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import as_record, vertical
+        >>> t = np.arange(1000) / 200
+        >>> up = 9.81 + np.exp(-t) * np.sin(10 * t)
+        >>> _, found = vertical(as_record([0 * t, 0.6 * up, 0.8 * up], timepts=t, channels=["x", "y", "z"]))
+        >>> found.agree
+        True
+        """
         # Angle between gravity and motion up to which they agree, if it is more than three standard deviations [deg].
         return self.apart_deg <= max(10.0, 3 * float(np.hypot(self.std_deg, self.principal_std_deg)))
 

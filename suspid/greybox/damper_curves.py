@@ -134,7 +134,23 @@ class DamperCurve(Result):
 
     @property
     def std(self) -> RealArray:
-        """Standard deviations of `forces` [N], (node,); that at rest is 0."""
+        """Standard deviations of `forces` [N], (node,); that at rest is 0.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import damper_curve, quarter_car, road_profile, simulate
+        >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3,
+        ...                   chassis_damping=1300)
+        >>> t, rng = np.arange(0, 6, 0.005), np.random.default_rng(1)
+        >>> road = road_profile(20 * t, roughness="B", rng=rng, wavelengths=(0.5, 100.0))
+        >>> record = simulate(car, t, {"road": road}, outputs=["chassis_acceleration", "tire_acceleration"],
+        ...                   interpolation="cubic")
+        >>> record.outputs[:] += np.array([[0.03], [0.1]]) * rng.standard_normal(record.outputs.shape)
+        >>> found = damper_curve(record, car, strut="chassis", nodes=8)
+        >>> found.std.shape == found.velocities.shape
+        True
+        """
         return np.asarray(np.sqrt(np.diag(self.covariance)[1:-1]))
 
     @property
@@ -165,6 +181,22 @@ class DamperCurve(Result):
         ------
         InputError
             If the level is not between 0 and 1.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import damper_curve, quarter_car, road_profile, simulate
+        >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3,
+        ...                   chassis_damping=1300)
+        >>> t, rng = np.arange(0, 6, 0.005), np.random.default_rng(1)
+        >>> road = road_profile(20 * t, roughness="B", rng=rng, wavelengths=(0.5, 100.0))
+        >>> record = simulate(car, t, {"road": road}, outputs=["chassis_acceleration", "tire_acceleration"],
+        ...                   interpolation="cubic")
+        >>> record.outputs[:] += np.array([[0.03], [0.1]]) * rng.standard_normal(record.outputs.shape)
+        >>> found = damper_curve(record, car, strut="chassis", nodes=8)
+        >>> low, high = found.interval(0.95)
+        >>> bool(np.all((low <= found.forces) & (found.forces <= high)))
+        True
         """
         reach = _reach(level) * self.std
         return self.forces - reach, self.forces + reach
@@ -176,11 +208,42 @@ class DamperCurve(Result):
         ----------
         amplitude : float, optional
             Amplitude of the velocity [m/s]. Default: that of the root mean square in the records.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import damper_curve, quarter_car, road_profile, simulate
+        >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3,
+        ...                   chassis_damping=1300)
+        >>> t, rng = np.arange(0, 6, 0.005), np.random.default_rng(1)
+        >>> road = road_profile(20 * t, roughness="B", rng=rng, wavelengths=(0.5, 100.0))
+        >>> record = simulate(car, t, {"road": road}, outputs=["chassis_acceleration", "tire_acceleration"],
+        ...                   interpolation="cubic")
+        >>> record.outputs[:] += np.array([[0.03], [0.1]]) * rng.standard_normal(record.outputs.shape)
+        >>> found = damper_curve(record, car, strut="chassis", nodes=8)
+        >>> round(found.equivalent_damping(0.2), -2)
+        1300.0
         """
         return float(self.work_of(amplitude) @ np.append(self.forces, self.friction))
 
     def equivalent_damping_std(self, amplitude: MetrePerSecond | None = None) -> NewtonSecondPerMetre:
-        """Return the standard deviation of `equivalent_damping` [N s/m]."""
+        """Return the standard deviation of `equivalent_damping` [N s/m].
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import damper_curve, quarter_car, road_profile, simulate
+        >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3,
+        ...                   chassis_damping=1300)
+        >>> t, rng = np.arange(0, 6, 0.005), np.random.default_rng(1)
+        >>> road = road_profile(20 * t, roughness="B", rng=rng, wavelengths=(0.5, 100.0))
+        >>> record = simulate(car, t, {"road": road}, outputs=["chassis_acceleration", "tire_acceleration"],
+        ...                   interpolation="cubic")
+        >>> record.outputs[:] += np.array([[0.03], [0.1]]) * rng.standard_normal(record.outputs.shape)
+        >>> found = damper_curve(record, car, strut="chassis", nodes=8)
+        >>> bool(found.equivalent_damping_std(0.2) < 0.1 * found.equivalent_damping(0.2))
+        True
+        """
         work = self.work_of(amplitude)
         return float(np.sqrt(work @ self.covariance[1:, 1:] @ work))
 
@@ -198,7 +261,23 @@ class DamperCurve(Result):
 
     @property
     def strut(self) -> Strut:
-        """The strut with what was found, for `free_decay` and `simulate`."""
+        """The strut with what was found, for `free_decay` and `simulate`.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import damper_curve, quarter_car, road_profile, simulate
+        >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3,
+        ...                   chassis_damping=1300)
+        >>> t, rng = np.arange(0, 6, 0.005), np.random.default_rng(1)
+        >>> road = road_profile(20 * t, roughness="B", rng=rng, wavelengths=(0.5, 100.0))
+        >>> record = simulate(car, t, {"road": road}, outputs=["chassis_acceleration", "tire_acceleration"],
+        ...                   interpolation="cubic")
+        >>> record.outputs[:] += np.array([[0.03], [0.1]]) * rng.standard_normal(record.outputs.shape)
+        >>> found = damper_curve(record, car, strut="chassis", nodes=8)
+        >>> found.strut.name, found.strut.linear
+        ('chassis', False)
+        """
         from dataclasses import replace
 
         nominal = next(s for s in self.suspension.struts if s.name == self.name)
@@ -212,7 +291,23 @@ class DamperCurve(Result):
 
     @property
     def car(self) -> Suspension:
-        """The suspension with `strut` in place of the one given."""
+        """The suspension with `strut` in place of the one given.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import damper_curve, quarter_car, road_profile, simulate
+        >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3,
+        ...                   chassis_damping=1300)
+        >>> t, rng = np.arange(0, 6, 0.005), np.random.default_rng(1)
+        >>> road = road_profile(20 * t, roughness="B", rng=rng, wavelengths=(0.5, 100.0))
+        >>> record = simulate(car, t, {"road": road}, outputs=["chassis_acceleration", "tire_acceleration"],
+        ...                   interpolation="cubic")
+        >>> record.outputs[:] += np.array([[0.03], [0.1]]) * rng.standard_normal(record.outputs.shape)
+        >>> found = damper_curve(record, car, strut="chassis", nodes=8)
+        >>> found.car.struts[0] == found.strut
+        True
+        """
         from dataclasses import replace
 
         struts = [self.strut if s.name == self.name else s for s in self.suspension.struts]

@@ -185,27 +185,97 @@ class Drives(Sequence[Drive], Result):
 
     @property
     def taken(self) -> tuple[Drive, ...]:
-        """The usable stretches."""
+        """The usable stretches.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import RawChannel, Recording, find_drives
+        >>> t = np.arange(6000) / 100
+        >>> speed = np.where(t < 20, 0.0, 20.0)
+        >>> body = (0.3 * (speed > 0) + 0.002) * np.random.default_rng(1).standard_normal(t.size)
+        >>> rows = {"chassis": (body, "m/s2"), "speed": (speed, "m/s")}
+        >>> made = [RawChannel(name=n, unit=u, timepts=t, values=v, rate=None) for n, (v, u) in rows.items()]
+        >>> drives = find_drives(Recording(title="ride", channels=tuple(made)))
+        >>> [drive.start for drive in drives.taken]
+        [21.0]
+        """
         return tuple(one for one in self.stretches if one.taken)
 
     @property
     def left(self) -> tuple[Drive, ...]:
-        """The other stretches."""
+        """The other stretches.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import RawChannel, Recording, find_drives
+        >>> t = np.arange(6000) / 100
+        >>> speed = np.where(t < 20, 0.0, 20.0)
+        >>> body = (0.3 * (speed > 0) + 0.002) * np.random.default_rng(1).standard_normal(t.size)
+        >>> rows = {"chassis": (body, "m/s2"), "speed": (speed, "m/s")}
+        >>> made = [RawChannel(name=n, unit=u, timepts=t, values=v, rate=None) for n, (v, u) in rows.items()]
+        >>> drives = find_drives(Recording(title="ride", channels=tuple(made)))
+        >>> len(drives.left)
+        2
+        """
         return tuple(one for one in self.stretches if not one.taken)
 
     @property
     def usable(self) -> Second:
-        """Length of all usable stretches together [s]."""
+        """Length of all usable stretches together [s].
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import RawChannel, Recording, find_drives
+        >>> t = np.arange(6000) / 100
+        >>> speed = np.where(t < 20, 0.0, 20.0)
+        >>> body = (0.3 * (speed > 0) + 0.002) * np.random.default_rng(1).standard_normal(t.size)
+        >>> rows = {"chassis": (body, "m/s2"), "speed": (speed, "m/s")}
+        >>> made = [RawChannel(name=n, unit=u, timepts=t, values=v, rate=None) for n, (v, u) in rows.items()]
+        >>> drives = find_drives(Recording(title="ride", channels=tuple(made)))
+        >>> round(drives.usable)
+        39
+        """
         return float(sum(one.length for one in self.taken))
 
     @property
     def length(self) -> Second:
-        """Length of all stretches together [s]."""
+        """Length of all stretches together [s].
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import RawChannel, Recording, find_drives
+        >>> t = np.arange(6000) / 100
+        >>> speed = np.where(t < 20, 0.0, 20.0)
+        >>> body = (0.3 * (speed > 0) + 0.002) * np.random.default_rng(1).standard_normal(t.size)
+        >>> rows = {"chassis": (body, "m/s2"), "speed": (speed, "m/s")}
+        >>> made = [RawChannel(name=n, unit=u, timepts=t, values=v, rate=None) for n, (v, u) in rows.items()]
+        >>> drives = find_drives(Recording(title="ride", channels=tuple(made)))
+        >>> round(drives.length)
+        60
+        """
         return float(sum(one.length for one in self.stretches))
 
     @property
     def verdict(self) -> Verdict:
-        """Whether there is a usable stretch, and what could not be checked."""
+        """Whether there is a usable stretch, and what could not be checked.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import RawChannel, Recording, find_drives
+        >>> t = np.arange(6000) / 100
+        >>> speed = np.where(t < 20, 0.0, 20.0)
+        >>> body = (0.3 * (speed > 0) + 0.002) * np.random.default_rng(1).standard_normal(t.size)
+        >>> rows = {"chassis": (body, "m/s2"), "speed": (speed, "m/s")}
+        >>> made = [RawChannel(name=n, unit=u, timepts=t, values=v, rate=None) for n, (v, u) in rows.items()]
+        >>> drives = find_drives(Recording(title="ride", channels=tuple(made)))
+        >>> drives.verdict.level.label
+        'care'
+        """
         if not self.taken:
             none = Remark(DriveRemark.NONE, {"length": self.length, "why": left_for(self)})
             return Verdict(none, (Check(none, Level.NONE), *self.remarks))

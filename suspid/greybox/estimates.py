@@ -131,6 +131,17 @@ class Estimate(Result):
         """Correlation of the residual of each channel of each record with itself one sample later [1]; 0 for white.
 
         Residuals of records with given wheels contain one band only, so they are not white; `explains` judges them.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import add_noise, estimate, free_decay, quarter_car
+        >>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3,
+        ...                   tire_stiffness=200e3, chassis_damping=1500)
+        >>> record = free_decay(car, np.arange(0, 2, 0.01), initial_state={"v_tire": 1.0})
+        >>> found = estimate(add_noise(record, snr_db=30.0, rng=np.random.default_rng(1)), car, fixed=["tire.damping"])
+        >>> bool(np.all(abs(found.whiteness[0]) < 0.3))
+        True
         """
         return tuple(_lag_one(as_signal(response).values) for response in self.residual)
 
@@ -201,7 +212,19 @@ class Estimate(Result):
         return "\n".join([parameter_table(self), *(str(part) for part in (self.modes, *self.road, self.verdict))])
 
     def details(self) -> str:
-        """Return everything as text: the tables of `str`, and one of the channels of every record."""
+        """Return everything as text: the tables of `str`, and one of the channels of every record.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import add_noise, estimate, free_decay, quarter_car
+        >>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3,
+        ...                   tire_stiffness=200e3, chassis_damping=1500)
+        >>> record = free_decay(car, np.arange(0, 2, 0.01), initial_state={"v_tire": 1.0})
+        >>> found = estimate(add_noise(record, snr_db=30.0, rng=np.random.default_rng(1)), car, fixed=["tire.damping"])
+        >>> len(found.details()) > len(str(found))
+        True
+        """
         return f"{self}\n{channel_table(self)}"
 
 

@@ -131,7 +131,18 @@ class Identification(Result):
 
     @property
     def whiteness(self) -> RealArray:
-        """Correlation of each channel's residual with itself one sample later [1], (channel,): 0 for white noise."""
+        """Correlation of each channel's residual with itself one sample later [1], (channel,): 0 for white noise.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import as_record, identify
+        >>> t = np.arange(400) / 100
+        >>> noise = 1e-3 * np.random.default_rng(1).standard_normal(t.size)
+        >>> found = identify(as_record(np.exp(-t) * np.cos(20 * t) + noise, timepts=t, channels=["seat"]))
+        >>> bool(abs(found.whiteness[0]) < 0.2)
+        True
+        """
         return lag_one(as_signal(held(self, "residual")).values)
 
     @property
@@ -165,6 +176,16 @@ class Identification(Result):
         each part alone, starting from `modes`. The figure is the distance of the two poles over its standard
         deviation in the noise, root mean square of real and imaginary part: about 1 for a linear decay. It is
         NaN for a real pole, where a part does not hold the mode, and for modes that depend on their amplitude.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import as_record, identify
+        >>> t = np.arange(400) / 100
+        >>> noise = 1e-3 * np.random.default_rng(1).standard_normal(t.size)
+        >>> found = identify(as_record(np.exp(-t) * np.cos(20 * t) + noise, timepts=t, channels=["seat"]))
+        >>> bool(found.halves[0] < 3)
+        True
         """
         if self.forces:
             return frozen_real(np.full(len(self.modes), np.nan))
@@ -181,7 +202,18 @@ class Identification(Result):
 
     @cached_property
     def verdict(self) -> Verdict:
-        """How far the modes can be trusted, with every check and its numbers."""
+        """How far the modes can be trusted, with every check and its numbers.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import as_record, identify
+        >>> t = np.arange(400) / 100
+        >>> noise = 1e-3 * np.random.default_rng(1).standard_normal(t.size)
+        >>> found = identify(as_record(np.exp(-t) * np.cos(20 * t) + noise, timepts=t, channels=["seat"]))
+        >>> found.verdict.level.label
+        'sound'
+        """
         return verdict_of(self)
 
     def _table(self) -> Mapping[str, Sequence[object]]:

@@ -253,7 +253,16 @@ class ModalSet(Result):
 
     @property
     def wn_zeta_covariance(self) -> RealArray | None:
-        """Joint covariance of (wn, zeta of mode 1, wn, zeta of mode 2, …), (2 mode, 2 mode); None for exact modes."""
+        """Joint covariance of (wn, zeta of mode 1, wn, zeta of mode 2, …), (2 mode, 2 mode); None for exact modes.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import ModalSet
+        >>> modes = ModalSet.from_wn_zeta([10.0, 70.0], [0.3, 0.2], wn_std=[0.1, 0.5], zeta_std=[0.01, 0.02])
+        >>> np.sqrt(np.diag(modes.wn_zeta_covariance)).round(3)
+        array([0.1 , 0.01, 0.5 , 0.02])
+        """
         if self.covariance is None:
             return None
         n = 2 * len(self)

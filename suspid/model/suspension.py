@@ -150,17 +150,44 @@ class Suspension:
 
     @property
     def C_road(self) -> RealArray:
-        """Force on each coordinate per rate of each road input [N s/m], (coordinate, road)."""
+        """Force on each coordinate per rate of each road input [N s/m], (coordinate, road).
+
+        Examples
+        --------
+        >>> from suspid import quarter_car
+        >>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3,
+        ...                   tire_stiffness=200e3, chassis_damping=1500, tire_damping=60)
+        >>> car.C_road.tolist()
+        [[0.0], [60.0]]
+        """
         check_plain(self, "a damping matrix")
         return np.asarray(-self.arms(self.coordinates).T * [s.damping for s in self.struts] @ self.arms(self.roads))
 
     @property
     def K_road(self) -> RealArray:
-        """Force on each coordinate per displacement of each road input [N/m], (coordinate, road)."""
+        """Force on each coordinate per displacement of each road input [N/m], (coordinate, road).
+
+        Examples
+        --------
+        >>> from suspid import quarter_car
+        >>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3,
+        ...                   tire_stiffness=200e3, chassis_damping=1500, tire_damping=60)
+        >>> car.K_road.tolist()
+        [[0.0], [200000.0]]
+        """
         return np.asarray(-self.arms(self.coordinates).T * [s.stiffness for s in self.struts] @ self.arms(self.roads))
 
     def arms(self, coordinates: Sequence[str]) -> RealArray:
-        """Return the elongation of each strut per unit of each coordinate, (strut, coordinate)."""
+        """Return the elongation of each strut per unit of each coordinate, (strut, coordinate).
+
+        Examples
+        --------
+        >>> from suspid import quarter_car
+        >>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3,
+        ...                   tire_stiffness=200e3, chassis_damping=1500, tire_damping=60)
+        >>> car.arms(car.coordinates).tolist()
+        [[1.0, -1.0], [0.0, 1.0]]
+        """
         rows = [[strut.arms.get(c, 0.0) for c in coordinates] for strut in self.struts]
         return np.array(rows, dtype=float).reshape(len(self.struts), len(coordinates))
 
@@ -215,7 +242,16 @@ class Suspension:
 
     @property
     def linear(self) -> bool:
-        """Whether no strut has friction or a curve."""
+        """Whether no strut has friction or a curve.
+
+        Examples
+        --------
+        >>> from suspid import quarter_car
+        >>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3,
+        ...                   tire_stiffness=200e3, chassis_damping=1500, tire_damping=60)
+        >>> car.linear, car.with_parameters(friction={"chassis": 50}).linear
+        (True, False)
+        """
         return all(strut.linear for strut in self.struts)
 
     def linearised(self, amplitude: MetrePerSecond | None = None) -> Suspension:

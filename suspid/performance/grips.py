@@ -114,12 +114,34 @@ class Grip(Result):
 
     @property
     def adhesion_std(self) -> RealArray:
-        """Standard deviations of `least` [1], (wheel,): half the width of its uncut 95 % interval over 1.96."""
+        """Standard deviations of `least` [1], (wheel,): half the width of its uncut 95 % interval over 1.96.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import grip, quarter_car
+        >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3,
+        ...                   chassis_damping=650, tire_damping=60)
+        >>> found = grip(car, nominal_std=0.05)
+        >>> bool(0 < found.adhesion_std[0] < found.adhesion[0])
+        True
+        """
         return self._std[: len(self.wheels)]
 
     @property
     def phase_std(self) -> RealArray:
-        """Standard deviations of `phase` [rad], (wheel,), in the same way."""
+        """Standard deviations of `phase` [rad], (wheel,), in the same way.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import grip, quarter_car
+        >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3,
+        ...                   chassis_damping=650, tire_damping=60)
+        >>> found = grip(car, nominal_std=0.05)
+        >>> np.degrees(found.phase_std).round(1)
+        array([2.])
+        """
         return self._std[len(self.wheels) :]
 
     @property
@@ -141,6 +163,16 @@ class Grip(Result):
         """Whether the least phase of each wheel is met at its resonance: a damper so strong that a stronger has less.
 
         Where it is, the phase tells nothing of a loss of damping.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import grip, quarter_car
+        >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3,
+        ...                   chassis_damping=650, tire_damping=60)
+        >>> found = grip(car, nominal_std=0.05)
+        >>> found.stiff, grip(car.with_parameters(damping={"chassis": 6000})).stiff
+        ((False,), (True,))
         """
         return tuple((self.phase_hertz == self.resonances[:, 1]).tolist())
 
@@ -157,6 +189,17 @@ class Grip(Result):
         ------
         InputError
             If the level is not between 0 and 1.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import grip, quarter_car
+        >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3,
+        ...                   chassis_damping=650, tire_damping=60)
+        >>> found = grip(car, nominal_std=0.05)
+        >>> low, high = found.interval(0.95)["tire.phase"]
+        >>> np.degrees([low, high]).round(0)
+        array([32., 40.])
         """
         check_level(level)
         figures = np.append(self.least, self.phase)

@@ -101,6 +101,17 @@ class Ride(Result):
         """Standard deviations of `values`, (figure,): of the car's parameters and of the scatter of a record.
 
         Those of the parameters are half the width of the 95 % interval over 1.96.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import quarter_car, ride
+        >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3,
+        ...                   chassis_damping=1300, tire_damping=60)
+        >>> found = ride(car, road="C", speed=20.0, nominal_std=0.05)
+        >>> rms = found.figures.index("chassis_acceleration.rms")
+        >>> bool(0 < found.std[rms] < 0.1 * found.values[rms])
+        True
         """
         by_car = spreads(self.jacobian.T, self.covariance, self.parameter_values, self.bends)
         return np.asarray(np.hypot(by_car, self.scatter))
@@ -115,6 +126,17 @@ class Ride(Result):
         ------
         InputError
             If the level is not between 0 and 1.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import quarter_car, ride
+        >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3,
+        ...                   chassis_damping=1300, tire_damping=60)
+        >>> found = ride(car, road="C", speed=20.0, nominal_std=0.05)
+        >>> low, high = found.interval(0.95)["chassis_acceleration.Wk"]
+        >>> bool(low < found["chassis_acceleration.Wk"] < high)
+        True
         """
         check_level(level)
         reach = normal_reach(level)

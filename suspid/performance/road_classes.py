@@ -66,12 +66,32 @@ class RoadClass(Result):
 
     @property
     def name(self) -> str:
-        """Class ``"A"`` to ``"H"``."""
+        """Class ``"A"`` to ``"H"``.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import classify_road, road
+        >>> heights = road("B", speed=20.0).record(np.arange(0, 30, 0.01), rng=np.random.default_rng(1))
+        >>> found = classify_road(heights, speed=20.0)
+        >>> found.name
+        'B'
+        """
         return road_class(self.roughness)
 
     @property
     def shares(self) -> dict[str, float]:
-        """Probability of each class."""
+        """Probability of each class.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import classify_road, road
+        >>> heights = road("B", speed=20.0).record(np.arange(0, 30, 0.01), rng=np.random.default_rng(1))
+        >>> found = classify_road(heights, speed=20.0)
+        >>> round(sum(found.shares.values()), 6)
+        1.0
+        """
         return class_shares(self.roughness, float(np.sqrt(self.covariance[0, 0])))
 
     def interval(self, level: Ratio = LEVEL) -> dict[str, tuple[float, float]]:
@@ -81,6 +101,16 @@ class RoadClass(Result):
         ------
         InputError
             If the level is not between 0 and 1.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import classify_road, road
+        >>> heights = road("B", speed=20.0).record(np.arange(0, 30, 0.01), rng=np.random.default_rng(1))
+        >>> found = classify_road(heights, speed=20.0)
+        >>> low, high = found.interval(0.95)["roughness"]
+        >>> bool(low < 64e-6 < high)
+        True
         """
         check_level(level)
         reach = normal_reach(level) * np.sqrt(np.diag(self.covariance))

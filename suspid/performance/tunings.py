@@ -68,7 +68,17 @@ class Tuning(Result):
 
     @property
     def knee(self) -> int:
-        """Number of the point where the front bends most: farthest below the line between its ends, in logarithms."""
+        """Number of the point where the front bends most: farthest below the line between its ends, in logarithms.
+
+        Examples
+        --------
+        >>> from suspid import quarter_car, tune
+        >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3,
+        ...                   chassis_damping=1300)
+        >>> found = tune(car, parameters=["chassis.damping"], road="C", speed=20.0, points=5)
+        >>> bool(found.cars[found.knee].struts[0].damping == found.choices[found.knee, 0])
+        True
+        """
         logs = np.log(small(self.objectives, self.values[:, : len(self.objectives)])[0])
         span = np.ptp(logs, axis=0)
         if len(self.objectives) < 2 or not np.all(span > 0):
@@ -82,7 +92,17 @@ class Tuning(Result):
         return tuple(i for i, column in enumerate(columns) if column not in columns[:i])
 
     def heading(self, figure: int) -> str:
-        """Return what a figure is with its unit, such as ``"tire.load [N]"``; of a robust tuning with its margin."""
+        """Return what a figure is with its unit, such as ``"tire.load [N]"``; of a robust tuning with its margin.
+
+        Examples
+        --------
+        >>> from suspid import quarter_car, tune
+        >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3,
+        ...                   chassis_damping=1300)
+        >>> found = tune(car, parameters=["chassis.damping"], road="C", speed=20.0, points=5)
+        >>> found.heading(0)
+        'chassis_acceleration.Wk [m/s2]'
+        """
         sign = "-" if kind_of(self.figures[figure]) else "+"
         margin = f", mean {sign} {self.robust:.3g} sd" if self.robust else ""
         return f"{short(self.figures[figure])}{margin} [{self.units[figure]}]"

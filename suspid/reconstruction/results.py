@@ -103,12 +103,37 @@ class Reconstruction(Result):
 
     @property
     def status(self) -> str:
-        """How it was found, and what to know about it, as one text."""
+        """How it was found, and what to know about it, as one text.
+
+        Examples
+        --------
+        >>> from suspid import ModalSet, eigenmodes, quarter_car, reconstruct
+        >>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3,
+        ...                   tire_stiffness=200e3, chassis_damping=1500)
+        >>> exact = eigenmodes(car)
+        >>> modes = ModalSet.from_wn_zeta(exact.wn, exact.zeta)
+        >>> found = reconstruct(modes, car, fixed=["tire.damping"])
+        >>> print(found.status)
+        sequence of convex fits of poles; largest relative pole error 4.3e-16
+        """
         return "; ".join(str(remark) for remark in self.remarks)
 
     @property
     def verdict(self) -> Verdict:
-        """How far the springs and dampers can be trusted, and why."""
+        """How far the springs and dampers can be trusted, and why.
+
+        Examples
+        --------
+        >>> from suspid import ModalSet, eigenmodes, quarter_car, reconstruct
+        >>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3,
+        ...                   tire_stiffness=200e3, chassis_damping=1500)
+        >>> exact = eigenmodes(car)
+        >>> modes = ModalSet.from_wn_zeta(exact.wn, exact.zeta)
+        >>> found = reconstruct(modes, car, fixed=["tire.damping"])
+        >>> print(found.verdict)
+        Verdict: 3 parameters of the car found: sound. Every check that could be made was passed.
+        note: The modes state no uncertainty, so springs and dampers have no intervals.
+        """
         return verdict_of(self)
 
     def interval(self, level: Ratio = LEVEL) -> dict[str, tuple[float, float]]:

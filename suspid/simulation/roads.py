@@ -94,6 +94,14 @@ class Road:
         """Return the spectral matrix of all inputs over `spectrum` [1], (frequency, input, input).
 
         Hermitian, with ones on the diagonal: ``coherence exp(-2 pi i f (d_i - d_j) / v)`` with d the metres behind.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import road
+        >>> country = road("C", speed=20.0)
+        >>> country.shares([1.0, 2.0])[:, 0, 0].real.tolist()
+        [1.0, 1.0]
         """
         f = np.asarray(hertz, float)
         behind, left = np.array(list(self.places.values())).T

@@ -37,17 +37,41 @@ class Window:
 
     @property
     def start(self) -> Second:
-        """First trusted time [s]."""
+        """First trusted time [s].
+
+        Examples
+        --------
+        >>> from suspid import Window
+        >>> window = Window(onset_edge=0.5, record_end=9.5, noise_floor=4.0)
+        >>> window.start
+        0.5
+        """
         return self.onset_edge
 
     @property
     def stop(self) -> Second:
-        """Last trusted time [s]."""
+        """Last trusted time [s].
+
+        Examples
+        --------
+        >>> from suspid import Window
+        >>> window = Window(onset_edge=0.5, record_end=9.5, noise_floor=4.0)
+        >>> window.stop
+        4.0
+        """
         return min(self.record_end, self.noise_floor)
 
     @property
     def reason(self) -> str:
-        """Reason for the end of the window: ``"record end"`` or ``"noise floor"``."""
+        """Reason for the end of the window: ``"record end"`` or ``"noise floor"``.
+
+        Examples
+        --------
+        >>> from suspid import Window
+        >>> window = Window(onset_edge=0.5, record_end=9.5, noise_floor=4.0)
+        >>> window.reason
+        'noise floor'
+        """
         return "noise floor" if self.noise_floor < self.record_end else "record end"
 
 
@@ -98,17 +122,51 @@ class Ridge:
 
     @property
     def trusted(self) -> NDArray[np.bool_]:
-        """Samples in the window, (sample,)."""
+        """Samples in the window, (sample,).
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import as_record, cwt, find_ridges
+        >>> t = np.arange(0, 10, 0.01)
+        >>> decay = as_record(np.exp(-t) * np.cos(20 * t), timepts=t, channels=["seat"])
+        >>> ridge = find_ridges(cwt(decay, omega=np.geomspace(10, 40, 60), bandwidth=22.0))[0]
+        >>> inside = ridge.timepts[ridge.trusted]
+        >>> bool(inside[0] >= ridge.window.start), bool(inside[-1] <= ridge.window.stop)
+        (True, True)
+        """
         return np.asarray((self.timepts >= self.window.start) & (self.timepts <= self.window.stop))
 
     @property
     def strength(self) -> RealArray:
-        """Modulus of the skeleton over its noise, root mean square over the channels [1], (sample,)."""
+        """Modulus of the skeleton over its noise, root mean square over the channels [1], (sample,).
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import as_record, cwt, find_ridges
+        >>> t = np.arange(0, 10, 0.01)
+        >>> decay = as_record(np.exp(-t) * np.cos(20 * t), timepts=t, channels=["seat"])
+        >>> ridge = find_ridges(cwt(decay, omega=np.geomspace(10, 40, 60), bandwidth=22.0))[0]
+        >>> bool(ridge.strength[ridge.trusted].min() > 1)
+        True
+        """
         return np.asarray(np.sqrt(np.mean((np.abs(self.skeleton) / self.floor[:, None]) ** 2, axis=0)))
 
     @property
     def scale(self) -> Second:
-        """Scale of the ridge [s]."""
+        """Scale of the ridge [s].
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import as_record, cwt, find_ridges
+        >>> t = np.arange(0, 10, 0.01)
+        >>> decay = as_record(np.exp(-t) * np.cos(20 * t), timepts=t, channels=["seat"])
+        >>> ridge = find_ridges(cwt(decay, omega=np.geomspace(10, 40, 60), bandwidth=22.0))[0]
+        >>> round(ridge.scale * ridge.omega, 6)
+        6.283185
+        """
         return self.wavelet.center / self.omega
 
     def __str__(self) -> str:

@@ -55,7 +55,17 @@ class Scalogram(Result):
 
     @property
     def scale(self) -> RealArray:
-        """Scales ``w0 / omega`` [s], (row,)."""
+        """Scales ``w0 / omega`` [s], (row,).
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import as_record, cwt
+        >>> t = np.arange(0, 10, 0.01)
+        >>> found = cwt(as_record(np.cos(20 * t), timepts=t, channels=["seat"]), omega=[10.0, 20.0], bandwidth=4.0)
+        >>> (found.scale * found.omega).round(3)
+        array([6.283, 6.283])
+        """
         return np.asarray(self.wavelet.center / self.omega)
 
     @property
@@ -78,6 +88,15 @@ class Scalogram(Result):
         """Cone of influence [s], (row,): the distance from either end within which the edge disturbs the coefficients.
 
         It is the time ``s sqrt(N)`` in which the wavelet's envelope falls by e.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import as_record, cwt
+        >>> t = np.arange(0, 10, 0.01)
+        >>> found = cwt(as_record(np.cos(20 * t), timepts=t, channels=["seat"]), omega=[10.0, 20.0], bandwidth=4.0)
+        >>> found.cone / found.scale
+        array([2., 2.])
         """
         return self.wavelet.envelope(self.omega)
 
@@ -89,6 +108,16 @@ class Scalogram(Result):
         ------
         InputError
             If the rows are stored at their own rates.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import as_record, cwt
+        >>> t = np.arange(0, 10, 0.01)
+        >>> found = cwt(as_record(np.cos(20 * t), timepts=t, channels=["seat"]), omega=[10.0, 20.0], bandwidth=4.0)
+        >>> whole = cwt(found.signal.values[0], fs=100, omega=[20.0], bandwidth=4.0, full_rate=True)
+        >>> whole.coefficients.shape
+        (1, 1, 1000)
         """
         if set(self.strides) - {1}:
             raise InputError(
@@ -97,7 +126,17 @@ class Scalogram(Result):
         return np.stack(self.rows, axis=1)
 
     def timepts(self, row: int) -> RealArray:
-        """Return the times of the samples of a row [s]."""
+        """Return the times of the samples of a row [s].
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import as_record, cwt
+        >>> t = np.arange(0, 10, 0.01)
+        >>> found = cwt(as_record(np.cos(20 * t), timepts=t, channels=["seat"]), omega=[10.0, 20.0], bandwidth=4.0)
+        >>> found.timepts(1)[:3]
+        array([0.  , 0.16, 0.32])
+        """
         count = self.rows[row].shape[1]
         return np.asarray(self.signal.start + self.signal.step * self.strides[row] * np.arange(count), float)
 
@@ -106,6 +145,15 @@ class Scalogram(Result):
 
         They are the weights of the trapezoidal rule, corrected to second order at both ends, where the modulus of a
         long wavelet need not be small.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import as_record, cwt
+        >>> t = np.arange(0, 10, 0.01)
+        >>> found = cwt(as_record(np.cos(20 * t), timepts=t, channels=["seat"]), omega=[10.0, 20.0], bandwidth=4.0)
+        >>> round(found.weights(0).sum())
+        1000
         """
         stride, count = self.strides[row], self.rows[row].shape[1]
         weights = np.full(count, float(stride))
@@ -122,13 +170,34 @@ class Scalogram(Result):
         return weights
 
     def inside(self, row: int, *, cones: float = 1.0) -> NDArray[np.bool_]:
-        """Return which samples of a row lie at least ``cones`` cones away from both ends."""
+        """Return which samples of a row lie at least ``cones`` cones away from both ends.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import as_record, cwt
+        >>> t = np.arange(0, 10, 0.01)
+        >>> found = cwt(as_record(np.cos(20 * t), timepts=t, channels=["seat"]), omega=[10.0, 20.0], bandwidth=4.0)
+        >>> kept = found.timepts(1)[found.inside(1)]
+        >>> bool(kept[0] >= found.cone[1])
+        True
+        """
         time, reach = self.timepts(row), cones * self.cone[row]
         end = self.signal.start + self.signal.duration
         return np.asarray((time >= self.signal.start + reach) & (time <= end - reach))
 
     def modulus(self, timepts: ArrayLike) -> RealArray:
-        """Return the modulus at any times, (channel, row, time), linear between the samples of each row."""
+        """Return the modulus at any times, (channel, row, time), linear between the samples of each row.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import as_record, cwt
+        >>> t = np.arange(0, 10, 0.01)
+        >>> found = cwt(as_record(np.cos(20 * t), timepts=t, channels=["seat"]), omega=[10.0, 20.0], bandwidth=4.0)
+        >>> (found.modulus([5.0])[0, 1] / found.wavelet.gain(20j, found.scale[1])).real.round(2)
+        array([0.5])
+        """
         time = np.asarray(timepts, float)
         out = np.empty((len(self.channels), len(self.omega), time.size))
         for i, row in enumerate(self.rows):

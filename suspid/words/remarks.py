@@ -91,7 +91,17 @@ class Remark:
         return Remark, (self.code, dict(self.numbers))
 
     def to_dict(self) -> dict[str, object]:
-        """Return code, numbers and sentence, for JSON."""
+        """Return code, numbers and sentence, for JSON.
+
+        Examples
+        --------
+        >>> from suspid import grip, quarter_car
+        >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3,
+        ...                   chassis_damping=650, tire_damping=60)
+        >>> remark = grip(car).verdict.headline
+        >>> remark.to_dict()
+        {'code': 'grip', 'numbers': {'names': ['tire']}, 'text': 'grip of tire'}
+        """
         return {
             "code": str(self.code),
             "numbers": {name: _plain(number) for name, number in self.numbers.items()},

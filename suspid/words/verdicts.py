@@ -122,12 +122,32 @@ class Verdict:
 
     @property
     def meaning(self) -> str:
-        """What the level means, as a sentence."""
+        """What the level means, as a sentence.
+
+        Examples
+        --------
+        >>> from suspid import grip, quarter_car
+        >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3,
+        ...                   chassis_damping=650, tire_damping=60)
+        >>> verdict = grip(car).verdict
+        >>> verdict.meaning
+        'Every check that could be made was passed.'
+        """
         return MEANING[self.level]
 
     @property
     def support(self) -> tuple[Remark, ...]:
-        """What speaks for the result."""
+        """What speaks for the result.
+
+        Examples
+        --------
+        >>> from suspid import grip, quarter_car
+        >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3,
+        ...                   chassis_damping=650, tire_damping=60)
+        >>> verdict = grip(car).verdict
+        >>> print(verdict.support[0])
+        tire: the least phase, 35.9 deg, is above EGEA's limit of 35 deg.
+        """
         return tuple(c.remark for c in self.checks if c.level is Level.SOUND)
 
     @property
@@ -148,7 +168,17 @@ class Verdict:
 
     @property
     def notes(self) -> tuple[Remark, ...]:
-        """Notes: neither for nor against the result."""
+        """Notes: neither for nor against the result.
+
+        Examples
+        --------
+        >>> from suspid import grip, quarter_car
+        >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3,
+        ...                   chassis_damping=650, tire_damping=60)
+        >>> verdict = grip(car).verdict
+        >>> print(verdict.notes[-1])
+        Taken as known, without any error in the intervals: all springs, dampers and masses.
+        """
         return tuple(c.remark for c in self.checks if c.level is Level.NOTE)
 
     def __repr__(self) -> str:
@@ -160,6 +190,16 @@ class Verdict:
         return "\n".join([*lines, *(f"- {doubt}" for doubt in self.doubts), *(f"note: {n}" for n in self.notes)])
 
     def to_dict(self) -> dict[str, object]:
-        """Return level, headline and checks, for JSON."""
+        """Return level, headline and checks, for JSON.
+
+        Examples
+        --------
+        >>> from suspid import grip, quarter_car
+        >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3,
+        ...                   chassis_damping=650, tire_damping=60)
+        >>> verdict = grip(car).verdict
+        >>> sorted(verdict.to_dict())
+        ['checks', 'headline', 'level']
+        """
         checks = [{**check.remark.to_dict(), "level": check.level.label} for check in self.checks]
         return {"level": self.level.label, "headline": self.headline.to_dict(), "checks": checks}
