@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import itertools
 import numbers
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TypeGuard, TypeVar
 
@@ -178,8 +178,8 @@ def within_numbers() -> Iterator[None]:
         ) from None
 
 
-def text_table(columns: Mapping[str, Sequence[str]], *, widest: int | None = None) -> str:
-    """Return named columns of text as a table, aligned to the right.
+def text_table(columns: Mapping[str, Sequence[str]], *, widest: int | None = None, words: Collection[str] = ()) -> str:
+    """Return named columns of text as a table, aligned to the right; those of ``words`` to the left.
 
     One that is wider than ``widest`` has headings of several lines, and then several parts, each with the first column.
 
@@ -191,7 +191,9 @@ def text_table(columns: Mapping[str, Sequence[str]], *, widest: int | None = Non
     ---  ---------  -------
       1      20000      900
     """
-    whole: str = tabulate(columns, headers="keys", disable_numparse=True, stralign="right")
+    sides = ["left" if name in words else "right" for name in columns]
+    whole: str = tabulate(columns, headers="keys", disable_numparse=True, stralign="right", colalign=sides)
+    whole = "\n".join(map(str.rstrip, whole.split("\n"))) if words else whole
     if widest is None or len(whole.partition("\n")[0]) <= widest:
         return whole
     cells = list(columns.values())

@@ -9,9 +9,11 @@ import pytest
 
 from suspid import DriveLimits, Drives, InputError, RawChannel, Recording, find_drives, quarter_car
 from suspid.cleaning import clipped_times, stuck_times
+from suspid.greybox import stretch_table
 from suspid.greybox.blocks import vibration
 from suspid.signals import as_response, as_signal
 from suspid.units import RealArray
+from suspid.values import TERMINAL
 from suspid.wording import called
 from suspid.words.drives import DriveReason, DriveRemark
 
@@ -92,6 +94,24 @@ class TestSpeed:
         found = find_drives(ride(channel("az", body()), channel("speed", speed, "m/s")))
         assert ends(found) == [(0.0, 120.0)]
 
+    def test_a_sign_is_a_direction(self) -> None:
+        """A sensor that counts backwards, and a car that backs out: the speed is the size of what they show."""
+        speed = np.where(TIME < 40, 0.0, np.clip(1.2 * (TIME - 40), 0, 15))
+        backwards = find_drives(ride(channel("az", body()), channel("speed", -speed, "m/s")))
+        assert ends(backwards) == ends(find_drives(ride(channel("az", body()), channel("speed", speed, "m/s"))))
+        assert DriveRemark.SPEED_UNUSED not in {check.remark.code for check in backwards.remarks}
+        backing = np.where(TIME < 40, -1.5 * np.sin(2 * np.pi * TIME / 80) ** 2, np.clip(1.2 * (TIME - 40), 0, 15))
+        found = find_drives(ride(channel("az", body()), channel("speed", backing, "m/s")))
+        assert why(found, 20.0) == {DriveReason.SLOW}
+
+    @pytest.mark.parametrize("unknown", [-1.0, -9.0])
+    def test_a_value_below_zero_that_is_jumped_to_is_no_speed(self, unknown: float) -> None:
+        """No car comes from 15 m/s to a standstill within a sample; where it is not known, the vibration tells."""
+        speed = np.where((TIME > 30) & (TIME < 60), unknown, 15.0)
+        found = find_drives(ride(channel("az", body()), channel("speed", speed, "m/s")))
+        assert ends(found) == [(0.0, 120.0)]
+        assert np.isnan(found.course[45, 1])
+
     def test_a_slow_clock_of_the_speed(self) -> None:
         slow = np.arange(121.0)
         speed = channel("speed", np.where(slow < 50, 0.0, 20.0), "m/s", slow)
@@ -114,6 +134,9 @@ class TestSpeed:
         assert any(
             "'v' looks like the speed of the car, but was not used: 'w' may be" in str(one) for one in told.remarks
         )
+        assert "choose one, such as speed='v'" in str(told)
+        with called({"speed": "--speed"}):
+            assert "choose one, such as --speed 'v'" in str(told)
         wind = channel("wind", constant(0.0), unit)
         assert ends(find_drives(ride(channel("az", body()), moving, wind), channels=["az"])) == [(41.0, 120.0)]
         for name, values in (("axle_force_kN", constant(30.0) + body()), ("cruise (km/h)", constant(120.0) + body())):
@@ -307,6 +330,40 @@ class TestVibration:
             assert ends(find_drives(ride(channel("chassis", per * moving, unit)), car=car)) == [(0.0, 120.0)]
             assert not find_drives(ride(channel("chassis", per * moving / 100, unit)), car=car).taken
 
+    def test_each_channel_is_judged_as_what_it_measures(self) -> None:
+        """A displacement of millimetres is no acceleration of as many m/s2; a temperature, a force are no motion."""
+        f, lines = np.fft.rfftfreq(TIME.size, 1 / RATE), np.fft.rfft(body())
+        moving = np.fft.irfft(np.where(f > 0.8, lines / (2 * np.pi * np.maximum(f, 0.8)) ** 2, 0.0), TIME.size)
+        assert np.std(moving) < DriveLimits().least_vibration
+        for name, unit in (("body_displacement", ""), ("body", "m")):
+            assert ends(find_drives(ride(channel(name, moving, unit)))) == [(0.0, 120.0)]
+            still = find_drives(ride(channel(name, moving / 100, unit)))
+            assert why(still, 50.0) == {DriveReason.STANDING}
+        slow = 0.01 * np.sin(TIME)
+        for name, unit in (("oil", "°C"), ("rack", "N"), ("pitch", "rad/s")):
+            assert ends(find_drives(ride(channel("az", body()), channel(name, slow, unit)))) == [(0.0, 120.0)]
+
+    def test_what_nothing_says_is_said(self) -> None:
+        """Without units and telling names, channels are taken for accelerations, unless the speed tells all."""
+        unknown = [channel("p", body(), ""), channel("q", body(2), "V")]
+        speed = channel("speed", constant(15.0) + body(3, rms=0.1), "m/s")
+        assert "Nothing says what 'p', 'q' measure" in str(find_drives(ride(*unknown)))
+        assert DriveRemark.NO_UNIT not in {check.remark.code for check in find_drives(ride(*unknown, speed)).remarks}
+
+    @pytest.mark.parametrize("speed", [4.0, 25.0])
+    def test_a_roller_bench_is_no_road(self, speed: float) -> None:
+        """The wheels turn and shake, the body hardly moves."""
+        car = quarter_car(
+            chassis_mass=400, tire_mass=40, chassis_stiffness=20e3, tire_stiffness=200e3, chassis_damping=1500
+        )
+        turning, still = channel("speed", constant(speed) + body(3, rms=0.05), "m/s"), body(2, rms=0.01)
+        both = ride(channel("chassis_acceleration", still), channel("tire_acceleration", body()), turning)
+        assert why(find_drives(both, car=car), 50.0) == {DriveReason.ROLLING}
+        assert "roller bench" in str(find_drives(both, car=car)[0])
+        alone = find_drives(ride(channel("az", still), turning))
+        assert why(alone, 50.0) == {DriveReason.ROLLING}
+        assert find_drives(ride(channel("az", body(2, rms=0.3)), turning)).taken
+
 
 class TestStretches:
     def test_they_cover_the_recording_in_order(self) -> None:
@@ -369,8 +426,9 @@ class TestStretches:
 
     def test_text_fits_a_screen(self) -> None:
         speed = 12 + 12 * np.sin(2 * np.pi * TIME / 7)
-        text = str(find_drives(ride(channel("az", body()), channel("speed", speed, "m/s"))))
-        assert len(text.splitlines()) < 25
+        found = find_drives(ride(channel("az", body()), channel("speed", speed, "m/s")))
+        assert len(str(found).splitlines()) < 25
+        assert max(map(len, stretch_table(found).splitlines())) <= TERMINAL
 
 
 @pytest.mark.parametrize("wrong", [{"block": 0.0}, {"band_hz": (5.0, 1.0)}, {"lateral": -1.0}])

@@ -10,6 +10,7 @@ import numpy as np
 from suspid.cleaning import MOST_FILLED, Aligned, aligned, clipped_times, stuck_times
 from suspid.errors import RecordError
 from suspid.greybox.drives import DriveLimits
+from suspid.greybox.shaken import Shaken
 from suspid.greybox.speeds import Going, Way, going
 from suspid.recordings import RawChannel
 from suspid.units import Flags, RealArray, Second
@@ -23,7 +24,8 @@ class Blocks:
     part: Aligned
     size: int  # samples of a block
     going: Going
-    level: RealArray  # (block,): vibration [m/s2]
+    level: RealArray  # (block,): vibration of the quietest channel [m/s2]
+    loudest: RealArray  # (block,): vibration of the loudest channel on the body [m/s2]; inf where none tells
     flags: Mapping[DriveReason, Flags]  # reasons against, the gravest first
     faults: Mapping[DriveReason, Mapping[str, Flags]]  # those of channels, by channel
 
@@ -39,7 +41,7 @@ class Blocks:
         return np.column_stack([middles, self.going.speed, self.level])
 
 
-def examined(part: Sequence[RawChannel], way: Way, orders: dict[str, tuple[int, float]], limits: DriveLimits) -> Blocks:
+def examined(part: Sequence[RawChannel], way: Way, shaken: Shaken, limits: DriveLimits) -> Blocks:
     """Return what speaks against each block of a part of a recording."""
     together = aligned(part)
     size = max(2, round(limits.block / together.step))
@@ -52,7 +54,7 @@ def examined(part: Sequence[RawChannel], way: Way, orders: dict[str, tuple[int, 
     clear, faults = {}, dict[DriveReason, dict[str, Flags]]()
     for reason in (DriveReason.MISSING, DriveReason.CLIPPED, DriveReason.STUCK):
         faults[reason] = {}
-    levels = []
+    levels = dict[str, RealArray]()
     for row, channel in enumerate(part):
         values = together.values[row, : count * size].reshape(count, size)
         filled = together.filled[row, : count * size].reshape(count, size)
@@ -61,12 +63,18 @@ def examined(part: Sequence[RawChannel], way: Way, orders: dict[str, tuple[int, 
         faults[DriveReason.MISSING][channel.name] = holes
         faults[DriveReason.CLIPPED][channel.name] = _hit(_until_recovered(clipped_times(channel), limits), edges)
         faults[DriveReason.STUCK][channel.name] = still
-        order, factor = orders[channel.name]
-        level = factor * vibration(together.values[row, : count * size], together.step, order, size, limits)
-        levels.append(np.where(still, np.nan, level))
-    quiet = np.nanmin(np.where(np.isnan(levels), np.inf, levels), axis=0)
+        if channel.name in shaken.orders:
+            order, factor = shaken.orders[channel.name]
+            level = factor * vibration(together.values[row, : count * size], together.step, order, size, limits)
+            levels[channel.name] = np.where(still, np.nan, level)
+    every, inf = np.array([*levels.values()]), np.inf
+    quiet = np.min(np.where(np.isnan(every), inf, every), axis=0)
     level = np.where(np.isinf(quiet), 0.0, quiet)
+    # A channel that is stuck tells nothing of a road.
+    body = np.array([np.where(np.isnan(one), inf, one) for name, one in levels.items() if name in shaken.body])
+    loudest = np.max(body, axis=0, initial=0.0) if len(body) else np.full(count, inf)
     known = np.isfinite(moves.speed)
+    rolling = known & (moves.speed >= limits.least_speed) & (loudest < limits.least_vibration)
     slow, standing = known & (moves.speed < limits.least_speed), ~known & (level < limits.least_vibration)
     for reason, by_channel in faults.items():
         clear[reason] = np.any(list(by_channel.values()), axis=0)
@@ -77,12 +85,14 @@ def examined(part: Sequence[RawChannel], way: Way, orders: dict[str, tuple[int, 
         size=size,
         going=moves,
         level=level,
+        loudest=loudest,
         faults=faults,
         flags={
             DriveReason.MISSING: clear[DriveReason.MISSING],
             DriveReason.CLIPPED: clear[DriveReason.CLIPPED],
             DriveReason.SLOW: slow,
             DriveReason.STANDING: standing,
+            DriveReason.ROLLING: rolling & ~clear[DriveReason.MISSING],
             DriveReason.STUCK: clear[DriveReason.STUCK],
             DriveReason.BRAKING: moves.longitudinal > limits.longitudinal,
             DriveReason.CORNERING: moves.lateral > limits.lateral,

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from textwrap import wrap
 from typing import TYPE_CHECKING, overload
 
 import numpy as np
 
 from suspid.errors import InputError
+from suspid.files import printable
 from suspid.results import Result, columns_of
 from suspid.units import Hertz, MetrePerSecond, MetrePerSecond2, RealArray, Second
-from suspid.values import text_table
+from suspid.values import COLUMN_GAP, TERMINAL, text_table
 from suspid.wording import Argument
 from suspid.words import Check, Code, Level, Remark, Verdict
 from suspid.words.drives import DriveRemark
@@ -297,16 +299,37 @@ class Drives(Sequence[Drive], Result):
 
 
 def stretch_table(drives: Sequence[Drive]) -> str:
-    """Return a table of all stretches with their reasons."""
-    return text_table(
-        {
-            "start [s]": [_second(one.start) for one in drives],
-            "stop [s]": [_second(one.stop) for one in drives],
-            "speed [m/s]": ["" if np.isnan(one.speed) else f"{one.speed:.3g}" for one in drives],
-            "": ["taken" if one.taken else "left" for one in drives],
-            "because": ["; ".join(map(str, one.reasons)) for one in drives],
-        }
-    )
+    """Return a table of all stretches with their reasons, each on lines of its own within a terminal.
+
+    Examples
+    --------
+    >>> from suspid.words.drives import DriveReason
+    >>> slow = Remark(DriveReason.SLOW, {"limit": 3.0, "low": 0.0})
+    >>> hard = Remark(DriveReason.BRAKING, {"limit": 1.5, "most": 2.0})
+    >>> print(stretch_table([Drive(start=0.0, stop=22.0, taken=False, reasons=(slow, hard), speed=1.5)]))
+      start [s]    stop [s]    speed [m/s]        because
+    -----------  ----------  -------------  ----  ----------------------------------
+              0          22            1.5  left  slower than 3 m/s (down to 0 m/s)
+                                                  braking or accelerating with up to
+                                                  2 m/s2 (limit 1.5 m/s2)
+    """
+    columns: dict[str, list[str]] = {
+        "start [s]": [_second(one.start) for one in drives],
+        "stop [s]": [_second(one.stop) for one in drives],
+        "speed [m/s]": ["" if np.isnan(one.speed) else f"{one.speed:.3g}" for one in drives],
+        "": ["taken" if one.taken else "left" for one in drives],
+    }
+    taken = max(map(len, text_table(columns).split("\n")))
+    lines = [
+        [line for reason in one.reasons for line in wrap(printable(str(reason)), TERMINAL - taken - COLUMN_GAP)]
+        for one in drives
+    ]
+    long = {
+        name: [cell for text, own in zip(column, lines, strict=True) for cell in (text, *[""] * (len(own) - 1))]
+        for name, column in columns.items()
+    }
+    because = {"because": [line for own in lines for line in own]}
+    return text_table({**long, **because}, words=because)
 
 
 def _second(time: Second) -> str:

@@ -8,14 +8,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.arguments import explained
-from suspid.cleaning import RecordLike, as_record, parts_of, to_si
+from suspid.cleaning import RecordLike, as_record, parts_of
 from suspid.errors import InputError, RecordError
 from suspid.greybox.blocks import examined
 from suspid.greybox.car_records import renaming
 from suspid.greybox.drives import Drive, DriveLimits, Drives
+from suspid.greybox.shaken import order_in, said_of, shaken_of
 from suspid.greybox.speeds import way_of
 from suspid.greybox.stretches import judged, stretches_of
-from suspid.model import Suspension, output_weights
+from suspid.model import Suspension
 from suspid.recordings import RawChannel, Recording
 from suspid.signals import as_signal
 from suspid.units import RealArray
@@ -26,9 +27,6 @@ from suspid.words.drives import DriveRemark
 
 if TYPE_CHECKING:
     import control
-
-# Derivatives of a displacement, by unit.
-ORDERS = {"m": 0, "m/s": 1, "m/s2": 2, "rad": 0, "rad/s": 1}
 
 
 @explained
@@ -100,7 +98,8 @@ def find_drives(
     )
     if needed is None:
         needed = _fastest([c for c in whole.channels if c.name not in way.names])
-    orders, said = _orders(whole, needed, car)
+    shaken = shaken_of(whole, needed, car)
+    said = said_of(shaken, by_vibration=way.speed is None)
     stretches: list[Drive] = []
     records: list[control.TimeResponseData] = []
     speeds: list[RealArray] = []
@@ -108,7 +107,7 @@ def find_drives(
     parts = parts_of([whole[name] for name in needed])
     for part in parts:
         try:
-            blocks = examined(part, way, orders, limits)
+            blocks = examined(part, way, shaken, limits)
         except RecordError as error:
             if len(parts) == 1:
                 raise
@@ -157,7 +156,7 @@ def _needed(recording: Recording, car: Suspension | None, channels: Sequence[str
         return tuple(recording[name].name for name in channels)
     if car is None:
         return None
-    known = tuple(name for name in recording.names if _order_in(car, name) is not None)
+    known = tuple(name for name in recording.names if order_in(car, name) is not None)
     if not known:
         such = f"{car.coordinates[0]}_acceleration"
         raise InputError(
@@ -168,13 +167,6 @@ def _needed(recording: Recording, car: Suspension | None, channels: Sequence[str
     return known
 
 
-def _order_in(car: Suspension, name: str) -> int | None:
-    try:
-        return output_weights(car, name)[0]
-    except InputError:
-        return None
-
-
 def _fastest(channels: Sequence[RawChannel]) -> tuple[str, ...]:
     """Return the names of the channels on the fastest clock, and on others as fast."""
     if not channels:
@@ -182,24 +174,3 @@ def _fastest(channels: Sequence[RawChannel]) -> tuple[str, ...]:
     rates = [channel.mean_rate for channel in channels]
     best = np.nanmax(rates) if np.any(np.isfinite(rates)) else np.nan
     return tuple(c.name for c, rate in zip(channels, rates, strict=True) if not rate < 0.5 * best)
-
-
-def _orders(
-    recording: Recording, needed: Sequence[str], car: Suspension | None
-) -> tuple[dict[str, tuple[int, float]], list[Check]]:
-    """Return the derivative that each channel measures, and the factor to SI; what is not known counts as m/s2."""
-    orders: dict[str, tuple[int, float]] = {}
-    unknown = []
-    for name in needed:
-        order = None if car is None else _order_in(car, name)
-        try:
-            factor, si = to_si(1.0, recording[name].unit)
-        except InputError:
-            factor, si = np.asarray(1.0), ""
-        if order is None:
-            order = ORDERS.get(si)
-        if order is None:
-            unknown.append(name)
-        orders[name] = (2 if order is None else order, float(factor))
-    said = Check(Remark(DriveRemark.NO_UNIT, {"channels": tuple(unknown)}), Level.NOTE)
-    return orders, [said] if unknown else []

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,7 +12,9 @@ from suspid.errors import InputError
 from suspid.greybox.level_axes import about_vertical, horizontal
 from suspid.greybox.stated_units import in_si, spelled, stated_unit
 from suspid.recordings import RawChannel, Recording
-from suspid.units import ROAD_SPEEDS, MetrePerSecond, RealArray
+from suspid.units import ROAD_SPEEDS, MetrePerSecond, MetrePerSecond2, RealArray
+from suspid.values import listed
+from suspid.wording import Argument, Wording
 
 # Words in the name of a channel that say what it holds, and those that say that it is something else.
 SPEED_WORDS = frozenset(
@@ -31,8 +33,13 @@ OTHER_WORDS = frozenset(
 WITHIN_WORDS = OTHER_WORDS | {
     *("damper", "shock", "spring", "suspension", "travel", "vertical", "heave", "body", "chassis", "seat", "tire"),
 }
-# No road car is faster; larger values, and negative ones, are what buses send for a speed that is not known.
+# No road car is faster; larger values are what buses send for a speed that is not known.
 FASTEST_CAR: MetrePerSecond = 120.0
+# No road car brakes or pulls away harder: what falls faster to a value below zero is what a bus sends instead of a
+# speed.
+HARDEST: MetrePerSecond2 = 15.0
+# Channels of speed have steps of 1 mph or finer ones.
+COARSEST_STEP: MetrePerSecond = 0.5
 # A value counts as known for this many steps of its channel, but for at least this time: longer ones are tunnels.
 KNOWN_STEPS, KNOWN_FOR = 3.0, 2.0
 NO_CHANNEL = "none"  # asks for no channel, as with time
@@ -47,7 +54,7 @@ class Way:
     lateral: RawChannel | None
     yaw: RawChannel | None
     # A channel that is named like a speed and was not used, and why.
-    unused: tuple[str, str] | None = None
+    unused: tuple[str, Wording] | None = None
     upright: bool = False  # whether the yaw rate was known by its axis, which gravity shows, and not by its name
     by_unit: bool = False  # whether the speed was known by its unit alone
     by_axis: tuple[str, ...] = ()  # accelerations along and across that were known by their axes, not by their names
@@ -107,6 +114,7 @@ def way_of(
         moving, several = _by_unit(free)
     if speed_unit is not None and moving is None and speed != NO_CHANNEL:
         raise InputError(f"{speed_unit=} needs a speed channel, and none was found; name it with speed")
+    moving = None if moving is None else directed(moving)
     unused = several or _unused(moving, free, speed)
     yaw, upright = chosen(None, YAW_WORDS, "rad/s"), about_vertical(free)
     along, across = chosen(longitudinal, LONGITUDINAL_WORDS, "m/s2"), chosen(lateral, LATERAL_WORDS, "m/s2")
@@ -125,7 +133,7 @@ def way_of(
     )
 
 
-def _by_unit(channels: Iterable[RawChannel]) -> tuple[RawChannel | None, tuple[str, str] | None]:
+def _by_unit(channels: Iterable[RawChannel]) -> tuple[RawChannel | None, tuple[str, Wording] | None]:
     """Return the only channel in a unit in which nothing but the speed of a vehicle is stated; or why it is none.
 
     A speed that never changes is a setting.
@@ -133,23 +141,27 @@ def _by_unit(channels: Iterable[RawChannel]) -> tuple[RawChannel | None, tuple[s
     stated = [c for c in channels if not _words(c.name) & WITHIN_WORDS and stated_unit(c, None, "m/s") in ROAD_SPEEDS]
     changing = [c for c in stated if np.nanmin(c.values, initial=np.inf) < np.nanmax(c.values, initial=-np.inf)]
     if len(changing) > 1:
-        return None, (changing[0].name, f"{changing[1].name!r} may be the speed as well; choose one with speed")
+        first, *others = [c.name for c in changing]
+        choice = Wording((f"{listed(others)} may be it as well; choose one, such as ", Argument("speed", repr(first))))
+        return None, (first, choice)
     return (in_si(changing[0], "m/s", None) if changing else None), None
 
 
-def _unused(moving: RawChannel | None, free: Iterable[RawChannel], asked: str | None) -> tuple[str, str] | None:
+def _unused(moving: RawChannel | None, free: Iterable[RawChannel], asked: str | None) -> tuple[str, Wording] | None:
     """Return a channel that may be meant as the speed and cannot be used, and why; refuse one that was asked for."""
     if moving is None:
         words = SPEED_WORDS - {"velocity"}  # a velocity without a unit may be that of the body
         alike = [c.name for c in free if _words(c.name) & words and not _words(c.name) & WITHIN_WORDS]
-        why = "no unit of speed is stated for it; state it (speed_unit)"
-        return (alike[0], why) if alike and asked is None else None
+        if not alike or asked is not None:
+            return None
+        unit = Argument("speed_unit", repr("km/h"))
+        return alike[0], Wording(("no unit of speed is stated for it; state it, such as ", unit))
     if np.any((moving.values >= 0) & (moving.values <= FASTEST_CAR)):
         return None
     why = f"it contains no value between 0 and {FASTEST_CAR:g} m/s"
     if asked is not None:
         raise InputError(f"channel {moving.name!r} is not a speed: {why}")
-    return moving.name, why
+    return moving.name, Wording((why,))
 
 
 def going(way: Way, edges: RealArray) -> Going:
@@ -167,6 +179,36 @@ def going(way: Way, edges: RealArray) -> Going:
     if way.yaw is not None:
         across = np.fmax(across, np.abs(v * _about_usual(by_block(way.yaw, edges))))
     return Going(speed=v, longitudinal=along, lateral=across)
+
+
+def directed(channel: RawChannel) -> RawChannel:
+    """Return a speed without its sign, which is that of the direction; values that no car can reach become unknown.
+
+    Cars back, and some sensors count backwards. A value below zero is a speed where it is reached as cars reach speeds,
+    in steps of the channel or by accelerations that are possible, and where it changes. One that a bus sends for a
+    speed that is not known is jumped to, and stays.
+
+    Examples
+    --------
+    >>> t = np.arange(8) / 10
+    >>> values = np.array([0.5, 0.0, -0.4, -0.9, -0.3, 0.2, -9.0, -9.0])
+    >>> directed(RawChannel(name="speed", unit="m/s", timepts=t, values=values, rate=None)).values.tolist()
+    [0.5, 0.0, 0.4, 0.9, 0.3, 0.2, nan, nan]
+    """
+    t, v = channel.timepts, np.array(channel.values, float)
+    good = np.flatnonzero(np.isfinite(t) & np.isfinite(v) & (np.abs(v) <= FASTEST_CAR))
+    below = v[good] < 0
+    if not np.any(below):
+        return channel
+    bounds = np.flatnonzero(np.diff(np.concatenate([[False], below, [False]])))
+    for first, after in zip(bounds[::2], bounds[1::2], strict=True):
+        inside = good[first:after]
+        pairs = [(good[i], good[i + 1]) for i in (first - 1, after - 1) if 0 <= i < len(good) - 1]
+        jumps = [(abs(v[b] - v[a]), abs(t[b] - t[a])) for a, b in pairs]
+        by_step = bool(jumps) and all(jump <= COARSEST_STEP for jump, _ in jumps)
+        by_car = all(jump <= HARDEST * time + COARSEST_STEP for jump, time in jumps) and len(np.unique(v[inside])) > 1
+        v[inside] = -v[inside] if by_step or by_car else np.nan
+    return replace(channel, values=v)
 
 
 def by_block(channel: RawChannel, edges: RealArray, *, low: float = -np.inf, high: float = np.inf) -> RealArray:

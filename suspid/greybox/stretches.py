@@ -86,6 +86,12 @@ def _against(blocks: Blocks, first: int, after: int, limits: DriveLimits) -> tup
             numbers = {"limit": limits.least_speed, "low": _most(-blocks.going.speed[first:after], sign=-1)}
         elif reason is DriveReason.STANDING:
             numbers = {"limit": limits.least_vibration, "level": float(np.median(blocks.level[first:after][here]))}
+        elif reason is DriveReason.ROLLING:
+            numbers = {
+                "limit": limits.least_vibration,
+                "level": float(np.median(blocks.loudest[first:after][here])),
+                "speed": _most(blocks.going.speed[first:after][here]),
+            }
         elif reason is DriveReason.BRAKING:
             numbers = {"limit": limits.longitudinal, "most": _most(blocks.going.longitudinal[first:after])}
         else:

@@ -44,6 +44,11 @@ class DriveReason(Code):
     STUCK = "stuck", sentence(lambda n: f"{_channels(n)} stuck at one value")
     SLOW = "slow", "slower than {limit:g} m/s (down to {low:.2g} m/s)"
     STANDING = "standing", "standing (vibration {level:.2g} m/s2, limit {limit:g} m/s2)"
+    ROLLING = (
+        "on rollers",
+        "not on a road: at {speed:.3g} m/s the body vibrates with only {level:.2g} m/s2 (limit {limit:g} m/s2), as on "
+        "a roller bench",
+    )
     BRAKING = "braking", "braking or accelerating with up to {most:.2g} m/s2 (limit {limit:g} m/s2)"
     CORNERING = "cornering", "cornering with up to {most:.2g} m/s2 (limit {limit:g} m/s2)"
     SHORT = "short", "usable, but only {length:.3g} s long (minimum {least:g} s)"
@@ -80,7 +85,15 @@ class DriveRemark(Code):
             )
         ),
     )
-    NO_UNIT = "no unit", sentence(lambda n: f"No unit is stated for {_channels(n)}: taken as SI.")
+    NO_UNIT = (
+        "no unit",
+        sentence(
+            lambda n: (
+                f"Nothing says what {_channels(n)} measure: whether the car moves was judged as if they were "
+                "accelerations in m/s2. State their units, or name them by what they measure, such as 'body_travel'."
+            )
+        ),
+    )
     NO_WHEELS = (
         "no wheels",
         sentence(
