@@ -285,7 +285,8 @@ def _rounded(value: float, std: float) -> str:
     if value and std > 0 and largest < SMALLEST_PLAIN:
         digits = max(0, places + int(np.floor(np.log10(abs(value)))))
         return f"{value:.{digits}e}"
-    return f"{value:.{min(max(places, 0), 12)}f}"
+    text = f"{value:.{min(max(places, 0), 12)}f}"
+    return text if float(text) else text.removeprefix("-")
 
 
 def spread(std: float) -> str:

@@ -83,6 +83,25 @@ class TestView:
         assert 110 < ax.get_xlim()[1] < 150
 
 
+    def test_a_drive_is_shown_in_the_band_that_was_fitted(self, drive: Estimate) -> None:
+        """Beyond it the residual holds nothing, and the fit would be the record."""
+        axes = Figure().subplots(2)
+        plot_spectra(drive, axes=axes)
+        assert drive.band_hz is not None
+        for ax in axes:
+            low, high = ax.get_xlim()
+            assert drive.band_hz[0] <= low < high <= drive.band_hz[1] * (1 + 1e-9)
+            labels = [tick.get_text() for tick in ax.get_xticklabels()]
+            assert {"1", "10"} <= set(labels)
+            assert not any("$" in label for label in labels)
+
+    def test_gains_have_their_units(self, rig: Estimate, drive: Estimate) -> None:
+        for found, unit in ((rig, "(m/s²)/m"), (drive, "1")):
+            axes = Figure().subplots(2, len(responses(found)), squeeze=False)
+            plot_frf(found, axes=axes)
+            assert {ax.get_ylabel() for ax in axes[0]} == {f"gain [{unit}]"}
+
+
 class TestTransferFunction:
     def test_record_and_fit_follow_the_transfer_function_from_the_road(self, rig: Estimate) -> None:
         system = statespace(CAR, outputs=OUTPUTS)

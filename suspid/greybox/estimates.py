@@ -283,6 +283,14 @@ def changed(nominal: Suspension, found: Spread, level: Ratio = LEVEL) -> frozens
     return beyond_chance(outside, count, level)
 
 
+# What quantities are that no table of springs and dampers has.
+EXPLAINED = {
+    "relaxation": "damping over stiffness of the mount, 0 of a rigid one",
+    "gain": "of a sensor over what it should show",
+    "delay": "of a sensor behind the others",
+}
+
+
 def parameter_unit(name: str) -> str:
     """Return the unit of a parameter, such as N/m of ``"tire.stiffness"``."""
     return UNITS[name.rpartition(".")[2]]
@@ -315,7 +323,23 @@ def parameter_table(found: Estimate) -> str:
         ],
     }
     held = f"\nheld: {', '.join(found.held)}" if found.held else ""
-    return text_table(rows) + held
+    meant = quantities_in(found.parameters)
+    return text_table(rows) + held + (f"\n{meant}" if meant else "")
+
+
+def quantities_in(parameters: Sequence[str]) -> str:
+    """Return what the quantities are among parameters that are no spring, damper or mass; empty if there is none.
+
+    Examples
+    --------
+    >>> quantities_in(["chassis.stiffness", "chassis.relaxation", "tire_acceleration.delay"])
+    'relaxation: damping over stiffness of the mount, 0 of a rigid one; delay: of a sensor behind the others.'
+    >>> quantities_in(["chassis.stiffness"])
+    ''
+    """
+    there = {name.rpartition(".")[2] for name in parameters}
+    said = "; ".join(f"{quantity}: {meant}" for quantity, meant in EXPLAINED.items() if quantity in there)
+    return f"{said}." if said else ""
 
 
 def channel_table(found: Estimate) -> str:

@@ -8,8 +8,9 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from suspid.files import printable
+from suspid.greybox import quantities_in
 from suspid.performance import Ride, grip_if_any
-from suspid.reporting.axes import plot_residual, unit_ticks
+from suspid.reporting.axes import plot_residual, shown, unit_ticks
 from suspid.reporting.channel_units import channel_unit
 from suspid.reporting.frf import Frf, responses
 from suspid.reporting.limit_rows import limit_rows, limit_steps
@@ -111,6 +112,7 @@ def page_fields(content: EstimateContent) -> dict[str, object]:
             "found_others": len(found.alternatives),
             "steps": [str(step) for step in (*limit_steps(content.limits), *steps)],
             "masses": masses_of(found),
+            "quantities": quantities_in(found.parameters),
             "chi_square": tested if found.freedom else "was not tested: the residual is rounding",
             "changed": _changes(found, level),
             "modes": [(quantities, "") for quantities in mode_quantities(found.modes, level)],
@@ -198,7 +200,9 @@ def _responses(found: Estimate, which: int, channel: int) -> tuple[Picture, ...]
 
 def _draw_frf(found: Estimate, which: int, name: str, draw: Callable[[Axes, Frf], None], figure: Figure) -> None:
     ax = figure.subplots()
-    draw(ax, responses(found, record=which, channels=[name])[name])
+    frf = responses(found, record=which, channels=[name])[name]
+    draw(ax, frf)
+    ax.set_title(f"response to {shown(frf.cause)}", loc="left", fontsize="small")
     ax.set_xlabel("frequency [Hz]")
 
 
@@ -215,6 +219,6 @@ def _draw_spectra(found: Estimate, which: int, channel: int, figure: Figure) -> 
     fitted, residual = as_signal(found.fitted[which]), as_signal(found.residual[which])
     fit, left = fitted.values[channel], residual.values[channel]
     ax = figure.subplots()
-    draw_spectra(ax, fit + left, fit, left, 1 / residual.step, modes=found.modes)
+    draw_spectra(ax, fit + left, fit, left, 1 / residual.step, modes=found.modes, band=found.band_hz)
     ax.set_ylabel(density_label(channel_unit(found.suspension, fitted.channels[channel])))
     ax.set_xlabel("frequency [Hz]")

@@ -10,6 +10,7 @@ import numpy as np
 from suspid.errors import InputError
 from suspid.levels import EXACT
 from suspid.reporting.axes import IN_VIEW, position
+from suspid.reporting.channel_units import gain_unit
 from suspid.reporting.plot_spectra import STRETCHES, no_such_record
 from suspid.signals import as_signal, inputs_of
 
@@ -32,6 +33,8 @@ class Frf:
     record: ComplexArray
     fit: ComplexArray
     std: RealArray  # of the record's gain, over the gain
+    cause: str
+    unit: str  # of the gain
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -71,7 +74,8 @@ def responses(
         at = position(name, fitted.channels)
         fit, rest = fitted.values[at], left.values[at]
         pairs = Pair(cause=motion[0], motion=fit), Pair(cause=motion[1], motion=fit + rest)
-        made[name] = _response(*pairs, 1 / left.step, quiet, _shown_band(found))
+        unit = gain_unit(found.suspension, name, moved)
+        made[name] = _response(*pairs, 1 / left.step, quiet, _shown_band(found), cause=moved, unit=unit)
     return made
 
 
@@ -83,7 +87,9 @@ def _shown_band(found: Estimate) -> tuple[Hertz, Hertz]:
     return 0.0, IN_VIEW * float(np.max(modes)) if modes.size else np.inf
 
 
-def _response(fit: Pair, record: Pair, rate: Hertz, quiet: float, band: tuple[Hertz, Hertz]) -> Frf:
+def _response(
+    fit: Pair, record: Pair, rate: Hertz, quiet: float, band: tuple[Hertz, Hertz], *, cause: str, unit: str
+) -> Frf:
     """Return the responses; ``quiet`` is the power density of the noise of the cause."""
     from scipy.signal import csd
 
@@ -106,4 +112,6 @@ def _response(fit: Pair, record: Pair, rate: Hertz, quiet: float, band: tuple[He
         record=(cross / (power - quiet))[kept],
         fit=(density(fit.cause, fit.motion) / motion)[kept],
         std=np.sqrt((1 - coherence) / (2 * averages * coherence)),
+        cause=cause,
+        unit=unit,
     )

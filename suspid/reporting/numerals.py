@@ -68,7 +68,7 @@ def decimals(reach: float) -> int:
 
 def fixed(value: float, places: int) -> str:
     """Return a value with a number of decimals; a negative number rounds before the point."""
-    return signed(f"{round(value, places):.{min(max(places, 0), 15)}f}")
+    return signed(f"{round(value, places) + 0.0:.{min(max(places, 0), 15)}f}")  # a zero has no sign
 
 
 def signed(text: str) -> str:

@@ -93,7 +93,7 @@ def draw_gain(ax: Axes, frf: Frf) -> None:
     if seen.size:
         ax.set_ylim(0.7 * float(seen.min()), 1.4 * float(seen.max()))
     frequency_ticks(ax.xaxis, float(frf.hertz[-1] / frf.hertz[0]))
-    ax.set_ylabel("gain")
+    ax.set_ylabel(f"gain [{frf.unit}]")
 
 
 def draw_phase(ax: Axes, frf: Frf) -> None:

@@ -10,12 +10,22 @@ from suspid.arguments import explained
 from suspid.errors import InputError
 from suspid.identification import Identification
 from suspid.levels import EXACT
-from suspid.reporting.axes import IN_VIEW, checked_grid, entitle, key_above, label_below, position, shown, thinned
+from suspid.reporting.axes import (
+    IN_VIEW,
+    checked_grid,
+    entitle,
+    frequency_ticks,
+    key_above,
+    label_below,
+    position,
+    shown,
+    thinned,
+)
 from suspid.reporting.channel_units import channel_unit
 from suspid.reporting.colours import Colour
 from suspid.results import check_kind
 from suspid.signals import as_signal
-from suspid.units import RealArray
+from suspid.units import Hertz, RealArray
 from suspid.words import count
 
 if TYPE_CHECKING:
@@ -99,7 +109,8 @@ def plot_spectra(
     for ax, name, unit in zip(drawn, names, units or [""] * len(names), strict=True):
         k = position(name, left.channels)
         fit, residual = fitted.values[k], left.values[k]
-        draw_spectra(ax, fit + residual, fit, residual, 1 / left.step, decay=decay, modes=found.modes)
+        band = None if isinstance(found, Identification) else found.band_hz
+        draw_spectra(ax, fit + residual, fit, residual, 1 / left.step, decay=decay, modes=found.modes, band=band)
         known = unit if isinstance(found, Identification) or unit else channel_unit(found.suspension, name)
         ax.set_ylabel(density_label(shown(known) if len(known) <= SHORT_UNIT else ""))
         entitle(ax, shown(name))
@@ -151,10 +162,12 @@ def draw_spectra(
     *,
     modes: ModalSet,
     decay: bool = False,
+    band: tuple[Hertz, Hertz] | None = None,
 ) -> None:
     """Draw the densities of one channel on logarithmic axes; those of a decay without a window.
 
     The frequencies in view are those of the modes and of what stands out of the residual: above them there is noise.
+    Where a band alone was fitted it is that band: beyond it the fit is the record.
     """
     from scipy.signal import welch
 
@@ -167,13 +180,15 @@ def draw_spectra(
     )
     frequency, densities = welch(np.array([values for values, *_ in drawn]), fs=rate, nperseg=length, window=window)
     frequency, densities = frequency[1:], densities[:, 1:]
-    low, high = in_view(frequency, densities[-1], modes.wn / (2 * np.pi))
+    low, high = in_view(frequency, densities[-1], modes.wn / (2 * np.pi)) if band is None else band
+    low = max(low, float(frequency[0]))
     # Neighbours of the view stay, so that lines reach its ends.
     kept = slice(max(np.searchsorted(frequency, low) - 1, 0), np.searchsorted(frequency, high, side="right") + 1)
     for (_, colour, label, width), density in zip(drawn, densities, strict=True):
         x, y = thinned(ax, frequency[kept], np.maximum(density[kept], 1e-300))
         ax.loglog(x, y, color=colour, linewidth=width, label=label)
     ax.set_xlim(low, high)
+    frequency_ticks(ax.xaxis, high / low)
     top, noise = float(np.max(densities)), float(np.median(densities[-1]))
     if top > 0:
         ax.set_ylim(bottom=max(ax.get_ylim()[0], EXACT * top, BELOW_NOISE * noise))
