@@ -1,5 +1,6 @@
 """Curves of dampers found in drives, against the damper of a simulator that shares no equation with the library."""
 
+import contextlib
 import json
 import re
 from collections.abc import Sequence
@@ -16,6 +17,7 @@ from scipy.stats import norm
 
 from suspid import (
     DamperCurve,
+    EstimationError,
     InputError,
     RecordError,
     Strut,
@@ -44,7 +46,6 @@ from suspid.greybox.strut_motion import strut_motion
 from suspid.reporting import json_schema, plot_damper_curve
 from suspid.signals import as_response
 from suspid.units import RealArray
-from suspid.words import Level
 from suspid.words.dampers import CurveCheck
 from validation.dampers import LAWS, NOISE
 
@@ -412,9 +413,33 @@ class TestBasis:
         np.testing.assert_allclose(sign_between(v, 1e-6), [-1.0, -0.25, 0.75, 1.0], atol=1e-4)
 
 
-def test_a_curve_without_a_known_sign_is_doubtful() -> None:
-    """A wheel's sensor that is upside down leaves intervals wider than all forces."""
-    turned = record("bilinear")
-    turned.outputs[1] *= -1
-    verdict = damper_curve(turned, CAR, strut="chassis", nodes=12).verdict
-    assert verdict.level is Level.DOUBTFUL
+class TestNothingToTell:
+    """What says nothing is refused with the reason, and no number is printed."""
+
+    def test_a_sign_that_is_not_known(self) -> None:
+        """A wheel's sensor that is upside down leaves intervals wider than all forces."""
+        turned = record("bilinear")
+        turned.outputs[1] *= -1
+        with pytest.raises(EstimationError, match=r"not even the sign .* sensor is wrong"):
+            damper_curve(turned, CAR, strut="chassis", nodes=12)
+
+    @pytest.mark.parametrize("seed", [1, 2, 3])
+    def test_slow_forces_on_the_body(self, seed: int) -> None:
+        """100 N from 1 to 3 Hz, which move the body: either the forces are near, and doubted, or nothing is said."""
+        curve = None
+        one, rng = record("bilinear"), np.random.default_rng(seed)
+        f = np.fft.rfftfreq(len(one.time), 0.005)
+        noise = np.fft.irfft(np.where((f > 1) & (f < 3), np.fft.rfft(rng.standard_normal(len(one.time))), 0))
+        one.outputs[0] += 100.0 / 350 * noise / np.std(noise)
+        with contextlib.suppress(EstimationError):
+            curve = damper_curve(one, CAR, strut="chassis")
+        if curve is not None:
+            assert not curve.explains
+            assert np.max(np.abs(curve.forces - LAWS["bilinear"].force(curve.velocities))) < np.max(curve.forces)
+
+    @pytest.mark.parametrize("row", [0, 1])
+    def test_a_sample_that_is_no_motion(self, row: int) -> None:
+        spiked = record("bilinear")
+        spiked.outputs[row, 1777] += 1e4
+        with pytest.raises(RecordError, match=rf"{CHANNELS[row]} has samples that are no motion .* 8\.885 s"):
+            damper_curve(spiked, CAR, strut="chassis")

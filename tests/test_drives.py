@@ -250,6 +250,13 @@ class TestSensors:
             some = np.round(values / step) * step if step else values
             assert clipped_times(channel("az", some)).size == 0
 
+    def test_a_sample_that_is_no_motion_is_missing_and_said(self) -> None:
+        motion = body()
+        motion[5000] = 1e4
+        found = find_drives(ride(channel("az", motion)))
+        assert np.max(np.abs(as_signal(found.records[0]).values)) < 5
+        assert "were treated as missing: 1 in 'az', first at 50 s" in str(found)
+
     def test_stuck(self) -> None:
         motion = body(5)
         motion[5000:5500] = motion[5000]

@@ -82,7 +82,6 @@ class TestView:
         plot_spectra(found, axes=[ax])
         assert 110 < ax.get_xlim()[1] < 150
 
-
     def test_a_drive_is_shown_in_the_band_that_was_fitted(self, drive: Estimate) -> None:
         """Beyond it the residual holds nothing, and the fit would be the record."""
         axes = Figure().subplots(2)

@@ -16,6 +16,7 @@ from suspid.cleaning.conversions import scaled, si_unit, to_si
 from suspid.cleaning.faults import clipped_times, stuck_times, unmarked
 from suspid.cleaning.findings import Finding
 from suspid.cleaning.gaps import MOST_FILLED, runs
+from suspid.cleaning.inspection import without_sentinels
 from suspid.cleaning.joining import ONE_RATE
 from suspid.cleaning.placing import halving_error, interpolate
 from suspid.cleaning.quantities import MOTION_OF_UNIT, derivative_order, named_quantity
@@ -52,4 +53,5 @@ __all__ = [
     "to_si",
     "unmarked",
     "vertical",
+    "without_sentinels",
 ]

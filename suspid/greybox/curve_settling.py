@@ -11,7 +11,7 @@ from suspid.greybox.curve_fit import CurveFit, Noise, Shape, fitted_curve
 from suspid.greybox.curve_following import Following, following_of
 from suspid.greybox.curve_noise import Residual, drawn_noises, lines_of, loud_bands, misfit_of, noise_of, residual_of
 from suspid.greybox.strut_motion import StrutMotion
-from suspid.levels import likely
+from suspid.levels import NORMAL_95, likely
 from suspid.units import MetrePerSecond2
 
 # How often noise and curve are found in turn. After one round the noise of the motion is at its least value in half of
@@ -34,6 +34,13 @@ def settled(motions: Sequence[StrutMotion], shape: Shape, fit: CurveFit, noise: 
         except (np.linalg.LinAlgError, ValueError):
             break
     return fit, noise
+
+
+def is_lost(shape: Shape, fit: CurveFit) -> bool:
+    """Return whether not even the sign of the largest force is known, at 95 %: such a curve says nothing."""
+    forces = shape.forces(fit.theta)
+    stds = np.sqrt(np.diag(fit.covariance)[1 : len(shape.nodes)])
+    return not NORMAL_95 * float(np.max(stds)) < float(np.max(np.abs(forces)))
 
 
 def of_both_readings(

@@ -13,14 +13,14 @@ from suspid.errors import EstimationError, InputError, RecordError
 from suspid.greybox.curve_fit import CurveFit, Noise, Shape, first_spline, fitted_curve
 from suspid.greybox.curve_following import Following
 from suspid.greybox.curve_noise import Residual, drawn_noises, misfit_of, noise_of, probes, residual_of
-from suspid.greybox.curve_settling import of_both_readings, settled
+from suspid.greybox.curve_settling import is_lost, of_both_readings, settled
 from suspid.greybox.curve_travel import travel_fit
 from suspid.greybox.damper_curves import DamperCurve, LineTest, rising
 from suspid.greybox.force_basis import MOST_NODES, SAMPLES_A_NODE, bend_covariance, placed_nodes
 from suspid.greybox.latent_splines import CORNER_SHARE
 from suspid.greybox.strut_motion import StrutMotion, strut_motion
 from suspid.greybox.trials import records_of
-from suspid.levels import NORMAL_95, check_level, likely
+from suspid.levels import check_level, likely
 from suspid.model import Suspension
 from suspid.threads import in_one_thread
 from suspid.units import Ratio, RealArray
@@ -93,9 +93,9 @@ def damper_curve(
     InputError
         If a name is unknown, or the forces of the struts do not follow from the accelerations of the sprung masses.
     RecordError
-        If a channel is missing, or a record is too short.
+        If a channel is missing, a record is too short, or samples are far from all others.
     EstimationError
-        If the records do not determine the curve.
+        If the records do not determine the curve: not even the sign of its largest force.
 
     Notes
     -----
@@ -132,7 +132,7 @@ def damper_curve(
     try:
         if motions[0].travel:
             fit, shape, noise, left = travel_fit(motions, lambda v: _shape(motions, v, nodes, friction), probes())
-            return _result(left, suspension, strut, shape, fit, noise, level)
+            return _result(left, suspension, strut, shape, _known(fit, shape, strut), noise, level)
         noise = _first_noise(motions)
         fit = fitted_curve(motions, wide, theta, [first_spline(m) for m in motions], noise)
         velocity = np.concatenate([part.velocity for part in fit.records])
@@ -148,7 +148,18 @@ def damper_curve(
         ) from None
     fit, noise = settled(motions, shape, fit, noise)
     fit, noise, left, follows = of_both_readings(motions, shape, fit, noise)
-    return _result(left, suspension, strut, shape, fit, noise, level, follows)
+    return _result(left, suspension, strut, shape, _known(fit, shape, strut), noise, level, follows)
+
+
+def _known(fit: CurveFit, shape: Shape, strut: str) -> CurveFit:
+    """Return a fit that tells the curve; refuse one that does not."""
+    if not is_lost(shape, fit):
+        return fit
+    raise EstimationError(
+        f"the records do not determine the curve of strut {strut!r}: not even the sign of its largest force is known. "
+        f"A force of its own pushes the body (wind, a passenger, another axle), or friction holds the strut, or a "
+        f"sensor is wrong (sign, gain, delay); use a rougher road, or a longer record"
+    )
 
 
 def _motions(records: object, car: Suspension, strut: str, given: Sequence[str] | None) -> tuple[StrutMotion, ...]:
@@ -281,10 +292,8 @@ def _checks(found: DamperCurve, fit: CurveFit, noise: Noise, residual: Check) ->
     if off > 0:
         checks.append(Check(Remark(CurveCheck.FALLS, {"error": off}), Level.NOTE))
     share = float(np.max(found.std) / np.max(np.abs(found.forces)))
-    if share > VAGUE_SHARE:  # doubtful where not even the sign of the largest force is known
-        checks.append(
-            Check(Remark(CurveCheck.VAGUE, {"share": share}), Level.CARE if NORMAL_95 * share < 1 else Level.DOUBTFUL)
-        )
+    if share > VAGUE_SHARE:
+        checks.append(Check(Remark(CurveCheck.VAGUE, {"share": share}), Level.CARE))
     blur = noise.velocity / found.velocity_std
     if blur > BLURRED_SHARE:
         checks.append(Check(Remark(CurveCheck.BLURRED, {"error": noise.velocity, "share": blur}), Level.CARE))

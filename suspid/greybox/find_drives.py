@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.arguments import explained
-from suspid.cleaning import RecordLike, as_record, parts_of
+from suspid.cleaning import Finding, RecordLike, as_record, parts_of
 from suspid.errors import InputError, RecordError
 from suspid.greybox.blocks import examined
 from suspid.greybox.car_records import renaming
@@ -22,7 +22,7 @@ from suspid.signals import as_signal
 from suspid.units import RealArray
 from suspid.values import frozen_real
 from suspid.wording import AtCommandLine
-from suspid.words import Check, Level, Number, Remark
+from suspid.words import Check, Defect, Level, Number, Remark
 from suspid.words.drives import DriveRemark
 
 if TYPE_CHECKING:
@@ -104,6 +104,7 @@ def find_drives(
     records: list[control.TimeResponseData] = []
     speeds: list[RealArray] = []
     course: list[RealArray] = []
+    outliers: list[Finding] = []
     parts = parts_of([whole[name] for name in needed])
     for part in parts:
         try:
@@ -119,6 +120,7 @@ def find_drives(
             }
             said.append(Check(Remark(DriveRemark.UNREADABLE, numbers), Level.CARE))
             continue
+        outliers += [one for one in blocks.part.findings if one.remark.code is Defect.SENTINEL]
         found, kept, going = stretches_of(blocks, limits, whole.title)
         course.append(blocks.course)
         stretches += found
@@ -128,10 +130,21 @@ def find_drives(
         stretches=tuple(stretches),
         records=tuple(records),
         speeds=tuple(speeds),
-        remarks=(*said, *judged(way)),
+        remarks=(*said, *_far_off(outliers), *judged(way)),
         title=whole.title,
         course=frozen_real(np.concatenate(course)) if course else np.empty((0, 3)),
     )
+
+
+def _far_off(outliers: Sequence[Finding]) -> list[Check]:
+    if not outliers:
+        return []
+    numbers: dict[str, Number] = {
+        "channels": tuple(dict.fromkeys(one.channel for one in outliers)),
+        "samples": sum(one.samples for one in outliers),
+        "start": min(one.start for one in outliers),
+    }
+    return [Check(Remark(DriveRemark.OUTLIERS, numbers), Level.NOTE)]
 
 
 def _opened(recording: Recording | RecordLike) -> Recording:

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from suspid.cleaning import RecordLike
+from suspid.cleaning import RecordLike, without_sentinels
 from suspid.errors import InputError, RecordError
+from suspid.files import printable
 from suspid.greybox.car_records import record_of_car
 from suspid.model import Suspension, output_weights
-from suspid.signals import as_signal
+from suspid.signals import Signal, as_signal
 from suspid.units import RealArray, Second
 from suspid.values import listed, nearest_names
 from suspid.wording import Argument
@@ -74,6 +75,7 @@ def strut_motion(record: RecordLike, car: Suspension, strut: str, given: Sequenc
             if name is not None:
                 acceleration = acceleration + elongation[i] / rows[name][1][i] * values[name]
         used = (*on_body, *(str(name) for name in ends.values()))
+        _check_samples(used, signal)
         return StrutMotion(
             step=signal.step,
             force=force,
@@ -89,6 +91,7 @@ def strut_motion(record: RecordLike, car: Suspension, strut: str, given: Sequenc
             f"the motion of strut {strut!r} is not measured: give '{strut}_travel', or "
             f"{listed([f'{name}_acceleration' for name in missing])}; the record has {listed(signal.channels)}"
         )
+    _check_samples((*on_body, travel), signal)
     return StrutMotion(
         step=signal.step,
         force=force,
@@ -97,6 +100,18 @@ def strut_motion(record: RecordLike, car: Suspension, strut: str, given: Sequenc
         travel=True,
         channels=(*on_body, travel),
     )
+
+
+def _check_samples(names: Sequence[str], signal: Signal) -> None:
+    """Refuse samples that are no motion: a single one of them bends the curve of a whole record."""
+    for name in names:
+        row = signal.values[signal.channels.index(name)]
+        _, outliers = without_sentinels(name, signal.timepts, row)
+        if outliers:
+            raise RecordError(
+                f"{printable(name)} has samples that are no motion ({outliers[0].text}, first at "
+                f"{outliers[0].start:.6g} s): interpolate them, or read the file with read_record or clean, which do"
+            )
 
 
 def _statics(car: Suspension, strut: int, given: Sequence[str] | None) -> tuple[list[int], RealArray, RealArray]:

@@ -26,7 +26,8 @@ class CurveCheck(Code):
         "follows",
         "The residual follows the motion of the strut (F = {ratio:.3g} on average, 1 by chance; chi-square "
         "{chi_square:.3g} at {freedom}). The intervals do not contain what may be missing: gain or delay of a sensor, "
-        "a mount of the damper, a spring that is not linear, another axle. estimate finds gains, delays and mounts.",
+        "a mount of the damper, a spring that is not linear, another axle, slow forces such as wind. estimate finds "
+        "gains, delays and mounts.",
     )
     ADDED = (
         "added",

@@ -94,6 +94,15 @@ class DriveRemark(Code):
             )
         ),
     )
+    OUTLIERS = (
+        "outliers",
+        sentence(
+            lambda n: (
+                f"Samples far from all others, which are no motion, were treated as missing: {n['samples']} in "
+                f"{_channels(n)}, first at {n['start']:.6g} s."
+            )
+        ),
+    )
     NO_WHEELS = (
         "no wheels",
         sentence(
