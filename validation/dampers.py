@@ -115,7 +115,11 @@ def drives(
         pace = speed * (1 + 0.15 * np.sin(2 * np.pi * t / 30 + rng.uniform(0, 2 * np.pi)))
         heights[:, i] = road_heights(np.cumsum(pace)[None] * h / 2, LEVELS[road], rng)[0]
     rates = np.gradient(heights, h / 2, axis=0)
-    pushes = np.zeros(heights.shape) if push is None else np.stack([push(t, seed) for seed in seeds], axis=1)
+    pushes = (
+        np.zeros(heights.shape)
+        if push is None
+        else np.stack([push(np.asarray(t, float), seed) for seed in seeds], axis=1)
+    )
     state = np.zeros((4, len(dampers), len(seeds)))
     kept = np.empty((steps // 2, 3, len(dampers), len(seeds)), np.float32)
 
