@@ -5,12 +5,31 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
+import pytest
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.text import Annotation
+from matplotlib.text import Annotation, Text
 from matplotlib.transforms import BboxBase
 
-from suspid import ModalSet, cwt, free_decay, plot_scalogram, plot_sensitivities, sensitivities
+from suspid import (
+    ModalSet,
+    add_noise,
+    cwt,
+    estimate,
+    free_decay,
+    grip,
+    identify,
+    plot_estimate,
+    plot_grip,
+    plot_identification,
+    plot_ride,
+    plot_scalogram,
+    plot_sensitivities,
+    quarter_car,
+    ride,
+    sensitivities,
+)
+from suspid.reporting import PAGE
 from suspid.reporting.axes import entitle
 from validation import cars
 
@@ -75,3 +94,54 @@ def test_names_of_parameters_stand_upright_in_narrow_columns() -> None:
         assert {label.get_rotation() for label in labels} == {90.0 if upright else 0.0}
         boxes = [label.get_window_extent() for label in labels]
         assert not any(one.overlaps(other) for one, other in pairwise(boxes))
+
+
+def texts_of(figure: Figure) -> list[Text]:
+    """Return titles, labels, notes and the numbers at ticks in view."""
+    found: list[Text] = []
+    for ax in figure.axes:
+        found += [part for part in ax.get_children() if isinstance(part, Text)]
+        for axis in (ax.xaxis, ax.yaxis):
+            low, high = sorted(axis.get_view_interval())
+            ticks = [tick for tick in axis.get_major_ticks() if low <= tick.get_loc() <= high]
+            found += [axis.label, *(label for tick in ticks for label in (tick.label1, tick.label2))]
+    return [text for text in found if text.get_visible() and text.get_text().strip()]
+
+
+def overlaps(figure: Figure) -> list[tuple[str, str]]:
+    """Return pairs of texts that are drawn over each other, and those that leave the figure."""
+    figure.draw_without_rendering()
+    # The box of a text has room around the letters.
+    inside = [(text.get_text(), text.get_window_extent().padded(-2.0)) for text in texts_of(figure)]
+    apart = [(a, b) for i, (a, one) in enumerate(inside) for b, other in inside[i + 1 :] if one.overlaps(other)]
+    edge = figure.bbox.padded(1.0)
+    beyond = [a for a, one in inside if not (edge.contains(one.x0, one.y0) and edge.contains(one.x1, one.y1))]
+    return apart + [(a, "edge") for a in beyond]
+
+
+CAR = quarter_car(
+    chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3, chassis_damping=1300, tire_damping=60
+)
+
+
+class TestPages:
+    """Pages of several panels in every size: no text over another, none beyond the edge."""
+
+    @pytest.mark.parametrize("size", [PHONE, (3.6, 5.0), SLIDE, PAGE], ids=["card", "phone", "slide", "A4"])
+    def test_of_grip(self, size: tuple[float, float]) -> None:
+        assert overlaps(plot_grip(grip(CAR, nominal_std=0.05), Figure(figsize=size))) == []
+
+    @pytest.mark.parametrize("size", [PHONE, (3.6, 5.0), SLIDE, PAGE], ids=["card", "phone", "slide", "A4"])
+    def test_of_ride(self, size: tuple[float, float]) -> None:
+        assert overlaps(plot_ride(ride(CAR, road="C", speed=20.0, nominal_std=0.05), Figure(figsize=size))) == []
+
+    @pytest.mark.parametrize("size", [PHONE, (3.6, 5.0), SLIDE, PAGE], ids=["card", "phone", "slide", "A4"])
+    def test_of_an_estimate(self, size: tuple[float, float]) -> None:
+        decay = free_decay(CAR, np.arange(0, 2, 0.005), initial_state={"v_tire": 1.0})
+        noisy = add_noise(decay, snr_db=30.0, rng=np.random.default_rng(1))
+        found = estimate(noisy, CAR, fixed=["tire.damping"])
+        assert overlaps(plot_estimate(found, Figure(figsize=size))) == []
+
+    @pytest.mark.parametrize("size", [PHONE, (3.6, 5.0), SLIDE, PAGE], ids=["card", "phone", "slide", "A4"])
+    def test_of_an_identification(self, size: tuple[float, float]) -> None:
+        assert overlaps(plot_identification(identify(RECORD), Figure(figsize=size))) == []

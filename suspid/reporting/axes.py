@@ -36,6 +36,8 @@ def keep_apart(figure: Figure) -> None:
 IN_VIEW = 2.5
 # Room of an entry of a key and its part of the title beside it [inch].
 KEY_WIDTH = 1.1
+# Room of the number at a tick [inch]; and the decades over which those of 1 alone do.
+TICK_WIDTH, TWO_DECADES = 0.36, 2.0
 
 
 def entitle(ax: Axes, title: str) -> None:
@@ -104,10 +106,14 @@ def in_legend(name: str) -> str:
 
 
 def frequency_ticks(axis: Axis, ratio: float) -> None:
-    """Label 1, 2, 5 of each decade; in a band narrower than a factor of 8, evenly spaced frequencies."""
+    """Label 1, 2, 5 of each decade, 1 alone where there is no room; below a factor of 8, evenly spaced frequencies."""
     from matplotlib.ticker import AutoLocator, FuncFormatter, LogLocator, NullLocator
 
-    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)) if ratio > 8 else AutoLocator())
+    decades = float(np.log10(ratio))
+    room = axis.axes.get_window_extent().width / axis.axes.figure.dpi
+    crowded = axis.axis_name == "x" and room < 3 * decades * TICK_WIDTH
+    subs = (1.0,) if crowded and decades >= TWO_DECADES else (1.0, 2.0, 5.0)
+    axis.set_major_locator(LogLocator(subs=subs) if ratio > 8 else AutoLocator())
     axis.set_minor_locator(NullLocator())
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
 

@@ -25,6 +25,11 @@ if TYPE_CHECKING:
     from suspid.greybox import Estimate
     from suspid.reconstruction import Reconstruction
 
+# Height of a line of the upper picture, and the least of a channel [inch]; channels below each other at most.
+LINE, LEAST_HEIGHT, MOST_CHANNELS = 0.28, 1.2, 6
+# Width of a figure [inch] in which the title has room for what the colours mean.
+WIDE_ENOUGH = 5.0
+
 
 @explained
 def plot_estimate(found: Estimate, figure: Figure, *, level: Ratio = LEVEL) -> Figure:
@@ -59,9 +64,10 @@ def plot_estimate(found: Estimate, figure: Figure, *, level: Ratio = LEVEL) -> F
     check_kind(found, {"Estimate": "estimate"})
     keep_apart(figure)
     # Channels on one page; the others are in the JSON by their noise. An estimate that was read has no records.
-    channels = as_signal(found.residual[0]).channels[:6] if found.residual else ()
-    # Heights of a line of the upper picture, and of a channel [inch].
-    heights = [0.28 * (2 + len(found.parameters)), *([2.0] * len(channels))]
+    upper = LINE * (2 + len(found.parameters))
+    most = min(MOST_CHANNELS, max(1, int((figure.get_figheight() - upper) / LEAST_HEIGHT)))
+    channels = as_signal(found.residual[0]).channels[:most] if found.residual else ()
+    heights = [upper, *([max(LEAST_HEIGHT, min(2.0, figure.get_figheight() - upper))] * len(channels))]
     axes = np.atleast_1d(figure.subplots(len(heights), 1, height_ratios=heights))
     draw_changes(found, axes[0], level)
     if not channels:
@@ -110,5 +116,7 @@ def draw_changes(found: Estimate | Reconstruction, ax: Axes, level: Ratio = LEVE
     ax.set_yticks(range(len(names)), names)
     ax.set_ylim(len(names) - 0.5, -0.5)
     ax.set_xlabel("change from nominal [%]")
-    intervals = f" with {100 * level:g} % intervals; grey: no significant change" if known else ""
+    intervals = f" with {100 * level:g} % intervals" if known else ""
+    if known and ax.figure.bbox.width > WIDE_ENOUGH * ax.figure.dpi:
+        intervals += "; grey: no significant change"
     entitle(ax, f"springs and dampers{intervals}")

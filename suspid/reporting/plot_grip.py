@@ -9,7 +9,7 @@ import numpy as np
 from suspid.arguments import explained
 from suspid.levels import LEVEL, check_level, normal_reach
 from suspid.performance import CLASSES, PHASE_LIMIT
-from suspid.reporting.axes import frequency_ticks, in_legend, keep_apart, key_above
+from suspid.reporting.axes import entitle, frequency_ticks, in_legend, keep_apart, key_above
 from suspid.reporting.colours import CHANNEL_COLOURS, Colour
 from suspid.results import check_kind
 from suspid.units import Ratio, RealArray
@@ -49,7 +49,7 @@ def plot_grip(found: Grip, figure: Figure, *, level: Ratio = LEVEL) -> Figure:
     ...                   chassis_damping=650, tire_damping=60)
     >>> page = plot_grip(grip(car), Figure())
     >>> [ax.get_ylabel() for ax in page.axes]
-    ['least / static force [%]', 'phase of contact force [deg]']
+    ['adhesion [%]', 'phase [deg]']
     """
     check_kind(found, {"Grip": "grip"})
     check_level(level)
@@ -71,10 +71,8 @@ def plot_grip(found: Grip, figure: Figure, *, level: Ratio = LEVEL) -> Figure:
         color=Colour.GREY,
     )
     lower.axvspan(found.resonances[0, 0], float(np.max(found.resonances[:, 1])), color=Colour.SHADE, zorder=0)
-    lower.set(
-        xlabel="frequency [Hz]", ylabel="phase of contact force [deg]", ylim=(0.0, 180.0), yticks=range(0, 181, 45)
-    )
-    lower.set_title("EGEA; grey: between the resonances", loc="left")
+    lower.set(xlabel="frequency [Hz]", ylabel="phase [deg]", ylim=(0.0, 180.0), yticks=range(0, 181, 45))
+    entitle(lower, "EGEA: phase of contact force; grey: between the resonances")
     upper.set_xlabel("")
     return figure
 
@@ -98,8 +96,8 @@ def draw_adhesion(found: Grip, ax: Axes, *, level: Ratio = LEVEL) -> None:
         )
     # How far below zero a wheel would pull tells no more: it has left the platform. The classes keep their room.
     low = min(-5.0, max(-20.0, 105 * float(np.min(found.least))))
-    ax.set(xlabel="frequency [Hz]", ylabel="least / static force [%]", ylim=(low, 105.0))
-    ax.set_title("EUSAMA", loc="left")
+    ax.set(xlabel="frequency [Hz]", ylabel="adhesion [%]", ylim=(low, 105.0))
+    entitle(ax, "EUSAMA: least over static force")
     ax.set_xscale("log")
     ax.set_xlim(0.5, float(found.hertz[-1]))
     frequency_ticks(ax.xaxis, float(found.hertz[-1]) / 0.5)

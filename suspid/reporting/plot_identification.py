@@ -38,6 +38,8 @@ MOST_RIDGES = 8
 MODES_ON_PAGE = 12
 # Size in inches of a page to be printed: A4.
 PAGE = (8.27, 11.69)
+# A figure narrower or lower than this has no room for all parts of the page [inch].
+LEAST_PAGE = 4.0
 
 
 @explained
@@ -46,7 +48,8 @@ def plot_identification(
 ) -> Figure:
     """Draw a page: modes, scalogram with ridges, skeletons, record with fit, entropy and shapes.
 
-    Parts without content (no ridges, no search for the bandwidth, shapes of one channel) are omitted.
+    Parts without content (no ridges, no search for the bandwidth, shapes of one channel) are omitted. On a figure that
+    is narrower or lower than four inches the scalogram stands alone.
 
     Parameters
     ----------
@@ -76,6 +79,11 @@ def plot_identification(
     """
     check_kind(identification, {"Identification": "identify"})
     keep_apart(figure)
+    if min(figure.get_size_inches()) < LEAST_PAGE:
+        plot_scalogram(
+            identification.scalogram, ax=figure.subplots(), ridges=identification.ridges, modes=identification.modes
+        )
+        return figure
     ridges = identification.ridges[:MOST_RIDGES]
     blocks = [ridges[i : i + ABREAST] for i in range(0, len(ridges), ABREAST)]
     names = as_signal(held(identification, "response")).channels[:8]
