@@ -1,14 +1,20 @@
 """Tuning: a published optimum, fronts against a grid, constraints, robust choices."""
 
 import re
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import replace
+from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from scipy.optimize import minimize_scalar
 
-from suspid import InputError, quarter_car, ride, road, tune
+from suspid import InputError, quarter_car, ride, road, tune, write_car
+from suspid.cli import main
+from suspid.performance import tuning_steps
 from suspid.performance.choices import box_of, choice_of
 from suspid.performance.figure_plan import plan_of
 from suspid.performance.fronts import Front, Search, front_of
@@ -357,3 +363,31 @@ def test_wrong_requests_are_refused(given: dict[str, object], message: str) -> N
     request = {"parameters": STRUT, "objective": BOTH, "road": "C", "speed": 20.0, **given}
     with pytest.raises(InputError, match=re.escape(message)):
         tune(CAR, **request)  # type: ignore[arg-type]
+
+
+class TestProgress:
+    """What takes long says where it is: every step once, in the order that was announced."""
+
+    @pytest.mark.parametrize("objectives", [("chassis_acceleration.Wk",), ("chassis_acceleration.Wk", "tire.load")])
+    def test_each_step_is_named_as_it_begins(self, objectives: tuple[str, ...]) -> None:
+        said: list[str] = []
+        tune(CAR, parameters=["chassis.damping"], objective=objectives, road="C", speed=20.0, points=4,
+             progress=said.append)  # fmt: skip
+        assert tuple(said) == tuning_steps(len(objectives), 4)
+
+    def test_the_command_shows_a_bar_with_these_steps(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+        begun: list[tuple[str, ...]] = []
+
+        @contextmanager
+        def bar(*steps: str) -> Iterator[Callable[[str], None]]:
+            said: list[str] = []
+            yield said.append
+            begun.append(tuple(said))
+            assert begun[-1] == steps
+
+        monkeypatch.setattr("suspid.cli.tune.progress", bar)
+        write_car(CAR, tmp_path / "car.toml")
+        drive = ["--road", "C", "--speed", "20", "--points", "3", "--parameter", "chassis.damping"]
+        shown = CliRunner().invoke(main, ["tune", str(tmp_path / "car.toml"), *drive])
+        assert shown.exit_code == 0, shown.output
+        assert begun == [tuning_steps(2, 3)]

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import click
 
-from suspid.cli.options import AT_SPEED, CAR_FILE, FILE, ON_ROAD, names_in, pairs, road_named
+from suspid.cli.options import AT_SPEED, CAR_FILE, FILE, ON_ROAD, names_in, pairs, progress, road_named
 from suspid.cli.output import check_apart, said_warnings, say
 from suspid.cli.parameters import bounds_by_name
 from suspid.cli.quantities import Positive, Whole
@@ -85,7 +85,7 @@ def tune_command(
     """
     from suspid.identification import to_json
     from suspid.model import Suspension, car_to_toml, read_constraints
-    from suspid.performance import tune
+    from suspid.performance import tune, tuning_steps
     from suspid.reporting import plot_tuning, tuning_to_dict
 
     if road is None or speed is None:
@@ -96,6 +96,7 @@ def tune_command(
         replacing(json_file) if json_file else nullcontext() as json_draft,
         replacing(output) if output else nullcontext() as car_draft,
         said_warnings(),
+        progress(*tuning_steps(len(names_in(objectives) or (1, 2)), points)) as step,
         naming(source),
     ):
         what = car_of(source)
@@ -113,6 +114,7 @@ def tune_command(
             robust=robust or 0.0,
             clearance=pairs(clearance, "--clearance", float),
             nominal_std=nominal_std,
+            progress=step,
         )
         draw(partial(plot_tuning, found), found)
         if json_draft:

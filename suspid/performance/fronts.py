@@ -66,8 +66,25 @@ class Front:
     failed: int
 
 
-def front_of(search: Search, start: RealArray, points: int) -> Front:
-    """Return the front of one or two objectives: its ends, and points spread evenly between them."""
+def tuning_steps(objectives: int, points: int) -> tuple[str, ...]:
+    """Return the names of the steps of a search, in order.
+
+    Examples
+    --------
+    >>> tuning_steps(2, 4)
+    ('looking around', 'least of figure 1', 'least of figure 2', 'car 2 of 4', 'car 3 of 4')
+    """
+    between = [f"car {k} of {points}" for k in range(2, points)] if objectives > 1 else []
+    return ("looking around", *(f"least of figure {i + 1}" for i in range(objectives)), *between)
+
+
+def front_of(search: Search, start: RealArray, points: int, begin: Callable[[str], None] = lambda _: None) -> Front:
+    """Return the front of one or two objectives: its ends, and points spread evenly between them.
+
+    ``begin`` is called with each of `tuning_steps` as it begins.
+    """
+    first, *steps = tuning_steps(search.objectives, points)
+    begin(first)
     sample = _spread(search.low, search.high, PLACES_EACH * len(start))
     seen = np.array([search.evaluate(x)[0] for x in (start, *sample)])
     places = np.vstack([start, sample])
@@ -76,6 +93,7 @@ def front_of(search: Search, start: RealArray, points: int) -> Front:
     agreed = searches = 0
     ends = []
     for i in range(search.objectives):
+        begin(steps[i])
         order = np.lexsort((seen[:, i], over))[:BEST_STARTS]
         found = [_minimised(search, places[k], [i], np.zeros(1)) for k in order]
         best = min(found, key=lambda point: (not point.good, float(point.figures[i])))
@@ -100,7 +118,8 @@ def front_of(search: Search, start: RealArray, points: int) -> Front:
         return Front(points=(ends[0],), agreed=agreed, searches=searches, failed=0)
     found, failed, last = [ends[0]], 0, ends[0].x
     scaled = (seen[:, :2] - ideal) / span
-    for share in np.linspace(0, 1, points)[1:-1]:
+    for name, share in zip(steps[2:], np.linspace(0, 1, points)[1:-1], strict=True):
+        begin(name)
         line = np.array([share, 1 - share])
         start_of_sample = places[int(np.lexsort((np.max(scaled - line, axis=1), over))[0])]
         both = [_minimised(search, x, [0, 1], ideal + line * span, span) for x in (last, start_of_sample)]

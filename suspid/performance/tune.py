@@ -53,6 +53,7 @@ def tune(
     duration: Second = HOUR,
     weightings: Mapping[str, str | Sequence[str]] | None = None,
     clearance: Mapping[str, Metre | tuple[Metre, Metre]] | None = None,
+    progress: Callable[[str], None] | None = None,
 ) -> Tuning:
     """Return the springs and dampers of the best compromises between two figures, or of the best one.
 
@@ -84,6 +85,8 @@ def tune(
         are then best for cars as uncertain as this one. Default: none, the car is taken as known.
     nominal_std : float, or mapping of str to float, optional
         Relative standard deviation of parameters that were not estimated, as in `grip`.
+    progress : callable, optional
+        Called with the name of each step as it begins, such as ``"car 3 of 11"``.
 
     Returns
     -------
@@ -153,7 +156,7 @@ def tune(
         limits=np.log(small(tuple(limits), np.array(list(limits.values()), float))[0]),
         relations=relations_of(choice, about.car, related),
     )
-    front = front_of(search, start, points)
+    front = front_of(search, start, points, progress or (lambda _: None))
     if not front.points:
         asked_for = [*search.relations.labels, *(limit_in_words(name, value) for name, value in limits.items())]
         raise InputError(

@@ -111,7 +111,7 @@ def frequency_ticks(axis: Axis, ratio: float) -> None:
 
     decades = float(np.log10(ratio))
     room = axis.axes.get_window_extent().width / axis.axes.figure.dpi
-    crowded = axis.axis_name == "x" and room < 3 * decades * TICK_WIDTH
+    crowded = axis is axis.axes.xaxis and room < 3 * decades * TICK_WIDTH
     subs = (1.0,) if crowded and decades >= TWO_DECADES else (1.0, 2.0, 5.0)
     axis.set_major_locator(LogLocator(subs=subs) if ratio > 8 else AutoLocator())
     axis.set_minor_locator(NullLocator())

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from suspid.reconstruction import Reconstruction
 
 # Height of a line of the upper picture, and the least of a channel [inch]; channels below each other at most.
-LINE, LEAST_HEIGHT, MOST_CHANNELS = 0.28, 1.2, 6
+LINE, LEAST_HEIGHT, PANELS_BELOW = 0.28, 1.2, 6
 # Width of a figure [inch] in which the title has room for what the colours mean.
 WIDE_ENOUGH = 5.0
 
@@ -65,7 +65,7 @@ def plot_estimate(found: Estimate, figure: Figure, *, level: Ratio = LEVEL) -> F
     keep_apart(figure)
     # Channels on one page; the others are in the JSON by their noise. An estimate that was read has no records.
     upper = LINE * (2 + len(found.parameters))
-    most = min(MOST_CHANNELS, max(1, int((figure.get_figheight() - upper) / LEAST_HEIGHT)))
+    most = min(PANELS_BELOW, max(1, int((figure.get_figheight() - upper) / LEAST_HEIGHT)))
     channels = as_signal(found.residual[0]).channels[:most] if found.residual else ()
     heights = [upper, *([max(LEAST_HEIGHT, min(2.0, figure.get_figheight() - upper))] * len(channels))]
     axes = np.atleast_1d(figure.subplots(len(heights), 1, height_ratios=heights))
