@@ -165,3 +165,13 @@ class TestCauses:
 
 def test_the_page_draws_gain_and_phase_of_every_channel_that_is_moved(drive: Estimate) -> None:
     assert report(drive).count("Phase of the frequency response") == 1
+
+
+def test_the_page_says_what_numbers_are(rig: Estimate, drive: Estimate) -> None:
+    """Every noise has the unit of its channel; gain and delay of sensors are explained where there are any."""
+    for found in (rig, drive):
+        page = report(found)
+        for name in OUTPUTS:
+            row = page.split(f"<div>{name}</div></td>")[-1].split("</tr>")[0]
+            assert "m/s²" in row
+        assert ("delay: of a sensor" in page) == any(name.endswith(".delay") for name in found.parameters)

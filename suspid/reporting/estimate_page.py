@@ -87,11 +87,11 @@ class EstimateContent:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class RecordPart:
-    """What the page shows of one record: pictures by channel, noise and whiteness of every channel."""
+    """What the page shows of one record: pictures by channel, unit, noise and whiteness of every channel."""
 
     heading: str
     pictures: tuple[tuple[str, tuple[Picture, ...]], ...]
-    channels: tuple[tuple[str, str, str], ...]
+    channels: tuple[tuple[str, str, str, str], ...]
 
 
 def page_fields(content: EstimateContent) -> dict[str, object]:
@@ -163,7 +163,7 @@ def _part(content: EstimateContent, which: int) -> RecordPart:
         heading=f"Record {which + 1}{named}, {rate}",
         pictures=tuple(_pictures(found, which)),
         channels=tuple(
-            (printable(name), f"{std:#.3g}", signed(f"{correlation:+.2f}"))
+            (printable(name), channel_unit(found.suspension, name), f"{std:#.3g}", signed(f"{correlation:+.2f}"))
             for name, std, correlation in zip(residual.channels, noise, white, strict=True)
         ),
     )
