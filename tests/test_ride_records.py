@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
-from suspid import InputError, Level, Ride, ride
+from suspid import InputError, Level, Ride, as_record, ride
 from suspid.cli import main
 from suspid.performance import weightings
 from suspid.performance.weightings import weighted
@@ -280,3 +280,39 @@ RECORD = as_response(T, NOISE[None], ["seat_acceleration"])
 def test_wrong_requests_say_what_to_write(request_: Callable[[], object], message: str) -> None:
     with pytest.raises(InputError, match=re.escape(message)):
         request_()
+
+
+class TestRounding:
+    """A sensor of coarse steps adds the variance q^2 / 12, white, to what it measures."""
+
+    @staticmethod
+    def of_steps(step: float) -> tuple[Ride, float]:
+        """Return the ride over a noise of 0.1 m/s2 up to 100 Hz in steps, and its exact weighted rms."""
+        from scipy.signal import butter, sosfilt
+
+        rng = np.random.default_rng(5)
+        smooth = sosfilt(butter(4, 100.0, fs=400.0, output="sos"), rng.standard_normal(400 * 120))
+        smooth *= 0.1 / np.std(smooth)
+        exact = ride(as_record(smooth, fs=400, channels=["seat_acceleration"]))["seat_acceleration.Wk"]
+        rounded = step * np.round(smooth / step) if step else smooth
+        return ride(as_record(rounded, fs=400, channels=["seat_acceleration"])), exact
+
+    def test_its_share_is_that_of_white_noise(self) -> None:
+        found, exact = self.of_steps(0.2)
+        (said,) = [one for one in found.verdict.doubts if one.code is RideCheck.ROUNDED and
+                   one.numbers["weighting"] == "Wk"]  # fmt: skip
+        share = 1 - (exact / found["seat_acceleration.Wk"]) ** 2
+        assert float(str(said.numbers["share"])) == pytest.approx(share, rel=0.25)
+        assert float(str(said.numbers["step"])) == pytest.approx(0.2)
+
+    @pytest.mark.parametrize("step", [0.0, 0.001])
+    def test_fine_steps_are_not_mentioned(self, step: float) -> None:
+        found, _ = self.of_steps(step)
+        assert RideCheck.ROUNDED not in {one.code for one in found.verdict.doubts}
+
+
+@pytest.mark.parametrize(("rate", "cut_off"), [(200 * (1 - 1e-4), False), (200.0, False), (180.0, True)])
+def test_a_rate_that_is_off_by_rounded_stamps_cuts_nothing_off(rate: float, cut_off: bool) -> None:
+    samples = np.random.default_rng(1).standard_normal(20_000)
+    found = ride(as_record(samples, fs=rate, channels=["seat_acceleration"]), weightings={"seat_acceleration": "Wk"})
+    assert (RideCheck.HIGH in {one.code for one in found.verdict.doubts}) == cut_off

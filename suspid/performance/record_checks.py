@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 
 import numpy as np
 
 from suspid.cleaning import clipped_times, clipping
 from suspid.greybox import DriveLimits
+from suspid.identification import UNIFORM_STD, resolution
 from suspid.io import bare_name
 from suspid.levels import PIECES_OF_RECORD
 from suspid.performance.felt import Felt
 from suspid.performance.figure_plan import TRAVEL
-from suspid.performance.weightings import weighting_named
+from suspid.performance.weightings import weighting, weighting_named
 from suspid.recordings import RawChannel
 from suspid.signals import Signal
-from suspid.units import Ratio
+from suspid.units import Ratio, Second
 from suspid.words import Check, Level, Number, Remark
 from suspid.words.ride import RideCheck
 
@@ -89,12 +90,35 @@ def rest_share(signal: Signal, felt: Sequence[Felt]) -> Ratio:
     return float(np.mean(np.all(rms < limits.least_vibration, axis=0)))
 
 
+def rounding_checks(felt: Sequence[Felt], figures: Mapping[str, tuple[float, float]], step: Second) -> Iterator[Check]:
+    """Yield which weighted accelerations are those of rounded samples: by more than their own standard deviation.
+
+    ``figures`` are value and standard deviation by name. Rounding to steps of q adds a white variance ``q^2 / 12``.
+    """
+    hertz = np.linspace(0.0, 0.5 / step, 1000)[1:]
+    for one in felt:
+        std = float(resolution(one.samples[None])[0])
+        for kind in one.kinds:
+            value, scatter = figures[f"{one.name}.{kind}"]
+            if value <= 0 or not np.isfinite(scatter):
+                continue
+            share = (std / value) ** 2 * float(np.mean(np.abs(weighting(kind, hertz)) ** 2))
+            # A variance that is added changes the root by half of its share.
+            if share / 2 > scatter / value:
+                numbers: dict[str, Number] = {
+                    "channel": one.name, "weighting": kind, "share": min(share, 1.0), "unit": f"{one.turn}/s2",
+                    "step": std / UNIFORM_STD,
+                }  # fmt: skip
+                yield Check(Remark(RideCheck.ROUNDED, numbers), Level.CARE)
+
+
 def _band(signal: Signal, kinds: set[str]) -> Iterator[Check]:
     """Yield what a record leaves out of its weightings."""
     top = 0.5 / signal.step
     for kind in sorted(kinds):
         w = weighting_named(kind)
-        if top < w.f2:
+        # Rounded stamps give a rate that is off by less than this; so little more band adds nothing to a figure.
+        if top < 0.99 * w.f2:
             yield Check(Remark(RideCheck.HIGH, {"held": top, "weighting": kind, "hertz": w.f2}), Level.CARE)
         if signal.duration * w.f1 < PIECES_OF_RECORD:
             needed = PIECES_OF_RECORD / w.f1

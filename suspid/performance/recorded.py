@@ -15,7 +15,7 @@ from suspid.performance.figure_plan import ROTATION, SICKNESS, TRAVEL, comfort_o
 from suspid.performance.figures import check_exposure
 from suspid.performance.mean_squares import power_mean
 from suspid.performance.reactions import reaction
-from suspid.performance.record_checks import no_figures, record_checks
+from suspid.performance.record_checks import no_figures, record_checks, rounding_checks
 from suspid.performance.record_sizes import implausible
 from suspid.performance.rides import Ride
 from suspid.performance.weightings import weighted
@@ -77,6 +77,7 @@ def recorded(
     hertz, density = welch(np.array([one.samples for one in felt]), 1 / signal.step, nperseg=length)
     averaged = (count - length // 2) // (length - length // 2)
     checks += record_checks(signal, felt, travels, hidden, unknown)
+    checks += rounding_checks(felt, {one.name: (one.value, one.scatter) for one in found}, signal.step)
     checks += no_figures(signal.channels, {one.name for one in (*felt, *travels)}, unknown)
     stated = {bare_name(name) for name in signal.channels if bracketed_unit(name)}
     checks += implausible(felt, travels, {one.name: one.value for one in found}, stated)

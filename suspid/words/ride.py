@@ -146,6 +146,11 @@ class RideCheck(Code):
         "{channel}: {samples} samples are clipped, at up to {largest:.3g} {unit} from the mean: the true rms, peaks, "
         "crest factor and doses are larger; use a sensor with a larger range.",
     )
+    ROUNDED = (
+        "rounded",
+        "{channel}: its samples are multiples of {step:.2g} {unit}; rounding adds {share:.0%} or more to the mean "
+        "square of {weighting}, more than the figure varies by chance: use a sensor or a range of finer steps.",
+    )
     TOO_ROUGH = (
         "too rough",
         "G_d(n_0) = {roughness:.4g} m3 is above {limit:.3g} m3, twice that of class H, the roughest: check its unit; "
