@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from suspid import InputError, add_noise, classify_road, quarter_car, road, simulate
+from suspid import InputError, add_noise, classify_road, quarter_car, road, road_profile, simulate
 from suspid.performance import ROAD_LIMITS
 from suspid.signals import as_response
 from suspid.simulation import ROUGHNESS, Road, track_coherence
@@ -247,3 +247,21 @@ class TestClass:
             chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3, chassis_damping=9e2
         )
         assert dict(road("B", speed=20.0, under=car).places) == {"road": (0.0, 0.0)}
+
+
+class TestFolding:
+    def test_waves_shorter_than_two_samples_do_not_move_the_exponent(self) -> None:
+        """Heights are points: waves of 0.1 to 0.3 m fold into those that samples every 0.15 m hold.
+
+        Of a density ``n^-2`` they add ``(u / (2 - u))^2`` at the share u of half the sampling rate, which flattens the
+        spectrum there. The mean error of the exponent stays below its standard deviation.
+        """
+        t = np.arange(0, 60, 0.005)
+        errors = []
+        for seed in range(30):
+            heights = road_profile(30 * t, roughness="C", rng=np.random.default_rng(seed))
+            found = classify_road((t, heights), speed=30.0)
+            errors.append((found.exponent - 2) / np.sqrt(found.covariance[1, 1]))
+        assert abs(np.mean(errors)) < 1
+        # Over 30 roads: three standard errors about one.
+        assert np.std(errors) == pytest.approx(1.0, abs=3 / np.sqrt(2 * 30))
