@@ -10,6 +10,7 @@ import numpy as np
 
 from suspid.analysis.choice import explains, holds, settled, tried, tried_linear
 from suspid.analysis.derivatives import without_derivatives
+from suspid.analysis.forced_start import freed, later_starts
 from suspid.analysis.held import without_held
 from suspid.analysis.settings import Settings
 from suspid.decays import GRAVE, LOOK_BLOCKS, Decay, Decays, clearly_driven, find_decays
@@ -63,7 +64,7 @@ def _stretch_of(record: control.TimeResponseData, settings: Settings) -> Used:
     if which == "whole":
         return Used(record=record, decays=(), used=(), notes=())
     if which == "auto":
-        return _best(record, settings)
+        return _once_free(record, _best(record, settings), settings)
     decays = find_decays(record)
     if not decays:
         raise RecordError(f"no free decay was found. {_remarks(decays)}")
@@ -107,6 +108,24 @@ def _best(record: control.TimeResponseData, settings: Settings) -> Used:
     }
     note = Remark(Note.WHOLE_RECORD, said)
     return Used(record=record, decays=decays, used=(), notes=(note,), identification=whole)
+
+
+def _once_free(record: control.TimeResponseData, best: Used, settings: Settings) -> Used:
+    """Return the decay from a later start on where modes at its start stand for a force that ends."""
+    if len(best.used) != 1:
+        return best
+    found = best.identification or tried(best.record, settings)
+    best = replace(best, identification=found)
+    decay, decays = best.used[0], best.decays
+    if found is None or not isinstance(decays, Decays):
+        return best
+    start = as_signal(best.record).start
+    for later in later_starts(record, found):
+        used = _of(record, decays, replace(decay, start=start + later))
+        free = tried(used.record, settings)
+        if free is not None and settled(free) and freed(found, free):
+            return replace(used, identification=free)
+    return best
 
 
 def _may_decay(record: control.TimeResponseData, largest: Second) -> bool:

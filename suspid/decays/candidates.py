@@ -106,10 +106,11 @@ def decays_after(recording: Recording, burst: Burst) -> Found:
     return out, remarks
 
 
-def examined(recording: Recording, burst: Burst, *, moved: bool) -> Found:
+def examined(recording: Recording, burst: Burst, *, moved: bool, alone: bool = False) -> Found:
     """Return the decay after an event, or the reason why there is none.
 
-    Unless the start is ``moved``, the decay begins with the event.
+    Unless the start is ``moved``, the decay begins with the event. One that is ``alone`` has no background in the
+    recording that it must rise above: what was before it drove the motion.
     """
     signal = recording.signal
     first = max(0, int(np.ceil((burst.onset - signal.start) / signal.step - 1e-6)))
@@ -127,7 +128,7 @@ def examined(recording: Recording, burst: Burst, *, moved: bool) -> Found:
     chosen = recording.among(moving)
     part = chosen.signal
     size = min(block_size(signal.step, burst.top), max(1, (last - first) // 64))
-    alone = 2 * (last - first) > signal.values.shape[1]
+    alone = alone or 2 * (last - first) > signal.values.shape[1]
     clipped = chosen.clipped
     start, doubt = Start(begin=first, trial=None), None
     if moving.size:

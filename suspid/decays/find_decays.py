@@ -12,10 +12,11 @@ from suspid.cleaning import RecordLike, as_record
 from suspid.decays.bursts import RINGING, RISE, Burst, died_down, find_bursts
 from suspid.decays.candidates import Recording, decays_after, examined
 from suspid.decays.coarse import coarsened
-from suspid.decays.decay import Decay, Decays
+from suspid.decays.decay import GRAVE, Decay, Decays
 from suspid.decays.doubts import doubts_of_company
 from suspid.decays.envelopes import Envelopes, envelopes, finest
 from suspid.decays.fading import decay_of_fading
+from suspid.decays.tails import free_end
 from suspid.errors import RecordError
 from suspid.identification import FEWEST_SAMPLES
 from suspid.signals import Signal, as_signal
@@ -125,7 +126,25 @@ def _found(signal: Signal) -> tuple[list[Decay], list[Remark]]:
                 break
     if len(bursts) > looked:
         remarks.insert(0, Remark(DecayRemark.NOT_ALL, {"found": len(bursts), "examined": looked}))
-    return [_in_company(decay, decays, refused) for decay in decays], remarks
+    out = [_in_company(decay, decays, refused) for decay in decays]
+    # What drives the motion makes events that are no decays; it says nothing of the end, where it is gone.
+    ends = _at_end(recording) if all(_gravely_doubted(decay) for decay in out) else []
+    return [*ends, *out], remarks
+
+
+def _gravely_doubted(decay: Decay) -> bool:
+    return any(doubt.code in GRAVE for doubt in decay.doubts)
+
+
+def _at_end(recording: Recording) -> list[Decay]:
+    """Return the decay at the end of a recording that is driven before, if that is beyond grave doubt."""
+    signal = recording.signal
+    free = free_end(signal, recording.finest)
+    if free is None:
+        return []
+    first, last = (signal.start + signal.step * sample for sample in (free[0], free[1] - 1))
+    decays, _ = examined(recording, _given(signal, recording.bands, first, last), moved=True, alone=True)
+    return [decay for decay in decays if not _gravely_doubted(decay)]
 
 
 def _in_company(decay: Decay, decays: Sequence[Decay], refused: Sequence[Decibel]) -> Decay:

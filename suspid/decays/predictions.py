@@ -116,7 +116,7 @@ def freed_at(values: RealArray, finest: RealArray, *, step: Second) -> tuple[int
     >>> first <= 200 <= sure, sure - first
     (True, 14)
     """
-    top, strongest = _frequencies(values, finest, step)
+    top, strongest = frequencies(values, finest, step)
     size = block_size(step, top)
     count = values.shape[1] // size
     surplus = values.shape[1] - count * size
@@ -148,7 +148,7 @@ def freed_at(values: RealArray, finest: RealArray, *, step: Second) -> tuple[int
     return last, last + 2 * size
 
 
-def _frequencies(values: RealArray, finest: RealArray, step: Second) -> tuple[Hertz, Hertz]:
+def frequencies(values: RealArray, finest: RealArray, step: Second) -> tuple[Hertz, Hertz]:
     """Return the highest frequency that counts and the strongest one, of the velocity less white noise."""
     count = values.shape[1]
     window = np.hanning(count)

@@ -185,11 +185,20 @@ def background_ratio(means: RealArray, trial: Trial, *, size: int, length: int) 
     return np.asarray(ratio[strongest, np.arange(len(rows))])
 
 
-def tried(values: RealArray, *, step: Second, size: int, least: RealArray, most: int = MOST_BLOCKS) -> Trial | None:
+def tried(
+    values: RealArray,
+    *,
+    step: Second,
+    size: int,
+    least: RealArray,
+    most: int = MOST_BLOCKS,
+    sought: int = MOST_SOUGHT,
+) -> Trial | None:
     """Return the fit to a stretch, or None if it is too short or a channel is constant.
 
     Means over blocks of ``size`` samples, the first ``most`` of them, keep the poles of exponentials and the whiteness
     of noise. Unlike a filter they do not mix in samples from before the stretch. ``least`` is from `quiet_variance`.
+    At most ``sought`` pairs of poles are fitted.
     """
     count = min(values.shape[1] // size, most)
     if count < FEWEST_SAMPLES:
@@ -199,7 +208,7 @@ def tried(values: RealArray, *, step: Second, size: int, least: RealArray, most:
     if not np.all(np.any(np.abs(about) > 1e-12 * np.max(np.abs(means), axis=1, keepdims=True), axis=1)):
         return None
     noise = WhiteNoise(least=least).rounded(np.sum(about**2, axis=1), count)
-    selection = select(about, noise=noise, most=MOST_SOUGHT)
+    selection = select(about, noise=noise, most=sought)
     fit = selection.fit
     pairs = len(fit.poles.pairs)
     residual = about - synthesize(fit.poles.exponents, fit.amplitudes, count)

@@ -1,0 +1,63 @@
+"""Whether a force still acts at the start of a decay: short modes that are hardly known stand for its end."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from suspid.identification import Identification
+from suspid.signals import as_signal
+from suspid.units import Second
+
+if TYPE_CHECKING:
+    import control
+
+# A mode whose frequency has at least this relative standard deviation may be a force that ends. Heavily damped modes
+# that matter are known to 1 % at a signal-to-noise ratio of 40 dB.
+HARDLY_KNOWN = 0.025
+# Later starts that are tried, in periods of the slowest mode that is known better.
+PERIODS_LATER = (0.25, 0.5, 1.0, 1.5)
+# The record is driven before the decay if it moves by this many times the noise from `PERIODS_BEFORE` periods to half a
+# period before the start: a bump is shorter, and a held mass only shows the noise.
+DRIVEN_BEFORE, PERIODS_BEFORE = 10.0, 2.0
+# A mode is the same if its pole lies within this share of its modulus.
+SAME_POLE = 0.05
+
+
+def later_starts(record: control.TimeResponseData, found: Identification) -> Iterator[Second]:
+    """Yield how much later a decay may begin: nothing where no mode stands for a force before it."""
+    hardly = _hardly_known(found)
+    if not hardly.any() or hardly.all():
+        return
+    period = 2 * np.pi / float(np.min(found.modes.wn[~hardly]))
+    if _driven_before(record, found, period):
+        yield from (share * period for share in PERIODS_LATER)
+
+
+def freed(found: Identification, later: Identification) -> bool:
+    """Return whether a later start has the modes that are well known, and no others."""
+    kept = found.modes.poles[~_hardly_known(found)]
+    if len(later.modes) != len(kept):
+        return False
+    apart = np.abs(kept[:, None] - later.modes.poles)
+    return bool(np.all(np.min(apart, axis=1) < SAME_POLE * np.abs(kept)))
+
+
+def _hardly_known(found: Identification) -> NDArray[np.bool_]:
+    std = found.modes.wn_std
+    return np.zeros(len(found.modes), bool) if std is None else np.asarray(std > HARDLY_KNOWN * found.modes.wn)
+
+
+def _driven_before(record: control.TimeResponseData, found: Identification, period: Second) -> bool:
+    """Return whether the record moves for longer than a bump before the first sample of an identification."""
+    signal, start = as_signal(record), as_signal(found.residual).start
+    channels = [signal.channels.index(name) for name in as_signal(found.residual).channels]
+    time = signal.timepts
+    before = (time >= start - PERIODS_BEFORE * period) & (time < start - 0.5 * period)
+    if not before.any():
+        return False
+    moved = np.std(signal.values[channels][:, before], axis=1)
+    return bool(np.any(moved > DRIVEN_BEFORE * found.noise_std))

@@ -1,0 +1,100 @@
+"""The free end of a record that is driven before: its motion is followed backwards from the end."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import cache
+
+import numpy as np
+
+from suspid.decays.predictions import at_rest_from, frequencies
+from suspid.decays.refusals import fits, refused
+from suspid.decays.sketches import LOOK_BLOCKS, clearly_driven
+from suspid.decays.trials import Trial, block_size, tried
+from suspid.identification import FEWEST_SAMPLES
+from suspid.signals import Signal
+from suspid.units import RealArray
+
+# Ends of the record that are tried grow by this factor, from the smallest to the largest share of it. A smaller factor
+# finds shorter free ends and costs time.
+LONGER, SHORTEST_END, LONGEST_END = 1.25, 0.05, 0.95
+# Halvings between the longest end that is free and the next one, which is not.
+TAIL_HALVINGS = 5
+# An end is free where this many in a row are: a short one is explained by chance.
+IN_A_ROW = 2
+# Pairs of poles that are sought: a free end has few. More follow forced motion, and take most of the time.
+END_PAIRS = 6
+# Blocks that each of them needs, three cycles of the highest one: more poles follow short forced motions by chance.
+BLOCKS_A_POLE = 24
+
+
+def free_end(signal: Signal, finest: RealArray) -> tuple[int, int] | None:
+    """Return the samples between which the end of a record is a free decay, the last excluded; None where it is not.
+
+    Longer and longer ends are fitted, as long as damped exponentials explain them down to noise with no more poles.
+
+    Parameters
+    ----------
+    signal : Signal
+        The recording.
+    finest : ndarray (channel,)
+        Standard deviation of the rounding and quantisation error of each channel.
+
+    Examples
+    --------
+    A mass is shaken for 4 s and then let alone:
+
+    >>> from scipy.signal import lfilter
+    >>> rng = np.random.default_rng(1)
+    >>> force = np.where(np.arange(1200) < 400, rng.standard_normal(1200), 0.0)
+    >>> motion = lfilter([1.0], [1.0, -1.97, 0.985], force) + 0.01 * rng.standard_normal(1200)
+    >>> first, last = free_end(Signal(start=0.0, step=0.01, values=motion[None], channels=("seat",)), np.zeros(1))
+    >>> 395 <= first <= 450, last
+    (True, 1200)
+    """
+    last = at_rest_from(signal.values, finest)
+
+    @cache
+    def at(first: int) -> Trial | None:
+        values = signal.values[:, first:last]
+        top, _ = frequencies(values, finest, signal.step)
+        size = min(block_size(signal.step, top), max(1, values.shape[1] // (2 * FEWEST_SAMPLES)))
+        if values.shape[1] < FEWEST_SAMPLES * size or clearly_driven(values, size=size):
+            return None
+        trial = tried(values, step=signal.step, size=size, least=finest**2 / size, most=LOOK_BLOCKS, sought=END_PAIRS)
+        if trial is None or trial.residual.shape[1] < BLOCKS_A_POLE * trial.poles:
+            return None
+        return trial if refused(trial) is None and fits(trial) else None
+
+    count = int(np.log(LONGEST_END / SHORTEST_END) / np.log(LONGER))
+    places = [last - round(SHORTEST_END * LONGER**n * last) for n in range(count + 1)]
+    free = _longest_run([at(place) is not None for place in places])
+    # A pole that only the longest end needs follows the force before it.
+    while len(free) > 1 and _poles(at(places[free[-1]])) > _poles(at(places[free[-2]])):
+        free = free[:-1]
+    if len(free) < IN_A_ROW:
+        return None
+    before = free[-1] + 1
+    return _earliest(at, places[before] if before < len(places) else 0, places[free[-1]]), last
+
+
+def _longest_run(free: Sequence[bool]) -> range:
+    """Return the numbers of the longest run of ends that are free, the last one where several are as long."""
+    edges = np.flatnonzero(np.diff(np.r_[False, free, False]))
+    runs = [range(int(first), int(after)) for first, after in zip(edges[::2], edges[1::2], strict=True)]
+    return max(reversed(runs), key=len, default=range(0))
+
+
+def _poles(trial: Trial | None) -> int:
+    return 0 if trial is None else trial.poles
+
+
+def _earliest(at: Callable[[int], Trial | None], low: int, high: int) -> int:
+    """Return the earliest start between one from which the motion is not free and one from which it is, by halving."""
+    for _ in range(TAIL_HALVINGS):
+        middle = (low + high) // 2
+        if at(middle) is not None and _poles(at(middle)) <= _poles(at(high)):
+            high = middle
+        else:
+            low = middle
+    return high
