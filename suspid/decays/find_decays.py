@@ -21,7 +21,7 @@ from suspid.errors import RecordError
 from suspid.identification import FEWEST_SAMPLES
 from suspid.signals import Signal, as_signal
 from suspid.threads import in_one_thread
-from suspid.units import Decibel, Second
+from suspid.units import Second
 from suspid.words import DecayDoubt, DecayRemark, Remark
 
 # Most events that are examined, the strongest first, and the number of doubtful or refused ones in a row that ends the
@@ -100,12 +100,12 @@ def _found(signal: Signal) -> tuple[list[Decay], list[Remark]]:
     bursts = sorted(find_bursts(recording.bands), key=lambda burst: -burst.level)
     decays: list[Decay] = []
     remarks: list[Remark] = [] if bursts else [_nothing(recording.bands)]
-    looked, vain, refused = 0, 0, list[Decibel]()
+    looked, vain, refused = 0, 0, list[Burst]()
     for burst in bursts[:MOST_BURSTS]:
         here, said = decays_after(recording, burst)
         decays += here
         remarks += said
-        refused += [] if here else [burst.level]
+        refused += [] if here else [burst]
         looked, vain = looked + 1, 0 if any(not decay.doubts for decay in here) else vain + 1
         if vain == MOST_IN_VAIN:
             break
@@ -147,9 +147,12 @@ def _at_end(recording: Recording) -> list[Decay]:
     return [decay for decay in decays if not _gravely_doubted(decay)]
 
 
-def _in_company(decay: Decay, decays: Sequence[Decay], refused: Sequence[Decibel]) -> Decay:
-    """Return a decay, doubted if most events that are not far weaker are no decays; those are no larger than clicks."""
-    others = sum(level > decay.level - RISE for level in refused)
+def _in_company(decay: Decay, decays: Sequence[Decay], refused: Sequence[Burst]) -> Decay:
+    """Return a decay, doubted if most events that are not far weaker are no decays; those are no larger than clicks.
+
+    What rises within the decay, as where friction holds a mass and lets it go, is part of it.
+    """
+    others = sum(burst.level > decay.level - RISE and not decay.start < burst.onset < decay.stop for burst in refused)
     beside = sum(other.level > decay.level - RISE for other in decays)
     return replace(decay, doubts=(*decay.doubts, *doubts_of_company(others, others + beside)))
 

@@ -1,0 +1,39 @@
+"""Events that are no decays: those beside a decay speak against it, what rises within it is part of it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from suspid.decays.bursts import Burst
+from suspid.decays.decay import Decay
+from suspid.decays.find_decays import _in_company, find_decays
+from suspid.signals import as_response
+from suspid.words import DecayDoubt
+
+
+@pytest.fixture(scope="module")
+def decay() -> Decay:
+    time = np.asarray(np.arange(2000) / 200, float)
+    values = 1e-4 * np.random.default_rng(1).standard_normal((1, 2000))
+    values[0, 600:] += (np.exp((-1.5 + 40j) * time[:1400])).imag
+    (found,) = find_decays(as_response(time, values, ("y",)))
+    return replace(found, doubts=())
+
+
+def events(decay: Decay, times: list[float]) -> list[Burst]:
+    """Events as loud as the decay."""
+    return [
+        Burst(onset=t, peak=t, stop=t + 0.1, level=decay.level, top=6.0, width=0.05, cut=False, again=()) for t in times
+    ]
+
+
+def test_events_within_a_decay_are_part_of_it(decay: Decay) -> None:
+    within = np.linspace(decay.start, decay.stop, 8)[1:-1].tolist()
+    assert not _in_company(decay, [decay], events(decay, within)).doubts
+
+
+def test_events_beside_a_decay_speak_against_it(decay: Decay) -> None:
+    beside = [decay.start - 0.1 * k for k in range(1, 7)]
+    doubts = _in_company(decay, [decay], events(decay, beside)).doubts
+    assert [doubt.code for doubt in doubts] == [DecayDoubt.COMPANY]
