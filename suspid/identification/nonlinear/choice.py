@@ -60,7 +60,7 @@ def chosen(record: Record, plain: DrivenFit, bent: Bent | None, *, most: int, hi
             if steps_of(start.drive.theta, record.values.shape[1], kind) > longest:
                 continue
             if best is None or best.bic >= highest or _misses(best):
-                fit = _begun(record, start, order, kind)
+                fit = _begun(record, start, order, kind, highest=highest)
                 fit = fitted(fit) if fit.bic < highest + WITHIN_REACH * fit.residual.size else fit
                 best = fit if best is None or fit.bic < best.bic else best
     # Where no force was found before, more than a few steps must not be needed.
@@ -201,6 +201,8 @@ def _kinds(record: Record, plain: DrivenFit, bent: Bent | None) -> list[tuple[in
     ]
     best = sorted((trial for trial in trials if trial.fit.promised < plain.bic), key=lambda trial: trial.fit.promised)
     kinds = list(dict.fromkeys(trial.forces[0].kind for trial in best))[:KINDS_TRIED]
+    # Friction that stops masses soon promises little beside the poles of a linear fit.
+    kinds = list(dict.fromkeys([*kinds, ForceKind.FRICTION])) if best else []
     return [(order, kind) for kind in kinds for order in sorted({0, best[0].order})]
 
 
@@ -214,22 +216,25 @@ def _needed(fit: StructureFit) -> StructureFit:
     return fit
 
 
-def _begun(record: Record, start: DrivenFit, order: int, kind: ForceKind) -> StructureFit:
+def _begun(record: Record, start: DrivenFit, order: int, kind: ForceKind, *, highest: float) -> StructureFit:
     """Return a structure with forces of a kind after some steps.
 
     Where those leave more than noise beside the modes, the best of that, of one that begins with a fit to the
-    beginning of the record, and of one that begins with friction of a guessed size.
+    beginning of the record, and of one that begins with friction of a guessed size; that is also tried where the BIC is
+    not below the highest, as few samples hide what is left.
     """
     forces = forces_of(kind, len(record.values), most=6)
     plain = structure_of(record, start.drive.theta, start.amplitudes, forces, order)
     whole = fitted(plain, steps=FIRST)
     if kind is ForceKind.FRICTION:
         # Friction hides the poles from a linear fit: a guess beside those of the first is better.
+        single, guessed = forces_of(kind, len(record.values), most=len(record.values)), plain
         for _ in range(GUESSES):
-            if not _misses(whole):
+            if whole.bic < highest and not _misses(whole):
                 break
-            guessed = fitted(with_friction(plain), steps=FIRST)
-            plain = structure_of(record, guessed.theta, guessed.amplitudes, forces, order)
+            guessed = structure_of(record, guessed.theta, guessed.amplitudes, single, order)
+            tries = [fitted(each, steps=FIRST) for each in with_friction(guessed)]
+            guessed = min(tries, key=lambda each: each.bic)
             whole = guessed if guessed.bic < whole.bic else whole
     if not _misses(whole):
         return whole

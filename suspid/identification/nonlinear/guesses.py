@@ -15,14 +15,16 @@ from suspid.identification.nonlinear.structure import StructureFit
 from suspid.units import ComplexArray, RealArray
 
 # Friction of each mass over the force at its first peak. A start without friction reaches what is weaker; under what is
-# stronger two cycles are left. Steps of three are within reach of the fit.
-SHARES = (0.01, 0.03, 0.1)
+# stronger one cycle is left. Coarser steps are not within reach of the fit.
+SHARES = (0.01, 0.02, 0.05, 0.1, 0.2)
 # Damping that a linear fit has beside friction, as shares of its own: most of it may be friction, or none.
 VISCOUS = (0.2, 1.0)
+# Starts that are fitted: the fit may end beside the best one from the most likely.
+TRIED = 3
 
 
-def with_friction(plain: StructureFit) -> StructureFit:
-    """Return the most likely start near a structure on which no force acts yet, with friction of several sizes.
+def with_friction(plain: StructureFit) -> list[StructureFit]:
+    """Return the most likely starts near a structure on which no force acts yet, with friction of several sizes.
 
     The friction of a mass slows that mass alone, and moves none at once: that settles the gains of all modes.
     """
@@ -40,8 +42,10 @@ def with_friction(plain: StructureFit) -> StructureFit:
             gains[one, :, :channels] = gains_of(theta[one], shapes[one], slowed[one])
         guesses = replace(of, theta=theta, shapes=shapes, gains=gains)
         shapes, losses = _refitted(plain, guesses, slowed)
-    least = int(np.argmin(losses))
-    return plain.with_structures(replace(of, theta=theta[[least]], shapes=shapes[[least]], gains=gains[[least]]))
+    return [
+        plain.with_structures(replace(of, theta=theta[[one]], shapes=shapes[[one]], gains=gains[[one]]))
+        for one in np.argsort(losses)[:TRIED]
+    ]
 
 
 def gains_of(theta: ComplexArray, shapes: ComplexArray, slowed: RealArray) -> ComplexArray:
