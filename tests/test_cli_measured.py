@@ -379,3 +379,16 @@ def test_temperatures_are_not_called_angles(tmp_path: Path) -> None:
     said = CliRunner().invoke(main, ["identify", str(file), "--si"]).stderr
     assert "the unit '°C' is one of temperature" in said
     assert "Did you mean '°'" not in said
+
+
+def test_without_a_mode_the_record_that_is_needed_is_said(tmp_path: Path) -> None:
+    """Noise has no mode: the last line says what to record. A decay has one, and nothing of the kind is said."""
+    times = np.arange(400) / RATE
+    noise = np.random.default_rng(3).standard_normal(times.size)
+    for name, values, needed in [("noise", noise, True), ("decay", np.exp(-times) * np.cos(20 * times), False)]:
+        path = tmp_path / f"{name}.csv"
+        rows = "\n".join(f"{t:.2f},{y:.6f}" for t, y in zip(times, values + 1e-3 * noise, strict=True))
+        path.write_text(f"time [s],seat [mm]\n{rows}\n", encoding="utf-8")
+        result = run("identify", path)
+        assert result.exit_code == 0
+        assert ("Next: Record a free decay" in result.stdout.splitlines()[-1]) == needed

@@ -31,7 +31,7 @@ from suspid.files import naming, printable, replacing
 from suspid.samples import held
 from suspid.signals import as_signal
 from suspid.values import samples_in_words
-from suspid.words import ASIDE, DAMAGE, MOST_NAMED, OTHER_LENGTHS, Note, Remark, count
+from suspid.words import ASIDE, DAMAGE, MOST_NAMED, OTHER_LENGTHS, NextStep, Note, Remark, count
 
 if TYPE_CHECKING:
     import control
@@ -121,7 +121,9 @@ def _in_words(files: Sequence[Path], found: Analysis) -> str:
         f"{name}: {record_in_words(held(test.identification, 'response'))}"
         for name, test in zip(names, tests, strict=True)
     ]
-    return "\n".join([*lines, "", str(found)])
+    # Without a mode, what is needed is another record; with one, the doubts say what to do.
+    step = [] if len(found.modes) else [f"Next: {Remark(NextStep.RECORD_A_DECAY)}"]
+    return "\n".join([*lines, "", str(found), *step])
 
 
 def _json_of(found: Analysis, files: Sequence[Path], said: Sequence[str]) -> dict[str, object]:
