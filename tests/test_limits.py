@@ -143,12 +143,15 @@ class TestReport:
         options = ["--car", "examples/nominal_car.toml", "--limits", "examples/limits.toml", "--json", str(plain)]
         result = CliRunner().invoke(main, ["report", "examples/quarter_car.csv", "-o", str(page), *options])
         assert result.exit_code == 0, result.output
-        assert "3 of 4 limits met, 1 cannot be told" in result.stdout
+        assert "3 of 4 limits met, 1 undecided" in result.stdout
         written = page.read_text(encoding="utf-8")
-        assert "Limits: 3 of 4 limits met, 1 cannot be told." in written
+        assert "Limits: 3 of 4 limits met, 1 undecided." in written
         # The frame has the colour of what is worse, the sentence on the measurement its own.
         assert '<section class="verdict care"' in written
-        assert '<p class="said sound">Measurement: sound.' in written
+        assert '<p class="said sound">Modes, springs and dampers: sound.' in written
+        # One verdict on the whole; that of another part is called so.
+        assert written.count('<section class="verdict') == 1
+        assert "This part by itself: grip of tire: " in written
         content = json.loads(plain.read_text(encoding="utf-8"))
         Draft202012Validator(json_schema("report")).validate(content)
         assert [row["state"] for row in content["limits"]] == ["met", "met", "met", "cannot tell"]

@@ -85,7 +85,9 @@ def report(
     (True, True)
     """
     content = found if isinstance(found, AnyContent) else content_of(found)
+    about = "Springs, dampers and modes"
     if isinstance(content, FleetContent):
+        about = "Records"
         file, verdict, limits = content.found.folder.name, content.found.verdict, None
         fields, template = fleet_fields(content), "fleet.html.j2"
     elif isinstance(content, DriveContent):
@@ -100,10 +102,13 @@ def report(
         recorded = str(held(content.identification, "response").title or "")
         file = ", ".join(source.file for source in content.sources) or recorded
         verdict, limits = content.analysis.verdict, content.limits
+        springs = content.analysis.estimate or content.analysis.reconstruction
+        about = "Modes" if springs is None else "Modes, springs and dampers"
         fields, template = _fields(content), "report.html.j2"
     return _template(template).render(
         title=_shown(title or file or "Record"),
         verdict=verdict,
+        about=about,
         level=f"{100 * content.level:g} %",
         colours=list(Colour),
         sources=content.sources,
