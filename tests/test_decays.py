@@ -53,7 +53,7 @@ class TestWords:
         assert "by 26 times the size of the motion" in str(Remark(DecayDoubt.FORCED, {"share": 26.2}))
         assert "leave it out (without)" in str(Remark(DecayDoubt.DRIVEN, {"share": 28.0, "channel": "hammer"}))
         assert "41 % of the motion of 'seat'" in str(Remark(DecayDoubt.DRIVEN, {"share": 0.41, "channel": "seat"}))
-        assert "leave 13 % of the motion" in str(Remark(DecayDoubt.NONLINEAR, {"share": 0.13}))
+        assert "is 13 % of the motion" in str(Remark(DecayDoubt.NONLINEAR, {"share": 0.13}))
 
 
 class TestNothingDecays:
