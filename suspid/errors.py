@@ -133,7 +133,7 @@ class IdentificationError(SuspidError):
     ...     identify(record, modes=3)
     ... except IdentificationError as error:
     ...     print(error, error.found.wn.round(1))
-    3 modes were asked for, 1 could be found, at 20.03 rad/s; nothing else in the record decays like a mode: ... [20.]
+    3 modes were requested, 1 could be found, at 20.03 rad/s; nothing else in the record decays like a mode: ... [20.]
     """
 
     def __init__(self, *parts: object, found: ModalSet | None = None) -> None:
@@ -185,6 +185,6 @@ class EstimationError(_NoSuspensionError):
     ...     estimate(record, car)
     ... except EstimationError as error:
     ...     print(error)
-    the records do not determine chassis.stiffness, tire.stiffness, chassis.damping, tire.damping: ...; hold one
+    the records do not determine chassis.stiffness, tire.stiffness, chassis.damping, tire.damping: ...; fix one
     with fixed=…, state nominal_std=…, or measure at more coordinates
     """
