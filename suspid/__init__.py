@@ -94,6 +94,7 @@ from suspid.model import (
 from suspid.performance import *  # noqa: F403 - all of its __all__ is public
 from suspid.reconstruction import ModalTest, Reconstruction, reconstruct
 from suspid.recordings import RawChannel, Recording
+from suspid.records import cut
 from suspid.reporting import (
     Source,
     content_of,
@@ -121,7 +122,6 @@ from suspid.reporting import (
     report_to_dict,
     source_of,
 )
-from suspid.signals import cut
 from suspid.simulation import Road, add_noise, free_decay, road, road_profile, simulate
 from suspid.wavelets import (
     BandwidthSearch,

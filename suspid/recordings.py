@@ -8,8 +8,9 @@ import numpy as np
 
 from suspid.errors import RecordError
 from suspid.stamps import rate_and_gaps
+from suspid.text_tables import text_table
 from suspid.units import Hertz, RealArray, Second
-from suspid.values import listed, nearest_names, text_table
+from suspid.values import listed, nearest_names
 from suspid.wording import Argument
 from suspid.words import Remark
 

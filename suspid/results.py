@@ -1,4 +1,4 @@
-"""What every result can be asked for: its text, a table, a picture, a cell of a notebook."""
+"""Common methods of results: text, table, picture, notebook cell."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Records inside the library, which become `control.TimeResponseData` where a user takes them.
+"""Records inside the library; converted to `control.TimeResponseData` where a user takes them.
 
 python-control takes longer to import than everything else that a command needs. Until a user asks for a response, a
 record is therefore held as `Samples`, which have the attributes of a response that the library reads.

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable
+import importlib
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, ParamSpec, TypeVar
 
 if TYPE_CHECKING:
@@ -14,7 +16,7 @@ T = TypeVar("T")
 
 
 def in_one_thread(function: Callable[P, T]) -> Callable[P, T]:
-    """Return the function, with the threads of BLAS held while it runs; they are set back afterwards.
+    """Return the function, limited to one thread of BLAS while it runs.
 
     Examples
     --------
@@ -27,17 +29,29 @@ def in_one_thread(function: Callable[P, T]) -> Callable[P, T]:
     """
 
     @functools.wraps(function)
-    def held(*args: P.args, **kwargs: P.kwargs) -> T:
-        with _pools().limit(limits=1, user_api="blas"):
+    def limited(*args: P.args, **kwargs: P.kwargs) -> T:
+        with one_thread():
             return function(*args, **kwargs)
 
-    return held
+    return limited
+
+
+@contextmanager
+def one_thread(*modules: str) -> Iterator[None]:
+    """Limit linear algebra to one thread; the former limits are restored at the end.
+
+    ``modules`` are imported first: a library that is loaded later would not be limited.
+    """
+    with _pools(*modules).limit(limits=1):
+        yield
 
 
 @functools.cache
-def _pools() -> ThreadpoolController:
-    """Return the thread pools of numpy and scipy. To look for them takes milliseconds."""
-    import scipy.linalg  # noqa: F401  its BLAS is another one than numpy's
+def _pools(*modules: str) -> ThreadpoolController:
+    """Return the thread pools of numpy, scipy and further modules. To look for them takes milliseconds."""
     from threadpoolctl import ThreadpoolController
 
+    # The BLAS of scipy is another one than that of numpy.
+    for name in ("scipy.linalg", *modules):
+        importlib.import_module(name)
     return ThreadpoolController()

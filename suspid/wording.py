@@ -1,4 +1,4 @@
-"""Messages that keep the arguments they speak of as data: who shows one calls them as its reader writes them."""
+"""Messages that keep their arguments as data, so that each reader sees them in Python or as options."""
 
 from __future__ import annotations
 

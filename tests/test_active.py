@@ -72,7 +72,7 @@ def test_peaks_hold_at_every_frequency() -> None:
     # the road's slope is k_t / (m_s w) there (J. K. Hedrick and T. Butsuen, Proc. IMechE D 204, 1990).
     invariant = 210e3 / (350 * np.sqrt(210e3 / 50))
     assert peak(free, "chassis_acceleration") == pytest.approx(invariant, rel=1e-3)
-    with pytest.raises(InputError, match="keeps the limits and peaks"):
+    with pytest.raises(InputError, match="meets the limits and peaks"):
         tune_active(CAR, peaks={"chassis_acceleration": 0.95 * invariant}, **request)  # type: ignore[arg-type]
 
 

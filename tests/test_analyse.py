@@ -36,8 +36,9 @@ from suspid.fleet.job import Job
 from suspid.fleet.records import Entry
 from suspid.fleet.rows import record_rows
 from suspid.model import read_car
+from suspid.records import as_response
 from suspid.reporting import json_schema
-from suspid.signals import as_response, as_signal
+from suspid.signals import as_signal
 from suspid.words import Note, RecordCheck, next_steps
 from validation import cars
 from validation.greybox_bounds import value_of

@@ -19,7 +19,7 @@ from scipy.io import savemat, wavfile
 from suspid import read_record, write_record
 from suspid.errors import RecordWarning, SuspidError
 from suspid.io.formats import READERS
-from suspid.signals import as_response
+from suspid.records import as_response
 
 FUZZ = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 KINDS = [".csv", ".mat", ".npz", ".h5", ".parquet", ".uff", ".tdms", ".mf4", ".wav", ".npy"]

@@ -7,7 +7,7 @@ import pytest
 
 from suspid import InputError, RecordError, body_modes, quarter_car
 from suspid.greybox.body_spectra import PERIODOGRAM, Shape, fitted, log_spectrum, periodograms
-from suspid.signals import as_response
+from suspid.records import as_response
 from suspid.units import RealArray
 from suspid.words.drives import BodyCheck
 

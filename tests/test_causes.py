@@ -18,7 +18,7 @@ from suspid.greybox.problem import Problem
 from suspid.greybox.search import search
 from suspid.greybox.trials import trials_of
 from suspid.reconstruction import unknowns_of
-from suspid.signals import as_response
+from suspid.records import as_response
 from suspid.units import RealArray
 from suspid.words import EstimateCheck, Note
 from suspid.words.grip import GripCheck

@@ -16,7 +16,8 @@ from suspid.cleaning.placing import faithful_below, interpolate
 from suspid.errors import RecordError
 from suspid.model import ModalSet
 from suspid.recordings import RawChannel, Recording
-from suspid.signals import as_response, as_signal
+from suspid.records import as_response
+from suspid.signals import as_signal
 from suspid.units import RealArray
 from suspid.words import Defect, Level
 from validation.cars import HATCHBACK, PAPER, SALOON, VAN, random_car

@@ -29,8 +29,8 @@ from suspid import (
 )
 from suspid.analysis.drive_dampers import curves_of
 from suspid.cli.main import main
+from suspid.records import as_response
 from suspid.reporting import json_schema
-from suspid.signals import as_response
 from suspid.units import RealArray
 from suspid.words import Remark
 from suspid.words.drives import BodyCheck, DriveReason, DriveRemark

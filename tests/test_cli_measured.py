@@ -21,7 +21,8 @@ from suspid.cli.measured import said_of
 from suspid.io.formats import READERS
 from suspid.io.write_record import write_record
 from suspid.model.car_files import write_car
-from suspid.signals import as_response, as_signal
+from suspid.records import as_response
+from suspid.signals import as_signal
 from suspid.words import LeftOut, Remark
 
 ROOT = Path(__file__).resolve().parents[1]

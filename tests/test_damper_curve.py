@@ -43,8 +43,8 @@ from suspid.greybox.latent_splines import (
     stencils,
 )  # fmt: skip
 from suspid.greybox.strut_motion import strut_motion
+from suspid.records import as_response
 from suspid.reporting import json_schema, plot_damper_curve
-from suspid.signals import as_response
 from suspid.units import RealArray
 from suspid.words.dampers import CurveCheck
 from validation.dampers import LAWS, NOISE

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from suspid import RecordError, eigenmodes, free_decay, identify, quarter_car, statespace
 from suspid.decays import Decay, Decays, find_decays
-from suspid.signals import as_response, cut
+from suspid.records import as_response, cut
 from suspid.words import DecayDoubt, DecayKind, DecayRemark, Level, Remark
 from validation import cars
 

@@ -8,7 +8,7 @@ import pytest
 from suspid.decays.bursts import Burst
 from suspid.decays.decay import Decay
 from suspid.decays.find_decays import _in_company, find_decays
-from suspid.signals import as_response
+from suspid.records import as_response
 from suspid.words import DecayDoubt
 
 

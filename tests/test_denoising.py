@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from scipy.special import erf
 
 from suspid import IdentificationError, InputError, ModalSet, RecordError, add_noise, free_decay
-from suspid.signals import as_response
+from suspid.records import as_response
 from suspid.units import RealArray
 from suspid.wavelets.denoise import TransformName, denoise
 from suspid.wavelets.filter_bank import filter_bank, noise_std, stationary_details, stationary_inverse

@@ -7,7 +7,7 @@ from scipy.integrate import cumulative_trapezoid
 from suspid import Settings, analyse
 from suspid.analysis.derivatives import without_derivatives
 from suspid.analysis.stretch import stretch_of
-from suspid.signals import as_response
+from suspid.records import as_response
 from suspid.units import RealArray
 from suspid.words import Note
 

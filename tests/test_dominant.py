@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from suspid import Identification, Level, identify
-from suspid.signals import as_response
+from suspid.records import as_response
 from suspid.words import ModeCheck
 
 

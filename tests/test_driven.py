@@ -10,7 +10,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from suspid import InputError, RecordError, Suspension, add_noise, cut, quarter_car, road_profile, simulate, statespace
-from suspid.signals import inputs_of
+from suspid.records import inputs_of
 from suspid.simulation import ROUGHNESS, recursion
 from suspid.units import RealArray
 

@@ -11,9 +11,10 @@ from suspid import DriveLimits, Drives, InputError, RawChannel, Recording, find_
 from suspid.cleaning import clipped_times, stuck_times
 from suspid.greybox import stretch_table
 from suspid.greybox.blocks import vibration
-from suspid.signals import as_response, as_signal
+from suspid.records import as_response
+from suspid.signals import as_signal
+from suspid.text_tables import TERMINAL
 from suspid.units import RealArray
-from suspid.values import TERMINAL
 from suspid.wording import called
 from suspid.words.drives import DriveReason, DriveRemark
 

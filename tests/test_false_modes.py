@@ -11,7 +11,7 @@ from suspid.identification.by_likelihood import _fewer
 from suspid.identification.noise import noise_of
 from suspid.identification.pulses import one_shape
 from suspid.identification.selection import select
-from suspid.signals import as_response
+from suspid.records import as_response
 from suspid.units import RealArray
 from suspid.words import Reason
 

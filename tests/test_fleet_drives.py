@@ -34,7 +34,7 @@ from suspid.analysis import CarSettings, Settings
 from suspid.cli.main import main
 from suspid.fleet import FleetRun
 from suspid.fleet.vehicles import vehicle_in_name
-from suspid.signals import as_response
+from suspid.records import as_response
 from suspid.units import RealArray
 from validation.motion import Drive, driven
 

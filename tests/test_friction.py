@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from suspid import InputError, find_decays, free_decay, identify, quarter_car, read_record
-from suspid.signals import as_response, as_signal, cut
+from suspid.records import as_response, cut
+from suspid.signals import as_signal
 from validation.friction import Rig, release, released, write
 
 

@@ -36,8 +36,8 @@ from suspid.greybox.trials import Trial, trials_of
 from suspid.greybox.wheel_power import TAPER_BANDWIDTH, TAPERS, Track, _kernel
 from suspid.identification import to_json
 from suspid.reconstruction import parameter_vector, unknowns_of
+from suspid.records import as_response
 from suspid.reporting import estimate_from_dict, estimate_to_dict, json_schema
-from suspid.signals import as_response
 from suspid.units import RealArray
 from suspid.words import EstimateCheck
 from validation.greybox_rows import NOISE, QUARTER

@@ -33,7 +33,7 @@ from suspid.greybox.wheel_power import tracks_of
 from suspid.greybox.wheel_problem import wheel_problem
 from suspid.levels import NORMAL_95
 from suspid.reconstruction import parameter_names, parameter_vector, unknowns_of
-from suspid.signals import as_response
+from suspid.records import as_response
 from suspid.units import ComplexArray, RealArray
 from suspid.words import EstimateCheck
 

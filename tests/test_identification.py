@@ -22,7 +22,8 @@ from suspid import (
     quarter_car,
     read_record,
 )
-from suspid.signals import as_response, as_signal
+from suspid.records import as_response
+from suspid.signals import as_signal
 from suspid.words.identification import ModeCheck
 from validation import cars
 

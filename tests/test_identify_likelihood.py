@@ -17,7 +17,8 @@ from suspid import (
     quarter_car,
     statespace,
 )
-from suspid.signals import as_response, as_signal
+from suspid.records import as_response
+from suspid.signals import as_signal
 from validation import cars
 
 Real = NDArray[np.float64]

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from suspid.identification.ascent import maximize
 from suspid.identification.covariance import joint_covariance
 from suspid.identification.exponentials import blocks_of, synthesize
-from suspid.identification.likelihood import DecayFit, evaluate, maximize, reweighed
+from suspid.identification.likelihood import DecayFit, evaluate, reweighed
 from suspid.identification.noise import WhiteNoise
 from suspid.identification.poles import Poles
 

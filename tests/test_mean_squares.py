@@ -11,7 +11,7 @@ from scipy.special import chdtri
 from suspid import ride
 from suspid.performance.mean_squares import _of_squares, _share, _vibration, power_mean
 from suspid.performance.tones import steady_tones
-from suspid.signals import as_response
+from suspid.records import as_response
 from suspid.units import RealArray
 
 STEP = 0.02

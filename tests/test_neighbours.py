@@ -10,7 +10,7 @@ from suspid.identification.likelihood import evaluate
 from suspid.identification.neighbours import neighbours
 from suspid.identification.noise import WhiteNoise
 from suspid.identification.poles import Poles
-from suspid.signals import as_response
+from suspid.records import as_response
 
 SAMPLES = 400
 

@@ -7,12 +7,13 @@ from scipy.stats import gamma, norm
 
 from suspid import add_noise, estimate, free_decay, identify, quarter_car
 from suspid.identification import halves
+from suspid.identification.ascent import maximize
 from suspid.identification.classification import reasons_of
 from suspid.identification.exponentials import blocks_of
 from suspid.identification.fitting import COLOUR_BEGINS
 from suspid.identification.halves import disagreement, halfway
 from suspid.identification.identify_repeats import identify_repeats
-from suspid.identification.likelihood import DecayFit, evaluate, maximize
+from suspid.identification.likelihood import DecayFit, evaluate
 from suspid.identification.noise import (
     LOUD,
     WhiteNoise,
@@ -23,13 +24,13 @@ from suspid.identification.noise import (
     loudness,
     most_shared,
     noise_of,
-    power_beside,
+    power_near,
     resolution,
     shared_noise,
 )
 from suspid.identification.poles import Poles
 from suspid.levels import normal_reach
-from suspid.signals import as_response
+from suspid.records import as_response
 from suspid.words import Reason
 
 Real = NDArray[np.float64]
@@ -193,7 +194,7 @@ class TestPowerBesideAPole:
     def test_is_one_on_average_in_white_noise_of_any_variance(self, decay: float) -> None:
         count, theta = 400, np.full(1, -decay + 1.2j)
         std = np.array([[0.1], [5.0]] * 200)
-        found = power_beside(std * white(12, 400, count), std[:, 0] ** 2, theta)
+        found = power_near(std * white(12, 400, count), std[:, 0] ** 2, theta)
         # A mean of 8 exponential variables scatters by 0.35; neighbours are not quite independent.
         assert np.mean(found) == pytest.approx(1.0, abs=0.06)
 
@@ -205,7 +206,7 @@ class TestPowerBesideAPole:
         count, k = 4000, np.arange(4000)
         theta = np.full(1, -0.01 + 1.0j)
         at, beside = np.cos(1.0 * k)[None], np.cos((1.0 + 4 * 0.01) * k)[None]
-        power = [power_beside(tone, np.full(1, 0.5), theta)[0, 0] for tone in (at, beside)]
+        power = [power_near(tone, np.full(1, 0.5), theta)[0, 0] for tone in (at, beside)]
         assert count / 50 > power[1] > 2 * power[0]
 
 

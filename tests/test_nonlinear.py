@@ -17,7 +17,7 @@ from scipy.integrate import solve_ivp
 from suspid import add_noise, free_decay, identify, plot_amplitude, quarter_car
 from suspid.identification import ForceKind, Identification, identification_to_dict
 from suspid.identification.nonlinear.swings import Swings
-from suspid.signals import as_response
+from suspid.records import as_response
 from suspid.words import Level, ModeCheck, Reason
 from validation.friction import Rig, release, released
 

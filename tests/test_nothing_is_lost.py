@@ -12,7 +12,7 @@ import pytest
 
 from suspid import RecordError, as_record, identify, read_record, read_recording
 from suspid.errors import RecordWarning
-from suspid.signals import inputs_of
+from suspid.records import inputs_of
 
 TIME = np.arange(200) / 100
 MOTION = np.exp(-TIME) * np.sin(40 * TIME)

@@ -20,7 +20,7 @@ from hypothesis import strategies as st
 from suspid import SuspidError, read_record, write_record
 from suspid.errors import RecordError
 from suspid.io.parquet import read_parquet, write_parquet
-from suspid.signals import as_response
+from suspid.records import as_response
 from suspid.units import RealArray
 from suspid.words import LeftOut
 

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from suspid import eigenmodes
-from suspid.signals import as_response, as_signal
+from suspid.records import as_response
+from suspid.signals import as_signal
 from suspid.units import RealArray
 from suspid.wavelets import Morlet
 from suspid.wavelets.transform import transform

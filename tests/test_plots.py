@@ -28,6 +28,7 @@ from suspid import (
     free_decay,
     identify,
 )
+from suspid.records import as_response
 from suspid.reporting import (
     PAGE,
     drawing_of,
@@ -41,7 +42,7 @@ from suspid.reporting import (
 )
 from suspid.reporting.axes import PIECES_AN_INCH, decade_ticks, unit_ticks
 from suspid.reporting.plot_shapes import FULL_BAR
-from suspid.signals import as_response, as_signal
+from suspid.signals import as_signal
 from suspid.units import RealArray
 from suspid.wavelets import ABOVE_NOISE, fit_skeleton
 from validation import cars

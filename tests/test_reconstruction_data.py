@@ -32,7 +32,8 @@ from suspid.reconstruction.equations import linear, sensitivities, spectral
 from suspid.reconstruction.observations import ModalTest, observe
 from suspid.reconstruction.reconstruct import Reconstruction, reconstruct
 from suspid.reconstruction.unknowns import parameter_names, parameter_vector
-from suspid.signals import as_response, as_signal
+from suspid.records import as_response
+from suspid.signals import as_signal
 from suspid.units import RealArray
 from validation.cars import HATCHBACK, PAPER, SALOON
 from validation.springs import START, TIMES, nominal, physical_bound, study

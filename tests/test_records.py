@@ -22,7 +22,7 @@ from suspid.errors import RecordWarning
 from suspid.io.formats import READERS
 from suspid.io.read_recording import read_recording
 from suspid.io.write_record import write_record
-from suspid.signals import as_response
+from suspid.records import as_response
 from suspid.values import LARGEST_SIZE, SMALLEST_SIZE
 from suspid.words import LeftOut
 

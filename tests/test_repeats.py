@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from suspid import IdentificationError, InputError, RecordError, Suspension, eigenmodes, free_decay, identify
 from suspid.identification.identify_repeats import identify_repeats
-from suspid.signals import as_response
+from suspid.records import as_response
 from validation import cars
 
 Real = NDArray[np.float64]

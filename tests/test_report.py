@@ -43,17 +43,19 @@ from suspid.cleaning import Cleaned, Finding
 from suspid.decays import Decay
 from suspid.identification import identify_repeats, verdict_of
 from suspid.identification.modes_json import read_modes
+from suspid.records import as_response
 from suspid.reporting import Source, content_of, json_schema, report, report_to_dict, source_of
 from suspid.reporting.axes import shown
 from suspid.reporting.colours import Colour
 from suspid.reporting.numerals import quantity
+from suspid.reporting.page_text import sentence_html
 from suspid.reporting.pictures import NARROW, Picture, Pictures, pictures_of
-from suspid.reporting.report import sentence_html, view_of
+from suspid.reporting.record_facts import view_of
 from suspid.reporting.rows import pole_rows
 from suspid.reporting.spring_rows import spring_rows
 from suspid.reporting.svg import page_style, svg_of
 from suspid.reporting.thinning import MOST_SAMPLES, drawable, is_whole
-from suspid.signals import as_response, as_signal
+from suspid.signals import as_signal
 from suspid.units import RealArray
 from suspid.words import (
     DecayDoubt,

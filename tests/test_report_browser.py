@@ -17,8 +17,9 @@ from playwright.sync_api import Browser, Page, sync_playwright
 from suspid import Limit, add_noise, free_decay, identify, reconstruct
 from suspid.cleaning import Cleaned, Finding
 from suspid.decays import Decay
+from suspid.records import as_response
 from suspid.reporting import Source, content_of, report
-from suspid.signals import as_response, as_signal
+from suspid.signals import as_signal
 from suspid.words import DecayDoubt, Defect, Remark
 from validation import cars
 

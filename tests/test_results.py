@@ -46,8 +46,8 @@ from suspid import (
     wear,
 )
 from suspid.errors import InputError
+from suspid.records import as_response
 from suspid.results import Result
-from suspid.signals import as_response
 from validation import cars
 
 mpl.use("Agg")

@@ -28,7 +28,7 @@ from suspid.performance.ride import driven_road
 from suspid.performance.road_response import Signals, grid_of, response
 from suspid.performance.weightings import WEIGHTINGS, weighted
 from suspid.reconstruction import parameter_names, parameter_values
-from suspid.signals import as_response
+from suspid.records import as_response
 from suspid.words import Level
 from suspid.words.ride import RideCheck
 from validation.cars import FOUR_WHEELS, TWO_AXLES

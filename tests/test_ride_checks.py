@@ -16,7 +16,8 @@ from suspid.performance.record_checks import rest_share
 from suspid.performance.tune_active import _held
 from suspid.performance.tune_damper import _at_ends
 from suspid.performance.tuning_checks import idle_limits
-from suspid.signals import as_response, as_signal
+from suspid.records import as_response
+from suspid.signals import as_signal
 from suspid.units import RealArray
 from suspid.words.active import ActiveCheck
 from suspid.words.plausibility import PlausibilityCheck

@@ -13,7 +13,7 @@ from suspid import InputError, Level, Ride, as_record, ride
 from suspid.cli import main
 from suspid.performance import weightings
 from suspid.performance.weightings import weighted
-from suspid.signals import as_response
+from suspid.records import as_response
 from suspid.units import RealArray
 from suspid.words.ride import RideCheck
 

@@ -5,7 +5,8 @@ import pytest
 from numpy.typing import NDArray
 
 from suspid import IdentificationError, InputError, ModalSet, Ridge, Scalogram, Window, cwt, find_ridges, fit_ridges
-from suspid.signals import Signal, as_response
+from suspid.records import as_response
+from suspid.signals import Signal
 from suspid.wavelets import Morlet, fit_skeleton, sample_noise
 from suspid.wavelets.scalogram import Normalization
 

@@ -7,7 +7,7 @@ import pytest
 
 from suspid import InputError, add_noise, classify_road, quarter_car, road, road_profile, simulate
 from suspid.performance import ROAD_LIMITS
-from suspid.signals import as_response
+from suspid.records import as_response
 from suspid.simulation import ROUGHNESS, Road, track_coherence
 from suspid.words import Level
 from suspid.words.ride import RoadCheck

@@ -10,7 +10,8 @@ from scipy.integrate import quad
 from scipy.special import erfc
 
 from suspid import InputError, Morlet, Scalogram, best_bandwidth, cwt
-from suspid.signals import as_response, as_signal
+from suspid.records import as_response
+from suspid.signals import as_signal
 from suspid.wavelets.scalogram import Normalization
 
 TWO_PI = 2 * np.pi

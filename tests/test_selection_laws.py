@@ -10,15 +10,17 @@ from numpy.typing import NDArray
 from scipy.signal import lfilter
 
 from suspid import Identification, identify
+from suspid.identification.ascent import maximize
 from suspid.identification.candidates import ranked, searched
 from suspid.identification.exponentials import blocks_of
 from suspid.identification.fitting import Problem
-from suspid.identification.likelihood import bic_penalty, evaluate, maximize
+from suspid.identification.likelihood import bic_penalty, evaluate
 from suspid.identification.noise import WhiteNoise, noise_colour
 from suspid.identification.poles import Poles
 from suspid.identification.refinement import about_the_axis
 from suspid.identification.selection import Selection, select
-from suspid.signals import as_response, as_signal
+from suspid.records import as_response
+from suspid.signals import as_signal
 from suspid.words import Level, Reason
 
 Complex = NDArray[np.complex128]

@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from suspid.cleaning import scaled, to_si, vertical
 from suspid.errors import InputError, RecordError
-from suspid.signals import as_response
+from suspid.records import as_response
 from suspid.units import RealArray
 
 T = np.arange(4000) / 200

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from suspid import CarSettings, InputError, Settings, analyse, free_decay, write_record
-from suspid.signals import as_response
+from suspid.records import as_response
 from validation import cars
 
 NAN, INF = float("nan"), float("inf")

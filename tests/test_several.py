@@ -27,7 +27,8 @@ from suspid import (
 from suspid.analysis.analysis import Analysis
 from suspid.cli.main import main
 from suspid.model import eigenmodes
-from suspid.signals import as_response, as_signal
+from suspid.records import as_response
+from suspid.signals import as_signal
 from suspid.units import RealArray
 from suspid.words import RecordCheck
 

@@ -9,8 +9,8 @@ from matplotlib.figure import Figure
 
 from suspid import InputError, ModalSet, eigenmodes, free_decay, identify, plot_shapes, quarter_car, statespace
 from suspid.model import scaled_shapes
+from suspid.records import as_response
 from suspid.reporting.shape_groups import shape_groups
-from suspid.signals import as_response
 
 CAR = quarter_car(
     seat_mass=200, chassis_mass=200, tire_mass=200, seat_stiffness=200e3, chassis_stiffness=400e3,

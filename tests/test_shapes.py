@@ -6,14 +6,14 @@ from numpy.typing import NDArray
 from scipy.special import bdtrc
 
 from suspid import identify
+from suspid.identification.ascent import maximize
 from suspid.identification.division import apart
 from suspid.identification.exponentials import blocks_of
 from suspid.identification.fitting import Problem
-from suspid.identification.likelihood import maximize
 from suspid.identification.noise import WhiteNoise
 from suspid.identification.poles import Poles
 from suspid.identification.shapes import SHAPE_LEVEL, same_shape
-from suspid.signals import as_response
+from suspid.records import as_response
 
 Complex = NDArray[np.complex128]
 Real = NDArray[np.float64]

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from suspid import RecordError
-from suspid.signals import as_response, as_signal, uniform_step
+from suspid.records import as_response
+from suspid.signals import as_signal, uniform_step
 
 
 def response(times: object, values: object) -> control.TimeResponseData:

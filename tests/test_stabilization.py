@@ -9,7 +9,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from suspid import InputError, add_noise, eigenmodes, free_decay, identify, plot_stabilization, stabilization
-from suspid.signals import as_response
+from suspid.records import as_response
 from validation import cars
 
 TIMES = np.arange(0, 10, 0.005)

@@ -11,7 +11,8 @@ import pytest
 
 from suspid import Decays, Suspension, add_noise, clean, find_decays, free_decay, identify, read_recording, statespace
 from suspid.identification import resolution
-from suspid.signals import as_response, as_signal
+from suspid.records import as_response
+from suspid.signals import as_signal
 from validation import cars, decays, rigs
 from validation.speed import decay
 

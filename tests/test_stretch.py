@@ -8,7 +8,8 @@ from scipy.signal import lfilter
 from suspid import Level, Settings, analyse, free_decay
 from suspid.analysis.choice import holds
 from suspid.identification import by_likelihood, identify_linear
-from suspid.signals import as_response, as_signal, cut, late_start
+from suspid.records import as_response, cut, late_start
+from suspid.signals import as_signal
 from suspid.units import RealArray
 from suspid.words import DecayDoubt, Note
 from validation import cars

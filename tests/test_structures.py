@@ -12,7 +12,7 @@ from suspid.identification import ForceKind, Identification
 from suspid.identification.nonlinear.forces import Force
 from suspid.identification.nonlinear.guesses import gains_of
 from suspid.identification.nonlinear.motion import Structures, motion_of
-from suspid.signals import as_response
+from suspid.records import as_response
 from validation import rigs
 from validation.friction import Rig, released
 

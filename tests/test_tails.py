@@ -11,8 +11,9 @@ from suspid import analyse, find_decays, identify
 from suspid.analysis.forced_start import later_starts
 from suspid.decays.envelopes import finest
 from suspid.decays.tails import free_end
-from suspid.identification.likelihood import Quadratic
-from suspid.signals import Signal, as_response, as_signal
+from suspid.identification.ascent import Quadratic
+from suspid.records import as_response
+from suspid.signals import Signal, as_signal
 
 Real = NDArray[np.float64]
 FS, DRIVEN, COUNT = 200.0, 3.2, 2000

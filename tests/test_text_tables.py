@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from suspid import grip, quarter_car, ride, sensitivities, tune
-from suspid.signals import as_response
+from suspid.records import as_response
+from suspid.text_tables import TERMINAL, figures_of, rounded, spread, text_table, value_columns
 from suspid.units import in_print
-from suspid.values import TERMINAL, figures_of, rounded, spread, text_table, values_beside
 from validation.cars import FOUR_WHEELS, TWO_AXLES
 
 CAR = quarter_car(
@@ -67,7 +67,7 @@ class TestNumbers:
         ],
     )
     def test_value_and_spread(self, value: float, std: float, shown: tuple[str, str]) -> None:
-        beside = values_beside(np.array([value, 1.0]), np.array([std, 1.0]))
+        beside = value_columns(np.array([value, 1.0]), np.array([std, 1.0]))
         assert (beside["value"][0], beside["±"][0]) == shown
 
     def test_spread_has_the_digits_of_the_value(self) -> None:

@@ -14,7 +14,8 @@ from suspid.identification.lines import clear_line
 from suspid.identification.mode_checks import ROUGH_WN, ROUGH_ZETA, UNKNOWN_ZETA
 from suspid.identification.verdict import SAMPLES_EACH, verdict_of
 from suspid.model import ModalSet
-from suspid.signals import Signal, as_response, as_signal, late_start
+from suspid.records import as_response, late_start
+from suspid.signals import Signal, as_signal
 from suspid.units import RealArray
 from suspid.words import Check, Code, EstimateHeadline, ModeCheck, Reason, Remark, WearCheck, WearHeadline, next_steps
 from suspid.words.grip import GripCheck, GripHeadline

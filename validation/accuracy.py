@@ -10,7 +10,7 @@ import numpy as np
 from tabulate import tabulate
 
 from suspid import ModalSet, Suspension, add_noise, eigenmodes, free_decay, identify, statespace
-from suspid.signals import as_response
+from suspid.records import as_response
 from suspid.units import Decibel, Hertz, RealArray, Second
 from validation import cars
 from validation.bounds import Bound, cramer_rao, decay_amplitudes

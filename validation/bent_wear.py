@@ -9,9 +9,9 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 
 from suspid import DamperCurve, DamperState, Estimate, SuspidError, WearRule, damper_curve, estimate, wear
-from suspid.signals import as_response
+from suspid.records import as_response
+from suspid.text_tables import text_table
 from suspid.units import RealArray
-from suspid.values import text_table
 from validation.dampers import ACCELEROMETERS, LAWS, NOISE, NOMINAL, Damper, Days, drives
 
 RUNS = int(os.environ.get("SUSPID_SEEDS", "50"))

@@ -15,7 +15,7 @@ from scipy.optimize import linear_sum_assignment
 from tabulate import tabulate
 
 from suspid import Level, identify
-from suspid.signals import as_response
+from suspid.records import as_response
 from suspid.units import ComplexArray, Hertz, RealArray
 from validation.bounds import cramer_rao
 

@@ -20,8 +20,8 @@ from scipy.signal import resample_poly
 
 from suspid import DamperCurve, Suspension, SuspidError, damper_curve, quarter_car, read_record
 from suspid.levels import NORMAL_95
+from suspid.text_tables import text_table
 from suspid.units import Hertz, RealArray, Second
-from suspid.values import text_table
 from validation.motion import LEVELS, road_heights
 
 RUNS = int(os.environ.get("SUSPID_SEEDS", "50"))

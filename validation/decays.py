@@ -15,7 +15,7 @@ from suspid import ModalSet, Suspension, eigenmodes, free_decay, statespace
 from suspid.decays import Decay, find_decays
 from suspid.errors import SuspidError
 from suspid.identification.identify_repeats import identify_repeats
-from suspid.signals import as_response
+from suspid.records import as_response
 from suspid.units import Decibel, Hertz, RealArray, Second
 from validation import cars
 from validation.bounds import decay_amplitudes

@@ -12,7 +12,8 @@ import numpy as np
 from tabulate import tabulate
 
 from suspid import ModalSet, SuspidError, add_noise, eigenmodes, free_decay
-from suspid.signals import as_response, as_signal
+from suspid.records import as_response
+from suspid.signals import as_signal
 from suspid.units import Decibel, RealArray
 from suspid.values import frozen_real
 from suspid.wavelets.denoise import NoiseName, TransformName, denoise

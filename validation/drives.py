@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from suspid import DriveAnalysis, SuspidError, analyse_drive, body_modes, eigenmodes, quarter_car
+from suspid.text_tables import text_table
 from suspid.units import Hertz, RealArray
-from suspid.values import text_table
 from validation.drive_worlds import RATE, Habits, World, world, written
 from validation.motion import Drive, driven, record_of
 

@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid import Suspension, SuspidError, estimate
+from suspid.text_tables import text_table
 from suspid.units import RealArray
-from suspid.values import text_table
 from validation.greybox_bounds import value_of
 from validation.greybox_memory import memory_table
 from validation.greybox_misfits import corner_table, simulator_table

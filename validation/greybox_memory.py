@@ -8,8 +8,9 @@ import numpy as np
 
 from suspid import estimate
 from suspid.greybox.wheel_problem import BELOW, STRETCH_PERIODS, band_of
-from suspid.signals import as_response, as_signal
-from suspid.values import text_table
+from suspid.records import as_response
+from suspid.signals import as_signal
+from suspid.text_tables import text_table
 from validation.greybox_rows import given_row
 from validation.motion import Drive
 

@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 
 from suspid import Suspension, estimate, half_car, quarter_car
-from suspid.signals import as_response
+from suspid.records import as_response
+from suspid.text_tables import text_table
 from suspid.units import RealArray
-from suspid.values import text_table
 from suspid.words import EstimateCheck
 from validation.greybox_bounds import changed, value_of
 from validation.motion import Drive, driven

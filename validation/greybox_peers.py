@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid import ModalSet, Suspension, reconstruct
-from suspid.signals import as_response, as_signal
+from suspid.records import as_response
+from suspid.signals import as_signal
 from suspid.units import ComplexArray, RealArray, Second
 from validation.greybox_bounds import BAND
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from suspid import Suspension, full_car, half_car, quarter_car
-from suspid.signals import as_response
+from suspid.records import as_response
 from suspid.units import RealArray
 from validation.greybox_bounds import given_bound, time_bound, transfer_of
 from validation.motion import LEVELS, STEP, Drive, driven, integrated, record_of

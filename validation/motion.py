@@ -18,7 +18,7 @@ from scipy.interpolate import CubicSpline
 from scipy.signal import lfilter, resample_poly
 
 from suspid import Suspension
-from suspid.signals import as_response
+from suspid.records import as_response
 from suspid.units import Hertz, Metre, RealArray, Second
 
 if TYPE_CHECKING:

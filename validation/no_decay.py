@@ -12,7 +12,7 @@ import numpy as np
 from tabulate import tabulate
 
 from suspid import Level, identify
-from suspid.signals import as_response
+from suspid.records import as_response
 from suspid.units import RealArray
 
 # Seeds that were not used during development.

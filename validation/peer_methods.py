@@ -10,7 +10,7 @@ from typing import Any, Literal
 import numpy as np
 
 from suspid import IdentificationError, ModalSet, identify
-from suspid.signals import as_response
+from suspid.records import as_response
 from suspid.units import Hertz, RealArray
 from validation.peer_skeletons import RATE, Estimates, fcwt_skeleton, pywt_skeleton, ssqueezepy_skeleton
 

@@ -17,7 +17,7 @@ import numpy as np
 from tabulate import tabulate
 
 from suspid import add_noise, eigenmodes, free_decay, statespace
-from suspid.signals import as_response
+from suspid.records import as_response
 from suspid.units import Decibel, RealArray, Second
 from validation import cars
 from validation.bounds import Bound, cramer_rao, decay_amplitudes

@@ -33,10 +33,10 @@ from suspid import (
 )
 from suspid.performance import ROAD_LIMITS
 from suspid.performance.weightings import weighted
-from suspid.signals import as_response
+from suspid.records import as_response
 from suspid.simulation import ROUGHNESS
+from suspid.text_tables import text_table
 from suspid.units import RealArray
-from suspid.values import text_table
 from validation.cars import TWO_AXLES
 from validation.human_vibration import BURSTS, FACTORS, SLOW_BURSTS, bursts, centres, slow_bursts
 from validation.motion import CORNER, GRID, PATCH, Drive, driven

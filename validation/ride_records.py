@@ -10,9 +10,9 @@ import os
 import numpy as np
 
 from suspid import quarter_car, ride
-from suspid.signals import as_response
+from suspid.records import as_response
+from suspid.text_tables import text_table
 from suspid.units import RealArray, Second
-from suspid.values import text_table
 from validation.motion import Drive, driven
 
 SEEDS = int(os.environ.get("SUSPID_SEEDS", "30"))

@@ -16,7 +16,8 @@ import numpy as np
 from tabulate import tabulate
 
 from suspid import Scalogram, eigenmodes, free_decay, identify, statespace
-from suspid.signals import Signal, as_response, as_signal
+from suspid.records import as_response
+from suspid.signals import Signal, as_signal
 from suspid.units import ComplexArray, Hertz, RealArray
 from suspid.wavelets import Morlet
 from suspid.wavelets.best_bandwidth import ENTROPY_CUT

@@ -31,7 +31,7 @@ from suspid import (
     report,
     statespace,
 )
-from suspid.signals import as_response
+from suspid.records import as_response
 from validation import cars
 from validation.fleet import make_records
 from validation.peer_methods import mwdi

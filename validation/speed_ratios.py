@@ -21,7 +21,7 @@ from tabulate import tabulate
 
 from suspid import clean, cwt, denoise, find_decays, identify, read_recording, reconstruct
 from suspid.errors import InputError
-from suspid.signals import as_response
+from suspid.records import as_response
 from suspid.units import Ratio, RealArray
 from validation import cars
 from validation.speed import CHANNELS, decay

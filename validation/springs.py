@@ -14,8 +14,9 @@ from suspid.model import ModalSet
 from suspid.model.statespace import state_matrix
 from suspid.reconstruction.reconstruct import Reconstruction, reconstruct
 from suspid.reconstruction.unknowns import parameter_names, parameter_vector
+from suspid.text_tables import text_table
 from suspid.units import RealArray
-from suspid.values import frozen_real, text_table
+from suspid.values import frozen_real
 from validation.cars import HATCHBACK, PAPER, SALOON
 
 CARS = {"paper": PAPER, "hatchback": HATCHBACK, "saloon": SALOON}

@@ -30,7 +30,7 @@ from suspid import (
     quarter_car,
     statespace,
 )
-from suspid.signals import as_response
+from suspid.records import as_response
 from suspid.units import Decibel, Hertz, RealArray, Second
 from suspid.values import frozen_real
 from suspid.wavelets import denoise

@@ -12,7 +12,8 @@ import numpy as np
 from tabulate import tabulate
 
 from suspid import ModalSet, SuspidError, add_noise, cwt, eigenmodes, free_decay, identify, quarter_car, statespace
-from suspid.signals import as_response, as_signal
+from suspid.records import as_response
+from suspid.signals import as_signal
 from suspid.units import RealArray
 from validation.bounds import cramer_rao, decay_amplitudes
 

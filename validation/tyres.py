@@ -17,8 +17,8 @@ import numpy as np
 from suspid import Estimate, Suspension, SuspidError, eigenmodes, estimate
 from suspid.levels import NORMAL_95
 from suspid.signals import as_signal
+from suspid.text_tables import text_table
 from suspid.units import RealArray
-from suspid.values import text_table
 from validation.greybox_peers import ssi_poles
 from validation.greybox_rows import NOISE, QUARTER
 from validation.motion import LEVELS, RADIUS, Drive, driven, record_of

@@ -27,8 +27,8 @@ from suspid.fleet import trends_of_rates
 from suspid.levels import NORMAL_95
 from suspid.performance import Rates, rates_of
 from suspid.performance.reaches import reaches
+from suspid.text_tables import text_table
 from suspid.units import RealArray, Second
-from suspid.values import text_table
 from validation.bent_wear import bent_section
 from validation.greybox_rows import KNOWN, MOUNTED, QUARTER, given_row, half
 from validation.motion import Drive

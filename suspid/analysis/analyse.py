@@ -26,8 +26,8 @@ from suspid.identification import (
 )
 from suspid.model import Suspension
 from suspid.recordings import Recording
+from suspid.records import cut
 from suspid.samples import held
-from suspid.signals import cut
 from suspid.threads import in_one_thread
 from suspid.wording import Argument
 

@@ -1,4 +1,4 @@
-"""What `analyse` found: every step, the verdict on all, and how it is shown."""
+"""Result of `analyse`: each step, the verdict, and its text."""
 
 from __future__ import annotations
 

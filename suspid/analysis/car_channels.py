@@ -7,8 +7,9 @@ from dataclasses import replace
 from suspid.analysis.reading import Read, in_si
 from suspid.io import bare_name
 from suspid.model import Suspension, names_channel
+from suspid.records import like
 from suspid.samples import held
-from suspid.signals import as_signal, like
+from suspid.signals import as_signal
 from suspid.words import Note
 
 

@@ -1,4 +1,4 @@
-"""Judge what was found by limits: met, not met, or cannot tell."""
+"""Check a result against limits: met, not met, or cannot tell."""
 
 from __future__ import annotations
 
@@ -18,8 +18,9 @@ from suspid.levels import LEVEL, check_level, normal_reach
 from suspid.model import ModalSet
 from suspid.reconstruction import Reconstruction, parameter_values
 from suspid.results import Result, check_kind
+from suspid.text_tables import text_table
 from suspid.units import Ratio
-from suspid.values import nearest_names, text_table
+from suspid.values import nearest_names
 from suspid.words import Check, Level, Number, Remark, Verdict
 from suspid.words.limits import LimitHeadline, LimitReason, LimitState
 

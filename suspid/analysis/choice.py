@@ -1,9 +1,9 @@
-"""Whether a whole record is a free decay, and whether a stretch of it is a better one."""
+"""Tests whether a whole record is a free decay, and whether a stretch of it is a better one."""
 
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -37,14 +37,8 @@ FIT = frozenset({DecayDoubt.FORCED, DecayDoubt.DRIVEN, DecayDoubt.NONLINEAR, Dec
 
 def identified(record: control.TimeResponseData, settings: Settings) -> Identification:
     """Return what `identify` finds with these settings."""
-    return identify(
-        record,
-        modes=settings.modes,
-        method=settings.method,
-        band_hz=settings.band_hz,
-        bandwidth=settings.bandwidth,
-        candidates=settings.candidates,
-    )
+    options: dict[str, Any] = {name: getattr(settings, name) for name in FOR_IDENTIFY}
+    return identify(record, **options)
 
 
 def tried(record: control.TimeResponseData, settings: Settings) -> Identification | None:

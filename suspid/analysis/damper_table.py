@@ -8,7 +8,7 @@ import numpy as np
 
 from suspid.greybox import DamperCurve
 from suspid.performance import Wear
-from suspid.values import rounded, spread, text_table
+from suspid.text_tables import rounded, spread, text_table
 
 
 def damper_table(curves: Sequence[DamperCurve], wear: Wear | None) -> str:

@@ -1,4 +1,4 @@
-"""Channels that were computed from another, as its derivative or integral: programs of sensors export both."""
+"""Channels computed as derivative or integral of another; software of sensors often exports both."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.levels import SEVEN_DIGITS
-from suspid.signals import as_signal, like
+from suspid.records import like
+from suspid.signals import as_signal
 from suspid.units import RealArray, Second
 from suspid.words import Note, Remark
 
@@ -38,7 +39,7 @@ def without_derivatives(record: control.TimeResponseData) -> tuple[control.TimeR
     Examples
     --------
     >>> import numpy as np
-    >>> from suspid.signals import as_response
+    >>> from suspid.records import as_response
     >>> time, rng = np.arange(2000) / 100, np.random.default_rng(0)
     >>> motion = np.round(np.exp(-time / 8) * np.sin(5 * time) + 1e-3 * rng.standard_normal(2000), 4)
     >>> record = as_response(time, np.stack([motion, np.gradient(motion, 0.01)]), ["x", "v"])

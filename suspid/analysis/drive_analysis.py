@@ -1,4 +1,4 @@
-"""What `analyse_drive` found."""
+"""Result of `analyse_drive`."""
 
 from __future__ import annotations
 

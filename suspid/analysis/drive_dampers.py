@@ -12,7 +12,8 @@ from suspid.errors import InputError, SuspidError
 from suspid.greybox import DamperCurve, Estimate, RecordTest, damper_curve, estimate, wheels_of
 from suspid.model import Suspension
 from suspid.performance import Wear, dampers_between, wear
-from suspid.signals import as_response, as_signal
+from suspid.records import as_response
+from suspid.signals import as_signal
 from suspid.wording import Wording
 from suspid.words import Check, Level, Remark
 from suspid.words.drives import DriveRemark
@@ -93,7 +94,7 @@ def longest(records: Sequence[control.TimeResponseData], most: int = ENOUGH_SAMP
 
     Examples
     --------
-    >>> from suspid.signals import as_response
+    >>> from suspid.records import as_response
     >>> made = [as_response(np.arange(n) * 0.01, np.ones((1, n)), ("a",)) for n in (500, 2000, 70_000)]
     >>> [one.time.size for one in longest(made)]
     [40000]

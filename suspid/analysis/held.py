@@ -1,4 +1,4 @@
-"""Held channels: commands and forces that jump from one constant value to another, and are no motion."""
+"""Commands and forces: channels that are constant except for jumps, and not motions."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.levels import EXACT
-from suspid.signals import as_signal, like
+from suspid.records import like
+from suspid.signals import as_signal
 from suspid.units import RealArray
 from suspid.words import Note, Remark
 
@@ -28,7 +29,7 @@ def without_held(record: control.TimeResponseData) -> tuple[control.TimeResponse
     Examples
     --------
     >>> import numpy as np
-    >>> from suspid.signals import as_response
+    >>> from suspid.records import as_response
     >>> motion = np.exp(-np.arange(400) / 80) * np.sin(np.arange(400) / 5)
     >>> force = np.where(np.arange(400) < 20, 0.5, 0.0)
     >>> left, notes = without_held(as_response(np.arange(400) / 100, np.stack([motion, force]), ["x", "F"]))

@@ -15,8 +15,9 @@ from suspid.errors import InputError, RecordError
 from suspid.files import naming
 from suspid.io import bare_name, bracketed_unit, read_recording
 from suspid.recordings import Recording
+from suspid.records import like
 from suspid.samples import held
-from suspid.signals import as_signal, like
+from suspid.signals import as_signal
 from suspid.values import listed, nearest_names
 from suspid.wording import Argument
 from suspid.words import Note, Remark

@@ -1,4 +1,4 @@
-"""Settings: everything that `analyse` may be told, in one frozen value."""
+"""Settings: all options of `analyse` in one frozen value."""
 
 from __future__ import annotations
 

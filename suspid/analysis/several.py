@@ -1,4 +1,4 @@
-"""Several recordings of one test: brought to the same channels and rate, and whether they belong together."""
+"""Several recordings of one structure: common channels and rate, and tests whether they belong together."""
 
 from __future__ import annotations
 
@@ -14,7 +14,8 @@ from suspid.errors import InputError
 from suspid.files import printable
 from suspid.identification import Repeats
 from suspid.recordings import Recording
-from suspid.signals import as_signal, like
+from suspid.records import like
+from suspid.signals import as_signal
 from suspid.units import RealArray
 from suspid.values import listed
 from suspid.wording import Argument

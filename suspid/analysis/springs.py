@@ -1,4 +1,4 @@
-"""Springs and dampers in an analysis: from the modes, or from the record itself where they do not settle them."""
+"""Springs and dampers in an analysis: from the modes, or fitted to the record if the modes do not determine them."""
 
 from __future__ import annotations
 

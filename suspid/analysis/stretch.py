@@ -1,4 +1,4 @@
-"""Which stretch of a record is identified: the best decay, or the whole where that explains the decay as well."""
+"""Choice of the stretch to identify: the best decay, or the whole record if that fits the decay as well."""
 
 from __future__ import annotations
 
@@ -16,7 +16,8 @@ from suspid.analysis.settings import Settings
 from suspid.decays import GRAVE, LOOK_BLOCKS, Decay, Decays, clearly_driven, find_decays
 from suspid.errors import RecordError
 from suspid.identification import Identification
-from suspid.signals import as_signal, cut, late_start, like
+from suspid.records import cut, late_start, like
+from suspid.signals import as_signal
 from suspid.units import Second
 from suspid.words import DecayDoubt, Note, Number, Remark
 

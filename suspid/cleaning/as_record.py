@@ -14,7 +14,8 @@ from suspid.errors import InputError, RecordError
 from suspid.files import printable
 from suspid.io import bracketed_unit, is_time, seconds_in
 from suspid.recordings import Recording
-from suspid.signals import as_response, check_size, real_numbers, uniform_step
+from suspid.records import as_response
+from suspid.signals import check_size, real_numbers, uniform_step
 from suspid.units import Hertz, RealArray
 from suspid.values import check_rate
 from suspid.wording import Argument

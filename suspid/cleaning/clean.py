@@ -13,8 +13,9 @@ from suspid.cleaning.constant import alive, stilled
 from suspid.cleaning.joining import by_clock, one_clock, placed, whole
 from suspid.errors import RecordError
 from suspid.recordings import RawChannel, Recording
+from suspid.records import span
 from suspid.samples import as_samples
-from suspid.signals import as_signal, span
+from suspid.signals import as_signal
 from suspid.units import Hertz, Second
 from suspid.values import check_rate
 

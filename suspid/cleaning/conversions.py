@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike
 from suspid.arguments import explained
 from suspid.errors import InputError
 from suspid.files import printable
-from suspid.signals import as_signal, like
+from suspid.records import like
+from suspid.signals import as_signal
 from suspid.units import STANDARD_GRAVITY, RealArray
 from suspid.values import nearest_names
 
@@ -116,7 +117,7 @@ def scaled(response: control.TimeResponseData, factors: Mapping[str, float]) -> 
 
     Examples
     --------
-    >>> from suspid.signals import as_response
+    >>> from suspid.records import as_response
     >>> record = as_response(np.arange(3) / 10, np.array([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]), ["seat", "tire"])
     >>> scaled(record, {"tire": -0.5}).y
     array([[ 1. ,  2. ,  3. ],

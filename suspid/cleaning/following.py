@@ -1,4 +1,4 @@
-"""Whether samples were taken at their irregular stamps, or regularly and stamped late."""
+"""Test whether samples were taken at irregular stamps, or regularly and stamped late."""
 
 from __future__ import annotations
 

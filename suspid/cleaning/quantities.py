@@ -1,4 +1,4 @@
-"""Which derivative of a motion a channel measures, by its unit and its name."""
+"""Order of derivative of a channel, from its unit and its name."""
 
 from __future__ import annotations
 

@@ -13,7 +13,8 @@ from suspid.cleaning.conversions import to_si as to_si
 from suspid.errors import InputError, RecordError
 from suspid.files import printable
 from suspid.levels import PIECES_OF_RECORD
-from suspid.signals import Signal, as_signal, like
+from suspid.records import like
+from suspid.signals import Signal, as_signal
 from suspid.units import STANDARD_GRAVITY, Ratio, RealArray
 from suspid.values import frozen_real, nearest_names
 
@@ -199,7 +200,7 @@ def vertical(
     >>> bounce = np.exp(-t) * np.sin(10 * t)
     >>> tilt = np.radians(20)
     >>> three = np.array([0 * t, np.sin(tilt) * (9.81 + bounce), np.cos(tilt) * (9.81 + bounce)])
-    >>> from suspid.signals import as_response
+    >>> from suspid.records import as_response
     >>> up, found = vertical(as_response(t, three, ["x", "y", "z"]))
     >>> round(found.tilt_deg, 2), found.nearest_axis, found.gravity_unit, found.agree
     (20.0, 'z', 'm/s2', True)

@@ -1,4 +1,4 @@
-"""The group of commands: how they begin, and how they end after an error or a signal."""
+"""The group of commands: start, errors and signals."""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ from suspid.cli.output import check_apart, said_warnings, say
 from suspid.cli.quantities import Positive
 from suspid.errors import InputError
 from suspid.files import naming, parsed_json, read_text, replacing
-from suspid.values import text_table
+from suspid.text_tables import text_table
 from suspid.words import count
 
 if TYPE_CHECKING:

@@ -1,4 +1,4 @@
-"""What the commands that fit the car itself share: records in files, what moved them, and the fit."""
+"""Common parts of the commands that fit a car to records: reading, causes of the motion, and the fit."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from suspid.analysis import Settings, in_terms_of, read
-from suspid.cli.options import Decorator, names_in, packed
+from suspid.cli.named_values import names_in
+from suspid.cli.options import Decorator, packed
 from suspid.cli.ridden import damage_of
 from suspid.files import naming
 
@@ -67,8 +68,9 @@ def tests_of(
 ) -> list[RecordTest]:
     """Return the records in files as tests, in the terms of a car, and add what was found in them to what is said."""
     from suspid.greybox import RecordTest, nameless_forces
+    from suspid.records import cut
     from suspid.samples import held
-    from suspid.signals import as_signal, cut
+    from suspid.signals import as_signal
 
     tests = []
     for file, kg in zip(files, masses, strict=True):

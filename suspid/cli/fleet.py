@@ -1,4 +1,4 @@
-"""The command ``suspid fleet``: a folder of records into tables, and what the tables say."""
+"""The command ``suspid fleet``: a folder of records into tables, and their summary."""
 
 from __future__ import annotations
 

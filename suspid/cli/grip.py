@@ -11,14 +11,15 @@ from typing import TYPE_CHECKING
 import click
 import numpy as np
 
-from suspid.cli.options import FILE, LINEARISE, pairs
+from suspid.cli.named_values import pairs
+from suspid.cli.options import FILE, LINEARISE
 from suspid.cli.output import check_apart, said_warnings, say
 from suspid.cli.quantities import Positive, Probability
 from suspid.cli.ridden import linear_car_of
 from suspid.cli.ride import NO_UNCERTAINTY, PICTURE_OF_RIDE, STATED_STD, drawing
 from suspid.files import naming, replacing
 from suspid.levels import LEVEL
-from suspid.values import ends_beside, text_table
+from suspid.text_tables import bound_columns, text_table
 from suspid.words.grip import GripCheck
 
 if TYPE_CHECKING:
@@ -81,4 +82,4 @@ def _intervals(found: Grip, level: float) -> str:
     units = [("deg", float(np.degrees(1.0))) if name.endswith(".phase") else ("%", 100.0) for name in intervals]
     names = [f"{name} [{unit}]" for name, (unit, _) in zip(intervals, units, strict=True)]
     ends = [(low * scale, high * scale) for (low, high), (_, scale) in zip(intervals.values(), units, strict=True)]
-    return text_table({f"{100 * level:g} % interval": names, **ends_beside(ends)})
+    return text_table({f"{100 * level:g} % interval": names, **bound_columns(ends)})

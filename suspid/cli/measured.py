@@ -1,4 +1,4 @@
-"""The commands that start from a measured record: what is in a file, and its modes."""
+"""The commands on a measured record: list its channels, identify its modes."""
 
 from __future__ import annotations
 
@@ -16,15 +16,7 @@ import click
 
 from suspid.analysis import STEPS, Analysis, Settings, analyse
 from suspid.cli.commands import ARGUMENTS
-from suspid.cli.options import (
-    DBC_OPTION,
-    FILE,
-    FS_OPTION,
-    RECORD,
-    TIME_OPTION,
-    analysing,
-    progress,
-)
+from suspid.cli.options import DBC_OPTION, FILE, FS_OPTION, RECORD, TIME_OPTION, analysing, progress
 from suspid.cli.output import check_apart, said_warnings, say, shown
 from suspid.errors import InputError
 from suspid.files import naming, printable, replacing
@@ -107,7 +99,7 @@ def identify_command(files: tuple[Path, ...], settings: Settings, plot: Path | N
 
 
 def _other_tests(found: Analysis) -> list[str]:
-    """Return the tests in the file beside the one that was used because none was chosen."""
+    """Return the tests in the file besides the one that was used because none was chosen."""
     several = [note for note in found.notes if note.code is Note.ONE_OF_TESTS]
     names = several[0].numbers["tests"] if several else ()
     return [str(name) for name in names[1:]] if isinstance(names, tuple) else []

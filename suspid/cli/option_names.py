@@ -1,4 +1,4 @@
-"""What options are called: those of arguments of Python, and those of other programs."""
+"""Names of options: those of Python arguments, and those used by other programs."""
 
 from __future__ import annotations
 

@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-import csv
 import inspect
-import itertools
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial, wraps
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, Literal, TypeAlias, TypeVar, cast, get_args
+from typing import Any, Literal, TypeAlias, cast, get_args
 
 import click
 
 from suspid.analysis import Settings
+from suspid.cli.named_values import names_in, pairs
 from suspid.cli.option_names import in_options
 from suspid.cli.output import PIPED, STANDARD_INPUT
 from suspid.cli.quantities import Finite, Positive, Whole
@@ -213,17 +212,6 @@ def settings_of(
             raise click.UsageError(f"{error}.") from None
 
 
-def names_in(given: Sequence[str]) -> tuple[str, ...]:
-    """Return names that may stand in one text, with commas between them; a name with a comma stands in quotes.
-
-    Examples
-    --------
-    >>> names_in(["seat, tire", '"acc, z"'])
-    ('seat', 'tire', 'acc, z')
-    """
-    return tuple(name.strip() for row in csv.reader(given, skipinitialspace=True) for name in row if name.strip())
-
-
 def packed(make: Callable[..., object], options: Sequence[Callable[[Any], Any]], argument: str) -> Decorator:
     """Return a decorator that gives a command options, and what a function makes of them as one argument."""
     names = [name for name, p in inspect.signature(make).parameters.items() if p.default is p.empty]
@@ -262,54 +250,6 @@ def progress(*steps: str) -> Iterator[Callable[[str], None]]:
             bar.update()
 
         yield step
-
-
-Value = TypeVar("Value", str, float)
-
-
-def pairs(given: Sequence[str], option: str, kind: Callable[[str], Value]) -> dict[str, Value]:
-    """Return values by name from texts ``NAME=VALUE``, or several with commas between them; each name may stand once.
-
-    Examples
-    --------
-    >>> pairs(["front=1,rear=2"], "--load", float), pairs(["az=Wk,Wf,ax=Wd"], "--weighting", str)
-    ({'front': 1.0, 'rear': 2.0}, {'az': 'Wk,Wf', 'ax': 'Wd'})
-    """
-    found: dict[str, Value] = {}
-    for text in itertools.chain.from_iterable(map(_apart, given)):
-        name, equals, value = text.rpartition("=")
-        try:
-            made = kind(value)
-        except ValueError:
-            equals = ""
-        if not equals or not name or not value or name in found:
-            raise click.BadParameter(f"{text!r}: write {_form(option)}, each name once.", param_hint=f"'{option}'")
-        found[name] = made
-    return found
-
-
-def _form(option: str) -> str:
-    """Return how the command that runs writes the values of an option."""
-    context = click.get_current_context(silent=True)
-    parameters = [] if context is None else context.command.params
-    forms = [one.metavar for one in parameters if option in one.opts and isinstance(one, click.Option)]
-    return next((form for form in forms if form), "NAME=VALUE")
-
-
-def _apart(text: str) -> list[str]:
-    """Return the pairs in a text, each a name with what follows its ``=`` up to the next name.
-
-    A name with a comma, alone or in quotes, stays whole.
-    """
-    parts: list[str] = []
-    for part in next(csv.reader([text], skipinitialspace=True), []):
-        if "=" in part:
-            parts.append(part.strip())
-        elif parts and part.strip():
-            parts[-1] += f",{part.strip()}"
-        else:
-            return [text]
-    return parts or [text]
 
 
 def road_named(text: str | None) -> str | float | None:

@@ -1,4 +1,4 @@
-"""What the commands print and write: lines on both streams, refusals, warnings."""
+"""Output of the commands: lines on both streams, errors, warnings."""
 
 from __future__ import annotations
 

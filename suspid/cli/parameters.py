@@ -1,4 +1,4 @@
-"""What the commands that find stiffness and damping share: options, what they write, and how they end."""
+"""Common parts of the commands that find stiffness and damping: options, files written, exit codes."""
 
 from __future__ import annotations
 
@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from suspid.cli.named_values import names_in
 from suspid.cli.option_names import in_options
-from suspid.cli.options import CAR_FILE, FILE, Decorator, names_in, packed
+from suspid.cli.options import CAR_FILE, FILE, Decorator, packed
 from suspid.cli.output import say
 from suspid.cli.quantities import Positive, Probability
 from suspid.files import replacing
@@ -201,7 +202,7 @@ def _equal_names(given: Sequence[str]) -> list[list[str]]:
 def _interval_table(found: Reconstruction | Estimate, level: float) -> str:
     """Return the table of the lower and the upper end of every parameter, with units."""
     from suspid.greybox import parameter_unit
-    from suspid.values import text_table
+    from suspid.text_tables import text_table
 
     ends = found.interval(level)
     return text_table(

@@ -11,8 +11,9 @@ from suspid.cleaning import to_si
 from suspid.errors import InputError
 from suspid.io import bare_name, bracketed_unit
 from suspid.performance import ACCELERATIONS
+from suspid.records import cut, like
 from suspid.samples import held
-from suspid.signals import as_signal, cut, like
+from suspid.signals import as_signal
 from suspid.words import DAMAGE, Check, Code, Defect, Level, Note, Number, Remark
 
 if TYPE_CHECKING:

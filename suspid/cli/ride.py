@@ -14,12 +14,13 @@ import numpy as np
 
 from suspid.analysis import Settings
 from suspid.cli.measured import checked_picture, save_picture
-from suspid.cli.options import AT_SPEED, FILE, LINEARISE, ON_ROAD, RECORD, pairs, reading, road_named
+from suspid.cli.named_values import pairs
+from suspid.cli.options import AT_SPEED, FILE, LINEARISE, ON_ROAD, RECORD, reading, road_named
 from suspid.cli.output import check_apart, said_warnings, say
 from suspid.cli.quantities import Positive, Probability
 from suspid.cli.ridden import OF_CARS, linear_car_of, record_of
 from suspid.files import naming, printable, replacing
-from suspid.values import ends_beside, text_table
+from suspid.text_tables import bound_columns, text_table
 from suspid.words.ride import RideCheck
 
 if TYPE_CHECKING:
@@ -159,7 +160,7 @@ def _intervals(found: Ride, level: float) -> str:
     return text_table(
         {
             f"{100 * level:g} % interval": [f"{n} [{u}]" for n, u in zip(found.figures, found.units, strict=True)],
-            **ends_beside(list(ends.values())),
+            **bound_columns(list(ends.values())),
         }
     )
 

@@ -11,11 +11,13 @@ import click
 import numpy as np
 
 from suspid.cli.measured import record_in_words
-from suspid.cli.options import FILE, names_in, pairs
+from suspid.cli.named_values import names_in, pairs
+from suspid.cli.options import FILE
 from suspid.cli.output import check_apart, said_warnings, say
 from suspid.cli.quantities import Positive, Profile, Whole
 from suspid.files import printable, replacing
-from suspid.signals import as_response, as_signal, inputs_of
+from suspid.records import as_response, inputs_of
+from suspid.signals import as_signal
 from suspid.units import RealArray
 
 if TYPE_CHECKING:

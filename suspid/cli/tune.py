@@ -8,7 +8,8 @@ from pathlib import Path
 
 import click
 
-from suspid.cli.options import AT_SPEED, CAR_FILE, FILE, ON_ROAD, names_in, pairs, progress, road_named
+from suspid.cli.named_values import names_in, pairs
+from suspid.cli.options import AT_SPEED, CAR_FILE, FILE, ON_ROAD, progress, road_named
 from suspid.cli.output import check_apart, said_warnings, say
 from suspid.cli.parameters import bounds_by_name
 from suspid.cli.quantities import Positive, Whole

@@ -1,4 +1,4 @@
-"""A recording averaged over blocks as long as its own motion allows."""
+"""A recording averaged over blocks of a length suited to its own motion."""
 
 from __future__ import annotations
 

@@ -9,8 +9,9 @@ from typing import overload
 import numpy as np
 
 from suspid.results import Result, columns_of
+from suspid.text_tables import text_table
 from suspid.units import Decibel, RealArray, Second
-from suspid.values import MOST_NAMES, text_table
+from suspid.values import MOST_NAMES
 from suspid.words import Check, DecayDoubt, DecayKind, DecayRemark, Level, Remark, Verdict
 
 # Doubts that the motion is a free decay at all; the others say that it tells little.

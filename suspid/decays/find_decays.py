@@ -63,7 +63,7 @@ def find_decays(response: RecordLike, *, given: Sequence[tuple[Second, Second]] 
     --------
     >>> import numpy as np
     >>> from suspid import free_decay, quarter_car
-    >>> from suspid.signals import as_response
+    >>> from suspid.records import as_response
     >>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3,
     ...                   tire_stiffness=200e3, chassis_damping=1500)
     >>> values = 1e-5 * np.random.default_rng(1).standard_normal((2, 3000))

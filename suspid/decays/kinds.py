@@ -1,4 +1,4 @@
-"""What set a decay off: an impulse, a step of the road, a release."""
+"""Kinds of excitation of a decay: an impulse, a step of the road, a release."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Find where the motion becomes free by predicting backwards from the decay itself.
+"""Find the start of free motion by backward prediction from the decay.
 
 A free motion of a few modes obeys a linear recurrence; a force on it is an error of the recurrence. Friction, gaps and
 springs that harden are small errors everywhere in the decay, while a held, pulled or pushed mass is a large one. So the

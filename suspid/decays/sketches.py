@@ -1,4 +1,4 @@
-"""Estimate quickly how much of a stretch damped exponentials can follow at best."""
+"""Quick upper bound of how much of a stretch damped exponentials can explain."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Fit damped exponentials to a stretch and see whether they explain it from its first sample on."""
+"""Fit damped exponentials to a stretch and test whether they explain it from its first sample on."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The tables of a fleet's results as CSV beside the Parquet parts."""
+"""The tables of a fleet's results as CSV, in addition to the Parquet parts."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ SEPARATOR = ";"
 
 
 def write_csv(folder: str | os.PathLike[str]) -> tuple[Path, ...]:
-    """Write each table of results as one CSV file beside the Parquet parts, and return the files.
+    """Write each table of results as one CSV file next to the Parquet parts, and return the files.
 
     The columns are those of the tables, numbers with all their digits. A cell with several values has a semicolon
     between them; a value that there is not is an empty cell. Parts are read one by one, so memory does not grow.

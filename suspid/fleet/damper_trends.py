@@ -1,4 +1,4 @@
-"""Trends of dampers: what each damper of each vehicle has lost over its drives, judged by the rule of wear."""
+"""Trends of dampers: the loss of each damper of each vehicle over its drives, by the rule of wear."""
 
 from __future__ import annotations
 
@@ -14,7 +14,8 @@ from suspid.greybox import Estimate
 from suspid.model import Suspension
 from suspid.performance import Loss, Rates, WearRule, dampers_between, dampers_of, rates_of
 from suspid.results import Result
-from suspid.values import MOST_NAMES, text_table
+from suspid.text_tables import text_table
+from suspid.values import MOST_NAMES
 from suspid.words import DamperState
 
 # Between a vehicle and its damper in the name of a trend; no name of a strut has a dot.
@@ -114,7 +115,7 @@ class DamperTrends(Result):
 def damper_trends(drives: Iterable[tuple[str, float, Estimate]], *, rule: WearRule | None = None) -> DamperTrends:
     """Return what each damper of each vehicle has lost over its drives.
 
-    A straight line is drawn through the logarithm of damping over stiffness of the spring beside it, in which a load
+    A straight line is drawn through the logarithm of damping over stiffness of the parallel spring, in which a load
     that is not described cancels. Scatter from drive to drive (temperature) is estimated from all dampers of all
     vehicles but those that scatter improbably more, so its stated values in the rule are not used. The verdict is that
     of `wear`, by the loss between the first and the last drive.

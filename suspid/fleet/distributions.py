@@ -1,4 +1,4 @@
-"""How a quantity is spread over a fleet, and which records stand out."""
+"""Distribution of a quantity over a fleet, and its outliers."""
 
 from __future__ import annotations
 

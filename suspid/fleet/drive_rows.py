@@ -1,4 +1,4 @@
-"""One drive of a fleet as rows of the tables: a row of its own, and one for each spring and damper."""
+"""One drive of a fleet as rows of the tables: one for the drive, and one for each spring and damper."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the results of drives say beyond springs: frequencies of bodies, and what each damper of each vehicle lost."""
+"""Summary of drives: frequencies of bodies, and the loss of each damper of each vehicle."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from suspid.fleet.damper_trends import DamperTrends, trends_of_rates
 from suspid.fleet.parts import read_table
 from suspid.fleet.tables import dampers_named
 from suspid.model import Suspension
-from suspid.performance import Rates, WearRule, spring_beside
+from suspid.performance import Rates, WearRule, parallel_spring
 from suspid.units import RealArray
 from suspid.words import Level
 
@@ -71,7 +71,7 @@ def _rates(folder: Path, car: Suspension) -> Iterator[tuple[str, str, Rates]]:
     """Yield drive, damper, and its rates with their covariance."""
     for damper in dampers_named(car):
         names = [f"{damper}.damping", f"{damper}.damping_std", f"{damper}.correlation"]
-        spring = spring_beside(car, damper)
+        spring = parallel_spring(car, damper)
         springs = [] if spring is None else [f"{spring}.stiffness", f"{spring}.stiffness_std"]
         table = read_table(folder, "drives", columns=["record", "verdict", *names, *springs]).to_pydict()
         nothing = itertools.repeat(None, len(table["record"]))

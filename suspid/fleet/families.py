@@ -1,4 +1,4 @@
-"""Families of modes: which mode of one record corresponds to which of another."""
+"""Families of modes: modes of different records that correspond to each other."""
 
 from __future__ import annotations
 

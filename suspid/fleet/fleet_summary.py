@@ -1,4 +1,4 @@
-"""What a fleet's results say: how each mode and parameter is distributed, which records stand out, what changes."""
+"""Summary of a fleet: distributions of modes and parameters, outliers, trends."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The folder of a fleet's results: one run at a time writes there, and continues only as it was begun."""
+"""The folder of a fleet's results: one run at a time writes there, and continues with its original settings."""
 
 from __future__ import annotations
 

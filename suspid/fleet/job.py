@@ -1,4 +1,4 @@
-"""What a fleet's run does with every record, as plain values that travel to workers and into the manifest."""
+"""Settings of a fleet's run as plain values, for workers and manifest."""
 
 from __future__ import annotations
 

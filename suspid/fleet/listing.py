@@ -1,4 +1,4 @@
-"""Where the records of a fleet come from: a folder, a pattern, a list, an object store, or a stream of responses."""
+"""Sources of a fleet's records: a folder, a pattern, a list, an object store, or a stream of responses."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ def _holds_results(folder: str | Path) -> bool:
 
 
 def _is_result(place: str, holds_results: Callable[[str], bool]) -> bool:
-    """Return whether a file belongs to the results of a fleet, by its place and by what stands beside it."""
+    """Return whether a file belongs to the results of a fleet, by its place and by the files next to it."""
     found = RESULT.search(place)
     return found is not None and holds_results(place[: found.start()])
 

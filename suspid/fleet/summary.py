@@ -1,4 +1,4 @@
-"""What a fleet's results say, as one value and as text."""
+"""The summary of a fleet as one value and as text."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from suspid.fleet.summary_text import (
 from suspid.fleet.trends import Trend
 from suspid.model import Suspension
 from suspid.results import Result, columns_of
-from suspid.values import text_table
+from suspid.text_tables import text_table
 from suspid.words import (
     Check,
     DamperState,

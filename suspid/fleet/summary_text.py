@@ -10,7 +10,7 @@ from dataclasses import replace
 from suspid.fleet.damper_trends import DamperTrends
 from suspid.fleet.distributions import FEWEST_RECORDS, QUANTILES, Distribution
 from suspid.fleet.trends import Trend
-from suspid.values import text_table
+from suspid.text_tables import text_table
 from suspid.words import (
     DamperState,
     count,

@@ -1,9 +1,8 @@
-"""What a worker does: a chunk of records into tables, whatever is wrong with some of them."""
+"""Work of one process: a chunk of records into tables; failures become rows."""
 
 from __future__ import annotations
 
 import ctypes
-import importlib
 import os
 import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -17,6 +16,7 @@ from suspid.fleet.parts import Part, as_part
 from suspid.fleet.records import Entry, Seen
 from suspid.fleet.rows import record_rows
 from suspid.fleet.tables import Rows, joined
+from suspid.threads import one_thread
 from suspid.units import Second
 from suspid.wording import called
 from suspid.words import Failure, Remark
@@ -40,7 +40,8 @@ def work(job: Job, chunk: Sequence[Entry]) -> Part:
 def tables_of(job: Job, chunk: Sequence[Entry], known: Mapping[int, Rows], *, done: Callable[[], None]) -> Part:
     """Return the tables of a chunk, some records of which may be known; call ``done`` first and after each record."""
     rows = []
-    with one_thread(job):
+    # Workers must not fight for cores, and sums must come in one order.
+    with one_thread("control", *(["cvxpy"] if job.car and job.drive is None else [])):
         done()
         for k, entry in enumerate(chunk):
             rows.append(known[k] if k in known else rows_of(job, entry))
@@ -65,18 +66,6 @@ def check_versions(job: Job) -> None:
     for name, version in job.environment.items():
         if here.get(name) != version:
             raise InputError(f"a worker has {name} {here.get(name)}, the client {version}: install the same on both")
-
-
-@contextmanager
-def one_thread(job: Job) -> Iterator[None]:
-    """Hold the threads of BLAS: workers must not fight, and sums must come in one order."""
-    from threadpoolctl import threadpool_limits
-
-    # Those of a library that is loaded later would run free.
-    for name in ("scipy.linalg", "control", *(["cvxpy"] if job.car and job.drive is None else [])):
-        importlib.import_module(name)
-    with threadpool_limits(limits=1):
-        yield
 
 
 @contextmanager

@@ -20,7 +20,8 @@ from suspid.greybox.damper_curve import damper_curve
 from suspid.greybox.damper_curves import DamperCurve, LineTest
 from suspid.greybox.drives import Drive, DriveLimits, Drives, left_for, stretch_table, summary_table
 from suspid.greybox.estimate import estimate
-from suspid.greybox.estimates import Estimate, nominal_value, parameter_table, parameter_unit, quantities_in
+from suspid.greybox.estimate_tables import nominal_value, parameter_table, parameter_unit, quantities_in
+from suspid.greybox.estimates import Estimate
 from suspid.greybox.find_drives import find_drives
 from suspid.greybox.roads import RoadEstimate
 from suspid.greybox.trials import RecordTest

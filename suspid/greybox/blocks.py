@@ -1,4 +1,4 @@
-"""What speaks for and against each block of a recorded drive."""
+"""Reasons for and against each block of a recorded drive."""
 
 from __future__ import annotations
 

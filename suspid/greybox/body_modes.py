@@ -30,8 +30,8 @@ from suspid.greybox.wheels import body_channels
 from suspid.levels import LEVEL, check_level, likely, normal_reach
 from suspid.model import Suspension, output_weights
 from suspid.signals import as_signal
+from suspid.text_tables import text_table
 from suspid.units import Hertz, Ratio
-from suspid.values import text_table
 from suspid.words import Check, Level, Remark, Verdict
 from suspid.words.drives import BodyCheck
 

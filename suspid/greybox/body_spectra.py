@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from suspid.units import Hertz, Ratio, RealArray, Second
 
-PERIODOGRAM: Second = 12.0  # of a periodogram: lines of 1/12 Hz are narrow beside any damped body mode
+PERIODOGRAM: Second = 12.0  # of a periodogram: lines of 1/12 Hz are narrow compared with any damped body mode
 # Windows that half overlap and are tapered: independent ones that each counts for, and lines over which one spreads
 # (F. J. Harris, Proc. IEEE 66 (1978) 51-83).
 WORTH, LINE_WIDTH = 9 / 11, 1.5

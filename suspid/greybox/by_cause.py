@@ -1,4 +1,4 @@
-"""Estimates where nobody has said what moved the car: of the causes that records show, the first that explains them."""
+"""Estimates without stated causes: the first likely cause that explains the records."""
 
 from __future__ import annotations
 

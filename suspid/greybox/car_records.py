@@ -11,7 +11,8 @@ from suspid.cleaning import RecordLike, as_record, si_unit, to_si
 from suspid.errors import InputError
 from suspid.io import bare_name, bracketed_unit
 from suspid.model import FORCE, Suspension, names_channel
-from suspid.signals import as_signal, inputs_of, like
+from suspid.records import inputs_of, like
+from suspid.signals import as_signal
 from suspid.wording import AtCommandLine
 
 if TYPE_CHECKING:

@@ -1,4 +1,4 @@
-"""What may have moved a car: causes that records show, the likeliest first."""
+"""Possible causes of the motion of a car in a record, the likeliest first."""
 
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ from suspid.greybox.wheels import wheels_missing
 from suspid.greybox.whiteness import portmanteau
 from suspid.levels import likely
 from suspid.model import FORCE, Suspension, force_weights
-from suspid.signals import as_signal, inputs_of
+from suspid.records import inputs_of
+from suspid.signals import as_signal
 from suspid.units import RealArray
 
 

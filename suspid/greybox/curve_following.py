@@ -1,4 +1,4 @@
-"""Whether what a fit of a strut leaves follows the motion of the strut, or is noise and forces of their own.
+"""Test whether the residual of a damper fit follows the motion of the strut, or is noise and other forces.
 
 An engine, the other axle or a passenger push the body as they like: that costs precision. What is missing in the
 strut, or wrong in a sensor (gain, delay, a mount, a spring that is not linear), leaves a force that follows the motion.

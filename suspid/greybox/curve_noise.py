@@ -1,4 +1,4 @@
-"""Noise of the force and of the motion of a strut, from what a fit leaves."""
+"""Noise of force and motion of a strut, estimated from the residual."""
 
 from __future__ import annotations
 

@@ -10,8 +10,8 @@ import numpy as np
 from suspid.levels import LEVEL, check_level, normal_reach
 from suspid.model import Strut, Suspension, equal_work
 from suspid.results import Result
+from suspid.text_tables import rounded, spread, text_table
 from suspid.units import MetrePerSecond, Newton, NewtonPerMetre, NewtonSecondPerMetre, Ratio, RealArray
-from suspid.values import rounded, spread, text_table
 from suspid.words import Verdict
 
 

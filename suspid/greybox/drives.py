@@ -12,8 +12,8 @@ import numpy as np
 from suspid.errors import InputError
 from suspid.files import printable
 from suspid.results import Result, columns_of
+from suspid.text_tables import COLUMN_GAP, TERMINAL, text_table
 from suspid.units import Hertz, MetrePerSecond, MetrePerSecond2, RealArray, Second
-from suspid.values import COLUMN_GAP, TERMINAL, text_table
 from suspid.wording import Argument
 from suspid.words import Check, Code, Level, Remark, Verdict
 from suspid.words.drives import DriveRemark

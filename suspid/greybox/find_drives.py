@@ -1,4 +1,4 @@
-"""Find the stretches of a recording in which a car drives as usual, and its sensors measure."""
+"""Find the usable stretches of a recorded drive."""
 
 from __future__ import annotations
 

@@ -29,7 +29,7 @@ class Fit:
     alternatives: tuple[Suspension, ...]
     checks: tuple[Check, ...]
     pull: RealArray | None = None  # (unknown,): how far they would be from here without bounds, to first order
-    # Unknowns beside those of the car: names, values, bounds, and what 1 means in the covariance.
+    # Unknowns besides those of the car: names, values, bounds, and what 1 means in the covariance.
     extras: tuple[str, ...] = ()
     extra_values: RealArray = field(default_factory=lambda: np.zeros(0))
     extra_ranges: RealArray = field(default_factory=lambda: np.zeros((0, 2)))

@@ -11,13 +11,14 @@ import numpy as np
 from suspid.cleaning import RecordLike
 from suspid.errors import EstimationError, InputError
 from suspid.greybox.causes import dies_down
-from suspid.greybox.estimates import Estimate, Spread, changed
+from suspid.greybox.estimates import Estimate
 from suspid.greybox.fits import Fit
 from suspid.greybox.further import further_asked
-from suspid.greybox.judgement import beside_nominal, far_or_vague, gains_off, on_bounds, rests_on
+from suspid.greybox.judgement import changed_check, far_or_vague, gains_off, on_bounds, rests_on
 from suspid.greybox.late_causes import fit_drives
 from suspid.greybox.modal import modes_with, mounted_car, of_car
 from suspid.greybox.onset import from_onset
+from suspid.greybox.parameter_ends import Spread, changed
 from suspid.greybox.problem import Problem, default_holds
 from suspid.greybox.rolling import Speed, rolling_of, without_speed
 from suspid.greybox.time_domain import fit_in_time
@@ -25,7 +26,7 @@ from suspid.greybox.trials import RecordTest, Trial, trials_of
 from suspid.greybox.whole_car import check_road, fit_with_road
 from suspid.model import Suspension, check_linear, eigenmodes
 from suspid.reconstruction import Bounds, Unknowns, parameter_names, unknowns_of
-from suspid.signals import as_response
+from suspid.records import as_response
 from suspid.units import Hertz, Metre, RadianPerSecond, Ratio, Second
 from suspid.values import frozen_real
 from suspid.wording import Argument
@@ -125,7 +126,7 @@ def fitted_car(
         *fit.checks,
         *on_bounds(u, fit.x),
         *gains_off(parameters, values),
-        beside_nominal(tuple(name for name in parameters if name in apart)),
+        changed_check(tuple(name for name in parameters if name in apart)),
         *far_or_vague(suspension, u.names[: len(own)], values[: len(own)], std[: len(own)], assumed=assumed),
         *rests_on(suspension, u.names, still=still, forced=any(len(trial.forces) for trial in trials)),
         *([Check(Remark(EstimateCheck.STILL, {"names": still}), Level.NOTE)] if still else []),

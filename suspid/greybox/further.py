@@ -1,4 +1,4 @@
-"""Unknowns beside those of the car in the time domain: mounts of dampers, gains and delays of channels."""
+"""Further unknowns in the time domain: mounts of dampers, gains and delays of channels."""
 
 from __future__ import annotations
 

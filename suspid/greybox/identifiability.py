@@ -1,4 +1,4 @@
-"""Which combinations of the unknowns the records determine."""
+"""Combinations of the unknowns that the records do not determine."""
 
 from __future__ import annotations
 

@@ -6,7 +6,8 @@ from collections.abc import Collection, Iterator, Sequence
 
 import numpy as np
 
-from suspid.greybox.estimates import ends_of, nominal_value
+from suspid.greybox.estimate_tables import nominal_value
+from suspid.greybox.parameter_ends import ends_of
 from suspid.levels import LEVEL
 from suspid.model import Suspension
 from suspid.reconstruction import Unknowns
@@ -53,7 +54,7 @@ def gains_off(parameters: Sequence[str], values: RealArray) -> Iterator[Check]:
         yield Check(Remark(EstimateCheck.GAIN, {"names": tuple(off)}), Level.CARE)
 
 
-def beside_nominal(names: tuple[str, ...]) -> Check:
+def changed_check(names: tuple[str, ...]) -> Check:
     """Return the check of the parameters that differ from nominal."""
     remark = Remark(EstimateCheck.CHANGED, {"names": names}) if names else Remark(EstimateCheck.UNCHANGED)
     return Check(remark, Level.NOTE)
@@ -67,7 +68,7 @@ def far_or_vague(
     *,
     assumed: Collection[str] = (),
 ) -> Iterator[Check]:
-    """Yield which springs may be in other units, and which parameters are hardly known beside those ``assumed``."""
+    """Yield which springs may be in other units, and which parameters are hardly known, except those ``assumed``."""
     old = np.array([np.nan if one is None else one for one in (nominal_value(nominal, name) for name in parameters)])
     low, high = ends_of(parameters, values, std, LEVEL)
     vague = []

@@ -1,4 +1,4 @@
-"""Motion between samples as a spline of fifth degree, and the low-pass filter for what is computed from it.
+"""Motion between samples as a spline of fifth degree, and the low-pass filter for quantities computed from it.
 
 The knots are the samples. The second derivative of such a spline takes any value at every sample, so accelerations are
 met as measured, and motion and velocity between the samples follow from them.

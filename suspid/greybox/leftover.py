@@ -1,4 +1,4 @@
-"""Whether the residual of the outputs follows the causes: then the topology lacks something."""
+"""Test whether the residual of the outputs follows the causes, which indicates a wrong topology."""
 
 from __future__ import annotations
 

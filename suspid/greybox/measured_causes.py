@@ -42,7 +42,7 @@ class Source:
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Extras:
-    """Unknowns beside those of the car: relaxations of mounts, and gains and delays of channels."""
+    """Unknowns besides those of the car: relaxations of mounts, and gains and delays of channels."""
 
     names: tuple[str, ...]
     mounts: tuple[int, ...]  # struts, common to all trials

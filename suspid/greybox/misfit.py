@@ -1,4 +1,4 @@
-"""Whether a car explains how channels follow the given motion, and how uncertain its parameters are if it does not."""
+"""Transfer error of a car that does not explain how channels follow the given motion, and the resulting uncertainty."""
 
 from __future__ import annotations
 

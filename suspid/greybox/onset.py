@@ -9,7 +9,7 @@ import numpy as np
 
 from suspid.decays import find_decays
 from suspid.greybox.trials import Trial
-from suspid.signals import as_response
+from suspid.records import as_response
 
 
 def from_onset(trials: Sequence[Trial]) -> tuple[Trial, ...] | None:

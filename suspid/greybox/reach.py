@@ -1,4 +1,4 @@
-"""How roads, and forces on wheels, move the channels of the whole car, with derivatives by every parameter."""
+"""Response of all channels to roads and forces on wheels, with derivatives by every parameter."""
 
 from __future__ import annotations
 

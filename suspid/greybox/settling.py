@@ -1,4 +1,4 @@
-"""Unknowns and noise levels of drives that belong to each other, and what a mount or a gain of chance may hide."""
+"""Joint iteration of unknowns and noise levels of drives; mounts or gains that fit only chance."""
 
 from __future__ import annotations
 

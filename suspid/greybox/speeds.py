@@ -1,4 +1,4 @@
-"""How a car moves along its way, block by block: its speed, and how hard it brakes and corners."""
+"""Speed, braking and cornering of a car, block by block."""
 
 from __future__ import annotations
 

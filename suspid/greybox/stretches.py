@@ -9,7 +9,7 @@ import numpy as np
 from suspid.greybox.blocks import Blocks
 from suspid.greybox.drives import Drive, DriveLimits
 from suspid.greybox.speeds import Way
-from suspid.signals import as_response
+from suspid.records import as_response
 from suspid.units import Flags, RealArray
 from suspid.values import frozen_real
 from suspid.words import Check, Level, Number, Remark

@@ -1,4 +1,4 @@
-"""What a record says of one strut: the force in it and its motion, each with independent noise."""
+"""Force and motion of one strut from a record, each with independent noise."""
 
 from __future__ import annotations
 

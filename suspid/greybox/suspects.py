@@ -1,4 +1,4 @@
-"""Channels of a wrong sign, or exchanged: what would make a car explain a drive that it does not explain."""
+"""Channels with a wrong sign, or exchanged, that would explain a misfit."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which coordinates of a car are its wheels, and which channels show them."""
+"""The wheels of a car, and the channels that measure them."""
 
 from __future__ import annotations
 

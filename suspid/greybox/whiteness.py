@@ -1,4 +1,4 @@
-"""Whether a residual is white noise, and what its colour does to a covariance."""
+"""Whiteness of a residual, and the effect of its colour on a covariance."""
 
 from __future__ import annotations
 

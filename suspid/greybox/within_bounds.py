@@ -1,4 +1,4 @@
-"""Intervals of parameters of which some are at a bound or near one: by the profile of the likelihood within the bounds.
+"""Intervals of parameters at or near a bound: profile of the likelihood within the bounds.
 
 To first order minus twice the logarithm of the likelihood is ``(p - u)' S^-1 (p - u)``, with u the parameters of least
 misfit if there were no bounds. An interval holds all values of a parameter for which some car within the bounds is

@@ -14,7 +14,7 @@ from suspid.identification.noise import loss_growth
 from suspid.identification.poles import Poles
 from suspid.units import ComplexArray, RealArray
 
-# Local maxima whose gain is computed exactly, beyond the points beside fitted poles. More cost time.
+# Local maxima whose gain is computed exactly, beyond the points near fitted poles. More cost time.
 LOCAL_MAXIMA = 48
 # The largest number of candidates, and of those that are fitted before the search ends.
 MOST_CANDIDATES, CANDIDATES_TRIED = 12, 3
@@ -100,7 +100,7 @@ def _largest_points(scaled: NDArray[np.float32], known: ComplexArray) -> tuple[C
     """Return exponents, (point,), and a residual's inner products with them, (channel, point).
 
     The first are real, one for each decay rate. The others are the largest of the local maxima along frequency at
-    each decay rate, and points beside the fitted poles.
+    each decay rate, and points near the fitted poles.
     """
     from scipy.fft import rfft
 
@@ -112,7 +112,7 @@ def _largest_points(scaled: NDArray[np.float32], known: ComplexArray) -> tuple[C
     high = np.minimum((known.imag + reach) / per_bin[:, None], np.pi / per_bin[:, None] - 1).astype(int)
     fast = np.maximum(-known.real, 1 / count)
     alike = (known.imag == 0) | ((decay[:, None] >= fast / 8.0) & (decay[:, None] <= fast * 32.0))
-    # 13 points beside each fitted pole, at decay rates from an eighth of its own to 32 times that.
+    # 13 points near each fitted pole, at decay rates from an eighth of its own to 32 times that.
     between = low[..., None] + (high - low)[..., None] * np.arange(13) // 12
     theta, heights = [-decay + 0j], [np.full(len(layout), np.inf)]
     inner: list[ComplexArray] = [np.empty((len(scaled), len(layout)), complex)]

@@ -1,4 +1,4 @@
-"""Whether one fitted pair stands for two poles close together: a screen, and two poles to start from."""
+"""Test whether one fitted pair represents two close poles: a screen, and two starting poles."""
 
 from __future__ import annotations
 
@@ -34,11 +34,11 @@ def divided(problem: Problem, fit: Fit) -> Fit | None:
 
 
 def unresolved(problem: Problem, fit: Fit) -> tuple[RealArray, NDArray[np.bool_], Rejected]:
-    """Return by how much the variances of each pair are widened where one more may be beside it, (pair,), and those.
+    """Return by how much the variances of each pair are widened where one more may be close to it, (pair,), and those.
 
     Between them, whether the residual of each pair bends beyond chance, (pair,).
 
-    Where a further pair beside one of them gains more than chance gives to any of them at `LEVEL`, though not enough
+    Where a further pair close to one of them gains more than chance gives to any of them at `LEVEL`, though not enough
     for a mode, the record leaves open whether there is one. Then the intervals of all pairs hold what the fit with one
     more says of them, with its own uncertainty: the nearer of the two, and each neighbour. The variances are widened by
     0 where each pair suffices. A further pair is named where its gain is significant at `UNLIKELY`.
@@ -79,7 +79,7 @@ def unresolved(problem: Problem, fit: Fit) -> tuple[RealArray, NDArray[np.bool_]
 
 
 def apart(fit: Fit) -> Apart:
-    """Return for each pair what a second pole beside it promises in twice the log likelihood.
+    """Return for each pair what a second pole close to it promises in twice the log likelihood.
 
     Two poles ``p + u`` and ``p + v`` with amplitudes d and e are ``(a + b t + c t^2 + …) exp(p t)``, with
     ``a = d + e``, ``b = d u + e v``, ``2 c = d u^2 + e v^2``. The promise is the energy of b and c at fixed poles over
@@ -112,7 +112,7 @@ def apart(fit: Fit) -> Apart:
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Apart:
-    """What a second pole beside each pair promises."""
+    """What a second pole close to each pair promises."""
 
     fit: Fit
     gains: RealArray  # (pair,): in twice the log likelihood

@@ -1,4 +1,4 @@
-"""Poles that most of a record follows, where no sum of modes explains it down to the noise."""
+"""Poles that most of a record follows, although no sum of modes explains it down to the noise."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Fits of a record on the way to the selected poles: each with its residual, loss and the worth of each pole."""
+"""Intermediate fits of pole selection: each with its residual, loss and the gain of each pole."""
 
 from __future__ import annotations
 
@@ -9,15 +9,16 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from suspid.identification.ascent import maximize, settled
 from suspid.identification.classification import MOST_DECAY
 from suspid.identification.exponentials import Blocks, synthesize
-from suspid.identification.likelihood import DecayFit, bic_penalty, evaluate, evaluate_samples, maximize, settled
-from suspid.identification.noise import KnownNoise, WhiteNoise, loss_growth, loudness, over_channels, power_beside
+from suspid.identification.likelihood import DecayFit, bic_penalty, evaluate, evaluate_samples
+from suspid.identification.noise import KnownNoise, WhiteNoise, loss_growth, loudness, over_channels, power_near
 from suspid.identification.poles import Poles
 from suspid.identification.shapes import same_shape
 from suspid.units import ComplexArray, Ratio, RealArray
 
-# Power beside a pole over that of white noise from which on the gain of the pole is divided by it. The mean of 8
+# Power near a pole over that of white noise from which on the gain of the pole is divided by it. The mean of 8
 # independent exponential variables exceeds it with probability 9 %.
 COLOUR_BEGINS = 1.5
 # Poles nearer than this, in linewidths (geometric mean of the two decay rates) and in the ratio of their natural
@@ -209,19 +210,17 @@ class Fit:
     @property
     def loudness(self) -> RealArray:
         """Power of the residual near each pole over that of the noise, (pole,); 1 where they agree."""
-        return loudness(
-            self.residual, self.variance, self.poles.every, beside=self._power_beside, weights=self._weights
-        )
+        return loudness(self.residual, self.variance, self.poles.every, beside=self._power_near, weights=self._weights)
 
     @cached_property
     def beside(self) -> RealArray:
-        """Power of the residual beside each pole over that of the noise, (pole,)."""
-        ratio = over_channels(self._power_beside, self._weights)
+        """Power of the residual near each pole over that of the noise, (pole,)."""
+        ratio = over_channels(self._power_near, self._weights)
         return np.where(ratio > COLOUR_BEGINS, ratio, 1.0)
 
     @cached_property
-    def _power_beside(self) -> RealArray:
-        return power_beside(self.residual, self.variance, self.poles.every)
+    def _power_near(self) -> RealArray:
+        return power_near(self.residual, self.variance, self.poles.every)
 
     @property
     def _weights(self) -> RealArray:

@@ -6,9 +6,10 @@ from functools import partial
 
 import numpy as np
 
+from suspid.identification.ascent import Known, maximize, settled
 from suspid.identification.covariance import inverse_information
 from suspid.identification.exponentials import blocks_of
-from suspid.identification.likelihood import DecayFit, Known, evaluate, evaluate_samples, maximize, settled
+from suspid.identification.likelihood import DecayFit, evaluate, evaluate_samples
 from suspid.identification.noise import KnownNoise
 from suspid.identification.poles import Poles
 from suspid.units import RealArray

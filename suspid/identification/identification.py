@@ -23,8 +23,9 @@ from suspid.model import ModalSet
 from suspid.results import Result
 from suspid.samples import AsResponse, held
 from suspid.signals import as_signal
+from suspid.text_tables import text_table
 from suspid.units import ComplexArray, RealArray
-from suspid.values import frozen_real, text_table
+from suspid.values import frozen_real
 from suspid.wavelets import BandwidthSearch, Ridge, Scalogram, SkeletonFit, fit_skeleton
 from suspid.words import Verdict
 

@@ -114,21 +114,12 @@ def identify(
             Argument("candidates"), " are not used with ", Argument("bandwidth", f"{bandwidth:g}"), "; leave out one"
         )
     response = as_record(response, fs=fs)
-    signal = as_signal(response, least=FEWEST_SAMPLES)
-    centred = _centred(signal)
     band = angular(band_hz)
-    steps = FourSteps(
-        signal=replace(signal, values=centred),
-        count=modes,
-        band=row_band(signal, band),
-        bandwidth=bandwidth,
-        candidates=among,
-        chosen=chosen,
-    )
+    signal, steps = _steps(response, band, count=modes, bandwidth=bandwidth, candidates=among, chosen=chosen)
     if method == "ridge":
         return by_ridges(response, signal, steps)
     forces = Forces.SOUGHT if band is None else Forces.IGNORED
-    return by_likelihood(response, signal, centred, steps, band, forces=forces)
+    return by_likelihood(response, signal, steps.signal.values, steps, band, forces=forces)
 
 
 def identify_linear(response: control.TimeResponseData, *, strict: bool = False) -> Identification:
@@ -136,13 +127,30 @@ def identify_linear(response: control.TimeResponseData, *, strict: bool = False)
 
     With ``strict``, a record whose fit gives reason to look for them is refused.
     """
+    signal, steps = _steps(response, None)
+    forces = Forces.REFUSED if strict else Forces.IGNORED
+    return by_likelihood(response, signal, steps.signal.values, steps, None, forces=forces)
+
+
+def _steps(
+    response: control.TimeResponseData,
+    band: tuple[float, float] | None,
+    *,
+    count: int | None = None,
+    bandwidth: float | None = None,
+    candidates: tuple[float, ...] = tuple(map(float, BANDWIDTHS)),
+    chosen: bool = False,
+) -> tuple[Signal, FourSteps]:
+    """Return the signal of a record and the wavelet steps on its deviation from the mean."""
     signal = as_signal(response, least=FEWEST_SAMPLES)
-    centred = _centred(signal)
-    steps = FourSteps(
-        signal=replace(signal, values=centred), count=None, band=row_band(signal, None), bandwidth=None,
-        candidates=tuple(map(float, BANDWIDTHS)),
-    )  # fmt: skip
-    return by_likelihood(response, signal, centred, steps, None, forces=Forces.REFUSED if strict else Forces.IGNORED)
+    return signal, FourSteps(
+        signal=replace(signal, values=_centred(signal)),
+        count=count,
+        band=row_band(signal, band),
+        bandwidth=bandwidth,
+        candidates=candidates,
+        chosen=chosen,
+    )
 
 
 def _centred(signal: Signal) -> RealArray:

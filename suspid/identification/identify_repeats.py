@@ -22,12 +22,14 @@ from suspid.identification.noise import WhiteNoise, noise_of, shared_noise
 from suspid.identification.selection import select
 from suspid.identification.verdict import verdict_of_repeats
 from suspid.model import ModalSet
+from suspid.records import cut
 from suspid.results import Result
 from suspid.samples import held
-from suspid.signals import Stretch, as_signal, cut
+from suspid.signals import Stretch, as_signal
+from suspid.text_tables import text_table
 from suspid.threads import in_one_thread
 from suspid.units import Hertz, RealArray, Second, angular
-from suspid.values import check_count, frozen_real, text_table
+from suspid.values import check_count, frozen_real
 from suspid.words import Verdict
 
 if TYPE_CHECKING:
@@ -163,7 +165,7 @@ def identify_repeats(
     --------
     >>> import numpy as np
     >>> from suspid import free_decay, quarter_car
-    >>> from suspid.signals import as_response
+    >>> from suspid.records import as_response
     >>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3,
     ...                   tire_stiffness=200e3, chassis_damping=1500)
     >>> decay = free_decay(car, np.arange(400) / 100, initial_state={"v_tire": 1.0}).y

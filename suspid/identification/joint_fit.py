@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from suspid.errors import IdentificationError
+from suspid.identification.ascent import maximize
 from suspid.identification.exponentials import Blocks
-from suspid.identification.likelihood import DecayFit, evaluate, maximize
+from suspid.identification.likelihood import DecayFit, evaluate
 from suspid.identification.noise import WhiteNoise
 from suspid.identification.poles import Poles
 from suspid.units import RealArray

@@ -1,4 +1,4 @@
-"""What speaks for and against single modes: their halves, precision, cycles and amplitudes."""
+"""Checks of single modes: their halves, precision, cycles and amplitudes."""
 
 from __future__ import annotations
 

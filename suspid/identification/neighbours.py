@@ -1,4 +1,4 @@
-"""What a further pair beside each fitted one would gain: a screen of places around it, without a refit."""
+"""Gain of a further pair close to each fitted one: a screen of places around it, without a refit."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ AT_ONCE = 1_000_000
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Neighbours:
-    """The best place for a further pair beside each fitted one."""
+    """The best place for a further pair close to each fitted one."""
 
     gains: RealArray  # (pair,): what it promises in twice the log likelihood; -inf where there is no place
     theta: ComplexArray  # (pair,): exponent per sample
 
 
 def neighbours(fit: Fit) -> Neighbours:
-    """Return for each pair what a further one beside it promises, and where.
+    """Return for each pair what a further one close to it promises, and where.
 
     All amplitudes and all poles answer to the further one by a Gauss-Newton step.
     """

@@ -1,4 +1,4 @@
-"""Motion under a force at the beginning of a record, which a few exponentials follow as well."""
+"""Forced motion at the beginning of a record that a few exponentials fit as well."""
 
 from __future__ import annotations
 

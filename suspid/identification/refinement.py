@@ -20,9 +20,9 @@ from suspid.words import Reason, Remark
 
 Rejected: TypeAlias = tuple[tuple[Candidate, Remark], ...]
 
-# Where the residual beside a pole is louder than `noise.LOUD`, the model is wrong by more than the noise. There the
+# Where the residual near a pole is louder than `noise.LOUD`, the model is wrong by more than the noise. There the
 # energy of a pole must exceed its BIC penalty this many times the loudness. A lower value splits modes that friction
-# bends; a higher one loses weak modes beside strong ones.
+# bends; a higher one loses weak modes near strong ones.
 WORTHWHILE = 20.0
 # A pair whose damped frequency is below the first number times its decay rate is tried as two real poles. They begin at
 # that rate times and over the second number; two real poles whose rates differ by less are tried as a pair. Higher
@@ -82,7 +82,7 @@ class _Limits:
 
     @property
     def loud(self) -> RealArray:
-        """Power of the residual beside each pole where it is no noise, else 1, (pole,)."""
+        """Power of the residual near each pole where it is no noise, else 1, (pole,)."""
         return np.asarray(np.where(self.beside > LOUD, self.beside, 1.0))
 
     def worth(self, index: int, gain: float) -> float:

@@ -1,4 +1,4 @@
-"""Select the number of poles and where they lie. Poles are added while BIC decreases."""
+"""Selection of the poles: they are added while BIC decreases."""
 
 from __future__ import annotations
 
@@ -107,9 +107,9 @@ def select(
 def _alone(
     problem: Problem, fit: Fit, gains: RealArray, band: tuple[float, float], modes: int
 ) -> tuple[Fit, RealArray, Rejected]:
-    """Return the fit without poles beside the strongest modes of their number, the gains, and the poles left out.
+    """Return the fit without poles close to the strongest modes of their number, the gains, and the poles left out.
 
-    Parts of a mode that is not quite linear, tones and drifts beside a mode would bend it.
+    Parts of a mode that is not quite linear, tones and drifts near a mode would bend it.
     """
     solution = reweighed(fit.solution, problem.noise, fit.squares)
     reasons = reasons_of(solution, band, fit.loudness, fit.explained)

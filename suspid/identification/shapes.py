@@ -1,4 +1,4 @@
-"""Whether two poles share one shape: a test on their amplitudes."""
+"""Test whether two poles share one shape, from their amplitudes."""
 
 from __future__ import annotations
 

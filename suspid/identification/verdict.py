@@ -24,8 +24,9 @@ from suspid.identification.mode_checks import (
 from suspid.identification.noise import ABOVE_RESOLUTION, most_shared, resolution, shared_noise
 from suspid.identification.pulses import one_shape
 from suspid.levels import LEVEL
+from suspid.records import late_start
 from suspid.samples import held
-from suspid.signals import Signal, as_signal, late_start
+from suspid.signals import Signal, as_signal
 from suspid.units import Ratio
 from suspid.words import Check, Headline, Level, ModeCheck, Number, Reason, Remark, Verdict, amount
 

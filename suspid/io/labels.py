@@ -1,4 +1,4 @@
-"""Labels: lists of texts that name the columns of the matrix beside them, or state their units."""
+"""Labels: lists of texts that name the columns of a matrix in the same file, or state their units."""
 
 from __future__ import annotations
 

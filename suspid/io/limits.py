@@ -1,4 +1,4 @@
-"""How much memory a file may take: in step with its size, so that a few bytes cannot stand for gigabytes."""
+"""Limit of memory for a file, proportional to its size: a few bytes cannot claim gigabytes."""
 
 from __future__ import annotations
 

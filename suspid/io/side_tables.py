@@ -1,4 +1,4 @@
-"""Tables that stand beside the records in the same rows, over an axis of their own: a spectrum over its frequencies."""
+"""Tables in the same rows as the record, over an axis of their own, such as a spectrum over its frequencies."""
 
 from __future__ import annotations
 

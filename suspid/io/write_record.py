@@ -16,7 +16,8 @@ from suspid.arguments import explained
 from suspid.errors import RecordError
 from suspid.files import printable, replacing
 from suspid.io.names import is_time
-from suspid.signals import as_signal, inputs_of
+from suspid.records import inputs_of
+from suspid.signals import as_signal
 
 if TYPE_CHECKING:
     import control

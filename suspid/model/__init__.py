@@ -17,15 +17,17 @@ from suspid.model.eigenmodes import eigenmodes, scaled_shapes
 from suspid.model.force_curves import Curve, equal_work, piecewise, slopes
 from suspid.model.full_car import full_car
 from suspid.model.half_car import half_car
+from suspid.model.interval import Interval
 from suspid.model.matching import pole_distances
 from suspid.model.modal_table import modal_table
-from suspid.model.modes import Interval, ModalSet
+from suspid.model.modes import ModalSet
 from suspid.model.outputs import FORCE, OutputRows, force_weights, names_channel, output_rows, output_weights
 from suspid.model.quarter_car import quarter_car
 from suspid.model.sensor import Sensor
 from suspid.model.statespace import state_matrix, statespace
 from suspid.model.strut import Strut
-from suspid.model.suspension import Suspension, check_linear, check_plain
+from suspid.model.suspension import Suspension
+from suspid.model.suspension_checks import check_linear, check_plain
 
 __all__ = [
     "FORCE",

@@ -154,7 +154,7 @@ def _mode_rule(rtol: Ratio | None, sigmas: float | None) -> str:
 def _mode_row(
     found: ModalSet, expected: ModalSet, i: int | None, j: int, name: str, rtol: Ratio | None, sigmas: float
 ) -> ComparedValue:
-    """Return wn or zeta of the expected mode j beside that of its partner i, if it has one."""
+    """Return wn or zeta of the expected mode j and that of its partner i, if it has one."""
     truth: RealArray = getattr(expected, name)
     scale = float(np.max(np.abs(truth)))
     if name == "zeta" and scale <= ROUNDING:

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from typing import Literal
 
 from suspid.results import Result, columns_of
+from suspid.text_tables import text_table
 from suspid.units import UNITS, RealArray
-from suspid.values import MOST_NUMBERS, text_table
+from suspid.values import MOST_NUMBERS
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

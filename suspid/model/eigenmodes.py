@@ -10,7 +10,8 @@ from suspid.arguments import explained
 from suspid.errors import InputError
 from suspid.model.modes import ModalSet
 from suspid.model.statespace import state_matrix
-from suspid.model.suspension import Suspension, check_linear
+from suspid.model.suspension import Suspension
+from suspid.model.suspension_checks import check_linear
 from suspid.units import ComplexArray
 
 if TYPE_CHECKING:

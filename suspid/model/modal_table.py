@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from suspid.values import rounded, spread, text_table
+from suspid.text_tables import rounded, spread, text_table
 
 if TYPE_CHECKING:
     from suspid.model.modes import ModalSet

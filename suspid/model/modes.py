@@ -11,38 +11,13 @@ from numpy.typing import NDArray
 from suspid.arguments import explained
 from suspid.errors import InputError
 from suspid.levels import LEVEL, check_level, normal_reach
-from suspid.model.covariance import check_definite, covariance_order, jacobian_of
+from suspid.model.covariance import covariance_order, jacobian_of
+from suspid.model.interval import Interval
+from suspid.model.modal_checks import checked_covariance, checked_poles, checked_shapes
 from suspid.model.modal_table import modal_table
 from suspid.results import Result
 from suspid.units import ComplexArray, RadianPerSecond, Ratio, RealArray
 from suspid.values import LARGEST_SIZE, MOST_NUMBERS, SMALLEST_SIZE, frozen_complex, frozen_real
-
-
-@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
-class Interval:
-    """Bounds of natural frequency and damping ratio: (mode, 2) arrays of lower and upper ends.
-
-    Parameters
-    ----------
-    level : float
-        Probability that the true value lies between the ends [1].
-    wn : ndarray (mode, 2)
-        Natural frequency [rad/s].
-    zeta : ndarray (mode, 2)
-        Damping ratio [1].
-
-    Examples
-    --------
-    >>> from suspid import ModalSet
-    >>> modes = ModalSet.from_wn_zeta([10.0], [0.3], wn_std=[0.1], zeta_std=[0.01])
-    >>> bounds = modes.interval(0.95)
-    >>> bounds.level, bounds.wn.round(2), bounds.zeta.round(3)
-    (0.95, array([[ 9.8, 10.2]]), array([[0.28, 0.32]]))
-    """
-
-    level: Ratio
-    wn: RealArray
-    zeta: RealArray
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False, repr=False)
@@ -85,43 +60,17 @@ class ModalSet(Result):
     covariance: RealArray | None = None
 
     def __post_init__(self) -> None:
-        poles = frozen_complex(self.poles)
-        if poles.ndim != 1 or not np.all(np.isfinite(poles)):
-            raise InputError(f"poles must be a finite vector; got shape {poles.shape}: {poles}")
-        if np.any(poles.imag < 0):
-            raise InputError(
-                f"pole {poles[poles.imag < 0][0]:g} rad/s lies in the lower half plane; one entry stands for a "
-                f"conjugate pair: give the pole above the real axis, and the conjugate of its shape"
-            )
+        poles, channels = checked_poles(self.poles), tuple(self.channels)
         order = np.argsort(np.abs(poles), kind="stable")
-        channels = tuple(self.channels)
         object.__setattr__(self, "poles", frozen_complex(poles[order]))
         object.__setattr__(self, "channels", channels)
         if self.shapes is not None:
-            shapes = frozen_complex(self.shapes)
-            if shapes.ndim != 2 or shapes.shape[1] != len(poles) or len(channels) not in (0, len(shapes)):
-                raise InputError(
-                    f"shapes must be (channel, mode): got {shapes.shape} for "
-                    f"{len(channels)} channels and {len(poles)} modes"
-                )
-            wild = ~(np.abs(shapes) <= LARGEST_SIZE)
-            if np.any(wild):
-                raise InputError(
-                    f"{np.sum(wild)} of {shapes.size} components of shapes are not finite, or beyond {LARGEST_SIZE:g}"
-                )
+            shapes = checked_shapes(self.shapes, channels, len(poles))
             if not channels:
                 object.__setattr__(self, "channels", tuple(f"channel {i + 1}" for i in range(len(shapes))))
             object.__setattr__(self, "shapes", frozen_complex(shapes[:, order]))
         if self.covariance is not None:
-            covariance = frozen_real(self.covariance)
-            sizes = {2 * len(poles), 2 * len(poles) * (1 + len(self.channels))}
-            if covariance.shape not in {(size, size) for size in sizes}:
-                raise InputError(f"covariance has shape {covariance.shape}; expected one of the sizes {sorted(sizes)}")
-            if not np.all(np.isfinite(covariance)) or np.any(np.diag(covariance) < 0):
-                raise InputError(
-                    f"covariance must be finite, with variances >= 0; its diagonal is {np.diag(covariance)}"
-                )
-            check_definite(covariance[: 2 * len(poles), : 2 * len(poles)])
+            covariance = checked_covariance(self.covariance, len(poles), len(self.channels))
             index = covariance_order(order, len(covariance), len(poles))
             object.__setattr__(self, "covariance", frozen_real(covariance[np.ix_(index, index)]))
 

@@ -1,4 +1,4 @@
-"""What a name of a channel means: a combination of coordinates and roads, and the order of its derivative."""
+"""Meaning of a channel name: a combination of coordinates and roads, and the order of its derivative."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from suspid.errors import InputError
-from suspid.model.suspension import DERIVATIVES, ROAD_DERIVATIVES, Suspension
+from suspid.model.sensor import DERIVATIVES, ROAD_DERIVATIVES
+from suspid.model.suspension import Suspension
 from suspid.units import RealArray
 from suspid.values import nearest_names
 

@@ -12,6 +12,10 @@ from suspid.values import FrozenMapping
 
 Motion: TypeAlias = Literal["displacement", "velocity", "acceleration", "travel"]
 MOTIONS: tuple[Motion, ...] = get_args(Motion)
+# Suffixes of outputs that are time derivatives of a coordinate, with the order of the derivative.
+DERIVATIVES = {"velocity": 1, "acceleration": 2}
+# The same of a road, whose first derivative is an input named so.
+ROAD_DERIVATIVES = {"rate": 1, "acceleration": 2}
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

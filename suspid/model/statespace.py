@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from suspid.arguments import explained
 from suspid.errors import InputError
 from suspid.model.outputs import FORCE, OutputRows, force_weights, output_rows
-from suspid.model.suspension import Suspension, check_linear
+from suspid.model.suspension import Suspension
+from suspid.model.suspension_checks import check_linear
 from suspid.results import check_kind
 from suspid.units import RealArray
 from suspid.values import nearest_names

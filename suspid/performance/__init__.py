@@ -13,8 +13,8 @@ Names for other packages alone are imported ``as`` themselves and stay out of it
 from suspid.performance.active_tuning import ActiveTuning
 from suspid.performance.damper_rates import dampers_between as dampers_between
 from suspid.performance.damper_rates import dampers_of as dampers_of
+from suspid.performance.damper_rates import parallel_spring as parallel_spring
 from suspid.performance.damper_rates import rates_of as rates_of
-from suspid.performance.damper_rates import spring_beside as spring_beside
 from suspid.performance.damper_tunings import DamperTuning
 from suspid.performance.felt import ACCELERATIONS as ACCELERATIONS
 from suspid.performance.figure_plan import ANGLES as ANGLES

@@ -1,4 +1,4 @@
-"""What `tune_active` found."""
+"""Result of `tune_active`."""
 
 from __future__ import annotations
 
@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 
 from suspid.performance.figure_plan import ANGLES
 from suspid.results import Result
+from suspid.text_tables import TERMINAL, figures_of, text_table
 from suspid.units import RealArray
-from suspid.values import TERMINAL, figures_of, numbers_in_words, text_table
+from suspid.values import numbers_in_words
 from suspid.words import Verdict
 
 if TYPE_CHECKING:

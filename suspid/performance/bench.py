@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, TypeAlias
 
 import numpy as np
 
@@ -19,6 +19,8 @@ GRID: Hertz = 0.05  # of the curves; a least value is refined between its neighb
 # Places about a resonance that is narrower than the grid, in units of its half width: a valley between two of them is
 # followed to its bottom.
 ABOUT = np.array([-3.0, -1.0, 0.0, 1.0, 3.0])
+# Values of all wheels at frequencies, (wheel, frequency), and derivatives by parameters, (parameter, …).
+Values: TypeAlias = tuple[RealArray, RealArray]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -48,9 +50,9 @@ def bench(
     """Return what a bench finds of a car."""
     load, load_slopes = _loads(wheels, parameters, loads)
     hertz = _sweep(wheels, highest)
-    G, slopes = contact(wheels, hertz, parameters)
-    (least, least_slopes), (phase, phase_slopes) = _adhesion(G, slopes, load, load_slopes, amplitude), _phase(G, slopes)
-    at, figures, jacobian = least_figures(wheels, parameters, loads, amplitude, highest)
+    curves = _Curves(wheels=wheels, load=load, load_slopes=load_slopes, amplitude=amplitude)
+    (least, least_slopes), (phase, phase_slopes) = curves.both(hertz, parameters)
+    at, figures, jacobian = _least_figures(curves, parameters, hertz, least, phase)
     return Bench(
         wheels=wheels,
         load=load,
@@ -88,21 +90,45 @@ def least_figures(
     ([11.0, 1.8], [0.296, 0.627])
     """
     load, load_slopes = _loads(wheels, parameters, loads)
-    hertz, ends = _sweep(wheels, highest), _ends(wheels)
+    hertz = _sweep(wheels, highest)
+    curves = _Curves(wheels=wheels, load=load, load_slopes=load_slopes, amplitude=amplitude)
+    (least, _), (phase, _) = curves.both(hertz)
+    return _least_figures(curves, parameters, hertz, least, phase)
 
-    def least_at(f: RealArray, by: Sequence[str] = ()) -> tuple[RealArray, RealArray]:
-        return _adhesion(*contact(wheels, f, by), load, load_slopes[: len(by)], amplitude)
 
-    def phase_at(f: RealArray, by: Sequence[str] = ()) -> tuple[RealArray, RealArray]:
-        return _phase(*contact(wheels, f, by))
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class _Curves:
+    """The curves of a bench at any frequencies, with derivatives by parameters."""
 
-    G, none = contact(wheels, hertz)
-    least, phase = _adhesion(G, none, load, load_slopes[:0], amplitude)[0], _phase(G, none)[0]
-    everywhere = np.array([0.0, highest])
+    wheels: Wheels
+    load: RealArray
+    load_slopes: RealArray
+    amplitude: Metre
+
+    def both(self, f: RealArray, by: Sequence[str] = ()) -> tuple[Values, Values]:
+        """Return adhesion and phase."""
+        G, slopes = contact(self.wheels, f, by)
+        return _adhesion(G, slopes, self.load, self.load_slopes[: len(by)], self.amplitude), _phase(G, slopes)
+
+    def adhesion(self, f: RealArray, by: Sequence[str] = ()) -> Values:
+        """Return least over static contact force."""
+        return self.both(f, by)[0]
+
+    def phase(self, f: RealArray, by: Sequence[str] = ()) -> Values:
+        """Return the phase of the contact force [rad]."""
+        return self.both(f, by)[1]
+
+
+def _least_figures(
+    curves: _Curves, parameters: Sequence[str], hertz: RealArray, least: RealArray, phase: RealArray
+) -> tuple[RealArray, RealArray, RealArray]:
+    """Return what `least_figures` does, from the curves over the sweep."""
+    wheels = curves.wheels
+    ends, everywhere = _ends(wheels), np.array([0.0, hertz[-1]])
     by_body, by_wheel = resonance_slopes(wheels, parameters)
-    found = [_least_of(least_at, hertz, least[i], everywhere, i, parameters) for i in range(len(ends))]
+    found = [_least_of(curves.adhesion, hertz, least[i], everywhere, i, parameters) for i in range(len(ends))]
     for i in range(len(ends)):
-        inner = _least_of(phase_at, hertz, phase[i], ends[i], i, parameters, inside=True)
+        inner = _least_of(curves.phase, hertz, phase[i], ends[i], i, parameters, inside=True)
         found.append(_least_phase(wheels, inner, ends[i], i, parameters, (by_body, by_wheel[:, i])))
     return (
         np.array([one for one, _, _ in found]),

@@ -1,4 +1,4 @@
-"""What is chosen in a tuning: parameters, the figures looked at, and the box of the search."""
+"""Choices of a tuning: its parameters, figures, and the box of the search."""
 
 from __future__ import annotations
 

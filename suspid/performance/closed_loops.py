@@ -1,4 +1,4 @@
-"""Doubts about a car with state feedback: its struts, its wheel on the road, and how fast its vibrations die."""
+"""Doubts about a car with state feedback: travel of struts, wheel lift, and damping of the closed loop."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from suspid.errors import InputError
 from suspid.model import FORCE, Suspension, statespace
 from suspid.performance.contact import lift_of, static_loads, wheels_of
 from suspid.performance.figure_plan import MOST_CLEARANCE
+from suspid.performance.figures import exceedances
 from suspid.performance.plausibility import LEAST_ZETA
 from suspid.simulation import Road
 from suspid.units import ComplexArray, Hertz, RealArray, Second
@@ -94,7 +95,7 @@ def _lifted(
     density = 2 * level * np.abs(accelerations @ (np.diag(car.M) * rise)) ** 2
     variance = float(trapezoid(density, hertz))
     rises = float(np.sqrt(trapezoid(hertz**2 * density, hertz) / variance))
-    times = duration * rises * float(np.exp(-(load**2) / (2 * variance)))
+    times = duration * exceedances(rises, load / float(np.sqrt(variance)))
     if variance > load**2:
         numbers: dict[str, Number] = {"wheel": wheels.names[0], "rms": float(np.sqrt(variance)), "load": load}
         yield Check(Remark(ActiveCheck.AIRBORNE, numbers), Level.DOUBTFUL)

@@ -46,7 +46,7 @@ def nominal_rates(found: Estimate, damper: str) -> Rates:
     return Rates(damping=struts[damper].damping, stiffness=stiffness, covariance=np.zeros((2, 2)))
 
 
-def spring_beside(car: Suspension, damper: str) -> str | None:
+def parallel_spring(car: Suspension, damper: str) -> str | None:
     """Return the strut with a spring that acts along with a damper: its own, or one between the same points.
 
     Examples
@@ -54,7 +54,7 @@ def spring_beside(car: Suspension, damper: str) -> str | None:
     >>> from suspid import quarter_car
     >>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3,
     ...                   tire_stiffness=200e3, chassis_damping=1500)
-    >>> spring_beside(car, "chassis")
+    >>> parallel_spring(car, "chassis")
     'chassis'
     """
     return next((strut.name for strut in _beside(car, damper) if strut.stiffness > 0), None)

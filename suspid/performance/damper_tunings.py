@@ -1,4 +1,4 @@
-"""The result of tuning a damper: its curve, and what it does on each road."""
+"""The result of tuning a damper: its curve, and the figures on each road."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ import numpy as np
 from suspid.model import Strut, Suspension
 from suspid.results import Result
 from suspid.simulation import Road
+from suspid.text_tables import TERMINAL, figures_of, text_table
 from suspid.units import NewtonSecondPerMetre, RealArray
-from suspid.values import TERMINAL, figures_of, text_table
 from suspid.words import Verdict
 
 

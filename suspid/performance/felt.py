@@ -27,7 +27,7 @@ from suspid.values import nearest_names
 from suspid.wording import Argument, AtCommandLine
 
 ACCELERATIONS = ("m/s2", "rad/s2")
-# Ends of names of what a record of a car holds beside accelerations.
+# Ends of names of what a record of a car holds besides accelerations.
 NO_ACCELERATION = (TRAVEL, "_velocity", "_displacement", "_force", "_rate")
 # Characters of a name that are read: the time of a pattern grows with their square.
 MOST_OF_NAME = 200

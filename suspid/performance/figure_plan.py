@@ -1,4 +1,4 @@
-"""Which figures a ride has: signals on a road, and what becomes of their moments."""
+"""Plan of the figures of a ride: signals on a road, and the figures computed from their moments."""
 
 from __future__ import annotations
 

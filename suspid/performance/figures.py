@@ -111,19 +111,32 @@ def lifts(m: Moment, _: Second, static: Static) -> tuple[float, RealArray]:
     return float(ndtr(-z)), -density * (slopes / m.rms - z / m.rms * m.rms_slopes)
 
 
+def exceedances(rises: float, ratio: float) -> float:
+    """Return how often a second a Gaussian signal exceeds ``ratio`` times its rms, ``nu exp(-ratio^2 / 2)`` (Rice).
+
+    ``rises`` is how often it rises through zero, nu [1/s].
+
+    Examples
+    --------
+    >>> exceedances(1.5, 0.0), round(exceedances(1.5, 2.0), 3)
+    (1.5, 0.203)
+    """
+    return rises * float(np.exp(-(ratio**2) / 2))
+
+
 def lift_rate(m: Moment, _: Second, static: Static) -> tuple[float, RealArray]:
-    """Return how often a second the wheel leaves the road, of a Gaussian load, after Rice."""
+    """Return how often a second the wheel leaves the road, of a Gaussian load."""
     load, slopes = _known(static)
     z = load / m.rms
-    value = m.rises * float(np.exp(-(z**2) / 2))
+    value = exceedances(m.rises, z)
     return value, value * (m.rises_slopes - z * (slopes / m.rms - z / m.rms * m.rms_slopes))
 
 
 def crossings(limits: tuple[Metre, Metre]) -> Formula:
-    """Return the formula of how often a second a Gaussian travel goes beyond one of two limits, after Rice."""
+    """Return the formula of how often a second a Gaussian travel exceeds one of two limits."""
 
     def rate(m: Moment, _: Second, __: Static) -> tuple[float, RealArray]:
-        parts = [m.rises * float(np.exp(-((limit / m.rms) ** 2) / 2)) for limit in limits]
+        parts = [exceedances(m.rises, limit / m.rms) for limit in limits]
         by_rms = sum(part * limit**2 / m.rms**3 for part, limit in zip(parts, limits, strict=True))
         return sum(parts), sum(parts) * m.rises_slopes + by_rms * m.rms_slopes
 

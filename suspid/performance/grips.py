@@ -11,8 +11,9 @@ import numpy as np
 from suspid.levels import LEVEL, check_level, normal_reach
 from suspid.performance.reaches import reaches, spreads
 from suspid.results import Result
+from suspid.text_tables import TERMINAL, rounded, spread, text_table
 from suspid.units import Ratio, RealArray
-from suspid.values import TERMINAL, numbers_in_words, rounded, spread, text_table
+from suspid.values import numbers_in_words
 from suspid.words import Verdict
 
 # EUSAMA's classes: least adhesion of each [1], as publications quote its recommendation TS 02-76.

@@ -1,4 +1,4 @@
-"""Adhesion and least phase in a tuning: figures of a test bench, which are to be large and have least values."""
+"""Adhesion and least phase in a tuning: figures of a test bench that are maximised or have lower limits."""
 
 from __future__ import annotations
 

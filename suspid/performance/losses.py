@@ -1,4 +1,4 @@
-"""How much of its damping a damper has lost: the interval of a ratio, and the rule that judges it.
+"""Loss of damping of a damper: the interval of a ratio, and the rule of wear.
 
 Drives give ratios to the mass, and a damper is softer when it is warm: estimates of different days differ by more than
 their own errors. A load changes k and c alike; so the change of the spring, which hardly wears, says how much of that

@@ -1,4 +1,4 @@
-"""Means of squares of a record, and how much they vary from one record of its length to the next.
+"""Mean squares of a record, and their sampling error over records of its length.
 
 The mean square m of a Gaussian vibration with covariance R and one-sided density G has the variance ``(2 / T) int R^2``
 or ``(1 / T) int G^2 df`` (J. S. Bendat, A. G. Piersol, Random Data, 4th ed., 2010, 8.2), as a chi-square of ``n = 2 m^2

@@ -1,4 +1,4 @@
-"""How far figures reach where parameters are uncertain and none of them can be negative.
+"""Intervals of figures for uncertain parameters that cannot be negative.
 
 The parameters lie with a probability in an ellipsoid about their values, ``d' S^-1 d <= r^2``; a figure's interval is
 from its least to its largest value there. A mount that is as good as rigid has a relaxation at its bound of zero, and

@@ -1,4 +1,4 @@
-"""What people say of a weighted acceleration."""
+"""Reactions of people to a weighted acceleration."""
 
 from __future__ import annotations
 

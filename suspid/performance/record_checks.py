@@ -1,4 +1,4 @@
-"""What speaks against the figures of a record: its rate and length, its sensors, and time at rest."""
+"""Doubts about the figures of a record: its rate and length, its sensors, and time at rest."""
 
 from __future__ import annotations
 

@@ -12,8 +12,9 @@ from suspid.levels import LEVEL, check_level, normal_reach
 from suspid.performance.reaches import reaches, spreads
 from suspid.results import Result
 from suspid.simulation import Road
+from suspid.text_tables import TERMINAL, text_table, value_columns
 from suspid.units import Ratio, RealArray, Second
-from suspid.values import TERMINAL, nearest_names, numbers_in_words, text_table, values_beside
+from suspid.values import nearest_names, numbers_in_words
 from suspid.words import Verdict
 
 
@@ -164,7 +165,7 @@ class Ride(Result):
         return numbers_in_words(self.figures, self.values.tolist(), self.units)
 
     def __str__(self) -> str:
-        rows = {"figure": list(self.figures), "unit": list(self.units), **values_beside(self.values, self.std)}
+        rows = {"figure": list(self.figures), "unit": list(self.units), **value_columns(self.values, self.std)}
         return f"{text_table(rows, widest=TERMINAL)}\n{self.verdict}"
 
 

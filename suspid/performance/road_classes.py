@@ -17,8 +17,9 @@ from suspid.levels import LEVEL, check_level, likely, normal_reach
 from suspid.results import Result
 from suspid.signals import Signal, as_signal
 from suspid.simulation import REFERENCE, ROUGHNESS, WAVELENGTHS, checked_wavelengths, road_class
+from suspid.text_tables import spread, text_table
 from suspid.units import Metre, Ratio, RealArray
-from suspid.values import FrozenMapping, frozen_real, nearest_names, spread, text_table
+from suspid.values import FrozenMapping, frozen_real, nearest_names
 from suspid.words import Check, Level, Number, Remark, Verdict
 from suspid.words.ride import RoadCheck, RoadHeadline
 

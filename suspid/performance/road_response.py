@@ -1,4 +1,4 @@
-"""Variances of what a car does on a random road, with exact derivatives by springs, dampers and masses.
+"""Variances of the outputs of a car on a random road, with exact derivatives by springs, dampers and masses.
 
 A unit motion of road r moves the coordinates by q and elongates the struts by E; with ``b = k + c s / (1 + rho s)`` of
 each strut and ``D = M s^2 + arms^T b arms``, an output ``y = (h q + g) road`` changes by ``dy/db_j = (g_j - h D^-1 a_j)

@@ -1,4 +1,4 @@
-"""Scenarios of what is uncertain that a search looks at: along the directions by which its figures move."""
+"""Scenarios of uncertain parameters in a search: along the directions that change its figures most."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which spring and which damper moves which mode and which figure."""
+"""Sensitivities of modes and figures to springs and dampers."""
 
 from __future__ import annotations
 
@@ -23,8 +23,9 @@ from suspid.performance.uncertain import Car, uncertain
 from suspid.reconstruction import parameter_names, parameter_values
 from suspid.results import Result
 from suspid.simulation import Road
+from suspid.text_tables import TERMINAL, figures_of, text_table
 from suspid.units import ComplexArray, Metre, RealArray, Second
-from suspid.values import TERMINAL, check_names, figures_of, frozen_real, listed, nearest_names, text_table
+from suspid.values import check_names, frozen_real, listed, nearest_names
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False, repr=False)

@@ -1,4 +1,4 @@
-"""Steady tones in a record, of engines and wheels, beside its vibration."""
+"""Steady tones in a record, from engines and wheels."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The curve of a damper for several roads: soft where it may be, strong where it must be."""
+"""The optimal curve of a damper for several roads."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What speaks for and against the cars of a tuning."""
+"""Checks of the cars of a tuning."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a tuning changes and looks at where nothing is asked for."""
+"""Default parameters and objectives of a tuning."""
 
 from __future__ import annotations
 

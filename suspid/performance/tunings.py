@@ -10,8 +10,9 @@ import numpy as np
 from suspid.model import Suspension
 from suspid.performance.larger_better import kind_of, small
 from suspid.results import Result
+from suspid.text_tables import TERMINAL, figures_of, text_table
 from suspid.units import Ratio, RealArray
-from suspid.values import TERMINAL, figures_of, numbers_in_words, text_table
+from suspid.values import numbers_in_words
 from suspid.words import Verdict
 
 

@@ -1,4 +1,4 @@
-"""A car and what is uncertain of it: from a description, an estimate or a reconstruction with its covariance."""
+"""A car with its uncertainty: from a description, an estimate or a reconstruction with covariance."""
 
 from __future__ import annotations
 

@@ -70,8 +70,8 @@ def wear(
     Notes
     -----
     Estimates from drives give ratios to the mass, so a load that is not described changes springs and dampers alike.
-    The spring beside a damper tells how much of a change is load; where it changed by more than load and temperature
-    explain, the interval of the loss allows for either cause.
+    The stiffness of the parallel spring shows how much of a change is due to load. If it changed by more than load and
+    temperature explain, the interval of the loss covers both causes.
 
     Examples
     --------

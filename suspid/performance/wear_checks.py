@@ -1,4 +1,4 @@
-"""What is said of a damper: its loss, the phase of its wheel, and the estimates that both rest on."""
+"""Checks of a damper: its loss, the phase of its wheel, and both estimates."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The wear of a car's dampers: what each has lost, what its wheel's grip says, and the verdict."""
+"""The wear of the dampers of a car: the loss of each, the grip of its wheel, and the verdict."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from suspid.levels import LEVEL
 from suspid.performance.grips import Grip
 from suspid.performance.losses import TESTS, Loss, WearRule
 from suspid.results import Result, columns_of
+from suspid.text_tables import text_table
 from suspid.units import NewtonSecondPerMetre, Ratio
-from suspid.values import text_table
 from suspid.words import Check, DamperState, Verdict
 
 

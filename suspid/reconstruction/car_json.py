@@ -1,4 +1,4 @@
-"""What was reconstructed as JSON: what ``suspid reconstruct --json`` writes.
+"""A reconstruction as JSON, as ``suspid reconstruct --json`` writes it.
 
 An object with
 

@@ -1,4 +1,4 @@
-"""Checks of a suspension that was found: whether the modes determine it, whether it has them, its covariance."""
+"""Checks of a reconstruction: identifiability, misfit, covariance."""
 
 from __future__ import annotations
 

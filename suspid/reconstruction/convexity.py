@@ -1,4 +1,4 @@
-"""Whether constraints and penalties that a user wrote are convex, and what is wrong if not."""
+"""Convexity of the constraints and penalties that a user wrote, and what is wrong if they are not convex."""
 
 from __future__ import annotations
 

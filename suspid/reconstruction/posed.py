@@ -25,7 +25,7 @@ from suspid.words import ReconstructionNote, Remark
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Asked:
-    """What the user asks for beside modes and suspension; see `reconstruct`."""
+    """What the user asks for besides modes and suspension; see `reconstruct`."""
 
     fixed: Sequence[str] = ()
     bounds: Bounds | None = None

@@ -61,7 +61,7 @@ class Problem:
 
     @property
     def has_nominal(self) -> bool:
-        """Whether something beside the modes is weighed against them: nominal values or a penalty."""
+        """Whether something besides the modes is weighed against them: nominal values or a penalty."""
         return bool(self.unknowns.has_prior.any()) or (self.wishes is not None and self.wishes.penalty is not None)
 
     @property

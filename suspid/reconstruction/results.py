@@ -13,8 +13,9 @@ from suspid.model import Suspension
 from suspid.reconstruction.unknowns import QUANTITIES, parameter_values, unit_of
 from suspid.reconstruction.verdict import verdict_of
 from suspid.results import Result
+from suspid.text_tables import rounded, spread, text_table
 from suspid.units import Kilogram, NewtonPerMetre, NewtonSecondPerMetre, Ratio, RealArray
-from suspid.values import numbers_in_words, rounded, spread, text_table
+from suspid.values import numbers_in_words
 from suspid.words import (
     Remark,
     Verdict,

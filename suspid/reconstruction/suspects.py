@@ -1,4 +1,4 @@
-"""Possible causes where no suspension explains the modes: the gain of a channel, a mass, a channel, a mode.
+"""Possible causes of a misfit of the modes: the gain of a channel, a mass, a channel, a mode.
 
 Each is tried as one more unknown. To first order, a direction d of the whitened residual z takes ``(d' z)^2 / d' d``
 off chi-square; d and z less what the parameters can follow. What promises most is then refitted.

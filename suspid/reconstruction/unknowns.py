@@ -1,4 +1,4 @@
-"""What is unknown of a suspension: stiffnesses, dampings and masses, except those held or tied."""
+"""The unknowns of a suspension: stiffnesses, dampings and masses, except fixed or tied ones."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What speaks for and against a reconstruction."""
+"""The verdict on a reconstruction."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What all plots share: names as plain text, lines of long records, ticks."""
+"""Common parts of plots: names as plain text, lines of long records, ticks."""
 
 from __future__ import annotations
 

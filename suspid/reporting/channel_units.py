@@ -1,4 +1,4 @@
-"""Units of the channels of an estimate: those of what its car says that they measure."""
+"""Units of the channels of an estimate, from what they measure in its car."""
 
 from __future__ import annotations
 

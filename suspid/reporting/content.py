@@ -1,4 +1,4 @@
-"""What a report is made from: one value for the page and for the JSON."""
+"""The content of a report: one value for the page and for the JSON."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Put together what a report shows."""
+"""Collect the content of a report."""
 
 from __future__ import annotations
 

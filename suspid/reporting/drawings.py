@@ -1,4 +1,4 @@
-"""Which pictures a result draws itself with, see `suspid.results`."""
+"""The pictures that results draw with `.plot()`, see `suspid.results`."""
 
 from __future__ import annotations
 

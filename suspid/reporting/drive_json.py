@@ -1,4 +1,4 @@
-"""A drive as JSON: what ``suspid drive --json`` writes.
+"""A drive as JSON, as ``suspid drive --json`` writes it.
 
 Every field is described with its unit in ``suspid/reporting/schemas/drive.schema.json`` (JSON Schema, draft 2020-12),
 which `json_schema` returns.

@@ -57,7 +57,7 @@ class DriveContent:
 
 
 def drive_fields(content: DriveContent) -> dict[str, object]:
-    """Return what the template of drives shows beside what every page does."""
+    """Return what the template of drives shows in addition to what every page has."""
     found = content.found
     length = sum(one.length for one in found.drives)
     with page_style():

@@ -1,4 +1,4 @@
-"""What the parts of an estimate in a file must have in common: a file that was changed by hand is refused."""
+"""Consistency checks of an estimate read from a file, which may have been edited by hand."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""An estimate as JSON: what ``suspid estimate --json`` writes and ``suspid compare`` reads.
+"""An estimate as JSON: ``suspid estimate --json`` writes it and ``suspid compare`` reads it.
 
 Every field is described with its unit in ``suspid/reporting/schemas/estimate.schema.json`` (JSON Schema, draft
 2020-12), which `json_schema` returns. The modes in it are those of `suspid identify`. `read_estimate` reads it back

@@ -1,4 +1,4 @@
-"""The HTML page of an estimate: verdict, springs and dampers beside nominal, modes, and the records with their fit."""
+"""The HTML page of an estimate: verdict, springs and dampers, modes, and the records with their fit."""
 
 from __future__ import annotations
 
@@ -95,7 +95,7 @@ class RecordPart:
 
 
 def page_fields(content: EstimateContent) -> dict[str, object]:
-    """Return what the template of an estimate shows beside what every page does."""
+    """Return what the template of an estimate shows in addition to what every page has."""
     found, level, grip = content.found, content.level, grip_if_any(content.found)
     meant = [one.verdict for one in (content.wear, grip) if one is not None]
     steps = next_steps(content.verdict, car=True, further=meant)

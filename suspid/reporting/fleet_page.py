@@ -1,4 +1,4 @@
-"""The HTML page of a fleet: verdict counts, what failed and why, distributions, outliers, trends."""
+"""The HTML page of a fleet: verdict counts, failures, distributions, outliers, trends."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class FleetContent:
 
 
 def fleet_fields(content: FleetContent) -> dict[str, object]:
-    """Return what the template of a fleet shows beside what every page does."""
+    """Return what the template of a fleet shows in addition to what every page has."""
     found = content.found
     changing = [one for one in found.trends if one.changes]
     units = {one.quantity: one.unit for one in found.distributions}

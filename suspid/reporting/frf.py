@@ -1,4 +1,4 @@
-"""Frequency responses of a record from what moved the car, and those of the fit."""
+"""Frequency responses of a record from the causes of its motion, and those of the fit."""
 
 from __future__ import annotations
 
@@ -9,10 +9,11 @@ import numpy as np
 
 from suspid.errors import InputError
 from suspid.levels import EXACT
+from suspid.records import inputs_of
 from suspid.reporting.axes import IN_VIEW, position
 from suspid.reporting.channel_units import gain_unit
 from suspid.reporting.plot_spectra import STRETCHES, no_such_record
-from suspid.signals import as_signal, inputs_of
+from suspid.signals import as_signal
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from suspid.values import NOTHING as NOTHING
+from suspid.text_tables import NOTHING as NOTHING
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

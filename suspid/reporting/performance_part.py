@@ -1,4 +1,4 @@
-"""What the pages say of a car that was found: its wheels on a test bench, and its ride on a road."""
+"""The part of a page on performance: grip on a test bench, and ride on a road."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A recorded drive: its stretches, and the transmissibility that was fitted beside the measured one."""
+"""Plot of a recorded drive: its stretches, and the measured and fitted transmissibility."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""An estimate: its parameters beside nominal, and the records beside the motion it explains."""
+"""Plot of an estimate: its parameters relative to nominal, and the records with their fit."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Pictures of a fleet: how a quantity is spread, and changes with their intervals."""
+"""Pictures of a fleet: distributions, and changes with their intervals."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Frequency responses of a record from what moved the car, beside those of the fit."""
+"""Frequency responses of a record and of its fit."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def plot_frf(
     cause: str | None = None,
     channels: Sequence[str] | None = None,
 ) -> None:
-    """Draw frequency responses of a record from what moved the car beside those of the fit: gain above phase.
+    """Draw frequency responses of a record from what moved the car and those of the fit: gain above phase.
 
     Both are cross spectrum over spectrum of the cause (H1), by Welch's method with Hann windows over an eighth of the
     record, so that leakage is the same in both. The band around the gain of the record is its 95 % interval by the

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 MOST_SPECTRA, DECADES_DRAWN = 5, 5
 # Frequencies that are drawn, those that a weighting can feel [Hz].
 LOWEST_FELT, HIGHEST_FELT = 0.05, 200.0
-# Width of a figure from which on figures fit beside the name of a channel [inch].
+# Width of a figure from which on figures fit next to the name of a channel [inch].
 ROOM_FOR_FIGURES = 6.0
 # Points of the curve of a weighting, which bends smoothly.
 WEIGHTING_POINTS = 400

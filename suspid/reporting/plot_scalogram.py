@@ -22,9 +22,9 @@ if TYPE_CHECKING:
     from suspid.model import ModalSet
     from suspid.wavelets import Scalogram
 
-# Room of the title beside the key, and height of the label and the ticks below the Axes [inch].
+# Room of the title next to the key, and height of the label and the ticks below the Axes [inch].
 TITLE_WIDTH, LABEL_HEIGHT = 0.8, 0.45
-# Room that the bar of colours with its label takes beside the Axes, and the right scale's labels with it [inch].
+# Room that the bar of colours with its label takes next to the Axes, and the right scale's labels with it [inch].
 COLORBAR = 1.0
 # Height of the number of a mode in its box, and width with its gap [point]: nearer numbers stand side by side.
 NUMBER_HEIGHT, NUMBER_WIDTH = 14.0, 16.0
@@ -60,7 +60,7 @@ def plot_scalogram(
     decibels : float
         Range of the colours below the largest modulus [dB].
     colorbar : bool
-        Whether to draw a colour bar beside the Axes.
+        Whether to draw a colour bar next to the Axes.
 
     Returns
     -------
@@ -116,7 +116,7 @@ def plot_scalogram(
 
 
 def _key(ax: Axes, taken: float) -> None:
-    """Put the key above the Axes where it fits beside their title, else below them in two columns or one.
+    """Put the key above the Axes where it fits next to their title, else below them in two columns or one.
 
     Of their width, the layout will take some for what stands beside them [inch].
     """

@@ -1,4 +1,4 @@
-"""Sensitivities: which spring and damper moves which mode and figure, as a table of bars."""
+"""Sensitivities of modes and figures to springs and dampers, as a table of bars."""
 
 from __future__ import annotations
 

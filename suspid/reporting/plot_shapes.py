@@ -32,7 +32,7 @@ def plot_shapes(modes: ModalSet, *, ax: Axes, units: Sequence[str] | None = None
     """Draw mode shapes: a column for each mode, with a bar for each channel.
 
     Bars to the right are in phase with the largest component, bars to the left in antiphase. The dark bar is the
-    real part, the light bar the amplitude. A phase that is neither 0 nor 180° to within 1° is written beside it.
+    real part, the light bar the amplitude. A phase that is neither 0 nor 180° to within 1° is written next to it.
 
     Where channels differ in what they measure, ``units`` or words in their names, such as "acc", say it. Displacements,
     velocities and accelerations with units are then shown as displacements. Channels that cannot be compared, such as

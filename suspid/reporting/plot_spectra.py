@@ -1,4 +1,4 @@
-"""Power spectra of a record beside those of what was fitted to it and of what is left."""
+"""Power spectra of a record, of its fit and of the residual."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ STRETCHES = 8
 # Lowest density in view, over the median of the residual: single values of a periodogram fall far below it.
 BELOW_NOISE = 0.01
 
-# Lowest frequency in view, below the lowest mode, and highest, above a line of the residual: both beside the axis.
+# Lowest frequency in view, below the lowest mode, and highest, above a line of the residual: both next to the axis.
 BELOW_MODES, BESIDE_LINE = 20.0, 1.2
 
 # Chance of white noise to widen the view by its highest value.

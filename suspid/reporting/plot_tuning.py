@@ -11,8 +11,8 @@ from suspid.reconstruction import unit_of
 from suspid.reporting.axes import frequency_ticks, keep_apart, shown
 from suspid.reporting.colours import CHANNEL_COLOURS, Colour
 from suspid.results import check_kind
+from suspid.text_tables import figures_of
 from suspid.units import in_print
-from suspid.values import figures_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -28,7 +28,7 @@ WIDEST_LINE = 3.0
 
 @explained
 def plot_tuning(found: Tuning, figure: Figure) -> Figure:
-    """Draw the front of a tuning beside the car as it was, and the parameters along it.
+    """Draw the front of a tuning and the car as it was, and the parameters along it.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ def plot_tuning(found: Tuning, figure: Figure) -> Figure:
 
 
 def draw_damper(found: DamperTuning, ax: Axes) -> None:
-    """Draw the curve of a damper with the rms velocity on each road, beside the best single damper rate."""
+    """Draw the curve of a damper with the rms velocity on each road, and the best single damper rate."""
     points = np.array(found.strut.curve)
     reach = 3 * float(np.max(found.velocity))
     velocities = np.linspace(-reach, reach, 400)
@@ -97,7 +97,7 @@ def draw_damper(found: DamperTuning, ax: Axes) -> None:
 
 
 def draw_front(found: Tuning, upper: Axes) -> None:
-    """Draw the front beside the car as it was; of one objective its value."""
+    """Draw the front and the car as it was; of one objective its value."""
     first, knee = found.values[:, 0], found.knee
     other = min(1, found.values.shape[1] - 1)
     second = found.values[:, other]

@@ -6,15 +6,11 @@ The page is one file without a script. Its policy forbids the network. Its pictu
 
 from __future__ import annotations
 
-import re
 import shlex
 from functools import cache
 from typing import TYPE_CHECKING, TypeAlias
 
-import numpy as np
-
 from suspid.arguments import explained
-from suspid.files import printable
 from suspid.fleet import FleetSummary
 from suspid.greybox import Estimate
 from suspid.model import car_to_toml
@@ -25,33 +21,24 @@ from suspid.reporting.drive_page import DriveContent, drive_fields
 from suspid.reporting.estimate_page import EstimateContent, page_fields
 from suspid.reporting.fleet_page import FleetContent, fleet_fields
 from suspid.reporting.limit_rows import limit_rows
-from suspid.reporting.numerals import digits
+from suspid.reporting.page_text import full_sentence, plain_line, plain_lines, sentence_html, short_name
 from suspid.reporting.performance_part import drive_to_tune, performance_fields
 from suspid.reporting.pictures import MOST_CHANNELS, pictures_of
+from suspid.reporting.record_facts import chi_square_text, in_bytes, mode_cards, record_facts, twin_texts, view_of
 from suspid.reporting.rows import channel_rows, mode_quantities, mode_rows, pole_rows, repeat_rows
 from suspid.reporting.sensitivity_part import sensitivity_fields
 from suspid.reporting.source import Source, versions
 from suspid.reporting.spring_rows import masses_of, spring_rows
-from suspid.reporting.thinning import is_whole
 from suspid.samples import held
 from suspid.signals import as_signal
-from suspid.units import in_print
-from suspid.words import MOST_LISTED
 
 if TYPE_CHECKING:
     from jinja2 import Template
-    from markupsafe import Markup
 
     from suspid.analysis import Analysis, DriveAnalysis
     from suspid.identification import Identification
-    from suspid.model import ModalSet
-    from suspid.reconstruction import Reconstruction
 
 AnyContent: TypeAlias = Content | EstimateContent | DriveContent | FleetContent
-# Letters of a name that the page shows; the JSON has all.
-MOST_LETTERS = 40
-# An option of the command line, which browsers would break after its hyphens.
-OPTION = re.compile(r"(?<![\w-])--[a-z][a-z0-9-]*")
 
 
 @explained
@@ -106,7 +93,7 @@ def report(
         about = "Modes" if springs is None else "Modes, springs and dampers"
         fields, template = _fields(content), "report.html.j2"
     return _template(template).render(
-        title=_shown(title or file or "Record"),
+        title=plain_line(title or file or "Record"),
         verdict=verdict,
         about=about,
         level=f"{100 * content.level:g} %",
@@ -115,9 +102,9 @@ def report(
         limits_said="" if limits is None else f"{limits.verdict.headline}.",
         frame=min(verdict.level, verdict.level if limits is None else limits.verdict.level).label,
         limits_level="" if limits is None else limits.verdict.level.label,
-        sizes=[_in_bytes(source.size) for source in content.sources],
+        sizes=[in_bytes(source.size) for source in content.sources],
         car=_car_of(content),
-        warnings=[_shown(text) for text in content.warnings],
+        warnings=[plain_line(text) for text in content.warnings],
         versions=versions(),
         **fields,
     )
@@ -135,22 +122,22 @@ def _template(name: str) -> Template:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters["safe_text"] = _shown
+    environment.filters["safe_text"] = plain_line
     environment.filters["said"] = sentence_html
-    environment.filters["safe_lines"] = _lines
+    environment.filters["safe_lines"] = plain_lines
     return environment.get_template(name)
 
 
 def _fields(content: Content) -> dict[str, object]:
-    """Return what the template of an identification shows beside what every page does."""
+    """Return what the template of an identification shows in addition to what every page has."""
     shown, analysis = content.identification, content.analysis
     repeats, car = analysis.repeats, analysis.reconstruction
     names, level = as_signal(held(shown, "response")).channels, content.level
     best, modes = content.springs, mode_rows(shown, level)
     return {
-        "record": _record_facts(shown),
+        "record": record_facts(shown),
         "first_of": 0 if repeats is None else len(repeats.each),
-        "cards": _cards(analysis.modes),
+        "cards": mode_cards(analysis.modes),
         "method": shown.method,
         "modes": [((m.frequency, m.wn, m.zeta), m.note) for m in modes]
         if repeats is None
@@ -161,9 +148,11 @@ def _fields(content: Content) -> dict[str, object]:
             shown, cleaned=content.cleaned, decays=analysis.decays, units=content.units, used=content.used
         ),
         "view": view_of(shown),
-        "fits": [(_short(n), f"{100 * s:.2f} %") for n, s in zip(names, shown.explained, strict=True)][:MOST_CHANNELS],
+        "fits": [(short_name(n), f"{100 * s:.2f} %") for n, s in zip(names, shown.explained, strict=True)][
+            :MOST_CHANNELS
+        ],
         "hidden_channels": max(0, len(names) - MOST_CHANNELS),
-        "names": [_short(name) for name in names],
+        "names": [short_name(name) for name in names],
         "cleaned": content.cleaned,
         "decays": analysis.decays,
         "remarks": content.remarks,
@@ -181,10 +170,10 @@ def _fields(content: Content) -> dict[str, object]:
         **sensitivity_fields(content.sensitivities, content.ride),
         "tuning": drive_to_tune(content.ride),
         "remade_of": "" if analysis.estimate is not None else _file_of(content),
-        "chi_square": "" if car is None else _chi_square(car),
-        "status": "" if car is None else _sentence(car.status),
+        "chi_square": "" if car is None else chi_square_text(car),
+        "status": "" if car is None else full_sentence(car.status),
         "steps": [str(step) for step in content.steps],
-        "twins": [] if car is None else _twins(car),
+        "twins": [] if car is None else twin_texts(car),
     }
 
 
@@ -205,102 +194,3 @@ def _car_of(content: AnyContent) -> Source | None:
     if file is not None or nominal is None:
         return file
     return Source(file="", sha256="", size=0, command="", created="", text=car_to_toml(nominal))
-
-
-def _shown(text: object) -> str:
-    """Return a text on one line, with nothing in it that a reader does not see; the template escapes it."""
-    return printable(" ".join(str(text).split()))
-
-
-def sentence_html(text: object) -> Markup:
-    """Return a sentence of the library's own as `_shown`, with units as they are printed and options on one line."""
-    from markupsafe import Markup, escape
-
-    return Markup(OPTION.sub(r'<span class="option">\g<0></span>', str(escape(in_print(_shown(text))))))
-
-
-def _lines(text: str) -> str:
-    """Return a text line by line, with nothing in it that a reader does not see; the template escapes it."""
-    return "\n".join(printable(line.replace("\t", "    ")) for line in text.splitlines())
-
-
-def _sentence(text: str) -> str:
-    """Return the text with a capital and a full stop."""
-    text = _shown(text)
-    return text[:1].upper() + text[1:] + "." * (not text.endswith((".", "!", "?")))
-
-
-def _short(name: str) -> str:
-    """Return a name for a figure; the table of channels has the whole."""
-    shown = _shown(name)
-    return shown if len(shown) <= MOST_LETTERS else f"{shown[: MOST_LETTERS - 1]}…"
-
-
-def _record_facts(found: Identification) -> dict[str, str]:
-    signal = as_signal(held(found, "response"))
-    samples = signal.values.shape[1]
-    return {
-        "samples": f"{samples}",
-        "rate": f"{1 / signal.step:.6g} Hz",
-        "length": f"{signal.duration:.4g} s",
-        "start": f"{signal.start:.6g} s".replace("-", "−"),
-        "end": f"{signal.start + (samples - 1) * signal.step:.6g} s".replace("-", "−"),
-        "channels": f"{len(signal.channels)} channel{'s' * (len(signal.channels) > 1)}",
-    }
-
-
-def _cards(modes: ModalSet) -> list[tuple[str, str]]:
-    """Return frequency [Hz] and damping ratio [1] of the first modes, for a glance."""
-    pairs = zip(modes.wn.tolist(), modes.zeta.tolist(), strict=True)
-    cards = [(digits(wn / (2 * np.pi), 4), digits(zeta, 3)) for wn, zeta in pairs]
-    return cards[:MOST_LISTED]
-
-
-def view_of(found: Identification) -> dict[str, str | bool]:
-    """Return what there is to know of the transform that is shown."""
-    search, view, signal = found.bandwidth_search, found.steps.signal, as_signal(found.response)
-    if is_whole(found):
-        shown = ""
-    elif view.duration < signal.duration - view.step:
-        shown = f"Of {signal.duration:.4g} s it shows the first {view.duration:.4g} s, at {1 / view.step:.4g} Hz."
-    else:
-        shown = f"It is computed at {1 / view.step:.4g} Hz, of the record at {1 / signal.step:.4g} Hz."
-    return {
-        "bandwidth": f"{found.scalogram.wavelet.bandwidth:.3g}",
-        "searched": search is not None,
-        "at_end": search is not None and search.at_end and len(search.candidates) > 1,
-        "shown": shown,
-    }
-
-
-def _chi_square(found: Reconstruction) -> str:
-    if found.chi_square is None:
-        return "The modes have no uncertainty: the fit is not tested."
-    value = f"{found.chi_square if found.chi_square > 1e-6 else 0:.3g}"
-    said = f"Chi-square {value} at {found.freedom} degree{'s' * (found.freedom != 1)} of freedom: "
-    if not found.freedom:
-        return said + "as many unknowns as equations, so the fit cannot be tested."
-    if found.explains:
-        return said + "with the springs and dampers found, the car explains the modes within their uncertainty."
-    return (
-        said + "this car, with its masses, does not explain the modes with any springs and dampers; the intervals "
-        "are widened, and are a guess."
-    )
-
-
-def _twins(found: Reconstruction) -> list[tuple[str, str]]:
-    """Return how far each twin is from the data, and what tells it apart."""
-    far = [
-        f"largest pole error {100 * distance:.2g} %"
-        if found.chi_square is None
-        else f"chi-square {distance if distance > 1e-6 else 0:.3g}"
-        for distance in found.distances
-    ]
-    return list(zip(far, (_shown(text) for text in found.told_apart), strict=True))
-
-
-def _in_bytes(size: int) -> str:
-    for unit, step in (("GB", 1e9), ("MB", 1e6), ("kB", 1e3)):
-        if size >= step:
-            return f"{size / step:.3g} {unit} ({size} bytes)"
-    return f"{size} bytes"

@@ -1,4 +1,4 @@
-"""What the pages say of a car that was found: which spring and which damper moves which mode and figure."""
+"""The part of a page on sensitivities of modes and figures to springs and dampers."""
 
 from __future__ import annotations
 
@@ -15,8 +15,9 @@ from suspid.reporting.numerals import signed
 from suspid.reporting.pictures import NARROW, WIDE, Picture, picture
 from suspid.reporting.plot_sensitivities import plot_sensitivities
 from suspid.reporting.svg import page_style
+from suspid.text_tables import figures_of
 from suspid.units import UNITS, in_print
-from suspid.values import figures_of, frozen_real
+from suspid.values import frozen_real
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -29,13 +30,13 @@ if TYPE_CHECKING:
 REPEATED = (".rms", ".VDV", ".MSDV", ".crest", ".peak_travel", ".load_share", ".lifts", ".lift_rate", ".stops")
 # Parameters that a row of the table names, and the least change that is worth it [% for each %].
 MOST_MOVERS, LEAST_MOVE = 3, 0.05
-# Columns of a picture beside each other, of the width of a phone and of the page.
+# Columns of a picture next to each other, of the width of a phone and of the page.
 MOST_ABREAST = {NARROW: 5, WIDE: 12}
 # Heights of a row of a picture and of what stands around each part of it [inch].
 ROW_HEIGHT, PART_HEIGHT = 0.24, 0.75
 # Units of figures on a test bench, as test benches show them, in SI units; those of a ride come with it.
 OF_BENCH = {"adhesion": ("%", 0.01), "phase": ("deg", float(np.radians(1.0)))}
-# Room beside the names of rows, which a browser may set wider than matplotlib does [inch].
+# Room next to the names of rows, which a browser may set wider than matplotlib does [inch].
 ROOM_BESIDE_ROWS = 0.1
 
 

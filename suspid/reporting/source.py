@@ -1,4 +1,4 @@
-"""Where a record comes from."""
+"""Origin of a record."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The rows of a report's table of springs and dampers beside their nominal values."""
+"""The rows of a report's table of springs and dampers with their nominal values."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class SpringRow:
-    """A parameter beside its nominal value: the change [%], and whether it is beyond chance, of all together.
+    """A parameter relative to its nominal value: the change [%], and whether it is beyond chance, of all together.
 
     ``apart`` is the distance from nominal in standard deviations; ``others`` are its values in every alternative.
     """

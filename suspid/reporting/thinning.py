@@ -1,4 +1,4 @@
-"""Long records made short enough to draw: no peak gets lost, and no transform of what a picture cannot show."""
+"""Thinning of long records for plots: peaks are kept, and transforms are limited to what a picture can show."""
 
 from __future__ import annotations
 

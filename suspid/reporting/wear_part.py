@@ -1,4 +1,4 @@
-"""What a page says of the wear of dampers: the state of each with its reasons, and how often such states are wrong."""
+"""The part of a page on the wear of dampers: the state of each with its reasons, and the error rates."""
 
 from __future__ import annotations
 

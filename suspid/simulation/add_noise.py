@@ -8,7 +8,8 @@ import numpy as np
 
 from suspid.arguments import explained
 from suspid.errors import InputError
-from suspid.signals import as_response, as_signal, inputs_of
+from suspid.records import as_response, inputs_of
+from suspid.signals import as_signal
 from suspid.units import Decibel
 
 if TYPE_CHECKING:

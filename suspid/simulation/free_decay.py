@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from suspid.arguments import explained
 from suspid.errors import InputError
 from suspid.model import Suspension, statespace
-from suspid.signals import as_response
+from suspid.records import as_response
 from suspid.simulation.piecewise import Driving, machine_of, state_labels
 from suspid.simulation.stepping import motion, observed
 from suspid.units import RealArray, Second

@@ -12,7 +12,8 @@ from numpy.typing import ArrayLike
 from suspid.arguments import explained
 from suspid.errors import InputError
 from suspid.model import Suspension, positive_number
-from suspid.signals import as_response, real_numbers
+from suspid.records import as_response
+from suspid.signals import real_numbers
 from suspid.simulation.road_profile import REFERENCE, WAVELENGTHS, level_of, track_coherence, tracks
 from suspid.units import ComplexArray, Hertz, Metre, Ratio, RealArray
 from suspid.values import FrozenItems

@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike
 from suspid.arguments import explained
 from suspid.errors import InputError, RecordError
 from suspid.model import FORCE, Suspension, statespace
-from suspid.signals import as_response, uniform_step
+from suspid.records import as_response
+from suspid.signals import uniform_step
 from suspid.simulation.free_decay import check_continuous, state_of
 from suspid.simulation.piecewise import Driving, machine_of, state_labels
 from suspid.simulation.recursion import DEGREES, Interpolation, derivatives, driven_states

@@ -1,4 +1,4 @@
-"""Grids: the uniform clock behind stamps whose rounding is not small beside the step, with rows missing or not."""
+"""Grids: the uniform clock behind coarsely rounded stamps, with or without missing rows."""
 
 from __future__ import annotations
 

@@ -9,7 +9,8 @@ import numpy as np
 from suspid.arguments import explained
 from suspid.cleaning import RecordLike, as_record
 from suspid.errors import InputError
-from suspid.signals import as_response, as_signal
+from suspid.records import as_response
+from suspid.signals import as_signal
 from suspid.units import Hertz, RealArray
 from suspid.values import nearest_names
 from suspid.wavelets.filter_bank import (

@@ -82,7 +82,7 @@ def find_ridges(
     width = np.sqrt(2 / scalogram.wavelet.bandwidth) / scalogram.wavelet.center
     refined: list[Ridge] = []
     # Ratio of the energy of a ridge to that of its flanks, for ridges found unaided and for a number asked for. A
-    # smaller ratio finds ridges of noise, a larger one misses weak modes beside strong ones.
+    # smaller ratio finds ridges of noise, a larger one misses weak modes near strong ones.
     for omega in _peaks(scalogram, noise, 2.0 if count is None else 1.05):
         ridge = _refined(signal, omega, scalogram.wavelet, noise)
         if ridge is None or any(abs(np.log(ridge.omega / other.omega)) < width / 2 for other in refined):

@@ -11,9 +11,10 @@ from suspid.words.cleaning import Cleaning, Defect, dead
 from suspid.words.decays import DecayDoubt, DecayKind, DecayRemark
 from suspid.words.fleet import Failure, FleetCheck, FleetHeadline, Step
 from suspid.words.greybox import EstimateCheck, EstimateHeadline
-from suspid.words.identification import Headline, ModeCheck, Reason
+from suspid.words.identification import Headline, ModeCheck
 from suspid.words.io import ASIDE, DAMAGE, OTHER_LENGTHS, LeftOut
 from suspid.words.next_steps import NextStep, next_steps
+from suspid.words.reasons import Reason
 from suspid.words.reconstruction import ReconstructionCheck, ReconstructionHeadline, ReconstructionNote, Suspect
 from suspid.words.remarks import MOST_LISTED, MOST_NAMED, Code, Number, Remark, amount, count, in_a_row
 from suspid.words.verdicts import Check, Level, Verdict

@@ -6,13 +6,13 @@ from suspid.words.remarks import Code, in_a_row, sentence
 
 
 class ActiveHeadline(Code):
-    """What was found."""
+    """Headline of the result."""
 
     FEEDBACK = "feedback", sentence(lambda n: f"state feedback of {n['actuator']} for {in_a_row(n['names'])}")
 
 
 class ActiveCheck(Code):
-    """What speaks for and against state feedback."""
+    """Checks of state feedback."""
 
     OPTIMAL = "optimal", "The cost is within {share:.1g} of the lower bound for state feedback."
     ABOVE = (

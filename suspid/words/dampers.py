@@ -1,4 +1,4 @@
-"""What can be said of a damper's curve that was found in records."""
+"""Codes and sentences: a damper's curve that was found in records."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ from suspid.words.remarks import Code
 
 
 class CurveHeadline(Code):
-    """What was found."""
+    """Headline of the result."""
 
     CURVE = "curve", "the damper curve of {strut!r} is not a straight line"
     LINE = "line", "the damper curve of {strut!r} is consistent with a straight line"
 
 
 class CurveCheck(Code):
-    """What speaks for and against a damper's curve."""
+    """Checks of a damper's curve."""
 
     EXPLAINS = "explains", "The residual is noise (chi-square {chi_square:.3g} at {freedom})."
     UNEXPLAINED = (

@@ -1,4 +1,4 @@
-"""What can be said of the free decays in a recording, and of the events that are none."""
+"""Codes and sentences: the free decays in a recording, and of the events that are none."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What can be said of the stretches of a drive: why they were taken or left."""
+"""Codes and sentences: the stretches of a drive: why they were taken or left."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What can be said of the records of a fleet: the step at which one failed, and why."""
+"""Codes and sentences: the records of a fleet: the step at which one failed, and why."""
 
 from __future__ import annotations
 

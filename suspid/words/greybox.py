@@ -1,4 +1,4 @@
-"""What can be said of a suspension estimated from records."""
+"""Codes and sentences: a suspension estimated from records."""
 
 from __future__ import annotations
 
@@ -51,13 +51,13 @@ def _unexplained(numbers: Numbers) -> str:
 
 
 class EstimateHeadline(Code):
-    """What was found."""
+    """Headline of the result."""
 
     FOUND = "found", _found
 
 
 class EstimateCheck(Code):
-    """What speaks for and against a suspension that was estimated."""
+    """Checks of a suspension that was estimated."""
 
     EXPLAINS = (
         "explains",

@@ -17,13 +17,13 @@ def _named(text: str) -> Callable[[Numbers], str]:
 
 
 class GripHeadline(Code):
-    """What was found."""
+    """Headline of the result."""
 
     GRIP = "grip", _named("grip of {names}")
 
 
 class GripCheck(Code):
-    """What speaks for and against the grip of a wheel."""
+    """Checks of the grip of a wheel."""
 
     PASSES = "passes", "{wheel}: the least phase, {phase:.1f} deg, is above EGEA's limit of {limit:.0f} deg."
     FAILS = "fails", "{wheel}: the least phase, {phase:.1f} deg, is below EGEA's limit of {limit:.0f} deg."

@@ -26,58 +26,6 @@ def _rough(n: Mapping[str, Number]) -> list[str]:
     return [f"the {name} is known only to {_percent(n[key], 2)}" for key, name in names.items() if key in n]
 
 
-class Reason(Code):
-    """Why a pole is not among the modes."""
-
-    TONE = "tone", "steady tone: it does not decay within the record"
-    DRIFT = "drift", "drift: it decays more slowly than the record lasts"
-    GROWING = "growing", "it grows"
-    LINE = "line", "part of a steady line: rotating parts of varying speed"
-    PULSE = "pulse", "the poles follow a pulse of force, not a decay: their motions cancel each other"
-    UNSURE = "unsure", "its decay is not significant against the residual near it"
-    UNKNOWN = "unknown", "not determined: the interval of its frequency reaches zero"
-    UNDER_A_CYCLE = "under a cycle", "less than one cycle in the record"
-    A_FEW_SAMPLES = "a few samples", "decayed within a few samples"
-    BEGINNING = "beginning", "together with others it fits only the first samples: motion before the free decay"
-    OUTSIDE_THE_BAND = "outside the band", "outside the band"
-    BEYOND = "beyond", "weaker than the requested modes"
-    REAL_OR_PAIR = "real or pair", "one real pole or a heavily damped pair: the record does not distinguish them"
-    SPLIT = (
-        "split",
-        sentence(
-            lambda n: "part of another mode" + (f", {n['linewidths']:.2g} linewidths away" if "linewidths" in n else "")
-        ),
-    )
-    UNRESOLVED = (
-        "unresolved",
-        "possibly a second mode close to another: gain {gain:.3g}, {needed:.3g} and a different shape required",
-    )
-    TOO_WEAK = "too weak", "not significant: gain {gain:.3g}, {needed:.3g} required"
-    NOT_SIGNIFICANT = (
-        "not significant",
-        "not significant: gain {times:.2g} × the BIC penalty, {needed:g} × required near this residual",
-    )
-    FOLLOWED = (
-        "followed",
-        "kept as a mode, since most of the motion follows it: gain {times:.2g} × the BIC penalty, {needed:g} × "
-        "required near this residual",
-    )
-    NOT_NEEDED = "not needed", "not needed in addition to the others"
-    BENT = "bent", "drift: removed with the offset, as a parabola"
-    SAME_MODE = "same mode", "part of mode {mode}, whose frequency and damping depend on its amplitude"
-    HARMONIC = (
-        "harmonic",
-        sentence(
-            lambda n: (
-                f"{n['multiple']} times mode {n['mode']}: a harmonic of its nonlinear motion"
-                if n["multiple"]
-                else f"the mean of mode {n['mode']}, which shifts with its amplitude: its motion is nonlinear"
-            )
-        ),
-    )
-    DISTORTION = "distortion", "no stronger than the residual of the nonlinear forces"
-
-
 class ModeCheck(Code):
     """Checks of an identification, for and against."""
 
@@ -321,7 +269,7 @@ class ModeCheck(Code):
 
 
 class Headline(Code):
-    """What was found, in a few words."""
+    """Headline of the result."""
 
     MODES = "modes", sentence(lambda n: f"{count(int(str(n['modes'])), 'mode')} found")
     NO_MODE = "no mode", "no mode found"

@@ -1,4 +1,4 @@
-"""What can be said of limits on modes, springs and dampers."""
+"""Codes and sentences: limits on modes, springs and dampers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What can be said of a car whose numbers no vehicle has, most likely because of their units."""
+"""Codes and sentences: a car whose numbers no vehicle has, most likely because of their units."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ def _metres(value: float) -> str:
 
 
 class PlausibilityCheck(Code):
-    """What speaks against the numbers of a car."""
+    """Doubts about the numbers of a car."""
 
     SINKS = (
         "sinks",

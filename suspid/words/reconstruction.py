@@ -1,4 +1,4 @@
-"""What can be said of springs, dampers and masses found from modes."""
+"""Codes and sentences: springs, dampers and masses found from modes."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def _found(numbers: Numbers) -> str:
 
 
 class ReconstructionHeadline(Code):
-    """What was found."""
+    """Headline of the result."""
 
     FOUND = "found", _found
 
@@ -147,7 +147,7 @@ class Suspect(Code):
 
 
 class ReconstructionCheck(Code):
-    """What speaks for and against a suspension that was found."""
+    """Checks of a suspension that was found."""
 
     EXPLAINS = (
         "explains",

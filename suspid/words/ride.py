@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, TypeAlias
 
-from suspid.values import figures_of
+from suspid.text_tables import figures_of
 from suspid.words.remarks import Code, amount, count, in_a_row, sentence
 
 Numbers: TypeAlias = Mapping[str, Any]
@@ -89,14 +89,14 @@ def dampers_of_equal_work(numbers: Numbers) -> str:
 
 
 class RideHeadline(Code):
-    """What was found."""
+    """Headline of the result."""
 
     DRIVEN = "driven", _driven
     RECORDED = "recorded", "ride over a record of {seconds:.4g} s"
 
 
 class RideCheck(Code):
-    """What speaks for and against the figures of a ride."""
+    """Checks of the figures of a ride."""
 
     COMFORT = "comfort", _comfort
     CREST = (
@@ -198,13 +198,13 @@ class RideCheck(Code):
 
 
 class RoadHeadline(Code):
-    """What was found."""
+    """Headline of the result."""
 
     CLASS = "class", "road of class {name} of ISO 8608"
 
 
 class RoadCheck(Code):
-    """What speaks for and against the class of a road."""
+    """Checks of the class of a road."""
 
     CLASS = (
         "sure",
@@ -229,13 +229,13 @@ class RoadCheck(Code):
 
 
 class TuningHeadline(Code):
-    """What was found."""
+    """Headline of the result."""
 
     FRONT = "front", _front
 
 
 class TuningCheck(Code):
-    """What speaks for and against a tuning."""
+    """Checks of a tuning."""
 
     STARTS = "starts", "{share:.0%} of the {count} searches from other starts ended at the same values."
     UNFINISHED = "unfinished", "{count} of {points} points did not converge and were left out."
@@ -263,13 +263,13 @@ class TuningCheck(Code):
 
 
 class DamperTuningHeadline(Code):
-    """What was found."""
+    """Headline of the result."""
 
     CURVE = "curve", sentence(lambda n: f"curve of {n['strut']} for {count(n['roads'], 'road')}")
 
 
 class DamperTuningCheck(Code):
-    """What speaks for and against a damper's curve."""
+    """Checks of a damper's curve."""
 
     STARTS = "starts", "{share:.0%} of the searches from other starts ended at the same values."
     AT_BOUND = (

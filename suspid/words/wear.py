@@ -28,7 +28,7 @@ def _rates(numbers: Numbers) -> str:
 
 
 class DamperState(Code):
-    """What is said of a damper.
+    """State of a damper.
 
     Examples
     --------
@@ -43,13 +43,13 @@ class DamperState(Code):
 
 
 class WearHeadline(Code):
-    """What was found of all dampers."""
+    """Headline for all dampers."""
 
     DAMPERS = "dampers", sentence(lambda numbers: in_a_row(numbers["texts"]))
 
 
 class WearCheck(Code):
-    """What speaks for and against a damper."""
+    """Checks of a damper."""
 
     LOST = "lost", "{damper}: lost {loss:.0%} of its damping, at least {low:.0%}."
     SOME = (

@@ -13,7 +13,7 @@ from suspid.identification.noise.colour import (
     loudness,
     noise_colour,
     over_channels,
-    power_beside,
+    power_near,
 )
 from suspid.identification.noise.quantisation import ABOVE_RESOLUTION, UNIFORM_STD, resolution
 from suspid.identification.noise.shared import most_shared, shared_noise
@@ -42,7 +42,7 @@ __all__ = [
     "noise_colour",
     "noise_of",
     "over_channels",
-    "power_beside",
+    "power_near",
     "resolution",
     "shared_noise",
 ]

@@ -13,7 +13,7 @@ from suspid.units import ComplexArray, RealArray
 COLOURED = 4.0
 # Order of the autoregression that describes a coloured residual. A higher order follows chance in short records.
 COLOUR_ORDER = 8
-# Power beside a pole that counts as excess over a white residual: the mean of 8 independent exponential variables
+# Power near a pole that counts as excess over a white residual: the mean of 8 independent exponential variables
 # exceeds it with probability 8e-4. A lower value widens intervals that are right.
 LOUD = 2.5
 
@@ -65,14 +65,14 @@ def noise_colour(residual: RealArray, omega: RealArray) -> RealArray:
     return density
 
 
-def power_beside(residual: RealArray, variance: RealArray, theta: ComplexArray) -> RealArray:
-    """Return the power of a residual beside each pole over that of white noise of its variance, (channel, pole).
+def power_near(residual: RealArray, variance: RealArray, theta: ComplexArray) -> RealArray:
+    """Return the power of a residual near each pole over that of white noise of its variance, (channel, pole).
 
     The residual is weighted by the decay of each pole.
     """
     count = residual.shape[1]
     decay = np.maximum(-theta.real, 0.25 / count)
-    # The power beside a pole is the mean over these offsets, in linewidths; the pole's own line is left out.
+    # The power near a pole is the mean over these offsets, in linewidths; the pole's own line is left out.
     offsets = (decay + np.pi / count)[:, None] * np.array([-8.0, -6.0, -4.0, -2.0, 2.0, 4.0, 6.0, 8.0])
     omega = np.minimum(np.maximum(np.abs(theta.imag[:, None] + offsets), np.pi / count), np.pi)
     spread = project(residual, (1j * omega - decay[:, None]).ravel())
@@ -86,10 +86,10 @@ def loudness(
 ) -> RealArray:
     """Return the power of a residual near each pole over that of white noise, (pole,): 1 where they agree.
 
-    ``beside`` is from `power_beside`; ``weights`` are the shares of the channels in what is known of each pole, both
+    ``beside`` is from `power_near`; ``weights`` are the shares of the channels in what is known of each pole, both
     (channel, pole).
     """
-    # In a white residual the power beside a pole is mostly chance. In a coloured one it underestimates the noise
+    # In a white residual the power near a pole is mostly chance. In a coloured one it underestimates the noise
     # where the spectrum peaks at the pole itself.
     correlation = lag_one(residual, variance * residual.shape[1])
     if not np.any(correlated(correlation, residual.shape[1], sigmas=COLOURED)):

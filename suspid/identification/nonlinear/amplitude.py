@@ -1,4 +1,4 @@
-"""How natural frequency and damping ratio of a mode depend on its amplitude."""
+"""Natural frequency and damping ratio of a mode as functions of its amplitude."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Choose the structure that explains a record: which forces follow its motion, and how many modes it has."""
+"""Choice of the structure that explains a record: its nonlinear forces and number of modes."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from suspid.identification.classification import is_tone
 from suspid.identification.fitting import OTHER_FREQUENCY
 from suspid.identification.likelihood import bic_penalty
-from suspid.identification.noise import LOUD, over_channels, power_beside
+from suspid.identification.noise import LOUD, over_channels, power_near
 from suspid.identification.nonlinear.driven import Drive, DrivenFit, maximize
 from suspid.identification.nonlinear.feedback import ROUGH_STEPS, Bent, Record, added, without_forces
 from suspid.identification.nonlinear.forces import ForceKind, forces_of
@@ -87,10 +87,10 @@ def _with_modes(fit: StructureFit, most: int) -> StructureFit:
 
 
 def _sticks(bent: Bent) -> bool:
-    """Return whether a fit with forces has friction among them, or leaves more than noise beside a mode."""
+    """Return whether a fit with forces has friction among them, or leaves more than noise near a mode."""
     fit = bent.fit
     weights = np.abs(fit.amplitudes).T ** 2 / fit.variance[:, None]
-    beside = over_channels(power_beside(fit.residual, fit.variance, fit.drive.theta), weights)
+    beside = over_channels(power_near(fit.residual, fit.variance, fit.drive.theta), weights)
     return any(force.kind is ForceKind.FRICTION for force in bent.forces) or bool(np.any(beside > LOUD))
 
 
@@ -281,14 +281,14 @@ def worths_of(fit: StructureFit) -> RealArray:
 
 
 def _misses(fit: StructureFit) -> bool:
-    """Return whether more than noise is left beside a mode."""
+    """Return whether more than noise is left near a mode."""
     return bool(np.any(_beside(fit) > LOUD))
 
 
 def _beside(fit: StructureFit) -> RealArray:
-    """Return the power of the residual beside each pole over that of white noise, (pole,)."""
+    """Return the power of the residual near each pole over that of white noise, (pole,)."""
     weights = np.abs(fit.amplitudes).T ** 2 / fit.variance[:, None]
-    return over_channels(power_beside(fit.residual, fit.variance, fit.theta), weights)
+    return over_channels(power_near(fit.residual, fit.variance, fit.theta), weights)
 
 
 def stands(fit: StructureFit) -> NDArray[np.bool_]:

@@ -1,4 +1,4 @@
-"""Describing functions: what a force is for each of several tones that act on it together."""
+"""Describing functions: the equivalent of a force for each of several simultaneous tones."""
 
 from __future__ import annotations
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from suspid.identification.covariance import estimate_of
-from suspid.identification.noise import loudness, power_beside, shared_noise
+from suspid.identification.noise import loudness, power_near, shared_noise
 from suspid.identification.nonlinear.amplitude import (
     AmplitudeDependence,
     covariance_of,
@@ -39,7 +39,7 @@ def modes_of_bent(
     order = np.argsort(np.abs(exponents), kind="stable")
     chosen = np.vstack([means[k][1] for k in order])
     weights = np.abs(fit.amplitudes[order]).T ** 2 / fit.variance[:, None]
-    beside = power_beside(fit.residual, fit.variance, exponents[order])
+    beside = power_near(fit.residual, fit.variance, exponents[order])
     loud = loudness(fit.residual, fit.variance, exponents[order], beside=beside, weights=weights)
     widening = loud * shared_noise(fit.residual)
     dragged, noise = _amplitude_errors(fit, order.tolist())

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from suspid.identification.covariance import estimate_of
-from suspid.identification.noise import loudness, power_beside, shared_noise
+from suspid.identification.noise import loudness, power_near, shared_noise
 from suspid.identification.nonlinear.amplitude import AmplitudeDependence, over_windows
 from suspid.identification.nonlinear.describing import describing
 from suspid.identification.nonlinear.forces import OF_SPEED
@@ -91,7 +91,7 @@ def modes_of_structure(
     order = np.argsort(np.abs(exponents), kind="stable")
     rows = np.ravel([[2 * k, 2 * k + 1] for k in order])
     weights = np.abs(fit.amplitudes[order]).T ** 2 / fit.variance[:, None]
-    beside = power_beside(fit.residual, fit.variance, exponents[order])
+    beside = power_near(fit.residual, fit.variance, exponents[order])
     loud = loudness(fit.residual, fit.variance, exponents[order], beside=beside, weights=weights)
     covariance = fit.covariance
     size = 2 * poles * len(fit.residual)

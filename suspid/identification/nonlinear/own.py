@@ -1,4 +1,4 @@
-"""Poles that a residual shows, and whether one is a mode of its own or a part or multiple of another."""
+"""Poles in a residual, and whether one is a separate mode or a part or multiple of another."""
 
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from suspid.identification.classification import LEAST_EXPLAINED, is_tone
 from suspid.identification.harmonics import WEAK
 from suspid.identification.likelihood import DecayFit, bic_penalty
-from suspid.identification.noise import LOUD, WhiteNoise, over_channels, power_beside
+from suspid.identification.noise import LOUD, WhiteNoise, over_channels, power_near
 from suspid.identification.nonlinear.amplitude import covariance_of, mean_pole, window_changes
 from suspid.identification.nonlinear.choice import MOST_MASSES, REDUCTION, chosen
 from suspid.identification.nonlinear.driven import DrivenFit, evaluate, maximize
@@ -167,7 +167,7 @@ def _stands(fit: DrivenFit) -> NDArray[np.bool_]:
     """
     energy = _energies(fit)
     weights = np.abs(fit.amplitudes).T ** 2 / fit.variance[:, None]
-    beside = over_channels(power_beside(fit.residual, fit.variance, fit.drive.theta), weights)
+    beside = over_channels(power_near(fit.residual, fit.variance, fit.drive.theta), weights)
     beside = np.where(beside > LOUD, beside, 1.0)
     needed = WORTHWHILE * bic_penalty(len(fit.residual), fit.residual.size) * beside
     means = [mean_pole(fit, k) for k in range(len(fit.drive.theta))]

@@ -85,7 +85,7 @@ def _refuse_long_line(text: bytes, start: int, number: int) -> None:
 
 
 def _refuse_long(rows: Rows, layout: Layout) -> None:
-    """Refuse channels beside each other in one row each, and channels one below the other, named by a column."""
+    """Refuse channels next to each other in one row each, and channels one below the other, named by a column."""
     width = len(layout.names)
     named = not layout.names[-1].startswith("column ")
     # Many more cells than rows are channels in lines.

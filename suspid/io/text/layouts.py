@@ -1,4 +1,4 @@
-"""Layouts of text files: the lines above the data, and what they say of the columns."""
+"""Layouts of text files: the lines above the data, with names and units of the columns."""
 
 from __future__ import annotations
 
