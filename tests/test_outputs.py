@@ -108,7 +108,7 @@ class TestSensors:
     @pytest.mark.parametrize(
         ("given", "message"),
         [
-            ({"motion": "speed", "of": "heave"}, "motion = 'speed' is none of displacement, velocity"),
+            ({"motion": "speed", "of": "heave"}, "motion = 'speed' is not one of displacement, velocity"),
             ({"motion": "travel", "of": {"heave": 1}}, "a travel is of one strut"),
             ({"motion": "velocity", "of": 3}, "must be a coordinate, or map coordinates to arms"),
             ({"motion": "velocity", "of": {"heave": 0}}, "has no nonzero arm"),
