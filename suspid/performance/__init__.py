@@ -18,7 +18,7 @@ from suspid.performance.damper_rates import rates_of as rates_of
 from suspid.performance.damper_tunings import DamperTuning
 from suspid.performance.felt import ACCELERATIONS as ACCELERATIONS
 from suspid.performance.figure_plan import ANGLES as ANGLES
-from suspid.performance.fronts import tuning_steps
+from suspid.performance.fronts import tuning_steps as tuning_steps
 from suspid.performance.grip import grip
 from suspid.performance.grip import grip_if_any as grip_if_any
 from suspid.performance.grips import CLASSES as CLASSES
@@ -61,7 +61,6 @@ __all__ = [
     "tune",
     "tune_active",
     "tune_damper",
-    "tuning_steps",
     "wear",
     "weighting",
 ]
