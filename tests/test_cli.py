@@ -111,7 +111,7 @@ class TestExitCodes:
             (("identify", RECORD, "--json", "."), "is a folder"),
             (("reconstruct", "none.json", CAR), "none.json: there is no such file"),
             (("reconstruct", RECORD, CAR), "is not JSON"),
-            (("modes", RECORD), "is not TOML"),
+            (("modes", RECORD), "is no description of a car"),
             (("simulate", CAR, "-o", "r.txt", "--impulse", "road"), "written as .csv"),
             (("simulate", CAR, "-o", "r.csv", "--impulse", "raod"), "no input 'raod'. Did you mean 'road'"),
             (("simulate", CAR, "-o", "r.csv", "--initial", "v_tyre=1"), "no state 'v_tyre'. Did you mean 'v_tire'"),
