@@ -237,7 +237,7 @@ class TestDampers:
             np.where(curve.velocities > 0, 1950, 650) * curve.velocities <= high
         )
         assert np.mean(inside) > 0.9
-        assert "not a straight line" in str(found)
+        assert "not a line" in str(found)
         assert DriveRemark.BENT in {check.remark.code for check in found.notes}
         # Where viscous dampers do not explain the drive, and the curve does, the curve is what holds.
         assert found.estimate is not None

@@ -173,13 +173,13 @@ def changes_in_words(found: Comparison) -> str:
     Examples
     --------
     >>> from suspid import ModalSet, compare
-    >>> before, after = ModalSet.from_wn_zeta([10.0], [0.3]), ModalSet.from_wn_zeta([10.0], [0.4])
+    >>> before, after = ModalSet.from_wn_zeta([10.0], [0.6]), ModalSet.from_wn_zeta([10.0], [0.8])
     >>> print(changes_in_words(compare(after, before, rtol=0.01)))
     1 of 2 values changed (no change: within 0.01 relative)
               quantity    before    after    change    by chance up to    changed
     ------  ----------  --------  -------  --------  -----------------  ---------
     mode 1  wn [rad/s]        10       10        +0                0.1         no
-    mode 1    zeta [1]       0.3      0.4      +0.1              0.003        yes
+    mode 1    zeta [1]       0.6      0.8      +0.2              0.006        yes
     """
     said = {"ok": "no", "off": "yes", "missing": "gone", "extra": "new"}
     rows = found.table

@@ -105,7 +105,7 @@ class BodyModes(Sequence[BodyMode]):
     ---------  --------  ---------------  ------------
          seat       1.2      1.11 … 1.29  not reported
     Verdict: the body's frequency in 1 of the channels, from 300 s: sound. Every check that could be made was passed.
-    note: Damping is not reported: by the model of the road it would be 0.2 or 0.4. ...
+    note: Damping is not reported: depending on the model of the road it would be 0.2 or 0.4. ...
     """
 
     modes: tuple[BodyMode, ...]

@@ -63,6 +63,7 @@ def report(
 
     Examples
     --------
+    >>> import numpy as np
     >>> from suspid import free_decay, identify, quarter_car
     >>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3,
     ...                   tire_stiffness=200e3, chassis_damping=200)
