@@ -82,6 +82,13 @@ def test_noise_has_no_free_end() -> None:
         assert free_end(Signal(start=0.0, step=1 / FS, values=values, channels=("a",)), finest(values)) is None
 
 
+def test_a_sensor_that_is_clipped_at_both_ends_is_no_free_end() -> None:
+    """Both levels of a clipped sensor are held again and again, as the steps of a coarse one are."""
+    values = np.exp(POLE * TIME).real + 1e-4 * np.random.default_rng(1).standard_normal(COUNT)
+    values = np.clip(values, -0.2, 0.2)[None]
+    assert free_end(Signal(start=0.0, step=1 / FS, values=values, channels=("a",)), finest(values)) is None
+
+
 def test_a_step_of_a_fit_whose_information_is_singular_is_the_shortest() -> None:
     """Two parameters that do the same share the step."""
     alike = Quadratic(unit=np.ones((2, 2)), scale=np.ones(2), gradient=np.ones(2))

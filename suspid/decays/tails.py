@@ -57,6 +57,8 @@ def free_end(signal: Signal, finest: RealArray) -> tuple[int, int] | None:
     @cache
     def at(first: int) -> Trial | None:
         values = signal.values[:, first:last]
+        if values.shape[1] < FEWEST_SAMPLES:  # A clipped sensor may seem to rest all the time.
+            return None
         top, _ = frequencies(values, finest, signal.step)
         size = min(block_size(signal.step, top), max(1, values.shape[1] // (2 * FEWEST_SAMPLES)))
         if values.shape[1] < FEWEST_SAMPLES * size or clearly_driven(values, size=size):
