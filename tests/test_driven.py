@@ -148,7 +148,7 @@ class TestUse:
             ({"inputs": {"rod": np.zeros(10)}}, "there is no input 'rod'. Did you mean 'road'"),
             ({"inputs": {"road": np.zeros(9)}}, "input 'road' has shape (9,); there are 10 times"),
             ({"inputs": {"road": np.full(10, np.nan)}}, "input 'road' has 10 samples that are not finite"),
-            ({"inputs": {"road_rate": np.zeros(10)}}, "'road_rate' is given without 'road'"),
+            ({"inputs": {"road_rate": np.zeros(10)}}, "input 'road_rate' needs 'road'"),
             ({"inputs": np.zeros(10)}, "inputs must map names of inputs to samples"),
             ({"interpolation": "spline"}, "it is 'linear' or 'cubic'"),
             ({"system": "car"}, "simulate needs a control.StateSpace or a Suspension, not str"),

@@ -301,8 +301,8 @@ class TestCommand:
         [
             ({"wheel_radius": 0.3}, "model of the road"),
             ({"road": "iso8608", "car": None}, "needs a car"),
-            ({"settings": Settings(modes=2)}, "settings.modes is of no use"),
-            ({"settings": Settings(springs=CarSettings(tolerance=0.1))}, "springs.tolerance is of no use"),
+            ({"settings": Settings(modes=2)}, "settings.modes does not apply"),
+            ({"settings": Settings(springs=CarSettings(tolerance=0.1))}, "springs.tolerance does not apply"),
             ({"table": "a.csv", "pattern": "b"}, "not both"),
             ({"pattern": "(?P<vehicle>.)"}, "no group"),
             ({"chunk": 0}, "1 or more"),

@@ -382,7 +382,7 @@ class TestOptions:
 
     @pytest.mark.parametrize("setting", [{"band_hz": (1.0, 5.0)}, {"stretch": 2.0}])
     def test_what_belongs_to_measured_motion_is_refused_for_decays(self, setting: dict[str, Any]) -> None:
-        with pytest.raises(InputError, match=f"{next(iter(setting))} is of no use here"):
+        with pytest.raises(InputError, match=f"{next(iter(setting))} does not apply here"):
             estimate(self.RECORD, QUARTER, **setting)
 
     def test_masses_alone_cannot_be_found(self) -> None:

@@ -70,6 +70,7 @@ def test_the_end_that_is_free_begins_where_the_force_ends() -> None:
         assert last == COUNT
 
 
+@pytest.mark.slow
 def test_what_is_driven_to_its_end_has_no_free_end() -> None:
     for seed in range(6):
         values = motion(rolling(seed))[~FREE]

@@ -34,6 +34,9 @@ FOR_IDENTIFY = ("modes", "method", "band_hz", "bandwidth", "candidates")
 # Doubts of a quick fit to a decay, which the identification of the decay answers.
 FIT = frozenset({DecayDoubt.FORCED, DecayDoubt.DRIVEN, DecayDoubt.NONLINEAR, DecayDoubt.HIGH_RESIDUAL})
 
+# Those that are about the quick fit alone.
+ANSWERED = frozenset({DecayDoubt.FEW_SAMPLES})
+
 
 def identified(record: control.TimeResponseData, settings: Settings) -> Identification:
     """Return what `identify` finds with these settings."""
@@ -107,14 +110,19 @@ def _by_chance(whole: Identification, left: Signal, most: int) -> bool:
 
 
 def doubts_of(decay: Decay, found: Identification) -> tuple[Check, ...]:
-    """Return the doubts about a decay as checks; what an identification down to the noise refutes calls for care."""
+    """Return the doubts about a decay as checks; what an identification down to the noise refutes calls for care.
+
+    A quick fit takes means of several samples. That these are few says nothing of an identification, which takes all.
+    """
     refuted = FIT if settled(found) else frozenset()
+    answered = ANSWERED if settled(found) else frozenset()
     return tuple(
         Check(
             Remark(RecordCheck.DECAY, {"doubt": str(doubt)}),
             Level.DOUBTFUL if doubt.code in GRAVE - refuted else Level.CARE,
         )
         for doubt in decay.doubts
+        if doubt.code not in answered
     )
 
 

@@ -19,6 +19,8 @@ from suspid.units import ComplexArray, RealArray
 SHARES = (0.01, 0.02, 0.05, 0.1, 0.2)
 # Damping that a linear fit has beside friction, as shares of its own: most of it may be friction, or none.
 VISCOUS = (0.2, 1.0)
+# Masses up to which each has a share of its own: the number of guesses grows as its power, 50 for two masses.
+MOST_ALONE = 2
 # Starts that are fitted: the fit may end beside the best one from the most likely.
 TRIED = 3
 
@@ -29,7 +31,8 @@ def with_friction(plain: StructureFit) -> list[StructureFit]:
     The friction of a mass slows that mass alone, and moves none at once: that settles the gains of all modes.
     """
     of, channels = plain.structures, len(plain.residual)
-    sizes = np.array(list(product(SHARES, repeat=channels)))
+    alone = channels <= MOST_ALONE
+    sizes = np.array(list(product(SHARES, repeat=channels))) if alone else np.tile(SHARES, (channels, 1)).T
     damping = np.repeat(VISCOUS, len(sizes))
     theta = damping[:, None] * of.theta[0].real + 1j * of.theta[0].imag
     shapes = np.repeat(of.shapes, len(theta), axis=0)
