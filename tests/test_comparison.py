@@ -46,6 +46,11 @@ class TestPairing:
         assert {row.verdict for row in c.table} == {"missing", "extra"}
         assert np.isnan(c.mae["wn"])
 
+    def test_a_missing_mode_and_a_new_one_do_not_shift_the_others(self) -> None:
+        found, expected = (ModalSet.from_wn_zeta(wn, [0.02] * 3) for wn in ([35, 51, 70], [20, 35, 51]))
+        c = compare(found, expected, rtol=0.01)
+        assert [row.verdict for row in c.table] == ["missing"] * 2 + ["ok"] * 4 + ["extra"] * 2
+
     def test_shapes_decide_between_crossed_close_modes(self) -> None:
         shapes = np.eye(2)
         expected = ModalSet.from_wn_zeta([10.0, 10.1], [0.02, 0.02], shapes=shapes, channels=["a", "b"])

@@ -372,7 +372,7 @@ class TestRefusals:
         [
             (lambda k, c: cp.sqrt(c["tire"]), "not convex"),  # noqa: ARG005
             (lambda k, c: c["tire"] - 3, "never negative"),  # noqa: ARG005
-            (lambda k, c: cp.hstack([c["tire"], c["seat"]]), "no number"),  # noqa: ARG005
+            (lambda k, c: cp.hstack([c["tire"], c["seat"]]), "not a scalar"),  # noqa: ARG005
         ],
     )
     def test_what_is_no_penalty(self, penalty: Any, said: str) -> None:

@@ -92,11 +92,13 @@ def modes_from_dict(content: Mapping[str, object]) -> ModalSet:
     if content.get("format", MODES_FORMAT) != MODES_FORMAT:
         raise InputError(f"format {reprlib.repr(content['format'])} is not known; known: {MODES_FORMAT!r}")
     entries = content.get("modes")
+    if entries == []:
+        raise InputError("no mode was found in this record: modes is empty; use a record with a free decay")
     if not isinstance(entries, list) or not entries:
         if {"masses", "struts", "quarter_car", "half_car", "full_car"} & set(content):
             raise InputError("is a car, not modes: name the modes first and the car last")
         raise InputError(
-            f"modes is missing or empty; write it with write_modes or suspid identify --json, or give a list of "
+            f"modes is missing; write it with write_modes or suspid identify --json, or give a list of "
             f"objects with {', '.join(MODE_KEYS[:3])}"
         )
     found, shapes, stds = zip(*[_mode(f"mode {k}", entry) for k, entry in enumerate(entries, start=1)], strict=True)

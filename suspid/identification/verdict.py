@@ -36,6 +36,8 @@ if TYPE_CHECKING:
 
 # Fewer samples per unknown of a channel than this: the fit follows any motion.
 SAMPLES_EACH = 8
+# Power near a mode over white noise: what is below widens an interval by less than 3 %.
+NOTICEABLE = 1.05
 
 
 def verdict_of(found: Identification, level: Ratio = LEVEL) -> Verdict:
@@ -172,7 +174,7 @@ def _few_samples(found: Identification) -> Iterator[Check]:
 
 
 def _residual(found: Identification) -> Iterator[Check]:
-    loud = [f"{k} ({amount(value)} times)" for k, value in enumerate(found.loudness, 1) if value > 1]
+    loud = [f"{k} ({amount(value)} times)" for k, value in enumerate(found.loudness, 1) if value > NOTICEABLE]
     if loud:
         yield check_of(ModeCheck.RESIDUAL_LOUD, Level.CARE, {"modes": tuple(loud)})
     else:

@@ -50,13 +50,18 @@ def paired(found: ModalSet, expected: ModalSet, *, mac: RealArray | None, gate: 
     """Return the index of the found mode by the index of its expected mode.
 
     The assignment minimises the sum of pole distances, plus ``1 - mac`` where it is given. Two modes whose poles are
-    further apart than ``gate`` are not paired.
+    further apart than ``gate`` are not paired; a mode of each set that is left alone costs as much as the worst pair
+    within it, so that a missing mode and a new one do not shift all pairs between them.
     """
     from scipy.optimize import linear_sum_assignment
 
     distance = pole_distances(found.poles, expected.poles)
     cost = distance if mac is None else distance + (1 - mac)
-    # A pair beyond the gate costs more than all true pairs together, so it never displaces a true pair.
-    cost = np.where(distance > gate, 1e3 * (1 + cost), cost)
-    pairs = zip(*linear_sum_assignment(cost), strict=True)
-    return {int(j): int(i) for i, j in pairs if distance[i, j] <= gate}
+    worst = gate if mac is None else gate + 1
+    rows, columns = distance.shape
+    # Every mode has a partner of its own that stands for none. A pair beyond the gate costs more than all others.
+    padded = np.full((rows + columns, columns + rows), worst / 2)
+    padded[rows:, columns:] = 0.0
+    padded[:rows, :columns] = np.where(distance > gate, (1 + worst) * (rows + columns), cost)
+    pairs = zip(*linear_sum_assignment(padded), strict=True)
+    return {int(j): int(i) for i, j in pairs if i < rows and j < columns and distance[i, j] <= gate}
