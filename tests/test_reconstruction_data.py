@@ -404,7 +404,7 @@ class TestKnowledge:
         [
             ({"bounds": {"tyre.stiffness": (1, 2)}}, "Did you mean"),
             ({"bounds": {"tire.stiffness": (2, 1)}}, "low"),
-            ({"bounds": {"tire.mass": (1, 2)}}, "held"),
+            ({"bounds": {"tire.mass": (1, 2)}}, "is fixed, so"),
             ({"ties": [("tire.stiffness", "seat.damping")]}, "one kind"),
             ({"nominal_std": {"tire.stiffness": -0.1}}, "positive"),
             ({"free_masses": ["wheel"]}, "no mass"),
