@@ -343,6 +343,19 @@ class TestHalves:
         assert np.corrcoef(found, alone)[0, 1] > 0.98
         assert np.sqrt(np.mean(np.square(found))) == pytest.approx(1.0, abs=0.25)
 
+    def test_a_mode_that_is_seen_takes_its_own_change(self) -> None:
+        # Of two close modes one changes half way: it disagrees by itself, and leaves the other one alone.
+        k, pair = np.arange(1200), poles(-0.004 + 0.4j, -0.004 + 0.42j)
+        steady, cut = np.exp(-0.004 * k) * np.cos(0.4 * k), halfway(0.004, 1200)
+        phase = np.where(k < cut, 0.42 * k, 0.42 * cut + 0.4205 * (k - cut))
+        values = steady + np.exp(-0.004 * k) * np.cos(phase)
+        found = [
+            [disagreement(values + 1e-3 * white(seed, 1, 1200), pair, mode, np.full(1, 1e-3)) for seed in range(10)]
+            for mode in range(2)
+        ]
+        assert np.mean(found[0]) < 2
+        assert np.mean(found[1]) > 5
+
     def test_a_frequency_that_changes_half_way_disagrees(self) -> None:
         k = np.arange(1200)
         values = np.exp(-0.004 * k) * np.cos(0.4 * k + 2e-6 * k**2) + 0.003 * white(1, 1, 1200)

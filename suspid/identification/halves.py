@@ -48,7 +48,7 @@ def disagreement(values: RealArray, poles: Poles, which: int, noise_std: RealArr
     for part in (values[:, :cut], values[:, cut:]):
         if part.shape[1] < FEWEST_SAMPLES:
             return float("nan")
-        fit = _fitted(part - part.mean(axis=1, keepdims=True), known, noise_std, which)
+        fit = _fitted(part - part.mean(axis=1, keepdims=True), known, noise_std)
         # A fit that leads further off than the decay rate, or knows it no better than to a third, is not of this pair.
         if fit is None or abs(fit.poles.pairs[which] - poles.pairs[which]) >= decay:
             return float("nan")
@@ -62,8 +62,8 @@ def disagreement(values: RealArray, poles: Poles, which: int, noise_std: RealArr
     return float(np.sqrt(np.mean(np.array([apart.real, apart.imag]) ** 2 / (variance[0] + variance[1]))))
 
 
-def _fitted(values: RealArray, known: Known, noise_std: RealArray, which: int) -> DecayFit | None:
-    """Return the most probable fit to a part of a record, less its mean; other poles than a pair may be held in it."""
+def _fitted(values: RealArray, known: Known, noise_std: RealArray) -> DecayFit | None:
+    """Return the most probable fit to a part of a record, less its mean."""
     blocks = blocks_of(values)
     noise = KnownNoise(least=noise_std**2).rounded(blocks.energy, blocks.count, of_energies=True)
     start = evaluate(blocks, known.poles, noise)
@@ -76,19 +76,18 @@ def _fitted(values: RealArray, known: Known, noise_std: RealArray, which: int) -
         start = evaluated(known.poles)
     if start is None:
         return None
-    known = _with_unseen_held(start, known, which)
+    known = _with_unseen_held(start, known)
     fit = maximize(blocks, start, noise, known=known, evaluated=evaluated)
     return fit and settled(fit, evaluated, known=known)
 
 
-def _with_unseen_held(start: DecayFit, known: Known, which: int) -> Known:
-    """Return poles as known, but held where the record does not know a pole other than a pair to a third.
+def _with_unseen_held(start: DecayFit, known: Known) -> Known:
+    """Return the known poles; those that the record does not determine to a third are fixed.
 
-    Its amplitude is noise there: the likelihood is no bowl in it, and a fit would wander for nothing.
+    Their amplitudes are noise there, and a fit would take many steps between equally likely poles.
     """
     pairs = len(known.poles.pairs)
     pole = np.concatenate([np.arange(pairs).repeat(2), np.arange(pairs, pairs + len(known.poles.reals))])
     worth = start.information.diagonal() * known.std**2
     seen = np.bincount(pole, weights=worth < KNOWN_TO_A_THIRD) == 0
-    seen[which] = True
     return Known(poles=known.poles, std=np.where(seen[pole], known.std, HELD * known.std))
