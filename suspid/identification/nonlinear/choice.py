@@ -5,22 +5,18 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from suspid.identification.classification import is_tone
 from suspid.identification.fitting import OTHER_FREQUENCY
-from suspid.identification.likelihood import bic_penalty
 from suspid.identification.noise import LOUD, over_channels, power_near
-from suspid.identification.nonlinear.driven import Drive, DrivenFit, maximize
-from suspid.identification.nonlinear.feedback import ROUGH_STEPS, Bent, Record, added, without_forces
-from suspid.identification.nonlinear.forces import ForceKind, forces_of
-from suspid.identification.nonlinear.guesses import with_friction
-from suspid.identification.nonlinear.linearised import slopes_of
+from suspid.identification.nonlinear.beginnings import FIRST, begun, stops_soon
+from suspid.identification.nonlinear.driven import DrivenFit, maximize
+from suspid.identification.nonlinear.feedback import ROUGH_STEPS, Bent, Record, added
+from suspid.identification.nonlinear.forces import ForceKind
 from suspid.identification.nonlinear.motion import Structures, steps_of
-from suspid.identification.nonlinear.own import UNKNOWN, next_poles, repeated
-from suspid.identification.nonlinear.structure import StructureFit, fitted, structure_of
-from suspid.identification.refinement import WORTHWHILE
-from suspid.units import ComplexArray, RealArray
+from suspid.identification.nonlinear.own import next_poles, repeated
+from suspid.identification.nonlinear.standing import explains, misses, stands, worths_of
+from suspid.identification.nonlinear.structure import StructureFit, fitted
+from suspid.units import ComplexArray
 
 # One more mode beside forces must lower the residual of a channel by this factor: a force that is not quite the true
 # one leaves a residual that further poles follow. Lower: distortions become modes. Higher: weak modes are lost.
@@ -34,12 +30,6 @@ ALIKE = 0.03
 WITHIN_REACH = 0.5
 # Kinds of force among those found that are tried, and those that are tried in any case. More cost time.
 KINDS_TRIED, COMMON = 2, (ForceKind.FRICTION, ForceKind.BENT_DAMPER, ForceKind.CUBIC)
-# Steps after which starts are compared.
-FIRST = 6
-# Guesses of friction, each from the poles that the one before leads to.
-GUESSES = 2
-# Share of a record to which a structure is fitted first where the fit to the whole misses something.
-BEGINNING = 0.4
 
 
 def chosen(record: Record, plain: DrivenFit, bent: Bent | None, *, most: int, highest: float) -> StructureFit | None:
@@ -59,8 +49,8 @@ def chosen(record: Record, plain: DrivenFit, bent: Bent | None, *, most: int, hi
         for order, kind in _kinds(record, start, bent):
             if steps_of(start.drive.theta, record.values.shape[1], kind) > longest:
                 continue
-            if best is None or best.bic >= highest or _misses(best):
-                fit = _begun(record, start, order, kind, highest=highest)
+            if best is None or not explains(best, highest):
+                fit = begun(record, start, order, kind, highest=highest)
                 fit = fitted(fit) if fit.bic < highest + WITHIN_REACH * fit.residual.size else fit
                 best = fit if best is None or fit.bic < best.bic else best
     # Where no force was found before, more than a few steps must not be needed.
@@ -78,7 +68,7 @@ def _with_modes(fit: StructureFit, most: int) -> StructureFit:
     """
     waits = len(fit.theta) == 1 and fit.structures.kind is not ForceKind.FRICTION
     fit = fit if waits else _needed(fit)
-    while _misses(fit) and len(fit.theta) < most:
+    while misses(fit) and len(fit.theta) < most:
         more = _with_mode(fit)
         if more is None:
             break
@@ -202,7 +192,8 @@ def _kinds(record: Record, plain: DrivenFit, bent: Bent | None) -> list[tuple[in
     best = sorted((trial for trial in trials if trial.fit.promised < plain.bic), key=lambda trial: trial.fit.promised)
     kinds = list(dict.fromkeys(trial.forces[0].kind for trial in best))[:KINDS_TRIED]
     # Friction that stops masses soon promises little beside the poles of a linear fit.
-    kinds = list(dict.fromkeys([*kinds, ForceKind.FRICTION])) if best else []
+    if best and stops_soon(record, plain):
+        kinds = list(dict.fromkeys([*kinds, ForceKind.FRICTION]))
     return [(order, kind) for kind in kinds for order in sorted({0, best[0].order})]
 
 
@@ -216,42 +207,6 @@ def _needed(fit: StructureFit) -> StructureFit:
     return fit
 
 
-def _begun(record: Record, start: DrivenFit, order: int, kind: ForceKind, *, highest: float) -> StructureFit:
-    """Return a structure with forces of a kind after some steps.
-
-    Where those leave more than noise beside the modes, the best of that, of one that begins with a fit to the
-    beginning of the record, and of one that begins with friction of a guessed size; that is also tried where the BIC is
-    not below the highest, as few samples hide what is left.
-    """
-    forces = forces_of(kind, len(record.values), most=6)
-    plain = structure_of(record, start.drive.theta, start.amplitudes, forces, order)
-    whole = fitted(plain, steps=FIRST)
-    if kind is ForceKind.FRICTION:
-        # Friction hides the poles from a linear fit: a guess beside those of the first is better.
-        single, guessed = forces_of(kind, len(record.values), most=len(record.values)), plain
-        for _ in range(GUESSES):
-            if whole.bic < highest and not _misses(whole):
-                break
-            guessed = structure_of(record, guessed.theta, guessed.amplitudes, single, order)
-            tries = [fitted(each, steps=FIRST) for each in with_friction(guessed)]
-            guessed = min(tries, key=lambda each: each.bic)
-            whole = guessed if guessed.bic < whole.bic else whole
-    if not _misses(whole):
-        return whole
-    count = int(BEGINNING * record.values.shape[1])
-    begun = replace(record, values=record.values[:, :count])
-    linear = maximize(begun.values, _cut(without_forces(start.drive), count), record.noise, steps=ROUGH_STEPS)
-    if linear is None:
-        return whole
-    first = fitted(structure_of(begun, linear.drive.theta, linear.amplitudes, forces, order), steps=FIRST)
-    again = fitted(first.with_record(record), steps=FIRST)
-    return again if again.bic < whole.bic else whole
-
-
-def _cut(drive: Drive, count: int) -> Drive:
-    return replace(drive, forces=drive.forces[:, :count])
-
-
 def _without(fit: StructureFit, index: int) -> StructureFit:
     """Return a start without one of the forces."""
     of = fit.structures
@@ -263,51 +218,3 @@ def _without(fit: StructureFit, index: int) -> StructureFit:
         scales=np.delete(of.scales, index),
     )
     return fit.with_structures(fewer)
-
-
-def worths_of(fit: StructureFit) -> RealArray:
-    """Return the gain of each force in twice the log likelihood, from its gains and their covariance, (force,)."""
-    covariance, gains = fit.covariance, fit.structures.gains[0]
-    first = 2 * (fit.structures.theta.size + fit.structures.shapes.size)
-    out = np.empty(len(fit.forces))
-    for j in range(len(out)):
-        places = first + 2 * (np.arange(len(gains)) * len(out) + j)
-        at = np.ravel(np.column_stack([places, places + 1]))
-        parts = np.column_stack([gains[:, j].real, gains[:, j].imag]).ravel()
-        scale = 1 / np.sqrt(np.maximum(covariance.diagonal()[at], 1e-300))
-        unit = covariance[np.ix_(at, at)] * np.outer(scale, scale)
-        out[j] = (parts * scale) @ np.linalg.lstsq(unit, parts * scale, rcond=1e-6)[0]
-    return out
-
-
-def _misses(fit: StructureFit) -> bool:
-    """Return whether more than noise is left near a mode."""
-    return bool(np.any(_beside(fit) > LOUD))
-
-
-def _beside(fit: StructureFit) -> RealArray:
-    """Return the power of the residual near each pole over that of white noise, (pole,)."""
-    weights = np.abs(fit.amplitudes).T ** 2 / fit.variance[:, None]
-    return over_channels(power_near(fit.residual, fit.variance, fit.theta), weights)
-
-
-def stands(fit: StructureFit) -> NDArray[np.bool_]:
-    """Return whether each pole decays, makes a cycle, stands out of the residual near it and is known, (pole,).
-
-    It is below the Nyquist frequency.
-    """
-    theta, slopes = slopes_of(fit)
-    covariance = fit.covariance
-    if not np.all(np.isfinite(theta)):
-        return np.isfinite(theta)
-    energy = np.sum(np.abs(fit.amplitudes).T ** 2 / fit.variance[:, None], axis=0)
-    energy = energy * np.sum(np.abs(fit.motion.states[0]) ** 2, axis=1) / 2
-    beside = _beside(fit)
-    beside = np.where(beside > LOUD, beside, 1.0)
-    needed = WORTHWHILE * bic_penalty(len(fit.residual), fit.residual.size) * beside
-    variances = np.diag(slopes @ covariance @ slopes.T).reshape(-1, 2) * beside[:, None]
-    count = fit.residual.shape[1]
-    tones = [is_tone(-each.real, float(np.sqrt(v[0])), count) for each, v in zip(theta, variances, strict=True)]
-    known = np.sqrt(np.sum(variances, axis=1)) < UNKNOWN * np.abs(theta)
-    turns = (theta.imag * count > 2 * np.pi) & (np.abs(theta) < np.pi)
-    return np.asarray((energy > needed) & ~np.array(tones) & known & turns)

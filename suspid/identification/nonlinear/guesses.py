@@ -23,12 +23,16 @@ VISCOUS = (0.2, 1.0)
 MOST_ALONE = 2
 # Starts that are fitted: the fit may end beside the best one from the most likely.
 TRIED = 3
+# Loss per sample by which they may be above the start without friction: friction that stops masses soon explains at
+# least as much at once, or nearly. Of masses that no friction stops, the guesses lose two or more.
+WORSE = 1.0
 
 
 def with_friction(plain: StructureFit) -> list[StructureFit]:
     """Return the most likely starts near a structure on which no force acts yet, with friction of several sizes.
 
-    The friction of a mass slows that mass alone, and moves none at once: that settles the gains of all modes.
+    There are none where friction of no size explains the record. The friction of a mass slows that mass alone, and
+    moves none at once: that settles the gains of all modes.
     """
     of, channels = plain.structures, len(plain.residual)
     alone = channels <= MOST_ALONE
@@ -45,9 +49,10 @@ def with_friction(plain: StructureFit) -> list[StructureFit]:
             gains[one, :, :channels] = gains_of(theta[one], shapes[one], slowed[one])
         guesses = replace(of, theta=theta, shapes=shapes, gains=gains)
         shapes, losses = _refitted(plain, guesses, slowed)
+    likely = [one for one in np.argsort(losses)[:TRIED] if losses[one] < plain.loss + WORSE * plain.residual.size]
     return [
         plain.with_structures(replace(of, theta=theta[[one]], shapes=shapes[[one]], gains=gains[[one]]))
-        for one in np.argsort(losses)[:TRIED]
+        for one in likely
     ]
 
 

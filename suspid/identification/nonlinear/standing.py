@@ -1,0 +1,68 @@
+"""What a structure explains: what it leaves near its modes, which modes stand, and what each force is worth."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from suspid.identification.classification import is_tone
+from suspid.identification.likelihood import bic_penalty
+from suspid.identification.noise import LOUD, over_channels, power_near
+from suspid.identification.nonlinear.linearised import slopes_of
+from suspid.identification.nonlinear.own import UNKNOWN
+from suspid.identification.nonlinear.structure import StructureFit
+from suspid.identification.refinement import WORTHWHILE
+from suspid.units import RealArray
+
+
+def explains(fit: StructureFit, highest: float) -> bool:
+    """Return whether the BIC of a fit is below the highest and no more than noise is left near a mode."""
+    return fit.bic < highest and not misses(fit)
+
+
+def misses(fit: StructureFit) -> bool:
+    """Return whether more than noise is left near a mode."""
+    return bool(np.any(beside(fit) > LOUD))
+
+
+def beside(fit: StructureFit) -> RealArray:
+    """Return the power of the residual near each pole over that of white noise, (pole,)."""
+    weights = np.abs(fit.amplitudes).T ** 2 / fit.variance[:, None]
+    return over_channels(power_near(fit.residual, fit.variance, fit.theta), weights)
+
+
+def stands(fit: StructureFit) -> NDArray[np.bool_]:
+    """Return whether each pole decays, makes a cycle, stands out of the residual near it and is known, (pole,).
+
+    It is below the Nyquist frequency.
+    """
+    theta, slopes = slopes_of(fit)
+    covariance = fit.covariance
+    if not np.all(np.isfinite(theta)):
+        return np.isfinite(theta)
+    energy = np.sum(np.abs(fit.amplitudes).T ** 2 / fit.variance[:, None], axis=0)
+    energy = energy * np.sum(np.abs(fit.motion.states[0]) ** 2, axis=1) / 2
+    left = beside(fit)
+    left = np.where(left > LOUD, left, 1.0)
+    needed = WORTHWHILE * bic_penalty(len(fit.residual), fit.residual.size) * left
+    variances = np.diag(slopes @ covariance @ slopes.T).reshape(-1, 2) * left[:, None]
+    count = fit.residual.shape[1]
+    tones = [is_tone(-each.real, float(np.sqrt(v[0])), count) for each, v in zip(theta, variances, strict=True)]
+    known = np.sqrt(np.sum(variances, axis=1)) < UNKNOWN * np.abs(theta)
+    turns = (theta.imag * count > 2 * np.pi) & (np.abs(theta) < np.pi)
+    return np.asarray((energy > needed) & ~np.array(tones) & known & turns)
+
+
+def worths_of(fit: StructureFit) -> RealArray:
+    """Return the gain of each force in twice the log likelihood, from its gains and their covariance, (force,)."""
+    covariance, gains = fit.covariance, fit.structures.gains[0]
+    first = 2 * (fit.structures.theta.size + fit.structures.shapes.size)
+    out = np.empty(len(fit.forces))
+    for j in range(len(out)):
+        places = first + 2 * (np.arange(len(gains)) * len(out) + j)
+        at = np.ravel(np.column_stack([places, places + 1]))
+        parts = np.column_stack([gains[:, j].real, gains[:, j].imag]).ravel()
+        scale = 1 / np.sqrt(np.maximum(covariance.diagonal()[at], 1e-300))
+        unit = covariance[np.ix_(at, at)] * np.outer(scale, scale)
+        out[j] = (parts * scale) @ np.linalg.lstsq(unit, parts * scale, rcond=1e-6)[0]
+    return out
