@@ -53,10 +53,13 @@ def begun(record: Record, start: DrivenFit, order: int, kind: ForceKind, *, high
 
 
 def stops_soon(record: Record, start: DrivenFit) -> bool:
-    """Return whether a record is so short that friction may have stopped the masses after a few cycles."""
+    """Return whether a record is so short that friction may have stopped the masses after a few cycles.
+
+    That of a single mode is found from its swings.
+    """
     theta, count = start.drive.theta, record.values.shape[1]
     cycles = float(np.min(theta.imag)) * count / (2 * np.pi)
-    return cycles < CYCLES_GUESSED and steps_of(theta, count, ForceKind.FRICTION) <= LONGEST_GUESSED
+    return len(theta) > 1 and cycles < CYCLES_GUESSED and steps_of(theta, count, ForceKind.FRICTION) <= LONGEST_GUESSED
 
 
 def _guessed(whole: StructureFit, plain: StructureFit, *, highest: float) -> StructureFit:
