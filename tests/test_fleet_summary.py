@@ -198,6 +198,7 @@ class TestTrends:
             "noisy": (np.arange(8.0), 1500 + 300 * rng.standard_normal(8), np.full(8, 30.0))
         }
 
+    @pytest.mark.slow
     def test_a_noisy_vehicle_raises_no_false_trend(self) -> None:
         """Its interval is that of its own scatter, with its own 6 degrees of freedom: one in 20 misses zero."""
         found = [t for seed in range(1000) for t in trends_of("c", self.with_a_noisy_one(seed)) if t.vehicle == "noisy"]

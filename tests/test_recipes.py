@@ -15,6 +15,9 @@ import pytest
 import suspid
 from suspid import identify, read_record
 
+# Each copies the library and starts it anew.
+pytestmark = pytest.mark.slow
+
 RECORD = Path("examples/quarter_car.csv").resolve()
 
 

@@ -208,8 +208,7 @@ def goodness(problem: Problem, best: Optimum, tolerance: Ratio) -> tuple[float |
     freedom = problem.rows - (len(u) - equations)
     if not problem.weighted:
         return None, freedom, misfit(problem, x) <= tolerance
-    free = min(best.free, int(np.sum((x > u.lower * (1 + 1e-9)) & (x < u.upper * (1 - 1e-9)))))
-    return problem.chi_square(x), freedom, likely(problem.chi_square(x), problem.rows - free)
+    return problem.chi_square(x), freedom, likely(problem.chi_square(x), problem.rows - best.free)
 
 
 def misfit(problem: Problem, x: RealArray) -> Ratio:
