@@ -83,6 +83,13 @@ def test_modes(files: Path, tmp_path: Path) -> None:
     assert not re.search("pass|fail|expected|found", same)
 
 
+@pytest.mark.parametrize("option", ["--damper-std", "--load-std", "--nominal-std"])
+def test_options_of_springs_and_dampers_are_refused_beside_modes(files: Path, option: str) -> None:
+    result = run("compare", files / "new_modes.json", files / "worn_modes.json", option, 0.1)
+    assert result.exit_code == 2
+    assert option in result.output
+
+
 def test_refusals(files: Path, tmp_path: Path) -> None:
     mixed = run("compare", files / "new.json", files / "worn_modes.json")
     assert (mixed.exit_code, "results of one kind" in mixed.output) == (1, True)

@@ -122,8 +122,9 @@ def _disordered(times: RealArray) -> str:
     if not back.size:
         same = np.flatnonzero(np.diff(times) == 0)
         return (
-            f"{same.size} time stamps occur twice with different samples, the first at t = {times[same[0]]:g} s, and "
-            f"no uniform clock rounds to them; remove one row of each, or give {Argument('fs')} if the rows are regular"
+            f"{same.size} rows have the time stamp of the row before, with other samples, the first at "
+            f"t = {times[same[0]]:g} s, and no uniform clock rounds to them; remove one row of each, or give "
+            f"{Argument('fs')} if the rows are regular"
         )
     edges = np.concatenate([[0], back + 1, [times.size]])
     longest = int(np.argmax(np.diff(edges)))

@@ -16,6 +16,7 @@ from suspid.cli.quantities import Positive
 from suspid.errors import InputError
 from suspid.files import naming, parsed_json, read_text, replacing
 from suspid.text_tables import text_table
+from suspid.values import listed
 from suspid.words import count
 
 if TYPE_CHECKING:
@@ -110,6 +111,12 @@ def compare_command(
         else:
             if len(before) > 1:
                 raise click.UsageError("Compare the modes of two results at a time.")
+            unused = {"--damper-std": damper_std, "--load-std": load_std, "--nominal-std": nominal_std}
+            if given := [name for name, value in unused.items() if value is not None]:
+                raise click.UsageError(
+                    f"{after} and {before[0]} hold modes, which have their own standard deviations; leave out "
+                    f"{listed(given)}, meant for springs and dampers."
+                )
             text, content = _modes(before[0], after)
             if figure_draft:
                 save_picture(partial(_draw_modes, before[0], after), figure_draft, size=HALF_PAGE)
