@@ -157,7 +157,7 @@ class TestRows:
         steps[[200, 500, 501, 502, 700]] = 0.0
         stamps = np.concatenate([[0.0], np.cumsum(steps)]) + np.sqrt(2) * np.linspace(0, 1e-6, 1000).round(9)
         stamps[201] = stamps[200]
-        with pytest.raises(RecordError, match="time stamp of the row before|irregular"):
+        with pytest.raises(RecordError, match="time stamps repeat the one before|irregular"):
             read_clock(np.repeat(np.cumsum(np.random.default_rng(1).exponential(size=500)), 2), wave(stamps)[None])
 
 
@@ -295,7 +295,7 @@ class TestAnyGrid:
         taken = np.arange(11_000) / 259.7
         taken[6000:] += 9.0
         stamps = np.round(read[np.searchsorted(read, taken)], 3)
-        with pytest.raises(RecordError, match="have the time stamp of the row before"):
+        with pytest.raises(RecordError, match="time stamps repeat the one before"):
             read_clock(stamps, wave(taken / 10)[None])
 
     @pytest.mark.parametrize(("rate", "quantum"), GRIDS)

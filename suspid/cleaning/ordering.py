@@ -122,7 +122,7 @@ def _disordered(times: RealArray) -> str:
     if not back.size:
         same = np.flatnonzero(np.diff(times) == 0)
         return (
-            f"{same.size} rows have the time stamp of the row before, with other samples, the first at "
+            f"{same.size} time stamps repeat the one before, with other samples, the first at "
             f"t = {times[same[0]]:g} s, and no uniform clock rounds to them; remove one row of each, or give "
             f"{Argument('fs')} if the rows are regular"
         )
