@@ -199,7 +199,11 @@ class Recording:
         2.0
         """
         if name not in self.tests:
-            known = f"it contains {listed(self.tests)}" if self.tests else f"it contains only one, so leave out {Argument('test')}"
+            known = (
+                f"it contains {listed(self.tests)}"
+                if self.tests
+                else f"it contains only one, so leave out {Argument('test')}"
+            )
             raise RecordError(f"there is no test {name!r}: {known}")
         return replace(self, channels=tuple(channel for channel in self.channels if channel.test == name))
 
