@@ -114,8 +114,7 @@ def doubts_of(decay: Decay, found: Identification) -> tuple[Check, ...]:
 
     A quick fit takes means of several samples. That these are few says nothing of an identification, which takes all.
     """
-    refuted = FIT if settled(found) else frozenset()
-    answered = ANSWERED if settled(found) else frozenset()
+    refuted, answered = (FIT, ANSWERED) if settled(found) else (frozenset(), frozenset())
     return tuple(
         Check(
             Remark(RecordCheck.DECAY, {"doubt": str(doubt)}),

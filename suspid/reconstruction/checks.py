@@ -208,7 +208,8 @@ def goodness(problem: Problem, best: Optimum, tolerance: Ratio) -> tuple[float |
     freedom = problem.rows - (len(u) - equations)
     if not problem.weighted:
         return None, freedom, misfit(problem, x) <= tolerance
-    return problem.chi_square(x), freedom, likely(problem.chi_square(x), problem.rows - best.free)
+    chi_square = problem.chi_square(x)
+    return chi_square, freedom, likely(chi_square, problem.rows - best.free)
 
 
 def misfit(problem: Problem, x: RealArray) -> Ratio:

@@ -24,7 +24,7 @@ MOST_ALONE = 2
 # Starts that are fitted: the fit may end beside the best one from the most likely.
 TRIED = 3
 # Loss per sample by which they may be above the start without friction: friction that stops masses soon explains at
-# least as much at once, or nearly. Of masses that no friction stops, the guesses lose two or more.
+# least as much at once, or nearly. Of masses that no friction stops, the guesses mostly lose more.
 WORSE = 1.0
 
 
