@@ -18,7 +18,9 @@ from suspid.greybox.car_records import nameless_forces
 from suspid.greybox.causes import likely_causes
 from suspid.greybox.damper_curve import damper_curve
 from suspid.greybox.damper_curves import DamperCurve, LineTest
-from suspid.greybox.drives import Drive, DriveLimits, Drives, left_for, stretch_table, summary_table
+from suspid.greybox.drive_limits import DriveLimits
+from suspid.greybox.drive_tables import left_for, stretch_table, summary_table
+from suspid.greybox.drives import Drive, Drives
 from suspid.greybox.estimate import estimate
 from suspid.greybox.estimate_tables import nominal_value, parameter_table, parameter_unit, quantities_in
 from suspid.greybox.estimates import Estimate

@@ -9,7 +9,7 @@ import numpy as np
 
 from suspid.cleaning import MOST_FILLED, Aligned, aligned, clipped_times, stuck_times
 from suspid.errors import RecordError
-from suspid.greybox.drives import DriveLimits
+from suspid.greybox.drive_limits import DriveLimits
 from suspid.greybox.shaken import Shaken
 from suspid.greybox.speeds import Going, Way, going
 from suspid.recordings import RawChannel

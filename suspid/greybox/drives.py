@@ -4,88 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from textwrap import wrap
 from typing import TYPE_CHECKING, overload
 
 import numpy as np
 
-from suspid.errors import InputError
-from suspid.files import printable
+from suspid.greybox.drive_tables import left_for, stretch_table, summary_table
 from suspid.results import Result, columns_of
-from suspid.text_tables import COLUMN_GAP, TERMINAL, text_table
-from suspid.units import Hertz, MetrePerSecond, MetrePerSecond2, RealArray, Second
-from suspid.wording import Argument
-from suspid.words import Check, Code, Level, Remark, Verdict
+from suspid.units import MetrePerSecond, RealArray, Second
+from suspid.words import Check, Level, Remark, Verdict
 from suspid.words.drives import DriveRemark
 
 if TYPE_CHECKING:
     import control
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class DriveLimits:
-    """Limits of a usable stretch of a drive. All are physical quantities; none depends on the record.
-
-    Parameters
-    ----------
-    least_speed : float
-        Speed from which a car counts as moving [m/s]. Below walking pace a car manoeuvres: it is steered, pulls away
-        and stops.
-    least_vibration : float
-        Vibration from which a car counts as moving where its speed is not known [m/s2], see `band_hz`. A very good road
-        (class A of ISO 8608) taken at 3 m/s moves the bodies of ordinary cars by 0.1 m/s2, cars at rest by less than
-        0.02 m/s2.
-    longitudinal, lateral : float
-        Largest acceleration [m/s2], mean over a block. With a centre of gravity at a fifth of the wheelbase, 1.5 m/s2
-        move 3 % of the weight from one axle to the other; springs and dampers then work away from their usual point,
-        and the inertia of the body is a force that no channel shows.
-    band_hz : (float, float)
-        Frequencies in which the vibration is judged [Hz]: above the pitching of braking, below the second order of
-        idling engines. Its level follows from the median of the spectrum in the band, which single lines do not change.
-    block : float
-        Length of the blocks for each of which it is decided [s]: a period of the body or more, so that braking is not
-        hidden by vibration.
-    shortest : float
-        Least length of a stretch [s]: `estimate` transforms stretches of eight periods of the body.
-    recovery : float
-        Time after clipping for which a sensor is given to recover [s]: what drove it out of range rings on, and so do
-        its filters.
-    stuck : float
-        How long a channel may stay at exactly one value while the car moves [s]: half a period of the slowest body.
-
-    Examples
-    --------
-    >>> from suspid import DriveLimits
-    >>> limits = DriveLimits(least_speed=8.0, shortest=30.0)
-    >>> limits.least_speed, limits.longitudinal
-    (8.0, 1.5)
-    """
-
-    least_speed: MetrePerSecond = 3.0
-    least_vibration: MetrePerSecond2 = 0.05
-    longitudinal: MetrePerSecond2 = 1.5
-    lateral: MetrePerSecond2 = 1.5
-    band_hz: tuple[Hertz, Hertz] = (1.0, 15.0)
-    block: Second = 1.0
-    shortest: Second = 10.0
-    recovery: Second = 0.5
-    stuck: Second = 0.5
-
-    def __post_init__(self) -> None:
-        for name in (
-            "least_speed",
-            "least_vibration",
-            "longitudinal",
-            "lateral",
-            "block",
-            "shortest",
-            "recovery",
-            "stuck",
-        ):
-            if not getattr(self, name) > 0:
-                raise InputError(Argument(name, str(getattr(self, name))), " must be positive")
-        if not 0 < self.band_hz[0] < self.band_hz[1]:
-            raise InputError(Argument("band_hz", f"{self.band_hz}"), " must be a lower and a higher frequency [Hz]")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -296,70 +226,3 @@ class Drives(Sequence[Drive], Result):
     def details(self) -> str:
         """Return everything as text: each stretch with its reasons, and `str`."""
         return f"{stretch_table(self)}\n{self}" if self else str(self)
-
-
-def stretch_table(drives: Sequence[Drive]) -> str:
-    """Return a table of all stretches with their reasons, each on lines of its own within a terminal.
-
-    Examples
-    --------
-    >>> from suspid.words.drives import DriveReason
-    >>> slow = Remark(DriveReason.SLOW, {"limit": 3.0, "low": 0.0})
-    >>> hard = Remark(DriveReason.BRAKING, {"limit": 1.5, "most": 2.0})
-    >>> print(stretch_table([Drive(start=0.0, stop=22.0, taken=False, reasons=(slow, hard), speed=1.5)]))
-      start [s]    stop [s]    speed [m/s]        because
-    -----------  ----------  -------------  ----  ----------------------------------
-              0          22            1.5  left  slower than 3 m/s (down to 0 m/s)
-                                                  braking or accelerating with up to
-                                                  2 m/s2 (limit 1.5 m/s2)
-    """
-    columns: dict[str, list[str]] = {
-        "start [s]": [_second(one.start) for one in drives],
-        "stop [s]": [_second(one.stop) for one in drives],
-        "speed [m/s]": ["" if np.isnan(one.speed) else f"{one.speed:.3g}" for one in drives],
-        "": ["taken" if one.taken else "left" for one in drives],
-    }
-    taken = max(map(len, text_table(columns).split("\n")))
-    lines = [
-        [line for reason in one.reasons for line in wrap(printable(str(reason)), TERMINAL - taken - COLUMN_GAP)]
-        for one in drives
-    ]
-    long = {
-        name: [cell for text, own in zip(column, lines, strict=True) for cell in (text, *[""] * (len(own) - 1))]
-        for name, column in columns.items()
-    }
-    because = {"because": [line for own in lines for line in own]}
-    return text_table({**long, **because}, words=because)
-
-
-def _second(time: Second) -> str:
-    """Return a time as text, to a millisecond: estimated clocks begin a few microseconds from zero."""
-    return f"{round(time, 3) + 0.0:.10g}"
-
-
-def _by_reason(drives: Sequence[Drive]) -> list[tuple[tuple[bool, Code], list[Drive]]]:
-    """Return the stretches by whether they were left and the gravest reason, the longest together first."""
-    groups: dict[tuple[bool, Code], list[Drive]] = {}
-    for one in drives:
-        groups.setdefault((not one.taken, one.reasons[0].code), []).append(one)
-    return sorted(groups.items(), key=lambda item: (item[0][0], -sum(one.length for one in item[1])))
-
-
-def left_for(drives: Sequence[Drive]) -> str:
-    """Return in words how long was left for which reason first."""
-    return ", ".join(
-        f"{sum(one.length for one in every):.4g} s {code}" for (left, code), every in _by_reason(drives) if left
-    )
-
-
-def summary_table(drives: Sequence[Drive]) -> str:
-    """Return a table of how long was taken, and left for which reason first."""
-    order = _by_reason(drives)
-    return text_table(
-        {
-            "stretches": [str(len(every)) for _, every in order],
-            "length [s]": [f"{sum(one.length for one in every):.4g}" for _, every in order],
-            "": ["left" if left else "taken" for (left, _), _ in order],
-            "because": [str(code) for (_, code), _ in order],
-        }
-    )

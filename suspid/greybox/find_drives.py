@@ -12,7 +12,8 @@ from suspid.cleaning import Finding, RecordLike, as_record, parts_of
 from suspid.errors import InputError, RecordError
 from suspid.greybox.blocks import examined
 from suspid.greybox.car_records import renaming
-from suspid.greybox.drives import Drive, DriveLimits, Drives
+from suspid.greybox.drive_limits import DriveLimits
+from suspid.greybox.drives import Drive, Drives
 from suspid.greybox.shaken import order_in, said_of, shaken_of
 from suspid.greybox.speeds import way_of
 from suspid.greybox.stretches import judged, stretches_of

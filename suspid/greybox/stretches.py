@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.greybox.blocks import Blocks
-from suspid.greybox.drives import Drive, DriveLimits
+from suspid.greybox.drive_limits import DriveLimits
+from suspid.greybox.drives import Drive
 from suspid.greybox.speeds import Way
 from suspid.records import as_response
 from suspid.units import Flags, RealArray
