@@ -31,7 +31,6 @@ from suspid import (
 from suspid.greybox.curve_fit import CurveFit, Linearised, Noise, Shape
 from suspid.greybox.curve_noise import Residual
 from suspid.greybox.curve_settling import too_loud
-from suspid.greybox.damper_curve import _line_test
 from suspid.greybox.force_basis import bend_covariance, node_weights, placed_nodes, sign_between, smooth_weights
 from suspid.greybox.latent_splines import (
     FINE_POINTS,
@@ -42,6 +41,7 @@ from suspid.greybox.latent_splines import (
     spline_through,
     stencils,
 )  # fmt: skip
+from suspid.greybox.line_test import line_test
 from suspid.greybox.strut_motion import strut_motion
 from suspid.records import as_response
 from suspid.reporting import json_schema, plot_damper_curve
@@ -183,7 +183,7 @@ class TestStatistics:
                 theta=drawn.mean(axis=0), covariance=np.cov(drawn.T) / count, splines=(), records=(part,), steps=1,
                 settled=True,
             )  # fmt: skip
-            return not _line_test(shape, fit, level)
+            return not line_test(shape, fit, level)
 
         # 2000 draws tell 5 % to 0.5 %, 20 % to 0.9 %.
         assert np.mean([rejected() for _ in range(2000)]) == pytest.approx(level, abs=0.018 if level < 0.1 else 0.03)

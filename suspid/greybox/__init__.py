@@ -7,9 +7,10 @@ gains, delays), `search` and `time_domain`; in the frequency domain `spectra`, `
 `measured_causes` (errors in variables), `noise_levels`, `wheel_problem`, `settling`, `suspects`, `frequency_domain`
 and `late_causes` (clocks). `whiteness`, `leftover`, `misfit`, `identifiability`, `modal` and `judgement` say how far
 the result can be trusted, `estimates` holds it; `causes` says what may have moved the car, and `by_cause` tries it in
-turn. `find_drives` finds the usable stretches of long recordings: `speeds`, `blocks`, `stretches`, `drives`.
+turn. `find_drives`: `drive_limits`, `speeds`, `blocks`, `stretches`, `drives`, usable stretches of recordings.
 With a model of the road: `rolling`, `wheel_power`, `reach`, `road_model`, `tire_fit`, `whole_car`, `roads`.
-`damper_curve`: `strut_motion`, `latent_splines`, `force_basis`, `curve_fit`, `curve_noise`, `damper_curves`.
+`damper_curve`: `strut_motion`, `latent_splines`, `force_basis`, `curve_fit`, `curve_noise`, `line_test`,
+`curve_checks`, `damper_curves`.
 """
 
 from suspid.greybox.body_modes import BodyMode, BodyModes, body_modes
@@ -17,7 +18,7 @@ from suspid.greybox.by_cause import estimate_by_cause
 from suspid.greybox.car_records import nameless_forces
 from suspid.greybox.causes import likely_causes
 from suspid.greybox.damper_curve import damper_curve
-from suspid.greybox.damper_curves import DamperCurve, LineTest
+from suspid.greybox.damper_curves import DamperCurve
 from suspid.greybox.drive_limits import DriveLimits
 from suspid.greybox.drive_tables import left_for, stretch_table, summary_table
 from suspid.greybox.drives import Drive, Drives
@@ -25,6 +26,7 @@ from suspid.greybox.estimate import estimate
 from suspid.greybox.estimate_tables import nominal_value, parameter_table, parameter_unit, quantities_in
 from suspid.greybox.estimates import Estimate
 from suspid.greybox.find_drives import find_drives
+from suspid.greybox.line_test import LineTest
 from suspid.greybox.roads import RoadEstimate
 from suspid.greybox.trials import RecordTest
 from suspid.greybox.wheels import body_channels, wheels_missing, wheels_of

@@ -10,14 +10,16 @@ import numpy as np
 from suspid.arguments import explained
 from suspid.cleaning import RecordLike
 from suspid.errors import EstimationError, InputError, RecordError
+from suspid.greybox.curve_checks import checks_of
 from suspid.greybox.curve_fit import CurveFit, Noise, Shape, first_spline, fitted_curve
 from suspid.greybox.curve_following import Following
 from suspid.greybox.curve_noise import Residual, drawn_noises, misfit_of, noise_of, probes, residual_of
 from suspid.greybox.curve_settling import is_lost, of_both_readings, settled
 from suspid.greybox.curve_travel import travel_fit
-from suspid.greybox.damper_curves import DamperCurve, LineTest, rising
+from suspid.greybox.damper_curves import DamperCurve
 from suspid.greybox.force_basis import MOST_NODES, SAMPLES_A_NODE, bend_covariance, placed_nodes
 from suspid.greybox.latent_splines import CORNER_SHARE
+from suspid.greybox.line_test import line_test
 from suspid.greybox.strut_motion import StrutMotion, strut_motion
 from suspid.greybox.trials import records_of
 from suspid.levels import check_level, likely
@@ -25,22 +27,15 @@ from suspid.model import Suspension
 from suspid.threads import in_one_thread
 from suspid.units import Ratio, RealArray
 from suspid.values import frozen_real
-from suspid.words import Check, Level, Remark, Verdict
-from suspid.words.dampers import CurveCheck, CurveHeadline
+from suspid.words import Remark, Verdict
+from suspid.words.dampers import CurveHeadline
 
 # Noise of an accelerometer to begin with [m/s2]; what a fit leaves corrects it.
 FIRST_NOISE = 0.05
 # Level of the test whether a damper is viscous: one false alarm in a hundred.
 VISCOUS_LEVEL = 0.01
-# Error of the velocity beyond which that is said, as a share of its root mean square: a tenth of the distance between
-# two nodes or more.
-BLURRED_SHARE = 0.03
-# Ranges of velocity on each side whose rates the test compares.
-LINE_RANGES = 4
 # First node, in changes of velocity within the time constant of the filter.
 FIRST_NODE = 1.5
-# Share of the largest force by which forces may be uncertain before that is said.
-VAGUE_SHARE = 0.1
 # More nodes may not be asked for: the time grows with their square, and each needs samples.
 MOST_ASKED = 100
 
@@ -194,39 +189,6 @@ def _onto(theta: RealArray, old: Shape, new: Shape) -> RealArray:
     return np.concatenate([theta[:1], slope * new.moving, [0.0] if new.friction else []])
 
 
-def _line_test(shape: Shape, fit: CurveFit, level: Ratio) -> LineTest:
-    """Return Hotelling's test that the rates in all ranges of velocity are equal, and there is no friction.
-
-    The rate of a range is ``sum(v F) / sum(v^2)`` over its nodes. Single nodes would ask for more blocks than a short
-    record has.
-    """
-    from scipy.stats import f
-
-    v, covariance = shape.moving, fit.covariance[1:, 1:]
-    sides = [np.flatnonzero(v < 0), np.flatnonzero(v > 0)]
-    ranges = [part for side in sides for part in np.array_split(side, min(LINE_RANGES, len(side)))]
-    rates = np.zeros((len(ranges), len(covariance)))
-    for row, part in zip(rates, ranges, strict=True):
-        row[part] = v[part] / np.sum(v[part] ** 2)
-    contrasts = np.diff(rates, axis=0)
-    if shape.friction:
-        contrasts = np.vstack([contrasts, np.eye(len(covariance))[-1]])
-    off = contrasts @ fit.theta[1:]
-    count, blocks = len(off), sum(len(part.scores) for part in fit.records)
-    square = float(off @ np.linalg.solve(contrasts @ covariance @ contrasts.T, off))
-    # The covariance comes from as many scores as blocks, less the unknowns.
-    rest = max(blocks - len(fit.theta), count + 1)
-    residual = rest - count + 1
-    statistic = square * residual / (count * rest)
-    return LineTest(
-        statistic=statistic,
-        freedom=count,
-        residual_freedom=residual,
-        p_value=float(f.sf(statistic, count, residual)),
-        level=level,
-    )
-
-
 def _result(
     left: Residual,
     car: Suspension,
@@ -238,7 +200,7 @@ def _result(
     follows: Following | None = None,
 ) -> DamperCurve:
     velocity = np.concatenate([part.velocity for part in fit.records])
-    line = _line_test(shape, fit, level)
+    line = line_test(shape, fit, level)
     chi_square, freedom = misfit_of(left)
     size = len(shape.nodes)
     spread = np.zeros((size + 2, len(fit.theta)))
@@ -266,46 +228,5 @@ def _result(
         explains=likely(chi_square, freedom) if follows is None else not (follows or follows.pushed),
         verdict=Verdict(Remark(CurveHeadline.LINE if line else CurveHeadline.CURVE, {"strut": strut})),
     )
-
-    residual = _residual_check(made, follows=bool(follows))
-    return replace(made, verdict=Verdict(made.verdict.headline, tuple(_checks(made, fit, noise, residual))))
-
-
-def _checks(found: DamperCurve, fit: CurveFit, noise: Noise, residual: Check) -> list[Check]:
-    line = found.linear
-    tested = {
-        "level": line.level,
-        "statistic": line.statistic,
-        "freedom": line.freedom,
-        "residual_freedom": line.residual_freedom,
-        "p_value": line.p_value,
-    }
-    checks = [
-        Check(Remark(CurveCheck.STRAIGHT if line else CurveCheck.BENDS, tested), Level.NOTE),
-        residual,
-        Check(Remark(CurveCheck.MASSES), Level.NOTE),
-    ]
-    if found.friction_sought and found.friction > 2.6 * found.friction_std:
-        numbers = {"friction": found.friction, "std": found.friction_std}
-        checks.append(Check(Remark(CurveCheck.FRICTION, numbers), Level.NOTE))
-    off = float(np.max(np.abs(rising(found) - found.forces)))
-    if off > 0:
-        checks.append(Check(Remark(CurveCheck.FALLS, {"error": off}), Level.NOTE))
-    share = float(np.max(found.std) / np.max(np.abs(found.forces)))
-    if share > VAGUE_SHARE:
-        checks.append(Check(Remark(CurveCheck.VAGUE, {"share": share}), Level.CARE))
-    blur = noise.velocity / found.velocity_std
-    if blur > BLURRED_SHARE:
-        checks.append(Check(Remark(CurveCheck.BLURRED, {"error": noise.velocity, "share": blur}), Level.CARE))
-    if not fit.settled:
-        checks.append(Check(Remark(CurveCheck.UNSETTLED, {"steps": fit.steps}), Level.CARE))
-    return checks
-
-
-def _residual_check(found: DamperCurve, *, follows: bool) -> Check:
-    misfit = {"chi_square": found.chi_square, "freedom": found.freedom, "ratio": found.following}
-    if not found.explains:
-        return Check(Remark(CurveCheck.FOLLOWS if follows else CurveCheck.UNEXPLAINED, misfit), Level.CARE)
-    if likely(found.chi_square, found.freedom):
-        return Check(Remark(CurveCheck.EXPLAINS, misfit), Level.SOUND)
-    return Check(Remark(CurveCheck.ADDED, misfit), Level.NOTE)
+    checks = checks_of(made, fit, noise, follows=bool(follows))
+    return replace(made, verdict=Verdict(made.verdict.headline, tuple(checks)))

@@ -7,49 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from suspid.greybox.damper_curve_tables import curve_table, summary
+from suspid.greybox.line_test import LineTest
 from suspid.levels import LEVEL, check_level, normal_reach
 from suspid.model import Strut, Suspension, equal_work
 from suspid.results import Result
-from suspid.text_tables import rounded, spread, text_table
 from suspid.units import MetrePerSecond, Newton, NewtonPerMetre, NewtonSecondPerMetre, Ratio, RealArray
 from suspid.words import Verdict
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class LineTest:
-    """The test whether a damper is viscous: all forces in proportion to the velocity, and no friction.
-
-    Parameters
-    ----------
-    statistic : float
-        Hotelling's statistic as F.
-    freedom, residual_freedom : int
-        Its degrees of freedom.
-    p_value : float
-        Probability of as large a statistic where the damper is viscous.
-    level : float
-        Share of viscous dampers that are rejected.
-
-    Examples
-    --------
-    >>> test = LineTest(statistic=1.2, freedom=5, residual_freedom=200, p_value=0.31, level=0.05)
-    >>> test.accepted, bool(test)
-    (True, True)
-    """
-
-    statistic: float
-    freedom: int
-    residual_freedom: int
-    p_value: float
-    level: Ratio
-
-    @property
-    def accepted(self) -> bool:
-        """Whether a line is not rejected."""
-        return self.p_value >= self.level
-
-    def __bool__(self) -> bool:
-        return self.accepted
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False, repr=False)
@@ -198,7 +162,8 @@ class DamperCurve(Result):
         >>> bool(np.all((low <= found.forces) & (found.forces <= high)))
         True
         """
-        reach = _reach(level) * self.std
+        check_level(level)
+        reach = normal_reach(level) * self.std
         return self.forces - reach, self.forces + reach
 
     def equivalent_damping(self, amplitude: MetrePerSecond | None = None) -> NewtonSecondPerMetre:
@@ -333,48 +298,3 @@ def rising(found: DamperCurve) -> RealArray:
         made = isotonic_regression(sign * found.forces[side], weights=weights).x
         out[side] = sign * np.maximum(made, 0.0)
     return out
-
-
-def curve_table(found: DamperCurve) -> str:
-    """Return the forces in rebound and compression as a table, at most twelve speeds."""
-    nodes = found.velocities
-    speeds = nodes[nodes > 0]
-    kept = speeds[np.unique(np.linspace(0, len(speeds) - 1, 12).round().astype(int))]
-    columns: dict[str, list[str]] = {"speed [m/s]": [f"{v:.3f}" for v in kept]}
-    for name, sign in (("rebound", 1.0), ("compression", -1.0)):
-        forces, stds = force_at(found, sign * kept)
-        inside = sign * kept >= nodes[0]
-        columns[f"{name} [N]"] = [text if use else "" for text, use in zip(rounded(forces, stds), inside, strict=True)]
-        columns[f"± {name[0]}"] = [spread(s) if use else "" for s, use in zip(stds, inside, strict=True)]
-    return text_table(columns)
-
-
-def force_at(found: DamperCurve, velocity: RealArray) -> tuple[RealArray, RealArray]:
-    """Return the force without friction at velocities, and its standard deviation [N]."""
-    nodes = found.velocities
-    piece = np.clip(np.searchsorted(nodes, velocity) - 1, 0, len(nodes) - 2)
-    share = (velocity - nodes[piece]) / (nodes[piece + 1] - nodes[piece])
-    weights, row = np.zeros((len(velocity), len(nodes))), np.arange(len(velocity))
-    weights[row, piece], weights[row, piece + 1] = 1 - share, share
-    variance = np.einsum("ij,jk,ik->i", weights, found.covariance[1:-1, 1:-1], weights)
-    return weights @ found.forces, np.sqrt(variance)
-
-
-def summary(found: DamperCurve) -> str:
-    """Return friction, stiffness and equivalent damping as text."""
-
-    def pm(value: float, std: float) -> str:
-        return f"{rounded(np.array([value]), np.array([std]))[0]} ± {spread(std)}"
-
-    speed = np.sqrt(2) * found.velocity_std
-    lines = [f"stiffness {pm(found.stiffness, found.stiffness_std)} N/m"]
-    if found.friction_sought:
-        lines.append(f"friction {pm(found.friction, found.friction_std)} N")
-    damping = pm(found.equivalent_damping(), found.equivalent_damping_std())
-    lines.append(f"viscous damping of equal work at an amplitude of {speed:.3g} m/s: {damping} N s/m")
-    return "\n".join(lines)
-
-
-def _reach(level: Ratio) -> float:
-    check_level(level)
-    return normal_reach(level)
