@@ -10,7 +10,8 @@ from suspid.analysis.analyse import STEPS, analyse
 from suspid.analysis.analyse_drive import analyse_drive
 from suspid.analysis.analysis import Analysis
 from suspid.analysis.car_channels import in_terms_of
-from suspid.analysis.check_limits import CheckedLimit, CheckedLimits, check_limits
+from suspid.analysis.check_limits import check_limits
+from suspid.analysis.checked_limits import CheckedLimit, CheckedLimits
 from suspid.analysis.drive_analysis import DriveAnalysis
 from suspid.analysis.limits import SCALES, Limit, read_limits
 from suspid.analysis.reading import read
