@@ -7,12 +7,13 @@ file in one step, `as_record` takes arrays and tables. `vertical` combines the a
 """
 
 from suspid.cleaning.aligned import Aligned, aligned, parts_of
-from suspid.cleaning.as_record import RecordLike, as_record
+from suspid.cleaning.as_record import as_record
 from suspid.cleaning.clean import clean
 from suspid.cleaning.cleaned import Cleaned
 from suspid.cleaning.clipping import CLIPPED, clipped_run, clipping
 from suspid.cleaning.clock import DRIFT
 from suspid.cleaning.conversions import scaled, si_unit, to_si
+from suspid.cleaning.data_forms import RecordLike
 from suspid.cleaning.faults import clipped_times, stuck_times, unmarked
 from suspid.cleaning.findings import Finding
 from suspid.cleaning.gaps import MOST_FILLED, runs

@@ -1,0 +1,185 @@
+"""Forms of data in memory: arrays, responses, tables of pandas and arrays of xarray, each with its time and names."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from suspid.cleaning.conversions import to_si
+from suspid.errors import InputError, RecordError
+from suspid.files import printable
+from suspid.io import bracketed_unit, is_time, seconds_in
+from suspid.recordings import Recording
+from suspid.signals import real_numbers
+from suspid.units import RealArray
+
+# What `as_record` takes: arrays, (time, samples), pandas and xarray objects, responses. Types are checked at run time:
+# neither pandas nor xarray is needed.
+RecordLike: TypeAlias = Any
+
+
+def is_response(data: RecordLike) -> bool:
+    """Return whether data is a response of python-control."""
+    return all(hasattr(data, name) for name in ("time", "y", "output_labels"))
+
+
+def samples_of(
+    data: RecordLike, samples: int | None, *, own_units: bool
+) -> tuple[RealArray, RealArray | None, list[str]]:
+    """Return samples (channel, sample), their time if it is known [s], and names; ``samples`` is their known number.
+
+    With ``own_units`` those of xarray are in SI by the units that are stated in them.
+    """
+    if is_response(data):
+        return _of_response(data)
+    package = type(data).__module__.partition(".")[0]
+    if package == "pandas":
+        return _of_pandas(data)
+    if package == "xarray":
+        return _of_xarray(data, samples, own_units=own_units)
+    if isinstance(data, tuple) and len(data) == 2 and np.ndim(data[0]) == 1 and np.shape(data[0]) != ():
+        values = _matrix(data[1], np.size(data[0]))
+        return values, real_samples(data[0], "time"), _numbered(values)
+    if isinstance(data, str) or hasattr(data, "__fspath__"):
+        raise RecordError(f"{printable(str(data))!r:.80} is a path: read it with read_record, or pass it to analyse")
+    if isinstance(data, Recording):
+        raise RecordError("this is a recording as it was read: clean(recording).record is a record, analyse takes both")
+    values = _matrix(data, samples)
+    return values, None, _numbered(values)
+
+
+def _of_response(data: RecordLike) -> tuple[RealArray, RealArray, list[str]]:
+    values = real_samples(data.y, "the response")
+    labels = list(data.output_labels or [f"y[{i}]" for i in range(len(values))])
+    if values.ndim == 3:
+        inputs = list(data.input_labels or [f"u[{i}]" for i in range(values.shape[1])])
+        traces = list(getattr(data, "trace_labels", None) or inputs)
+        if values.shape[1] > 1:
+            # An input that moves nothing, such as the rate of the road under a tire without damping, is no test.
+            moving = [k for k in range(values.shape[1]) if np.any(values[:, k])] or [*range(values.shape[1])]
+            values, traces = values[:, moving], [traces[k] for k in moving]
+            labels = [f"{label}_from_{_cause(trace)}" for label in labels for trace in traces]
+        values = values.reshape(len(labels), -1)
+    return values, np.asarray(data.time, float), labels
+
+
+def _cause(trace: str) -> str:
+    """Return the input that a trace is named after, as in "From u[0]"."""
+    return trace.removeprefix("From ")
+
+
+def _of_pandas(data: RecordLike) -> tuple[RealArray, RealArray | None, list[str]]:
+    table = data if hasattr(data, "columns") else data.to_frame(name=data.name if data.name is not None else "y[0]")
+    columns = {str(name): table[name] for name in table.columns}
+    if len(columns) < table.shape[1]:
+        raise RecordError(f"{table.shape[1]} columns, but {len(columns)} names: name every column once")
+    time, used = _index_time(table.index), ""
+    for name, column in columns.items():
+        if (found := _column_time(name, column)) is not None:
+            time, used = found, name
+            break
+    kept = {name: column for name, column in columns.items() if name != used}
+    words = [name for name, column in kept.items() if column.dtype.kind not in "iufb"]
+    if words:
+        raise RecordError(
+            f"columns without real numbers: {', '.join(map(repr, words[:3]))}; leave them out, as in "
+            f"data.select_dtypes('number')"
+        )
+    return _matrix([column.to_numpy(float) for column in kept.values()]), time, list(kept)
+
+
+def _index_time(index: RecordLike) -> RealArray | None:
+    """Return the time that an index of pandas is [s]; None for one that counts the rows or contains no numbers."""
+    if index.dtype.kind in "mM":
+        return _elapsed(index.to_series())
+    name = "" if index.name is None else str(index.name)
+    if index.dtype.kind not in "iuf" or (not name and index.dtype.kind != "f"):
+        return None
+    stamps = np.asarray(index.to_numpy(), float)
+    return stamps if not name else seconds_in(name, stamps)
+
+
+def _column_time(name: str, column: RecordLike) -> RealArray | None:
+    if column.dtype.kind in "mM":
+        return _elapsed(column)
+    return seconds_in(name, np.asarray(column.to_numpy(), float)) if column.dtype.kind in "iuf" else None
+
+
+def _elapsed(stamps: RecordLike) -> RealArray:
+    """Return the seconds since the first date, or those of durations."""
+    # Whole nanoseconds: a date of our age in seconds has no more than 2e-7 s as a float.
+    kind = "datetime64[ns]" if stamps.dtype.kind == "M" else "timedelta64[ns]"
+    counts = np.asarray(stamps.to_numpy(), kind) if hasattr(stamps, "dims") else stamps.to_numpy(kind)
+    whole = counts.astype(np.int64)
+    return np.asarray((whole - whole[:1] if kind.startswith("date") else whole) / 1e9)
+
+
+def _of_xarray(
+    data: RecordLike, samples: int | None, *, own_units: bool
+) -> tuple[RealArray, RealArray | None, list[str]]:
+    arrays = {str(name): data[name] for name in data.data_vars} if hasattr(data, "data_vars") else {"": data}
+    rows: list[RealArray] = []
+    names: list[str] = []
+    time: RealArray | None = None
+    for name, array in arrays.items():
+        along, time = _along_time(array, name or "the array", samples)
+        others = [dim for dim in array.dims if dim != along]
+        block = _matrix(array.transpose(*others, along).to_numpy(), samples)
+        own = str(name or array.name or "y[0]")
+        labels = [str(label) for label in array[others[0]].to_numpy()] if others else [own]
+        rows.append(_by_attribute(block, array) if own_units else block)
+        names += [f"{name}_{label}" if name and others else label for label in labels]
+    if len({block.shape[1] for block in rows}) != 1:
+        raise RecordError("the variables have different lengths: choose those of one rate")
+    return np.concatenate(rows), time, names
+
+
+def _along_time(array: RecordLike, what: str, samples: int | None) -> tuple[RecordLike, RealArray | None]:
+    """Return the dimension of time of an array of xarray, and its coordinate [s]; None where it has none."""
+    times = {}
+    for dim in array.dims:
+        if dim in array.coords:
+            unit = str(array[dim].attrs.get("units", ""))
+            named = f"{dim} [{unit}]" if unit and not bracketed_unit(str(dim)) else str(dim)
+            times[dim] = _column_time(named, array[dim])
+    stated = [dim for dim, time in times.items() if time is not None]
+    if len(stated) == 1 and array.ndim <= 2:
+        return stated[0], times[stated[0]]
+    bare = [dim for dim in array.dims if is_time(str(dim)) or (samples and array.sizes[dim] == samples)]
+    if stated or array.ndim not in (1, 2) or (array.ndim == 2 and len(bare) != 1):
+        raise RecordError(f"{what} needs a dimension called time, and one more at most, as in data.rename(dim='time')")
+    return (bare or array.dims)[0], None
+
+
+def _by_attribute(values: RealArray, array: RecordLike) -> RealArray:
+    """Return samples in SI units by the attribute "units" of an array of xarray, where that is a unit we know."""
+    with suppress(InputError):
+        return to_si(values, str(array.attrs.get("units", "")))[0]
+    return values
+
+
+def _matrix(data: RecordLike, samples: int | None = None) -> RealArray:
+    """Return samples as (channel, sample); a column, and rows of a known number of samples, are turned."""
+    values = np.atleast_2d(real_samples(data, "the data"))
+    if values.ndim != 2:
+        raise RecordError(f"the data has the shape {values.shape}; it must be (sample,) or (channel, sample)")
+    if not values.size:
+        raise RecordError(f"the data has the shape {values.shape}: it contains no samples")
+    if values.shape[1] == 1 or (samples == len(values) and samples != values.shape[1]):
+        values = np.ascontiguousarray(values.T)
+    if len(values) > values.shape[1]:
+        raise RecordError(
+            f"the data has the shape {values.shape}: rows are channels, as in python-control; else pass data.T"
+        )
+    return values
+
+
+def real_samples(data: RecordLike, what: str) -> RealArray:
+    """Return a copy of real numbers as an array; refuse others as those of ``what``."""
+    return np.array(real_numbers(data, what))
+
+
+def _numbered(values: RealArray) -> list[str]:
+    return [f"y[{i}]" for i in range(len(values))]
