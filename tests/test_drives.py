@@ -9,7 +9,7 @@ import pytest
 
 from suspid import DriveLimits, Drives, InputError, RawChannel, Recording, find_drives, quarter_car
 from suspid.cleaning import clipped_times, stuck_times
-from suspid.greybox import stretch_table
+from suspid.greybox import left_for, stretch_table
 from suspid.greybox.blocks import vibration
 from suspid.records import as_response
 from suspid.signals import as_signal
@@ -232,14 +232,15 @@ class TestCornering:
 
 
 class TestSensors:
-    def test_clipped(self) -> None:
+    @pytest.mark.parametrize(("stop", "again"), [(53.0, 54.0), (52.8, 54.0), (52.3, 53.0)])
+    def test_clipped(self, stop: float, again: float) -> None:
+        """A sensor is given half a second to recover."""
         motion = body(3)
-        burst = (TIME > 50) & (TIME < 53)
+        burst = (TIME > 50) & (stop > TIME)
         # Motion of the wheels, slow beside the rate, is cut off for many samples at a time.
         motion[burst] = np.clip(30 * np.sin(2 * np.pi * 6 * TIME[burst]), -16, 16)
         found = find_drives(ride(channel("az", motion)))
-        # A sensor is given half a second to recover.
-        assert ends(found) == [(0.0, 50.0), (54.0, 120.0)]
+        assert ends(found) == [(0.0, 50.0), (again, 120.0)]
         assert DriveReason.CLIPPED in why(found, 51.0)
 
     @pytest.mark.parametrize("step", [0.0, 0.01, 0.1])
@@ -264,6 +265,15 @@ class TestSensors:
         found = find_drives(ride(channel("az", motion), channel("wheel", body(6))))
         assert ends(found) == [(0.0, 50.0), (55.0, 120.0)]
         assert DriveReason.STUCK in why(found, 52.0) or DriveReason.MISSING in why(found, 52.0)
+
+    @pytest.mark.parametrize(("seconds", "stuck"), [(0.3, False), (0.8, True)])
+    def test_values_that_are_held_are_stuck_from_half_a_period_of_the_slowest_body_on(
+        self, seconds: float, stuck: bool
+    ) -> None:
+        """A bus holds each value for four samples: the time alone decides."""
+        held = np.repeat(body(5)[::4], 4)
+        held[5000 : 5000 + round(seconds * RATE)] = held[5000]
+        assert bool(stuck_times(channel("az", held), DriveLimits().stuck).size) is stuck
 
     @pytest.mark.parametrize("samples", [5, 12, 40])
     def test_stuck_for_a_moment_without_a_jump(self, samples: int) -> None:
@@ -320,6 +330,17 @@ class TestVibration:
         z, a = np.sum(waves, axis=0), np.sum(-waves * (2 * np.pi * f[:, None]) ** 2, axis=0)
         levels = [vibration(values, 1e-3, order, 1000, limits)[0] for values, order in ((z, 0), (a, 2))]
         assert levels[0] == pytest.approx(levels[1], rel=0.2)
+
+    @pytest.mark.parametrize(("level", "moving"), [(0.02, False), (0.1, True)])
+    def test_a_car_moves_from_a_level_between_those_of_rest_and_of_a_very_good_road(
+        self, level: float, moving: bool
+    ) -> None:
+        """Motion in the band alone, from 1 to 15 Hz."""
+        hertz = np.fft.rfftfreq(TIME.size, 1 / RATE)
+        inside = (hertz > 0.9) & (hertz < 15.1)
+        motion = np.fft.irfft(np.where(inside, np.fft.rfft(body(8)), 0.0), TIME.size)
+        found = find_drives(ride(channel("az", level * motion / np.std(motion))))
+        assert ends(found) == ([(0.0, 120.0)] if moving else [])
 
     def test_an_idling_engine_does_not_move_the_car(self) -> None:
         """Lines of 0.3 m/s2 at 6.5, 13 and 26 Hz over the noise of a sensor."""
@@ -401,6 +422,12 @@ class TestStretches:
         assert why(long, 5.0) == {DriveReason.SHORT}
         assert long.verdict.level.label == "none"
 
+    @pytest.mark.parametrize(("seconds", "taken"), [(8, 0), (15, 4)])
+    def test_eight_periods_of_a_body_are_long_enough(self, seconds: int, taken: int) -> None:
+        speed = channel("speed", np.where(seconds > TIME % 30, 15.0, 0.0), "m/s")
+        found = find_drives(ride(channel("az", body()), speed), limits=DriveLimits(longitudinal=1e3))
+        assert len(found.taken) == taken
+
     def test_the_course_is_that_of_the_drive(self) -> None:
         speed = np.clip(0.5 * (TIME - 20), 0, 15)
         found = find_drives(ride(channel("az", body()), channel("speed", 3.6 * speed, "km/h")))
@@ -432,6 +459,18 @@ class TestStretches:
         ):
             find_drives(ride(channel("az", body())), car=car)
 
+    def test_the_tables_give_what_was_taken_first_and_reasons_by_how_long_they_held(self) -> None:
+        """Two stops of 15 s and one of 5 s in which a sensor is missing; a clock that begins at 3.2 µs."""
+        late = TIME + 3.2e-6
+        motion, still = body(), (TIME < 15) | (TIME >= 105)
+        motion[6000:6500] = np.nan
+        speed = channel("speed", np.where(still, 0.0, 15.0), "m/s", times=late)
+        found = find_drives(ride(channel("az", motion, times=late), speed), limits=DriveLimits(longitudinal=1e3))
+        words = [line.split()[:3] for line in str(found).split("\n\n")[0].splitlines()[2:5]]
+        assert words == [["2", "85", "taken"], ["2", "30", "left"], ["1", "5", "left"]]
+        assert left_for(found) == "30 s slow, 5 s missing"
+        assert stretch_table(found).splitlines()[2].split()[:2] == ["0", "15"]
+
     def test_text_fits_a_screen(self) -> None:
         speed = 12 + 12 * np.sin(2 * np.pi * TIME / 7)
         found = find_drives(ride(channel("az", body()), channel("speed", speed, "m/s")))
@@ -439,7 +478,9 @@ class TestStretches:
         assert max(map(len, stretch_table(found).splitlines())) <= TERMINAL
 
 
-@pytest.mark.parametrize("wrong", [{"block": 0.0}, {"band_hz": (5.0, 1.0)}, {"lateral": -1.0}])
+@pytest.mark.parametrize(
+    "wrong", [{"block": 0.0}, {"band_hz": (5.0, 1.0)}, {"band_hz": (0.0, 5.0)}, {"lateral": -1.0}, {"stuck": 0.0}]
+)
 def test_limits_that_make_no_sense(wrong: dict[str, float]) -> None:
     with pytest.raises(InputError):
         DriveLimits(**wrong)  # type: ignore[arg-type]
