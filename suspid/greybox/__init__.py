@@ -9,8 +9,7 @@ and `late_causes` (clocks). `whiteness`, `leftover`, `misfit`, `identifiability`
 the result can be trusted, `estimates` holds it; `causes` says what may have moved the car, and `by_cause` tries it in
 turn. `find_drives`: `drive_limits`, `speeds`, `blocks`, `stretches`, `drives`, usable stretches of recordings.
 With a model of the road: `rolling`, `wheel_power`, `reach`, `road_model`, `tire_fit`, `whole_car`, `roads`.
-`damper_curve`: `strut_motion`, `latent_splines`, `force_basis`, `curve_fit`, `curve_noise`, `line_test`,
-`curve_checks`, `damper_curves`.
+`damper_curve`: `strut_motion`, `latent_splines`, `force_basis`, `curve_fit`, `curve_noise`, `damper_curves`.
 """
 
 from suspid.greybox.body_modes import BodyMode, BodyModes, body_modes

@@ -1,0 +1,64 @@
+"""Classes of measured roads: intervals, limits of what is a road, and the test of a bend."""
+
+import numpy as np
+import pytest
+from scipy.stats import norm
+
+from suspid import InputError, classify_road, road
+from suspid.performance.road_classes import UNFOLDED, _fitted
+from suspid.simulation import ROUGHNESS
+from suspid.words.ride import RoadCheck
+
+TIME = np.arange(0, 30, 0.005)
+
+
+def test_ends_of_an_interval_are_quantiles_of_a_normal_law() -> None:
+    """Of the exponent, and of the logarithm of the roughness."""
+    found = classify_road(road("B", speed=20.0).record(TIME, rng=np.random.default_rng(1)), speed=20.0)
+    ends = found.interval(0.9)
+    std = np.sqrt(np.diag(found.covariance))
+    assert norm.cdf((ends["exponent"][1] - found.exponent) / std[1]) == pytest.approx(0.95)
+    assert norm.cdf(np.log(ends["roughness"][0] / found.roughness) / std[0]) == pytest.approx(0.05)
+
+
+def test_classes_on_both_sides_of_a_limit_are_named() -> None:
+    found = classify_road(road(32e-6, speed=20.0).record(TIME[:2000], rng=np.random.default_rng(2)), speed=20.0)
+    (check,) = [check for check in found.verdict.checks if check.remark.code is RoadCheck.BETWEEN]
+    assert check.remark.numbers["names"] == ("A", "B")
+
+
+@pytest.mark.parametrize(("factor", "doubted"), [(1.4, False), (3.0, True)])
+def test_more_than_twice_the_roughest_class_is_no_road(factor: float, doubted: bool) -> None:
+    made = road(factor * ROUGHNESS["H"], speed=20.0)
+    found = classify_road(made.record(TIME, rng=np.random.default_rng(1)), speed=20.0)
+    assert (RoadCheck.NO_ROAD in [doubt.code for doubt in found.verdict.doubts]) is doubted
+
+
+@pytest.mark.parametrize(("metres", "enough"), [(170, False), (280, True)])
+def test_twenty_spectral_lines_are_needed(metres: float, enough: bool) -> None:
+    """Between wavelengths of 10 and 100 m there are 0.09 lines for each metre of a road."""
+    record = road("B", speed=20.0).record(np.arange(0, metres / 20.0, 0.005), rng=np.random.default_rng(1))
+    if enough:
+        assert classify_road(record, speed=20.0, wavelengths=(10.0, 100.0)).wavelengths[0] >= 10
+    else:
+        with pytest.raises(InputError, match=r"too short.*15 spectral lines"):
+            classify_road(record, speed=20.0, wavelengths=(10.0, 100.0))
+
+
+def test_at_a_changing_speed_waves_are_those_that_the_widest_spacing_holds() -> None:
+    """Shorter ones would fold where the car is fastest."""
+    pace = 15 + 10 * np.sin(2 * np.pi * TIME / 30)
+    record = road("B", speed=20.0).record(TIME, rng=np.random.default_rng(3), speed=pace)
+    shortest = 2 * np.max(pace) * 0.005 / UNFOLDED
+    assert classify_road(record, speed=pace).wavelengths[0] == pytest.approx(shortest, rel=0.01)
+
+
+def test_the_test_of_a_bend_has_two_degrees_of_freedom_less_than_pieces() -> None:
+    """Lines of a straight spectrum are exponential: the mean of chi-square is its degrees of freedom."""
+    rng, n = np.random.default_rng(1), np.arange(1, 161) / 100.0
+    tests = [_fitted(n, rng.exponential(n**-2.0), np.ones(len(n)))[3] for _ in range(400)]
+    freedom = tests[0][1]
+    # Three standard errors and a half.
+    assert np.mean([chi_square for chi_square, _ in tests]) == pytest.approx(
+        freedom, abs=3.5 * np.sqrt(2 * freedom / 400)
+    )
