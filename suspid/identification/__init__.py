@@ -11,10 +11,10 @@ them: `exponentials` and `poles` (inner products), `noise` (least variance, like
 from suspid.identification.considered import Considered
 from suspid.identification.exponentials import synthesize
 from suspid.identification.halves import FEWEST_SAMPLES
-from suspid.identification.identification import Identification, Method, tables_of
+from suspid.identification.identification import Identification, Method
 from suspid.identification.identification_json import identification_to_dict
 from suspid.identification.identify import identify, identify_linear
-from suspid.identification.identify_repeats import Repeats, identify_repeats, tables_of_repeats
+from suspid.identification.identify_repeats import identify_repeats
 from suspid.identification.modes_json import modes_from_dict, modes_to_dict, read_modes, to_json, write_modes
 from suspid.identification.noise import (
     ABOVE_RESOLUTION,
@@ -28,9 +28,11 @@ from suspid.identification.noise import (
 from suspid.identification.nonlinear import AmplitudeDependence, Force, ForceKind
 from suspid.identification.parts import residual_of_part
 from suspid.identification.pulses import FORCED
+from suspid.identification.repeats import Repeats
 from suspid.identification.selection import MOST_PAIRS, Selection, select
 from suspid.identification.stabilization import HIGHEST_VIEW, Stabilization, stabilization
 from suspid.identification.steps import FourSteps
+from suspid.identification.tables import tables_of, tables_of_repeats
 from suspid.identification.verdict import verdict_of, verdict_of_repeats
 
 __all__ = [

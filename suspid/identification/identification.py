@@ -11,19 +11,18 @@ import numpy as np
 
 from suspid.cleaning import derivative_order
 from suspid.errors import IdentificationError
-from suspid.files import printable
 from suspid.identification.considered import Considered
 from suspid.identification.halves import disagreement
 from suspid.identification.noise import lag_one
 from suspid.identification.nonlinear import AmplitudeDependence, Force
 from suspid.identification.parts import poles_of
 from suspid.identification.steps import FourSteps
+from suspid.identification.tables import tables_of
 from suspid.identification.verdict import verdict_of
 from suspid.model import ModalSet
 from suspid.results import Result
 from suspid.samples import AsResponse, held
 from suspid.signals import as_signal
-from suspid.text_tables import text_table
 from suspid.units import ComplexArray, RealArray
 from suspid.values import frozen_real
 from suspid.wavelets import BandwidthSearch, Ridge, Scalogram, SkeletonFit, fit_skeleton
@@ -235,60 +234,3 @@ def as_displacements(modes: ModalSet) -> ComplexArray:
     if len(set(orders) - {None}) < 2 or not np.all(modes.poles):
         return shapes
     return np.asarray(shapes / modes.poles ** np.array([order or 0 for order in orders])[:, None])
-
-
-def tables_of(found: Identification) -> str:
-    """Return the tables of modes, quality, channels and rejected poles, without the verdict."""
-    parts = []
-    if len(found.modes):
-        quality = {
-            "mode": [str(i + 1) for i in range(len(found.modes))],
-            "phase collinearity": [f"{value:.3f}" for value in found.collinearity],
-            "disagreement of halves [sd]": [f"{value:.1f}" for value in found.halves],
-            "residual / noise": [f"{value:.3g}" for value in found.loudness],
-        }
-        parts += [str(found.modes), text_table(quality)]
-    else:
-        parts.append("no mode")
-    for mode, each in enumerate(found.amplitude_dependence, 1):
-        parts.append(text_table(_amplitude_columns(mode, each)))
-    if found.method == "ridge":
-        parts.append(text_table(_ridge_columns(found.ridges)))
-    channels = {
-        "channel": as_signal(held(found, "response")).channels,
-        "explained": [f"{100 * share:.2f} %" for share in found.explained],
-        "noise std": [f"{std:.3g}" for std in found.noise_std],
-        "lag-1 correlation": [f"{value:+.2f}" for value in found.whiteness],
-    }
-    parts.append(text_table(channels))
-    if found.considered:
-        # Rejected poles that the table shows; the rest is counted.
-        shown = found.considered[:6]
-        others = {
-            "rejected: wn [rad/s]": [f"{abs(c.pole):.5g}" for c in shown],
-            "zeta [1]": [f"{-c.pole.real / max(abs(c.pole), 1e-300):.3g}" for c in shown],
-            "why": [c.reason for c in shown],
-        }
-        more = len(found.considered) - len(shown)
-        parts.append(text_table(others) + (f"\n… and {more} more in .considered" if more else ""))
-    return "\n\n".join(parts)
-
-
-def _amplitude_columns(mode: int, each: AmplitudeDependence) -> dict[str, list[str]]:
-    return {
-        f"mode {mode}: amplitude in {printable(each.channel)}": [f"{value:.3g}" for value in each.amplitude],
-        "f [Hz]": [f"{value:.5g}" for value in each.wn / (2 * np.pi)],
-        "±": [f"{value:.2g}" for value in each.wn_std / (2 * np.pi)],
-        "zeta [1]": [f"{value:.3g}" for value in each.zeta],
-        "± ": [f"{value:.2g}" for value in each.zeta_std],
-    }
-
-
-def _ridge_columns(ridges: tuple[Ridge, ...]) -> dict[str, list[str]]:
-    return {
-        "ridge [rad/s]": [f"{ridge.omega:.5g}" for ridge in ridges],
-        "N": [f"{ridge.wavelet.bandwidth:.3g}" for ridge in ridges],
-        "from [s]": [f"{ridge.window.start:.3g}" for ridge in ridges],
-        "to [s]": [f"{ridge.window.stop:.3g}" for ridge in ridges],
-        "ends at": [ridge.window.reason for ridge in ridges],
-    }

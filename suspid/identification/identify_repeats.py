@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,103 +16,22 @@ from suspid.identification.exponentials import blocks_of
 from suspid.identification.halves import FEWEST_SAMPLES
 from suspid.identification.identification import Identification
 from suspid.identification.identify import identify
-from suspid.identification.joint_fit import Agreement, agreement, maximize_jointly
+from suspid.identification.joint_fit import agreement, maximize_jointly
 from suspid.identification.noise import WhiteNoise, noise_of, shared_noise
+from suspid.identification.repeats import Repeats
 from suspid.identification.selection import select
-from suspid.identification.verdict import verdict_of_repeats
-from suspid.model import ModalSet
 from suspid.records import cut
-from suspid.results import Result
 from suspid.samples import held
 from suspid.signals import Stretch, as_signal
-from suspid.text_tables import text_table
 from suspid.threads import in_one_thread
 from suspid.units import Hertz, RealArray, Second, angular
 from suspid.values import check_count, frozen_real
-from suspid.words import Verdict
 
 if TYPE_CHECKING:
     import control
 
 # Poles are sought in the repeats at least this long, relative to the median, side by side over their common length.
 LONG_ENOUGH = 0.5
-
-
-@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
-class Repeats(Result):
-    """Result of `identify_repeats`.
-
-    Parameters
-    ----------
-    spans : tuple of (float, float)
-        First and last time of each decay [s].
-    each : tuple of Identification
-        Each decay by itself.
-    modes : ModalSet
-        The modes of all decays jointly, with the joint covariance of poles and shapes.
-    consistency : tuple of Agreement
-        For each mode, whether the repeats agree on it.
-    loudness : ndarray (mode,)
-        Power of the residual near each mode over that of the noise, see `Identification.loudness`.
-    noise_std : ndarray (repeat, channel)
-        Standard deviation of the noise in each repeat and channel, in the unit of the channel.
-    names : tuple of str
-        What the records are called; empty for decays of one recording.
-
-    Examples
-    --------
-    >>> from suspid import as_record, identify_repeats
-    >>> t = np.arange(600) / 100
-    >>> values = np.exp(-2 * (t % 3)) * np.cos(20 * (t % 3)) + 1e-3 * np.random.default_rng(1).standard_normal(t.size)
-    >>> found = identify_repeats(as_record(values, timepts=t), [(0, 2.99), (3, 5.99)])
-    >>> found.modes.zeta.round(2), len(found.each), found.spans
-    (array([0.1]), 2, ((0.0, 2.99), (3.0, 5.99)))
-    """
-
-    spans: tuple[tuple[Second, Second], ...]
-    each: tuple[Identification, ...]
-    modes: ModalSet
-    consistency: tuple[Agreement, ...]
-    loudness: RealArray
-    noise_std: RealArray
-    names: tuple[str, ...] = ()
-
-    @cached_property
-    def verdict(self) -> Verdict:
-        """How far the joint modes can be trusted, with every check and its numbers."""
-        return verdict_of_repeats(self)
-
-    def _table(self) -> Mapping[str, Sequence[object]]:
-        return self.modes._table()
-
-    def _brief(self) -> str:
-        return f"{self.modes._brief()}; {len(self.each)} decays"
-
-    def __str__(self) -> str:
-        return f"{tables_of_repeats(self)}\n\n{self.verdict}"
-
-
-def tables_of_repeats(found: Repeats) -> str:
-    """Return the tables of joint modes, agreement and single decays, without the verdict."""
-    spans = [f"{start:.6g} … {stop:.6g} s" for start, stop in found.spans]
-    singles = text_table(
-        {
-            **({"record": list(found.names)} if found.names else {}),
-            "decay": spans,
-            "f [Hz]": [", ".join(f"{wn / (2 * np.pi):.4g}" for wn in one.modes.wn) for one in found.each],
-            "zeta [1]": [", ".join(f"{zeta:.3g}" for zeta in one.modes.zeta) for one in found.each],
-        }
-    )
-    if not len(found.modes):
-        return f"no mode in all of {len(found.spans)} decays\n\n{singles}"
-    agreement = {
-        "mode": [str(i + 1) for i in range(len(found.modes))],
-        "disagreement: chi-square": [f"{a.chi_square:.1f}" for a in found.consistency],
-        "degrees of freedom": [str(a.freedom) for a in found.consistency],
-        "probability": [f"{a.probability:.2g}" for a in found.consistency],
-        "residual / noise": [f"{value:.3g}" for value in found.loudness],
-    }
-    return f"{found.modes}\n\n{text_table(agreement)}\n\n{singles}"
 
 
 @explained

@@ -32,7 +32,7 @@ from suspid.words import Check, Headline, Level, ModeCheck, Number, Reason, Rema
 
 if TYPE_CHECKING:
     from suspid.identification.identification import Identification
-    from suspid.identification.identify_repeats import Repeats
+    from suspid.identification.repeats import Repeats
 
 # Fewer samples per unknown of a channel than this: the fit follows any motion.
 SAMPLES_EACH = 8

@@ -1,0 +1,98 @@
+"""Tables of an identification, and of several joined, as text."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from suspid.files import printable
+from suspid.identification.nonlinear import AmplitudeDependence
+from suspid.samples import held
+from suspid.signals import as_signal
+from suspid.text_tables import text_table
+from suspid.wavelets import Ridge
+
+if TYPE_CHECKING:
+    from suspid.identification.identification import Identification
+    from suspid.identification.repeats import Repeats
+
+
+def tables_of(found: Identification) -> str:
+    """Return the tables of modes, quality, channels and rejected poles, without the verdict."""
+    parts = []
+    if len(found.modes):
+        quality = {
+            "mode": [str(i + 1) for i in range(len(found.modes))],
+            "phase collinearity": [f"{value:.3f}" for value in found.collinearity],
+            "disagreement of halves [sd]": [f"{value:.1f}" for value in found.halves],
+            "residual / noise": [f"{value:.3g}" for value in found.loudness],
+        }
+        parts += [str(found.modes), text_table(quality)]
+    else:
+        parts.append("no mode")
+    for mode, each in enumerate(found.amplitude_dependence, 1):
+        parts.append(text_table(_amplitude_columns(mode, each)))
+    if found.method == "ridge":
+        parts.append(text_table(_ridge_columns(found.ridges)))
+    channels = {
+        "channel": as_signal(held(found, "response")).channels,
+        "explained": [f"{100 * share:.2f} %" for share in found.explained],
+        "noise std": [f"{std:.3g}" for std in found.noise_std],
+        "lag-1 correlation": [f"{value:+.2f}" for value in found.whiteness],
+    }
+    parts.append(text_table(channels))
+    if found.considered:
+        # Rejected poles that the table shows; the rest is counted.
+        shown = found.considered[:6]
+        others = {
+            "rejected: wn [rad/s]": [f"{abs(c.pole):.5g}" for c in shown],
+            "zeta [1]": [f"{-c.pole.real / max(abs(c.pole), 1e-300):.3g}" for c in shown],
+            "why": [c.reason for c in shown],
+        }
+        more = len(found.considered) - len(shown)
+        parts.append(text_table(others) + (f"\n… and {more} more in .considered" if more else ""))
+    return "\n\n".join(parts)
+
+
+def tables_of_repeats(found: Repeats) -> str:
+    """Return the tables of joint modes, agreement and single decays, without the verdict."""
+    spans = [f"{start:.6g} … {stop:.6g} s" for start, stop in found.spans]
+    singles = text_table(
+        {
+            **({"record": list(found.names)} if found.names else {}),
+            "decay": spans,
+            "f [Hz]": [", ".join(f"{wn / (2 * np.pi):.4g}" for wn in one.modes.wn) for one in found.each],
+            "zeta [1]": [", ".join(f"{zeta:.3g}" for zeta in one.modes.zeta) for one in found.each],
+        }
+    )
+    if not len(found.modes):
+        return f"no mode in all of {len(found.spans)} decays\n\n{singles}"
+    agreement = {
+        "mode": [str(i + 1) for i in range(len(found.modes))],
+        "disagreement: chi-square": [f"{a.chi_square:.1f}" for a in found.consistency],
+        "degrees of freedom": [str(a.freedom) for a in found.consistency],
+        "probability": [f"{a.probability:.2g}" for a in found.consistency],
+        "residual / noise": [f"{value:.3g}" for value in found.loudness],
+    }
+    return f"{found.modes}\n\n{text_table(agreement)}\n\n{singles}"
+
+
+def _amplitude_columns(mode: int, each: AmplitudeDependence) -> dict[str, list[str]]:
+    return {
+        f"mode {mode}: amplitude in {printable(each.channel)}": [f"{value:.3g}" for value in each.amplitude],
+        "f [Hz]": [f"{value:.5g}" for value in each.wn / (2 * np.pi)],
+        "±": [f"{value:.2g}" for value in each.wn_std / (2 * np.pi)],
+        "zeta [1]": [f"{value:.3g}" for value in each.zeta],
+        "± ": [f"{value:.2g}" for value in each.zeta_std],
+    }
+
+
+def _ridge_columns(ridges: tuple[Ridge, ...]) -> dict[str, list[str]]:
+    return {
+        "ridge [rad/s]": [f"{ridge.omega:.5g}" for ridge in ridges],
+        "N": [f"{ridge.wavelet.bandwidth:.3g}" for ridge in ridges],
+        "from [s]": [f"{ridge.window.start:.3g}" for ridge in ridges],
+        "to [s]": [f"{ridge.window.stop:.3g}" for ridge in ridges],
+        "ends at": [ridge.window.reason for ridge in ridges],
+    }
