@@ -21,7 +21,8 @@ from suspid.signals import as_signal
 from suspid.units import RealArray
 from suspid.words.active import ActiveCheck
 from suspid.words.plausibility import PlausibilityCheck
-from suspid.words.ride import RideCheck, TuningCheck
+from suspid.words.ride import RideCheck
+from suspid.words.tuning import TuningCheck
 from validation.cars import TWO_AXLES
 
 CAR = quarter_car(

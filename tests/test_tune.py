@@ -27,7 +27,7 @@ from suspid.performance.tuning_defaults import comfort_and_load, equal_groups
 from suspid.performance.uncertain import uncertain
 from suspid.units import RealArray
 from suspid.words import Check, Level
-from suspid.words.ride import TuningCheck
+from suspid.words.tuning import TuningCheck
 from validation.cars import FOUR_WHEELS, TWO_AXLES
 
 CAR = quarter_car(

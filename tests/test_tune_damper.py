@@ -9,7 +9,7 @@ from scipy.stats import norm
 
 from suspid import DamperTuning, InputError, quarter_car, ride, road, simulate, tune_damper
 from suspid.words import Level
-from suspid.words.ride import DamperTuningCheck
+from suspid.words.tuning import DamperTuningCheck
 
 CAR = quarter_car(
     chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3, chassis_damping=1300, tire_damping=60

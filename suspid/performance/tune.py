@@ -29,7 +29,7 @@ from suspid.units import Metre, Ratio, RealArray, Second
 from suspid.values import frozen_real, is_count, is_size
 from suspid.wording import Argument
 from suspid.words import Remark, Verdict
-from suspid.words.ride import TuningHeadline
+from suspid.words.tuning import TuningHeadline
 
 # Cars on a front: it is smooth, and each takes a search.
 MOST_CARS = 200

@@ -24,7 +24,8 @@ from suspid.units import Metre, NewtonSecondPerMetre, Ratio, RealArray, Second
 from suspid.values import frozen_real, is_size, nearest_names
 from suspid.wording import Argument
 from suspid.words import Check, Level, Number, Remark, Verdict
-from suspid.words.ride import DamperTuningCheck, DamperTuningHeadline, RideCheck
+from suspid.words.ride import RideCheck
+from suspid.words.tuning import DamperTuningCheck, DamperTuningHeadline
 
 # Force in rebound over that in compression, or the inverse; beyond, one direction has no damper to speak of.
 MOST_REBOUND = 10.0

@@ -14,7 +14,8 @@ from suspid.performance.uncertain import Uncertain
 from suspid.reconstruction import unit_of
 from suspid.units import Ratio, RealArray
 from suspid.words import Check, Level, Number, Remark
-from suspid.words.ride import RideCheck, TuningCheck
+from suspid.words.ride import RideCheck
+from suspid.words.tuning import TuningCheck
 
 # Share of the searches from other starts that must agree.
 AGREED = 0.5

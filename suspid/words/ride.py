@@ -1,4 +1,4 @@
-"""Codes and sentences: the ride of a car, roads, and better suspensions."""
+"""Codes and sentences: the ride of a car, and roads."""
 
 from __future__ import annotations
 
@@ -6,17 +6,17 @@ from collections.abc import Callable, Mapping
 from typing import Any, TypeAlias
 
 from suspid.text_tables import figures_of
-from suspid.words.remarks import Code, amount, count, in_a_row, sentence
+from suspid.words.remarks import Code, amount, in_a_row
 
 Numbers: TypeAlias = Mapping[str, Any]
 
 
-def _listed(text: str) -> Callable[[Numbers], str]:
+def listed(text: str) -> Callable[[Numbers], str]:
     """Return words with the names in place of ``{names}``, the last after an "and"."""
     return lambda numbers: text.format_map({**numbers, "names": in_a_row(numbers["names"])})
 
 
-def _plainly(text: str) -> Callable[[Numbers], str]:
+def plainly(text: str) -> Callable[[Numbers], str]:
     """Return words with a count in place of ``{times}`` and a value in place of ``{value}``, without exponents."""
     shown = {"times": amount, "value": figures_of}
     return lambda numbers: text.format_map(
@@ -32,12 +32,6 @@ def _driven(numbers: Numbers) -> str:
 def _comfort(numbers: Numbers) -> str:
     said = f"{numbers['channel']}: {' to '.join(numbers['words'])} ({numbers['weighted']:.2g} m/s2"
     return f"{said}, ISO 2631-1, C.2.3, as quoted in the literature)."
-
-
-def _front(numbers: Numbers) -> str:
-    points, parameters = count(numbers["points"], "car"), in_a_row(numbers["parameters"])
-    best = "best compromises" if numbers["points"] > 1 else "the best car"
-    return f"{best} over {parameters}: {points}"
 
 
 def _rest(numbers: Numbers) -> str:
@@ -111,14 +105,14 @@ class RideCheck(Code):
     )
     LIFTS = (
         "lifts",
-        _plainly(
+        plainly(
             "{wheel}: the total wheel load would be negative {times} times in {seconds:.4g} s. The wheel leaves the "
             "road there; the linear figures do not include this."
         ),
     )
     STOPS = (
         "stops",
-        _plainly(
+        plainly(
             "{strut}: the travel reaches the stops {times} times in {seconds:.4g} s; the figures do not include the "
             "stops."
         ),
@@ -169,18 +163,18 @@ class RideCheck(Code):
     CONVERTED = "converted", "{channel}: converted from {unit} to SI."
     NO_FIGURES = (
         "no figures",
-        _listed("No figures for {names}: the name of a travel must end in _travel, with its unit in brackets."),
+        listed("No figures for {names}: the name of a travel must end in _travel, with its unit in brackets."),
     )
     NO_LENGTH = "no length", "{channel} is left out: its unit is not a length."
     WIDE = (
         "wide",
-        _listed(
+        listed(
             "The parameters are too uncertain for {names}: the ends of an interval differ by a factor above {ratio:g}."
         ),
     )
     EVENTS = (
         "events",
-        _listed(
+        listed(
             "The parameters are too uncertain to count events in {seconds:.4g} s: the interval of {names} extends "
             "from less than one to more, or beyond what is possible on a road."
         ),
@@ -188,13 +182,13 @@ class RideCheck(Code):
     UNTRUSTED = "untrusted", "The figures depend on an estimate that is {level}: read its verdict first."
     STAYED_NOMINAL = (
         "stayed nominal",
-        _listed(
+        listed(
             "The figures depend on nominal values that the records do not determine, because the motion of the "
             "wheels was given: {names}. State their error, or estimate them on a known or modelled road."
         ),
     )
     LINEARISED = "linearised", dampers_of_equal_work
-    KNOWN = "known", _listed("Taken as known, without any error in the intervals: {names}.")
+    KNOWN = "known", listed("Taken as known, without any error in the intervals: {names}.")
 
 
 class RoadHeadline(Code):
@@ -220,70 +214,9 @@ class RoadCheck(Code):
         "The exponent, {exponent:.2f}, is outside the range of roads, {low:g} to {high:g}: the channel may not be a "
         "road, or it is filtered or noisy.",
     )
-    BETWEEN = "between", _listed("The class may be {names}: the interval contains a limit.")
+    BETWEEN = "between", listed("The class may be {names}: the interval contains a limit.")
     BENT = (
         "bent",
         "The spectrum is not a straight line (chi-square {chi_square:.3g} at {freedom}): the exponent is a mean over "
         "the band, and the intervals do not include the curvature.",
-    )
-
-
-class TuningHeadline(Code):
-    """Headline of the result."""
-
-    FRONT = "front", _front
-
-
-class TuningCheck(Code):
-    """Checks of a tuning."""
-
-    STARTS = "starts", "{share:.0%} of the {count} searches from other starts ended at the same values."
-    UNFINISHED = "unfinished", "{count} of {points} points did not converge and were left out."
-    AT_BOUND = (
-        "at bound",
-        _plainly("{name} is at its {side} value, {value} {unit}, in {count} of {cars} cars: the bound is active."),
-    )
-    AT_REACH = (
-        "at reach",
-        _plainly(
-            "{name} is at the end of the search, {value} {unit}, in {count} of {cars} cars. The search covers a "
-            "quarter to four times the car's own value by default; state the {side} value that can be built."
-        ),
-    )
-    IDLE = (
-        "idle",
-        _plainly("The limit {label} (SI units) is not active: the nearest of these cars has {value}."),
-    )
-    RELATED = "related", "The constraint {label} is active in {count} of {cars} cars."
-    ROBUST = (
-        "robust",
-        _listed("Each figure is its mean plus {reach:.3g} standard deviations over what is uncertain: {names}."),
-    )
-    ONE = "one", "One car is best for both objectives: there is no trade-off."
-
-
-class DamperTuningHeadline(Code):
-    """Headline of the result."""
-
-    CURVE = "curve", sentence(lambda n: f"curve of {n['strut']} for {count(n['roads'], 'road')}")
-
-
-class DamperTuningCheck(Code):
-    """Checks of a damper's curve."""
-
-    STARTS = "starts", "{share:.0%} of the searches from other starts ended at the same values."
-    AT_BOUND = (
-        "at bound",
-        "The bound on the {side} damper rate, {rate:.4g} N s/m, is active on {count} of {roads} roads: state what "
-        "can be built.",
-    )
-    NO_SINGLE = "no single", "No single damper rate within the bounds meets the limits on all roads."
-    UNEVEN = (
-        "uneven",
-        "Rebound over compression is {ratio:.3g}: the car rides lower or higher on rough roads; the figures do not "
-        "include this.",
-    )
-    GAUSSIAN = (
-        "gaussian",
-        "The figures are those of the damper rate of equal work; simulate the car with its curve for the peaks.",
     )
