@@ -30,6 +30,7 @@ from suspid.performance.losses import WearRule
 from suspid.performance.losses import loss_of as loss_of
 from suspid.performance.ride import ride
 from suspid.performance.rides import Ride
+from suspid.performance.rides import power_ends as power_ends
 from suspid.performance.road_classes import ROAD_LIMITS as ROAD_LIMITS
 from suspid.performance.road_classes import RoadClass, classify_road
 from suspid.performance.sensitivities import Sensitivities, sensitivities

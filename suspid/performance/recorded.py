@@ -99,6 +99,7 @@ def recorded(
         density_band=frozen_real(density[:, 1:] * ((1 + SHARED_HALF) / averaged) ** 0.5),
         weightings=FrozenItems({one.name: one.kinds for one in felt}),
         road=None,
+        about=None,
         verdict=Verdict(Remark(RideHeadline.RECORDED, {"seconds": signal.duration}), tuple(checks)),
     )
 

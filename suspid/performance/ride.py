@@ -160,6 +160,7 @@ def ride(
             ),
             weightings=FrozenItems(plan.weightings),
             road=driven,
+            about=about,
             verdict=_judged(plan, dict(zip(figures, values.tolist(), strict=True)), about),
         )
         return replace(found, verdict=replace(found.verdict, checks=(*found.verdict.checks, *_wide(found))))

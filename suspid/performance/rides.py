@@ -9,7 +9,9 @@ import numpy as np
 
 from suspid.errors import InputError
 from suspid.levels import LEVEL, check_level, normal_reach
+from suspid.performance.density_bands import density_bands
 from suspid.performance.reaches import reaches, spreads
+from suspid.performance.uncertain import Uncertain
 from suspid.results import Result
 from suspid.simulation import Road
 from suspid.text_tables import TERMINAL, text_table, value_columns
@@ -54,12 +56,14 @@ class Ride(Result):
     density : ndarray (channel, frequency)
         Spectral density of each, not weighted [m2/s4/Hz or rad2/s4/Hz].
     density_band : ndarray (channel, frequency)
-        Standard deviations of these: of the car's parameters, and of a record those of Welch's method by the number of
-        its segments; 0 for a car that is known.
+        Standard deviations of these: of the car's parameters to first order, and of a record those of Welch's method by
+        the number of its segments; 0 for a car that is known. `density_interval` has the ends of intervals.
     weightings : mapping of str to tuple of str
         Weightings of each channel, the first that of comfort.
     road : Road or None
         The road under a car; None of a record.
+    about : Uncertain or None
+        The car with what is not known of it; None of a record.
     verdict : Verdict
         What the figures mean and how far they can be trusted.
 
@@ -89,6 +93,7 @@ class Ride(Result):
     density_band: RealArray
     weightings: Mapping[str, tuple[str, ...]]
     road: Road | None
+    about: Uncertain | None
     verdict: Verdict
 
     def __getitem__(self, figure: str) -> float:
@@ -150,6 +155,34 @@ class Ride(Result):
         low, high = self.values / down, np.minimum(self.values * up, top)
         return {name: (float(a), float(b)) for name, a, b in zip(self.figures, low, high, strict=True)}
 
+    def density_interval(self, level: Ratio = LEVEL) -> tuple[RealArray, RealArray]:
+        """Return the ends between which `density` lies with probability ``level`` at each frequency.
+
+        Those of a car are by the spectra of cars that may be the true one, `suspid.performance.density_bands`; those of
+        a record are by chi-square.
+
+        Raises
+        ------
+        InputError
+            If the level is not between 0 and 1.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import quarter_car, ride
+        >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3,
+        ...                   chassis_damping=1300, tire_damping=60)
+        >>> found = ride(car, road="C", speed=20.0, nominal_std=0.05)
+        >>> low, high = found.density_interval(0.95)
+        >>> bool(np.all((low <= found.density) & (found.density <= high)))
+        True
+        """
+        check_level(level)
+        if self.about is None or self.road is None:
+            return power_ends(self.density, self.density_band, level)
+        low, high = density_bands(self.about, self.channels, self.road, self.hertz, level)
+        return self.density * low, self.density * high
+
     def _table(self) -> Mapping[str, Sequence[object]]:
         ends = self.interval()
         return {
@@ -167,6 +200,21 @@ class Ride(Result):
     def __str__(self) -> str:
         rows = {"figure": list(self.figures), "unit": list(self.units), **value_columns(self.values, self.std)}
         return f"{text_table(rows, widest=TERMINAL)}\n{self.verdict}"
+
+
+def power_ends(power: RealArray, std: RealArray, level: Ratio) -> tuple[RealArray, RealArray]:
+    """Return the ends of mean squares that vary as chi-square does, with given standard deviations.
+
+    Examples
+    --------
+    One line of a periodogram varies by its expected value, and 95 % lie between 0.0253 and 3.69 times that:
+
+    >>> low, high = power_ends(np.array([1.0]), np.array([1.0]), 0.95)
+    >>> (1 / high).round(4).tolist(), (1 / low).round(2).tolist()
+    ([0.0253], [3.69])
+    """
+    low, high = _roots_of_chi_square(np.divide(std, 2 * power, out=np.zeros_like(power), where=power > 0), level)
+    return power * low**2, power * high**2
 
 
 def _roots_of_chi_square(spread: RealArray, level: Ratio) -> tuple[RealArray, RealArray]:

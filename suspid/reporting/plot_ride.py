@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from suspid.arguments import explained
-from suspid.levels import LEVEL, check_level, normal_reach
-from suspid.performance import weighting
+from suspid.levels import LEVEL, check_level
+from suspid.performance import power_ends, weighting
 from suspid.reporting.axes import decade_ticks, entitle, frequency_ticks, keep_apart, key_above, shown
 from suspid.reporting.colours import CHANNEL_COLOURS, Colour
 from suspid.reporting.plot_spectra import density_label
@@ -31,8 +31,9 @@ ROOM_FOR_FIGURES = 6.0
 WEIGHTING_POINTS = 400
 # Bands of an octave over which lines of a record's spectrum are averaged: finer than a mode with a damping of 2 %.
 BANDS_AN_OCTAVE = 24
-# Logarithm of a factor beyond all axes.
-MOST_DRAWN = 50.0
+# Correlation of the powers of lines one and two apart under a Hann window, whose lines are 1/4, 1/2 and 1/4 of those of
+# no window: squares of 2/3 and 1/6 (F. J. Harris, Proc. IEEE 66, 1978, 51-83).
+HANN_SHARED = (4 / 9, 1 / 36)
 
 
 @explained
@@ -75,8 +76,9 @@ def plot_ride(found: Ride, figure: Figure, *, level: Ratio = LEVEL) -> Figure:
     axes[0].set(ylabel="gain [dB]", ylim=(-50, 5))
     entitle(axes[0], "weightings")
     key_above(axes[0], abreast=MOST_SPECTRA)
+    ends = _ends(found, level)
     for ax, channel in zip(axes[1:], channels, strict=True):
-        draw_spectrum(found, channel, ax, level=level)
+        _draw(found, channel, ax, level, ends)
         ax.set_xlabel("")
     axes[0].grid(color=Colour.SHADE, linewidth=0.6)
     axes[-1].set_xlabel("frequency [Hz]")
@@ -93,18 +95,28 @@ def draw_spectrum(found: Ride, channel: str, ax: Axes, *, level: Ratio = LEVEL) 
 
     Its weighted rms stand above it where the figure is wide enough.
     """
+    _draw(found, channel, ax, level, _ends(found, level))
+
+
+def _ends(found: Ride, level: Ratio) -> tuple[RealArray, RealArray] | None:
+    """Return the ends of the densities of a car; those of a record are of the means that are drawn."""
+    return None if found.road is None else found.density_interval(level)
+
+
+def _draw(found: Ride, channel: str, ax: Axes, level: Ratio, ends: tuple[RealArray, RealArray] | None) -> None:
     colours, at = colours_of(found), found.channels.index(channel)
-    hertz, row, std = _smooth(found.hertz, found.density[at], found.density_band[at])
-    reach = normal_reach(level) * std
-    share = np.divide(reach, row, out=np.zeros_like(row), where=row > 0)
-    # By the logarithm: beside a sharp resonance that moves, densities differ by factors.
-    # More than any axis shows is no number to draw.
-    low, high = row * np.exp(-share), row * np.exp(np.minimum(share, MOST_DRAWN))
+    use = (found.hertz >= LOWEST_FELT) & (found.hertz <= HIGHEST_FELT)
+    hertz, row = found.hertz[use], found.density[at, use]
+    if ends is None:
+        hertz, row, std = _averaged(hertz, row, found.density_band[at, use])
+        low, high = power_ends(row, std, level)
+    else:
+        low, high = (side[at, use] for side in ends)
     kinds: list[tuple[str | None, Colour, float]] = [(None, Colour.PALE, 1.6)]
     kinds += [(kind, colours[kind], 1.2) for kind in found.weightings[channel]]
     for kind, colour, width in kinds:
         gain = np.ones_like(row) if kind is None else np.abs(weighting(kind, hertz)) ** 2
-        if np.any(share > 0):
+        if np.any(high > low):
             ax.fill_between(hertz, low * gain, high * gain, color=colour, alpha=0.3, linewidth=0.0)
         ax.plot(hertz, row * gain, color=colour, linewidth=width)
     _logarithmic(ax, float(np.max(row)))
@@ -117,9 +129,9 @@ def draw_spectrum(found: Ride, channel: str, ax: Axes, *, level: Ratio = LEVEL) 
     frequency_ticks(ax.xaxis, float(hertz[-1] / hertz[0]))
     if ax.figure.bbox.width / ax.figure.dpi < ROOM_FOR_FIGURES:
         return
-    ends = found.interval(level)
+    figures = found.interval(level)
     text = ", ".join(
-        f"{kind} {_with_ends(found[f'{channel}.{kind}'], ends[f'{channel}.{kind}'])}"
+        f"{kind} {_with_ends(found[f'{channel}.{kind}'], figures[f'{channel}.{kind}'])}"
         for kind in found.weightings[channel]
     )
     ax.annotate(f"rms {text}", (1.0, 1.0), xycoords="axes fraction", xytext=(0, 3), textcoords="offset points",
@@ -138,22 +150,20 @@ def _with_ends(value: float, ends: tuple[float, float]) -> str:
     return f"{value:.2g}" if not high > low else f"{value:.3g} ({low:.3g} to {high:.3g})"
 
 
-def _smooth(hertz: RealArray, density: RealArray, std: RealArray) -> tuple[RealArray, RealArray, RealArray]:
-    """Return the frequencies that are drawn, density and band; lines nearer than a part of an octave as their mean.
+def _averaged(hertz: RealArray, density: RealArray, std: RealArray) -> tuple[RealArray, RealArray, RealArray]:
+    """Return frequencies, density and standard deviation of a record; lines within a part of an octave as their mean.
 
-    Lines of a record are independent, so the band of their mean shrinks with the root of their number; those of a car
-    are points of one curve, farther apart than that.
+    Neighbours share what their windows have in common.
     """
-    use = (hertz >= LOWEST_FELT) & (hertz <= HIGHEST_FELT)
-    hertz, density, std = hertz[use], density[use], std[use]
-    even = len(hertz) > 2 and bool(np.isclose(hertz[-1] - hertz[-2], hertz[1] - hertz[0]))
-    if not even:
-        return hertz, density, std
     band = np.floor(BANDS_AN_OCTAVE * np.log2(hertz / hertz[0]))
     first = np.flatnonzero(np.diff(band, prepend=-1.0))
     count = np.diff(first, append=len(hertz))
     mean, middle = np.add.reduceat(density, first) / count, np.add.reduceat(hertz, first) / count
-    return middle, mean, np.sqrt(np.add.reduceat(std**2, first)) / count
+    variance = std**2
+    for apart, shared in enumerate(HANN_SHARED, start=1):
+        same = band[apart:] == band[:-apart]
+        variance[:-apart] += 2 * shared * np.where(same, std[apart:] * std[:-apart], 0.0)
+    return middle, mean, np.sqrt(np.add.reduceat(variance, first)) / count
 
 
 def _logarithmic(ax: Axes, top: float) -> None:
