@@ -46,7 +46,14 @@ class SuspidError(Exception):
 
     @property
     def wording(self) -> Wording:
-        """The message in parts, which keep the arguments that it speaks of."""
+        """The message in parts, which keep the arguments that it speaks of.
+
+        Examples
+        --------
+        >>> from suspid import RecordError
+        >>> RecordError("is empty").about("bump.csv").wording.parts
+        ('bump.csv: ', 'is empty')
+        """
         return Wording((f"{self.source}: ", *self.args) if self.source else self.args)
 
     def __str__(self) -> str:

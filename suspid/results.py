@@ -68,7 +68,15 @@ class Result:
         raise InputError(f"{type(self).__name__} has no table; read its fields")
 
     def details(self) -> str:
-        """Return all that can be said in words; ``str()`` is the part that fits a screen."""
+        """Return all that can be said in words; ``str()`` is the part that fits a screen.
+
+        Examples
+        --------
+        >>> from suspid import ModalSet
+        >>> modes = ModalSet(poles=[-1 + 20j])
+        >>> str(modes) in modes.details()
+        True
+        """
         return str(self)
 
     def to_pandas(self) -> pandas.DataFrame:
@@ -78,6 +86,12 @@ class Result:
         ------
         InputError
             If pandas is not installed, or the result has no table.
+
+        Examples
+        --------
+        >>> from suspid import ModalSet
+        >>> ModalSet(poles=[-3 + 4j]).to_pandas().loc[0, ["wn_rad_per_s", "zeta"]].tolist()
+        [5.0, 0.6]
         """
         table = self._table()
         try:
@@ -103,6 +117,16 @@ class Result:
         ------
         InputError
             If there is nothing to draw.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import as_record, best_bandwidth
+        >>> t = np.arange(0, 4, 0.01)
+        >>> found = best_bandwidth(as_record(np.exp(-t) * np.cos(20 * t), timepts=t), candidates=[2.0, 4.0, 8.0])
+        >>> drawn = found.plot()
+        >>> drawn.axes[0, 0].get_xlabel()
+        'bandwidth N [1]'
         """
         import control
         import numpy as np

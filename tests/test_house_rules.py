@@ -3,7 +3,7 @@ import itertools
 import re
 import subprocess
 import sys
-from functools import cache
+from functools import cache, cached_property
 from graphlib import TopologicalSorter
 from pathlib import Path
 from types import FunctionType
@@ -246,10 +246,12 @@ class TestPublicNames:
         assert ">>> " in text, f"{name} has no example"
 
     @pytest.mark.parametrize("name", [name for name in suspid.__all__ if isinstance(getattr(suspid, name), type)])
-    def test_what_a_type_offers_is_documented(self, name: str) -> None:
-        for member, found in vars(getattr(suspid, name)).items():
-            if not member.startswith("_") and isinstance(found, property | classmethod | staticmethod | FunctionType):
-                assert found.__doc__, f"{name}.{member} has no docstring"
+    def test_what_a_type_offers_has_an_example_of_its_own(self, name: str) -> None:
+        own = [one for one in getattr(suspid, name).__mro__ if one.__module__.startswith("suspid")]
+        for member, found in [item for one in own for item in vars(one).items()]:
+            called = isinstance(found, classmethod | staticmethod | FunctionType)
+            if not member.startswith("_") and (called or isinstance(found, property | cached_property)):
+                assert ">>> " in (found.__doc__ or ""), f"{name}.{member} has no example"
 
     def test_names_stand_once(self) -> None:
         assert len(suspid.__all__) == len(set(suspid.__all__))

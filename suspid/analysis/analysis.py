@@ -107,7 +107,18 @@ class Analysis(Result):
 
     @property
     def units(self) -> tuple[str, ...]:
-        """Unit of each channel of the record that was identified; empty where it is not known."""
+        """Unit of each channel of the record that was identified; empty where it is not known.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import RawChannel, Recording, analyse
+        >>> t = np.arange(400) / 100
+        >>> values = np.exp(-t) * np.cos(20 * t) + 1e-3 * np.random.default_rng(1).standard_normal(t.size)
+        >>> seat = RawChannel(name="seat", unit="mm", timepts=t, values=values, rate=None)
+        >>> analyse(Recording(title="bump", channels=(seat,))).units
+        ('mm',)
+        """
         names, whole = as_signal(held(self.identification, "response")).channels, self.cleaned
         known = dict(zip(as_signal(held(whole, "record")).channels, whole.units, strict=True))
         return tuple(known.get(name, "") for name in names)

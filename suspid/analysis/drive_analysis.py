@@ -70,17 +70,50 @@ class DriveAnalysis(Result):
 
     @property
     def usable(self) -> float:
-        """Length of all usable stretches together [s]."""
+        """Length of all usable stretches together [s].
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import DriveAnalysis, RawChannel, Recording, find_drives
+        >>> t = np.arange(6000) / 100
+        >>> body = 0.3 * np.random.default_rng(1).standard_normal(t.size)
+        >>> rows = {"chassis": (body, "m/s2"), "speed": (np.full(t.size, 20.0), "m/s")}
+        >>> made = [RawChannel(name=n, unit=u, timepts=t, values=v, rate=None) for n, (v, u) in rows.items()]
+        >>> drives = find_drives(Recording(title="ride", channels=tuple(made)))
+        >>> round(DriveAnalysis(drives=(drives, drives), estimate=None, body=None).usable)
+        120
+        """
         return float(sum(one.usable for one in self.drives))
 
     @property
     def remarks(self) -> tuple[Check, ...]:
-        """Remarks on the drive, without those on the estimate."""
+        """Remarks on the drive, without those on the estimate.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import DriveAnalysis, RawChannel, Recording, find_drives
+        >>> t = np.arange(6000) / 100
+        >>> body = 0.3 * np.random.default_rng(1).standard_normal(t.size)
+        >>> rows = {"chassis": (body, "m/s2"), "speed": (np.full(t.size, 20.0), "m/s")}
+        >>> made = [RawChannel(name=n, unit=u, timepts=t, values=v, rate=None) for n, (v, u) in rows.items()]
+        >>> drives = find_drives(Recording(title="ride", channels=tuple(made)))
+        >>> DriveAnalysis(drives=(drives,), estimate=None, body=None).remarks == drives.remarks
+        True
+        """
         return (*self.notes, *(check for one in self.drives for check in one.remarks))
 
     @property
     def explains(self) -> bool:
-        """Whether the car that was found explains the records, by its curves at least; true where none was sought."""
+        """Whether the car that was found explains the records, by its curves at least; true where none was sought.
+
+        Examples
+        --------
+        >>> from suspid import DriveAnalysis
+        >>> DriveAnalysis(drives=(), estimate=None, body=None).explains
+        True
+        """
         return self.estimate is None or self.estimate.explains or bool(self._by_curves)
 
     @property
@@ -94,7 +127,14 @@ class DriveAnalysis(Result):
 
     @property
     def verdict(self) -> Verdict:
-        """How far the result can be trusted: remarks on the drive, then on the estimate."""
+        """How far the result can be trusted: remarks on the drive, then on the estimate.
+
+        Examples
+        --------
+        >>> from suspid import DriveAnalysis, Drives
+        >>> DriveAnalysis(drives=(Drives(),), estimate=None, body=None).verdict.level.label
+        'none'
+        """
         found = self.estimate or self.body
         numbers = {"seconds": self.usable, "length": float(sum(one.length for one in self.drives))}
         if found is None:

@@ -46,7 +46,20 @@ class Cleaned:
 
     @property
     def verdict(self) -> Verdict:
-        """Whether the record can be used as it is: defects left alone call for care, repairs are notes."""
+        """Whether the record can be used as it is: defects left alone call for care, repairs are notes.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import RawChannel, Recording, clean
+        >>> t = np.arange(300) / 100
+        >>> values = np.exp(-t) * np.sin(12 * t)
+        >>> values[40] = -9999.0
+        >>> seat = RawChannel(name="seat", unit="m", timepts=t, values=values, rate=None)
+        >>> cleaned = clean(Recording(title="bump", channels=(seat,)))
+        >>> cleaned.verdict.level.label, [check.level.label for check in cleaned.verdict.checks]
+        ('sound', ['note', 'note'])
+        """
         repaired = sum(finding.repaired for finding in self.findings)
         headline = Remark(Cleaning.UNCHANGED)
         if self.findings:

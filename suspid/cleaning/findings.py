@@ -113,7 +113,17 @@ class Finding:
         return Check(remark, Level.NOTE if harmless else Level.CARE)
 
     def with_numbers(self, numbers: dict[str, Number]) -> Finding:
-        """Return the finding with further numbers in its remark."""
+        """Return the finding with further numbers in its remark.
+
+        Examples
+        --------
+        >>> from suspid import Finding, Remark
+        >>> from suspid.words import Defect
+        >>> drift = Finding(remark=Remark(Defect.DRIFT, {"drift": 0.4}), channel="seat", start=0.0, stop=3.0,
+        ...                 samples=300, repaired=False)
+        >>> drift.with_numbers({"samples": 300}).remark.numbers
+        {'drift': 0.4, 'samples': 300}
+        """
         return replace(self, remark=Remark(self.kind, {**self.remark.numbers, **numbers}))
 
     def __str__(self) -> str:

@@ -120,7 +120,14 @@ class Decays(Sequence[Decay], Result):
 
     @property
     def verdict(self) -> Verdict:
-        """How far the best decay can be trusted: its doubts are the checks."""
+        """How far the best decay can be trusted: its doubts are the checks.
+
+        Examples
+        --------
+        >>> from suspid import Decays
+        >>> Decays().verdict.level.label
+        'none'
+        """
         if not self.decays:
             none = Remark(DecayRemark.NONE)
             return Verdict(none, tuple(Check(remark, Level.NONE) for remark in self.remarks or (none,)))

@@ -73,7 +73,19 @@ class DamperTrends(Result):
 
     @property
     def doubtful(self) -> DamperTrends:
-        """Those that are not good."""
+        """Those that are not good.
+
+        Examples
+        --------
+        >>> from suspid import damper_trends, estimate, free_decay, quarter_car
+        >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3,
+        ...                   tire_stiffness=210e3, chassis_damping=1300)
+        >>> record = free_decay(car, np.arange(0, 2, 0.01), initial_state={"v_tire": 1.0})
+        >>> record.outputs[:] += 1e-4 * np.random.default_rng(1).standard_normal(record.outputs.shape)
+        >>> found = estimate(record, car, fixed=["tire.damping"])
+        >>> damper_trends([("VAN 7", year, found) for year in (2022.0, 2023.0, 2024.0, 2025.0)]).doubtful.trends
+        ()
+        """
         return replace(self, trends=tuple(one for one in self.trends if one.state is not DamperState.GOOD))
 
     def _table(self) -> Mapping[str, Sequence[object]]:

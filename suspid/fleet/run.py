@@ -69,22 +69,70 @@ class FleetRun:
 
     @property
     def modes(self) -> pa.Table:
-        """One row per record and mode, of a run of `identify_many`."""
+        """One row per record and mode, of a run of `identify_many`.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> import numpy as np
+        >>> from suspid import as_record, identify_many
+        >>> t = np.arange(0, 3, 0.01)
+        >>> decay = as_record(np.exp(-t) * np.cos(20 * t), timepts=t, channels=["seat"])
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     run = identify_many([("bump", decay)], output=folder, workers=1)
+        ...     rows = run.modes.to_pylist()
+        >>> [(row["record"], round(row["wn_rad_per_s"])) for row in rows]
+        [('bump', 20)]
+        """
         return read_table(self.output, "modes")
 
     @property
     def drives(self) -> pa.Table:
-        """One row per vehicle and drive, of a run of `estimate_many`."""
+        """One row per vehicle and drive, of a run of `estimate_many`.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> from suspid import estimate_many, quarter_car
+        >>> car = quarter_car(chassis_mass=400, tire_mass=40, chassis_stiffness=20e3,
+        ...                   tire_stiffness=200e3, chassis_damping=1500)
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     names = estimate_many(["nowhere.csv"], output=folder, car=car, workers=1).drives.column_names
+        >>> {"vehicle", "chassis.damping", "chassis.damping_std", "chassis.wear"} <= set(names)
+        True
+        """
         return read_table(self.output, "drives")
 
     @property
     def springs(self) -> pa.Table:
-        """One row per record and parameter of the car; none without a car."""
+        """One row per record and parameter of the car; none without a car.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> from suspid import identify_many
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     run = identify_many(["nowhere.csv"], output=folder, workers=1)
+        ...     springs = run.springs
+        >>> springs.num_rows, "parameter" in springs.column_names
+        (0, True)
+        """
         return read_table(self.output, "springs")
 
     @property
     def failures(self) -> pa.Table:
-        """One row per record that failed, with the step and the reason."""
+        """One row per record that failed, with the step and the reason.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> from suspid import identify_many
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     run = identify_many(["nowhere.csv"], output=folder, workers=1)
+        ...     rows = run.failures.to_pylist()
+        >>> [(row["record"], row["step"]) for row in rows]
+        [('nowhere.csv', 'read')]
+        """
         return read_table(self.output, "failures")
 
     def __str__(self) -> str:

@@ -136,7 +136,18 @@ class FleetSummary(Result):
 
     @property
     def verdict(self) -> Verdict:
-        """How far the results can be trusted as a whole, and what they show."""
+        """How far the results can be trusted as a whole, and what they show.
+
+        Examples
+        --------
+        >>> from pathlib import Path
+        >>> from suspid import FleetSummary
+        >>> summary = FleetSummary(folder=Path("results"), records=10, failed=1, complete=True, failures=(),
+        ...                        verdicts={"sound": 9}, doubts={}, distributions=(), outliers=(), trends=(),
+        ...                        dampers=None, others=0, unplaced=None)
+        >>> summary.verdict.level.label, [str(check.remark.code) for check in summary.verdict.checks]
+        ('care', ['failed'])
+        """
         identified = sum(self.verdicts.values())
         doubtful = sum(self.verdicts.get(level.label, 0) for level in (Level.DOUBTFUL, Level.NONE))
         care = self.verdicts.get(Level.CARE.label, 0)

@@ -78,7 +78,15 @@ class BodyMode:
     why: Remark | None = None
 
     def interval(self, level: Ratio = LEVEL) -> tuple[Hertz, Hertz]:
-        """Return the bounds [Hz] that contain the intervals of all models."""
+        """Return the bounds [Hz] that contain the intervals of all models.
+
+        Examples
+        --------
+        >>> from suspid import BodyMode
+        >>> mode = BodyMode(channel="seat", hertz=1.2, models=((1.2, 0.1),))
+        >>> round((mode.interval(0.95)[1] - 1.2) / 0.1, 2)
+        1.96
+        """
         check_level(level)
         if not self.models:
             return float("nan"), float("nan")
@@ -128,7 +136,15 @@ class BodyModes(Sequence[BodyMode]):
 
     @property
     def verdict(self) -> Verdict:
-        """What was found, and why damping is not reported."""
+        """What was found, and why damping is not reported.
+
+        Examples
+        --------
+        >>> from suspid import BodyMode, BodyModes
+        >>> mode = BodyMode(channel="seat", hertz=1.2, models=((1.15, 0.02), (1.25, 0.02)), zetas=(0.2, 0.4), why=None)
+        >>> BodyModes(modes=(mode,), seconds=300.0).verdict.level.label
+        'sound'
+        """
         found = [mode for mode in self.modes if mode.models]
         checks = [Check(mode.why, Level.NOTE if found else Level.NONE) for mode in self.modes if mode.why is not None]
         if found:
@@ -138,7 +154,17 @@ class BodyModes(Sequence[BodyMode]):
         return Verdict(Remark(BodyCheck.FOUND, {"channels": len(found), "seconds": self.seconds}), tuple(checks))
 
     def table(self, level: Ratio = LEVEL) -> str:
-        """Return the table of frequencies with intervals."""
+        """Return the table of frequencies with intervals.
+
+        Examples
+        --------
+        >>> from suspid import BodyMode, BodyModes
+        >>> mode = BodyMode(channel="seat", hertz=1.2, models=((1.15, 0.02), (1.25, 0.02)), zetas=(0.2, 0.4), why=None)
+        >>> print(BodyModes(modes=(mode,), seconds=300.0).table(0.68))
+          channel    f [Hz]    68 % interval      zeta [1]
+        ---------  --------  ---------------  ------------
+             seat       1.2      1.13 … 1.27  not reported
+        """
         ends = [mode.interval(level) for mode in self.modes]
         return text_table(
             {

@@ -119,22 +119,90 @@ class DamperCurve(Result):
 
     @property
     def stiffness_std(self) -> NewtonPerMetre:
-        """Standard deviation of `stiffness` [N/m]."""
+        """Standard deviation of `stiffness` [N/m].
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import DamperCurve, LineTest, Remark, Verdict, quarter_car
+        >>> from suspid.words.dampers import CurveHeadline
+        >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3,
+        ...                   chassis_damping=1300)
+        >>> found = DamperCurve(
+        ...     name="chassis", suspension=car, velocities=np.array([-1.0, 0.0, 1.0]), velocity_std=0.2, friction=30.0,
+        ...     forces=np.array([-900.0, 0.0, 1500.0]), stiffness=22e3, friction_sought=True, noise_std=(1.0, 0.03),
+        ...     covariance=np.diag([200.0, 20.0, 0.0, 40.0, 5.0]) ** 2, chi_square=500.0, freedom=500, following=1.0,
+        ...     linear=LineTest(statistic=9.0, freedom=2, residual_freedom=500, p_value=0.0, level=0.05), explains=True,
+        ...     verdict=Verdict(Remark(CurveHeadline.CURVE, {"strut": "chassis"})))
+        >>> found.stiffness_std
+        200.0
+        """
         return float(np.sqrt(self.covariance[0, 0]))
 
     @property
     def friction_std(self) -> Newton:
-        """Standard deviation of `friction` [N]."""
+        """Standard deviation of `friction` [N].
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import DamperCurve, LineTest, Remark, Verdict, quarter_car
+        >>> from suspid.words.dampers import CurveHeadline
+        >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3,
+        ...                   chassis_damping=1300)
+        >>> found = DamperCurve(
+        ...     name="chassis", suspension=car, velocities=np.array([-1.0, 0.0, 1.0]), velocity_std=0.2, friction=30.0,
+        ...     forces=np.array([-900.0, 0.0, 1500.0]), stiffness=22e3, friction_sought=True, noise_std=(1.0, 0.03),
+        ...     covariance=np.diag([200.0, 20.0, 0.0, 40.0, 5.0]) ** 2, chi_square=500.0, freedom=500, following=1.0,
+        ...     linear=LineTest(statistic=9.0, freedom=2, residual_freedom=500, p_value=0.0, level=0.05), explains=True,
+        ...     verdict=Verdict(Remark(CurveHeadline.CURVE, {"strut": "chassis"})))
+        >>> found.friction_std
+        5.0
+        """
         return float(np.sqrt(self.covariance[-1, -1]))
 
     @property
     def totals(self) -> RealArray:
-        """Forces at the nodes with friction [N], (node,)."""
+        """Forces at the nodes with friction [N], (node,).
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import DamperCurve, LineTest, Remark, Verdict, quarter_car
+        >>> from suspid.words.dampers import CurveHeadline
+        >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3,
+        ...                   chassis_damping=1300)
+        >>> found = DamperCurve(
+        ...     name="chassis", suspension=car, velocities=np.array([-1.0, 0.0, 1.0]), velocity_std=0.2, friction=30.0,
+        ...     forces=np.array([-900.0, 0.0, 1500.0]), stiffness=22e3, friction_sought=True, noise_std=(1.0, 0.03),
+        ...     covariance=np.diag([200.0, 20.0, 0.0, 40.0, 5.0]) ** 2, chi_square=500.0, freedom=500, following=1.0,
+        ...     linear=LineTest(statistic=9.0, freedom=2, residual_freedom=500, p_value=0.0, level=0.05), explains=True,
+        ...     verdict=Verdict(Remark(CurveHeadline.CURVE, {"strut": "chassis"})))
+        >>> found.totals
+        array([-930.,    0., 1530.])
+        """
         return np.asarray(self.forces + self.friction * np.sign(self.velocities))
 
     @property
     def total_std(self) -> RealArray:
-        """Standard deviations of `totals` [N], (node,)."""
+        """Standard deviations of `totals` [N], (node,).
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import DamperCurve, LineTest, Remark, Verdict, quarter_car
+        >>> from suspid.words.dampers import CurveHeadline
+        >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3,
+        ...                   chassis_damping=1300)
+        >>> found = DamperCurve(
+        ...     name="chassis", suspension=car, velocities=np.array([-1.0, 0.0, 1.0]), velocity_std=0.2, friction=30.0,
+        ...     forces=np.array([-900.0, 0.0, 1500.0]), stiffness=22e3, friction_sought=True, noise_std=(1.0, 0.03),
+        ...     covariance=np.diag([200.0, 20.0, 0.0, 40.0, 5.0]) ** 2, chi_square=500.0, freedom=500, following=1.0,
+        ...     linear=LineTest(statistic=9.0, freedom=2, residual_freedom=500, p_value=0.0, level=0.05), explains=True,
+        ...     verdict=Verdict(Remark(CurveHeadline.CURVE, {"strut": "chassis"})))
+        >>> (found.total_std**2).round()
+        array([ 425.,    0., 1625.])
+        """
         turned = np.hstack([np.eye(len(self.forces)), np.sign(self.velocities)[:, None]])
         return np.asarray(np.sqrt(np.einsum("ij,jk,ik->i", turned, self.covariance[1:, 1:], turned)))
 
@@ -213,7 +281,25 @@ class DamperCurve(Result):
         return float(np.sqrt(work @ self.covariance[1:, 1:] @ work))
 
     def work_of(self, amplitude: MetrePerSecond | None = None) -> RealArray:
-        """Return the equivalent damping per force at each node and per friction [s/m]."""
+        """Return the equivalent damping per force at each node and per friction [s/m].
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import DamperCurve, LineTest, Remark, Verdict, quarter_car
+        >>> from suspid.words.dampers import CurveHeadline
+        >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3,
+        ...                   chassis_damping=1300)
+        >>> found = DamperCurve(
+        ...     name="chassis", suspension=car, velocities=np.array([-1.0, 0.0, 1.0]), velocity_std=0.2, friction=30.0,
+        ...     forces=np.array([-900.0, 0.0, 1500.0]), stiffness=22e3, friction_sought=True, noise_std=(1.0, 0.03),
+        ...     covariance=np.diag([200.0, 20.0, 0.0, 40.0, 5.0]) ** 2, chi_square=500.0, freedom=500, following=1.0,
+        ...     linear=LineTest(statistic=9.0, freedom=2, residual_freedom=500, p_value=0.0, level=0.05), explains=True,
+        ...     verdict=Verdict(Remark(CurveHeadline.CURVE, {"strut": "chassis"})))
+        >>> equivalent = found.work_of(0.5) @ np.append(found.forces, found.friction)
+        >>> bool(np.isclose(equivalent, (900 + 1500) / 2 + 4 * 30 / (np.pi * 0.5)))
+        True
+        """
         speed = np.sqrt(2) * self.velocity_std if amplitude is None else amplitude
         nodes = self.velocities.tolist()
         units = [equal_work(list(zip(nodes, row, strict=True)), 0.0, speed) for row in np.eye(len(nodes)).tolist()]
@@ -221,7 +307,24 @@ class DamperCurve(Result):
 
     @property
     def curve(self) -> tuple[tuple[float, float], ...]:
-        """The points of the nearest curve that rises through zero, for a `Strut`."""
+        """The points of the nearest curve that rises through zero, for a `Strut`.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import DamperCurve, LineTest, Remark, Verdict, quarter_car
+        >>> from suspid.words.dampers import CurveHeadline
+        >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3,
+        ...                   chassis_damping=1300)
+        >>> found = DamperCurve(
+        ...     name="chassis", suspension=car, velocities=np.array([-1.0, 0.0, 1.0]), velocity_std=0.2, friction=30.0,
+        ...     forces=np.array([-900.0, 0.0, 1500.0]), stiffness=22e3, friction_sought=True, noise_std=(1.0, 0.03),
+        ...     covariance=np.diag([200.0, 20.0, 0.0, 40.0, 5.0]) ** 2, chi_square=500.0, freedom=500, following=1.0,
+        ...     linear=LineTest(statistic=9.0, freedom=2, residual_freedom=500, p_value=0.0, level=0.05), explains=True,
+        ...     verdict=Verdict(Remark(CurveHeadline.CURVE, {"strut": "chassis"})))
+        >>> found.curve
+        ((-1.0, -900.0), (0.0, 0.0), (1.0, 1500.0))
+        """
         return tuple(zip(self.velocities.tolist(), rising(self).tolist(), strict=True))
 
     @property

@@ -53,7 +53,14 @@ class Drive:
 
     @property
     def length(self) -> Second:
-        """Its length [s]."""
+        """Its length [s].
+
+        Examples
+        --------
+        >>> from suspid import Drive
+        >>> Drive(start=12.0, stop=42.5, taken=True, reasons=(), speed=20.0).length
+        30.5
+        """
         return self.stop - self.start
 
     def __str__(self) -> str:
@@ -224,5 +231,15 @@ class Drives(Sequence[Drive], Result):
         return f"{summary_table(self)}\n{self.verdict}"
 
     def details(self) -> str:
-        """Return everything as text: each stretch with its reasons, and `str`."""
+        """Return everything as text: each stretch with its reasons, and `str`.
+
+        Examples
+        --------
+        >>> from suspid import Drive, Drives, Remark
+        >>> from suspid.words.drives import DriveReason
+        >>> slow = Remark(DriveReason.SLOW, {"limit": 3.0, "low": 0.0})
+        >>> rest = Drive(start=0.0, stop=22.0, taken=False, reasons=(slow,), speed=0.0)
+        >>> "slower than 3 m/s (down to 0 m/s)" in Drives(stretches=(rest,)).details()
+        True
+        """
         return f"{stretch_table(self)}\n{self}" if self else str(self)

@@ -43,7 +43,14 @@ class LineTest:
 
     @property
     def accepted(self) -> bool:
-        """Whether a line is not rejected."""
+        """Whether a line is not rejected.
+
+        Examples
+        --------
+        >>> from suspid import LineTest
+        >>> LineTest(statistic=9.0, freedom=5, residual_freedom=200, p_value=1e-7, level=0.05).accepted
+        False
+        """
         return self.p_value >= self.level
 
     def __bool__(self) -> bool:

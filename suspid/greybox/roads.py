@@ -61,12 +61,32 @@ class RoadEstimate:
 
     @property
     def road_class(self) -> str | None:
-        """Class of ISO 8608, ``"A"`` to ``"H"``, of the mean roughness; None where the speed was not known."""
+        """Class of ISO 8608, ``"A"`` to ``"H"``, of the mean roughness; None where the speed was not known.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import RoadEstimate
+        >>> road = RoadEstimate(wheel="tire", records=(0, 0), times=np.array([5.0, 15.0]), exponent=2.0,
+        ...                     exponent_std=0.1, mean_roughness=64e-6, mean_roughness_std=0.2)
+        >>> road.road_class
+        'B'
+        """
         return None if self.mean_roughness is None else road_class(self.mean_roughness)
 
     @property
     def classes(self) -> tuple[str, ...]:
-        """Class of each stretch; empty where the speed was not known."""
+        """Class of each stretch; empty where the speed was not known.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import RoadEstimate
+        >>> road = RoadEstimate(wheel="tire", records=(0, 0), times=np.array([5.0, 15.0]), exponent=2.0,
+        ...                     exponent_std=0.1, roughness=np.array([16e-6, 256e-6]))
+        >>> road.classes
+        ('A', 'C')
+        """
         return () if self.roughness is None else tuple(road_class(value) for value in self.roughness.tolist())
 
     def interval(self, level: Ratio = LEVEL) -> tuple[float, float] | None:
@@ -76,6 +96,16 @@ class RoadEstimate:
         ------
         InputError
             If the level is not between 0 and 1.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import RoadEstimate
+        >>> road = RoadEstimate(wheel="tire", records=(0, 0), times=np.array([5.0, 15.0]), exponent=2.0,
+        ...                     exponent_std=0.1, mean_roughness=16e-6, mean_roughness_std=0.2)
+        >>> low, high = road.interval(0.95)
+        >>> round(low * high / 16e-6**2, 6), round(float(np.log(high / 16e-6)) / 0.2, 2)
+        (1.0, 1.96)
         """
         check_level(level)
         if self.mean_roughness is None or self.mean_roughness_std is None:

@@ -45,7 +45,15 @@ class Considered:
 
     @property
     def reason(self) -> str:
-        """Why it is not a mode, in words."""
+        """Why it is not a mode, in words.
+
+        Examples
+        --------
+        >>> from suspid import Considered, Remark
+        >>> from suspid.words import Reason
+        >>> Considered(pole=60j, remark=Remark(Reason.HARMONIC, {"mode": 1, "multiple": 3}), removed=True).reason
+        '3 times mode 1: a harmonic of its nonlinear motion'
+        """
         return str(self.remark)
 
 

@@ -91,17 +91,52 @@ class Identification(Result):
 
     @property
     def bandwidth_search(self) -> BandwidthSearch | None:
-        """Entropy against bandwidth; None if the bandwidth was given."""
+        """Entropy against bandwidth; None if the bandwidth was given.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import as_record, identify
+        >>> t = np.arange(0, 4, 0.01)
+        >>> decay = as_record(np.exp(-t) * np.cos(20 * t), timepts=t)
+        >>> identify(decay, method="ridge", modes=1, bandwidth=8.0).bandwidth_search is None
+        True
+        >>> search = identify(decay, method="ridge", modes=1, candidates=[4.0, 8.0, 16.0]).bandwidth_search
+        >>> search.best
+        8.0
+        """
         return self.steps.search
 
     @property
     def scalogram(self) -> Scalogram:
-        """The transform of the record less its mean."""
+        """The transform of the record less its mean.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import as_record, identify
+        >>> t = np.arange(0, 4, 0.01)
+        >>> decay = as_record(np.exp(-t) * np.cos(20 * t), timepts=t)
+        >>> found = identify(decay, method="ridge", modes=1, bandwidth=8.0)
+        >>> found.scalogram.wavelet.bandwidth
+        8.0
+        """
         return self.steps.scalogram
 
     @property
     def ridges(self) -> tuple[Ridge, ...]:
-        """The significant ridges, each with its own wavelet, skeleton and window; perhaps none."""
+        """The significant ridges, each with its own wavelet, skeleton and window; perhaps none.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import as_record, identify
+        >>> t = np.arange(0, 4, 0.01)
+        >>> decay = as_record(np.exp(-t) * np.cos(20 * t), timepts=t)
+        >>> found = identify(decay, method="ridge", modes=1, bandwidth=8.0)
+        >>> [round(ridge.omega) for ridge in found.ridges]
+        [20]
+        """
         try:
             return self.steps.ridges
         except IdentificationError:
@@ -109,7 +144,18 @@ class Identification(Result):
 
     @property
     def lines(self) -> tuple[SkeletonFit, ...]:
-        """The lines through log modulus and phase of each ridge."""
+        """The lines through log modulus and phase of each ridge.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import as_record, identify
+        >>> t = np.arange(0, 4, 0.01)
+        >>> decay = as_record(np.exp(-t) * np.cos(20 * t), timepts=t)
+        >>> found = identify(decay, method="ridge", modes=1, bandwidth=8.0)
+        >>> [complex(np.round(line.pole, 2)) for line in found.lines]
+        [(-1+20j)]
+        """
         return tuple(fit_skeleton(ridge) for ridge in self.ridges)
 
     @property

@@ -57,7 +57,18 @@ class Repeats(Result):
 
     @cached_property
     def verdict(self) -> Verdict:
-        """How far the joint modes can be trusted, with every check and its numbers."""
+        """How far the joint modes can be trusted, with every check and its numbers.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import as_record, identify_repeats
+        >>> t = np.arange(600) / 100
+        >>> noise = 1e-3 * np.random.default_rng(1).standard_normal(t.size)
+        >>> record = as_record(np.exp(-2 * (t % 3)) * np.cos(20 * (t % 3)) + noise, timepts=t)
+        >>> identify_repeats(record, [(0, 2.99), (3, 5.99)]).verdict.level.label
+        'sound'
+        """
         return verdict_of_repeats(self)
 
     def _table(self) -> Mapping[str, Sequence[object]]:

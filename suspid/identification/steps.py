@@ -70,7 +70,18 @@ class FourSteps:
 
     @cached_property
     def response(self) -> control.TimeResponseData:
-        """The record less its mean."""
+        """The record less its mean.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import as_record, identify
+        >>> t = np.arange(0, 4, 0.01)
+        >>> decay = as_record(np.exp(-t) * np.cos(20 * t), timepts=t)
+        >>> steps = identify(decay, method="ridge", modes=1, bandwidth=8.0).steps
+        >>> bool(abs(steps.response.outputs.mean()) < 1e-12)
+        True
+        """
         return self._samples.response
 
     @cached_property
@@ -79,26 +90,71 @@ class FourSteps:
 
     @cached_property
     def omega(self) -> RealArray:
-        """Angular frequencies of the rows [rad/s], (row,): the band, evenly spaced in its logarithm."""
+        """Angular frequencies of the rows [rad/s], (row,): the band, evenly spaced in its logarithm.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import as_record, identify
+        >>> t = np.arange(0, 4, 0.01)
+        >>> decay = as_record(np.exp(-t) * np.cos(20 * t), timepts=t)
+        >>> steps = identify(decay, method="ridge", modes=1, bandwidth=8.0).steps
+        >>> bool(np.ptp(np.diff(np.log(steps.omega))) < 1e-9)
+        True
+        """
         return row_frequencies(self.signal, self.band)
 
     @cached_property
     def search(self) -> BandwidthSearch | None:
-        """Step 1: entropy against bandwidth; None if the bandwidth was given."""
+        """Step 1: entropy against bandwidth; None if the bandwidth was given.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import as_record, identify
+        >>> t = np.arange(0, 4, 0.01)
+        >>> decay = as_record(np.exp(-t) * np.cos(20 * t), timepts=t)
+        >>> steps = identify(decay, method="ridge", modes=1, bandwidth=8.0).steps
+        >>> steps.search is None
+        True
+        """
         if self.bandwidth is not None:
             return None
         return best_bandwidth(self._samples, omega=self.omega, candidates=self.candidates)
 
     @cached_property
     def scalogram(self) -> Scalogram:
-        """Step 2: the transform with the bandwidth given or of least entropy."""
+        """Step 2: the transform with the bandwidth given or of least entropy.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import as_record, identify
+        >>> t = np.arange(0, 4, 0.01)
+        >>> decay = as_record(np.exp(-t) * np.cos(20 * t), timepts=t)
+        >>> steps = identify(decay, method="ridge", modes=1, bandwidth=8.0).steps
+        >>> loudest = np.argmax([np.abs(row).max() for row in steps.scalogram.rows])
+        >>> bool(abs(steps.scalogram.omega[loudest] - 20.0) < 0.5)
+        True
+        """
         bandwidth = self.bandwidth if self.search is None else self.search.best
         assert bandwidth is not None
         return cwt(self._samples, omega=self.omega, bandwidth=bandwidth, precision=SEARCH_PRECISION)
 
     @cached_property
     def ridges(self) -> tuple[Ridge, ...]:
-        """Step 3: the ridges, each with the wavelet (this or a shorter one) that leaves its pole least uncertain."""
+        """Step 3: the ridges, each with the wavelet (this or a shorter one) that leaves its pole least uncertain.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import as_record, identify
+        >>> t = np.arange(0, 4, 0.01)
+        >>> decay = as_record(np.exp(-t) * np.cos(20 * t), timepts=t)
+        >>> steps = identify(decay, method="ridge", modes=1, bandwidth=8.0).steps
+        >>> round(steps.ridges[0].omega)
+        20
+        """
         attempts: list[tuple[Ridge, ...]] = []
         failure: IdentificationError | None = None
         # Each ridge may use the wavelet of least entropy or one shorter by these factors: short wavelets suit heavy
@@ -124,5 +180,16 @@ class FourSteps:
 
     @cached_property
     def modes(self) -> ModalSet:
-        """Step 4: modes from the lines through the skeletons."""
+        """Step 4: modes from the lines through the skeletons.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import as_record, identify
+        >>> t = np.arange(0, 4, 0.01)
+        >>> decay = as_record(np.exp(-t) * np.cos(20 * t), timepts=t)
+        >>> steps = identify(decay, method="ridge", modes=1, bandwidth=8.0).steps
+        >>> steps.modes.zeta.round(3)
+        array([0.05])
+        """
         return fit_ridges(self.ridges)

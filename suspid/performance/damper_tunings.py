@@ -75,7 +75,26 @@ class DamperTuning(Result):
 
     @property
     def tuned(self) -> Suspension:
-        """The car with the curve, to be simulated."""
+        """The car with the curve, to be simulated.
+
+        Examples
+        --------
+        >>> from dataclasses import replace
+        >>> import numpy as np
+        >>> from suspid import Remark, Verdict, quarter_car, road
+        >>> from suspid.performance import DamperTuning
+        >>> from suspid.words.ride import DamperTuningHeadline
+        >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3,
+        ...                   chassis_damping=1300)
+        >>> one = np.array([1300.0])
+        >>> found = DamperTuning(
+        ...     strut=replace(car.struts[0], damping=0.0, curve=((-1.0, -900.0), (0.0, 0.0), (1.0, 1500.0))), car=car,
+        ...     roads=(road("C", speed=20.0),), figures=("chassis_acceleration.Wk",), units=("m/s2",), asked=one,
+        ...     damping=one, velocity=np.array([0.2]), values=np.array([[0.9]]), best=np.array([[0.85]]), single=1250.0,
+        ...     single_values=np.array([[1.0]]), verdict=Verdict(Remark(DamperTuningHeadline.CURVE, {})))
+        >>> found.tuned.struts[0].curve, found.car.struts[0].curve
+        (((-1.0, -900.0), (0.0, 0.0), (1.0, 1500.0)), None)
+        """
         struts = tuple(self.strut if one.name == self.strut.name else one for one in self.car.struts)
         return replace(self.car, struts=struts)
 
@@ -110,7 +129,26 @@ class DamperTuning(Result):
 
     @property
     def gain(self) -> RealArray:
-        """Share of the objective that the curve saves on each road over the best single rate; NaN without one."""
+        """Share of the objective that the curve saves on each road over the best single rate; NaN without one.
+
+        Examples
+        --------
+        >>> from dataclasses import replace
+        >>> import numpy as np
+        >>> from suspid import Remark, Verdict, quarter_car, road
+        >>> from suspid.performance import DamperTuning
+        >>> from suspid.words.ride import DamperTuningHeadline
+        >>> car = quarter_car(chassis_mass=350, tire_mass=50, chassis_stiffness=22e3, tire_stiffness=210e3,
+        ...                   chassis_damping=1300)
+        >>> one = np.array([1300.0])
+        >>> found = DamperTuning(
+        ...     strut=replace(car.struts[0], damping=0.0, curve=((-1.0, -900.0), (0.0, 0.0), (1.0, 1500.0))), car=car,
+        ...     roads=(road("C", speed=20.0),), figures=("chassis_acceleration.Wk",), units=("m/s2",), asked=one,
+        ...     damping=one, velocity=np.array([0.2]), values=np.array([[0.9]]), best=np.array([[0.85]]), single=1250.0,
+        ...     single_values=np.array([[1.0]]), verdict=Verdict(Remark(DamperTuningHeadline.CURVE, {})))
+        >>> found.gain
+        array([0.1])
+        """
         if self.single is None:
             return np.full(len(self.roads), np.nan)
         return np.asarray(1 - self.values[:, 0] / self.single_values[:, 0])

@@ -88,7 +88,21 @@ class Tuning(Result):
 
     @property
     def distinct(self) -> tuple[int, ...]:
-        """Numbers of `parameters` of which none has the values of an earlier one, as left and right springs have."""
+        """Numbers of `parameters` of which none has the values of an earlier one, as left and right springs have.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import Remark, Tuning, Verdict
+        >>> from suspid.words.ride import TuningHeadline
+        >>> found = Tuning(
+        ...     objectives=("chassis.travel",), figures=("chassis.travel",), units=("m",), values=np.array([[0.02]]),
+        ...     present=np.array([0.03]), parameters=("front_left.damping", "front_right.damping", "rear.damping"),
+        ...     choices=np.array([[1500.0, 1500.0, 1700.0]]), described=np.array([1300.0, 1300.0, 1400.0]), cars=(),
+        ...     robust=0.0, verdict=Verdict(Remark(TuningHeadline.FRONT, {})))
+        >>> found.distinct
+        (0, 2)
+        """
         columns = np.vstack([self.choices, self.described]).T.tolist()
         return tuple(i for i, column in enumerate(columns) if column not in columns[:i])
 

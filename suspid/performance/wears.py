@@ -151,7 +151,19 @@ class Wear(Result):
 
     @property
     def certainty(self) -> Ratio:
-        """Probability with which each end of a loss holds [1]."""
+        """Probability with which each end of a loss holds [1].
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import Wear
+        >>> from suspid.performance import WearRule
+        >>> from suspid.words import Remark, Verdict
+        >>> from suspid.words.wear import WearHeadline
+        >>> Wear(dampers=(), changes=(), before=None, after=None, rule=WearRule(rate=0.02), against="nominal",
+        ...      verdict=Verdict(Remark(WearHeadline.DAMPERS, {"texts": ()}))).certainty
+        0.99
+        """
         return 1 - self.rule.rate / TESTS
 
     def _table(self) -> Mapping[str, Sequence[object]]:

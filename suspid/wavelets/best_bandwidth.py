@@ -68,7 +68,18 @@ class BandwidthSearch(Result):
 
     @property
     def at_end(self) -> bool:
-        """Whether the least entropy lies at an end of the candidates: then their range is too small."""
+        """Whether the least entropy lies at an end of the candidates: then their range is too small.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import BandwidthSearch
+        >>> tried = np.array([2.0, 4.0, 8.0])
+        >>> BandwidthSearch(candidates=tried, entropy=np.array([3.0, 2.0, 3.0])).at_end
+        False
+        >>> BandwidthSearch(candidates=tried, entropy=np.array([1.0, 2.0, 3.0])).at_end
+        True
+        """
         return self.best in (np.min(self.candidates), np.max(self.candidates))
 
     def __str__(self) -> str:

@@ -52,7 +52,18 @@ class SkeletonFit:
 
     @property
     def lines(self) -> ComplexArray:
-        """The fitted lines at ``timepts``, (channel, sample)."""
+        """The fitted lines at ``timepts``, (channel, sample).
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from suspid import as_record, identify
+        >>> t = np.arange(0, 4, 0.01)
+        >>> decay = as_record(np.exp(-t) * np.cos(20 * t), timepts=t)
+        >>> fit = identify(decay, method="ridge", modes=1, bandwidth=8.0).lines[0]
+        >>> bool(np.abs(fit.lines - fit.logarithm).max() < 1e-3)
+        True
+        """
         return np.asarray(self.origin[:, None] + self.pole * (self.timepts - self.onset))
 
 
