@@ -37,14 +37,19 @@ def naming(source: str | os.PathLike[str]) -> Iterator[None]:
         raise error.about(printable(os.fspath(source))) from error.__cause__
 
 
+def check_exists(path: Path, *, error: type[InputError] = InputError) -> None:
+    """Raise ``error`` with the nearest name if there is nothing at a path."""
+    if not path.exists():
+        raise error(f"there is no such file{_beside(path)}")
+
+
 def read_bytes(path: Path, *, error: type[InputError] = InputError) -> bytes:
     """Return the content of a file; raise ``error`` with the reason if it cannot be read."""
     with naming(path):
         try:
             if path.is_dir():
                 raise error("is a folder; give a file in it")
-            if not path.exists():
-                raise error(f"there is no such file{_beside(path)}")
+            check_exists(path, error=error)
             if not path.is_file():
                 raise error("is not a regular file")
             content = path.read_bytes()

@@ -31,6 +31,28 @@ class Argument:
 
 
 @dataclass(frozen=True, slots=True)
+class Entry:
+    """One entry of an argument that is a mapping: an item in Python, ``NAME=VALUE`` on the command line.
+
+    Examples
+    --------
+    >>> print(Entry("scale", "seat", "0"))
+    scale['seat']=0
+    >>> with called({"scale": "--scale"}):
+    ...     print(Entry("scale", "seat", "0"))
+    --scale seat=0
+    """
+
+    name: str
+    key: str
+    value: str
+
+    def __str__(self) -> str:
+        option = (_CALLED.get() or {}).get(self.name)
+        return f"{self.name}[{self.key!r}]={self.value}" if option is None else f"{option} {self.key}={self.value}"
+
+
+@dataclass(frozen=True, slots=True)
 class Listed:
     """An argument of a function with several values: a list in Python, commas on the command line.
 

@@ -99,7 +99,9 @@ class TestExitCodes:
         [
             (("identify", "none.csv"), "none.csv: there is no such file"),
             (("identify", EXAMPLES), "is a folder"),
-            (("identify", CAR), "type '.toml' are not known"),
+            (("identify", CAR), "is a description, as of a car or of limits, and not a record"),
+            (("identify", "none.json"), "none.json: there is no such file"),
+            (("identify", "none.unknown"), "none.unknown: there is no such file"),
             (("identify", RECORD, "--channel", "seta"), "no channel 'seta'. Did you mean 'seat'"),
             (("identify", RECORD, "--time", "clock"), "no time column 'clock'"),
             (("identify", RECORD, "--fs", "1e-16"), "disagree"),

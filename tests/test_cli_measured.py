@@ -328,7 +328,7 @@ class TestMessages:
         brief = said_of(many, most_left_out=3, most_findings=5)
         assert len(brief) == 3 + 1 + 5 + 1
         assert "6 more" in brief[3]
-        assert brief[9] == "4 further findings; see the report"
+        assert brief[9] == "4 further findings; `suspid report` lists all"
         assert len(said_of(many)) == 18
         chosen = replace(many, settings=Settings(channels=("seat",)))
         assert len(said_of(chosen)) == 9

@@ -322,8 +322,10 @@ class TestWhatIsRefused:
             identify_many(tmp_path / "nowhere", output=tmp_path / "out")
         (tmp_path / "in").mkdir()
         (tmp_path / "in" / "readme.md").write_text("no record")
-        with pytest.raises(InputError, match=r"there is no record in what was given: only 1 \.md"):
+        with pytest.raises(InputError, match=r"in: there is no record: only 1 \.md"):
             identify_many(tmp_path / "in", output=tmp_path / "out")
+        # A run that never began does not hold its folder against the next one.
+        assert not (tmp_path / "out").exists()
         with pytest.raises(InputError, match="stands 2 times"):
             identify_many(["a.csv", "a.csv"], output=tmp_path / "out")
 

@@ -29,7 +29,7 @@ STEP = re.compile(
 # Arguments and functions as they are written in Python.
 IN_PYTHON = [name for name in (*ARGUMENTS_AS_OPTIONS, *suspid.__all__) if "_" in name and name.islower()]
 PYTHON = re.compile(
-    rf"\b[a-z_]+=[('\[]|(?<![\w./'-])({'|'.join(IN_PYTHON)})(?!\w)|\(({'|'.join(ARGUMENTS_AS_OPTIONS)})[,)]"
+    rf"\b[a-z_]+=[('\[]|\b[a-z_]+\['|(?<![\w./'-])({'|'.join(IN_PYTHON)})(?!\w)|\(({'|'.join(ARGUMENTS_AS_OPTIONS)})[,)]"
 )
 
 COMMANDS = [
@@ -107,6 +107,15 @@ COMMANDS = [
     f"compare {RECORD} {CAR}",
     "fleet examples",
     "fleet nowhere -o results",
+    "fleet --summary examples",
+    f"identify {RECORD} --scale seat=nan",
+    f"identify {RECORD} --modes 2.5",
+    "identify nothing.json",
+    f"report {RECORD} --pdf r.pdf",
+    f"report {CAR} -o r.html",
+    f"simulate {CAR} -o d.csv --impulse road --snr 20dB",
+    f"estimate {RECORD} --car {CAR} --fixed seat,chassis,tire",
+    f"estimate {RECORD} --car {CAR} --std 0.1",
     "help",
     "-v",
 ]

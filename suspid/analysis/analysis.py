@@ -27,7 +27,7 @@ from suspid.recordings import Recording
 from suspid.results import Result
 from suspid.samples import held
 from suspid.signals import as_signal
-from suspid.words import Check, Defect, Level, ModeCheck, Note, RecordCheck, Remark, Verdict
+from suspid.words import Check, Defect, Level, ModeCheck, Note, Number, RecordCheck, Remark, Verdict
 
 if TYPE_CHECKING:
     import control
@@ -205,5 +205,7 @@ def _of_recording(cleaned: Cleaned) -> Iterator[Check]:
     against = [finding.check for finding in cleaned.findings if finding.check.level < Level.NOTE]
     overridden = [check for check in against if check.remark.code is Defect.OVERRIDDEN_STAMPS]
     yield from overridden
-    if len(against) > len(overridden):
-        yield Check(Remark(RecordCheck.DEFECTS, {"number": len(against) - len(overridden)}), Level.CARE)
+    others = [str(check.remark.code) for check in against if check not in overridden]
+    if others:
+        numbers: dict[str, Number] = {"number": len(others), "kinds": tuple(dict.fromkeys(others))}
+        yield Check(Remark(RecordCheck.DEFECTS, numbers), Level.CARE)

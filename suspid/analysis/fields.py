@@ -12,15 +12,19 @@ import numpy as np
 
 from suspid.errors import InputError
 from suspid.values import FrozenItems, FrozenMapping, is_count
-from suspid.wording import Argument
+from suspid.wording import Argument, Entry
 
+# The name of a field; or that and the key of one entry of it.
+Name: TypeAlias = "str | tuple[str, str]"
 Check: TypeAlias = Callable[[str, object], object]
 Kind = TypeVar("Kind")
 
 
-def wrong(name: str, value: object, what: str) -> InputError:
-    """Return the error of a field: its name, its value and what to give."""
-    return InputError(Argument(name, f"{value!r:.80}"), f": {what}")
+def wrong(name: Name, value: object, what: str) -> InputError:
+    """Return the error of a field, or of one entry of it: its name, its value and what to give."""
+    shown = f"{value:g}" if isinstance(value, float) else f"{value!r:.80}"
+    of = Argument(name, shown) if isinstance(name, str) else Entry(*name, shown)
+    return InputError(of, f": {what}")
 
 
 def none_or(check: Check) -> Check:
@@ -28,14 +32,14 @@ def none_or(check: Check) -> Check:
     return lambda name, value: None if value is None else check(name, value)
 
 
-def number(name: str, value: object) -> float:
+def number(name: Name, value: object) -> float:
     """Return a finite real number."""
     if isinstance(value, bool | np.bool_) or not isinstance(value, numbers.Real) or not math.isfinite(value):
         raise wrong(name, value, "give a finite number")
     return float(value)
 
 
-def positive(name: str, value: object) -> float:
+def positive(name: Name, value: object) -> float:
     """Return a finite number above zero."""
     found = number(name, value)
     if found <= 0:
@@ -43,7 +47,7 @@ def positive(name: str, value: object) -> float:
     return found
 
 
-def not_negative(name: str, value: object) -> float:
+def not_negative(name: Name, value: object) -> float:
     """Return a finite number of zero or more."""
     found = number(name, value)
     if found < 0:
@@ -51,7 +55,7 @@ def not_negative(name: str, value: object) -> float:
     return found
 
 
-def not_zero(name: str, value: object) -> float:
+def not_zero(name: Name, value: object) -> float:
     """Return a finite number that is not zero."""
     found = number(name, value)
     if found == 0:
@@ -81,7 +85,7 @@ def flag(name: str, value: object) -> bool:
     return bool(value)
 
 
-def text(name: str, value: object) -> str:
+def text(name: Name, value: object) -> str:
     """Return a text."""
     if not isinstance(value, str):
         raise wrong(name, value, "give a text")
@@ -95,7 +99,7 @@ def path(name: str, value: object) -> str | os.PathLike[str]:
     return value
 
 
-def several(name: str, value: object, example: str) -> list[object]:
+def several(name: Name, value: object, example: str) -> list[object]:
     """Return the items of a sequence; a text is none."""
     if isinstance(value, str | bytes | Mapping | set | frozenset) or not isinstance(value, Iterable):
         raise wrong(name, value, f"give a tuple, such as {example}")
@@ -169,7 +173,7 @@ def limits(name: str, value: object) -> tuple[float, float]:
     return low, high
 
 
-def by_name(name: str, value: object, check: Callable[[str, object], Kind], example: str) -> dict[str, Kind]:
+def by_name(name: str, value: object, check: Callable[[Name, object], Kind], example: str) -> dict[str, Kind]:
     """Return a mapping, or a tuple of pairs, as a mapping with checked values; each name stands once."""
     pairs = list(value.items()) if isinstance(value, Mapping) else several(name, value, example)
     found: dict[str, Kind] = {}
@@ -178,7 +182,7 @@ def by_name(name: str, value: object, check: Callable[[str, object], Kind], exam
             raise wrong(name, value, f"give a mapping, such as {example}")
         if pair[0] in found:
             raise wrong(name, value, f"{pair[0]!r} occurs more than once; name each once")
-        found[str(pair[0])] = check(f"{name}[{pair[0]!r}]", pair[1])
+        found[str(pair[0])] = check((name, str(pair[0])), pair[1])
     return found
 
 
@@ -209,7 +213,7 @@ def bounds(name: str, value: object) -> FrozenItems[tuple[float | None, float | 
     return FrozenItems(by_name(name, value, _ends, "{'tire.stiffness': (1e5, 3e5)}"))
 
 
-def _ends(name: str, value: object) -> tuple[float | None, float | None]:
+def _ends(name: Name, value: object) -> tuple[float | None, float | None]:
     items = several(name, value, "(1e5, 3e5)")
     if len(items) != 2:
         raise wrong(name, value, "give (low, high), with None for no bound")
@@ -219,6 +223,6 @@ def _ends(name: str, value: object) -> tuple[float | None, float | None]:
     return low, high
 
 
-def _end(name: str, value: object, none: float) -> float | None:
+def _end(name: Name, value: object, none: float) -> float | None:
     """Return one end; the infinity on its side is none."""
     return None if value is None or (isinstance(value, float) and value == none) else number(name, value)

@@ -157,7 +157,7 @@ def said_of(found: Analysis, *, most_left_out: int | None = None, most_findings:
     findings = found.cleaned.findings
     shown = [str(finding) for finding in findings[:most_findings]]
     if len(findings) > len(shown):
-        shown.append(f"{count(len(findings) - len(shown), 'further finding')}; see the report")
+        shown.append(f"{count(len(findings) - len(shown), 'further finding')}; `suspid report` lists all")
     # The doubts about a decay are part of the verdict.
     return [*said, *shown, *(str(note) for note in found.notes if note.code is not Note.DECAY_DOUBT)]
 

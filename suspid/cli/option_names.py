@@ -57,28 +57,30 @@ ARGUMENTS_AS_OPTIONS = {
     "wheel_radius": "--wheel-radius",
     "without": "--without",
 }
-# What those who come from other programs write, and what it is called here.
+# What those who come from other programs write, and what it is called here: the first that the command has.
 CALLED_ELSEWHERE = {
-    "--columns": "--channel",
-    "--cutoff": "--band",
-    "--end": "--to",
-    "--exclude": "--without",
-    "--frequency": "--band",
-    "--html": "--output",
-    "--mass": "--free-mass",
-    "--order": "--modes",
-    "--out": "--output",
-    "--output": "--json",
-    "--pdf": "--page",
-    "--rate": "--fs",
-    "--sampling-rate": "--fs",
-    "--start": "--from",
-    "--stop": "--to",
-    "--unit": "--scale",
-    "--units": "--scale",
-    "-V": "--version",
-    "-o": "--json",
-    "-v": "--version",
+    "--columns": ("--channel",),
+    "--cutoff": ("--band",),
+    "--end": ("--to",),
+    "--exclude": ("--without",),
+    "--frequency": ("--band",),
+    "--html": ("--page", "--output"),
+    "--mass": ("--free-mass",),
+    "--order": ("--modes",),
+    "--out": ("--output",),
+    "--output": ("--json",),
+    "--pdf": ("--page", "--output"),
+    "--rate": ("--fs",),
+    "--sampling-rate": ("--fs",),
+    "--report": ("--page", "--output"),
+    "--start": ("--from",),
+    "--std": ("--nominal-std",),
+    "--stop": ("--to",),
+    "--unit": ("--scale",),
+    "--units": ("--scale",),
+    "-V": ("--version",),
+    "-o": ("--json",),
+    "-v": ("--version",),
 }
 
 
@@ -107,8 +109,8 @@ def named_elsewhere() -> Iterator[None]:
     except click.NoSuchOption as error:
         command = None if error.ctx is None else error.ctx.command
         known = {name for option in getattr(command, "params", ()) for name in option.opts} | {"--version"}
-        meant = CALLED_ELSEWHERE.get(error.option_name)
-        if meant not in known:
+        meant = next((name for name in CALLED_ELSEWHERE.get(error.option_name, ()) if name in known), None)
+        if meant is None:
             raise
         text = f"No such option '{error.option_name}'. Did you mean '{meant}'?"
         raise click.NoSuchOption(error.option_name, text, ctx=error.ctx) from None

@@ -32,7 +32,8 @@ class Finite(click.ParamType[float]):
         except ValueError:
             self.fail(f"{value!r} is not a number; {self.wanted}.", param, ctx)
         if not self.allowed(number):
-            self.fail(f"{value} {self.name} must be {self.required}.", param, ctx)
+            unit = "" if self.name == "share" else f" {self.name}"
+            self.fail(f"{value}{unit} must be {self.required}.", param, ctx)
         return number
 
 
@@ -58,6 +59,16 @@ class Probability(click.FloatRange):
 
     def __init__(self) -> None:
         super().__init__(0, MOST_PRINTED, min_open=True)
+
+    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        """Return the probability, or refuse it as a usage error."""
+        try:
+            number = float(str(value))
+        except ValueError:
+            number = math.nan
+        if not 0 < number <= MOST_PRINTED:
+            self.fail(f"{value} is not a probability between 0 and 1: 95 % is 0.95.", param, ctx)
+        return number
 
 
 class Profile(click.ParamType[tuple[tuple[float, float], ...]]):
@@ -85,3 +96,16 @@ class Whole(click.IntRange):
     """A whole number between bounds."""
 
     name = "n"
+
+    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> int:
+        """Return the number, or refuse it as a usage error."""
+        low = -math.inf if self.min is None else self.min
+        high = math.inf if self.max is None else self.max
+        try:
+            number = int(str(value))
+        except ValueError:
+            number = None
+        if number is None or not low <= number <= high:
+            ends = f"from {low} on" if self.max is None else f"from {low} to {high}"
+            self.fail(f"{value} is not a whole number {ends}.", param, ctx)
+        return number

@@ -14,7 +14,7 @@ from suspid.cli.measured import record_in_words
 from suspid.cli.named_values import names_in, pairs
 from suspid.cli.options import FILE
 from suspid.cli.output import check_apart, said_warnings, say
-from suspid.cli.quantities import Positive, Profile, Whole
+from suspid.cli.quantities import Finite, Positive, Profile, Whole
 from suspid.files import printable, replacing
 from suspid.records import as_response, inputs_of
 from suspid.signals import as_signal
@@ -54,14 +54,14 @@ REST = 0.5
 @click.option(
     "--sweep", type=(Positive("Hz"), Positive("Hz"), float), metavar="FROM TO AMPLITUDE", help="Sweep [Hz, Hz, m or N]."
 )
-@click.option("--step", type=float, metavar="HEIGHT", help=f"Step after {REST:g} s [m or N].")
+@click.option("--step", type=Finite("m or N"), metavar="HEIGHT", help=f"Step after {REST:g} s [m or N].")
 @click.option(
     "--input", "inputs", metavar="NAME", multiple=True, help="Swept or stepped; repeat, or NAME,NAME. [all roads]"
 )
 @click.option(
     "--channel", "channels", metavar="NAME", multiple=True, help="Output; repeat, or NAME,NAME. [all displacements]"
 )
-@click.option("--snr", type=float, metavar="dB", help="Add white noise at this ratio to every output.")
+@click.option("--snr", type=Finite("dB"), metavar="dB", help="Add white noise at this ratio to every output.")
 @click.option("--seed", type=Whole(0), help="Seed of noise and road; needed with --snr or --road.")
 @click.option("--digits", type=Whole(1, 17), help="Significant digits of the samples. [every bit]")
 def simulate_command(

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import filecmp
+import itertools
 import json
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 from suspid.errors import InputError
@@ -124,10 +126,25 @@ def _changes(folder: Path, kept: Path, now: Path, layout: Layout) -> list[str]:
     return notes
 
 
-def only_others(source: Listing) -> str:
-    """Return in words what else was met where no record was."""
+def not_empty(source: Listing, folder: Path) -> Listing:
+    """Return the source of a new run; one without a record is refused.
+
+    Raises
+    ------
+    InputError
+        If a new run would have no record; the message says what else was met.
+    """
+    if not source.listed or (folder / "manifest.json").exists():
+        return source
+    entries = iter(source.entries)
+    first = next(entries, None)
+    if first is not None:
+        return replace(source, entries=itertools.chain([first], entries))
+    where = next((place for place in source.source.values() if isinstance(place, str)), "")
     kinds = ", ".join(f"{count} {suffix}" for suffix, count in sorted(source.left_out.items()))
-    return f": only {printable(kinds)}" if kinds else ""
+    said = f"only {kinds}" if kinds else "it contains no file of a known type"
+    refusal = InputError(f"there is no record: {printable(said)}; give a folder of recordings, such as .csv or .mf4")
+    raise refusal.about(printable(where))
 
 
 def check_part(folder: Path, number: int, chunk: Sequence[Entry], layout: Layout, *, listed: bool) -> None:

@@ -28,7 +28,10 @@ def read_manifest(folder: Path) -> dict[str, object]:
     """Return the manifest of a folder of results."""
     path = folder / "manifest.json"
     if not path.exists():
-        raise InputError(f"{printable(str(folder))}: contains no results of a fleet: there is no manifest.json in it")
+        raise InputError(
+            f"{printable(str(folder))}: contains no results of a fleet: there is no manifest.json in it; name "
+            f"the folder that `suspid fleet … -o FOLDER` wrote"
+        )
     try:
         content = json.loads(read_text(path))
     except ValueError as error:

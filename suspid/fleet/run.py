@@ -13,7 +13,7 @@ from suspid.analysis import Settings
 from suspid.errors import InputError
 from suspid.files import printable
 from suspid.fleet.engine import Engine, finished
-from suspid.fleet.folder import begun, check_end, check_part, only_others, own, taken, write_manifest
+from suspid.fleet.folder import begun, check_end, check_part, not_empty, own, taken, write_manifest
 from suspid.fleet.job import DriveJob, Job
 from suspid.fleet.listing import Records, listing
 from suspid.fleet.manifest import FLEET_FORMAT
@@ -158,7 +158,8 @@ def run(
 ) -> FleetRun:
     """Do the job on every record, or on those that an earlier run has not done; ``placed`` completes an entry."""
     folder, layout = Path(output), job.layout
-    source = listing(records, output=folder)
+    # Before anything is written: a run in the wrong folder must not hold the folder of the results.
+    source = not_empty(listing(records, output=folder), folder)
     with own(folder), engine as hands:
         manifest = begun(folder, {"format": FLEET_FORMAT, **job.to_dict(), "chunk": chunk, "records": source.source})
         entries, total, notes = taken(folder, source, layout)
@@ -189,8 +190,6 @@ def run(
         check_end(folder, counts["parts"], layout)
         if damaged:
             notes = (*notes, f"{counted(len(damaged), 'damaged part')} made again: number {_listed(damaged)}")
-        if total is not None and not total:
-            raise InputError(f"there is no record in what was given{only_others(source)}")
         kept = counts.pop("kept")
         write_manifest(folder, {**manifest, "complete": counts})
     if hands.note:

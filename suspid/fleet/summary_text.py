@@ -14,6 +14,7 @@ from suspid.text_tables import text_table
 from suspid.words import (
     DamperState,
     count,
+    label_in_words,
 )
 
 # Lines of a table of the text: what fits a screen. All of them are attributes.
@@ -22,7 +23,9 @@ MOST_SHOWN = 20
 
 def verdict_table(verdicts: Mapping[str, int], doubts: Mapping[str, int]) -> str:
     """Return the table of verdicts, and that of doubts if there are any."""
-    levels = text_table({"verdict": list(verdicts), "records": [str(number) for number in verdicts.values()]})
+    levels = text_table(
+        {"verdict": [*map(label_in_words, verdicts)], "records": [str(number) for number in verdicts.values()]}
+    )
     if not doubts:
         return levels
     shown = list(doubts.items())[:MOST_SHOWN]

@@ -12,10 +12,15 @@ from suspid.samples import held
 from suspid.signals import as_signal
 from suspid.text_tables import text_table
 from suspid.wavelets import Ridge
+from suspid.wording import WayOut
 
 if TYPE_CHECKING:
     from suspid.identification.identification import Identification
     from suspid.identification.repeats import Repeats
+
+
+# Where the poles are that a table has no room for.
+WHERE_ALL_ARE = WayOut(" in .considered", "modes", "; --json FILE has all", "")
 
 
 def tables_of(found: Identification) -> str:
@@ -51,7 +56,7 @@ def tables_of(found: Identification) -> str:
             "why": [c.reason for c in shown],
         }
         more = len(found.considered) - len(shown)
-        parts.append(text_table(others) + (f"\n… and {more} more in .considered" if more else ""))
+        parts.append(text_table(others) + (f"\n… and {more} more{WHERE_ALL_ARE}" if more else ""))
     return "\n\n".join(parts)
 
 

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import os
+import tomllib
 from collections.abc import Sequence
 from pathlib import Path
 
 from suspid.arguments import explained
 from suspid.errors import RecordError
-from suspid.files import naming
+from suspid.files import check_exists, naming
 from suspid.io.formats import format_of, is_guess, marked_format, reader_of
 from suspid.io.timing import as_recording
 from suspid.recordings import Recording
 from suspid.units import Hertz
+from suspid.wording import WayOut
 
 
 @explained
@@ -61,11 +63,33 @@ def read_recording(
     path = Path(path)
     with naming(path):
         try:
+            check_exists(path, error=RecordError)
             table = reader_of(path, dbc)(path)
             wanted = [channels] if isinstance(channels, str) else channels
             return as_recording(table, channels=wanted, time=time, fs=fs, title=path.stem, size=path.stat().st_size)
         except RecordError as error:
+            if _is_toml(path):
+                raise RecordError(
+                    "is a description, as of a car or of limits, and not a record; ",
+                    WayOut(
+                        "read_car reads a car",
+                        "car",
+                        "name the record, and this file with {option}",
+                        "`suspid modes` shows the modes of a car",
+                    ),
+                ) from None
             raise RecordError(*error.args, _hint(path)) from None
+
+
+def _is_toml(path: Path) -> bool:
+    """Return whether a file is TOML by name and content."""
+    if path.suffix.lower() != ".toml":
+        return False
+    try:
+        tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return False
+    return True
 
 
 def _hint(path: Path) -> str:
@@ -75,5 +99,4 @@ def _hint(path: Path) -> str:
         return f"; it looks like {marked.name}: name it {marked.suffixes[0]}"
     if not is_guess(path):
         return ""
-    other = ": a .toml file describes a car" if path.suffix.lower() == ".toml" else ""
-    return f"; it was read as text, since records of type {path.suffix!r} are not known{other}"
+    return f"; it was read as text, since records of type {path.suffix!r} are not known"

@@ -48,7 +48,7 @@ def unknowns_of(
     held, base = _tied_to_held(every, group, held, p)
     rows = [i for i in range(len(every)) if i not in held]
     if not rows:
-        raise InputError("fixed contains every parameter; nothing is left to estimate")
+        raise InputError(Argument("fixed"), " contains every parameter: leave out those that are to be found")
     first = sorted({group[i] for i in rows})
     column = [first.index(group[i]) for i in rows]
     members = [[r for r, c in zip(rows, column, strict=True) if c == i] for i in range(len(first))]

@@ -11,7 +11,7 @@ import numpy as np
 from suspid.files import printable
 from suspid.fleet import MOST_SHOWN, QUANTILES
 from suspid.reporting.numerals import NOTHING, signed
-from suspid.words import DamperState
+from suspid.words import DamperState, label_in_words
 
 if TYPE_CHECKING:
     from suspid.fleet import DamperTrend, Distribution, FleetSummary, Outlier, Trend
@@ -36,7 +36,7 @@ class FleetTable:
 
 def verdict_table(found: FleetSummary) -> FleetTable:
     """Return how many records have each level of verdict."""
-    return _table({"verdict": found.verdicts}, {"records": found.verdicts.values()})
+    return _table({"verdict": map(label_in_words, found.verdicts)}, {"records": found.verdicts.values()})
 
 
 def doubt_table(found: FleetSummary) -> FleetTable:

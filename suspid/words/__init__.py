@@ -17,7 +17,7 @@ from suspid.words.next_steps import NextStep, next_steps
 from suspid.words.reasons import Reason
 from suspid.words.reconstruction import ReconstructionCheck, ReconstructionHeadline, ReconstructionNote, Suspect
 from suspid.words.remarks import MOST_LISTED, MOST_NAMED, Code, Number, Remark, amount, count, in_a_row
-from suspid.words.verdicts import Check, Level, Verdict
+from suspid.words.verdicts import Check, Level, Verdict, label_in_words
 from suspid.words.wear import DamperState, WearCheck, WearHeadline
 
 __all__ = [
@@ -61,5 +61,6 @@ __all__ = [
     "count",
     "dead",
     "in_a_row",
+    "label_in_words",
     "next_steps",
 ]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from suspid.wording import Argument
-from suspid.words.remarks import MOST_LISTED, Code, Number, count, sentence
+from suspid.words.remarks import MOST_LISTED, Code, Number, count, in_a_row, sentence
 
 
 def _stands_out(n: Mapping[str, Number]) -> str:
@@ -119,7 +119,7 @@ class RecordCheck(Code):
         sentence(
             lambda n: (
                 f"{count(int(str(n['number'])), 'defect')} of the recording "
-                f"{'was' if n['number'] == 1 else 'were'} found and not repaired; see the cleaning table."
+                f"{'was' if n['number'] == 1 else 'were'} found and not repaired: {in_a_row(n['kinds'])}."
             )
         ),
     )

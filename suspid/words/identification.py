@@ -21,6 +21,10 @@ def _several(number: Number) -> bool:
     return isinstance(number, tuple) and len(number) > 1
 
 
+def _modes(number: Number) -> str:
+    return f"{'modes' if _several(number) else 'mode'} {_names(number)}"
+
+
 def _rough(n: Mapping[str, Number]) -> list[str]:
     names = {"wn": "frequency", "zeta": "damping ratio"}
     return [f"the {name} is known only to {_percent(n[key], 2)}" for key, name in names.items() if key in n]
@@ -90,7 +94,15 @@ class ModeCheck(Code):
         "channels unexplained",
         sentence(lambda n: f"Little of some channels is explained: {n['channels']}. They carry noise or other motion."),
     )
-    GROWING = "growing modes", sentence(lambda n: f"Mode {_names(n['modes'])} grows: this is not a free decay.")
+    GROWING = (
+        "growing modes",
+        sentence(
+            lambda n: (
+                f"{_modes(n['modes']).capitalize()} {'grow' if _several(n['modes']) else 'grows'}: this is not a free "
+                f"decay."
+            )
+        ),
+    )
     HALVES_AGREE = (
         "halves agree",
         sentence(
@@ -114,8 +126,8 @@ class ModeCheck(Code):
         "not cross-checked",
         sentence(
             lambda n: (
-                f"Mode {_names(n['modes'])} could not be checked against the halves of the decay: one half alone does "
-                f"not determine {'them' if _several(n['modes']) else 'it'}."
+                f"{_modes(n['modes']).capitalize()} could not be checked against the halves of the decay: one half "
+                f"alone does not determine {'them' if _several(n['modes']) else 'it'}."
             )
         ),
     )
@@ -123,8 +135,8 @@ class ModeCheck(Code):
         "unresolved",
         sentence(
             lambda n: (
-                f"Mode {_names(n['modes'])} may be two close modes, or one that is not quite linear: the record does "
-                f"not decide. The intervals cover both."
+                f"{_modes(n['modes']).capitalize()} may {'each ' if _several(n['modes']) else ''}be two close modes, "
+                f"or one that is not quite linear: the record does not decide. The intervals cover both."
             )
         ),
     )
@@ -142,7 +154,7 @@ class ModeCheck(Code):
         "out of phase",
         sentence(
             lambda n: (
-                f"The channels of mode {_names(n['modes'])} are neither in phase nor in antiphase: sensors of "
+                f"The channels of {_modes(n['modes'])} are neither in phase nor in antiphase: sensors of "
                 f"different kinds (acceleration and rate), or not a mode of a structure."
             )
         ),
@@ -152,7 +164,7 @@ class ModeCheck(Code):
         "residual loud",
         sentence(
             lambda n: (
-                f"The residual near mode {_names(n['modes'])} exceeds white noise: the noise is coloured, the decay "
+                f"The residual near {_modes(n['modes'])} exceeds white noise: the noise is coloured, the decay "
                 f"is not quite linear, or there is other motion. The intervals are widened."
             )
         ),
@@ -161,8 +173,9 @@ class ModeCheck(Code):
         "followed",
         sentence(
             lambda n: (
-                f"Most of the motion follows mode {_names(n['modes'])}, but the residual near it is not noise: the "
-                f"decay is nonlinear, or there is other motion. The values are means over the decay."
+                f"Most of the motion follows {_modes(n['modes'])}, but the residual near "
+                f"{'them' if _several(n['modes']) else 'it'} is not noise: the decay is nonlinear, or there is other "
+                f"motion. The values are means over the decay."
             )
         ),
     )
@@ -208,7 +221,12 @@ class ModeCheck(Code):
     )
     DAMPING_UNKNOWN = (
         "damping unknown",
-        sentence(lambda n: f"The damping of mode {_names(n['modes'])} is not known: its interval reaches zero."),
+        sentence(
+            lambda n: (
+                f"The damping of {_modes(n['modes'])} is not known: "
+                f"{'their intervals reach' if _several(n['modes']) else 'its interval reaches'} zero."
+            )
+        ),
     )
     KNOWN_ROUGHLY = (
         "known roughly",
@@ -259,7 +277,7 @@ class ModeCheck(Code):
         "repeats disagree",
         sentence(
             lambda n: (
-                f"The {n['decays']} decays disagree on joint mode {_names(n['modes'])} by more than their noise: "
+                f"The {n['decays']} decays disagree on joint {_modes(n['modes'])} by more than their noise: "
                 f"frequency or damping depends on amplitude, or something changed between them. The intervals "
                 "are widened."
             )

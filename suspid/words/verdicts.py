@@ -48,6 +48,17 @@ MEANING = {
 }
 
 
+def label_in_words(label: str) -> str:
+    """Return the label of a level as a table for readers has it.
+
+    Examples
+    --------
+    >>> label_in_words("none"), label_in_words("care")
+    ('no result', 'care')
+    """
+    return "no result" if label == Level.NONE.label else label
+
+
 @dataclass(frozen=True, slots=True)
 class Check:
     """One check of a result.
@@ -186,7 +197,8 @@ class Verdict:
         return f"<{type(self).__name__} {self.level.label}: {self.headline}{doubts}>"
 
     def __str__(self) -> str:
-        lines = [f"Verdict: {self.headline}: {self.level.label}. {self.meaning}"]
+        said = "" if self.level is Level.NONE else f": {self.level.label}"
+        lines = [f"Verdict: {self.headline}{said}. {self.meaning}"]
         return "\n".join([*lines, *(f"- {doubt}" for doubt in self.doubts), *(f"note: {n}" for n in self.notes)])
 
     def to_dict(self) -> dict[str, object]:
